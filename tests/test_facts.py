@@ -280,10 +280,10 @@ def test_nuisance_parameters_are_equal_in_text_and_tables(fits, bench):
         if not fit.estimate.nuisance:
             continue
         text = results.fit(fit)
-        (line,) = [one for one in (*text.lines, *text.details) if "  nuisance    " in one]
+        (line,) = [one for one in (*text.lines, *text.details) if "  also fitted " in one]
         told = [term.fact for term in fit.estimate.nuisance]
         each = ", ".join(f"{fact.label} {fact.cells.ascii.with_unit}" for fact in told)
-        assert re.sub(r" +nuisance +", "", line) == each
+        assert re.sub(r" +also fitted +", "", line) == each
         for fact, (name, value, unit) in zip(told, tables.nuisances(fit).rows, strict=True):
             assert (name, value) == (fact.symbol, fact.cells.with_error)
             assert same(fact, value, unit)

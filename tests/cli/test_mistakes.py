@@ -207,7 +207,7 @@ MISTAKES = (
      "fit ball.csv --mass 5g --model kelvin-voigt"),
     ("fit hit.csv --mass 5g --radius 5mm --model ogden", "Known are auto, kelvin-voigt",
      "fit hit.csv --mass 5g --radius 5mm --model kelvin-voigt"),
-    ("fit hammer.csv --radius 5mm", "If it is one after all: --kind indentation", "fit hammer.csv"),
+    ("fit hammer.csv --radius 5mm", "add --kind indentation", "fit hammer.csv"),
     ("fit triangle.csv --compression 12mm", "at most 8 mm", "fit triangle.csv --compression 6mm"),
     ("fit triangle.csv --compression 6N", "expected a unit of length",
      "fit triangle.csv --compression 6mm"),

@@ -15,7 +15,7 @@ from dashpot.base.errors import Status
 from dashpot.datamodel.fit import Fit, get_fitted_mass, list_reported_nuisances
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
-from dashpot.fitting.identification.discrepancy_causes import as_other_count
+from dashpot.fitting.identification.discrepancy_causes import format_seal_count_hint
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.prior_knowledge import KnownSolid
 from dashpot.fitting.relaxation import fit
@@ -317,5 +317,5 @@ def test_a_hand_made_fit_without_a_law_is_taken_as_it_is() -> None:
         (0.5, "one seal in 2"), (1.0, ""), (3.0, "3 times as many seals"),
     ],
 )  # fmt: skip
-def test_as_other_count_names_another_number_of_seals(value: float, said: str) -> None:
-    assert as_other_count(value) == (f". So would be {said}" if said else "")
+def test_seal_count_hint_names_another_number_of_seals(value: float, said: str) -> None:
+    assert format_seal_count_hint(value) == (f". So would be {said}" if said else "")

@@ -121,14 +121,14 @@ def test_end_of_hold_states_known_and_unknown_stiffness() -> None:
     end = EndOfHold(40.0, (181.9, 196.9), (153.0, 195.0), (0.0, 195.0), 4.0)
     assert end.format_with_remedy("N/m") == (
         "the stiffness after the hold. At 40.0 s it is 0.1819 to 0.1969 N/mm. It may fall further, "
-        "and ends at 0.1950 N/mm or below. Hold longer."
+        "to at most 0.1950 N/mm. Hold longer."
     )
     assert (
         replace(end, if_machine_named=0.2)
         .format_with_remedy("N/m")
         .endswith(
-            "or below. Record a baseline of 10 s, and give the drift, compliance and creep of the "
-            "machine and the recovery time of the seal: k(40.0 s) is then known to about 0.8 % "
+            "0.1950 N/mm. Record a baseline of 10 s, and give the drift, compliance and creep of "
+            "the machine and the recovery time of the seal: k(40.0 s) is then known to about 0.8 % "
             "instead of 4.0 %."
         )
     )

@@ -24,7 +24,7 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.nuisance_priors import priors
 from dashpot.fitting.relaxation import fit
-from dashpot.planning.checks import percent
+from dashpot.planning.checks import format_percent
 from dashpot.planning.expected_errors import (
     ExpectedArm,
     ExpectedError,
@@ -317,7 +317,7 @@ def test_plan_gives_no_advice_for_a_good_test() -> None:
     told = planned(ramp_time=0.03, record=60.0, pulse=0.01, noise=1e-3)
     assert told.expected.loss_factor_sd < 0.1
     assert len(told.advice) == 1
-    assert told.advice[0].startswith("This test will do")
+    assert told.advice[0].startswith("This test determines the loss factor")
 
 
 def test_fit_the_ramp_too() -> None:
@@ -399,7 +399,7 @@ def test_naming_the_machine_narrows_each_arm() -> None:
 
 def _percents(arm: ExpectedArm) -> list[str]:
     each = [getattr(arm, f"{w}_{n}") for w in ("half", "named") for n in ("k", "tau", "b")]
-    return [part for half in each for part in percent(half).split()]
+    return [part for half in each for part in format_percent(half).split()]
 
 
 def test_no_ramp_will_do() -> None:

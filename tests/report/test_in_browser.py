@@ -213,7 +213,7 @@ def test_paper_has_all_that_is_folded(browser, page, script):
     words = " ".join(sheets(browser, text))
     for part in ("Use with care", "Recommended: joint model",
                  "Tested by, date",
-                 "How many arms", "The numbers to take along", "residual of two arms, mN",
+                 "Number of arms", "Numbers to export", "residual of two arms, mN",
                  "measured 12.71"):  # fmt: skip
         assert part in words, part
     assert handmade.SHA[:20] in words.replace(" ", "")

@@ -180,17 +180,18 @@ class Verdict(Serialisable):
 
 
 def format_check_tally(checks: Iterable[Check]) -> str:
-    """Return how many of some checks passed, in a sentence; nothing where none was judged."""
-    checked_checks = [check for check in dict.fromkeys(checks) if check.passed is not None]
-    passed = sum(bool(check.passed) for check in checked_checks)
-    notes = sum(check.failed and check.grade == "note" for check in checked_checks)
-    failed = len(checked_checks) - passed - notes
-    if not checked_checks:
+    """Return how many of some checks passed and failed, in a sentence; empty if none was judged."""
+    judged = [check for check in dict.fromkeys(checks) if check.passed is not None]
+    passed = sum(bool(check.passed) for check in judged)
+    notes = sum(check.failed and check.grade == "note" for check in judged)
+    failed = len(judged) - passed - notes
+    if not judged:
         return ""
-    if passed == len(checked_checks) > 1:
+    if passed == len(judged) > 1:
         return f"All {passed} checks passed."
-    parts = [f"{passed} check{'s' * (passed != 1)} passed"]
-    parts += [f"{failed} failed"] if failed else []
+    noun = f" check{'s' * ((passed or failed) > 1)}"
+    parts = [f"{passed}{noun} passed"] if passed else []
+    parts += [f"{failed}{'' if passed else noun} failed"] if failed else []
     parts += [f"{notes} note{'s' * (notes > 1)}"] if notes else []
     return f"{', '.join(parts)}."
 

@@ -18,7 +18,7 @@ _UNIT = re.compile(
 MINUS = "−"
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-_ASCII = str.maketrans(f"{MINUS}–⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "---0123456789") | {ord("∞"): "inf", ord("·"): " "}
+_ASCII = str.maketrans(f"{MINUS}–⁻⁰¹²³⁴⁵⁶⁷⁸⁹µ", "---0123456789u") | {ord("∞"): "inf", ord("·"): " "}
 
 
 def round_to_error(value: float, error: float | None = None, *, digits: int = 3) -> str:
@@ -251,6 +251,7 @@ def format_typographic(sentence: str) -> str:
     'k∞ moves by −2.5·10⁻⁹ ± 3·10⁻¹⁰ m; widen the band, or wait'
     """
     printed = _PARAMETER.sub(lambda match: symbol(match[0]), _COMMAND.sub("", sentence))
+    printed = re.sub(r"(?<=[0-9] )um\b", "µm", printed)
     printed = printed.replace("+-", "±").replace(" degC", " °C")
     printed = _NEGATIVE.sub(MINUS, _POWER.sub(_format_match, printed))
     return _UNIT.sub("\N{NO-BREAK SPACE}", printed)

@@ -161,7 +161,7 @@ class ReportedValue(Serialisable):
     @property
     def word(self) -> str:
         """The unit in which people read it, as it is printed."""
-        return "" if self.reading == "1" else self.reading.replace("*", "·")
+        return "" if self.reading == "1" else self.reading.replace("*", "·").replace("um", "µm")
 
     def to_display_unit(self, value: float) -> float:
         """Return a value of this fact, SI, in the unit that people read."""

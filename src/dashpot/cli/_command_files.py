@@ -87,13 +87,14 @@ def kinds_of(detections: Mapping[str, Recognised], options: ReadOptions) -> dict
     for path, item in detections.items():
         if item.kind in {"unclear", "not-a-test"}:
             raise click.UsageError(
-                f"{path} is no test that dashpot knows: {item.reason}. {_to_name(path, options)}"
+                f"{path} is no test that dashpot knows: {item.reason}. "
+                f"{_format_column_hint(path, options)}"
             )
     return {path: detection.kind for path, detection in detections.items()}
 
 
-def _to_name(path: str, options: ReadOptions) -> str:
-    """Return how the columns of such a file are named, as it is typed; of too few, what lacks."""
+def _format_column_hint(path: str, options: ReadOptions) -> str:
+    """Return the options that name the columns of a file; of too few columns, what is missing."""
     from dashpot.reading.readers.detect_kind import suggest_relaxation_options
 
     see = f"To see its columns: dashpot inspect {path}"
@@ -113,11 +114,12 @@ def get_kind_name(kind: str) -> str:
 
 
 def format_override_hint(kinds: Collection[str]) -> str:
-    """Return how a file is said to be of this kind after all; nothing of a choice of several."""
+    """Return how to state that a file is of this kind; empty for a choice of several."""
     from dashpot.reading.columns.kind_detection import RECOGNISED
 
     (word, *more) = kinds
-    return f" If it is one after all: --kind {word}." if word in RECOGNISED and not more else ""
+    known = word in RECOGNISED and not more
+    return f" If the file is {RECOGNISED[word].what}, add --kind {word}." if known else ""
 
 
 def print_detected_kinds(detections: Mapping[str, Recognised]) -> None:

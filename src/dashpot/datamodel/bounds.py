@@ -78,12 +78,12 @@ class EndOfHold(Serialisable):
     k_end, k_3end : (float, float)
         k(T) and k(3 T).
     k_inf : (float, float)
-        Where it ends. An arm slower than the hold is a spring to the test, so the lower limit is 0.
+        Of k_inf. An arm slower than the hold is a spring to the test, so the lower limit is 0.
     slope_limit : float
         The steepest :math:`-dk/d\ln t` at T; nan but of a hold.
     beyond : float
-        How far the fit's own k(T) lay outside its limits before they were widened to hold it, in
-        their width; no document holds it.
+        Distance of the fit's own k(T) from its limits before they were widened to contain it, in
+        units of their width; not saved.
     if_machine_named : float
         Part of the width of k(T) that would be left if the drift, the compliance and the creep of
         the machine were named; nan where they are, or it was not asked.
@@ -124,7 +124,7 @@ class EndOfHold(Serialisable):
         return float(solid.relaxation(t))
 
     def holding(self, solid: Solid) -> EndOfHold:
-        """The limits, moved to hold a fit itself: nothing is printed outside its own interval."""
+        """Return the limits, widened to contain the values of a fit."""
         (low, high), here = self.k_end, self.compute_stiffness(solid)
         missed = max(low - here, here - high, 0.0)
         return replace(
@@ -162,7 +162,7 @@ class EndOfHold(Serialisable):
         return self.k_10end[0] / max(self.k_end[1], 1e-300)
 
     def format_with_remedy(self, unit: str) -> str:
-        """Return the known and unknown at the end, and a remedy, as text; `unit` of stiffness."""
+        """Return the limits at the end of the test and a remedy, as text; `unit` of stiffness."""
         subject = self._subject(unit)
         after = {
             "hold": "after the hold", "sweep": "below the sweep", "frf": "below the band",
@@ -170,25 +170,25 @@ class EndOfHold(Serialisable):
         return f"{subject} {after}. {self._limits(unit, 'it')}. {self.remedy}"
 
     def format_limits(self, unit: str) -> str:
-        """Return what is known at the end, in two sentences."""
+        """Return the limits at the end of the test, in two sentences."""
         return self._limits(unit, self._subject(unit))
 
     def _limits(self, unit: str, subject: str) -> str:
         word = get_display_unit(unit)
         low, high = (convert_to_unit(end, word) for end in self.k_end)
-        most = round_to_error(convert_to_unit(self.k_inf[1], word), (high - low) / 4)
-        text = ""
+        text, width = "", high - low
         if not math.isnan(self.k_10end[0]):
-            later = interval(*(convert_to_unit(end, word) for end in self.k_10end))
-            text = f", at {self._format_end(10)} {later} {word}"
+            later = [convert_to_unit(end, word) for end in self.k_10end]
+            text = f", at {self._format_end(10)} {interval(*later)} {word}"
+            width = later[1] - later[0]
+        most = round_to_error(convert_to_unit(self.k_inf[1], word), width / 2)
         return (
             f"At {self._format_end(1)} {subject} is {interval(low, high)} {word}{text}. It may "
-            "fall "
-            f"further, and ends at {most} {word} or below"
+            f"fall further, to at most {most} {word}"
         )
 
     def _format_end(self, times: float) -> str:
-        """When, or at which frequency, so many times as late as T."""
+        """Return `times` T, or its frequency, as text."""
         t = times * self.end_time
         return (
             f"{round_to_error(1 / (2 * math.pi * t))} Hz"
@@ -227,7 +227,7 @@ class EndOfHold(Serialisable):
         )
 
     def __mul__(self, count: float) -> EndOfHold:
-        """So many parts side by side."""
+        """Return the limits of so many parts in parallel."""
 
         def scale_ends(ends: tuple[float, float]) -> tuple[float, float]:
             return count * ends[0], count * ends[1]

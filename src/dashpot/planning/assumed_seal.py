@@ -31,9 +31,9 @@ class SupposedSeal:
         Stiffness, N/m, and relaxation time, s, of the unseen arm. By default 10 % of the
         instantaneous stiffness at 1/omega, unless the model has an arm within a factor of 3.
     temperature : float, optional
-        At which the seal is `model`, K; by default the reference of the law.
+        Temperature of `model`, K; by default the reference of the law.
     law : TemperatureLaw
-        How it follows temperature: by default as a rubber with its glass transition at -55 degC.
+        Its shift with temperature: by default of a rubber with its glass transition at -55 degC.
         The fit needs no law.
 
     Raises
@@ -59,7 +59,7 @@ class SupposedSeal:
         return self.law.reference if self.temperature is None else self.temperature
 
     def with_arm(self, at: float) -> tuple[GeneralizedMaxwell, tuple[float, float] | None]:
-        """Return the solid with the arm that matters at a frequency, Hz, and that arm."""
+        """Return the model with the unseen arm that matters at a frequency, Hz, and that arm."""
         arm = self.arm
         if arm is None:
             tau = 1 / (2 * np.pi * at)

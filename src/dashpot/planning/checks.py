@@ -63,11 +63,11 @@ def tip_excites(tip: Pulse, at: float) -> Finding:
     )
 
 
-def percent(value: float, text: str = "more than 1000 %") -> str:
-    """Return a part of 1 as people read it."""
+def format_percent(value: float, text: str = "more than 1000 %") -> str:
+    """Return a part of 1 in per cent, of three digits; above 10 as `text`."""
     return text if value > 10 else f"{100 * value:.3g} %"
 
 
 def format_relative_sd(sd: float) -> str:
-    """Return a relative standard deviation as a sentence says how well something is known."""
-    return f"±{percent(sd)}" if sd <= 10 else "worse than ±1000 %"
+    """Return a relative standard deviation as text, ± per cent."""
+    return f"±{format_percent(sd)}" if sd <= 10 else "worse than ±1000 %"

@@ -38,12 +38,12 @@ from dashpot.vibration.mass_on_seals import accelerance, ringing_pole
 SINGULAR = 1e-14
 # of the machine that is named, s, and what it says to be nothing; its drift the baseline tells
 NAMED_BASELINE = 10.0
-_NAMED = ("compliance", "creep")
+_NAMED_EFFECTS = ("compliance", "creep")
 # Trethewey and Cafeo 1992: six time constants leave less than 0.5 % error in the FRF
 TIME_CONSTANTS = 6.0
 LINES = 5.0
 # places of the lines about the peak that are tried, as parts of a line
-PLACES = 21
+LINE_POSITIONS = 21
 
 
 @dataclass(frozen=True)
@@ -83,10 +83,22 @@ def expected_error(
     *,
     repeats: Sequence[Repeat] = (),
 ) -> ExpectedError:
-    """Return what the test leaves unknown at `at` Hz; `arm` is the index of the unseen arm.
+    """Return the expected error of storage and loss factor at a frequency.
 
-    `hammer` holds the rows of a hammer test in the same parameters and one more, the mass:
-    with them both tests are fitted together. `repeats` are the same test at other temperatures.
+    Parameters
+    ----------
+    model : GeneralizedMaxwell
+        Of the seal.
+    bench : Bench
+        The relaxation test.
+    at : float
+        Frequency, Hz.
+    arm : int or None
+        Index of the unseen arm.
+    hammer : array, optional
+        Rows of a hammer test in the same parameters and the mass, for a joint fit.
+    repeats : sequence of Repeat
+        The same test at other temperatures.
     """
     rows, unmeasured = (
         find_handler("planned rows", "temperatures")(model, bench, repeats)
@@ -94,14 +106,14 @@ def expected_error(
         else bench.rows(model)
     )
     if hammer is not None:
-        value = hammer.shape[1] - 1
+        parameter_count = hammer.shape[1] - 1
         mass = np.vstack((np.zeros((len(rows), 1)), hammer[:, -1:]))
-        extra = np.zeros((len(hammer), rows.shape[1] - value))
+        extra = np.zeros((len(hammer), rows.shape[1] - parameter_count))
         rows = np.hstack((np.vstack((rows, np.hstack((hammer[:, :-1], extra)))), mass))
         unmeasured = np.pad(unmeasured, ((0, len(hammer)), (0, 0)))
-    covariance = _covariance(rows, unmeasured)
-    storage, loss_factor, gradients = _gradients(model, at)
-    sizes = [
+    covariance = _compute_covariance(rows, unmeasured)
+    storage, loss_factor, gradients = _compute_gradients(model, at)
+    standard_deviations = [
         float(np.sqrt(max(row @ covariance @ row, 0.0)))
         for row in np.pad(gradients, ((0, 0), (0, len(covariance) - gradients.shape[1])))
     ]
@@ -109,32 +121,33 @@ def expected_error(
         method=bench.method if hammer is None else "joint",
         ramp_time=bench.ramp_time,
         hold_time=bench.hold_time,
-        storage_sd=sizes[0] / storage,
-        loss_factor_sd=sizes[1] / loss_factor,
+        storage_sd=standard_deviations[0] / storage,
+        loss_factor_sd=standard_deviations[1] / loss_factor,
         arm_sd=None if arm is None else float(np.sqrt(covariance[1 + arm, 1 + arm])) / model.k[arm],
         repeated=tuple(repeat.temperature for repeat in repeats),
     )
 
 
-def _covariance(rows: FloatArray, unmeasured: FloatArray) -> FloatArray:
-    r"""Return (J'J)^-1, huge where J says nothing, and what each c unseen moves the fit by.
+def _compute_covariance(rows: FloatArray, unmeasured: FloatArray) -> FloatArray:
+    r"""Return the covariance of the parameters, with the shifts by unmeasured effects c.
 
     .. math:: C = (J'J)^{-1} + \sum_c \delta\theta\,\delta\theta', \qquad
               \delta\theta = (J'J)^{-1} J' c
 
-    A fit looks for no give of its machine: it is moved by it.
+    A fit does not estimate the compliance of its machine: it is shifted by it. Directions without
+    information get a very large variance.
     """
     scale = np.linalg.norm(rows, axis=0)
     scale[scale == 0] = 1.0
-    residual, values, vectors = np.linalg.svd(rows / scale, full_matrices=False)
+    left_vectors, values, vectors = np.linalg.svd(rows / scale, full_matrices=False)
     values = np.maximum(values, SINGULAR * values[0])
     root = vectors.T / values / scale[:, None]
-    change = root @ (residual.T @ unmeasured)
-    return np.asarray(root @ root.T + change @ change.T)
+    shifts = root @ (left_vectors.T @ unmeasured)
+    return np.asarray(root @ root.T + shifts @ shifts.T)
 
 
-def _gradients(model: GeneralizedMaxwell, at: float) -> tuple[float, float, FloatArray]:
-    r"""Storage stiffness, loss factor, and their gradients in (k_inf, k, ln tau), shape (2, p)."""
+def _compute_gradients(model: GeneralizedMaxwell, at: float) -> tuple[float, float, FloatArray]:
+    r"""Return storage, loss factor, and their gradients in (k_inf, k, ln tau), shape (2, p)."""
     s = np.array([2j * np.pi * at])
     stiffness, complex_gradient = complex(model.stiffness_at(s)[0]), model.arm_slopes(s)[0][0]
     loss_factor = stiffness.imag / stiffness.real
@@ -172,34 +185,40 @@ class ExpectedArm:
 
 
 def expected_arms(model: GeneralizedMaxwell, bench: Bench) -> tuple[ExpectedArm, ...]:
-    """Return what a fit of the solid's own arms would print of each."""
+    """Return the expected errors of each arm of a model."""
     planned, named = (
         _compute_arm_half_widths(model, planned_test)
-        for planned_test in (bench, _on_a_named_rig(bench, *_NAMED, "sync"))
+        for planned_test in (bench, _name_machine(bench, *_NAMED_EFFECTS, "sync"))
     )
     least = np.minimum(planned, named)
     return tuple(
-        ExpectedArm(k, tau, *now, *then)
-        for k, tau, now, then in zip(
+        ExpectedArm(k, tau, *as_planned, *if_named)
+        for k, tau, as_planned, if_named in zip(
             model.k, model.tau, planned.tolist(), least.tolist(), strict=True
         )
     )
 
 
 def _compute_arm_half_widths(model: GeneralizedMaxwell, bench: Bench) -> FloatArray:
-    """Half widths of k, tau and b of every arm over the value, shape (N, 3)."""
+    """Return relative half widths of k, tau and b of every arm, shape (N, 3)."""
     n = model.arms
     arms = slice(1, 1 + 2 * n)
-    covariance = _covariance(*bench.rows(model))[arms, arms]
-    k, every = np.diag(1 / np.asarray(model.k)), np.eye(n)
-    none = np.zeros((n, n))
-    turn = np.vstack((np.hstack((k, none)), np.hstack((none, every)), np.hstack((k, every))))
-    variance = np.einsum("ij,jk,ik->i", turn, covariance, turn)
+    covariance = _compute_covariance(*bench.rows(model))[arms, arms]
+    inverse_k, identity = np.diag(1 / np.asarray(model.k)), np.eye(n)
+    zeros = np.zeros((n, n))
+    transformation = np.vstack(
+        (
+            np.hstack((inverse_k, zeros)),
+            np.hstack((zeros, identity)),
+            np.hstack((inverse_k, identity)),
+        )
+    )
+    variance = np.einsum("ij,jk,ik->i", transformation, covariance, transformation)
     return np.asarray(NORMAL * np.sqrt(np.maximum(variance, 0.0)).reshape(3, n).T)
 
 
-def _on_a_named_rig(bench: Bench, *names: str) -> Bench:
-    """The same test after a baseline, of a machine that says so much of itself: nothing of each."""
+def _name_machine(bench: Bench, *names: str) -> Bench:
+    """Return the test after a baseline of 10 s, with named effects of its machine stated as 0."""
     machine = bench.machine or Machine()
     entries = {name: getattr(machine, name) or 0.0 for name in names}
     named = replace(machine, **entries)  # type: ignore[arg-type]  # numbers alone
@@ -234,7 +253,7 @@ class ExpectedEnd(Serialisable):
 
     @property
     def message(self) -> str:
-        """How well it would be known, and what would tell more."""
+        """The expected error of k(T) and how to reduce it, as text."""
         return paragraph(
             f"At the end of the hold the stiffness k({duration(self.time)}) would be known to "
             f"about {round_to_error(100 * self.half_width, digits=2)} %",
@@ -243,22 +262,24 @@ class ExpectedEnd(Serialisable):
 
 
 def expected_end(model: GeneralizedMaxwell, bench: Bench) -> ExpectedEnd:
-    r"""Return what a test leaves unknown of :math:`k(T) = k_\infty + \sum_j k_j e^{-T/\tau_j}`.
+    r"""Return the expected error of :math:`k(T) = k_\infty + \sum_j k_j e^{-T/\tau_j}`.
 
-    What machine and climate may add unseen stands in J besides, each with a row of 1.
+    Unmeasured effects of machine and climate are columns of J, each with a prior row of 1.
     """
     bench = replace(bench, method="full", machine=bench.machine or Machine())
-    named = _on_a_named_rig(bench, *_NAMED)
+    named = _name_machine(bench, *_NAMED_EFFECTS)
     value = float(model.relaxation(bench.hold_time))
-    half, least = (_half_width(model, planned_test) / value for planned_test in (bench, named))
+    half, least = (
+        _compute_end_half_width(model, planned_test) / value for planned_test in (bench, named)
+    )
     return ExpectedEnd(bench.hold_time, value, half, min(least, half))
 
 
-def _half_width(model: GeneralizedMaxwell, bench: Bench) -> float:
-    """Of the 95 % limits of k(T), N/m."""
+def _compute_end_half_width(model: GeneralizedMaxwell, bench: Bench) -> float:
+    """Return the half width of the 95 % limits of k(T), N/m."""
     rows, unmeasured = bench.rows(model)
     # a limit is over every solid and every rig at once
-    both = np.vstack(
+    augmented_rows = np.vstack(
         (
             np.hstack((rows, unmeasured)),
             np.eye(
@@ -270,9 +291,11 @@ def _half_width(model: GeneralizedMaxwell, bench: Bench) -> float:
     )
     tau, k = np.asarray(model.tau), np.asarray(model.k)
     age = bench.hold_time / tau
-    goal = np.concatenate(([1.0], np.exp(-age), k * age * np.exp(-age)))
-    goal = np.pad(goal, (0, both.shape[1] - len(goal)))
-    variance = float(goal @ _covariance(both, both[:, :0]) @ goal)
+    gradient = np.concatenate(([1.0], np.exp(-age), k * age * np.exp(-age)))
+    gradient = np.pad(gradient, (0, augmented_rows.shape[1] - len(gradient)))
+    variance = float(
+        gradient @ _compute_covariance(augmented_rows, augmented_rows[:, :0]) @ gradient
+    )
     return float(np.sqrt(STANDS * max(variance, 0.0)))
 
 
@@ -296,8 +319,8 @@ class RecordNeed:
     record : float or None
         The record that was planned, s.
     peak_error : float or None
-        What cutting at that record does to the peak read off the lines, relative; the worst
-        place of the lines.
+        Relative error of the peak read off the lines, by the truncation of the record; at the
+        worst position of the lines.
     """
 
     frequency: float
@@ -334,7 +357,7 @@ class Pulse:
 
 
 def record_need(model: GeneralizedMaxwell, mass: float, record: float | None) -> RecordNeed:
-    """Return how long a record the ringing of this mass on this solid asks for."""
+    """Return the length of record that the free decay of a mass on a seal needs."""
     pole = ringing_pole(model, mass)
     sigma = -float(pole.real)
     width = sigma / np.pi
@@ -346,7 +369,7 @@ def record_need(model: GeneralizedMaxwell, mass: float, record: float | None) ->
         for_decay=TIME_CONSTANTS / sigma,
         for_lines=LINES / width,
         record=record,
-        peak_error=None if record is None else _peak_error(model, mass, pole, record),
+        peak_error=None if record is None else _compute_peak_error(model, mass, pole, record),
     )
 
 
@@ -358,7 +381,7 @@ def hammer_rows(
     lines: FloatArray,
     relative_sd: float,
 ) -> FloatArray:
-    r"""Sensitivities of a hammer test in units of its scatter, shape (2n, p + 1).
+    r"""Return the sensitivities of a hammer test in units of its scatter, shape (2n, p + 1).
 
     .. math:: \frac{\partial \ln A}{\partial K} = -\frac{n}{m s^2 + n K}, \qquad
               \frac{\partial \ln A}{\partial \ln m} = -\frac{m s^2}{m s^2 + n K}
@@ -372,15 +395,17 @@ def hammer_rows(
     return np.concatenate((columns.real, columns.imag)) / relative_sd
 
 
-def _peak_error(model: GeneralizedMaxwell, mass: float, pole: complex, record: float) -> float:
-    """Worst relative error of the highest line, over where the lines may lie."""
-    near = 1j * (pole.imag - pole.real / 20 * np.arange(-40, 41))
-    top = float(np.abs(accelerance(model, mass, near)).max())
+def _compute_peak_error(
+    model: GeneralizedMaxwell, mass: float, pole: complex, record: float
+) -> float:
+    """Return the worst relative error of the highest line, over the positions of the lines."""
+    frequencies = 1j * (pole.imag - pole.real / 20 * np.arange(-40, 41))
+    peak = float(np.abs(accelerance(model, mass, frequencies)).max())
     step = 2 * np.pi / record
-    offsets = np.linspace(-0.5, 0.5, PLACES)[:, None] * step + np.arange(-3, 4) * step
+    offsets = np.linspace(-0.5, 0.5, LINE_POSITIONS)[:, None] * step + np.arange(-3, 4) * step
     s = 1j * np.maximum(pole.imag + offsets, step / 10)
     lines = np.abs(accelerance(model, mass, s.ravel(), record)).reshape(s.shape)
-    errors = lines.max(axis=1) / top - 1
+    errors = lines.max(axis=1) / peak - 1
     return float(errors[np.argmax(np.abs(errors))])
 
 
@@ -397,7 +422,7 @@ def half_sine(duration: float, at: float) -> Pulse:
             return float(np.pi / 4)
         return float(abs(np.cos(np.pi * x / 2) / (1 - x**2)))
 
-    def falls_to(decibel: float) -> float:
+    def find_fall(decibel: float) -> float:
         low, high = 0.0, zero
         for _ in range(60):
             middle = (low + high) / 2
@@ -408,7 +433,7 @@ def half_sine(duration: float, at: float) -> Pulse:
     return Pulse(
         duration=duration,
         level_db=float(20 * np.log10(max(level(at), tiny))),
-        band_10db=falls_to(10.0),
-        band_20db=falls_to(20.0),
+        band_10db=find_fall(10.0),
+        band_20db=find_fall(20.0),
         first_zero=zero,
     )

@@ -18,7 +18,7 @@ from dashpot.base.units import Quantity, convert_to_si, convert_to_unit, format_
 from dashpot.base.value_ranges import require_positive
 from dashpot.planning import checks
 from dashpot.planning.assumed_seal import SupposedSeal
-from dashpot.planning.checks import format_relative_sd, percent
+from dashpot.planning.checks import format_percent, format_relative_sd
 from dashpot.planning.expected_errors import (
     ExpectedArm,
     ExpectedEnd,
@@ -43,94 +43,111 @@ from dashpot.vibration.mass_on_seals import mass_for_peak
 # Advice on a planned test, as text.
 
 
-WORTH = 0.9
-"""A repeat is worth its day if it brings the standard deviation below this part of it."""
+LEAST_GAIN = 0.9
+"""A repeat is advised if it lowers the standard deviation below this part of that without it."""
 
 
 def list_advice(
     expected: ExpectedError,
     alternatives: Sequence[ExpectedError],
-    answers: Sequence[Check],
+    checks: Sequence[Check],
     need: RecordNeed,
     tip: Pulse | None,
     *,
     at: float,
     wanted: float,
-    without: str,
-    margin: float,
+    without_arm: str,
+    test_temperature: float,
 ) -> tuple[str, ...]:
-    """Return what to change, most useful first; `margin` is the temperature of the test, K."""
-    words = _cold_advice(expected, alternatives, at=at, margin=margin)
+    """Return the advice on a planned test, most useful first.
+
+    Temperatures are in K, frequencies in Hz, times in s.
+    """
+    advice = _format_cold_advice(expected, alternatives, at=at, test_temperature=test_temperature)
     if expected.loss_factor_sd > wanted:
-        words.append(_ramp_advice(expected, alternatives, at=at, wanted=wanted))
+        advice.append(_format_ramp_advice(expected, alternatives, at=at, wanted=wanted))
     if need.record is None:
-        words.append(
-            f"Record each hit for {compute_record_length(need):.3g} s{without}. Six time constants "
-            "last "
-            f"{need.for_decay:.3g} s; five lines in the half-power band need {need.for_lines:.3g} "
-            "s. With an exponential window a shorter record does."
+        advice.append(
+            f"Record each hit for {compute_record_length(need):.3g} s{without_arm}. Six time "
+            f"constants last {need.for_decay:.3g} s; five lines in the half-power band need "
+            f"{need.for_lines:.3g} s. With an exponential window a shorter record is enough."
         )
-    failed = {check.name for check in answers if check.failed}
+    failed = {check.name for check in checks if check.failed}
     if "record_long_enough" in failed:
-        words.append(
-            f"Record each hit for {compute_record_length(need):.3g} s{without} instead of "
-            f"{need.record:g} s, or "
-            "use an exponential window."
+        advice.append(
+            f"Record each hit for {compute_record_length(need):.3g} s{without_arm} instead of "
+            f"{need.record:g} s, or use an exponential window."
         )
     if tip is not None and "tip_excites" in failed:
-        words.append(
+        advice.append(
             "Use a harder tip. A pulse shorter than "
-            f"{format_quantity(_pulse_for(at), 'ms', '.3g')} loses less than 10 dB at {at:g} Hz."
+            f"{format_quantity(_compute_longest_pulse(at), 'ms', '.3g')} loses less than 10 dB at "
+            f"{at:g} Hz."
         )
-    if not words:
-        words.append(f"This test will do. It gives the loss factor at {at:g} Hz well enough.")
-    return tuple(words)
+    if not advice:
+        advice.append(f"This test determines the loss factor at {at:g} Hz well enough.")
+    return tuple(advice)
 
 
 def compute_record_length(need: RecordNeed) -> float:
-    """Return the record that a hit needs, s."""
+    """Return the length of record that a hit needs, s."""
     return max(need.for_decay, need.for_lines)
 
 
-def _cold_advice(
-    expected: ExpectedError, alternatives: Sequence[ExpectedError], *, at: float, margin: float
+def _format_cold_advice(
+    expected: ExpectedError,
+    alternatives: Sequence[ExpectedError],
+    *,
+    at: float,
+    test_temperature: float,
 ) -> list[str]:
-    """Return what the repeats at other temperatures bring, and which one is still missing."""
+    """Return advice on repeats at other temperatures: their gain, and a missing one."""
     if not expected.repeated:
         return []
-    error = next(e for e in alternatives if e.method == expected.method and not e.repeated)
-    where, before = format_temperatures(expected.repeated), format_relative_sd(error.loss_factor_sd)
-    if expected.loss_factor_sd > WORTH * error.loss_factor_sd:
-        colder = "" if min(expected.repeated) < margin else " Test in the cold instead."
+    without_repeats = next(
+        e for e in alternatives if e.method == expected.method and not e.repeated
+    )
+    temperatures, before = (
+        format_temperatures(expected.repeated),
+        format_relative_sd(without_repeats.loss_factor_sd),
+    )
+    if expected.loss_factor_sd > LEAST_GAIN * without_repeats.loss_factor_sd:
+        colder = "" if min(expected.repeated) < test_temperature else " Test in the cold instead."
         after = f"{format_relative_sd(expected.loss_factor_sd)} instead of {before}"
         return [
-            f"A repeat at {where} hardly improves the loss factor at {at:g} Hz: {after}.{colder}"
+            (
+                f"A repeat at {temperatures} hardly improves the loss factor at {at:g} Hz: "
+                f"{after}.{colder}"
+            )
         ]
     message = (
-        f"Repeat it at {where} and fit all together. The loss factor at {at:g} Hz is then known "
-        f"to {format_relative_sd(expected.loss_factor_sd)} instead of {before}, if all arms shift "
-        "alike."
+        f"Repeat it at {temperatures} and fit all together. The loss factor at {at:g} Hz is then "
+        f"known to {format_relative_sd(expected.loss_factor_sd)} instead of {before}, if all arms "
+        "shift alike."
     )
-    words = [message]
+    advice = [message]
     if len(expected.repeated) == 1:
-        between = 5 * round(
-            sum(convert_to_unit(value, "degC") for value in (margin, expected.repeated[0])) / 10
+        third = 5 * round(
+            sum(
+                convert_to_unit(value, "degC") for value in (test_temperature, expected.repeated[0])
+            )
+            / 10
         )
-        words.append(
-            f"Test at a third temperature, such as {between:g} degC, too. Two temperatures cannot "
+        advice.append(
+            f"Test at a third temperature, such as {third:g} degC, too. Two temperatures cannot "
             "show arms that shift apart."
         )
-    return words
+    return advice
 
 
-def _ramp_advice(
+def _format_ramp_advice(
     expected: ExpectedError, alternatives: Sequence[ExpectedError], *, at: float, wanted: float
 ) -> str:
     ways = [
         f"{how} ({format_relative_sd(best.loss_factor_sd)})"
-        for how, best in _list_ways(expected, alternatives, wanted)
+        for how, best in _list_changes(expected, alternatives, wanted)
     ]
-    none = (
+    no_faster_ramp = (
         ""
         if len(ways) > 1
         else f" No faster ramp that was tried gives {format_relative_sd(wanted)}."
@@ -138,21 +155,21 @@ def _ramp_advice(
     return (
         f"The loss factor at {at:g} Hz would be known to "
         f"{format_relative_sd(expected.loss_factor_sd)} "
-        f"(1 SD) only.{none} {sentence(', or '.join(ways))}"
+        f"(1 SD) only.{no_faster_ramp} {sentence(', or '.join(ways))}"
     )
 
 
 def format_remedy(
     expected: ExpectedError, alternatives: Sequence[ExpectedError], *, wanted: float
 ) -> str:
-    """Return what gives the loss factor as it is wanted: each way, in a sentence."""
-    *faster, hammer = (how for how, _ in _list_ways(expected, alternatives, wanted))
+    """Return the changes that give the wanted loss factor, in one or two sentences."""
+    *faster, hammer = (how for how, _ in _list_changes(expected, alternatives, wanted))
     if not faster:
         return sentence(hammer)
     return f"{sentence(', or '.join(faster))} Or {hammer}."
 
 
-def _list_ways(
+def _list_changes(
     expected: ExpectedError, alternatives: Sequence[ExpectedError], wanted: float
 ) -> list[tuple[str, ExpectedError]]:
     joint = next(e for e in alternatives if e.method == "joint")
@@ -164,14 +181,14 @@ def _list_ways(
     return [*pairs, ("add a hammer test and fit both together", joint)]
 
 
-Way: TypeAlias = tuple[str, ExpectedError | None]
-"""What to do, and what it brings; None if nothing of the kind will do."""
+Change: TypeAlias = tuple[str, ExpectedError | None]
+"""Change of the test and its expected error; None if no change of the kind is enough."""
 
 
 def _find_faster_ramp(
     expected: ExpectedError, alternatives: Sequence[ExpectedError], wanted: float
-) -> Way:
-    """Return the slowest ramp that will do, or the other method."""
+) -> Change:
+    """Return the slowest ramp that is fast enough, or the other method."""
     good = [
         e
         for e in alternatives
@@ -187,8 +204,8 @@ def _find_faster_ramp(
 
 def _find_colder_repeat(
     expected: ExpectedError, alternatives: Sequence[ExpectedError], wanted: float
-) -> Way:
-    """Return the test repeated in the cold, if it is not yet and that will do."""
+) -> Change:
+    """Return a repeat in the cold, if none is planned and it is enough."""
     good = [e for e in alternatives if e.repeated and e.loss_factor_sd <= wanted]
     if expected.repeated or not good:
         return "", None
@@ -196,7 +213,7 @@ def _find_colder_repeat(
 
 
 def format_temperatures(temperatures: Sequence[float]) -> str:
-    """Temperatures, K, in words.
+    """Return temperatures, K, as text in degC.
 
     >>> format_temperatures((273.15,)), format_temperatures((283.15, 273.15, 253.15))
     ('0 degC', '10, 0 and -20 degC')
@@ -205,19 +222,19 @@ def format_temperatures(temperatures: Sequence[float]) -> str:
     return f"{', '.join(others)}{' and ' * bool(others)}{last} degC"
 
 
-def _pulse_for(at: float) -> float:
+def _compute_longest_pulse(at: float) -> float:
     # the spectrum depends on f T alone
     return half_sine(1.0, at).band_10db / at
 
 
 WANTED = 0.1
-FASTER = (1 / 3, 1 / 10, 1 / 30)
-# a hammer test informs the lines within this factor of the peak; their usual spacing, Hz
-AROUND = 3.5
+RAMP_TIME_RATIOS = (1 / 3, 1 / 10, 1 / 30)
+# a hammer test determines the lines within this factor of the peak; their usual spacing, Hz
+HAMMER_SPAN = 3.5
 LINE_STEP = 0.1
-# where a test is repeated if nobody says: a refrigerator, K; if that is so much colder
+# default temperature of a repeat, a refrigerator, K; it is tried if so much colder than the test
 USUAL_COLD = 273.15
-COLDER = 10.0
+LEAST_COOLING = 10.0
 
 
 @dataclass(frozen=True)
@@ -229,16 +246,16 @@ class Plan(HasChecks, Serialisable):
     at : float
         Hz.
     model : GeneralizedMaxwell
-        The solid that was supposed, the unseen arm included.
+        The assumed model of the seal, the unseen arm included.
     arm : (float, float) or None
-        Stiffness, N/m, and relaxation time, s, of the arm that the test may not see.
+        Stiffness, N/m, and relaxation time, s, of the arm that the test may not show.
     expected : ExpectedError
         Of the test as asked, with its repeats.
     alternatives : tuple of ExpectedError
         Of the test alone and at each other temperature, of the other method, of faster ramps,
         of the test repeated at 0 degC if no other was asked for, and with a hammer test.
     band : (float, float)
-        The frequencies that the relaxation test can inform, Hz.
+        Frequency range of the relaxation test, Hz.
     record : RecordNeed
     pulse : Pulse or None
     checks : tuple of Check
@@ -249,11 +266,11 @@ class Plan(HasChecks, Serialisable):
     repeats : tuple of Repeat
         Where it is repeated, as asked.
     arms : tuple of ExpectedArm
-        How well a fit of the test, without its repeats, would know each arm of the seal, that which
-        it may not see left out.
+        Expected errors of each arm of the seal, but for the unseen one, by the test without its
+        repeats.
     end : ExpectedEnd
-        How well the test, without its repeats, would know the stiffness when it ends, and how
-        well if the machine were named.
+        Expected error of the stiffness at the end of the hold, by the test without its repeats,
+        with and without the effects of the machine stated.
     """
 
     schema = "dashpot/plan@2"
@@ -276,7 +293,7 @@ class Plan(HasChecks, Serialisable):
 
     @property
     def _headline(self) -> str:
-        """How well the loss factor would be known."""
+        """The expected error of the loss factor, as a sentence."""
         sd = format_relative_sd(self.expected.loss_factor_sd)
         return f"this test would give the loss factor at {self.at:g} Hz to {sd}"
 
@@ -284,7 +301,8 @@ class Plan(HasChecks, Serialisable):
         head = f"{'method':<8}{'ramp, s':>10}{'hold, s':>10}{'storage':>12}{'loss factor':>14}"
         rows = [
             f"{e.method:<8}{e.ramp_time:>10.3g}{e.hold_time:>10.3g}"
-            f"{percent(e.storage_sd, 'unknown'):>12}{percent(e.loss_factor_sd, 'unknown'):>14}"
+            f"{format_percent(e.storage_sd, 'unknown'):>12}"
+            f"{format_percent(e.loss_factor_sd, 'unknown'):>14}"
             f"{f'  and at {format_temperatures(e.repeated)}' if e.repeated else ''}"
             for e in (self.expected, *self.alternatives)
         ]
@@ -293,7 +311,7 @@ class Plan(HasChecks, Serialisable):
 
     @property
     def _arm_table(self) -> list[str]:
-        """A table of the arms."""
+        """Lines of the table of arms."""
         if not self.arms:
             return []
         title = "half widths of 95 % limits of each arm"
@@ -306,7 +324,7 @@ class Plan(HasChecks, Serialisable):
         rows = []
         for arm in self.arms:
             group = [getattr(arm, f"{when}_{name}") for when in ("half", "named") for name in names]
-            cells = (f"{percent(half, 'unknown'):>12}" for half in group)
+            cells = (f"{format_percent(half, 'unknown'):>12}" for half in group)
             rows.append(f"{arm.tau:<10.3g}{''.join(cells)}")
         return [title, head, *rows, starred]
 
@@ -320,13 +338,13 @@ def plan(
     cold: Quantity | Sequence[Quantity] = (),
     wanted: float = WANTED,
 ) -> Plan:
-    r"""Tell what a test will tell at a frequency, before it is run.
+    r"""Return the expected errors of a test at a frequency, before it is run, and advice.
 
-    Supposes that the seal has an arm at :math:`\tau = 1/\omega`, where it matters most for damping,
-    and asks the Cramer-Rao bound how well the relaxation test would know storage stiffness and loss
-    factor there (:mod:`dashpot.planning.expected_errors`), with offset, drift and delay of the
-    force known before as the fit knows them. For the hammer test, how long the record must be and
-    what the tip excites.
+    The seal is assumed to have an arm at :math:`\tau = 1/\omega`, where it matters most for
+    damping. The Cramer-Rao bound gives the errors of storage stiffness and loss factor there
+    (:mod:`dashpot.planning.expected_errors`), with the priors of offset, drift and delay that the
+    fit has. For a hammer test: the length of record that it needs, and the band that its tip
+    excites.
 
     >>> from dashpot.planning.planned_ramp_hold import Bench
     >>> plan(Bench(ramp_time="0.1s", noise="1mN"), at="12.71Hz").at
@@ -337,14 +355,14 @@ def plan(
     bench : Bench
         The relaxation test.
     at : float
-        The frequency that matters, Hz.
+        The frequency of interest, Hz.
     seal : SupposedSeal
     hammer : HammerPlan
     cold : float or sequence of float
         Temperatures, K, at which the same test is repeated: arms that are too fast for the ramp
         are slower there (:mod:`dashpot.planning.planned_ramp_hold`).
     wanted : float
-        The relative standard deviation of the loss factor that would do.
+        The relative standard deviation of the loss factor that is enough.
 
     Raises
     ------
@@ -353,94 +371,102 @@ def plan(
     """
     at = convert_to_si(at, "frequency")
     requested = [cold] if isinstance(cold, str | float | int) else cold
-    places = [convert_to_si(item, "temperature") for item in requested]
+    cold_temperatures = [convert_to_si(item, "temperature") for item in requested]
     require_positive(at=at, wanted=wanted, expected=IN_SI)
-    for place in places:
-        require_positive(cold=place, expected=IN_SI)
-    margin, law = seal.test_temperature, seal.law
-    repeats = find_handler("plan repeats", "temperatures")(places, margin, law) if places else ()
-    supposed, arm = seal.with_arm(at)
-    index = None if arm is None else supposed.tau.index(arm[1])
-    expected = expected_error(supposed, bench, at, index, repeats=repeats)
-    total = hammer.seals * supposed
-    weight = mass_for_peak(total, at) if hammer.mass is None else hammer.mass
+    for temperature in cold_temperatures:
+        require_positive(cold=temperature, expected=IN_SI)
+    test_temperature, law = seal.test_temperature, seal.law
+    repeats = (
+        find_handler("plan repeats", "temperatures")(cold_temperatures, test_temperature, law)
+        if cold_temperatures
+        else ()
+    )
+    model, arm = seal.with_arm(at)
+    index = None if arm is None else model.tau.index(arm[1])
+    expected = expected_error(model, bench, at, index, repeats=repeats)
+    total = hammer.seals * model
+    mass = mass_for_peak(total, at) if hammer.mass is None else hammer.mass
     rows = hammer_rows(
-        supposed,
-        weight,
+        model,
+        mass,
         seals=hammer.seals,
-        lines=_lines(at, hammer.record),
+        lines=_compute_hammer_lines(at, hammer.record),
         relative_sd=hammer.relative_sd,
     )
     alternatives = (
         *(
-            expected_error(supposed, other, at, index, repeats=where)
-            for other, where in _build_alternatives(bench, repeats, margin, law)
+            expected_error(model, other, at, index, repeats=other_repeats)
+            for other, other_repeats in _build_alternatives(bench, repeats, test_temperature, law)
         ),
-        expected_error(supposed, replace(bench, method="full"), at, index, rows),
+        expected_error(model, replace(bench, method="full"), at, index, rows),
     )
-    need = record_need(total, weight, hammer.record)
+    need = record_need(total, mass, hammer.record)
     tip = None if hammer.pulse is None else half_sine(hammer.pulse, at)
-    band = _band(bench, repeats)
-    todo = format_remedy(expected, alternatives, wanted=wanted)
-    answers = _checks(expected, band, need, tip, at=at, wanted=wanted, todo=todo)
-    words = list_advice(
-        expected, alternatives, answers, need, tip, at=at, wanted=wanted, margin=margin,
-        without="" if arm is None else _without_arm(hammer.seals * seal.model, hammer.mass, at),
+    band = _compute_frequency_range(bench, repeats)
+    remedy = format_remedy(expected, alternatives, wanted=wanted)
+    answered_checks = _run_checks(expected, band, need, tip, at=at, wanted=wanted, remedy=remedy)
+    total_without_arm = hammer.seals * seal.model
+    advice = list_advice(
+        expected, alternatives, answered_checks, need, tip, at=at, wanted=wanted,
+        test_temperature=test_temperature,
+        without_arm="" if arm is None
+        else _format_record_without_arm(total_without_arm, hammer.mass, at),
     )  # fmt: skip
     advise = find_handler("plan advice", "machine")
     if advise is not None and expected.loss_factor_sd > wanted:
-        words += advise(supposed, bench, at, index)
+        advice += advise(model, bench, at, index)
     return Plan(
-        at=at, model=supposed, arm=arm, expected=expected, alternatives=alternatives, band=band,
-        record=need, end=expected_end(supposed, bench), pulse=tip, checks=answers, advice=words,
-        temperature=margin, repeats=repeats, arms=expected_arms(seal.model, bench),
+        at=at, model=model, arm=arm, expected=expected, alternatives=alternatives, band=band,
+        record=need, end=expected_end(model, bench), pulse=tip, checks=answered_checks,
+        advice=advice, temperature=test_temperature, repeats=repeats,
+        arms=expected_arms(seal.model, bench),
     )  # fmt: skip
 
 
 def _build_alternatives(
-    bench: Bench, repeats: Sequence[Repeat], margin: float, law: TemperatureLaw
+    bench: Bench, repeats: Sequence[Repeat], test_temperature: float, law: TemperatureLaw
 ) -> list[tuple[Bench, Sequence[Repeat]]]:
-    """Return the tests beside the one that was asked for, each with its repeats."""
+    """Return the alternatives to a planned test, each with its repeats."""
     other = replace(bench, method="hold" if bench.method == "full" else "full")
     faster = [
         replace(bench, method="full", ramp_time=bench.ramp_time * part)
-        for part in FASTER
+        for part in RAMP_TIME_RATIOS
         if bench.ramp_time * part * bench.rate >= 5
     ]
     ramps = [(planned_test, ()) for planned_test in (other, *faster)]
     if not repeats:
-        return [*ramps, *((bench, place) for place in _usual_cold(margin, law))]
+        return [*ramps, *((bench, place) for place in _list_cold_repeats(test_temperature, law))]
     single = [(bench, (repeat,)) for repeat in repeats] if len(repeats) > 1 else []
     return [(bench, ()), *single, (other, repeats), *ramps]
 
 
-def _usual_cold(margin: float, law: TemperatureLaw) -> list[tuple[Repeat]]:
-    """Return a refrigerator, if it is colder than the room and the law reaches so far."""
-    if margin < USUAL_COLD + COLDER:
+def _list_cold_repeats(test_temperature: float, law: TemperatureLaw) -> list[tuple[Repeat]]:
+    """Return the repeat in a refrigerator, if it is colder and within the range of the law."""
+    if test_temperature < USUAL_COLD + LEAST_COOLING:
         return []
     try:
-        return [find_handler("plan repeats", "temperatures")([USUAL_COLD], margin, law)]
+        return [find_handler("plan repeats", "temperatures")([USUAL_COLD], test_temperature, law)]
     except DataError:
         return []
 
 
-def _band(bench: Bench, repeats: Sequence[Repeat]) -> tuple[float, float]:
+def _compute_frequency_range(bench: Bench, repeats: Sequence[Repeat]) -> tuple[float, float]:
     """Return the frequency range of ramp and hold, Hz; that of a repeat is a_T times as high."""
     slower = [1.0, *(repeat.a_t for repeat in repeats)]
     low, high = 1 / (2 * np.pi * bench.hold_time), 1 / (np.pi * bench.ramp_time)
     return min(slower) * low, max(slower) * high
 
 
-def _without_arm(seal: GeneralizedMaxwell, mass: float | None, at: float) -> str:
-    """Return the record that the seal needs if the arm that was supposed is not there."""
+def _format_record_without_arm(seal: GeneralizedMaxwell, mass: float | None, at: float) -> str:
+    """Return the length of record for a seal without the assumed arm, as text."""
     need = record_need(seal, mass_for_peak(seal, at) if mass is None else mass, None)
     return f" ({compute_record_length(need):.3g} s if no arm of the seal damps there)"
 
 
-def _lines(at: float, record: float | None) -> FloatArray:
+def _compute_hammer_lines(at: float, record: float | None) -> FloatArray:
     """Return the lines that a hammer test would give about the peak, Hz."""
     step = LINE_STEP if record is None else 1 / record
-    first, last = at / AROUND, at * AROUND
+    first, last = at / HAMMER_SPAN, at * HAMMER_SPAN
     count = max(sample_count(last - first, 1 / step), 8)
     return np.asarray(first + step * np.arange(count, dtype=float))
 
@@ -448,7 +474,7 @@ def _lines(at: float, record: float | None) -> FloatArray:
 # -- words ------------------------------------------------------------------------------------
 
 
-def _checks(
+def _run_checks(
     expected: ExpectedError,
     band: tuple[float, float],
     need: RecordNeed,
@@ -456,10 +482,10 @@ def _checks(
     *,
     at: float,
     wanted: float,
-    todo: str,
+    remedy: str,
 ) -> tuple[Check, ...]:
     new_checks = [
-        checks.loss_factor_determined(expected.loss_factor_sd, at, wanted, remedy=todo),
+        checks.loss_factor_determined(expected.loss_factor_sd, at, wanted, remedy=remedy),
         checks.inside_valid_band(at, band),
     ]
     if need.record is not None and need.peak_error is not None:

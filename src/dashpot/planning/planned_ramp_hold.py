@@ -17,25 +17,25 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 # Planned ramp-and-hold test: the information of its samples.
 
 
-# a doubt is smooth: instants of ramp and hold, each, at which it is laid out
-_LAID_OUT = 300
-# a chamber in parts of what a room without one does, one standard deviation
-_IN_A_CHAMBER = USUAL["warming in a chamber"].size / USUAL["warming"].size
+# an unmeasured effect is smooth: number of nodes over the ramp, and over the hold
+_NODE_COUNT = 300
+# warming in a chamber over that in a room, one standard deviation
+_CHAMBER_WARMING_SD = USUAL["warming in a chamber"].size / USUAL["warming"].size
 
 
 class PlannedRows(NamedTuple):
-    """Planned test in units of its noise: its information, and unmeasured effects.
+    """Design matrix of a planned test in units of its noise, and unmeasured effects.
 
     Attributes
     ----------
     rows : array, shape (m, p)
         Sensitivities, reduced to a triangle, above what is known beforehand.
-    unseen : array, shape (m, d)
-        What the rig may add that no column of the fit has, one standard deviation each.
+    unmeasured : array, shape (m, d)
+        Effects of the rig that the fit does not estimate, one standard deviation each.
     """
 
     rows: FloatArray
-    unseen: FloatArray
+    unmeasured: FloatArray
 
 
 @dataclass(frozen=True)
@@ -56,10 +56,10 @@ class Bench(PlannedRamp):
     method : str
         ``"full"`` fits ramp and hold, ``"hold"`` the hold alone.
     baseline : float
-        Recorded before the ramp, s: it tells the offset of the load cell.
+        Recorded before the ramp, s: it determines the offset of the load cell.
     machine : Machine or None
-        Its fit finds offset, drift and, of ramp and hold, delay of the force besides, and bears
-        what machine and climate may add unseen; on None there is nothing but the force.
+        The fit then has offset, drift and, with the ramp, delay of the force as parameters, and
+        its errors include unmeasured effects of machine and climate; None leaves all of them out.
 
     Raises
     ------
@@ -83,46 +83,48 @@ class Bench(PlannedRamp):
         t = self.time()
         speed = self.depth / self.ramp_time
         tau, k = np.asarray(model.tau), np.asarray(model.k)
-        up = np.minimum(t, self.ramp_time)[:, None]
-        held = np.maximum(t - self.ramp_time, 0.0)[:, None]
-        fade = np.exp(-held / tau)
-        arm = -tau * np.expm1(-up / tau) * fade
+        ramp_age = np.minimum(t, self.ramp_time)[:, None]
+        hold_age = np.maximum(t - self.ramp_time, 0.0)[:, None]
+        decay = np.exp(-hold_age / tau)
+        arm = -tau * np.expm1(-ramp_age / tau) * decay
         # d/d ln tau of tau (1 - e^{-u/tau}) e^{-h/tau}
-        slope = arm * (1 + held / tau) - up * np.exp(-up / tau) * fade
-        columns = [speed * up, speed * arm, speed * slope * k]
+        slope = arm * (1 + hold_age / tau) - ramp_age * np.exp(-ramp_age / tau) * decay
+        columns = [speed * ramp_age, speed * arm, speed * slope * k]
         if self.machine is not None:
-            columns += [np.ones((len(t), 1)), self._since_rest(t)]
+            columns += [np.ones((len(t), 1)), self._compute_time_since_baseline(t)]
             if self.method == "full":
-                columns.append(self._late(model, columns[1]))
+                columns.append(self._compute_delay_sensitivity(model, columns[1]))
         return np.hstack(columns)
 
-    def _since_rest(self, t: FloatArray) -> FloatArray:
+    def _compute_time_since_baseline(self, t: FloatArray) -> FloatArray:
         """Return time since the middle of the baseline, s, shape (n, 1)."""
         return (t + 0.5 * self.baseline)[:, None]
 
-    def _late(self, model: GeneralizedMaxwell, by_arms: FloatArray) -> FloatArray:
-        """Return force that a late clock takes, N/s, shape (n, 1), from the columns of arms.
+    def _compute_delay_sensitivity(
+        self, model: GeneralizedMaxwell, by_arms: FloatArray
+    ) -> FloatArray:
+        """Return the derivative of the force by a delay, N/s, shape (n, 1), from columns of arms.
 
         The force of an arm rises at k times the speed of the plate, less itself over tau.
         """
         t, speed = self.time(), self.depth / self.ramp_time
-        moves = t <= self.ramp_time if self.method == "full" else np.zeros(len(t), dtype=bool)
-        falls = by_arms @ (np.asarray(model.k) / np.asarray(model.tau))
-        return np.asarray(falls - speed * model.k_0 * moves)[:, None]
+        is_moving = t <= self.ramp_time if self.method == "full" else np.zeros(len(t), dtype=bool)
+        relaxation_rate = by_arms @ (np.asarray(model.k) / np.asarray(model.tau))
+        return np.asarray(relaxation_rate - speed * model.k_0 * is_moving)[:, None]
 
     def prior_sd(self, model: GeneralizedMaxwell) -> FloatArray:
-        """Return what the fit knows of offset, drift and delay beforehand: N, N/s and s.
+        """Return the prior standard deviations of offset, drift and delay: N, N/s and s.
 
-        Eq. 5 has no delay, and a drift as free as it may be.
+        The fit of the hold has no delay, and the widest prior of the drift.
         """
-        offset, held, free = self._zero(model)
+        offset, held, free = self._compute_offset_and_drift_sd(model)
         if self.method == "hold":
             return np.array([offset, free])
         machine = self.machine or Machine()
         return np.array([offset, held, machine.delay_sd(1 / self.rate)])
 
-    def _zero(self, model: GeneralizedMaxwell) -> tuple[float, float, float]:
-        """Return what is known of the offset, N, and of the drift in a fit and in a limit, N/s."""
+    def _compute_offset_and_drift_sd(self, model: GeneralizedMaxwell) -> tuple[float, float, float]:
+        """Return prior SDs of the offset, N, and of the drift in a fit and in a limit, N/s."""
         machine = self.machine or Machine()
         length = self.ramp_time + self.hold_time
         final = float(
@@ -137,62 +139,66 @@ class Bench(PlannedRamp):
 
     @lru_cache(maxsize=4)  # noqa: B019  a plan asks for the same test several times
     def rows(self, model: GeneralizedMaxwell, *, several: bool = False) -> PlannedRows:
-        """Return what the test tells its fit, and what its rig may add to that unseen.
+        """Return the design matrix of the test with its priors, and its unmeasured effects.
 
-        A fit of `several` temperatures looks for a seal that warms, and finds it; it is a point,
-        and bears nothing of earlier presses.
+        A fit of `several` temperatures estimates the warming of the seal, and its errors leave out
+        earlier presses.
         """
-        columns, values = self.sensitivity(model), np.zeros((0, 0))
+        columns, prior_rows = self.sensitivity(model), np.zeros((0, 0))
         unmeasured = self.unmeasured_effects(model, columns[:, 1 : 1 + model.arms])
         if self.machine is not None:
             sd = self.prior_sd(model)
             if several:
-                columns, sd = np.hstack((columns, unmeasured[:, :1])), np.append(sd, _IN_A_CHAMBER)
+                columns, sd = (
+                    np.hstack((columns, unmeasured[:, :1])),
+                    np.append(sd, _CHAMBER_WARMING_SD),
+                )
                 unmeasured = unmeasured[:, 2:]
-            values = np.diag(1 / np.maximum(sd, 1e-300))
+            prior_rows = np.diag(1 / np.maximum(sd, 1e-300))
         count = columns.shape[1]
-        both = np.asarray(np.linalg.qr(np.hstack((columns, unmeasured)), mode="r")) / self.noise
-        priors = np.pad(values, ((0, 0), (count - len(values), 0)))
+        triangle = np.asarray(np.linalg.qr(np.hstack((columns, unmeasured)), mode="r")) / self.noise
+        priors = np.pad(prior_rows, ((0, 0), (count - len(prior_rows), 0)))
         return PlannedRows(
-            np.vstack((both[:, :count], priors)),
-            np.pad(both[:, count:], ((0, len(values)), (0, 0))),
+            np.vstack((triangle[:, :count], priors)),
+            np.pad(triangle[:, count:], ((0, len(prior_rows)), (0, 0))),
         )
 
     def unmeasured_effects(self, model: GeneralizedMaxwell, by_arms: FloatArray) -> FloatArray:
-        """Return what climate and machine may add that the fit does not estimate, in N, shape (n,
-        d).
+        """Return forces of climate and machine that the fit does not estimate, N, shape (n, d).
 
-        One standard deviation a column, first that of a seal that warms, then that of one that was
-        pressed before. `by_arms` are the
-        sensitivities to k. The crosshead is thought to settle by less than its encoder reads.
+        Each column is one standard deviation: the first of a seal that warms, the second of one
+        that was pressed before. `by_arms` are the sensitivities to k. The crosshead is assumed to
+        settle by less than the resolution of its encoder.
         """
         time = self.time()
         if self.machine is None:
             return np.zeros((len(time), 0))
         machine, held = self.machine, self.ramp_time * 1e-3
         since = np.concatenate((
-            np.linspace(-self.ramp_time, 0.0, _LAID_OUT),
-            np.geomspace(min(held, self.hold_time / 2), self.hold_time, _LAID_OUT),
+            np.linspace(-self.ramp_time, 0.0, _NODE_COUNT),
+            np.geomspace(min(held, self.hold_time / 2), self.hold_time, _NODE_COUNT),
         ))  # fmt: skip
-        at = since + self.ramp_time
-        x = self.depth * np.minimum(at / self.ramp_time, 1.0)
-        warms = compute_warming(at, x, model, since=-min(self.baseline, self.ramp_time))
-        terms = {"warming": (warms, USUAL["warming"].size)}
+        nodes = since + self.ramp_time
+        x = self.depth * np.minimum(nodes / self.ramp_time, 1.0)
+        warming = compute_warming(nodes, x, model, since=-min(self.baseline, self.ramp_time))
+        terms = {"warming": (warming, USUAL["warming"].size)}
         # of a seal that was pressed before; what it carries in the middle of the rest is offset
-        began = np.append(at + self.baseline, self.baseline / 2)
-        memory, sd = build_earlier_press(machine, model, began, depth=self.depth)
+        times = np.append(nodes + self.baseline, self.baseline / 2)
+        memory, sd = build_earlier_press(machine, model, times, depth=self.depth)
         terms["memory"] = memory[:-1] - memory[-1], sd
         terms |= build_machine_terms(
-            machine, model, at, x, since=since, ramp_time=self.ramp_time, depth=self.depth
+            machine, model, nodes, x, since=since, ramp_time=self.ramp_time, depth=self.depth
         )
-        columns = [np.interp(time, at, values)[:, None] * sd for values, sd in terms.values()]
-        _, quiet, free = self._zero(model)
+        columns = [np.interp(time, nodes, values)[:, None] * sd for values, sd in terms.values()]
+        _, fitted_drift_sd, free_drift_sd = self._compute_offset_and_drift_sd(model)
         if self.method == "hold":
-            columns.append(self._late(model, by_arms) * machine.delay_sd(1 / self.rate))
+            columns.append(
+                self._compute_delay_sensitivity(model, by_arms) * machine.delay_sd(1 / self.rate)
+            )
         else:
-            # of the drift, what the fit holds to be less than it may be
-            excess = np.sqrt(max(free**2 - quiet**2, 0.0))
-            columns.append(self._since_rest(time) * excess)
+            # the part of the drift that the prior of the fit excludes
+            excess = np.sqrt(max(free_drift_sd**2 - fitted_drift_sd**2, 0.0))
+            columns.append(self._compute_time_since_baseline(time) * excess)
         return np.hstack(columns)
 
 

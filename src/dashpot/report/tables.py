@@ -310,7 +310,7 @@ def peaks(study: Study) -> TextTable | None:
             "peak frequency, Hz",
             "peak accelerance, 1/kg",
             "damping ratio, %",
-            "FRAC (1 is alike)",
+            "FRF correlation, FRAC (1: identical)",
             "rms difference, dB",
         ),
         (

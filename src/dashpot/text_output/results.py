@@ -57,20 +57,27 @@ def hertz(band: tuple[float, float]) -> str:
     return ascii_only(number_format.hertz(band))
 
 
+_METHODS = {
+    "full": "fitted to ramp and hold",
+    "hold": "fitted to the hold",
+    "joint": "joint model of all tests",
+    "frf": "fitted to the FRF",
+}
+"""Name of each method in the heading of a fit."""
 _RESIDUAL = {"N": "mN", "m": "um", "1": "%"}
-"""In which unit people read what is left of a fit."""
+"""Display unit of the rms residual, by its SI unit."""
 
 
 def fit(fit: Fit, *, asked: int | str = "auto") -> Text:
-    """Return a fit as the paper's Table 1 with intervals, and what it must not be asked.
+    """Return a fit as the paper's Table 1 with intervals, and its limits of use.
 
-    `asked` is the number of arms that was wanted.
+    `asked` is the number of arms that was asked for.
     """
     residual = fit.estimate.residual
-    lines = [_format_fit_heading(fit, asked), *_solid(fit)]
+    lines = [_format_fit_heading(fit, asked), *_format_model(fit)]
     if residual.n > 0:  # none of a model without a test
         lines += [
-            f"  residual    {_size(residual)}; {_samples(residual)}",
+            f"  residual    {_format_rms(residual)}; {_format_sample_count(residual)}",
             f"  valid band  {hertz(fit.band)}",
         ]
     lines += _format_part(fit, fit.evidence.creep)
@@ -88,8 +95,8 @@ def fit(fit: Fit, *, asked: int | str = "auto") -> Text:
     details = [*every, *_format_parameter_changes(fit), f"  optimiser   {fit.status.value}"]
     if fit.evidence.certificate:
         details.append(f"  optimality  {fit.evidence.certificate.message}")
-    (details if residual.unit == "N" else lines).extend(_nuisance(fit))
-    return Text(lines, [*details, *list_notes(fit.source), *_orders(fit)])
+    (details if residual.unit == "N" else lines).extend(_format_nuisances(fit))
+    return Text(lines, [*details, *list_notes(fit.source), *_format_orders(fit)])
 
 
 def _format_part(result: object, part: object) -> list[str]:
@@ -99,7 +106,7 @@ def _format_part(result: object, part: object) -> list[str]:
 
 
 def _format_fit_heading(fit: Fit, request: int | str) -> str:
-    """Return what was fitted to which files, and whether it is less than was asked for."""
+    """Return files, number of arms and method, and whether fewer arms than asked for."""
     files = ", ".join(source.file for source in fit.source) or "arrays in memory"
     arms = f"{fit.model.arms} Maxwell arm{'s' * (fit.model.arms != 1)}"
     if fit.family == "fractional":
@@ -109,11 +116,11 @@ def _format_fit_heading(fit: Fit, request: int | str) -> str:
         arms += f", relaxation time {of} not determined"
     short = request not in ("auto", fit.model.arms) and fit.family == "maxwell"
     text = f", not the {request} asked for: {fit.status.value}" if short else ""
-    return f"{files}: {arms}, method {fit.method}{text}"
+    return f"{files}: {arms}, {_METHODS.get(fit.method, f'method {fit.method}')}{text}"
 
 
-def _size(residual: Residual) -> str:
-    """Return what is left of a fit, in its unit or as times the noise."""
+def _format_rms(residual: Residual) -> str:
+    """Return the rms residual, in its unit or as a multiple of the noise."""
     if residual.unit == "sd":
         return f"{residual.rms:.3g} times the noise"
     return (
@@ -121,8 +128,8 @@ def _size(residual: Residual) -> str:
     )
 
 
-def _solid(fit: Fit) -> list[str]:
-    """Return the rows of the solid: one for each arm, and apart those with an interval only."""
+def _format_model(fit: Fit) -> list[str]:
+    """Return the table of the arms, after values that have an interval and no error."""
     reported_values = {
         reported_value.name: reported_value for reported_value in list_known_values(fit)
     }
@@ -150,20 +157,20 @@ def _solid(fit: Fit) -> list[str]:
 
 
 def _format_value_and_error(fact: ReportedValue) -> tuple[str, str]:
-    """Value and standard error; that it is not known, or the limit that alone is, in its place."""
+    """Return value and standard error; a bound or "not identified" stands in place of them."""
     cells = fact.cells.ascii
     if not cells.value:
         return cells.interval, ""
     return cells.value, UNKNOWN if cells.interval == UNKNOWN else cells.error
 
 
-def _samples(residual: Residual) -> str:
-    """Return how many samples were fitted, and the effective number of independent ones."""
+def _format_sample_count(residual: Residual) -> str:
+    """Return the number of samples fitted, and to how many independent ones they are equal."""
     count, worth = residual.n, residual.n / residual.variance_inflation
     independent = float(f"{worth:.3g}")
     if abs(independent / count - 1) < 0.005:
         return f"{count:,} independent samples"
-    return f"{count:,} samples, effective sample size {independent:,.0f}"
+    return f"{count:,} samples, equal to {independent:,.0f} independent ones"
 
 
 def _format_elastic_law(fit: Fit) -> list[str]:
@@ -177,7 +184,7 @@ def _format_elastic_law(fit: Fit) -> list[str]:
     )
     noise = "" if fit.estimate.noise_covariance is None else f" ({get_error_label(fit)})"
     before = "" if fit.evidence.stiffness_by_depth else secant
-    return [f"  elastic     {before}tangent{noise} {_law(law)}"]
+    return [f"  elastic     {before}tangent{noise} {_format_tangents(law)}"]
 
 
 def _format_hold_end(fit: Fit) -> list[str]:
@@ -189,18 +196,18 @@ def _format_alternative(fit: Fit) -> list[str]:
     """Return the other family of solids, unless the verdict has named it."""
     other = fit.evidence.alternative
     return (
-        [f"  beside it   {other.message}"]
+        [f"  alternative {other.message}"]
         if other and other.message.partition(".")[0] not in fit.verdict.message
         else []
     )
 
 
-def _nuisance(fit: Fit) -> list[str]:
+def _format_nuisances(fit: Fit) -> list[str]:
     reported_values = (item.fact for item in list_reported_nuisances(fit))
     listed = ascii_only(
         ", ".join(f"{value.label} {value.cells.with_unit}" for value in reported_values)
     )
-    return [f"  nuisance    {listed}"] if listed else []
+    return [f"  also fitted {listed}"] if listed else []
 
 
 def list_notes(sources: Sequence[Source]) -> list[str]:
@@ -254,7 +261,7 @@ def _format_explanations(fit: Fit) -> list[str]:
     ]
 
 
-def _orders(fit: Fit) -> list[str]:
+def _format_orders(fit: Fit) -> list[str]:
     if len(fit.evidence.orders) < 2:
         return []
     best = min(order.bic for order in fit.evidence.orders)
@@ -273,7 +280,7 @@ def _orders(fit: Fit) -> list[str]:
 
 
 def impact(result: ImpactResult) -> Text:
-    """Return the modes, the hits with their verdicts, and why a hit was left out."""
+    """Return the modes, the hits with their verdicts, and why a hit was rejected."""
     frf = result.frf
     lines = []
     for mode in result.modes:
@@ -288,12 +295,8 @@ def impact(result: ImpactResult) -> Text:
 
 
 def _hits(hits: Sequence[Hit]) -> list[str]:
-    """Return each hit with its verdict, and why one was left out."""
-    # hits of records that each begin at 0 strike at the same time
-    restarts = len({round(hit.time, 3) for hit in hits}) < len(hits)
-    rows = [
-        ["hit", "s in its record" if restarts else "time, s", "peak, N", "pulse, ms", "verdict"]
-    ]
+    """Return the table of hits with their verdicts, and why one was rejected."""
+    rows = [["hit", "time, s", "peak, N", "pulse, ms", "verdict"]]
     rows += [
         [
             hit.name,
@@ -309,7 +312,7 @@ def _hits(hits: Sequence[Hit]) -> list[str]:
 
 
 def agreement(result: FRFComparison) -> Text:
-    """Return predicted against measured, where the mass rests, and whether it was inferred."""
+    """Return predicted against measured, the static equilibrium, and whether it was inferred."""
     lines = comparison(result.comparison)
     if str(result.at_rest):
         lines.append(str(result.at_rest))
@@ -323,7 +326,7 @@ def agreement(result: FRFComparison) -> Text:
 
 
 def comparison(comparison: Comparison, joint: Comparison | None = None) -> list[str]:
-    """Return predicted against measured, and what both tests together make of it."""
+    """Return the table of predicted and measured values, and those of the joint model."""
     rows = [["", "predicted", "measured", "difference"], *(list(row) for row in comparison.rows)]
     if joint is not None:
         rows[0] += ["joint model", "difference"]
@@ -333,7 +336,7 @@ def comparison(comparison: Comparison, joint: Comparison | None = None) -> list[
 
 
 def study(study: Study) -> Text:
-    """Return the seal under the mass and its solid; the fits behind it for who asks."""
+    """Return the mass on its seals and its model; the fits behind it as details."""
     from dashpot.workflow.recommended_solid import recommend_solid  # a fit does without
 
     lines, details = [], []
@@ -348,7 +351,7 @@ def study(study: Study) -> Text:
     if study.static_equilibrium is not None and str(study.static_equilibrium):
         lines.append(str(study.static_equilibrium))
     solid = fit(study.fit if study.joint is None else study.joint)
-    rows = [["numbers of the page", "value", "from", "to", "unit"]]
+    rows = [["main results", "value", "from", "to", "unit"]]
     for answer in recommend_solid(study, requested=True).answers:
         rows.append([answer.quantity, *answer.fact.cell_texts, answer.fact.word])
     details += ["", *table(rows)]
@@ -394,11 +397,11 @@ def _wider(modes: Iterable[Mode]) -> str:
     return f" Add --band {low}:{high}Hz for the mode at {lowest:.4g} Hz."
 
 
-def _law(law: ElasticLaw) -> str:
+def _format_tangents(law: ElasticLaw) -> str:
     """Return the tangent of an elastic law at a few compressions."""
     step = max(1, (len(law.knots) - 1) // 4)
-    shown = law.knots[::step]
-    pairs = zip(shown, law.tangent(shown), law.stiffness * law.factor_se(shown), strict=True)
+    knots = law.knots[::step]
+    pairs = zip(knots, law.tangent(knots), law.stiffness * law.factor_se(knots), strict=True)
     return ", ".join(
         f"{with_error(k, se or None, 'N/m')} at {format_quantity(x, 'mm', '.3g')}"
         for x, k, se in pairs
@@ -413,7 +416,7 @@ ERRORS = {
     "gain": ("1 %", "1 % of gain", 0.01),
     "mass": ("1 %", "1 % of mass", 0.01),
 }
-"""Heading, words and size of each."""
+"""Heading, name and size of each error."""
 
 
 class Measured(Protocol):
@@ -446,16 +449,16 @@ class Measured(Protocol):
 
     @property
     def usable(self) -> BoolArray:
-        """Which lines tell something."""
+        """Lines that determine both."""
         ...
 
     def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]:
-        """Return what an error of so much does to both."""
+        """Return the changes of storage and loss factor by an error of a kind and size."""
         ...
 
 
 def render_facts(verdict: HasVerdict) -> Text:
-    """Return the numbers of a result with their intervals, and what the readers noticed."""
+    """Return the values of a result with their intervals, and the notes of the readers."""
     sources = getattr(verdict, "sources", ())
     notes = [f"  read        {source.file}: {note}" for source in sources for note in source.notes]
     return Text(facts(verdict.facts), ascii_only("\n".join(notes)).splitlines())
@@ -469,16 +472,17 @@ def render_summary(result: object) -> Text:
 def format_error_sensitivity(
     of: Measured, *, errors: tuple[str, ...], unit: str, shown: int
 ) -> list[str]:
-    """Return `shown` lines of the usable band, or of all where none is usable, and the errors.
+    """Return a table of lines of the usable band, or of all, with the effect of small errors.
 
     Parameters
     ----------
     of : Measured
     errors : tuple of str
-        Which of :data:`ERRORS` are shown; none for the lines alone.
+        Names in :data:`ERRORS`; none for the lines alone.
     unit : str
         Of SI, of the storage.
     shown : int
+        Number of lines.
     """
     pairs = [(ERRORS[name], of.changes(name, ERRORS[name][2])) for name in errors]
     rows = [["Hz", f"storage, {get_display_unit(unit)}", "loss factor"]]
@@ -514,21 +518,21 @@ def _spread(of: Measured, shown: int) -> IndexArray:
 
 
 _ASSUMED = "seals_counted"
-"""The check whose answer changes every stiffness that is shown."""
+"""Check whose failure changes every stiffness shown."""
 _ROWS = 3
-"""Lines of a transmissibility that are shown: both ends of its band, and between."""
+"""Lines shown of a transmissibility: both ends of its band, and one between."""
 
 
 def render_identification(result: Identified) -> Text:
-    """Return the solid, and the modes of what was measured where nothing else was fitted."""
-    solid, straight = fit(result.fit), result.direct.of
-    first, lines = list(solid.lines[:1]), solid.lines[1:]
-    if straight.over_base:
+    """Return the model, and the measured modes where nothing else was fitted."""
+    model, stiffness = fit(result.fit), result.direct.of
+    first, lines = list(model.lines[:1]), model.lines[1:]
+    if stiffness.over_base:
         first += format_error_sensitivity(
-            straight, errors=("phase", "mass"), unit="N/m", shown=_ROWS
+            stiffness, errors=("phase", "mass"), unit="N/m", shown=_ROWS
         )
     assumed = [check.message for check in result.noted if check.failed and check.name == _ASSUMED]
     rests = [str(result.at_rest)] if str(result.at_rest) else []
     modes = impact(result.vibration) if result.vibration else Text()
     shown = [*first, *lines, *assumed, *rests, *modes.lines]
-    return Text(shown, [*solid.details, *modes.details], solid.asked)
+    return Text(shown, [*model.details, *modes.details], model.asked)

@@ -89,10 +89,10 @@ def spring_cubic(gain: float) -> Finding:
 def no_hidden_cubic_spring(part: float) -> Finding:
     """The data exclude a cubic spring that is large enough to matter."""
     return Finding(
-        f"A cubic spring of up to {100 * part:.2g} % of the stiffness at the largest amplitude "
-        "would stay unseen",
+        "The data cannot exclude a cubic spring of up to "
+        f"{100 * part:.2g} % of the stiffness at the largest amplitude",
         part,
-        "Another friction with a spring beside it would look the same",
+        "Other friction with a parallel spring would give the same data",
         "Sweep to larger amplitudes, or with less scatter.",
     )
 
@@ -239,6 +239,6 @@ def softening_detectable(trend: Trend | None) -> Finding:
         f"{100 * trend.detectable_damping_change:.2g} % of damping per doubling is found in four "
         "of five tests",
         trend.detectable_stiffness_change,
-        "A smaller change stays unseen",
+        "A smaller change is not detected",
         "Hit from soft to hard.",
     )

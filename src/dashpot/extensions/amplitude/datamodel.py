@@ -253,7 +253,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     k3 : float
         Of the cubic spring, in `unit` per square of `of`; 0 where there is none.
     k3_detection_limit : float
-        Where there is none: size up to which one stays unseen beside the law, 95 %; else 0.
+        Where there is none: largest size that the data cannot exclude, 95 %; else 0.
     loss_per_lag : float or None
         What a second between the channels of recorded loops makes of the loss factor, 1/s. It does
         so at every amplitude alike, so loops of one frequency do not tell it from loss.
@@ -390,8 +390,9 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
             share = 0.75 * self.k3_detection_limit * self.amplitudes[1] ** 2
             part = share / float(np.abs(self.stiffness(self.amplitudes[1])))
             lines.append(
-                f"No cubic spring is seen. One of up to {format_quantity(share, unit, '.2g')} "
-                f"({100 * part:.2g} %) at the largest amplitude would stay unseen."
+                f"No cubic spring is detected. The data cannot exclude one of up to "
+                f"{format_quantity(share, unit, '.2g')} ({100 * part:.2g} %) at the largest "
+                "amplitude."
             )
         lines.append(
             f"residual {100 * self.residual:.2g} % rms; valid from {low:.3g} to {high:.3g} {of}"

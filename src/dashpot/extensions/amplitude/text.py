@@ -24,7 +24,7 @@ def levels(value: AmplitudeResult) -> Text:
             f"the loss factor at {value.loss_per_lag / 2 / math.pi:.4g} Hz. Loops at one frequency "
             "cannot show such a delay."
         )
-        lines += _loops(value.fit)  # type: ignore[arg-type]  # a lag is of loops alone
+        lines += _format_small_loops(value.fit)  # type: ignore[arg-type]  # a lag is of loops alone
     rows = [["amplitude, N", "peak, Hz", "95 %", "motion, mm/N", "95 %", "seal, mm"]]
     for item in value.at:
         peak, motion = (fact.cells.ascii for fact in item.facts)
@@ -34,8 +34,8 @@ def levels(value: AmplitudeResult) -> Text:
     return Text([*lines, *(table(rows) if value.at else ()), *list_notes(value.source)])
 
 
-def _loops(amplitude_fit: AmplitudeFit) -> list[str]:
-    """Storage and loss of small loops, and the delay of the force that their errors include."""
+def _format_small_loops(amplitude_fit: AmplitudeFit) -> list[str]:
+    """Return lines on storage and loss of small loops, and the delay that their errors include."""
     read = get_display_unit(amplitude_fit.unit)
     storage, loss = ("stiffness", "loss")
     if amplitude_fit.unit == "Pa":
@@ -48,13 +48,13 @@ def _loops(amplitude_fit: AmplitudeFit) -> list[str]:
     )
     quantity = format_quantity(amplitude_fit.delay_sd, "ms", ".3g")
     return [
-        f"  A small loop {ascii_only('; '.join(listed))}",
+        f"  small loops: {ascii_only('; '.join(listed))}",
         f"  These errors include a delay of 0 ± {quantity} (dashpot fit --machine sync=0.1ms)",
     ]
 
 
 def amplitude(result: Any) -> Text:
-    """Return what moves with amplitude, of a fit alone."""
+    """Return the dependence on amplitude of a fit alone, as text."""
     from dashpot.extensions.amplitude.fit_files import AmplitudeResult  # with the numbers
 
     return levels(AmplitudeResult(result, (), result.checks, ()))

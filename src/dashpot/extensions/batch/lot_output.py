@@ -104,12 +104,12 @@ class Outlier(NamedTuple):
 
 
 def make_command_result(job: BatchJob, found: Summary) -> CommandResult:
-    """Return what is printed of a lot."""
+    """Return the printed result of a batch: the summary of its lot."""
     lot, quantity = found.lot, job.quantity or found.lot.main
     filled = LotOutput(str(job.output), found, quantity)
     lines = [
         *(
-            f"{light.name:<12}{_VERDICT_PREFIXES[light.mark]}{ascii_only(light.message)}"
+            f"{light.label:<12}{_VERDICT_PREFIXES[light.mark]}{ascii_only(light.message)}"
             for light in found.lights
         ),
         *_format_lot_counts(lot),
@@ -123,7 +123,7 @@ def make_command_result(job: BatchJob, found: Summary) -> CommandResult:
 
 
 _VERDICT_PREFIXES = {"good": "", "note": "", "care": "! ", "bad": "!! "}
-"""How a light is marked without colour, as a failed check of its grade is."""
+"""Prefix of a summary line by its mark, as of a failed check of that grade."""
 
 
 def _format_lot_counts(lot: dp.Lot) -> list[str]:

@@ -96,7 +96,11 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             verdict=verdict,
             colour=VERDICT_COLOURS[verdict.use],
             lights=[
-                {"name": light.name.capitalize(), "mark": light.mark, "message": light.message}
+                {
+                    "name": light.label[0].upper() + light.label[1:],
+                    "mark": light.mark,
+                    "message": light.message,
+                }
                 for light in found.lights
             ],
             counts=_counts(lot, main),

@@ -66,7 +66,7 @@ class Flag(NamedTuple):
         Of which; `file` is empty where it is the seal.
     message : str
     weighty : bool
-        Whether the statistics feel it, or would.
+        Whether it changes the statistics, or would.
     """
 
     lot: str
@@ -84,7 +84,7 @@ class ExcludedFile(NamedTuple):
 
 
 class LotLight(NamedTuple):
-    """One of the four questions behind a lot's verdict, with its answer.
+    """One of the four summary lines behind a lot's verdict.
 
     Attributes
     ----------
@@ -98,6 +98,14 @@ class LotLight(NamedTuple):
     name: str
     mark: str
     message: str
+
+    @property
+    def label(self) -> str:
+        """Its name on a page and in a terminal."""
+        return _LIGHT_LABELS.get(self.name, self.name)
+
+
+_LIGHT_LABELS = {"measuring": "gauge R&R", "control": "SPC charts"}
 
 
 class Signals(NamedTuple):
@@ -293,7 +301,7 @@ class Summary(HasChecks, Serialisable):
 
     @property
     def lights(self) -> tuple[LotLight, ...]:
-        """Files, measuring, control and limits: the verdict is the worst of them."""
+        """Files, gauge R&R, control charts and limits: the verdict is the worst of them."""
         main = self.main
         names = {"files": _FILES, "measuring": _MEASURING, "control": _CONTROL}
         behind: dict[str, list[Check]] = {name: [] for name in (*names, "limits")}
@@ -305,7 +313,11 @@ class Summary(HasChecks, Serialisable):
             "limits": _limits_says(main),
         }  # fmt: skip
         return tuple(
-            LotLight(name, _mark(checks, certain=bool(message[name])), message[name] or "not known")
+            LotLight(
+                name,
+                _mark(checks, certain=bool(message[name])),
+                message[name] or _NOT_JUDGED[name],
+            )
             for name, checks in behind.items()
         )
 
@@ -315,27 +327,27 @@ class Summary(HasChecks, Serialisable):
         fitted, copies = lot.outcomes.get("fitted", 0), len(lot.copies)
         text = f"{fitted} of {lot.record_count} fitted"
         if lot.dissimilar:
-            text += f", {len(lot.dissimilar)} dissimilar"
+            text += f", {len(lot.dissimilar)} tested under other conditions"
         return text + (f", {copies} cop{'y' if copies == 1 else 'ies'}" if copies else "")
 
     @property
     def copies(self) -> tuple[ExcludedFile, ...]:
-        """The files that hold what another one does, and which: they are left out."""
+        """Files with the same record as another one, which are left out of the statistics."""
         return tuple(ExcludedFile(*names) for names in self.lot.copies.items())
 
     @property
     def lines(self) -> list[str]:
-        """What a shell prints of each quantity: seals, gauge, capability, judgement."""
+        """Lines of text on each quantity: seals, gauge, capability, decisions."""
         return [line for quantity_summary in self.quantities for line in _lines(quantity_summary)]
 
     @property
     def dissimilar(self) -> tuple[ExcludedFile, ...]:
-        """The files that are no test like the others."""
+        """Files tested under other conditions than the others."""
         return tuple(ExcludedFile(*names) for names in self.lot.dissimilar.items())
 
 
 def summary(lot: Lot, *, quantity: str = "k_end", limits: Sequence[Limits] = ()) -> Summary:
-    """Return what a lot says of a quantity, and of those that have limits.
+    """Return the summary of a lot: of a quantity, and of those that have limits.
 
     Raises
     ------
@@ -390,7 +402,7 @@ def _flags(lot: Lot, of: OfQuantity) -> Iterator[Flag]:
 
 
 def _odd_seals(name: str, charts: Charts, quantity: Quantity) -> Iterator[Flag]:
-    """Seals of a lot that stand out of it, then those whose repeats scatter."""
+    """Yield flags of outlying seals of a lot, then of seals whose repeats scatter."""
     away, far = robust_distance(seal_means(charts.seals)), stands_out(seal_means(charts.seals))
     outside = {at for at, rule in charts.means.signals if rule == BEYOND}
     for i, seal in enumerate(charts.seals):
@@ -403,7 +415,7 @@ def _odd_seals(name: str, charts: Charts, quantity: Quantity) -> Iterator[Flag]:
     for at, _ in charts.repeats.signals:
         scatter = quantity.read(float(charts.repeats.values[at]), digits=2)
         yield Flag(name, charts.seals[at].name, "", f"its repeats scatter by {scatter}, those of "
-                   f"others by {usual}: seated anew?")  # fmt: skip
+                   f"others by {usual}: was it mounted anew?")  # fmt: skip
 
 
 def _only(seal: Seal) -> str:
@@ -420,7 +432,7 @@ def _side(away: float) -> str:
 
 
 def _odd_repeats(of: OfQuantity) -> Iterator[Flag]:
-    """Tests that stand out of the repeats of all seals, each against the mean of its own."""
+    """Yield flags of outlying repeats, by their deviation from the mean of their seal."""
     several = [seal for seal in of.seals if len(seal.values) > 2]
     if not several:
         return
@@ -473,19 +485,28 @@ def _check_limits(quantity_summary: OfQuantity, limits: Limits) -> Iterator[Chec
 
 
 def _frequencies(lot: Lot) -> tuple[float, ...]:
-    """Return those that were asked for, Hz, by the columns of their loss factors."""
+    """Return the requested frequencies, Hz, by the columns of their loss factors."""
     names = (column for column in lot.table.columns if column.startswith("loss_factor_at_"))
     texts = (name.removeprefix("loss_factor_at_").partition("Hz")[0] for name in names)
     return tuple(sorted({float(text) for text in texts}))
 
 
 def _out_of_band(lot: Lot, frequency: float) -> int:
-    """Return how many tests that are used do not inform a frequency, Hz."""
+    """Return how many tests in the statistics have a frequency, Hz, outside their valid band."""
     bands = lot.rows_in_statistics.select("band_low_Hz", "band_high_Hz").drop_nulls().iter_rows()
     return sum(not low <= frequency <= high for low, high in bands)
 
 
 # -- lights ----------------------------------------------------------------------------------------
+
+
+_NOT_JUDGED = {
+    "files": "none",
+    "measuring": "not known: no seal was tested several times",
+    "control": "not known: too few seals",
+    "limits": "no limits given",
+}
+"""Message of a light without a result."""
 
 
 def _mark(checks: Sequence[Check], *, certain: bool) -> str:
@@ -508,7 +529,7 @@ def _control_says(of: OfQuantity) -> str:
     if not of.signals.of:
         return ""
     if not of.signals.points:
-        return f"no signal in {format_count(len(of.charts), 'lot')}"
+        return f"no alarm in {format_count(len(of.charts), 'lot')}"
     group = [(of.signals_of("seals"), "seals"), (of.signals_of("lots"), "lots")]
     points = " and ".join(
         f"{signals.points} of {signals.of} points of {what}"

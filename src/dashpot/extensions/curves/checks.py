@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MAX_INCONSISTENT = 0.05
 # curves missed by more than this are not followed
 FOLLOWED = 0.05
-# a joint fit may leave so many times the scatter of the fits alone
+# largest residual of a joint model, over that of the fits alone
 MORE_TOGETHER = 1.3
 # scatter so many times as large is another solid
 CONTRADICTED = 3.0
@@ -328,7 +328,7 @@ def data_agree(spread: Sequence[float], names: Sequence[str], freedom: Sequence[
     Parameters
     ----------
     spread : sequence of float
-        What the joint fit leaves of each curve, over what a fit to its test alone leaves.
+        Residual of each curve with the joint model, over that of a fit to its test alone.
     names : sequence of str
     freedom : sequence of float
         Degrees of freedom of the latter: a scatter of :math:`\nu` is known to
@@ -337,8 +337,8 @@ def data_agree(spread: Sequence[float], names: Sequence[str], freedom: Sequence[
     limits = np.maximum(MORE_TOGETHER, 1 + 2.5 / np.sqrt(2 * np.maximum(freedom, 1.0)))
     worst = int(np.argmax(np.asarray(spread) / limits))
     return Finding(
-        f"The joint fit leaves {spread[worst]:.3g} times as much of {names[worst]} as its own fit "
-        "leaves",
+        f"The joint model has {spread[worst]:.3g} times the residual of the own fit of "
+        f"{names[worst]}",
         float(spread[worst]),
         "The tests contradict each other, or one model needs more arms. Small vibration at depth "
         "has the tangent stiffness, a press from zero the secant",

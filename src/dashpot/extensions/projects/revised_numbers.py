@@ -12,7 +12,8 @@ REVISED_NUMBERS: dict[str, str] = {
     "noise_covariance": _ERRORS,
     "dof": _ERRORS,
     "parameter_changes": "the errors beside each change are the new ones",
-    "end_of_hold_limits": "limits count every loading on record; a joint fit has those of its hold",
+    "end_of_hold_limits": "limits count every loading on record; "
+    "a joint model has those of its hold",
     "band_hz": "the band ends where the loss factor is not known to 30 %",
 }
 """Reasons by key of a fit: why its number is another than in a document of the first version.

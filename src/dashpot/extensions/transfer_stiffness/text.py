@@ -61,10 +61,10 @@ def describe_method(sheet: TransferStiffness) -> str:
 
 
 def _format_row(band: BandStiffness, *, has_output: bool, judged: bool) -> list[str]:
-    low, high = (format_rounded(convert_to_unit(end, "N/mm")) for end in band.limits)
+    low, high = (format_rounded(convert_to_unit(end, "N/mm"), digits=3) for end in band.limits)
     cells = [
         f"{band.centre:g}",
-        format_rounded(convert_to_unit(band.stiffness, "N/mm")),
+        format_rounded(convert_to_unit(band.stiffness, "N/mm"), digits=3),
         f"{low} to {high}",
         f"{band.level:.2f}",
         format_rounded(band.loss_factor, digits=3),

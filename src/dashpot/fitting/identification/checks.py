@@ -78,10 +78,10 @@ def hammer_agrees_with_relaxation_test(
 ) -> Finding:
     """The joint model still fits the relaxation test.
 
-    `missed` is the rms force that the joint fit adds to the residual, over the peak force.
+    `missed` is the rms force that the joint model adds to the residual, over the peak force.
     """
     return Finding(
-        f"In the joint fit relaxation test {number} has {ratio:.3g} times the squared residual "
+        f"With the joint model relaxation test {number} has {ratio:.3g} times the squared residual "
         "of its own fit",
         ratio,
         _APART,
@@ -108,7 +108,7 @@ def cables_described(band_error: BandError, peak: float) -> Finding:
 def hammer_agrees_with_earlier_fit(off: float) -> Finding:
     """The hammer test agrees with the earlier fit."""
     return Finding(
-        f"The joint fit moves the parameters of the earlier fit by {off:.2g} of their standard "
+        f"The joint model moves the parameters of the earlier fit by {off:.2g} of their standard "
         "deviations",
         off,
         _APART,

@@ -333,12 +333,12 @@ def _format_compensating_quantity(cause: DiscrepancyCause, candidate: Candidate)
     return f". Then {_SENTENCES[cause.beside](value, error)}"
 
 
-def _percent(value: float, error: float) -> str:
+def _format_stiffness_change(value: float, error: float) -> str:
     more = "stiffer" if value > 1 else "softer"
     return f"{with_error(100 * abs(value - 1), 100 * error)} % {more}"
 
 
-def as_other_count(value: float) -> str:
+def format_seal_count_hint(value: float) -> str:
     """Say so where the seals are as stiff as another number of them would be."""
     times = max(value, 1 / value)
     if round(times) < 2 or abs(times / round(times) - 1) > _LIKE_A_COUNT:
@@ -349,9 +349,12 @@ def as_other_count(value: float) -> str:
 
 _SENTENCES: dict[str, Callable[[float, float], str]] = {
     "factor": lambda value, error: (
-        f"the seals are {_percent(value, error)} under the hammer{as_other_count(value)}"
+        f"the seals are {_format_stiffness_change(value, error)} under the hammer"
+        f"{format_seal_count_hint(value)}"
     ),
-    "spring": lambda value, error: f"k_inf alone is {_percent(value, error)} under the hammer",
+    "spring": lambda value, error: (
+        f"k_inf alone is {_format_stiffness_change(value, error)} under the hammer"
+    ),
     "mass": lambda value, error: (
         f"the mass is {with_error(convert_to_unit(value, 'g'), convert_to_unit(error, 'g'))} g"
     ),

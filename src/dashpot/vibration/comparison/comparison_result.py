@@ -198,7 +198,7 @@ class Comparison(Plottable, Serialisable):
         z = "" if self.z_rms is None else f", or {self.z_rms:.3g} times the noise"
         return (
             f"{len(self.measured.frequency)} lines from {self.band[0]:.3g} to {self.band[1]:.3g} "
-            f"Hz: FRAC {self.frac:.3f}; rms error {self.rms_db:.2f} dB{z}"
+            f"Hz: FRF correlation (FRAC) {self.frac:.3f}; rms error {self.rms_db:.2f} dB{z}"
         )
 
     @property

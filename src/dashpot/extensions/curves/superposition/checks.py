@@ -101,13 +101,13 @@ def thermorheologically_simple(ratio: float | None, by_chance: float, rms: float
     """One shift factor for all arms fits each temperature as well as a model of its own.
 
     `ratio` is None where the temperatures alone leave too few degrees of freedom, `by_chance` what
-    it reaches by chance alone, `rms` what the joint fit leaves, relative.
+    it reaches by chance alone, `rms` the relative rms residual of the joint model.
     """
     return Finding(
         "Each temperature has too few values to be compared with its own fit"
         if ratio is None
-        else f"The joint fit leaves {ratio:.3g} times the mean square that each temperature leaves "
-        "alone",
+        else f"The joint model has {ratio:.3g} times the mean squared residual of a model of each "
+        "temperature alone",
         ratio,
         "No single shift moves the whole model: two processes, crystals, a filler network, or "
         "another strain. A prediction at a new temperature is worse than its errors",

@@ -32,7 +32,7 @@ MAX_BACK = 2.5
     "probability by chance",
     ">=",
     CHANCE,
-    "chi-square of the joint fit, alone and over that of each test's own, 3 standard errors; and "
+    "chi-square of the joint model, alone and over that of each test's own, 3 standard errors; and "
     "arms that shift apart by less than 5 % per decade, or 2.5 standard errors",
     other_grade="stop where the misfit is above 0.1 % of the peak force",
     fit_status=Status.TESTS_DISAGREE,
@@ -42,9 +42,9 @@ def thermorheologically_simple(
 ) -> Finding:
     """One model whose arms all shift alike fits every test as well as a model of its own.
 
-    `excess` is what the joint fit leaves beyond the noise, as a part of the peak force; `slope` is
-    how much further each decade of tau shifts, and its error, by the data alone: what is held of it
-    beforehand would hide what two temperatures say.
+    `excess` is the rms residual of the joint model beyond the noise, over the peak force; `slope`
+    is the additional shift of each decade of tau, and its error, by the data alone: a prior would
+    hide what two temperatures show.
     """
     text, faulted = "", False
     if slope is not None and abs(slope[0]) > MAX_BACK * slope[1]:

@@ -114,7 +114,7 @@ def build_planned_rows(
     )
     values = np.zeros((1, rows.shape[1]))
     values[0, -1] = 1 / max(slope_sd, 1e-12)
-    diag = _build_block_diagonal(*(rows.unseen for rows in every), np.zeros((1, 0)))
+    diag = _build_block_diagonal(*(rows.unmeasured for rows in every), np.zeros((1, 0)))
     return PlannedRows(np.vstack((rows, values)), diag)
 
 

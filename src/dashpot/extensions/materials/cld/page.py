@@ -105,5 +105,7 @@ def _cycles(result: CLDResult) -> TextTable:
                     "" if met is None else round_to_error(convert_to_unit(met, "mm"), digits=3),
                 )
             )
-    head = ("specimen", "cycle", "depth, mm", "peak, N", "energy, mJ", "hysteresis, %", "met, mm")
+    head = (
+        "specimen", "cycle", "depth, mm", "peak, N", "energy, mJ", "hysteresis, %", "contact, mm",
+    )  # fmt: skip
     return TextTable(head, tuple(rows))

@@ -32,15 +32,18 @@ def cld(result: CLDResult) -> Text:
             f"{name}: cycle {specimen.cycle.number} of {len(specimen.cycles)}",
             *_format_specimen(specimen),
         ]
-        details += [f"{name}, every cycle", *_cycles(specimen)]
+        details += [f"{name}, every cycle", *_format_cycles(specimen)]
     if result.scatter:
         scatter = [f"{len(result.specimens)} specimens", *_scatter(result.scatter)]
         # a row for each specimen is shorter than a block
-        lines = [*(_overview(result) if len(result.specimens) > _BLOCKS else lines), *scatter]
+        lines = [
+            *(_format_overview(result) if len(result.specimens) > _MOST_SPECIMENS else lines),
+            *scatter,
+        ]
     lines += _capability(result.capability)
     if result.fit is not None and result.relaxed is None:
         fitted = results.fit(result.fit)
-        lines = [*_overview(result), *fitted.lines]
+        lines = [*_format_overview(result), *fitted.lines]
         details += fitted.details
     if result.rate is not None:
         lines += [_choice(result.rate)]
@@ -96,7 +99,7 @@ def _rate(rate: RateLaw) -> list[str]:
         f"{with_error(k, se, 'N/m')} N/mm over {with_error(tau, tau * wide)} s"
         for k, tau, se, wide in zip(rate.k, rate.tau, rate.k_se, rate.ln_tau_se, strict=True)
     )
-    return [*table(rows), f"  arms beside it: {arms or 'none'}"]
+    return [*table(rows), f"  arms in parallel: {arms or 'none'}"]
 
 
 def _format_relaxed_law(curve: RelaxedLaw, result: CLD) -> list[str]:
@@ -120,11 +123,11 @@ def _format_relaxed_law(curve: RelaxedLaw, result: CLD) -> list[str]:
     return [*table(rows), text]
 
 
-_BLOCKS = 2
+_MOST_SPECIMENS = 2
 """Largest number of specimens that are shown one by one."""
 
 
-def _overview(result: CLDResult) -> list[str]:
+def _format_overview(result: CLDResult) -> list[str]:
     rows = [["", "mm/s", f"{result.unit} at nominal", "hysteresis, %", "set, mm"]]
     for specimen in result.specimens:
         lost = specimen.cycle.hysteresis
@@ -178,18 +181,28 @@ def _format_specimen(result: CLD) -> list[str]:
     return [*table(rows), f"  {'; '.join(sentences)}"] if sentences else table(rows)
 
 
-def _cycles(result: CLD) -> list[str]:
-    rows = [["cycle", "depth, mm", "peak, N", "in, mJ", "back, mJ", "hysteresis, %", "met, mm"]]
+def _format_cycles(result: CLD) -> list[str]:
+    rows = [
+        [
+            "cycle",
+            "depth, mm",
+            "peak, N",
+            "loading, mJ",
+            "unloading, mJ",
+            "hysteresis, %",
+            "contact, mm",
+        ]
+    ]
     for cycle in result.cycles:
-        lost, back = cycle.hysteresis, cycle.recovered_energy
+        hysteresis, recovered_energy = cycle.hysteresis, cycle.recovered_energy
         rows.append(
             [
                 str(cycle.number),
                 cell(cycle.depth, "mm"),
                 format_rounded(cycle.peak),
                 cell(cycle.energy, "mJ"),
-                cell(back, "mJ"),
-                cell(lost, "%"),
+                cell(recovered_energy, "mJ"),
+                cell(hysteresis, "%"),
                 cell(cycle.contact, "mm"),
             ]
         )

@@ -209,8 +209,10 @@ def _make_impact_facts(impact: DropImpact, of: int) -> tuple[ReportedValue, ...]
     return (
         replace(impact.speed, words=f"{words}speed"),
         ReportedValue("peak_force", impact.peak, unit="N", words=f"{words}peak force"),
-        ReportedValue("contact", impact.contact, unit="s", read="ms", words=f"{words}contact"),
-        ReportedValue("rebound", impact.rebound, unit="1", read="%", words=f"{words}rebound speed"),
+        ReportedValue("contact", impact.contact, unit="s", read="ms", words=f"{words}contact time"),
+        ReportedValue(
+            "rebound", impact.rebound, unit="1", read="%", words=f"{words}rebound over impact speed"
+        ),
         ReportedValue(
             "lost_part", impact.lost_part, unit="1", read="%", words=f"{words}energy absorbed"
         ),

@@ -157,8 +157,8 @@ class _FittedImpacts:
             self._make_reported_value(
                 "loss_factor", self.loss_factor, 0, f"loss factor at {frequency:.3g} Hz"
             ),
-            self._make_reported_value("arm", arm, 0, "fast arm, over the relaxed force"),
-            self._make_reported_value("arm_time", arm, 1, "its relaxation time"),
+            self._make_reported_value("arm", arm, 0, "fast arm, g over the relaxed force"),
+            self._make_reported_value("arm_time", arm, 1, "fast arm, relaxation time"),
         ]
         if len(problem.relaxation.g):
             loss_without_arm = uncertainty.derive_quantity(
@@ -167,7 +167,7 @@ class _FittedImpacts:
             reported.insert(
                 1,
                 self._make_reported_value(
-                    "loss_before", loss_without_arm, 0, "the same without the fast arm"
+                    "loss_before", loss_without_arm, 0, "loss factor without the fast arm"
                 ),
             )
         checks = self._run_checks()

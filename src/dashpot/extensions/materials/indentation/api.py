@@ -33,7 +33,7 @@ def read_hit_record(path: str | Path, given: dict[str, Any], how: Mapping[str, A
 
     if "mass" not in how:
         raise ReadError(
-            f"{Path(path).name} is a hit of an indenter, whose mass makes forces of its motion. "
+            f"{Path(path).name} is a hit of an indenter, and its mass is needed for the force. "
             f'Give it: dp.read("{Path(path).name}", mass="5g")'
         )
     indenter = Indenter(**{name: how[name] for name in _INDENTER if name in how})

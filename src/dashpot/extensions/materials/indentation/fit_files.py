@@ -34,7 +34,7 @@ def indent_file(
     """
     if indenter.mass is None:
         raise ReadError(
-            "an indenter's mass makes forces of its motion; give it, for example --mass 5g"
+            "the force follows from the mass of the indenter. Give it, for example --mass 5g"
         )
     test = read_indentation(path, indenter=indenter, options=options)
     with add_name_to_errors(Path(path).name):

@@ -23,7 +23,14 @@ def render_imported_model(result: ImportedModel) -> Text:
             word = "" if arm.is_determined else "not determined"
             k = f"{convert_to_unit(arm.k, unit):.5g}"
             rows.append(
-                (str(j), k, f"{arm.tau:.5g}", _percent(arm.k_sd), _percent(arm.tau_sd), word)
+                (
+                    str(j),
+                    k,
+                    f"{arm.tau:.5g}",
+                    _format_percent(arm.k_sd),
+                    _format_percent(arm.tau_sd),
+                    word,
+                )
             )
         lines += table(rows)
         told = "nowhere" if result.testable_band is None else format_band(result.testable_band)
@@ -45,5 +52,5 @@ def _format_noise(result: ImportedModel) -> str:
     return f"{100 * test.noise / float(peak):.3g} % of the largest force"
 
 
-def _percent(part: float) -> str:
+def _format_percent(part: float) -> str:
     return f"{100 * part:.3g} %" if part < 1e4 else "unknown"
