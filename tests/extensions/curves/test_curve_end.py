@@ -103,7 +103,7 @@ def test_part_of_a_material_scales_its_limits() -> None:
     assert part.evidence.end_of_hold.format_with_remedy(part.unit).startswith(
         "the stiffness later on. At 100 s it is"
     )
-    assert found.evidence.end_of_hold.format_with_remedy("Pa").endswith("or below. Measure longer.")
+    assert found.evidence.end_of_hold.format_with_remedy("Pa").endswith("MPa. Measure longer.")
 
 
 def test_a_sweep_tells_its_storage_in_hertz() -> None:
