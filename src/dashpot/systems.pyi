@@ -47,7 +47,7 @@ from dashpot.extensions.transfer_stiffness.stiffness_sheet import (
     TransferStiffness as TransferStiffness,
 )
 from dashpot.extensions.transfer_stiffness.transfer_methods import (
-    transfer_stiffness as transfer_stiffness,
+    compute_transfer_stiffness as compute_transfer_stiffness,
 )
 from dashpot.solids.part_geometry import Block as Block
 from dashpot.solids.part_geometry import Bulb as Bulb

@@ -14,7 +14,7 @@ from dashpot.extensions.transfer_stiffness.third_octaves import (
     compute_band_means,
     list_third_octaves,
 )
-from dashpot.systems import TransferStiffness, transfer_stiffness
+from dashpot.systems import TransferStiffness, compute_transfer_stiffness
 
 MASS = 5.0
 TABLE_1 = ((196.5, 117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
@@ -45,13 +45,15 @@ def test_indirect_formula_is_too_high_by_the_motion_of_the_output(hertz: float, 
     K = two_seals(LINES)
     T = frf(LINES, transmissibility(K, LINES, MASS), "transmissibility")
     i = int(np.abs(LINES - hertz).argmin())
-    assert abs(transfer_stiffness(T, mass="5kg").value[i] / K[i]) == pytest.approx(ratio, abs=5e-4)
-    exact = transfer_stiffness(T, mass="5kg", exact=True)
+    assert abs(compute_transfer_stiffness(T, mass="5kg").value[i] / K[i]) == pytest.approx(
+        ratio, abs=5e-4
+    )
+    exact = compute_transfer_stiffness(T, mass="5kg", exact=True)
     np.testing.assert_allclose(exact.value, K, rtol=1e-12)
 
 
 def test_level_and_third_octave_of_the_two_seals():
-    sheet = transfer_stiffness(frf(LINES, two_seals(LINES), "dynamic_stiffness"))
+    sheet = compute_transfer_stiffness(frf(LINES, two_seals(LINES), "dynamic_stiffness"))
     assert sheet.level[int(np.abs(LINES - 12.71).argmin())] == pytest.approx(56.4366, abs=5e-5)
     (band,) = (band for band in sheet.bands if band.centre == 12.5)
     assert band.level == pytest.approx(56.43650, abs=1e-4)
@@ -62,7 +64,7 @@ def test_level_and_third_octave_of_the_two_seals():
 
 def test_a_fit_predicts_the_sheet_and_what_the_indirect_method_would_give():
     fit = _table_1_fit()
-    sheet = transfer_stiffness(fit, seals=2, mass="5kg", band=(2, 40))
+    sheet = compute_transfer_stiffness(fit, seals=2, mass="5kg", band=(2, 40))
     np.testing.assert_allclose(sheet.value, two_seals(sheet.frequency), rtol=2e-2)
     T = transmissibility(sheet.value, sheet.frequency, MASS)
     np.testing.assert_allclose(
@@ -129,12 +131,14 @@ def test_limits_hold_the_truth_in_19_of_20_mounts(method: str):
         error = (1 + gain) * np.exp(1j * phase) * (1 + z)
         if method == "direct":
             value = K * error
-            sheet = transfer_stiffness(frf(f, value, "dynamic_stiffness", sd=sd * np.abs(value)))
+            sheet = compute_transfer_stiffness(
+                frf(f, value, "dynamic_stiffness", sd=sd * np.abs(value))
+            )
         else:
             heavy = 1 + 0.01 * r.standard_normal()
             value = transmissibility(K, f, heavy * MASS) * error
             measured = frf(f, value, "transmissibility", sd=sd * np.abs(value))
-            sheet = transfer_stiffness(
+            sheet = compute_transfer_stiffness(
                 measured, mass=MASS, exact=method == "exact", band=(8.0, 60.0)
             )
         K = K[f >= sheet.frequency[0]]
@@ -169,7 +173,7 @@ def test_limits_of_a_fit_hold_the_truth_inside_its_band():
         r = np.random.default_rng(seed)
         (k_inf, *k), tau = np.array(TABLE_1[0]) * r.uniform(0.8, 1.2, 3), TABLE_1[1]
         fit = dp.fit(_relaxation(k_inf, k, tau, seed), arms=2)
-        (band,) = transfer_stiffness(fit, band=(0.222, 0.284)).bands
+        (band,) = compute_transfer_stiffness(fit, band=(0.222, 0.284)).bands
         w = 2j * np.pi * np.linspace(10**-0.65, 10**-0.55, 401)
         K = k_inf + sum(a * w * t / (1 + w * t) for a, t in zip(k, tau, strict=True))
         inside_limits += band.limits[0] <= np.sqrt((np.abs(K) ** 2).mean()) <= band.limits[1]
@@ -184,9 +188,11 @@ def test_exact_formula_corrects_motion_of_output_and_flange():
     # the force beyond the flange is that of the mount on what stands still, less its inertia
     measured = frf(f, K * (1 - T) + flange * omega2 * T, "dynamic_stiffness")
     output = frf(f, T, "transmissibility")
-    exact = transfer_stiffness(measured, output_response=output, flange_mass="300g", exact=True)
+    exact = compute_transfer_stiffness(
+        measured, output_response=output, flange_mass="300g", exact=True
+    )
     np.testing.assert_allclose(exact.value, K, rtol=1e-12)
-    plain = transfer_stiffness(measured, output_response=output, flange_mass="300g")
+    plain = compute_transfer_stiffness(measured, output_response=output, flange_mass="300g")
     checks = {check.name: check for check in plain.checks}
     part = np.abs(flange * omega2 * T / measured.value).max()
     assert checks["flange_inertia_negligible"].value == pytest.approx(part)
@@ -198,18 +204,22 @@ def test_exact_formula_corrects_motion_of_output_and_flange():
 def test_every_quantity_of_force_over_motion_is_one_stiffness():
     f = np.arange(3.0, 50.0, 0.5)
     K, s = two_seals(f), 2j * np.pi * f
-    whole = transfer_stiffness(frf(f, K, "dynamic_stiffness"))
+    whole = compute_transfer_stiffness(frf(f, K, "dynamic_stiffness"))
     for quantity, value in (("receptance", 1 / K), ("mobility", s / K), ("accelerance", s**2 / K)):
-        np.testing.assert_allclose(transfer_stiffness(frf(f, value, quantity)).value, whole.value)
+        np.testing.assert_allclose(
+            compute_transfer_stiffness(frf(f, value, quantity)).value, whole.value
+        )
     sweep = dp.DynamicTest(f, K.real, K.imag, unit="N/m", units="SI")
-    np.testing.assert_allclose(transfer_stiffness(sweep).value, whole.value)
+    np.testing.assert_allclose(compute_transfer_stiffness(sweep).value, whole.value)
     T = transmissibility(K, f, MASS)
     relative = frf(f, T - 1, "relative_transmissibility")
-    np.testing.assert_allclose(transfer_stiffness(relative, mass=MASS, exact=True).value, K)
+    np.testing.assert_allclose(compute_transfer_stiffness(relative, mass=MASS, exact=True).value, K)
 
 
 def test_document_and_tables_come_back(tmp_path):
-    sheet = transfer_stiffness(frf(LINES, two_seals(LINES), "dynamic_stiffness"), preload="20N")
+    sheet = compute_transfer_stiffness(
+        frf(LINES, two_seals(LINES), "dynamic_stiffness"), preload="20N"
+    )
     sheet.save(tmp_path / "sheet.json")
     back = dp.read(tmp_path / "sheet.json")
     assert isinstance(back, TransferStiffness)
@@ -251,7 +261,7 @@ def test_transfer_stiffness_refuses_unsuitable_options(
     measured: dp.FRF, options: dict, message: str
 ):
     with pytest.raises(DataError, match=message):
-        transfer_stiffness(measured, **options)
+        compute_transfer_stiffness(measured, **options)
 
 
 def test_a_fit_has_no_third_octave_at_0_hz():
@@ -262,10 +272,12 @@ def test_a_fit_has_no_third_octave_at_0_hz():
 def test_hits_are_no_transfer_stiffness():
     hits = frf(F, two_seals(F), "accelerance", record=5.0)
     with pytest.raises(DataError, match="hits on a mass show mass and mount together"):
-        transfer_stiffness(hits)
+        compute_transfer_stiffness(hits)
 
 
 def test_swapped_channels_are_seen():
-    sheet = transfer_stiffness(frf(F, np.conj(two_seals(F) * (1 + 0.3j)), "dynamic_stiffness"))
+    sheet = compute_transfer_stiffness(
+        frf(F, np.conj(two_seals(F) * (1 + 0.3j)), "dynamic_stiffness")
+    )
     assert sheet.verdict.use == "do not use"
     assert "polarity" in str(sheet.verdict) or "below zero" in str(sheet.verdict)

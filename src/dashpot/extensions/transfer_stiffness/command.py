@@ -102,7 +102,7 @@ def command(
     **choices: Any,
 ) -> CommandResult:
     """Return the sheet of a measurement or of a fit."""
-    from dashpot.extensions.transfer_stiffness.transfer_methods import transfer_stiffness
+    from dashpot.extensions.transfer_stiffness.transfer_methods import compute_transfer_stiffness
     from dashpot.reading.readers.frf import read_frf
     from dashpot.workflow.bench_tests import prepared_files
 
@@ -116,12 +116,12 @@ def command(
     refuse_others(command, click.get_current_context(), {path: kind})
     if kind == _FIT:
         tests = prepared_files(records, options=options) if records else ()
-        sheet = transfer_stiffness(workflow.read_fit(path), record=tests, **choices)
+        sheet = compute_transfer_stiffness(workflow.read_fit(path), record=tests, **choices)
     else:
         print_detected_kinds(detections)
         measured = _read_frf(path, kind, options, hammer, mass=choices.get("mass"))
         response = None if output_response is None else read_frf(output_response, options=options)
-        sheet = transfer_stiffness(measured, output_response=response, **choices)
+        sheet = compute_transfer_stiffness(measured, output_response=response, **choices)
     if picture:
         write_figure(picture, sheet.plot())
     if output:

@@ -70,7 +70,7 @@ class SensorErrors(NamedTuple):
     mass: float | None = None
 
 
-def transfer_stiffness(
+def compute_transfer_stiffness(
     measured: FRF | ShakenTest | Fit,
     /,
     *,
@@ -192,7 +192,7 @@ def transfer_stiffness(
 
 
 class _Request(NamedTuple):
-    """Arguments of :func:`transfer_stiffness` in SI units; `output` is `output_response`."""
+    """Arguments of :func:`compute_transfer_stiffness` in SI units; `output` is `output_response`."""
 
     mass: float | None
     flange_mass: float
@@ -431,21 +431,21 @@ def _assemble(
         for i, (band, span) in enumerate(covered)
     )
     sheet = TransferStiffness(
-        method,
-        request.exact,
-        lines.frequency,
-        lines.value,
-        by_line.stiffness_limits,
-        by_line.loss_factor_limits,
-        transmissibility,
-        blocked,
-        indirect,
-        band_table,
-        request.mass,
-        request.flange_mass,
-        request.rigid_to,
-        request.preload,
-        request.temperature,
+        method=method,
+        exact=request.exact,
+        frequency=lines.frequency,
+        value=lines.value,
+        limits=by_line.stiffness_limits,
+        loss_factor_limits=by_line.loss_factor_limits,
+        transmissibility=transmissibility,
+        blocked=blocked,
+        indirect=indirect,
+        bands=band_table,
+        mass=request.mass,
+        flange_mass=request.flange_mass,
+        rigid_to=request.rigid_to,
+        preload=request.preload,
+        temperature=request.temperature,
         source=frf.source,
         steps=(*frf.steps, _make_step(method, request)),
     )
@@ -643,27 +643,29 @@ def _predict(
     widest = max(band_table, key=lambda band: band.half_width)
     source: tuple[Source, ...] = fit.source
     return TransferStiffness(
-        "predicted",
-        False,
-        frequency,
-        value,
-        limits,
-        bounds.loss_factor,
-        transmissibility,
-        blocked,
-        indirect,
-        band_table,
-        request.mass,
-        request.flange_mass,
-        request.rigid_to,
-        request.preload,
-        fit.specimen.temperature if request.temperature is None else request.temperature,
-        seals,
-        (
+        method="predicted",
+        exact=False,
+        frequency=frequency,
+        value=value,
+        limits=limits,
+        loss_factor_limits=bounds.loss_factor,
+        transmissibility=transmissibility,
+        blocked=blocked,
+        indirect=indirect,
+        bands=band_table,
+        mass=request.mass,
+        flange_mass=request.flange_mass,
+        rigid_to=request.rigid_to,
+        preload=request.preload,
+        temperature=fit.specimen.temperature
+        if request.temperature is None
+        else request.temperature,
+        seals=seals,
+        checks=(
             checks.sheet_in_valid_band(edges, fit.band, has_record=bool(prepared)),
             checks.level_determined(widest.half_width, centre=widest.centre),
             *fit.checks,
         ),
-        source,
-        (*fit.steps, _make_step("predicted", request)),
+        source=source,
+        steps=(*fit.steps, _make_step("predicted", request)),
     )
