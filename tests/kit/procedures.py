@@ -41,10 +41,10 @@ DAMPED = SEAL + GeneralizedMaxwell(0.0, b=20.0)
 MASS = 0.05202
 DEPTH = 8e-3
 PULSE = ((0.0, 0.005, 0.01, 10.0), (0.0, 2.0, 0.0, 0.0))
-PRESSED = "pressed, by 8 mm in 1 s and held, steps of 10 ms"
-STRUCK = "struck, 52 g by 2 N for 10 ms, steps of .1 ms"
+PRESSED = "ramp and hold, 8 mm in 1 s, steps of 10 ms"
+STRUCK = "pulse on a mass, 2 N for 10 ms on 52 g, steps of .1 ms"
 FRF = "FRF, of 52 g, 1 to 30 Hz"
-WITH_B = f"{PRESSED}, but two steps after each corner, {procedures.WITH_DASHPOT}"
+WITH_B = f"{PRESSED}, without two steps after each corner, {procedures.WITH_DASHPOT}"
 STRUCK_WITH_B = f"{STRUCK}, {procedures.WITH_DASHPOT}"
 
 
@@ -406,7 +406,7 @@ def run_nastran(form: str, procedure: str, case: str) -> float:
 # -- FElupe ----------------------------------------------------------------------------------------
 
 STRAIN_STEPS = "MaterialStrain, small strain"
-SHEARED = "sheared, by .1 in 1 s and held, steps of 10 ms"
+SHEARED = "shear ramp and hold, .1 in 1 s, steps of 10 ms"
 FELUPE_RUN = """
 import json, sys
 import numpy as np

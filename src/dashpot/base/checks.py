@@ -384,10 +384,8 @@ class Criterion(Generic[P]):
         passed = self._evaluate_rule(finding, limit)
         text, remedy = finding.message, None
         if passed is False:
-            text, remedy = (
-                paragraph(finding.failure or finding.message, finding.reason),
-                finding.advice,
-            )
+            text = paragraph(finding.failure or finding.message, finding.reason)
+            remedy = finding.advice
         return Check(
             self.name, passed, expand_powers(sentence(text)), finding.value, limit,
             finding.grade or self.grade, remedy, self.fit_status,

@@ -22,7 +22,7 @@ from dashpot.cli._terminal import to_stderr, to_stdout
 from dashpot.registry import find_handler
 
 BAD, FAULT, INTERRUPTED = 2, 3, 130
-"""Exit codes: bad input or usage, a fault of dashpot's own, stopped by the user."""
+"""Exit codes: bad input or usage, internal error of dashpot, stopped by the user."""
 
 WHERE = "the maintainers of the repository that dashpot came from (SECURITY.md there)"
 """Where a fault is reported."""

@@ -39,21 +39,21 @@ from dashpot.registry import (
 from dashpot.workflow.job import Job, LevelJob, ShiftChoices
 
 _BENCH = SOLIDS
-_ELASTIC = (*get_choice_values(RampLawAsked), "by-depth")
+_ELASTIC_LAWS = (*get_choice_values(RampLawAsked), "by-depth")
 
 
-def _kinds_in(files: Sequence[str]) -> Mapping[str, str]:
-    """The kinds of files, for the help of each; nothing where one is not known."""
+def _detect_kinds(files: Sequence[str]) -> Mapping[str, str]:
+    """Return the kinds of files, for the help of each; empty where one is not recognised."""
     with suppress(DashpotError, click.ClickException):
         return kinds_of(detect_file_kinds(files, ReadOptions()), ReadOptions())
     return {}
 
 
-def _word(flag: str, choice: Sequence[str], **how: Any) -> CommandOption:
+def _make_choice_option(flag: str, choice: Sequence[str], **how: Any) -> CommandOption:
     return opt(flag, **{"type": ChoiceWithSuggestion(choice), "metavar": "|".join(choice), **how})
 
 
-def _mass() -> list[CommandOption]:
+def _make_mass_options() -> list[CommandOption]:
     mass = opt(
         "--mass", type=WithUnit("mass"), multiple=True, metavar="MASS",
         kinds=f"{VIBRATION} {find_kinds_by_option('mass')}",
@@ -100,15 +100,19 @@ _OPTIONS = (
         MODEL,
         opt("--model", metavar="NAME", help="maxwell, fractional, or a law by name (auto)."),
         build_options(Job, "arms", kinds=f"{_BENCH} {VIBRATION}"),
-        _word("--elastic", _ELASTIC, default="auto", kinds="relaxation", metavar="LAW",
-              help="Elastic law: linear, nonlinear, by-depth (auto)."),
+        _make_choice_option(
+            "--elastic", _ELASTIC_LAWS, default="auto", kinds="relaxation", metavar="LAW",
+            help="Elastic law: linear, nonlinear, by-depth (auto).",
+        ),
     ),
-    group(MASS, _mass()),
+    group(MASS, _make_mass_options()),
     mark_advanced(
         group(
             RAMP,
-            _word("--method", get_choice_values(Method), default="full", kinds="relaxation",
-                  help="Whole record (full), or equation (5) of the paper."),
+            _make_choice_option(
+                "--method", get_choice_values(Method), default="full", kinds="relaxation",
+                help="Whole record (full), or equation (5) of the paper.",
+            ),
             options.time_limits("relaxation"),
             options.machine(f"relaxation creep cyclic {VIBRATION} "
                             f"{find_kinds_by_option('machine')}"),
@@ -134,12 +138,12 @@ _OPTIONS = (
     options.result("Keep it as .json, .html; of hits .csv or .uff."),
     find_handler("options", "limits"),
 )  # fmt: skip
-for _one in chain.from_iterable(_OPTIONS):
-    if _one.group not in {options.READING, options.RESULT}:
-        _one.unheard = frozenset(
+for _option in chain.from_iterable(_OPTIONS):
+    if _option.group not in {options.READING, options.RESULT}:
+        _option.unheard = frozenset(
             kind.name
             for kind in KINDS.values()
-            if kind.fits and not _one.names & set(kind.fit_options)
+            if kind.fits and not _option.names & set(kind.fit_options)
         )
 
 
@@ -157,21 +161,21 @@ for _one in chain.from_iterable(_OPTIONS):
   dashpot fit hit.csv --mass 5g --radius 5mm""",
     options.files("FILE..."),
     *_OPTIONS,
-    by_kind=_kinds_in,
+    by_kind=_detect_kinds,
 )
-def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
-    """Recognise the records, and fit what they are."""
+def command(*, files: tuple[str, ...], **arguments: Any) -> CommandResult:
+    """Return the result of the fit that suits the kinds of the files."""
     from dashpot.cli.fit_handlers import FitRequest
     from dashpot.workflow.fit_routing import find_selected_fit, route
 
-    stated = (
+    stated_kinds = (
         kind.name for kind in KINDS.values()
-        if kind.kind_option and said[kind.kind_option] not in (None, (), "")
+        if kind.kind_option and arguments[kind.kind_option] not in (None, (), "")
     )  # fmt: skip
-    if said["options"].kind is None and (name := next(stated, None)):
-        said["options"] = replace(said["options"], kind=name)
-    detections = detect_file_kinds(files, said["options"])
-    kinds = kinds_of(detections, said["options"])
+    if arguments["options"].kind is None and (name := next(stated_kinds, None)):
+        arguments["options"] = replace(arguments["options"], kind=name)
+    detections = detect_file_kinds(files, arguments["options"])
+    kinds = kinds_of(detections, arguments["options"])
     context = click.get_current_context()
     refuse_others(command, context, kinds)
     typed = {
@@ -181,51 +185,51 @@ def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
         for name in option.names
     }
     try:
-        meant = route(
-            kinds, masses=len(said["mass"]), selected=find_selected_fit(typed),
+        fit_name = route(
+            kinds, masses=len(arguments["mass"]), selected=find_selected_fit(typed),
         )  # fmt: skip
     except ReadError as error:
         raise ReadError(f"{error}{options.format_column_hint(files)}") from None
-    if meant in {"hits", "modes"}:
-        _refuse_what_needs_a_mass(context)
-    _refuse_unused(context, meant)
+    if fit_name in {"hits", "modes"}:
+        _refuse_model_options(context)
+    _refuse_unused(context, fit_name)
     run: Callable[[FitRequest], CommandResult] = load_object(
-        FITS[meant].files if meant in FITS else GENERIC
+        FITS[fit_name].files if fit_name in FITS else GENERIC
     )
     print_detected_kinds(detections)
-    return run(FitRequest(files, kinds, said))
+    return run(FitRequest(files, kinds, arguments))
 
 
 GENERIC = "dashpot.cli.fit_handlers:run_generic_kind"
-"""What fits the files of a kind whose row says all that its fit takes."""
+"""Handler of a kind whose registry row states its options."""
 
-_OF_SOLID = (
+_MODEL_OPTIONS = (
     "--model", "--arms", "--seals", "--seal-mass", "--compression", "--mass-sd", "--prior",
     "--dashpot", "--stiffness-table", "--hammer-temperature",
 )  # fmt: skip
-"""What is asked of the solid under a mass, and not of modes."""
+"""Options of the model under a mass that do not apply to modes."""
 
 
-def _refuse_what_needs_a_mass(context: click.Context) -> None:
-    """Refuse what hits and FRFs without a mass would not heed."""
+def _refuse_model_options(context: click.Context) -> None:
+    """Raise UsageError for options that hits and FRFs without a mass do not use."""
     for option in command.options:
-        if option.flag in _OF_SOLID and option.get_typed_words(context):
+        if option.flag in _MODEL_OPTIONS and option.get_typed_words(context):
             raise click.UsageError(
                 f"{option.flag} is for the model under a mass. Give the test mass, such as "
                 "--mass 104g, or leave it out: then modes are found."
             )
 
 
-def _refuse_unused(context: click.Context, meant: str) -> None:
-    """Refuse an option that the fit of these records does not use.
+def _refuse_unused(context: click.Context, fit_name: str) -> None:
+    """Raise UsageError for an option that the fit of these records does not use.
 
     Raises
     ------
     click.UsageError
     """
-    if meant not in FITS:  # a kind of the registry alone, which says what it takes
+    if fit_name not in FITS:  # a kind of the registry alone, which says what it takes
         return
-    used = set(FITS[meant].options)
+    used = set(FITS[fit_name].options)
     for item in command.options:
         shared = item.group in {options.READING, options.RESULT}
         if shared or item.names & used or not item.get_typed_words(context):
@@ -233,8 +237,8 @@ def _refuse_unused(context: click.Context, meant: str) -> None:
         *others, last = [
             fit.command_title for fit in FITS.values() if item.names & set(fit.options)
         ]
-        suited = f"{', '.join(others)} or {last}" if others else last
+        fits = f"{', '.join(others)} or {last}" if others else last
         raise click.UsageError(
-            f"{item.flag} is for {suited}. Here it would change nothing, as these files are fitted "
-            f"as {FITS[meant].command_title}: leave it out."
+            f"{item.flag} is for {fits}. Here it would change nothing, as these files are fitted "
+            f"as {FITS[fit_name].command_title}: leave it out."
         )

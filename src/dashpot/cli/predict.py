@@ -21,14 +21,14 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import KINDS, PREDICTED, KindOfTest, find_handler, list_names, load_object
 from dashpot.workflow.job import Job, LevelChoices, PartChoices
 
-_SOLID = "fit"
-_FILES = list_names("predict file")
+_FIT = "fit"
+_FILE_KINDS = list_names("predict file")
 """Kinds of files that are predicted as a whole."""
-_QUESTION, _PART = "Question", "Part of a material"
+_QUESTION_GROUP, _PART_GROUP = "Question", "Part of a material"
 
 
-def _fits(kind: KindOfTest) -> list[str]:
-    """What a kind that predicts by itself is asked beside, each the file of a fit."""
+def _list_fit_options(kind: KindOfTest) -> list[str]:
+    """Return the options of a kind's own prediction that take the file of a fit."""
     return [
         field.name
         for field in iterate_option_fields(load_object(kind.predict_options))
@@ -45,11 +45,11 @@ def _fits(kind: KindOfTest) -> list[str]:
   dashpot predict door.toml --close 1.2m/s""",
     options.files("FIT|DOOR.toml", "path", several=False),
     group(
-        _QUESTION,
+        _QUESTION_GROUP,
         build_options(
             Job,
             "band",
-            kinds=" ".join((_SOLID, *_FILES)),
+            kinds=" ".join((_FIT, *_FILE_KINDS)),
             help="Frequencies (1:50Hz; door 1:200Hz).",
         ),
         opt(
@@ -58,13 +58,13 @@ def _fits(kind: KindOfTest) -> list[str]:
             metavar="TEMPERATURE",
             help="Temperature of the seals.",
         ),
-        *find_handler("options", "stiffness")(_SOLID),
-        opt("--base", kinds=_SOLID, help="The base moves: transmissibility."),
+        *find_handler("options", "stiffness")(_FIT),
+        opt("--base", kinds=_FIT, help="The base moves: transmissibility."),
         opt(
             "--base-psd",
             type=File(),
             metavar="DENSITY",
-            kinds=_SOLID,
+            kinds=_FIT,
             help="Random base: FILE or 0.01g^2/Hz.",
         ),
         opt(
@@ -73,52 +73,56 @@ def _fits(kind: KindOfTest) -> list[str]:
             type=File(),
             multiple=True,
             metavar="FILE",
-            kinds=_SOLID,
+            kinds=_FIT,
             help="The record behind the fit: adds a bound.",
         ),
         build_options(
             LevelChoices,
             "levels",
             into="at_level",
-            kinds=_SOLID,
+            kinds=_FIT,
             help="Resonance at an amplitude, e.g. 0.5N.",
         ),
-        mark_advanced(build_options(LevelChoices, "sweep", into="at_level", kinds=_SOLID)),
+        mark_advanced(build_options(LevelChoices, "sweep", into="at_level", kinds=_FIT)),
         *(
-            build_options(load_object(kind.predict_options), kinds=kind.name, leave=_fits(kind))
+            build_options(
+                load_object(kind.predict_options), kinds=kind.name, leave=_list_fit_options(kind)
+            )
             for kind in PREDICTED
         ),
         mark_advanced(
             *(
-                build_options(load_object(kind.predict_options), *_fits(kind), kinds=kind.name)
+                build_options(
+                    load_object(kind.predict_options), *_list_fit_options(kind), kinds=kind.name
+                )
                 for kind in PREDICTED
-                if _fits(kind)
+                if _list_fit_options(kind)
             ),
-            *find_handler("options", "predict")(_SOLID),
+            *find_handler("options", "predict")(_FIT),
             opt(
                 "--frf-type",
                 "kind",
                 type=ChoiceWithSuggestion(get_choice_values(FrfKind)),
                 metavar="NAME",
-                kinds=_SOLID,
+                kinds=_FIT,
                 help=", ".join(get_choice_values(FrfKind)[:-1]) + " or "
                 f"{get_choice_values(FrfKind)[-1]}.",
             ),
-            options.relative(_SOLID),
+            options.relative(_FIT),
             opt(
                 "--points",
                 "lines",
                 type=click.IntRange(2),
                 default=2001,
                 metavar="N",
-                kinds=_SOLID,
+                kinds=_FIT,
                 help="Lines of the FRF (2001).",
             ),
         ),
     ),
-    group(MASS, options.under_mass(kinds=_SOLID)),
+    group(MASS, options.under_mass(kinds=_FIT)),
     group(
-        _PART,
+        _PART_GROUP,
         build_options(
             PartChoices,
             "disc",
@@ -126,7 +130,7 @@ def _fits(kind: KindOfTest) -> list[str]:
             "bush",
             "bulb",
             into="part",
-            kinds=_SOLID,
+            kinds=_FIT,
             help="disc:20mm,20mm; block, bush, bulb.",
         ),
         mark_advanced(
@@ -137,7 +141,7 @@ def _fits(kind: KindOfTest) -> list[str]:
                 "resonance",
                 "resonance_mass",
                 into="part",
-                kinds=_SOLID,
+                kinds=_FIT,
             ),
             build_options(
                 LevelChoices,
@@ -146,92 +150,95 @@ def _fits(kind: KindOfTest) -> list[str]:
                 "fitted_at",
                 "resonance_level",
                 into="at_level",
-                kinds=_SOLID,
+                kinds=_FIT,
             ),
         ),
     ),
     *find_handler("option groups", "predict")(),
-    mark_advanced(group(RAMP, options.machine(_SOLID)), options.reading()),
+    mark_advanced(group(RAMP, options.machine(_FIT)), options.reading()),
     options.result("FRF as .csv; of a door .json; or a page, .html."),
 )
-def command(*, path: str, **said: Any) -> CommandResult:
-    """Predict what the file asks for: a door, a mass on a solid, or what its kind predicts."""
+def command(*, path: str, **arguments: Any) -> CommandResult:
+    """Return the prediction by the kind of file: a door, a mass on seals, or the kind's own."""
     detection = detect_file_kinds([path], ReadOptions())[path]
-    if said["options"].kind in get_choice_values(FrfKind):  # --kind in the edition before
-        kind = said["options"].kind
-        said |= {"kind": kind, "options": replace(said["options"], kind=None)}
+    if arguments["options"].kind in get_choice_values(FrfKind):  # --kind in the edition before
+        kind = arguments["options"].kind
+        arguments |= {"kind": kind, "options": replace(arguments["options"], kind=None)}
     row = KINDS.get(detection.kind) if detection.stored else None
-    single = row is not None and bool(row.predict)
-    kind = detection.kind if detection.kind in _FILES or single else _SOLID
+    has_own_prediction = row is not None and bool(row.predict)
+    kind = detection.kind if detection.kind in _FILE_KINDS or has_own_prediction else _FIT
     refuse_others(command, click.get_current_context(), {path: kind})
-    if row is not None and single:
-        return _predict_kind(path, row, said)
-    if kind in _FILES:
+    if row is not None and has_own_prediction:
+        return _predict_kind(path, row, arguments)
+    if kind in _FILE_KINDS:
         predict = find_handler("predict file", kind)
         _, *names = signature(predict).parameters
-        outcome: CommandResult = predict(path, **{name: said[name] for name in names})
-        return outcome
-    for name in _BY_OPTION:
-        if said[name]:
-            return _predict_with_option(name, path, said)
+        result: CommandResult = predict(path, **{name: arguments[name] for name in names})
+        return result
+    for name in _OTHER_PREDICTIONS:
+        if arguments[name]:
+            return _predict_with_option(name, path, arguments)
     # an argument may be filled by several options, such as those of reading
-    taken = {
+    fit_arguments = {
         name
         for option in command.options
-        if not option.kinds or _SOLID in option.kinds
+        if not option.kinds or _FIT in option.kinds
         for name in option.names
-    }.difference(_BY_OPTION)
-    return _under_mass(path, **{name: item for name, item in said.items() if name in taken})
+    }.difference(_OTHER_PREDICTIONS)
+    return _predict_mass(
+        path, **{name: item for name, item in arguments.items() if name in fit_arguments}
+    )
 
 
-def _predict_kind(path: str, row: KindOfTest, stated: dict[str, Any]) -> CommandResult:
-    """What the fit of a kind predicts by itself."""
+def _predict_kind(path: str, row: KindOfTest, arguments: dict[str, Any]) -> CommandResult:
+    """Return the prediction of a kind's own fit."""
     request = {
-        field.name: stated[field.name]
+        field.name: arguments[field.name]
         for field in iterate_option_fields(load_object(row.predict_options))
     }
     request |= {
-        name: workflow.read_fit(request[name]) if request[name] else None for name in _fits(row)
+        name: workflow.read_fit(request[name]) if request[name] else None
+        for name in _list_fit_options(row)
     }
     result = load_object(row.predict)(
-        workflow.read_json_document(path), temperature=stated["temperature"], **request
+        workflow.read_json_document(path), temperature=arguments["temperature"], **request
     )
-    return _write_prediction(result, stated)
+    return _write_prediction(result, arguments)
 
 
-def _write_prediction(result: Any, stated: dict[str, Any]) -> CommandResult:
-    """A prediction that is no FRF: its document and its picture."""
-    output = stated["output"]
+def _write_prediction(result: Any, arguments: dict[str, Any]) -> CommandResult:
+    """Return the result of a prediction that is no FRF, with its document and figure."""
+    output = arguments["output"]
     page = is_page(output)
-    if stated["picture"]:
-        write_figure(stated["picture"], result.plot())
+    if arguments["picture"]:
+        write_figure(arguments["picture"], result.plot())
     if output:
         write_output(output, workflow.html(result) if page else format_json(result) + "\n")
     return CommandResult.from_result(result)
 
 
 def is_page(output: str | None) -> bool:
-    """Return whether what is no FRF goes to a page; else it goes to a document."""
+    """Return whether an output other than an FRF is a page; else it is a document."""
     suffix = Path(output or "").suffix.lower()
     if output and output != "-" and suffix not in (".json", *PAGE_SUFFIXES):
         raise click.UsageError(f"-o {output}: this prediction is written as .json or .html.")
     return suffix in PAGE_SUFFIXES
 
 
-_BY_OPTION = list_names("predict with option")
-"""Options with which a fit is predicted otherwise than in vibration."""
+_OTHER_PREDICTIONS = list_names("predict with option")
+"""Options that predict something else than vibration."""
 
 
-def _predict_with_option(name: str, path: str, stated: dict[str, Any]) -> CommandResult:
-    """Predict of a fit what such an option asks."""
+def _predict_with_option(name: str, path: str, arguments: dict[str, Any]) -> CommandResult:
+    """Return the prediction that such an option selects."""
     predict = find_handler("predict with option", name)
-    chosen = options.select_arguments(
-        predict, stated, command, f"is for a vibration, and --{name} is not"
+    prediction_arguments = options.select_arguments(
+        predict, arguments, command, f"is for a vibration, and --{name} is not"
     )
-    return _write_prediction(predict(workflow.read_fit(path), **chosen), stated)
+    return _write_prediction(predict(workflow.read_fit(path), **prediction_arguments), arguments)
 
 
-def _under_mass(
+def _predict_mass(
     fit: str,
     *,
     picture: str | None,
@@ -239,7 +246,7 @@ def _under_mass(
     hammer: Any,
     **choices: Any,
 ) -> CommandResult:
-    """Predict the response of a mass on the seals, or on parts of a material."""
+    """Return the response of a mass on seals, or on parts of a material."""
     fitted = workflow.read_fit(fit)  # what is no fit is said before what a fit lacks
     block = options.pop_block(choices)
     if block.mass is None:
@@ -255,11 +262,13 @@ def _under_mass(
     if picture:
         write_figure(picture, prediction.plot())
     if output:
-        _keep(prediction, output)
-    return CommandResult.from_result(prediction, follow="" if prediction.of_part else _follow(fit))
+        _write_frf_output(prediction, output)
+    return CommandResult.from_result(
+        prediction, follow="" if prediction.of_part else _format_next_command(fit)
+    )
 
 
-def _keep(prediction: workflow.Prediction, path: str) -> None:
+def _write_frf_output(prediction: workflow.Prediction, path: str) -> None:
     from dashpot.reading.write import write_frf
 
     suffix = path.lower().rpartition(".")[2]
@@ -273,6 +282,6 @@ def _keep(prediction: workflow.Prediction, path: str) -> None:
         raise click.UsageError(f"-o {path}: a prediction is written as .csv, .json or .html.")
 
 
-def _follow(fit: str) -> str:
+def _format_next_command(fit: str) -> str:
     again = options.get_typed_options_for("compare", but=("--kind",))  # which is of another file
     return format_command("compare", fit, "HAMMER", *again, why="tests it with a hammer")

@@ -45,7 +45,7 @@ TARGETS: Mapping[str, Callable[..., DeckText]] = MappingProxyType(
 
 
 def __getattr__(name: str) -> Callable[..., DeckText]:
-    """A target is an attribute, too: ``export.nastran``."""
+    """Return the writer of a target: ``export.nastran``."""
     if name not in TARGETS:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return TARGETS[name]
@@ -59,7 +59,7 @@ def _format_unsupported_option(name: str, *, alternative: bool) -> str:
 
 
 def reads(target: str, argument: str) -> bool:
-    """Return whether a target, in its usual form, makes anything of an argument."""
+    """Return whether a target, in its usual form, uses an argument."""
     write = TARGETS[target]
     able: Mapping[str, tuple[str, ...]] = write.only  # type: ignore[attr-defined]
     return argument in signature(write).parameters and (
@@ -76,7 +76,7 @@ def deck_for(
     temperature: float | None = None,
     **choices: object,
 ) -> DeckText:
-    """Return the deck of a fit for one of :data:`TARGETS`: of so many seals, side by side.
+    """Return the deck of a fit for one of :data:`TARGETS`, of so many seals in parallel.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def deck_for(
 def refuse_untaken(
     target: str, write: Callable[..., DeckText], choices: Collection[str], *, outside: bool = True
 ) -> None:
-    """Raise where what writes a deck does not take a choice.
+    """Raise where the writer of a deck does not take an option.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def export_solid(
     temperature: float | None,
     **choices: object,
 ) -> DeckText:
-    """Return the deck of so many bare solids in parallel."""
+    """Return the deck of so many models in parallel."""
     write = find_writer(target)
     refuse_untaken(target, write, choices)
     if compression is not None:

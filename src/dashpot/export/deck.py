@@ -47,14 +47,14 @@ _REACH = 2.0
 """A cubic spring is drawn to so many times the largest amplitude that was measured."""
 _POINTS = 80
 _PRESSED = 0.01
-"""m: as far as a seal is pressed, where no amplitude was tested."""
+"""Range of the cubic spring, m, where no amplitude was tested."""
 _APART = 1000
 """Nodes stand so many largest amplitudes apart: elements that follow their nodes never turn."""
 
 
 @dataclass(frozen=True)
 class NonlinearElements:
-    """Sliders and a cubic spring beside a solid; empty where it is linear.
+    """Sliders and a cubic spring in parallel with a model; empty where it is linear.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class NonlinearElements:
 
     @property
     def node_spacing_remarks(self) -> list[str]:
-        """What the header says of the two nodes where elements follow them."""
+        """Header lines on the distance of the two nodes, where elements rotate with them."""
         far = f"{text(self.span)} {self.units.words[0]}"
         return [
             f"keep the two nodes {far} apart: if they are near, a press turns the elements round"
@@ -113,13 +113,13 @@ class NonlinearElements:
         return list(zip(x.tolist(), (k * x + self.k3 * x**3).tolist(), strict=True))
 
     def both_ways(self) -> list[tuple[float, float]]:
-        """That curve from compression to tension."""
+        """The same curve from compression to tension."""
         half = self.curve()
         return [(-x, -F) for x, F in half[:0:-1]] + half
 
     @property
     def described(self) -> list[str]:
-        """As the header of a deck says it."""
+        """Header lines on sliders and cubic spring."""
         if not self.amplitudes[1]:
             return []
         length, force = self.units.words[0], self.units.words[3]
@@ -168,7 +168,7 @@ def format_temperature_lines(task: str, shifts: TemperatureShifts | None) -> lis
 
 
 class NonlinearFit(Protocol):
-    """Fit of a linear solid with sliders and a cubic spring in parallel."""
+    """Fit of a linear model with sliders and a cubic spring in parallel."""
 
     @property
     def solid(self) -> Solid: ...  # noqa: D102
@@ -195,12 +195,12 @@ class NonlinearFit(Protocol):
 
 
 Exportable: TypeAlias = Solid | Fit | NonlinearFit
-"""What can be exported: a bare solid, or a fit that brings its pedigree along."""
+"""What can be exported: a model alone, or a fit, whose deck states files and steps."""
 
 NOT_VERIFIED = "not solver-verified: no solver of this kind runs in dashpot's tests"
 
 _MOVES = ("parallel", "compression", "temperature", "aging", "draw")
-"""Steps that made another solid of the fitted one."""
+"""Steps that changed the fitted model."""
 
 
 class DeckText(str):
@@ -224,18 +224,18 @@ class DeckText(str):
 
     @property
     def summary(self) -> str:
-        """What its file holds, in a few words."""
+        """Contents of its file, in a few words."""
         return f"{len(self.splitlines())} lines"
 
     @property
     def file_content(self) -> str | bytes:
-        """What its file holds: the text itself, or an archive whose source is the text."""
+        """Contents of its file: the text, or an archive made from it."""
         return str(self)
 
 
 @dataclass(frozen=True)
 class Deck:
-    """Solid with all that its deck states in the header.
+    """Model to export, with the data for the header of its deck.
 
     Attributes
     ----------
@@ -259,19 +259,19 @@ class Deck:
     overrides: tuple[str, ...] = ()
 
     def with_solid(self, solid: Solid) -> Deck:
-        """Return the same deck of another solid: a part of it, or one that stands beside it."""
+        """Return the same deck of another model."""
         return replace(self, solid=solid)
 
     # -- the solid in deck units ----------------------------------------------------------------
 
     @cached_property
     def model(self) -> GeneralizedMaxwell:
-        """The arms that stand for the solid, SI."""
+        """The generalized Maxwell form of the model, SI."""
         return self.solid.maxwell
 
     @property
     def material(self) -> bool:
-        """Whether the solid is a material's: moduli, Pa, in the place of stiffnesses."""
+        """Whether it is a material, with moduli, Pa, in place of stiffnesses."""
         return self.linear_fit is not None and self.linear_fit.unit == "Pa"
 
     @property
@@ -298,7 +298,7 @@ class Deck:
 
     @cached_property
     def nonlinear_elements(self) -> NonlinearElements:
-        """Sliders and a cubic spring beside the arms, deck units; empty of a linear solid."""
+        """Sliders and cubic spring in parallel with the arms, deck units; empty if linear."""
         if self.fit is None or isinstance(self.fit, Fit):
             return NonlinearElements(self.units)
         return NonlinearElements(self.units, self.fit.rate_independent, self.fit.amplitudes)
@@ -338,7 +338,7 @@ class Deck:
         damping: Damping = "loss_factor",
         printed: Callable[[float], str] = text,
     ) -> Table:
-        """The table of the solid, or of another, in SI, with the digits that will be printed."""
+        """Return the frequency table of the model, or of another, SI, with the printed digits."""
         return tabulate(
             solid or self.solid,
             frequency_range=frequency_range,
@@ -352,7 +352,7 @@ class Deck:
 
     @property
     def linear_fit(self) -> Fit | None:
-        """The fit behind the deck, if it is one of a linear solid."""
+        """The fit behind the deck, if it is linear."""
         return self.fit if isinstance(self.fit, Fit) else None
 
     @property
@@ -367,7 +367,7 @@ class Deck:
 
     @property
     def band(self) -> tuple[float, float] | None:
-        """The frequencies that the test informs, Hz; None for a bare solid."""
+        """Valid band of the fit, Hz; None of a model without a fit."""
         return self.fit.band if self.fit else None
 
     @property
@@ -378,11 +378,11 @@ class Deck:
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Checks of the fit behind the deck; none of a bare solid."""
+        """Checks of the fit behind the deck; none of a model without a fit."""
         return self.fit.checks if self.fit else ()
 
     def is_extrapolated(self, frequency: float) -> bool:
-        """True if the test says nothing of this frequency, Hz; False where no band is known."""
+        """Return whether a frequency, Hz, lies outside the valid band; False without a band."""
         return self.band is not None and not self.band[0] <= frequency <= self.band[1]
 
     def format_text(
@@ -421,7 +421,7 @@ class Deck:
         return made
 
     def _check_valid_band(self, table: Table | None, nominal: float | None) -> tuple[Check, ...]:
-        """Whether the test, if there is one, informs every row of a table, and what is nominal."""
+        """Return the checks that every row of a table, and a nominal frequency, are in the band."""
         checks: list[Check] = []
         if nominal is not None and self.band is not None:
             checks.append(nominal_in_valid_band(self.is_extrapolated(nominal), nominal))
@@ -489,7 +489,7 @@ class Deck:
         ]
 
     def _limits(self, unit: str) -> list[str]:
-        """Return what k_inf is at most, as the fit states it."""
+        """Return the header lines on the upper limit of k_inf."""
         fit = self.linear_fit
         if fit is None or fit.model.k_inf != self.model.k_inf:
             return []
@@ -500,7 +500,7 @@ class Deck:
         return [f"  k_inf is at most {most}; no test bounds it from below"]
 
     def _elastic_law(self) -> list[str]:
-        """Return what the stiffnesses are where the elastic law is not straight."""
+        """Return the header lines on a nonlinear elastic law."""
         law = self.elastic_law
         if law is None or law.kind == "linear":
             return []
@@ -517,7 +517,7 @@ class Deck:
         return [f"elastic law: not straight; its tangent k_inf is {listed}", meaning]
 
     def _pedigree(self) -> list[str]:
-        """Return the fit and its files."""
+        """Return the header lines on the fit and its files."""
         steps = () if self.fit is None else self.fit.steps
         scaled = [step.message for step in steps if step.name in _MOVES]
         lines = []

@@ -41,26 +41,26 @@ if TYPE_CHECKING:
 
 # Effect of encoder resolution.
 #
-# While a reading stands, its error :math:`e`, uniform within one step q, stands too. To first order
-# it moves the parameters by :math:`(J^T J)^{-1} J^T \delta`, with the force that the solid would
-# have given to the pulse of motion that was not there,
+# While a reading is constant, so is its error :math:`e`, uniform within one step q. To first order
+# it shifts the parameters by :math:`(J^T J)^{-1} J^T \delta`, with the response of the model to the
+# pulse of motion that was not there,
 #
 # .. math:: \delta(t) = e\,[K(t - t_a) - K(t - t_b)], \qquad
 #           K(t) = k_\infty + \sum_j k_j e^{-t/\tau_j} \; (t \ge 0), \qquad
 #           \mathrm{Var}(e) = q^2/12
 #
 # from the run's first reading to the next one. Over a short run that is e k_0. All runs are
-# independent, so :math:`\sum J^T\delta\,\delta^T J` joins the middle of the sandwich: the error of
-# the depth held, which scales every stiffness, and that of each step on the way. So does a contact
-# found behind an air gap: its error shifts all motion after it.
+# independent, so :math:`\sum J^T\delta\,\delta^T J` is added to the middle of the sandwich: the
+# error of the held depth, which scales every stiffness, and that of each step of the ramp; and the
+# error of a contact behind an air gap, which shifts all motion after it.
 
 
-# a run longer than this part of the record is rest, and the solid relaxes under its error
-_REST = 1.0 / 20.0
+# over the record: a longer run of equal readings is a rest, during which the seal relaxes
+_LEAST_REST = 1.0 / 20.0
 
 
 class Encoder(NamedTuple):
-    """Displacement of one record as read.
+    """Encoder readings of one record, their step and the error of the contact.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class Encoder(NamedTuple):
 
     @classmethod
     def from_record(cls, record: RampHold) -> Encoder:
-        """Of a prepared record, up to the end of its hold."""
+        """Return the encoder of a prepared record, up to the end of its hold."""
         used = slice(0, record.hold.stop)
         return cls(
             record.time[used],
@@ -94,7 +94,7 @@ class Encoder(NamedTuple):
 
 
 class Kernel(NamedTuple):
-    """Relaxation function of the solid: k_inf, N/m, and k, N/m, and tau, s, of every arm."""
+    """Relaxation function of a model: k_inf, N/m, and k, N/m, and tau, s, of every arm."""
 
     k_inf: float
     k: FloatArray
@@ -106,10 +106,9 @@ class Kernel(NamedTuple):
 
 
 def encoder_rows(columns: FloatArray, encoder: Encoder, kernel: Kernel) -> FloatArray:
-    """Return J' delta of every independent error of one record's encoder, of unit variance.
+    """Return J' delta of every independent error of an encoder, of unit variance, shape (n, p).
 
-    A row (p,) per error. `columns` are J, or any turn of it: a row per sample, or only from some
-    sample on.
+    `columns` are J, or J times a matrix, with a row per sample, or from some sample on only.
     """
     first_row = len(encoder.time) - len(columns)
     contact = _compute_contact_row(columns, first_row, encoder, kernel)
@@ -137,7 +136,7 @@ def _compute_step_rows(
     time, readings = encoder.time, encoder.readings
     starts = np.concatenate(([0], np.flatnonzero(np.diff(readings)) + 1))
     ends = np.concatenate((starts[1:], [len(readings)]))
-    is_rest = ends - starts > _REST * len(readings)
+    is_rest = ends - starts > _LEAST_REST * len(readings)
     is_rest[0] = True  # all motion is measured from the first reading
     pulses = [
         _compute_pulse_row(columns, first_row, time, kernel, (int(a), int(b)))
@@ -174,13 +173,13 @@ def _compute_pulse_row(
 # Uncertainty of a solution, from residuals in order of time.
 
 
-# a fit that leaves less than this of the largest force has met the rounding of the data
+# residual over the largest force that rounding of the data leaves
 _ROUNDING = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
 class ParameterCovariance:
-    """Parameters with their covariance and its residuals.
+    """Covariance of parameters, with the residuals it was estimated from.
 
     Attributes
     ----------
@@ -204,7 +203,7 @@ class ParameterCovariance:
 
     @property
     def dof(self) -> float:
-        """Degrees of freedom left: effective residuals less parameters."""
+        """Degrees of freedom: effective number of residuals less that of parameters."""
         return self.effective - len(self.names)
 
     @property
@@ -228,29 +227,29 @@ class ParameterCovariance:
         return self.samples / self.effective
 
     def statistics(self, weights: Sequence[float]) -> Residual:
-        """Statistics of the residuals; `weights` of the records in that of Durbin and Watson."""
+        """Return statistics of the residuals; records are weighted in that of Durbin and Watson."""
         watson = [noise.durbin_watson for noise in self.noises]
         mean = float(np.average(watson, weights=weights)) if sum(weights) > 0 else 2.0
         return Residual(self.samples, self.sse, self.rms, self.kappa, mean)
 
     def standard_error(self, name: str) -> float:
-        """Return standard error of a row."""
+        """Return the standard error of a parameter."""
         row = self.names.index(name)
         return float(np.sqrt(self.covariance[row, row]))
 
 
 @dataclass(frozen=True, eq=False)
 class SolutionEstimate(ParameterCovariance):
-    """Solution with its uncertainty.
+    """Covariance of a solution.
 
     Attributes
     ----------
     solution : Solution
         The rows of `covariance` are its fixed columns, stiffnesses group by group, then ln tau.
     directions : array, shape (p, r)
-        Those that all samples know, D: D D' is the inverse of their J'J.
+        D, with D D' the inverse of J'J of all samples.
     noise_gain : float
-        How much more of the noise meets one of them than another.
+        Largest over smallest noise gain of these directions.
     """
 
     solution: Solution
@@ -295,34 +294,32 @@ def estimate_covariance(
     jacobian: Jacobian | None = None,
     series: Sequence[ResidualSeries] = (),
 ) -> SolutionEstimate:
-    """Return the solution's uncertainty from one block per record with a row per sample.
+    """Return the covariance of a solution from one block per record with a row per sample.
 
     Parameters
     ----------
     solution : Solution
     every_sample : sequence of DataBlock
     peak : float
-        The largest force, N: it sets what rounding alone leaves.
+        The largest force, N; it sets the residual by rounding.
     encoders : sequence of Encoder, optional
         Of each record, where the recorded motion is fitted.
     priors : sequence of DataBlock
-        What was known before the data.
+        Priors of nuisance parameters.
     error_rows : sequence of callable, optional
         Of each record that has no encoder, as
         :func:`~dashpot.numerics.inference.correlated_noise.sandwich` takes errors that are not
         constant in time.
     jacobian : Jacobian, optional
-        Of every sample and then of the priors, where it is known already.
-    series : sequence of Series, optional
-        The residual of each record, where its correlations are known already.
+        Of every sample and then of the priors, if computed already.
+    series : sequence of ResidualSeries, optional
+        The residual of each record, if computed already.
     """
     jacobian = jacobian or full_jacobian([*every_sample, *priors], solution)
     every_residual, every_jacobian = split_by_record(jacobian, [*every_sample, *priors])
     count = len(every_sample)
-    series, information = (
-        series or [*map(ResidualSeries, every_residual[:count])],
-        directions(every_jacobian),
-    )
+    series = series or [*map(ResidualSeries, every_residual[:count])]
+    information = directions(every_jacobian)
     noises = estimate_noises(series, information.columns[:count], peak=peak)
     error_rows = error_rows or [
         partial(encoder_rows, encoder=encoder, kernel=_build_relaxation_kernel(solution, block))
@@ -343,7 +340,7 @@ def estimate_covariance(
 def split_by_record(
     jacobian: Jacobian, every_sample: Sequence[DataBlock]
 ) -> tuple[tuple[FloatArray, ...], list[FloatArray]]:
-    """Return residuals and Jacobians, one of each per record."""
+    """Return residual and Jacobian of each record."""
     row_limits = np.cumsum([block.samples for block in every_sample])[:-1]
     return tuple(np.split(jacobian.residual, row_limits)), np.split(jacobian.matrix, row_limits)
 
@@ -368,9 +365,9 @@ def rounding_rms(peak: float) -> float:
 
 def _build_relaxation_kernel(solution: Solution, block: DataBlock) -> Kernel:
     """Return the relaxation function of one record."""
-    spring = [name for name in block.fixed_names if name.partition("@")[0] == "k_inf"]
+    spring_names = [name for name in block.fixed_names if name.partition("@")[0] == "k_inf"]
     return Kernel(
-        sum(solution.coefficient(name) for name in spring),
+        sum(solution.coefficient(name) for name in spring_names),
         solution.arms[solution.groups.index(block.arm_group)],
         solution.tau,
     )
@@ -393,19 +390,19 @@ def score_solution(
     peak: float,
     priors: Sequence[DataBlock] = (),
 ) -> Score:
-    """Judge one number of arms by BIC and by the significance of its arms.
+    """Return the score of one number of arms: its BIC, and whether all arms are significant.
 
     Parameters
     ----------
     solution : Solution
     blocks, every_sample : sequences of DataBlock
-        The compressed data, and all of it.
+        The compressed data, and the same with a row per sample.
     effective : float
         Effective number of residuals, from the largest model tried.
     peak : float
-        Largest force, N; sets what rounding alone leaves.
+        The largest force, N; it sets the residual by rounding.
     priors : sequence of DataBlock
-        What was known before the data.
+        Priors of nuisance parameters.
     """
     floor = max(solution.samples * rounding_rms(peak) ** 2, Stack(blocks).rounding_floor)
     parameters = len(solution.fixed) + solution.arms.size + solution.order
@@ -418,16 +415,16 @@ def score_solution(
         variance = (solution.sse + floor) / max(independent - parameters, 1.0)
         return _are_arms_significant(solution, information.covariance(variance * information.gram))
 
-    # if every sample counted in full and it is not significant, or if only the slowest
-    # correlation counted and it is, the sandwich between the two need not be built
-    is_clear = is_significant(solution.samples) and (
+    # the sandwich lies between full weight of every sample and the weight by the slowest
+    # correlation: it is needed only where these two disagree
+    is_significant_order = is_significant(solution.samples) and (
         is_significant(effective)
         or _are_arms_significant(
             solution,
             estimate_covariance(solution, every_sample, peak=peak, priors=priors).covariance,
         )
     )
-    return Score(solution, criterion, is_clear)
+    return Score(solution, criterion, is_significant_order)
 
 
 def _are_arms_significant(solution: Solution, covariance: FloatArray) -> bool:
@@ -440,11 +437,11 @@ def _are_arms_significant(solution: Solution, covariance: FloatArray) -> bool:
 # Profile likelihoods where standard errors are inadequate.
 
 
-# below this SE(ln tau) the likelihood is Gaussian for all that intervals need
+# below this SE(ln tau) the likelihood is Gaussian enough for intervals
 WALD_SUFFICES = 0.05
-# the widest interval that a stored profile serves; where few residuals count, so that it would
-# take evidence beyond all measure, a usual one: a wider one is open
-_WIDEST_LEVEL, _USUAL_LEVEL, _MEASURE = 0.999, 0.95, 30.0
+# confidence level that a stored profile covers; with few effective residuals, where that needs a
+# deviance above this limit, the usual level: wider intervals are then open
+_WIDEST_LEVEL, _USUAL_LEVEL, _MOST_DEVIANCE = 0.999, 0.95, 30.0
 
 
 def compute_profiles(
@@ -461,8 +458,8 @@ def compute_profiles(
         The compressed data.
     estimate : SolutionEstimate
     every_sample : sequence of DataBlock, optional
-        The data with a row per sample, in the order of time: noise as slow as the arms is then
-        counted as each profile meets it.
+        The data with a row per sample, in the order of time: the gain of correlated noise is then
+        computed along each profile.
     """
     solution = estimate.solution
     if not solution.order or estimate.dof < 1.0:
@@ -496,7 +493,7 @@ def compute_profiles(
     widest, usual = (
         t_quantile(value, estimate.dof) ** 2 for value in (_WIDEST_LEVEL, _USUAL_LEVEL)
     )
-    limit = min(widest, max(1.1 * usual, _MEASURE))
+    limit = min(widest, max(1.1 * usual, _MOST_DEVIANCE))
     results = walk_profiles(stack, solution, list(targets.values()), limit=limit)
     return tuple(Profile(name, *result) for name, result in zip(targets, results, strict=True))
 
@@ -504,7 +501,7 @@ def compute_profiles(
 def _compute_noise_gain(
     every_sample: Sequence[DataBlock], estimate: SolutionEstimate
 ) -> NoiseGain | None:
-    """Return the noise gain of each change of the model, None if it is about the same."""
+    """Return the noise gain of changes of the model; None if it is about the same for all."""
     if nearly_white(estimate.noises) or not noise_gain_differs(estimate.noise_gain):
         return None
     from dashpot.numerics.inference.correlated_noise import NoiseGain
@@ -513,7 +510,7 @@ def _compute_noise_gain(
 
 
 class _ProfileScaling:
-    """Steps and scales of profiles, so that each begins as its own covariance says."""
+    """Steps and scales of profiles, from the covariance."""
 
     def __init__(self, estimate: SolutionEstimate, noise_gain: NoiseGain | None) -> None:
         self.estimate = estimate
@@ -521,20 +518,20 @@ class _ProfileScaling:
 
     def linear(self, row: str) -> ProfileTarget:
         index = self.estimate.names.index(row)
-        return self._scale_direction(Coordinate.LINEAR, index, self._unit(index))
+        return self._scale_direction(Coordinate.LINEAR, index, self._make_unit_gradient(index))
 
     def log_tau(self, arm: int) -> ProfileTarget:
         index = self.estimate.names.index(f"ln_tau_{arm + 1}")
-        return self._scale_direction(Coordinate.LOG_TAU, arm, self._unit(index))
+        return self._scale_direction(Coordinate.LOG_TAU, arm, self._make_unit_gradient(index))
 
     def log_b(self, arm: int, row: str, k: float, *, fixed: int) -> ProfileTarget:
-        gradient = self._unit(self.estimate.names.index(f"ln_tau_{arm + 1}"))
+        gradient = self._make_unit_gradient(self.estimate.names.index(f"ln_tau_{arm + 1}"))
         index = self.estimate.names.index(row)
         gradient[index] = 1.0 / k
-        # the profile counts linear parameters, and b holds the arm's stiffness
+        # the index is that among the linear parameters, as b contains the stiffness of the arm
         return self._scale_direction(Coordinate.LOG_B, index - fixed, gradient)
 
-    def _unit(self, index: int) -> FloatArray:
+    def _make_unit_gradient(self, index: int) -> FloatArray:
         unit = np.zeros(len(self.estimate.names))
         unit[index] = 1.0
         return unit
@@ -561,10 +558,12 @@ class _ProfileScaling:
             index,
             step=max(step, 1e-9),
             scale=max(scale, 1e-300),
-            relative_gain=self._relative_gain(inverse),
+            relative_gain=self._make_relative_gain(inverse),
         )
 
-    def _relative_gain(self, first: FloatArray) -> Callable[[FloatArray, FloatArray], float] | None:
+    def _make_relative_gain(
+        self, first: FloatArray
+    ) -> Callable[[FloatArray, FloatArray], float] | None:
         noise_gain = self.noise_gain
         if noise_gain is None:
             return None
@@ -574,8 +573,8 @@ class _ProfileScaling:
 
 # Sensitivity of the parameters to unmeasured effects of the rig.
 #
-# A fit assumes an ideal rig, its errors a real one. A force c that no column of the fit has, such
-# as that of a creeping crosshead, changes its parameters by
+# A fit assumes an ideal rig; its errors include those of a real one. A force c that is no column of
+# the fit, such as that of a creeping crosshead, changes its parameters by
 #
 # .. math:: \delta\theta = (J'J)^{-1} J' c
 #
@@ -585,10 +584,10 @@ class _ProfileScaling:
 
 
 class _TestColumns(NamedTuple):
-    """One test in rows of unit noise, a column each.
+    """Design matrix of one test in units of its noise.
 
-    Derivatives by the solid's parameters and by the test's own coefficients, what was known of
-    these beforehand, and what the rig may add.
+    Columns are derivatives by the model's parameters (`solid`) and by the test's own coefficients
+    (`private`), rows of their priors, and unmeasured effects of the rig.
     """
 
     solid: FloatArray
@@ -605,17 +604,17 @@ def compute_rig_sensitivity(
     Parameters
     ----------
     relaxations : sequence of RelaxationData
-        As the solid was fitted, with the effects of their rigs (`RelaxationData.unseen`).
+        The fitted data, with the effects of their rigs (`RelaxationData.unseen`).
     solid : Solid
-        Its parameters are k_inf, every k, every ln tau, or those of a fractional solid; N/m and s.
+        Its parameters are k_inf, every k, every ln tau, or those of a fractional model; N/m and s.
     separate : bool
-        Each test has stiffnesses of its own, one test's below another's, and the relaxation times
-        are those of all.
+        Each test has its own stiffnesses, in rows one test after another; the relaxation times
+        are common.
 
     Returns
     -------
     array, shape (p, d)
-        One standard deviation a column; all are independent.
+        Each column is one standard deviation of an independent effect.
     """
     all_columns = [_evaluate_test_columns(data, solid) for data in relaxations]
     parameter_count = all_columns[0].solid.shape[1]
@@ -642,11 +641,11 @@ def compute_rig_sensitivity(
 def _evaluate_test_columns(data: RelaxationData, solid: Solid) -> _TestColumns:
     model, rig_effects = solid.maxwell, data.unseen
     log_tau = np.zeros(0) if rig_effects is None else rig_effects.log_tau
-    # arms of a fractional solid lie beyond what a record shows, too: there they are all alike
+    # arms of a fractional model beyond the range of a record have one effect at its limit
     base, arms = np.unique(
         np.clip(np.log(model.tau), *np.log(data.block.window)), return_inverse=True
     )
-    # coordinates may change from call to call: all that is compared is of one
+    # coordinates may differ between calls, so one call evaluates all columns
     evaluation = data.block.evaluate(np.concatenate((base, log_tau)))
     kinds = [kind_of(name) for name in data.block.fixed_names]
     spring = kinds.index("k_inf")
@@ -670,7 +669,7 @@ def _evaluate_test_columns(data: RelaxationData, solid: Solid) -> _TestColumns:
     if rig_effects is not None:
         unmeasured = rig_effects.columns(evaluation.fixed, evaluation.arms[:, len(base) :])
     if "drift" in kinds:
-        # of the drift itself, what the fit holds to be less than it may be
+        # the part of the drift that the prior of the fit excludes
         remaining_drift = data.terms.known["drift"].remaining_after(data.drift)
         drift = replace(data.terms, known={"drift": remaining_drift})
         unmeasured = np.hstack(
@@ -687,8 +686,8 @@ def _evaluate_test_columns(data: RelaxationData, solid: Solid) -> _TestColumns:
 def compute_clock_sensitivity(tests: Sequence[RampHold], model: GeneralizedMaxwell) -> FloatArray:
     r"""Return the change of the parameters by a delay of the force, of holds, shape (p, 1).
 
-    A hold that begins :math:`\delta` late has arms of :math:`k\,e^{\delta/\tau}`. The end of a ramp
-    is as late as the clocks are apart, and as the encoder's step leaves it.
+    A hold that begins :math:`\delta` late has arms of :math:`k\,e^{\delta/\tau}`. The error of the
+    end of a ramp is that of the clocks and of the step of the encoder.
     """
     delay_errors = [
         np.hypot(

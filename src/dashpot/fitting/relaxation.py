@@ -1,4 +1,4 @@
-"""Fit of a solid to prepared relaxation tests."""
+"""Fit of a model to prepared relaxation tests."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def check_filter_bias(test: RampHold) -> Check:
 def _compute_filter_changes(
     noise_free: RampHold, filter_: Filter, arms: int, method: Method
 ) -> dict[str, float]:
-    """Return relative change of each parameter that the filter makes; -1 where an arm is lost."""
+    """Return the relative change of each parameter by the filter; -1 where an arm is lost."""
     filtered = filter_record(noise_free, filter_)
     if method == "hold":
         # eq. 5 takes the ramp from its corners, which were found before the filter
@@ -158,7 +158,7 @@ def _compute_filter_changes(
 
 
 def _solve_parameters(record: RampHold, arms: int, method: Method) -> dict[str, float]:
-    """Return every parameter of the solid with so many arms by its name."""
+    """Return every parameter of the model with so many arms by its name."""
     obstacle = eq5_obstacle(record) if method == "hold" else None
     if obstacle is not None:
         raise FitError(obstacle)
@@ -196,7 +196,7 @@ def fit(
     shift_law: ShiftLaw = "auto",
     reference: Quantity | None = None,
 ) -> Fit:
-    r"""Fit a generalized Maxwell solid to one prepared test, or to several at once.
+    r"""Return the fit of a generalized Maxwell model to one prepared test, or to several at once.
 
     ``method="full"`` fits the response to the *recorded* motion x(t) from contact to the end of
     the hold, without the encoder's counts and noise where it shows any
@@ -307,7 +307,7 @@ def fit(
 def _build_setup(
     records: Sequence[RampHold], options: FitOptions, nuisance: Sequence[str] = NUISANCE
 ) -> FitSetup:
-    """Return the setup of the fit, if its options are consistent.
+    """Return the setup of the fit; its options are checked.
 
     Raises
     ------
@@ -347,7 +347,7 @@ def _refuse_history(records: Sequence[RampHold]) -> None:
 
 
 def _record_law_option(fit: Fit, law: RampLawAsked) -> Fit:
-    """Return a fit whose last step names the elastic law that was asked for, if one was."""
+    """Return a fit whose last step names the requested elastic law, if any."""
     if law == "auto" or not fit.steps or fit.steps[-1].name != "fit":
         return fit
     *earlier, last = fit.steps
@@ -356,7 +356,7 @@ def _record_law_option(fit: Fit, law: RampLawAsked) -> Fit:
 
 
 def refit_nearby(test: RampHold, fit: Fit) -> Fit:
-    """Return the optimum of a test from the fit of another cut of it, as a preview.
+    """Return the optimum of a test from the fit of another time range of it, as a preview.
 
     Relaxation times are descended to from those found there. Neither their number nor the law is
     asked about again, so `fit` is to be of a linear solid.
@@ -382,13 +382,11 @@ def refit_nearby(test: RampHold, fit: Fit) -> Fit:
 
 
 def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: FitOptions) -> Fit:
-    """Return the fit of a linear solid, or of a nonlinear ramp where no linear solid fits."""
-    motion, initial_fit, fractional_fit, linearity = (
-        DelayedMotion.from_records(records, setup),
-        None,
-        None,
-        None,
-    )
+    """Return the fit of a linear model, or of a nonlinear ramp where no linear model fits."""
+    motion = DelayedMotion.from_records(records, setup)
+    initial_fit = None
+    fractional_fit = None
+    linearity = None
     if setup == FitSetup("full"):
         motion, linearity = select_delayed_motion(motion, options)
         initial_fit, fractional_fit = linearity.first, linearity.element
@@ -452,7 +450,7 @@ def _build_linear_fit(
     linearity: LinearityResult | None,
     options: FitOptions,
 ) -> Fit:
-    """Return the fit of a linear solid, with everything needed to judge it."""
+    """Return the fit of a linear model, with errors, limits, band and checks."""
     records, selection = motion.holds.records, families.best
     band = informed_band(
         records,
@@ -660,7 +658,7 @@ def _make_fit_step(
 
 
 def _make_motion_steps(records: Sequence[RampHold], setup: FitSetup) -> tuple[Step, ...]:
-    """Return what was taken out of each recorded displacement before the fit answered to it."""
+    """Return the steps that denoised each recorded displacement before the fit."""
     if setup.method == "hold":
         return ()
     steps = []

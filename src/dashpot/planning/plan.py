@@ -107,10 +107,8 @@ def _format_cold_advice(
     without_repeats = next(
         e for e in alternatives if e.method == expected.method and not e.repeated
     )
-    temperatures, before = (
-        format_temperatures(expected.repeated),
-        format_relative_sd(without_repeats.loss_factor_sd),
-    )
+    temperatures = format_temperatures(expected.repeated)
+    before = format_relative_sd(without_repeats.loss_factor_sd)
     if expected.loss_factor_sd > LEAST_GAIN * without_repeats.loss_factor_sd:
         colder = "" if min(expected.repeated) < test_temperature else " Test in the cold instead."
         after = f"{format_relative_sd(expected.loss_factor_sd)} instead of {before}"

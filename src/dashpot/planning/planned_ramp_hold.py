@@ -149,10 +149,8 @@ class Bench(PlannedRamp):
         if self.machine is not None:
             sd = self.prior_sd(model)
             if several:
-                columns, sd = (
-                    np.hstack((columns, unmeasured[:, :1])),
-                    np.append(sd, _CHAMBER_WARMING_SD),
-                )
+                columns = np.hstack((columns, unmeasured[:, :1]))
+                sd = np.append(sd, _CHAMBER_WARMING_SD)
                 unmeasured = unmeasured[:, 2:]
             prior_rows = np.diag(1 / np.maximum(sd, 1e-300))
         count = columns.shape[1]

@@ -49,12 +49,12 @@ class Baseline(NamedTuple):
 
     @property
     def long_enough(self) -> bool:
-        """Five samples make a mean worth subtracting."""
+        """Whether there are enough samples for a mean."""
         return self.samples >= MIN_BASELINE
 
 
-def baseline_of(time: FloatArray, force: FloatArray) -> Baseline:
-    """Describe the samples before contact; there is at least one."""
+def estimate_baseline(time: FloatArray, force: FloatArray) -> Baseline:
+    """Return the baseline of the force from samples before contact, at least one."""
     middle, level = float(time.mean()), float(force.mean())
     t = time - middle
     power = float(t @ t)
@@ -176,42 +176,47 @@ def _search_contact(x: FloatArray, f: FloatArray, first: int) -> Contact:
     for _ in range(3):
         trials = np.linspace(low, high, 41)
         few = np.array_split(trials, min(1 + len(reading) // AT_ONCE, len(trials)))
-        sums = np.concatenate([_misfits(reading, mean, count, values, within) for values in few])
+        sums = np.concatenate(
+            [_compute_misfits(reading, mean, count, values, within) for values in few]
+        )
         i = int(np.argmin(sums))
         best = float(trials[i])
         low, high = float(trials[max(i - 2, 0)]), float(trials[min(i + 2, 40)])
-    return Contact(best, _doubt(x, f, best), first)
+    return Contact(best, _estimate_contact_error(x, f, best), first)
 
 
-def _columns(x: FloatArray, contact: FloatArray) -> FloatArray:
+def _build_contact_columns(x: FloatArray, contact: FloatArray) -> FloatArray:
     """Return what is fitted to the force, shape (trials, n, 3)."""
     pressed = np.maximum(x - contact[:, None], 0.0)
     part = pressed / np.maximum(pressed.max(axis=1, keepdims=True), 1e-300)
     return np.stack((np.ones_like(part), part, part**2), axis=2)
 
 
-def _misfits(
+def _compute_misfits(
     reading: FloatArray, mean: FloatArray, count: IndexArray, contact: FloatArray, within: float
 ) -> FloatArray:
-    """Sum of squares for each trial contact; least squares by singular values, all at once."""
+    """Return the sum of squares for each trial contact, by singular values of all at once."""
     weight = np.sqrt(count)
-    columns, force = weight[:, None] * _columns(reading, contact), weight * mean
-    basis, size, turn = np.linalg.svd(columns, full_matrices=False)
-    shown = size > 1e-10 * size[:, :1]
-    along = np.where(shown, force @ basis, 0.0)
-    r = force - np.squeeze(basis @ along[:, :, None], axis=2)
-    straight = np.sum(along / np.where(shown, size, 1.0) * turn[:, :, 1], axis=1)
+    columns, force = weight[:, None] * _build_contact_columns(reading, contact), weight * mean
+    basis, singular_values, right_vectors = np.linalg.svd(columns, full_matrices=False)
+    is_determined = singular_values > 1e-10 * singular_values[:, :1]
+    coefficients = np.where(is_determined, force @ basis, 0.0)
+    r = force - np.squeeze(basis @ coefficients[:, :, None], axis=2)
+    linear_part = np.sum(
+        coefficients / np.where(is_determined, singular_values, 1.0) * right_vectors[:, :, 1],
+        axis=1,
+    )
     # a force that falls at first contact is no contact
-    return np.asarray((np.sum(r**2, axis=1) + within) * np.where(straight >= 0, 1.0, 4.0))
+    return np.asarray((np.sum(r**2, axis=1) + within) * np.where(linear_part >= 0, 1.0, 4.0))
 
 
-def _doubt(x: FloatArray, f: FloatArray, contact: float) -> float:
+def _estimate_contact_error(x: FloatArray, f: FloatArray, contact: float) -> float:
     """Return standard error of the contact: in the Jacobian its column is the slope of the rise.
 
     Where the force starts as a square, a straight part and a shift are one: the straight
     part is then left out.
     """
-    (columns,) = _columns(x, np.array([contact]))
+    (columns,) = _build_contact_columns(x, np.array([contact]))
     solution = np.linalg.lstsq(columns, f, rcond=1e-10)[0]
     r = f - columns @ solution
     pressed = columns[:, 1]
@@ -251,7 +256,7 @@ def find_first_contact(
     least_gap: float,
     rested: bool,
 ) -> Touch:
-    """Decide whether the plate crossed air before it met the seal.
+    """Return the first contact: behind an air gap, or where the plate rested.
 
     Parameters
     ----------
@@ -260,9 +265,9 @@ def find_first_contact(
     noise : float
         N.
     rest, level : float
-        Where the plate stood before the ramp and where it is held, m.
+        Displacement before the ramp and in the hold, m.
     least_gap : float
-        Below this, m, no gap is claimed.
+        Smallest gap that is detected, m.
     rested : bool
         False if the record starts on the ramp: then at least 20 quiet samples must show the air,
         for there is no other baseline.
@@ -284,9 +289,9 @@ def find_first_contact(
 # where the plate rested and from where the force begins.
 
 
-# delays that are tried, up to so many standard deviations of what the clocks may hide
+# number of trial delays, up to so many standard deviations of the clocks
 DELAYS_TRIED, MOST_DELAY_SD = 13, 4.0
-# delays that are worse one after another: the best is behind
+# number of successive worse delays after which the search ends
 WORSE_IN_A_ROW = 2
 # arms, from this part of the ramp to so many times it, and no faster than so many samples
 DELAY_ARMS, FASTEST_ARM, SLOWEST_ARM, SAMPLES_PER_ARM = 6, 0.02, 3.0, 2.0
@@ -294,11 +299,11 @@ DELAY_ARMS, FASTEST_ARM, SLOWEST_ARM, SAMPLES_PER_ARM = 6, 0.02, 3.0, 2.0
 CORNER_ROWS = 100
 # rows that could show a delay beside its arms
 FEWEST_DELAY_ROWS = 4 * DELAY_ARMS
-# what is watched after the ramp, of its duration
-WATCHED_AFTER_RAMP = 0.5
+# span after the ramp that is fitted, over its duration
+SPAN_AFTER_RAMP = 0.5
 
 
-class Lateness(NamedTuple):
+class DelayEstimate(NamedTuple):
     """Delay of the force, s, from a first contact that fits best, with its deviance."""
 
     delay: float
@@ -312,14 +317,14 @@ def estimate_contact_delay(
     *,
     corners: tuple[float, float],
     delay_sd: float,
-) -> Lateness:
+) -> DelayEstimate:
     """Return the delay with which arms of positive stiffness follow a force best.
 
     Parameters
     ----------
     time, pressed, force : array, shape (n,)
-        From the rest before a ramp to `AFTER` of it later: s, the compression from the contact that
-        is asked about, m, and N.
+        From the rest before a ramp to `SPAN_AFTER_RAMP` of it later: s, the compression from the
+        trial contact, m, and N.
     corners : (float, float)
         Begin and end of the ramp, s.
     delay_sd : float
@@ -327,32 +332,34 @@ def estimate_contact_delay(
 
     Returns
     -------
-    Lateness
-        No delay, of no deviance, where the ramp has too few rows to show one.
+    DelayEstimate
+        No delay, with a deviance of 0, where the ramp has too few rows to show one.
     """
     rows = _select_delay_rows(time, corners, MOST_DELAY_SD * delay_sd)
     if len(rows) < FEWEST_DELAY_ROWS:
-        return Lateness(0.0, 0.0)
+        return DelayEstimate(0.0, 0.0)
     ramp, step = corners[1] - corners[0], median(np.diff(time[rows]))
     fastest = max(FASTEST_ARM * ramp, SAMPLES_PER_ARM * step)
     tau = np.geomspace(fastest, max(SLOWEST_ARM * ramp, 2 * fastest), DELAY_ARMS)
-    answers = [pressed, *arm_response(time, pressed, tau).T]
-    target, must = force[rows], np.append(False, np.ones(len(answers), dtype=bool))
-    best, risen = Lateness(0.0, np.inf), 0
+    responses = [pressed, *arm_response(time, pressed, tau).T]
+    target, is_nonnegative = force[rows], np.append(False, np.ones(len(responses), dtype=bool))
+    best, worse_count = DelayEstimate(0.0, np.inf), 0
     for delay in np.linspace(0.0, MOST_DELAY_SD * delay_sd, DELAYS_TRIED).tolist():
-        columns = [np.interp(time[rows] - delay, time, answer) for answer in answers]
+        columns = [np.interp(time[rows] - delay, time, response) for response in responses]
         design = np.column_stack((np.ones(len(rows)), *columns))
-        residual = target - design @ solve_linear(design, target, must)[0]
+        residual = target - design @ solve_linear(design, target, is_nonnegative)[0]
         misfit = len(rows) * float(np.log(max(float(residual @ residual), 1e-300)))
-        tried = Lateness(delay, misfit + (delay / delay_sd) ** 2)
-        best, risen = (tried, 0) if tried.deviance < best.deviance else (best, risen + 1)
-        if risen == WORSE_IN_A_ROW:
+        trial = DelayEstimate(delay, misfit + (delay / delay_sd) ** 2)
+        best, worse_count = (
+            (trial, 0) if trial.deviance < best.deviance else (best, worse_count + 1)
+        )
+        if worse_count == WORSE_IN_A_ROW:
             break
     return best
 
 
 def _select_delay_rows(time: FloatArray, corners: tuple[float, float], near: float) -> IndexArray:
-    """Some rows: all near the corners of the ramp, if they are few, and fewer elsewhere."""
+    """Return rows of a fit of the delay: near the corners of the ramp, and fewer elsewhere."""
     begin, end = corners
     chosen = []
     for low, high in (

@@ -238,7 +238,7 @@ def build_motion_from_times(
     return replace(motion, stop=last, segments=segments)
 
 
-def from_contact(
+def follow_contact(
     test: RelaxationTest, motion: PlateMotion, contact: float, *, doubt: float
 ) -> PlateMotion:
     """Return the motion without the ramps that end in air, before `contact` less `doubt`, m."""
@@ -257,7 +257,7 @@ def from_contact(
     return replace(plate_motion, stop=motion.stop, segments=motion.segments)
 
 
-def first_press(
+def find_first_press(
     test: RelaxationTest, motion: PlateMotion, force: FloatArray, *, least: float
 ) -> PlateMotion | None:
     """Return the motion of the first loading that raised the force, if it is before that used.
@@ -285,7 +285,7 @@ def first_press(
     return None
 
 
-def presses_before(motion: PlateMotion) -> tuple[MotionSegment, ...]:
+def list_earlier_presses(motion: PlateMotion) -> tuple[MotionSegment, ...]:
     """Return every move towards the seal before the loading that is used."""
     return tuple(
         part for part in motion.segments if part.last <= motion.start and part.kind == "load"

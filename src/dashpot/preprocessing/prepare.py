@@ -22,11 +22,11 @@ from dashpot.preprocessing import checks
 from dashpot.preprocessing.contact import (
     MIN_BASELINE,
     MOST_DELAY_SD,
-    WATCHED_AFTER_RAMP,
+    SPAN_AFTER_RAMP,
     Baseline,
-    Lateness,
+    DelayEstimate,
     Touch,
-    baseline_of,
+    estimate_baseline,
     estimate_contact_delay,
     find_first_contact,
     subtract_tare,
@@ -37,10 +37,10 @@ from dashpot.preprocessing.plate_motion import (
     PlateMotion,
     begins_with_release,
     build_motion_from_times,
+    find_first_press,
     find_motion,
-    first_press,
-    from_contact,
-    presses_before,
+    follow_contact,
+    list_earlier_presses,
 )
 from dashpot.preprocessing.signal_conditioning import (
     decimate,
@@ -78,27 +78,25 @@ def prepare(
     machine: Machine | None = None,
     judged: bool = True,
 ) -> RampHold:
-    r"""Return a test with its ramp and hold found, tared and counted from first contact.
+    r"""Return the ramp and hold of a test: tared, compression counted from first contact.
 
-    What the machine is known to add, such as its deflection or hum, is taken off.
-
-    Everything is read from the record: which way is compression, where the displacement
-    ramps and rests, where the force leaves its baseline. What was done is kept in ``steps``,
-    what deserves a second look in ``checks``. Nothing is filtered unless asked for.
+    The record shows the direction of compression, the ramp, the hold and the baseline of the
+    force. Known effects of the machine, such as its deflection and hum, are subtracted. ``steps``
+    lists what was done, ``checks`` what needs attention. Nothing is filtered by default.
 
     The ramp is the straight line through its middle, extended to contact and to the held
-    depth: the equal-speed ramp of eq. 5 with the lag of the axis taken out. The displacement
-    itself is kept as recorded, lag, overshoot and all, for the full-history fit.
+    depth: the ramp of constant speed of eq. 5, without the lag of the axis. The displacement
+    itself stays as recorded, with lag and overshoot, for the fit of the full history.
 
     Parameters
     ----------
     test : RelaxationTest
         As recorded. It is not changed.
     sign : {1, -1}, optional
-        1 keeps the signs of both channels, -1 turns both; by default each is turned so that
-        the ramp compresses and the force answers.
+        1 keeps the signs of both channels, -1 changes both; by default displacement and force
+        both rise with compression.
     contact : float, optional
-        Displacement at first contact, m, as the record counts it; found by default.
+        Displacement at first contact, m, in the coordinates of the record; found by default.
     onset, ramp_end, hold_end : float, optional
         Seconds on the clock of the record; found by default. With all three given the
         displacement is not searched for ramps.
@@ -107,14 +105,14 @@ def prepare(
         the one with the longest hold.
     filter : str, optional
         ``"lowpass:10Hz"``, ``"notch:50Hz"`` (zero phase; with ``":causal"`` not) or
-        ``"median:5"``. The fit predicts the bias it brings, and reports it.
+        ``"median:5"``. The fit predicts and reports the bias of the filter.
     drift : float or "baseline", optional
-        Drift of the load cell to take off, N/s, or the slope of the baseline. By default none
-        is taken off: the full-history fit estimates it.
+        Drift of the load cell to subtract, N/s, or the slope of the baseline. By default none:
+        the fit of the full history estimates it.
     force_range : float, optional
-        Full scale of the load cell, N, to say how much of it the test used.
+        Full scale of the load cell, N, for the check of the range used.
     machine : Machine, optional
-        What is known of the machine: clocks, drift, compliance, a filter in the force channel.
+        Known properties: clocks, drift, compliance, a filter in the force channel.
     judged : bool
         False leaves ``checks`` empty; a record that no fit can use is refused all the same.
 
@@ -124,11 +122,9 @@ def prepare(
         If there is no ramp, no hold, a force on both sides of zero, a saturated or an
         unresolved force, or times out of order.
     """
-    contact, onset, ramp_end = (
-        convert_to_si(contact, "length"),
-        convert_to_si(onset, "time"),
-        convert_to_si(ramp_end, "time"),
-    )
+    contact = convert_to_si(contact, "length")
+    onset = convert_to_si(onset, "time")
+    ramp_end = convert_to_si(ramp_end, "time")
     hold_end, force_range = convert_to_si(hold_end, "time"), convert_to_si(force_range, "force")
     where = test.source.file if test.source is not None else "the record"
     parsed_filter = None if filter is None else parse_filter(filter)
@@ -152,9 +148,9 @@ def prepare(
         _find_contact, test.time, x, despiked_force, provided=contact, delay_sd=delay_sd
     )
     baseline, touch = find_contact(motion, least_gap=least_gap)
-    contact_motion = from_contact(test, motion, touch.displacement, doubt=least_gap)
+    contact_motion = follow_contact(test, motion, touch.displacement, doubt=least_gap)
     if contact_motion is not motion:
-        # the plate was first moved through air: the ramp that meets the seal is the first
+        # the plate was first moved through air: the ramp that touches the seal is the first
         motion = contact_motion
         least_gap = _compute_least_gap(encoder_step, motion)
         baseline, touch = find_contact(motion, least_gap=least_gap)
@@ -168,7 +164,7 @@ def prepare(
     record = _build_record(
         test, x, force, motion, touch, times=times, encoder_step=encoder_step, earlier=earlier
     )
-    # of a long record every channel weighs: these are not needed beside its spectrum
+    # frees the memory of a long record before its spectrum is computed
     del despiked_force, find_contact, x, force
     record = _subtract_hum(record)
     rise = _compute_force_rise(
@@ -202,7 +198,7 @@ def prepare(
                 motion.index,
                 motion.cycles,
                 requested=cycle is not None,
-                before=presses_before(motion),
+                before=list_earlier_presses(motion),
             ),
             checks.baseline_recorded(baseline),
             checks.contact_found(touch, record.depth, provided=contact is not None),
@@ -239,7 +235,7 @@ def prepare(
         *hum_step(record.hum),
     ]
     if history is not None:
-        steps.append(_make_history_step(record, history, len(presses_before(motion))))
+        steps.append(_make_history_step(record, history, len(list_earlier_presses(motion))))
     record = decimate(replace_notes(record, steps=tuple(steps), checks=tuple(all_checks)))
     return record if parsed_filter is None else filter_record(record, parsed_filter)
 
@@ -250,7 +246,7 @@ def _check_history(
     earlier: _EarlierLoading | None,
     history: EarlierLoadings | None,
 ) -> list[Check]:
-    """Return the checks of what came before the loading that is fitted, if anything did."""
+    """Return the checks of the loadings before the fitted one, if there are any."""
     begins_loaded = begins_with_release(motion)
     if history is not None and earlier is not None:
         return checks.history_checks(record, history, earlier.last_touch, pressed=begins_loaded)
@@ -268,11 +264,11 @@ class _EarlierLoading(NamedTuple):
     touch : Touch
         First contact of the first loading: the zero of compression.
     last_touch : Touch
-        Where the plate met the seal in the loading that is fitted.
+        First contact in the fitted loading.
     baseline : Baseline
         Of the force while the seal was free.
     is_bonded : bool
-        The seal pulls at a plate that goes back.
+        The seal pulls at a plate that retracts.
     first_sample : int
         The first sample after first contact.
     """
@@ -295,16 +291,16 @@ def _find_earlier_loading(
 ) -> _EarlierLoading | None:
     """Return contact and baseline of earlier loadings; None if none pressed the seal."""
     last_baseline, touch = last
-    if not presses_before(motion):
+    if not list_earlier_presses(motion):
         return None
     peak = float(np.ptp(force[motion.start : motion.stop + 1]))
     hold_samples = slice(motion.cycle.hold.first, motion.stop + 1)
     noise = scatter(test.time[hold_samples], force[hold_samples])
     least_force = max(8 * noise, LEAST_FORCE_RISE * peak)
-    first_motion = first_press(test, motion, force, least=least_force)
+    first_motion = find_first_press(test, motion, force, least=least_force)
     if first_motion is None:
         return None
-    # of the depth that is fitted: what is too small for it is none of a shallow press
+    # by the depth of the fitted loading: a smaller gap is none of a shallow press
     gap = _compute_least_gap(test.displacement_quantum, motion)
     baseline, first_touch = find_contact(first_motion, least_gap=gap)
     first_sample = (
@@ -324,7 +320,7 @@ def _find_earlier_loading(
     )
     if pulls_back:
         return _EarlierLoading(first_touch, Touch(motion.rest, 0.0), baseline, True, first_sample)
-    # in air the force is zero now; on the seal it was before all
+    # lifted off, the force is zero before the last loading; on the seal before the first
     is_lifted = touch.gap > 0 and last_baseline.long_enough
     return _EarlierLoading(
         first_touch,
@@ -359,7 +355,7 @@ def _find_plate_motion(
             test, onset=onset, ramp_end=ramp_end, hold_end=hold_end, sign=sign
         )
     if hold_end is not None:
-        # what comes after a given end is not there
+        # samples after a stated end are ignored
         sample_count = int(np.searchsorted(test.time, hold_end, side="right"))
         if sample_count < 8:
             raise DataError(
@@ -375,7 +371,7 @@ def _find_plate_motion(
 
 
 def _select_times(time: FloatArray, motion: PlateMotion, hold_end: float | None) -> FloatArray:
-    """Return the times whose sampling is checked: of the loading, or up to a given hold end."""
+    """Return the times whose sampling is checked: of the loading, or up to a stated hold end."""
     if len(motion.cycles) > 1:
         return time[motion.start : motion.stop + 1]
     return time if hold_end is None else time[time <= hold_end]
@@ -383,10 +379,8 @@ def _select_times(time: FloatArray, motion: PlateMotion, hold_end: float | None)
 
 def _compute_force_changes(force: FloatArray, motion: PlateMotion) -> tuple[float, float]:
     """Return the largest change of the force in the ramps, and its change in the hold."""
-    ramp_force, hold_force = (
-        force[motion.start : motion.cycle.hold.first + 1],
-        force[: motion.stop + 1],
-    )
+    ramp_force = force[motion.start : motion.cycle.hold.first + 1]
+    hold_force = force[: motion.stop + 1]
     first = median(force[motion.start : motion.departure + 1])
     extreme = float(ramp_force[np.argmax(np.abs(ramp_force - first))])
     last = median(hold_force[-max((motion.stop - motion.cycle.hold.first) // 10, 1) :])
@@ -413,7 +407,7 @@ def _find_contact(
 ) -> tuple[Baseline, Touch]:
     """Return the baseline before first contact, and first contact."""
     rest_samples = slice(motion.start, motion.departure + 1)
-    baseline = baseline_of(time[rest_samples], force[rest_samples])
+    baseline = estimate_baseline(time[rest_samples], force[rest_samples])
     if provided is not None:
         contact_displacement = motion.sign * provided
         if contact_displacement >= motion.cycle.hold.level:
@@ -448,7 +442,7 @@ def _find_contact(
         quiet_samples = slice(
             motion.start, max(motion.start + int(np.argmax(approach)), rest_samples.stop)
         )
-        baseline = baseline_of(time[quiet_samples], force[quiet_samples])
+        baseline = estimate_baseline(time[quiet_samples], force[quiet_samples])
     return baseline, touch
 
 
@@ -468,35 +462,35 @@ def _correct_delayed_contact(
     ramp_corners = motion.line.time_of(motion.rest), motion.line.time_of(motion.level)
     stop = int(
         np.searchsorted(
-            time, ramp_corners[1] + WATCHED_AFTER_RAMP * (ramp_corners[1] - ramp_corners[0])
+            time, ramp_corners[1] + SPAN_AFTER_RAMP * (ramp_corners[1] - ramp_corners[0])
         )
     )
     stop = min(stop, motion.stop + 1)
     selected = slice(motion.start, stop, max(1, (stop - motion.start) // MAX_DELAY_SAMPLES))
 
-    def estimate_delay(contact: float) -> Lateness:
+    def estimate_delay(contact: float) -> DelayEstimate:
         pressed = np.maximum(x[selected] - contact, 0.0)
         return estimate_contact_delay(
             time[selected], pressed, force[selected], corners=ramp_corners, delay_sd=delay_sd
         )
 
-    best, lateness = touch, estimate_delay(touch.displacement)
+    best, delay_estimate = touch, estimate_delay(touch.displacement)
     if touch.gap <= MOST_DELAY_SD * delay_sd * motion.line.speed:
         at_rest = estimate_delay(motion.rest)
-        if at_rest.deviance < lateness.deviance - LEAST_DEVIANCE_GAIN:
-            best, lateness = Touch(motion.rest, 0.0), at_rest
-    for _ in range(MAX_ITERATIONS if lateness.delay else 0):
+        if at_rest.deviance < delay_estimate.deviance - LEAST_DEVIANCE_GAIN:
+            best, delay_estimate = Touch(motion.rest, 0.0), at_rest
+    for _ in range(MAX_ITERATIONS if delay_estimate.delay else 0):
         # the plate as it was when the force that is read was felt
-        touch = find_touch(np.interp(time - lateness.delay, time, x))
-        new_lateness = estimate_delay(touch.displacement)
-        if new_lateness.deviance > lateness.deviance - LEAST_DEVIANCE_GAIN:
+        touch = find_touch(np.interp(time - delay_estimate.delay, time, x))
+        new_estimate = estimate_delay(touch.displacement)
+        if new_estimate.deviance > delay_estimate.deviance - LEAST_DEVIANCE_GAIN:
             break
-        best, lateness = touch, new_lateness
+        best, delay_estimate = touch, new_estimate
     return best
 
 
 def _compute_least_gap(encoder_step: float, motion: PlateMotion) -> float:
-    """Return the smallest air gap worth telling from none, m."""
+    """Return the smallest air gap that is distinguished from none, m."""
     return max(2 * encoder_step, 0.005 * (motion.cycle.hold.level - motion.rest))
 
 
@@ -508,20 +502,20 @@ def _determine_phase_times(
     provided: tuple[float | None, float | None, float | None],
 ) -> tuple[float, float, float]:
     onset, ramp_end, hold_end = provided
-    last = float(time[motion.stop])
+    last_time = float(time[motion.stop])
     if onset is None:
         onset = max(
             _snap_to_sample(motion.line.time_of(touch.displacement), time, step), float(time[0])
         )
     if ramp_end is None:
         ramp_end = _snap_to_sample(motion.line.time_of(motion.level), time, step)
-    return onset, ramp_end, last if hold_end is None else min(hold_end, last)
+    return onset, ramp_end, last_time if hold_end is None else min(hold_end, last_time)
 
 
-def _snap_to_sample(moment: float, time: FloatArray, step: float) -> float:
-    """Return the sample time that a moment equals but for rounding, else the moment."""
-    i = int(np.argmin(np.abs(time - moment)))
-    return float(time[i]) if abs(time[i] - moment) < 1e-6 * step else moment
+def _snap_to_sample(instant: float, time: FloatArray, step: float) -> float:
+    """Return the sample time that an instant equals within rounding, else the instant."""
+    i = int(np.argmin(np.abs(time - instant)))
+    return float(time[i]) if abs(time[i] - instant) < 1e-6 * step else instant
 
 
 def _build_record(
@@ -545,7 +539,7 @@ def _build_record(
     if earlier is None:
         span = slice(motion.start, motion.stop + 1)
         compression = np.maximum(x - touch.displacement, 0.0)
-        # before the plate departs, whatever the encoder shows is scatter
+        # before the plate moves, the encoder shows scatter only
         if touch.gap >= 0:
             compression[: motion.departure + 1] = 0.0
     else:
@@ -588,7 +582,7 @@ def _build_record(
 
 
 def _set_broadband_noise(record: RampHold) -> RampHold:
-    """Return the record with the noise beside the spectral lines that force and plate share.
+    """Return the record with its noise without the spectral lines common to force and plate.
 
     Such lines are motion and its response, not noise.
     """
@@ -629,7 +623,7 @@ def _subtract_hum(record: RampHold) -> RampHold:
 
 
 def _time_average(time: FloatArray, values: FloatArray) -> float:
-    """Return mean over time, whatever the sampling."""
+    """Return the mean over time, by the trapezoidal rule."""
     steps = np.diff(time)
     return float(steps @ (values[1:] + values[:-1]) / (2 * steps.sum()))
 
@@ -641,7 +635,7 @@ def _compute_force_rise(
     loaded_force = record.force[np.searchsorted(record.time, record.onset) :]
     start = 0.0 if baseline.long_enough else float(record.force[0])
     loaded_force = median_of_three(loaded_force) if len(loaded_force) > 50 else loaded_force
-    peak, least = float(loaded_force.max()) - start, float(loaded_force.min()) - start
+    peak, minimum = float(loaded_force.max()) - start, float(loaded_force.min()) - start
     if peak <= 8 * record.force_noise:
         raise DataError(
             f"{where}: the force does not rise while the plate presses (by "
@@ -650,17 +644,17 @@ def _compute_force_rise(
             "unit and "
             "the sign"
         )
-    if baseline.long_enough and not may_pull and least < -max(8 * record.force_noise, 0.1 * peak):
+    if baseline.long_enough and not may_pull and minimum < -max(8 * record.force_noise, 0.1 * peak):
         raise DataError(
             f"{where}: the force has mixed signs: between onset and hold end it rises to "
-            f"{peak:.4g} N above its baseline and falls to {-least:.4g} N below it; a pressed seal "
-            "only pushes. Check the tare, the sign and the columns, or cut the file before that"
+            f"{peak:.4g} N above its baseline and falls to {-minimum:.4g} N below it; a pressed "
+            "seal only pushes. Check the tare, the sign and the columns, or cut the file before it"
         )
     return peak
 
 
 def _compute_preload(record: RampHold, baseline: Baseline, touch: Touch, rise: float) -> float:
-    """Return what the load cell carries at the start in contact; an air gap carries nothing."""
+    """Return the force at the start, in contact, N; 0 behind an air gap."""
     if touch.gap > 0:
         return 0.0
     if baseline.long_enough:
@@ -672,7 +666,7 @@ def _compute_preload(record: RampHold, baseline: Baseline, touch: Touch, rise: f
 def _calibrate_record(
     test: RelaxationTest, calibration: MachineCalibration | None
 ) -> RelaxationTest:
-    """Return a test without the gain and the delay that blank tests measured."""
+    """Return a test corrected for the gain and delay that blank tests measured."""
     if calibration is None:
         return test
     displacement = np.interp(test.time - calibration.delay, test.time, test.displacement)
@@ -680,10 +674,10 @@ def _calibrate_record(
 
 
 def _subtract_machine_deflection(record: RampHold, preload: float, machine: Machine) -> RampHold:
-    """Return the record with the deflection C F of the machine off displacement and depth."""
+    """Return the record with the deflection C F of the machine subtracted."""
     calibration, settling = machine.calibration, 0.0
     if calibration is not None:
-        # a depth is known no better than its contact
+        # the error of the contact is an error of the depth
         error = float(np.hypot(calibration.gain_error, record.contact_error / record.depth))
         machine = replace(machine, calibration=replace(calibration, gain_error=error))
         settling = calibration.settling
@@ -720,10 +714,10 @@ def _subtract_machine_deflection(record: RampHold, preload: float, machine: Mach
 
 def _make_history_step(record: RampHold, history: EarlierLoadings, count: int) -> Step:
     surface_text = (
-        "the seal is bonded, or the plate never left it: it moves as the plate does"
+        "the seal is bonded, or the plate never left it, so its face moves with the plate"
         if record.plate is None
-        else "where the plate is away the seal recovers under no force, as a solid of "
-        f"{history.arms} arm{'s' * (history.arms != 1)} does"
+        else "without contact the seal recovers under no force, as a model of "
+        f"{history.arms} arm{'s' * (history.arms != 1)}"
     )
     loadings = f"{count} earlier loading{'s' * (count != 1)}"
     message = f"{loadings} followed from the first sample on; {surface_text}"
@@ -732,7 +726,7 @@ def _make_history_step(record: RampHold, history: EarlierLoadings, count: int) -
 
 def _make_machine_steps(machine: Machine) -> tuple[Step, ...]:
     """Return the step that states the values of the machine and their use."""
-    done = (
+    effects = (
         ("sync_s", machine.sync, "clocks known to {:.4g} s"),
         ("drift_n_per_s", machine.drift, "load cell that drifts by {:.4g} N/s (one SD)"),
         ("compliance_m_per_n", machine.compliance or None,
@@ -742,7 +736,7 @@ def _make_machine_steps(machine: Machine) -> tuple[Step, ...]:
         ("force_filter_hz", machine.force_filter,
          "force behind a first-order low-pass of {:.4g} Hz, which the fit's motion passes too"),
     )  # fmt: skip
-    stated = [(name, value, words) for name, value, words in done if value is not None]
+    stated = [(name, value, words) for name, value, words in effects if value is not None]
     if not stated:
         return ()
     message = "; ".join(words.format(value) for _, value, words in stated)

@@ -46,7 +46,7 @@ ORDER = ("good", "note", "care", "bad")
 
 
 class Light(NamedTuple):
-    """One of the three lights: its mark, and two or three words."""
+    """One of the three lights of the first screen: its mark and a short text."""
 
     name: str
     mark: str
@@ -95,33 +95,33 @@ def mark_of(checks: Iterable[Check]) -> str:
     return max(marks, key=ORDER.index, default="good")
 
 
-def tally(checks: Iterable[Check], weighed: Collection[Check]) -> tuple[str, str]:
-    """Return the mark of some checks, and how many of those judged passed.
+def tally(checks: Iterable[Check], verdict_checks: Collection[Check]) -> tuple[str, str]:
+    """Return the mark of some checks, and how many of the judged ones passed.
 
     What the verdict does not weigh, for the joint fit has mended it, is a note.
     """
-    checked_checks = [check for check in checks if check.passed is not None]
-    if not checked_checks:
+    judged = [check for check in checks if check.passed is not None]
+    if not judged:
         return "note", "not applicable"
-    failed = [check for check in checked_checks if check.failed]
+    failed = [check for check in judged if check.failed]
     notes = sum(check.grade == "note" for check in failed)
-    text = f"{len(checked_checks) - len(failed)} of {len(checked_checks)}"
+    text = f"{len(judged) - len(failed)} of {len(judged)}"
     if notes and notes == len(failed):
         text += f", {format_count(notes, 'note')}"
-    heavy = mark_of(check for check in checked_checks if check in weighed)
-    return ("note" if failed and heavy == "good" else heavy), text
+    mark = mark_of(check for check in judged if check in verdict_checks)
+    return ("note" if failed and mark == "good" else mark), text
 
 
 def lights(study: Study, recommendation: Recommendation) -> tuple[Light, Light, Light]:
-    """Return whether the test is sound, and whether the hammer bears out stiffness and damping.
+    """Return the lights of the test, and of stiffness and damping against the hammer.
 
     Those of the joint solid if it is recommended, else those of the relaxation test alone: a joint
     fit that failed agrees with the hammer for the wrong reason.
     """
     hammer = () if study.measured is None else study.measured.checks
     test = test_light((*study.fit.checks, *hammer))
-    held = study.joint_comparison if recommendation.joint else study.comparison
-    if held is None:
+    comparison = study.joint_comparison if recommendation.joint else study.comparison
+    if comparison is None:
         untested = "no hammer test"
         return (
             test,
@@ -130,29 +130,31 @@ def lights(study: Study, recommendation: Recommendation) -> tuple[Light, Light, 
         )
     return (
         test,
-        _stiffness_light(study, recommendation, held),
-        _light(
+        _make_stiffness_light(study, recommendation, comparison),
+        _make_light(
             "Damping",
-            held,
+            comparison,
             {"peak_agrees", "damping_agrees"},
-            f"{decibels(held.ratio_db)} at the peak",
+            f"{decibels(comparison.ratio_db)} at the peak",
         ),
     )
 
 
-def _stiffness_light(study: Study, recommendation: Recommendation, held: Comparison) -> Light:
-    """Whether the stiffness is that of the hammer, K' = m w^2 / n at its peak, and of the test.
+def _make_stiffness_light(
+    study: Study, recommendation: Recommendation, comparison: Comparison
+) -> Light:
+    """Return the light of the stiffness, against the hammer (K' = m w^2 / n at its peak) and test.
 
     A joint fit peaks where the hammer does with any mass. So its stiffness is held against the
     limits of the relaxation test, and its disagreement with either test is heeded.
     """
-    checks = [check for check in held.checks if check.name == "stiffness_agrees"]
+    checks = [check for check in comparison.checks if check.name == "stiffness_agrees"]
     if recommendation.joint and study.joint is not None:
-        checks += [check for check in study.joint.checks if check.name in _STIFF]
+        checks += [check for check in study.joint.checks if check.name in _STIFFNESS_CHECKS]
     mark = mark_of(checks)
-    seen = _storage_at_peak(study, recommendation)
+    seen = _compare_storage_at_peak(study, recommendation)
     if seen is None:
-        text = f"{percent(held.frequency_error)} in frequency"
+        text = f"{percent(comparison.frequency_error)} in frequency"
     else:
         off = max(seen.off, default=0.0)
         worst = "bad" if off > 2 * STORAGE_LIMIT else "care" if off > 0 else "good"
@@ -163,15 +165,15 @@ def _stiffness_light(study: Study, recommendation: Recommendation, held: Compari
         )
         other = f"test {' to '.join(ends)}" if max(seen.off[1:], default=0.0) else f"hammer {there}"
         text = f"K\N{PRIME}{NBSP}{here}, {other}{NBSP}N/mm"
-    return Light("Stiffness", mark, f"{'agrees' if mark in _FINE else 'misses'}, {text}")
+    return Light("Stiffness", mark, f"{'agrees' if mark in _PASSED_MARKS else 'misses'}, {text}")
 
 
-_STIFF = {"tests_agree", "stiffness_plausible", "mass_plausible"}
-_FINE = {"good", "note"}
+_STIFFNESS_CHECKS = {"tests_agree", "stiffness_plausible", "mass_plausible"}
+_PASSED_MARKS = {"good", "note"}
 
 
-class _Storage(NamedTuple):
-    """K' of one seal under the hammer at its peak, N/m: of the solid shown, and measured.
+class _StorageAtPeak(NamedTuple):
+    """K' of one seal under the hammer at its peak, N/m: of the model shown, and measured.
 
     `off` is how far the one lies from the other, and the measured one beyond the limits of the
     relaxation test, relative; 0 within the errors.
@@ -183,8 +185,8 @@ class _Storage(NamedTuple):
     test: tuple[float, ...] = ()
 
 
-def _storage_at_peak(study: Study, recommendation: Recommendation) -> _Storage | None:
-    """Return what the solid and the hammer say of K' at the peak; None where a mass was found."""
+def _compare_storage_at_peak(study: Study, recommendation: Recommendation) -> _StorageAtPeak | None:
+    """Return K' at the peak by model and hammer; None where the mass was inferred."""
     direct, held = study.direct, study.comparison
     if direct is None or held is None or study.mass_inferred or not len(direct.frequency):
         return None
@@ -212,51 +214,51 @@ def _storage_at_peak(study: Study, recommendation: Recommendation) -> _Storage |
         )
         off.append(_compute_excess(hammer, low - error, high + error))
         off.append(_compute_excess(model, low - error, high + error))
-    return _Storage(model, hammer, tuple(off), test)
+    return _StorageAtPeak(model, hammer, tuple(off), test)
 
 
 def _compute_excess(value: float, low: float, high: float) -> float:
-    """Return how far a value lies beyond two ends, relative to the nearer one; 0 between them."""
+    """Return the relative distance of a value from an interval; 0 inside."""
     return max(low - value, value - high, 0.0) / max(abs(low if value < low else high), 1e-300)
 
 
 def test_light(checks: Iterable[Check]) -> Light:
-    """Return whether the test is sound, by what it was asked."""
+    """Return the light of a test by its checks."""
     mark = mark_of(checks)
     message = {"good": "valid", "note": "valid, with notes", "care": "limited", "bad": "not valid"}
     return Light("Test", mark, message[mark])
 
 
-def _light(name: str, held: Comparison, requested: set[str], off: str) -> Light:
-    mark = mark_of(check for check in held.checks if check.name in requested)
+def _make_light(name: str, comparison: Comparison, requested: set[str], difference: str) -> Light:
+    mark = mark_of(check for check in comparison.checks if check.name in requested)
     text = "agrees" if mark in {"good", "note"} else "misses"
-    return Light(name, mark, f"{text}, {off}")
+    return Light(name, mark, f"{text}, {difference}")
 
 
 # -- numbers --------------------------------------------------------------------------------------
 
 
 def heading(recommendation: Recommendation) -> str:
-    """Return which solid to take, or that none is recommended."""
+    """Return the heading that names the recommended model, or says that there is none."""
     if not recommendation.recommended:
         return "No model is recommended"
     return f"Recommended: {source(recommendation)}, {get_model_label(recommendation.solid)}"
 
 
 def source(recommendation: Recommendation) -> str:
-    """Return what the solid is called, by the data that it comes from."""
+    """Return the name of the model by the data that it was fitted to."""
     return "joint model" if recommendation.joint else "model of the relaxation test"
 
 
 def solid_heading(recommendation: Recommendation) -> str:
-    """Return the heading of the table of the solid's parameters."""
+    """Return the heading of the table of parameters."""
     if not recommendation.recommended:
         return "Model of the relaxation test, not recommended, one seal"
     return f"The recommended {source(recommendation)}, one seal"
 
 
 def band_row(recommendation: Recommendation) -> Row:
-    """Return the frequencies that the solid is known at."""
+    """Return the row of the valid band."""
     low, high = (round_to_error(end, digits=2) for end in recommendation.solid.band)
     return Row("Valid band", "", low, high, "Hz", "", bound=False)
 
@@ -265,8 +267,8 @@ def under_mass(study: Study, recommendation: Recommendation) -> tuple[str, tuple
     """Return the values of the mass on its seals; nothing without a mass."""
     if study.mass is None or not recommendation.under_mass:
         return "", ()
-    weight, seals = format_with_error(study.mass, "g", digits=4), study.seals
-    text = f"{weight} on {number_format.seals(seals)}"
+    mass, seals = format_with_error(study.mass, "g", digits=4), study.seals
+    text = f"{mass} on {number_format.seals(seals)}"
     if study.mass_inferred:
         text += ", the mass found from the FRF"
     elif not recommendation.recommended:
@@ -275,16 +277,18 @@ def under_mass(study: Study, recommendation: Recommendation) -> tuple[str, tuple
 
 
 def rows(answers: Iterable[Answer]) -> tuple[Row, ...]:
-    """Numbers to as many digits as their ends know."""
-    return tuple(_row(answer) for answer in answers)
+    """Return rows of the table, with digits by the intervals."""
+    return tuple(_format_row(answer) for answer in answers)
 
 
-def _row(answer: Answer) -> Row:
+def _format_row(answer: Answer) -> Row:
     measured = "" if answer.measured_fact is None else answer.measured_fact.cells.value
-    return Row(_name(answer), *answer.fact.cell_texts, answer.fact.word, measured, answer.bound)
+    return Row(
+        _format_name(answer), *answer.fact.cell_texts, answer.fact.word, measured, answer.bound
+    )
 
 
-def _name(answer: Answer) -> str:
+def _format_name(answer: Answer) -> str:
     where = "" if answer.at is None else f"{round_to_error(answer.at)}{NBSP}Hz"
     return {
         "frequency": "Peak frequency",
@@ -314,18 +318,20 @@ def files(
     solid, about = fits.pop(name)
     label = "Download this model" if recommendation.recommended else "Download anyway"
     made = [
-        _json(name, label, about if recommendation.recommended else f"DO NOT USE: {about}", solid)
+        _attach_json(
+            name, label, about if recommendation.recommended else f"DO NOT USE: {about}", solid
+        )
     ]
     made += page_frame.attach_decks(made_decks, name)
     if study.comparison is not None:
-        lines = _lines(study.comparison, study.joint_comparison)
+        lines = _format_frf_csv(study.comparison, study.joint_comparison)
         about = "measured and predicted accelerance, line by line"
         made.append(attachment("frf.csv", "frf.csv", about, "text/csv", lines))
-    return (*made, *(_json(name, name, about, fit) for name, (fit, about) in fits.items()))
+    return (*made, *(_attach_json(name, name, about, fit) for name, (fit, about) in fits.items()))
 
 
 def decks(recommendation: Recommendation) -> tuple[AttachedDeck, ...]:
-    """Decks of one recommended seal; a solid that hardens is written as the mass feels it."""
+    """Return decks of one seal; of a nonlinear elastic law with the tangent under the mass."""
     if not recommendation.recommended:
         return ()
     bent = recommendation.point is not None and not recommendation.point.linear
@@ -336,7 +342,7 @@ def decks(recommendation: Recommendation) -> tuple[AttachedDeck, ...]:
 
 
 def about_decks(recommendation: Recommendation, made_decks: Sequence[AttachedDeck]) -> str:
-    """Return where the decks hold, and what they miss."""
+    """Return the sentence on the band of the decks and missing specimen data."""
     return (
         page_frame.format_deck_note(recommendation.solid, made_decks)
         if recommendation.recommended
@@ -344,12 +350,12 @@ def about_decks(recommendation: Recommendation, made_decks: Sequence[AttachedDec
     )
 
 
-def _json(name: str, label: str, about: str, result: object) -> Attachment:
+def _attach_json(name: str, label: str, about: str, result: object) -> Attachment:
     about += ", SI units, full precision"
     return attachment(name, label, about, "application/json", to_json(result))
 
 
-def _lines(c: Comparison, joint: Comparison | None) -> str:
+def _format_frf_csv(c: Comparison, joint: Comparison | None) -> str:
     curves = {"measured": c.measured, "predicted": c.predicted}
     if joint is not None and len(joint.predicted.frequency) == len(c.measured.frequency):
         curves["joint"] = joint.predicted
@@ -382,17 +388,17 @@ def sentences(study: Study, recommendation: Recommendation) -> tuple[str, ...]:
     return tuple(
         format_typographic(sentence)
         for sentence in (
-            _solid(recommendation),
-            _end(recommendation),
-            _resting(study),
-            _hammer(study),
-            _joint(study),
+            _describe_model(recommendation),
+            _describe_end_of_hold(recommendation),
+            _describe_equilibrium(study),
+            _describe_hammer(study),
+            _describe_joint_model(study),
         )
         if sentence
     )
 
 
-def _solid(recommendation: Recommendation) -> str:
+def _describe_model(recommendation: Recommendation) -> str:
     fit = recommendation.solid
     arms = format_count(fit.model.arms, "Maxwell arm")
     if isinstance(fit.solid, FractionalZener):
@@ -405,41 +411,41 @@ def _solid(recommendation: Recommendation) -> str:
 
 
 def _format_k_inf(fit: Fit) -> str:
-    """k_inf with what it is at most."""
+    """Return k_inf with its upper limit, as text."""
     cells = next(fact for fact in fit.facts if fact.name == "k_inf").cells
     return ", ".join(filter(None, (cells.with_unit, cells.interval)))
 
 
-def _end(recommendation: Recommendation) -> str:
-    """Return what naming the machine would give, if that is much."""
+def _describe_end_of_hold(recommendation: Recommendation) -> str:
+    """Return the gain by stating the machine, if it is large, as a sentence."""
     end = recommendation.solid.evidence.end_of_hold
     return "" if end is None else end.naming
 
 
-def _resting(study: Study) -> str:
-    """Return where the mass rests, if that makes a difference."""
-    rests = study.static_equilibrium
-    if rests is None or rests.point.linear:
+def _describe_equilibrium(study: Study) -> str:
+    """Return the sentence on the static equilibrium, if it changes the stiffness."""
+    equilibrium = study.static_equilibrium
+    if equilibrium is None or equilibrium.point.linear:
         return ""
-    tangent, secant, depth = rests.tangent, rests.secant, rests.point.depth or 0.0
-    here, there = (
+    tangent, secant, depth = equilibrium.tangent, equilibrium.secant, equilibrium.point.depth or 0.0
+    at_tangent, at_secant = (
         ""
         if stiffness.frequency is None
         else f" ({round_to_error(stiffness.frequency, digits=4)} Hz)"
         for stiffness in (tangent, secant)
     )
-    text = ", deeper than tested" if rests.point.is_extrapolated else ""
+    text = ", deeper than tested" if equilibrium.point.is_extrapolated else ""
     return (
-        f"The mass rests at {format_with_error(rests.point.compression, 'mm')}{text}. It "
+        f"The mass rests at {format_with_error(equilibrium.point.compression, 'mm')}{text}. It "
         "vibrates on the "
         "tangent stiffness, "
-        f"{format_with_error(tangent.stiffness, 'N/mm', tangent.stiffness_se)}{here}. The "
+        f"{format_with_error(tangent.stiffness, 'N/mm', tangent.stiffness_se)}{at_tangent}. The "
         f"secant at {format_with_error(depth, 'mm')} is "
-        f"{format_with_error(secant.stiffness, 'N/mm')}{there}."
+        f"{format_with_error(secant.stiffness, 'N/mm')}{at_secant}."
     )
 
 
-def _hammer(study: Study) -> str:
+def _describe_hammer(study: Study) -> str:
     if study.comparison is not None:
         return study.comparison.message
     if study.mass is None:
@@ -453,9 +459,9 @@ def _hammer(study: Study) -> str:
     )
 
 
-def _joint(study: Study) -> str:
-    joint, after = study.joint, study.joint_comparison
-    if joint is None or after is None:
+def _describe_joint_model(study: Study) -> str:
+    joint, comparison = study.joint, study.joint_comparison
+    if joint is None or comparison is None:
         return ""
     if joint.evidence.explanations:
         lead = joint.evidence.explanations[0]
@@ -466,22 +472,22 @@ def _joint(study: Study) -> str:
             "is taken."
         )
     return (
-        f"The joint model {_meets(after)} in frequency and "
-        f"{max(abs(after.ratio_db), 0.1):.1f} dB at the peak."
+        f"The joint model {_format_agreement(comparison)} in frequency and "
+        f"{max(abs(comparison.ratio_db), 0.1):.1f} dB at the peak."
     )
 
 
-def _meets(c: Comparison) -> str:
-    """Return how far a prediction is from the hammer; a failure does not read as a success."""
-    missed = any(
+def _format_agreement(c: Comparison) -> str:
+    """Return the agreement of a prediction with the hammer, as text."""
+    disagrees = any(
         check.name in {"stiffness_agrees", "peak_agrees"} for check in c.verdict.failed_checks
     )
     error = f"{max(100 * abs(c.frequency_error), 0.01):.2f} %"
-    return f"misses the hammer by {error}" if missed else f"matches the hammer within {error}"
+    return f"misses the hammer by {error}" if disagrees else f"matches the hammer within {error}"
 
 
 def straight(study: Study) -> str:
-    """Return where the FRF alone gives stiffness and damping, and what limits it."""
+    """Return the band where the FRF alone gives stiffness and damping, and its limits, as text."""
     d = study.direct
     if d is None:
         return ""
@@ -497,7 +503,7 @@ def straight(study: Study) -> str:
 
 
 def inferred_mass(study: Study) -> str:
-    """Return a warning where the mass was taken from the very frequency it should predict."""
+    """Return a warning where the mass was inferred from the measured frequency."""
     if not (study.mass_inferred and study.mass is not None):
         return ""
     return (
@@ -508,7 +514,7 @@ def inferred_mass(study: Study) -> str:
 
 
 def find_simulated_files(study: Study) -> tuple[str, ...]:
-    """The files that simulation made; a record in memory says so in its notes."""
+    """Return the names of simulated files and of simulated records in memory."""
     files = tuple(source.file for source in sources(study) if source.simulated)
     if not files and "simulated" in study.prepared.specimen.notes.lower():
         return ("records in memory",)
@@ -550,29 +556,31 @@ def select_decisive_checks(
     beside which that of both tests is recommended.
     """
     quoted = study.verdict.failed_checks[:1]
-    subject: dict[Check, str] = {}
+    stage_by_check: dict[Check, str] = {}
     for stage, checks in stages(study):
         for check in checks:
-            subject.setdefault(check, stage)
+            stage_by_check.setdefault(check, stage)
     failed = [
-        DecisiveCheck(SUBJECTS[subject.get(check, "story")], check)
+        DecisiveCheck(SUBJECTS[stage_by_check.get(check, "story")], check)
         for check in study.verdict_checks
         if check.failed and check not in quoted
-        if not (recommendation.joint and check.grade == "note" and subject.get(check) == "fit")
+        if not (
+            recommendation.joint and check.grade == "note" and stage_by_check.get(check) == "fit"
+        )
     ]
     failed.sort(key=lambda decisive_check: -GRADES.index(decisive_check.check.grade))
     words = np.cumsum(
         [len(decisive_check.check.message_with_remedy.split()) for decisive_check in failed]
     )
-    shown = max(int(np.sum(words <= MOST_WORDS)), min(len(failed), 1))
-    return tuple(failed[:shown]), len(failed) - shown
+    shown_count = max(int(np.sum(words <= MOST_WORDS)), min(len(failed), 1))
+    return tuple(failed[:shown_count]), len(failed) - shown_count
 
 
 def parts(
-    stages: Iterable[tuple[str, tuple[Check, ...]]], weighed: Iterable[Check]
+    stages: Iterable[tuple[str, tuple[Check, ...]]], verdict_checks: Iterable[Check]
 ) -> list[tuple[str, list[Check]]]:
-    """The checks of each folded part of the page; over the list of all those of the verdict."""
-    of_part = {
+    """Return the checks of each folded part of the page; over the list, those of the verdict."""
+    part_stages = {
         "test": ("relaxation",),
         "fit": ("fit",),
         "hammer": ("comparison", "FRF"),
@@ -580,17 +588,17 @@ def parts(
         "hits": ("hammer",),
     }
     checks = dict(stages)
-    named = [
+    part_checks = [
         (part, [check for stage in names for check in checks.get(stage, ())])
-        for part, names in of_part.items()
+        for part, names in part_stages.items()
     ]
-    return [*named, ("checks", list(weighed))]
+    return [*part_checks, ("checks", list(verdict_checks))]
 
 
 def stages(study: Study) -> list[tuple[str, tuple[Check, ...]]]:
     """Return the checks of every stage, in the order of the work."""
-    of_fit = tuple(check for check in study.fit.checks if check not in study.prepared.checks)
-    later: dict[str, FRF | DynamicStiffness | Comparison | Fit | Study | None] = {
+    fit_checks = tuple(check for check in study.fit.checks if check not in study.prepared.checks)
+    results: dict[str, FRF | DynamicStiffness | Comparison | Fit | Study | None] = {
         "hammer": study.measured,
         "FRF": study.direct,
         "comparison": study.comparison,
@@ -600,6 +608,6 @@ def stages(study: Study) -> list[tuple[str, tuple[Check, ...]]]:
     }
     return [
         ("relaxation", study.prepared.checks),
-        ("fit", of_fit),
-        *((stage, item.checks) for stage, item in later.items() if item is not None),
+        ("fit", fit_checks),
+        *((stage, item.checks) for stage, item in results.items() if item is not None),
     ]

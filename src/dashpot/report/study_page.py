@@ -1,4 +1,4 @@
-"""Page of a study: what the report of the main job holds."""
+"""Page of a study: contents of the report of the main job."""
 
 from __future__ import annotations
 

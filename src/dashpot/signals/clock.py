@@ -61,10 +61,8 @@ def find_rate_change(time: FloatArray) -> ClockJump | None:
         _LEAST_STEPS_OF_A_RATE - 1 : len(steps) - _LEAST_STEPS_OF_A_RATE
     ]
     at = int(change.argmax()) + _LEAST_STEPS_OF_A_RATE
-    before, after = (
-        median(steps[at - _LEAST_STEPS_OF_A_RATE : at]),
-        median(steps[at : at + _LEAST_STEPS_OF_A_RATE]),
-    )
+    before = median(steps[at - _LEAST_STEPS_OF_A_RATE : at])
+    after = median(steps[at : at + _LEAST_STEPS_OF_A_RATE])
     # steps that grow by and by do so everywhere
     sudden = change[at - _LEAST_STEPS_OF_A_RATE] > 0.5 * abs(np.log(after / before)) > 0
     return ClockJump(at, after, before) if sudden else None

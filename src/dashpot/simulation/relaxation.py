@@ -264,11 +264,9 @@ def simulate_relaxation(
     DataError
         If depth or a time is not positive, or the law knows nothing of the temperature.
     """
-    depth, ramp_time, hold_time = (
-        convert_to_si(depth, "length"),
-        convert_to_si(ramp_time, "time"),
-        convert_to_si(hold_time, "time"),
-    )
+    depth = convert_to_si(depth, "length")
+    ramp_time = convert_to_si(ramp_time, "time")
+    hold_time = convert_to_si(hold_time, "time")
     rig = Rig() if rig is None else rig
     require_positive(depth=depth, ramp_time=ramp_time, hold_time=hold_time)
     model, specimen = prepare_specimen(model, rig, climate)

@@ -115,7 +115,7 @@ def test_server_reports_the_kind_of_a_fault_without_data(guarded, desk, monkeypa
     monkeypatch.setattr(desk, "answer", lambda *_: {}["the customer's words"])
     answer = admitted(guarded).request("POST", "/api/settle", b"{}")
     assert answer.status_code == 500
-    assert answer.json()["error"].startswith("a fault of dashpot's own: KeyError")
+    assert answer.json()["error"].startswith("internal error of dashpot: KeyError")
 
 
 def test_a_verb_that_is_none(guarded):

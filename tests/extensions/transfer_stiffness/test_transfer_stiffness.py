@@ -266,7 +266,9 @@ def test_transfer_stiffness_refuses_unsuitable_options(
 
 def test_a_fit_has_no_third_octave_at_0_hz():
     with pytest.raises(DataError, match=r"frequency = 0.0 Hz; expected a number > 0"):
-        transfer_stiffness(dp.fit(dp.simulate("relaxation", seed=1), arms=1), band=(0.0, 10.0))
+        compute_transfer_stiffness(
+            dp.fit(dp.simulate("relaxation", seed=1), arms=1), band=(0.0, 10.0)
+        )
 
 
 def test_hits_are_no_transfer_stiffness():

@@ -75,10 +75,8 @@ def nastran(
     ExportError
         If the deck must not be written.
     """
-    frequency_range, nominal = (
-        si_range(frequency_range, "frequency"),
-        convert_to_si(nominal, "frequency"),
-    )
+    frequency_range = si_range(frequency_range, "frequency")
+    nominal = convert_to_si(nominal, "frequency")
     row = row_of(deck, line, shear)
     if deck.form == "arms":
         return _arms(deck, row, first_id)

@@ -53,11 +53,11 @@ HINT = (
 REACH = np.geomspace(0.2, 4.0, 2001)
 """Lines of a response, as multiples of its peak's frequency."""
 LIVE_LINES = np.geomspace(0.3, 3.0, 301)
-"""Of one that follows the mass."""
+"""Lines of a response while the mass is changed, as multiples of its peak's frequency."""
 
 
 def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
-    """Return what is in a file, and what it asks."""
+    """Return the description of a file, and open questions on it."""
     path = path_in(folder, request.get("file"))
     describe_file = find_handler("file row", path.suffix.lower())
     if describe_file is not None:
@@ -78,13 +78,13 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     head |= _get_kind_fields(inspection.kind)
     if head["mark"] != "good" or view_models.place_of(inspection) in {"", "part"}:
         head["asked"] = view_models.render_column_questions(
-            inspection, _consequences(path, inspection, options)
+            inspection, _list_unit_consequences(path, inspection, options)
         )
     return wire_format.encode_message({**head, "name": path.name})
 
 
 def _get_kind_fields(kind: str) -> dict[str, Any]:
-    """Return what is asked beside a file, or, of one that may be taken as of another kind, then."""
+    """Return the form fields of a kind, or of the kind as which its file may be taken."""
     row = KINDS.get(kind)
     of = KINDS[row.alternative_kind] if row is not None and row.alternative_kind else row
     if of is None:
@@ -92,10 +92,10 @@ def _get_kind_fields(kind: str) -> dict[str, Any]:
     return {"asks": view_models.make_form_fields(asks_of(of.name)), "alone": of.takes_one_file}
 
 
-def _consequences(
+def _list_unit_consequences(
     path: Path, inspection: InspectedFile, options: ReadOptions
 ) -> list[view_models.UnitImplication]:
-    """Return what the seal would be by each unit that a relaxation test could be in."""
+    """Return stiffness and depth of a relaxation test for each possible unit."""
     if inspection.kind not in ("relaxation", "unclear") or len(inspection.questions) != 1:
         return []
     option = inspection.questions[0].option
@@ -122,7 +122,7 @@ def _consequences(
 
 
 def preview_fit(request: Mapping[str, Any], folder: Path) -> bytes:
-    """Return the point estimate while a handle is held: curves and numbers, no intervals."""
+    """Return the point estimate while a time limit is dragged: curves and values, no intervals."""
     job = job_of(request.get("job"), folder)
     dragging = result_cache.fit_while_dragging(result_cache.select_fit_choices(job))
     _, prepared = result_cache.select_shown_test(job, dragging, result_cache.HELD)
@@ -142,7 +142,7 @@ def preview_fit(request: Mapping[str, Any], folder: Path) -> bytes:
 
 
 def preview_record(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The test as it was recorded, to look at while it is fitted; of a long one few samples."""
+    """Return the recorded test, downsampled, to show while it is fitted."""
     job = job_of(request.get("job"), folder)
     most = result_cache.HELD if request.get("quick") is True else None
     ready = result_cache.prepare_job_tests(result_cache.select_test_choices(job), most)[0]
@@ -166,9 +166,9 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
     panels = view_models.test_panels(fit, prepared, by_eq5, sizes, whole)
     checks = fit.checks
     if job.mass is not None:
-        response = _predict_response(fit, job, _kind(request), REACH)
+        response = _predict_response(fit, job, _get_frf_kind(request), REACH)
         panels["frf"] = view_models.response_panel(
-            response, sizes, view_models.format_response_title(job, _kind(request))
+            response, sizes, view_models.format_response_title(job, _get_frf_kind(request))
         )
         on = MassOnSeals(job.mass, job.seals, job.compression)
         checks += family_checks(fit, find_static_equilibrium(fit, on).point, on)
@@ -190,7 +190,7 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
             "clock": [float(test.time[0]), float(test.time[-1])],
             "step": float(np.median(np.diff(test.time))),
             "arms": fit.model.arms if fit.family == "maxwell" else "",
-            "law": _law(fit),
+            "law": _get_law_option(fit),
             "end": view_models.format_end_stiffness(fit, prepared),
             "simulated": test.source is not None and test.source.simulated,
             "command": line("report", job),
@@ -198,15 +198,15 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
     )
 
 
-def _law(fit: Fit) -> str:
-    """Return the law that was chosen, as a job asks for it."""
+def _get_law_option(fit: Fit) -> str:
+    """Return the option of a job that selects the elastic law of a fit."""
     if fit.elastic_law is None:
         return ""
     return "linear" if fit.elastic_law.kind == "linear" else "nonlinear"
 
 
 def _format_compression(fit: Fit, job: Job, prepared: RampHold) -> dict[str, str]:
-    """Return how far the mass presses the seals, mm, and what it says beside the test."""
+    """Return the compression of the seals under the mass, mm, and a note on the tested range."""
     depth = f"test at {format_cell(prepared.depth, 'mm')} mm"
     if job.mass is None or job.compression is not None:
         return {"value": "", "message": depth}
@@ -223,13 +223,13 @@ def _list_time_limits(prepared: RampHold) -> dict[str, float]:
     }  # fmt: skip
 
 
-def _kind(request: Mapping[str, Any]) -> Kind:
-    """Return what the response relates: to a force on the mass, or to a base that moves."""
+def _get_frf_kind(request: Mapping[str, Any]) -> Kind:
+    """Return the kind of response: to a force on the mass, or to a motion of the base."""
     return Kind.TRANSMISSIBILITY if request.get("base") is True else Kind.ACCELERANCE
 
 
 def _predict_response(fit: Fit, job: Job, kind: Kind, about: FloatArray) -> FRF:
-    """Return the response on lines that are multiples of the highest frequency of its peak."""
+    """Return the response at multiples of the frequency of its peak."""
     if job.mass is None:
         raise DataError("no mass is given: say what rests on the seals, such as 104 g")
     top = compute_peak_limit(job.seals * fit.solid.k_0, job.mass)
@@ -240,20 +240,22 @@ def _predict_response(fit: Fit, job: Job, kind: Kind, about: FloatArray) -> FRF:
 
 
 def predict(request: Mapping[str, Any], folder: Path) -> bytes:
-    """Return the response of the mass while it moves: a bare curve."""
+    """Return the response of the mass while a parameter changes: a curve without limits."""
     job = job_of(request.get("job"), folder)
     # of a long record a part says as much of a curve that moves
     fit = result_cache.fit_job(
         result_cache.select_fit_choices(job), job.arms == "auto", result_cache.WHILE_HELD
     )
-    shown = view_models.live_response(_predict_response(fit, job, _kind(request), LIVE_LINES))
+    shown = view_models.live_response(
+        _predict_response(fit, job, _get_frf_kind(request), LIVE_LINES)
+    )
     return wire_format.encode_message(
         {"peak": shown.words, "command": line("report", job)}, shown.arrays
     )
 
 
 def _draw_hammer(study: Study, job: Job, sizes: view_models.Sizes) -> dict[str, Any]:
-    """Return the table of the hits, with which to keep, and their panels."""
+    """Return the table for the selection of hits, and their panels."""
     impact, frf = study.impact, study.measured
     if impact is None or frf is None or not frf.hits:
         return {"hits": view_models.hit_table(impact, frf, None), "hit_panels": {}}
@@ -264,7 +266,7 @@ def _draw_hammer(study: Study, job: Job, sizes: view_models.Sizes) -> dict[str, 
 
 
 def study(request: Mapping[str, Any], folder: Path) -> bytes:
-    """Return the whole story: bound, comparison, joint fit where asked, answers and verdict."""
+    """Return a study: limits, comparison, joint model if requested, values and verdict."""
     job = job_of(request.get("job"), folder)
     sizes = sizes_of(request)
     study = result_cache.study(job)
@@ -281,7 +283,7 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
     )
     phase, title = (
         request.get("phase") is True,
-        view_models.format_response_title(job, _kind(request)),
+        view_models.format_response_title(job, _get_frf_kind(request)),
     )
     by_eq5 = study.hold_fit if solid is study.fit and solid.family == "maxwell" else None
     head: dict[str, Any] = {

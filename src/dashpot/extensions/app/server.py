@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from starlette.responses import Response
     from starlette.routing import Route
 
-LANES = {
+WORKERS = {
     "inspect": "settle", "live": "live", "predict": "live", "look": "settle",
     "settle": "settle", "study": "slow",
     "take": "slow", "profile": "live", "project": "slow", "bench": "slow", "take-bench": "slow",
@@ -45,19 +45,29 @@ LANES = {
     "against": "slow", "overlay": "slow", "judged": "slow", "take-judged": "slow",
     "recent": "live", "folder": "settle", "row": "settle",
 }  # fmt: skip
-"""Which lane answers which verb."""
-MOST = 1 << 20
-"""Bytes of a question."""
-MOST_OF_STATE = 16 << 20
-"""Bytes of what a page keeps of itself: its files, its choices, and the way back through them."""
-ANSWERS = 32
-"""Answers that are kept, so that a page that was loaded again need not wait."""
-_KINDS = {"js": "text/javascript", "css": "text/css", "svg": "image/svg+xml"}
-_READS = {"inspect", "folder", "row"}
-"""Verbs that wait for a file."""
+"""Worker pool of each request."""
+MOST_BYTES = 1 << 20
+"""Most bytes of a request."""
+MOST_STATE_BYTES = 16 << 20
+"""Most bytes of the state of a page: files, choices and history."""
+MOST_CACHED = 32
+"""Number of cached answers, for a page that is reloaded."""
+_MEDIA_TYPES = {"js": "text/javascript", "css": "text/css", "svg": "image/svg+xml"}
+_READING_REQUESTS = {"inspect", "folder", "row"}
+"""Requests that read a file."""
 GRACE = 1
-"""Seconds that a connection is given when the server ends."""
-_KEPT = {"settle", "study", "bench", "level", "modes", "judged", "against", "hammer", "overlay"}
+"""Seconds that open connections have when the server ends."""
+_CACHED_REQUESTS = {
+    "settle",
+    "study",
+    "bench",
+    "level",
+    "modes",
+    "judged",
+    "against",
+    "hammer",
+    "overlay",
+}
 
 
 class AppContext:
@@ -71,8 +81,8 @@ class AppContext:
 
     def __init__(self, files: Sequence[str | Path] = ()) -> None:
         self.store = Store()
-        self.lanes = {
-            name: WorkerProcess(self.store.folder) for name in dict.fromkeys(LANES.values())
+        self.workers = {
+            name: WorkerProcess(self.store.folder) for name in dict.fromkeys(WORKERS.values())
         }
         self.live = Live(self.store)
         self.watch = FileWatch(self.store)
@@ -91,61 +101,61 @@ class AppContext:
             self.state["left"] = remaining
 
     async def answer(self, verb: str, body: bytes) -> bytes:
-        """Return the answer to a question, from memory where it was put before."""
+        """Return the answer to a request, from the cache if there is one."""
         name = sha256(verb.encode() + b"\0" + body).hexdigest()
         if name in self.answers:
             self.answers.move_to_end(name)
             return self.answers[name]
-        content = await self.lanes[LANES[verb]].ask(verb, json_of(body))
-        if verb in _KEPT:
+        content = await self.workers[WORKERS[verb]].ask(verb, parse_json_object(body))
+        if verb in _CACHED_REQUESTS:
             self.answers[name] = content
-            while len(self.answers) > ANSWERS:
+            while len(self.answers) > MOST_CACHED:
                 self.answers.popitem(last=False)
         return content
 
     def make_room(self) -> None:
-        """Remove the oldest files that no state of the page names, where the store is full.
+        """Remove the oldest files that no state of the page names, if the store is full.
 
-        What was uploaded since the page kept its state is named by none yet, and stays.
+        Files uploaded since the page saved its state are named by none yet, and stay.
         """
         named = json.dumps(self.state)
         self.store.make_room(lambda identity: identity in named or identity in self.fresh)
 
     def cancel(self) -> bool:
-        """End what may take long: a study, what is made to be taken away, a reading."""
-        long = [self.lanes["slow"]]
-        if self.lanes["settle"].verb in _READS:
-            long.append(self.lanes["settle"])
-        cancelled = [worker.cancel() for worker in long]
+        """Cancel long requests: studies, downloads, readings; return whether any ran."""
+        workers = [self.workers["slow"]]
+        if self.workers["settle"].verb in _READING_REQUESTS:
+            workers.append(self.workers["settle"])
+        cancelled = [worker.cancel() for worker in workers]
         return any(cancelled)
 
     def leave(self) -> None:
         """End every worker at once: pending requests get an error, and none delays the end."""
-        for lane in self.lanes.values():
-            lane.leave()
+        for worker in self.workers.values():
+            worker.leave()
 
     async def close(self) -> None:
-        """End every worker, and leave nothing of the files."""
+        """End every worker, and remove the files."""
         await asyncio.to_thread(self.live.stop, GRACE)
-        for lane in self.lanes.values():
-            await lane.close()
+        for worker in self.workers.values():
+            await worker.close()
         self.store.remove()
 
 
-_LISTS: dict[str, type] = {"files": dict, "open": dict, "past": dict, "folders": str}
-"""What the state of a page lists, and of what."""
+_STATE_LISTS: dict[str, type] = {"files": dict, "open": dict, "past": dict, "folders": str}
+"""Type of the entries of each list in the state of a page."""
 
 
-def state_of(body: bytes) -> dict[str, Any]:
-    """Return what a page keeps of itself, of the types that it is kept in.
+def parse_state(body: bytes) -> dict[str, Any]:
+    """Return the state of a page from the body of a request, validated.
 
     Raises
     ------
     DataError
         If it is not a JSON object, or lists something else.
     """
-    entries = json_of(body)
-    for name, kind in _LISTS.items():
+    entries = parse_json_object(body)
+    for name, kind in _STATE_LISTS.items():
         rows = entries.get(name, [])
         if not (isinstance(rows, list) and all(isinstance(row, kind) for row in rows)):
             what = "texts" if kind is str else "objects"
@@ -153,8 +163,8 @@ def state_of(body: bytes) -> dict[str, Any]:
     return entries
 
 
-def json_of(body: bytes) -> dict[str, Any]:
-    """Return what must be a JSON object.
+def parse_json_object(body: bytes) -> dict[str, Any]:
+    """Return the JSON object in the body of a request.
 
     Raises
     ------
@@ -171,82 +181,83 @@ def json_of(body: bytes) -> dict[str, Any]:
 
 
 def _refuse_constant(name: str) -> None:
-    """Refuse NaN and infinities, which Python would read and no answer could hold."""
+    """Raise for NaN and infinities, which are no JSON although Python reads them."""
     raise ValueError(name)
 
 
-def application(desk: AppContext) -> Starlette:  # noqa: C901 -- a list of routes
-    """Return the routes over a desk, without their guard."""
+def application(context: AppContext) -> Starlette:  # noqa: C901 -- a list of routes
+    """Return the routes of the app over its state, without access control."""
     from starlette.applications import Starlette
     from starlette.responses import JSONResponse, Response
     from starlette.routing import Route
 
     async def page(_: Request) -> Response:
-        return _make_response(_static("index.html"), "text/html")
+        return _make_response(_read_static_file("index.html"), "text/html")
 
     async def static(request: Request) -> Response:
         name = request.path_params["name"]
-        kind = _KINDS.get(name.rpartition(".")[2])
-        if kind is None or name not in _names():
+        kind = _MEDIA_TYPES.get(name.rpartition(".")[2])
+        if kind is None or name not in _list_static_files():
             return Response("there is no such file", status_code=404)
-        return _make_response(_static(name), kind)
+        return _make_response(_read_static_file(name), kind)
 
     async def charts(_: Request) -> Response:
-        script = _HOUSE.joinpath("plot", "charts.js").read_text("utf-8")
-        return _make_response(script, _KINDS["js"])
+        script = _PACKAGE.joinpath("plot", "charts.js").read_text("utf-8")
+        return _make_response(script, _MEDIA_TYPES["js"])
 
     async def files(request: Request) -> Response:
         name = request.query_params.get("name", "file")
         modified = request.query_params.get("modified", "")
-        await asyncio.to_thread(desk.make_room)
-        identity = await desk.store.keep(
+        await asyncio.to_thread(context.make_room)
+        identity = await context.store.keep(
             name, request.stream(), modified=int(modified) / 1e3 if modified.isdecimal() else None
         )
-        desk.fresh.add(identity)
+        context.fresh.add(identity)
         return JSONResponse({"id": identity, "name": name})
 
     async def example(_: Request) -> Response:
         from dashpot import workflow
 
         made = [
-            {"id": desk.store.put(name, workflow.EXAMPLES[name]().encode()), "name": name}
+            {"id": context.store.put(name, workflow.EXAMPLES[name]().encode()), "name": name}
             for name in workflow.FIRST
         ]
         return JSONResponse({"files": made, "mass": "114.8g", "seals": 2})
 
     async def ask(request: Request) -> Response:
         verb = request.path_params["verb"]
-        if verb not in LANES:
+        if verb not in WORKERS:
             return JSONResponse({"error": f"there is no '{verb}'"}, status_code=404)
         return Response(
-            await desk.answer(verb, await _body(request)), media_type="application/octet-stream"
+            await context.answer(verb, await _read_body(request)),
+            media_type="application/octet-stream",
         )
 
     async def watch(request: Request) -> Response:
-        names = get_list(json_of(await _body(request)), "files")
-        return JSONResponse(await asyncio.to_thread(desk.watch.look, names))
+        names = get_list(parse_json_object(await _read_body(request)), "files")
+        return JSONResponse(await asyncio.to_thread(context.watch.look, names))
 
     async def cancel(_: Request) -> Response:
-        return JSONResponse({"cancelled": desk.cancel()})
+        return JSONResponse({"cancelled": context.cancel()})
 
     async def working(_: Request) -> Response:
-        slow = desk.lanes["slow"]
+        slow = context.workers["slow"]
         return JSONResponse({"seconds": slow.seconds, "doing": slow.doing})
 
     async def state(request: Request) -> Response:
         if request.method == "PUT":
-            desk.state = state_of(await _body(request, MOST_OF_STATE))
-            desk.fresh.clear()
-            await asyncio.to_thread(session.keep, desk.state, desk.store)
-        return JSONResponse(desk.state)
+            context.state = parse_state(await _read_body(request, MOST_STATE_BYTES))
+            context.fresh.clear()
+            await asyncio.to_thread(session.keep, context.state, context.store)
+        return JSONResponse(context.state)
 
     async def resume(request: Request) -> Response:
         if request.method == "DELETE":
             session.forget()
-            desk.state.pop("left", None)
+            context.state.pop("left", None)
         else:
-            desk.state = await asyncio.to_thread(session.resume, desk.store)
-        return JSONResponse(desk.state)
+            context.state = await asyncio.to_thread(session.resume, context.store)
+        return JSONResponse(context.state)
 
     async def sentence(_: Request, error: Exception) -> Response:
         codes: dict[type, int] = {TooLargeError: 413, StoppedError: 409, FaultError: 500}
@@ -255,17 +266,17 @@ def application(desk: AppContext) -> Starlette:  # noqa: C901 -- a list of route
         )
 
     async def fault(_: Request, error: Exception) -> Response:
-        words = f"a fault of dashpot's own: {type(error).__name__}; the shell's command says more"
+        words = f"internal error of dashpot: {type(error).__name__}. The terminal shows more."
         return JSONResponse({"error": words}, status_code=500)
 
     @contextlib.asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
-        for lane in desk.lanes.values():
-            await lane.start()
+        for worker in context.workers.values():
+            await worker.start()
         try:
             yield
         finally:
-            await desk.close()
+            await context.close()
 
     return Starlette(
         routes=[
@@ -280,7 +291,7 @@ def application(desk: AppContext) -> Starlette:  # noqa: C901 -- a list of route
             Route("/api/working", working),
             Route("/api/state", state, methods=["GET", "PUT"]),
             Route("/api/session", resume, methods=["POST", "DELETE"]),
-            *_recording(desk),
+            *_list_recording_routes(context),
             Route("/api/{verb}", ask, methods=["POST"]),
         ],
         exception_handlers={DashpotError: sentence, Exception: fault},
@@ -288,27 +299,29 @@ def application(desk: AppContext) -> Starlette:  # noqa: C901 -- a list of route
     )
 
 
-def _recording(desk: AppContext) -> list[Route]:
-    """Return the page that shows an instrument as it is read, and what it asks."""
+def _list_recording_routes(context: AppContext) -> list[Route]:
+    """Return the routes of the page of a live recording."""
     from starlette.responses import JSONResponse
     from starlette.routing import Route
 
     async def record_page(_: Request) -> Response:
-        return _make_response(_static("record.html"), "text/html")
+        return _make_response(_read_static_file("record.html"), "text/html")
 
     async def recording(request: Request) -> Response:
         if request.method == "POST":
-            await asyncio.to_thread(desk.live.start, json_of(await _body(request)))
+            await asyncio.to_thread(
+                context.live.start, parse_json_object(await _read_body(request))
+            )
         elif request.method == "DELETE":
-            await asyncio.to_thread(desk.live.stop)
-        size = [_pixels(request, name) for name in ("width", "height")]
-        return JSONResponse(await asyncio.to_thread(desk.live.look, *size))
+            await asyncio.to_thread(context.live.stop)
+        size = [_get_size(request, name) for name in ("width", "height")]
+        return JSONResponse(await asyncio.to_thread(context.live.look, *size))
 
     async def fit_recorded(_: Request) -> Response:
-        made = desk.live.look(0, 0)["kept"]
+        made = context.live.look(0, 0)["kept"]
         if made is None:
             raise DataError("no record is there to fit: start one, and stop it")
-        desk.state["open"] = [*desk.state.get("open", []), made]
+        context.state["open"] = [*context.state.get("open", []), made]
         return JSONResponse(made)
 
     return [
@@ -318,13 +331,13 @@ def _recording(desk: AppContext) -> list[Route]:
     ]
 
 
-def _pixels(request: Request, name: str) -> float:
-    """Return a size that a page asks for; 0 if it asks for none."""
+def _get_size(request: Request, name: str) -> float:
+    """Return a size in the query of a request, px; 0 without one."""
     text = request.query_params.get(name, "")
     return float(text) if text.isdecimal() else 0.0
 
 
-async def _body(request: Request, most: int = MOST) -> bytes:
+async def _read_body(request: Request, most: int = MOST_BYTES) -> bytes:
     body = bytearray()
     async for block in request.stream():
         body += block
@@ -334,11 +347,11 @@ async def _body(request: Request, most: int = MOST) -> bytes:
 
 
 # by their path: naming a package would import it
-_HOUSE = resources.files("dashpot")
+_PACKAGE = resources.files("dashpot")
 
 
-def _names() -> set[str]:
-    return {path.name for path in _HOUSE.joinpath("extensions", "app", "static").iterdir()}
+def _list_static_files() -> set[str]:
+    return {path.name for path in _PACKAGE.joinpath("extensions", "app", "static").iterdir()}
 
 
 def _make_response(text: str, kind: str) -> Response:
@@ -353,10 +366,10 @@ def _compress_text(text: str) -> bytes:
     return gzip.compress(text.encode(), mtime=0)
 
 
-def _static(name: str) -> str:
-    text = _HOUSE.joinpath("extensions", "app", "static", name).read_text("utf-8")
+def _read_static_file(name: str) -> str:
+    text = _PACKAGE.joinpath("extensions", "app", "static", name).read_text("utf-8")
     if name == "index.html":
-        icons = _HOUSE.joinpath("report", "templates", "icons.html").read_text("utf-8")
+        icons = _PACKAGE.joinpath("report", "templates", "icons.html").read_text("utf-8")
         return fill_form(text.replace("<!-- icons -->", icons))
     return f"{style.css()}\n{text}" if name == "app.css" else text
 
@@ -385,11 +398,11 @@ def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = Tr
     except OSError:
         listener.close()
         raise DataError(f"port {port} is taken; leave out --port to get a free one") from None
-    taken = int(listener.getsockname()[1])
+    bound_port = int(listener.getsockname()[1])
     remove_stale_stores()
-    desk = AppContext(files)
-    guarded = Guard(application(desk), port=taken)
-    address = f"http://127.0.0.1:{taken}/?token={guarded.token}"
+    context = AppContext(files)
+    guarded = Guard(application(context), port=bound_port)
+    address = f"http://127.0.0.1:{bound_port}/?token={guarded.token}"
     print(address, flush=True)  # noqa: T201 -- the one line that a program may wait for
     if browser:
         webbrowser.open(address)
@@ -402,7 +415,7 @@ def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = Tr
 
     class Server(uvicorn.Server):
         async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-            desk.leave()
+            context.leave()
             await super().shutdown(sockets)
 
     Server(config).run(sockets=[listener])

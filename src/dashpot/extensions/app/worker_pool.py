@@ -115,7 +115,7 @@ class WorkerProcess:
                 raise DataError(body.decode())
             if kind == "f":
                 raise FaultError(
-                    f"a fault of dashpot's own: {body.decode()}; the shell's command says more"
+                    f"internal error of dashpot: {body.decode()}. The terminal shows more."
                 )
             self.doing = body.decode()
 

@@ -57,13 +57,13 @@ _MAIN = ("k_end_", "E_end_")
 _INSTEAD = ("cld_per_100mm", "cld_force", "indent_modulus", "restitution")
 """Columns of load deflection and indentation tests."""
 ALIKE = 0.05
-"""Of the median of its lot: by how much hold and depth of a test may differ from it."""
+"""Largest relative difference of hold and depth of a test from the median of its lot."""
 DEGREES = 3.0
-"""By how much its temperature may, K."""
+"""Largest difference of its temperature, K."""
 
 
 def _levels(seals: Sequence[Seal]) -> list[tuple[str, list[str]]]:
-    """Lot and seal of every test, as far as there are several and they repeat."""
+    """Return lot and seal of every test, each level only where it repeats."""
     tests = [seal for seal in seals for _ in seal.files]
     lots = {seal.lot for seal in seals}
     levels = [("lot", [test.lot for test in tests])] if len(lots) > 1 else []
@@ -100,7 +100,7 @@ class Lot:
 
     @staticmethod
     def read(folder: str | Path) -> Lot:
-        """Return the lot that a batch left in a folder.
+        """Return the lot that a batch wrote into a folder.
 
         Raises
         ------
@@ -122,33 +122,33 @@ class Lot:
 
     @property
     def ignored_files(self) -> tuple[str, ...]:
-        """The files of a folder that are no tables of numbers."""
+        """Files of the folder that are no tables of numbers."""
         return tuple(self.table.filter(self.table["outcome"] == "ignored")["file"])
 
     @property
     def record_count(self) -> int:
-        """How many files may be tests."""
+        """Number of files that may be tests."""
         return self.table.height - len(self.ignored_files)
 
     @property
     def verdicts(self) -> dict[str, int]:
-        """How many fits are for use, for use with care, and not for use."""
+        """Number of fits by verdict."""
         return dict(Counter(item for item in self.table["verdict"] if item).most_common())
 
     @property
     def agreements(self) -> dict[str, int]:
-        """What their hammers make of the predictions: for use, with care, or not for use."""
+        """Number of predictions by the verdict of their comparison with a hammer test."""
         return dict(Counter(item for item in self.table["agreement"] if item).most_common())
 
     @property
     def simulated_count(self) -> int:
-        """How many rows are of files that simulation made."""
+        """Number of rows of simulated files."""
         certain = "origin" in self.table.columns
         return int((self.table["origin"] == SIMULATED).sum()) if certain else 0
 
     @cached_property
     def fitted_rows(self) -> pl.DataFrame:
-        """The rows that were fitted and whose verdict is not "do not use"."""
+        """Rows with a fit whose verdict is not "do not use"."""
         column = polars().col
         return self.table.filter(
             (column("outcome") == "fitted") & (column("verdict") != "do not use")
@@ -156,7 +156,7 @@ class Lot:
 
     @cached_property
     def dissimilar(self) -> dict[str, str]:
-        """Tests made otherwise than those of their kind and lot, by file, and how.
+        """Tests under other conditions than those of their kind and lot: file and difference.
 
         Hold and depth within 5 % of the median, temperature within 3 K; of an even number the
         lower median, so that of two depths one is the lot's.
@@ -181,13 +181,13 @@ class Lot:
 
     @cached_property
     def rows_in_statistics(self) -> pl.DataFrame:
-        """The `fitted_rows`, without those that are `dissimilar` and without copies."""
+        """The `fitted_rows` without `dissimilar` ones and copies."""
         left_out = [*self.dissimilar, *self.copies]
         return self.fitted_rows.filter(~polars().col("file").is_in(left_out))
 
     @cached_property
     def copies(self) -> dict[str, str]:
-        """Tests whose file holds what that of another one does, by file, and that other."""
+        """Tests with the same record as another one: file, and the other file."""
         first: dict[tuple[str, str], str] = {}
         if "sha256" not in self.table.columns:
             return {}
@@ -201,7 +201,7 @@ class Lot:
         return {file: other for file, other in pairs if file != other}
 
     def quantity(self, name: str) -> Quantity:
-        """Return what a column is, by its name with or without the unit.
+        """Return the quantity of a column, by its name with or without the unit.
 
         Raises
         ------
@@ -214,7 +214,7 @@ class Lot:
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """Those that say what the tests found, and of which there are values."""
+        """Quantities that are results of the tests and have values."""
         pattern = (
             r"[kE]_(end|0|inf)_|(storage|loss|loss_factor|k_end)_at_|frequency_|damping_ratio|"
             r"cld_(per_100mm|force|slope|hysteresis|softening|set)|indent_modulus|restitution"
@@ -227,7 +227,7 @@ class Lot:
 
     @property
     def main(self) -> str:
-        """What a page is of where nothing was asked for: k_end, or what the tests have instead."""
+        """Default quantity of a page: k_end, or what the tests have instead."""
         if any(
             self.table[column].count() for column in self.table.columns if column.startswith(_MAIN)
         ):
@@ -252,7 +252,7 @@ class Lot:
         )  # fmt: skip
 
     def components(self, name: str = "k_inf") -> tuple[Component, ...]:
-        """Where the scatter of a quantity comes from: lots, their seals, repeats, errors of fits.
+        """Return the variance components of a quantity: lots, seals, repeats, errors of fits.
 
         A level that has one member, or whose labels nobody gave, is left out; without repeats the
         scatter inside a lot is that of its seals and their tests. The errors of the fits are known
@@ -280,12 +280,12 @@ class Lot:
         )
 
     def _select_test_values(self, column: str, seals: Sequence[Seal]) -> list[Any]:
-        """Return what a column has of every test of these seals."""
+        """Return the values of a column of every test of these seals."""
         by_file = dict(self.rows_in_statistics.select("file", column).iter_rows())
         return [by_file[file] for seal in seals for file in seal.files]
 
     def gauge(self, name: str = "k_end") -> Gauge:
-        """Return repeatability and reproducibility of the testing, with the seals as its parts.
+        """Return repeatability and reproducibility (gauge R&R), with the seals as parts.
 
         Raises
         ------
@@ -331,7 +331,7 @@ class Lot:
         }
 
     def compare(self, other: Lot, name: str = "k_end") -> Difference:
-        """Return by how much the seals of another lot differ from those of this one.
+        """Return the difference between the seals of another lot and those of this one.
 
         Raises
         ------
@@ -354,7 +354,7 @@ class Lot:
         return Lot(self.table.filter(polars().col("lot") == name), 0)
 
     def outliers(self, name: str = "k_end") -> tuple[tuple[str, float], ...]:
-        """Return the tests that stand out of their lot: file, and distance in robust deviations.
+        """Return the outliers of each lot: file, and distance in robust deviations.
 
         From the median of the lot, in 1.4826 times its median absolute deviation; the limit is
         :func:`~dashpot.extensions.batch.statistics.variance_components.stands_out`'s, 3.5 in a
@@ -372,13 +372,13 @@ class Lot:
 
     @property
     def short_holds(self) -> tuple[str, ...]:
-        """Files of tests held for less than 95 % of the median hold of their kind in their lot."""
+        """Files with a hold below 95 % of the median of their kind and lot."""
         column = polars().col
         least = SHORT * column("hold_s").median().over("lot", "kind")
         return tuple(self.table.filter(column("hold_s") < least)["file"])
 
     def csv(self) -> str:
-        """The table as CSV, below a line that names dashpot; no text is a spreadsheet's formula."""
+        """Return the table as CSV below a line that names dashpot; formulas are escaped."""
         return f"# {byline('table of a batch of tests')}\n{self.written_table().write_csv()}"
 
     def written_table(self) -> pl.DataFrame:
@@ -398,7 +398,7 @@ class Lot:
         return rows.select(*asked, *values, *end)
 
     def escape_formulas(self) -> pl.DataFrame:
-        """Return the table with no text that a spreadsheet takes for a formula."""
+        """Return the table with texts escaped that a spreadsheet takes for formulas."""
         made = polars()
         texts = [
             made.Series(column.name, [escape_formula(text) for text in column])
@@ -417,14 +417,14 @@ class Lot:
         return library("pandas").DataFrame(self.table.to_dict(as_series=False))
 
     def plot(self, name: str = "k_end") -> Picture:
-        """The control charts of a quantity as a picture, which :func:`dashpot.plot.save` writes."""
+        """Return the control charts of a quantity as a picture for :func:`dashpot.plot.save`."""
         from dashpot.extensions.batch.figures import control_picture
 
         return control_picture(self.quantity(name), self.charts(name), self.seals(name))
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Whether every file became a fit, every fit may be used, and tests of a lot are alike."""
+        """Checks: every file fitted, every fit usable, tests of a lot under the same conditions."""
         fitted = self.outcomes.get("fitted", 0)
         paired = self.table.filter(polars().col("hammer") != "").height
         return (

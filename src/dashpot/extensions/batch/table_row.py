@@ -70,7 +70,7 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict[str,
     except Exception as error:  # noqa: BLE001 -- one file's fault is one row
         answer = {
             "outcome": "refused",
-            "reason": f"a fault of dashpot's own: {type(error).__name__}; dashpot fit says more",
+            "reason": f"internal error of dashpot: {type(error).__name__}. dashpot fit shows more",
         }
     changed = _find_changed_file(entry, hashes, answer.get("sha256"))
     if changed:

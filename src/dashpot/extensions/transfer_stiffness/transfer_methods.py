@@ -192,7 +192,7 @@ def compute_transfer_stiffness(
 
 
 class _Request(NamedTuple):
-    """Arguments of :func:`compute_transfer_stiffness` in SI units; `output` is `output_response`."""
+    """Arguments of :func:`compute_transfer_stiffness` in SI; `output` is `output_response`."""
 
     mass: float | None
     flange_mass: float

@@ -173,12 +173,10 @@ def k_end_determined(
             f"{format_quantity(high, 'N/mm', '.3g')}"
         )
     else:
-        low, high, most, what = (
-            max(model.k_inf - 2 * se, 0.0),
-            model.k_inf + 2 * se,
-            remainder,
-            "k_inf",
-        )
+        low = max(model.k_inf - 2 * se, 0.0)
+        high = model.k_inf + 2 * se
+        most = remainder
+        what = "k_inf"
         message = (
             f"Noise leaves {format_quantity(high - low, 'N/mm', '.3g')} of k_inf open, of "
             f"{format_quantity(remainder, 'N/mm', '.3g')} at the end of the hold"

@@ -390,10 +390,8 @@ def _arms_enough(
     candidates = [best, *_candidates(best.problem, others, before)]
     scale = min(candidates, key=lambda candidate: candidate.bic).line_scale
     sure = [candidate.copy_with_scale(scale).significant for candidate in candidates]
-    numbers, bics = (
-        [candidate.arms for candidate in candidates],
-        [candidate.bic for candidate in candidates],
-    )
+    numbers = [candidate.arms for candidate in candidates]
+    bics = [candidate.bic for candidate in candidates]
     more = select_model_order(numbers, bics, sure, decisive=DECISIVE).arms
     if more > few:
         lines = best.problem.frf_data.lines.s

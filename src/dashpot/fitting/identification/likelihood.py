@@ -249,10 +249,8 @@ class IdentificationProblem:
         before = self.constraints.before
         if before is None:
             return []
-        retained, variance = (
-            self.sought.extract_earlier_values(before)[0],
-            np.diag(before.estimate.noise_only.covariance),
-        )
+        retained = self.sought.extract_earlier_values(before)[0]
+        variance = np.diag(before.estimate.noise_only.covariance)
         return [
             i for i, name in enumerate(before.estimate.parameters)
             if name in retained and np.isfinite(variance[i]) and variance[i] > 0

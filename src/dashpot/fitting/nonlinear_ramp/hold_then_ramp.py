@@ -300,10 +300,8 @@ def fit_ramp_and_hold(
         weighted = Weighted(
             solid, spread(rows, optimum.ramp_scatter, by_hold), value, separate=separate
         )
-        before, optimum = (
-            optimum,
-            with_residual_statistics(weighted, weighted.descend(theta), by_hold),
-        )
+        before = optimum
+        optimum = with_residual_statistics(weighted, weighted.descend(theta), by_hold)
         theta = optimum.optimum.theta
         change = np.array(optimum.ramp_scatter) / np.array(before.ramp_scatter) - 1
         if float(np.abs(change).max()) < _SETTLED:

@@ -347,10 +347,8 @@ class _Together:
             shape = (len(self.target), self.groups, count)
             return np.ascontiguousarray(columns.reshape(shape).transpose(2, 1, 0))
 
-        columns, slopes = (
-            reshape_by_node(rows.phi[:, self.fixed :]),
-            difference * reshape_by_node(rows.slope),
-        )
+        columns = reshape_by_node(rows.phi[:, self.fixed :])
+        slopes = difference * reshape_by_node(rows.slope)
         change, rise, fall = np.diff(columns, axis=0), slopes[:-1], slopes[1:]
         # node, group, power of the part of the way to the next node, row
         self.cubics = np.stack(

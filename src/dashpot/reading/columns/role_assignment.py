@@ -659,10 +659,8 @@ def _all_columns(table: FileTable) -> str:
 
 def list_columns(columns: Sequence[Column]) -> str:
     """Return all columns with their numbers, for a message."""
-    filled, names = (
-        [i for i, c in enumerate(columns) if c.content != "blank"],
-        _count_column_names(columns),
-    )
+    filled = [i for i, c in enumerate(columns) if c.content != "blank"]
+    names = _count_column_names(columns)
     shown = [
         f"{i + 1} {format_column(columns, i, names) if columns[i].name else '(no name)'}"
         for i in filled[:_LISTED]

@@ -216,10 +216,8 @@ def _odd_first_row(lines: Sequence[str], dialect: Dialect) -> list[str]:
         return []  # as it nearly always is: no more are read
     if any(_significant(first[i]) > _OF_A_FACTOR for i in dialect.numbers):
         return []  # what is printed with so many digits is measured
-    others, like = (
-        [list(iterate_row_decimals(row)) for row in rows],
-        list(iterate_row_decimals(second)),
-    )
+    others = [list(iterate_row_decimals(row)) for row in rows]
+    like = list(iterate_row_decimals(second))
     if len(others) < _STEADY - 2 or any(row != like for row in others):
         return []
     message = f"line {dialect.first + 1}, the first row, is printed otherwise than those below it"

@@ -361,10 +361,8 @@ def interpolate_to_force_clock(loaded: LoadedColumns, ratio: float = 1.0) -> Loa
             "name one clock "
             "for both with --column time=NAME"
         )
-    begin, end = (
-        np.min(ticks, where=value, initial=np.inf),
-        np.max(ticks, where=value, initial=-np.inf),
-    )
+    begin = np.min(ticks, where=value, initial=np.inf)
+    end = np.max(ticks, where=value, initial=-np.inf)
     both = np.isfinite(time) & np.isfinite(force) & (time >= begin) & (time <= end)
     if not both.any():
         raise ReadError(

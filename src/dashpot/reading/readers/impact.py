@@ -165,10 +165,8 @@ def _read_test(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
             starts, remarks = starts_of(time, loaded)
         else:
             time, signals = np.arange(len(loaded.values)) / rate, columns
-            starts, remarks = (
-                loaded.starts,
-                [f"time counted from the rows at {rate:g} Hz, as given"],
-            )
+            starts = loaded.starts
+            remarks = [f"time counted from the rows at {rate:g} Hz, as given"]
         notes += remarks
         decay, windowed, sentences = window_rate(
             file.table.header, file.options, _longest_record(time, starts)

@@ -28,10 +28,10 @@ from dashpot.vibration.modal.peaks import Peak, find_peak
 
 # lines outside this factor of the measured peak are mass line, tip roll-off and drift
 AROUND_THE_PEAK = 4.0
-# a mode belongs to a peak that is no farther than this part of its frequency
-NEAR = 0.1
-# a damping ratio whose standard error is more than this part of it is not given
-VAGUE = 0.3
+# a mode belongs to a peak if their frequencies differ by less than this part
+MOST_MODE_DISTANCE = 0.1
+# a damping ratio with a larger relative standard error is not reported
+MOST_DAMPING_ERROR = 0.3
 
 
 def compare(
@@ -45,10 +45,10 @@ def compare(
     band: Range | None = None,
     compression: Quantity | None = None,
 ) -> Comparison:
-    r"""Hold a predicted FRF against a measured one, on the measured lines.
+    r"""Return the comparison of a predicted FRF with a measured one, on the measured lines.
 
     The measurement is never interpolated. Both peaks are read off the measured lines in the same
-    way (:func:`~dashpot.vibration.modal.peaks.find_peak`). Figures over the lines are
+    way (:func:`~dashpot.vibration.modal.peaks.find_peak`). Criteria over the lines are
 
     .. math::
 
@@ -56,9 +56,8 @@ def compare(
         \mathrm{rms} = \sqrt{\overline{(20 \log_{10} |H_p/H_m|)^2}}, \qquad
         z = \frac{|H_p - H_m|}{\sqrt 2\,\sigma}
 
-    Where the measured FRF carries an exponential window or a cut record and a solid is known, the
-    prediction is made anew as that test would see it: at :math:`s = j\omega + a` and cut after the
-    same time.
+    Where the measured FRF has an exponential window or a truncated record and a model is known, the
+    prediction is computed with both: at :math:`s = j\omega + a` and truncated after the same time.
 
     Parameters
     ----------
@@ -66,16 +65,16 @@ def compare(
         Predicted at ``measured.frequency``, any kind.
     measured : FRF
     model : Solid, optional
-        The solid behind the prediction; `seals` times it carries the mass.
+        The model of one seal behind the prediction.
     fit : Fit, optional
-        Where the solid came from: gives `model`, the tangent where the mass rests
-        (:mod:`~dashpot.vibration.mass_on_seals`), and tells which arms the relaxation
-        test saw.
+        Fit of the model: it gives `model`, the tangent stiffness at the static equilibrium of the
+        mass (:mod:`~dashpot.vibration.mass_on_seals`), and the arms that the relaxation test
+        determined.
     mass : float, optional
-        kg; with a solid known but no mass given, the mass inside `predicted` is used. A
-        transmissibility needs it: it is held against as the accelerance that it implies.
+        kg; with a model but no mass, that of `predicted` is used. A transmissibility needs it for
+        conversion to an accelerance.
     seals : float
-        How many such solids carry the mass.
+        Number of seals under the mass.
     band : (float, float), optional
         Lines to compare, Hz. By default those within a factor of 4 of the measured peak.
     compression : float, optional
@@ -84,20 +83,20 @@ def compare(
     Raises
     ------
     DataError
-        If the prediction is on other lines, or was made for another window and no solid is
-        given to make it anew; or the fit's elastic law is not straight and no mass is given.
+        If the prediction is on other lines, or for another window and no model is given to repeat
+        it; or the elastic law of the fit is nonlinear and no mass is given.
     """
     mass, band = convert_to_si(mass, "mass"), si_range(band, "frequency")
     compression = convert_to_si(compression, "length")
     measured = measured.to(Kind.ACCELERANCE, mass=mass)
     measured = measured if band is None else measured.band(*band)
-    frf = _on_lines(predicted.to(Kind.ACCELERANCE, mass=mass), measured)
+    frf = _select_measured_lines(predicted.to(Kind.ACCELERANCE, mass=mass), measured)
     model, mass, point = _assemble_mass_on_seals(
         frf, model, fit, mass=mass, seals=seals, compression=compression
     )
-    frf = _as_tested(frf, measured, model, mass)
+    frf = _apply_test_window(frf, measured, model, mass)
     keep = _select_compared_lines(measured, find_peak(measured), explicit=band is not None)
-    modes = _modes(measured.only(keep)) if band is not None else _modes_compared(measured)
+    modes = _find_modes(measured.only(keep)) if band is not None else _find_compared_modes(measured)
     measured, frf = measured.only(keep), frf.only(keep)
     measured_peak, predicted_peak = find_peak(measured), find_peak(frf)
     mode = _drop_uncertain_mode(_find_nearest_mode(modes, measured_peak.frequency))
@@ -108,13 +107,13 @@ def compare(
         measured_hz=measured_peak.frequency,
         predicted_peak=predicted_peak.height,
         measured_peak=measured_peak.height,
-        predicted_damping=_predicted_damping(model, mass, frf, predicted_peak),
+        predicted_damping=_find_predicted_damping(model, mass, frf, predicted_peak),
         measured_damping=None if mode is None else mode.damping_ratio,
-        frac=_frac(frf.value, measured.value),
-        rms_db=_rms_db(frf.value, measured.value),
+        frac=_compute_frac(frf.value, measured.value),
+        rms_db=_compute_rms_db(frf.value, measured.value),
         z_rms=None,
-        legend=_legend(fit, measured),
-        arms=_evidence(model, fit, measured_peak.frequency),
+        legend=_get_legend(fit, measured),
+        arms=_list_arm_evidence(model, fit, measured_peak.frequency),
         checks=(),
         message="",
         band=(float(measured.frequency[0]), float(measured.frequency[-1])),
@@ -136,9 +135,9 @@ def compare(
 
 
 def infer_mass(model: Solid, frf: FRF) -> tuple[float, float]:
-    r"""Mass that puts the predicted peak of the accelerance on the measured one.
+    r"""Return the mass with which the predicted peak of the accelerance is the measured one.
 
-    A frequency predicted with this mass proves nothing: it was put there
+    A frequency predicted with this mass is no test of the model
     (:func:`~dashpot.vibration.mass_on_seals.mass_for_peak`).
 
     Parameters
@@ -168,11 +167,11 @@ def infer_mass(model: Solid, frf: FRF) -> tuple[float, float]:
     return mass, float(2 * mass * peak.frequency_se / peak.frequency)
 
 
-# -- bringing both to the same lines ----------------------------------------------------------
+# -- same lines, same window -------------------------------------------------------------------
 
 
-def _legend(fit: Fit | None, measured: FRF) -> str:
-    """Return how a figure calls the prediction of a fit."""
+def _get_legend(fit: Fit | None, measured: FRF) -> str:
+    """Return the legend of the prediction of a fit."""
     if fit is None:
         return "predicted"
     if {source.sha256 for source in fit.source} & {source.sha256 for source in measured.source} - {
@@ -183,7 +182,7 @@ def _legend(fit: Fit | None, measured: FRF) -> str:
     return "predicted from relaxation" if single else "predicted by the joint model"
 
 
-def _on_lines(predicted: FRF, measured: FRF) -> FRF:
+def _select_measured_lines(predicted: FRF, measured: FRF) -> FRF:
     """Return the prediction at the measured lines, which must be among its own."""
     lines = np.arange(len(predicted.frequency))
     where = np.rint(np.interp(measured.frequency, predicted.frequency, lines)).astype(int)
@@ -214,13 +213,13 @@ def _assemble_mass_on_seals(
     seals: float,
     compression: float | None,
 ) -> tuple[Solid | None, float | None, OperatingPoint | None]:
-    """All the seals together, the mass on them, and where it rests, as far as they are known."""
+    """Return model of all seals, mass and operating point, each None where it is not known."""
     if model is not None:
-        whole = seals * model
-        mass = _mass_within(predicted, whole) if mass is None else mass
-        sag = mass * GRAVITY / whole.k_inf if whole.k_inf > 0 else np.inf
+        total = seals * model
+        mass = _infer_predicted_mass(predicted, total) if mass is None else mass
+        sag = mass * GRAVITY / total.k_inf if total.k_inf > 0 else np.inf
         law = None if fit is None else fit.elastic_law
-        return whole, mass, OperatingPoint(sag, None if law is None else law.depth)
+        return total, mass, OperatingPoint(sag, None if law is None else law.depth)
     if fit is None:
         return None, mass, None
     if mass is None:
@@ -231,14 +230,14 @@ def _assemble_mass_on_seals(
                 "--compression"
             )
         # with a straight law, or at a compression that is given, the stiffness needs no mass
-        resolved_point = operating_point(fit, MassOnSeals(1.0, seals, compression))
-        mass = _mass_within(predicted, seals * resolved_point.solid(fit))
+        point_without_mass = operating_point(fit, MassOnSeals(1.0, seals, compression))
+        mass = _infer_predicted_mass(predicted, seals * point_without_mass.solid(fit))
     point = operating_point(fit, MassOnSeals(mass, seals, compression))
     return seals * point.solid(fit), mass, point
 
 
-def _mass_within(predicted: FRF, model: Solid) -> float:
-    """Return the mass that the prediction was made with: what D(s) - K(s) leaves over s^2."""
+def _infer_predicted_mass(predicted: FRF, model: Solid) -> float:
+    """Return the mass in a prediction: (D(s) - K(s)) / s^2 of its dynamic stiffness D."""
     stiffness = predicted.to(Kind.DYNAMIC_STIFFNESS)
     ratio = (stiffness.value - model.stiffness_at(stiffness.s)) / stiffness.s**2
     mass = float(np.median(ratio.real))
@@ -250,8 +249,10 @@ def _mass_within(predicted: FRF, model: Solid) -> float:
     return mass
 
 
-def _as_tested(predicted: FRF, measured: FRF, model: Solid | None, mass: float | None) -> FRF:
-    """Return the prediction as the test would see it: its window and its cut record included."""
+def _apply_test_window(
+    predicted: FRF, measured: FRF, model: Solid | None, mass: float | None
+) -> FRF:
+    """Return the prediction with the exponential window and the record length of the test."""
     if model is not None and mass is not None:
         record = measured.record if measured.frequency[0] > 0 else None
         return replace(
@@ -283,32 +284,32 @@ def _select_compared_lines(measured: FRF, peak: Peak, *, explicit: bool) -> Bool
 # -- figures ----------------------------------------------------------------------------------
 
 
-def _frac(a: ComplexArray, b: ComplexArray) -> float:
+def _compute_frac(a: ComplexArray, b: ComplexArray) -> float:
     return float(np.abs(np.vdot(a, b)) ** 2 / (np.vdot(a, a).real * np.vdot(b, b).real))
 
 
-def _rms_db(a: ComplexArray, b: ComplexArray) -> float:
+def _compute_rms_db(a: ComplexArray, b: ComplexArray) -> float:
     return float(np.sqrt(np.mean((20 * np.log10(np.abs(a) / np.abs(b))) ** 2)))
 
 
-def _predicted_damping(
+def _find_predicted_damping(
     model: Solid | None, mass: float | None, predicted: FRF, peak: Peak
 ) -> float | None:
-    modes = _modes(predicted) if model is None or mass is None else model_modes(model, mass)
+    modes = _find_modes(predicted) if model is None or mass is None else model_modes(model, mass)
     mode = _find_nearest_mode(modes, peak.frequency)
     return None if mode is None else mode.damping_ratio
 
 
 @cache_on_record
-def _modes_compared(measured: FRF) -> tuple[Mode, ...]:
-    """Modes of the lines that are compared by default: several solids are held against one FRF."""
-    return _modes(
+def _find_compared_modes(measured: FRF) -> tuple[Mode, ...]:
+    """Return the modes of the lines compared by default; cached for comparisons with one FRF."""
+    return _find_modes(
         measured.only(_select_compared_lines(measured, find_peak(measured), explicit=False))
     )
 
 
-def _modes(frf: FRF) -> tuple[Mode, ...]:
-    """Modes by the rational fraction, none where the lines cannot support it."""
+def _find_modes(frf: FRF) -> tuple[Mode, ...]:
+    """Return the modes by the rational fraction; none where the lines are too few."""
     try:
         return frf.modes()
     except DashpotError:
@@ -316,18 +317,20 @@ def _modes(frf: FRF) -> tuple[Mode, ...]:
 
 
 def _find_nearest_mode(modes: tuple[Mode, ...], frequency: float) -> Mode | None:
-    near = [mode for mode in modes if abs(mode.frequency / frequency - 1) < NEAR]
+    near = [mode for mode in modes if abs(mode.frequency / frequency - 1) < MOST_MODE_DISTANCE]
     return min(near, key=lambda mode: abs(mode.frequency - frequency), default=None)
 
 
 def _drop_uncertain_mode(mode: Mode | None) -> Mode | None:
-    """Return the mode if its record supports its damping: a standard error well below the value."""
-    if mode is None or not mode.damping_ratio_se < VAGUE * mode.damping_ratio:
+    """Return the mode if the standard error of its damping is small enough, else None."""
+    if mode is None or not mode.damping_ratio_se < MOST_DAMPING_ERROR * mode.damping_ratio:
         return None
     return mode
 
 
-def _evidence(model: Solid | None, fit: Fit | None, frequency: float) -> tuple[ArmEvidence, ...]:
+def _list_arm_evidence(
+    model: Solid | None, fit: Fit | None, frequency: float
+) -> tuple[ArmEvidence, ...]:
     if model is None or not model.maxwell.arms:
         return ()
     arms, omega = model.maxwell, 2 * np.pi * frequency
@@ -341,10 +344,10 @@ def _evidence(model: Solid | None, fit: Fit | None, frequency: float) -> tuple[A
 
 
 def _is_arm_identified(fit: Fit | None, arm: int) -> bool:
-    """Return whether the relaxation test pins this arm: k > 3 SE and SE(ln tau) < 0.5.
+    """Return whether the relaxation test determines an arm: k > 3 SE and SE(ln tau) < 0.5.
 
-    Where a fit has learnt from a hammer too, the arms that are new came from there; where a fit
-    carries no covariance, the arm must relax inside its band.
+    Of a joint fit the arms that the hammer test added are not; of a fit without covariance those
+    that relax inside its band are.
     """
     if fit is None or arm > fit.model.arms or fit.method == "frf":
         return False

@@ -31,7 +31,7 @@ class ArmEvidence:
     seen_by_relaxation: bool
 
     def __str__(self) -> str:
-        """Its share of the loss, in words."""
+        """Its share of the loss, as text."""
         return (
             f"arm tau = {self.tau:.4g} s: {100 * self.loss_share:.1f} % of the model's loss at the "
             f"measured peak, {'' if self.seen_by_relaxation else 'not '}resolved by the relaxation"
@@ -61,13 +61,13 @@ class Comparison(Plottable, Serialisable):
     arms : tuple of ArmEvidence
     checks : tuple of Check
     message : str
-        The sentence that matters: what agrees, what does not, and why.
+        Conclusion: what agrees, what does not, and why.
     band : (float, float)
         First and last of the lines that `frac`, `rms_db` and `z_rms` were taken over, Hz.
     measured_hz_se, measured_damping_se : float or None
         Random standard errors of the measured peak frequency, Hz, and damping ratio.
     legend : str
-        How a figure calls the prediction: by the solid that it is of.
+        Legend of the prediction in a figure.
 
     Examples
     --------
@@ -144,10 +144,9 @@ class Comparison(Plottable, Serialisable):
 
     @property
     def z(self) -> FloatArray | None:
-        """Distance of each line in its measured standard deviation; None if unknown.
+        """Difference of each line over its standard deviation; None if unknown.
 
-        The standard deviation is that of the complex value, so that z is about 1 where the
-        model holds.
+        The standard deviation is that of the complex value: z is about 1 for a correct model.
         """
         sd = self.measured.random_sd
         if sd is None:
@@ -157,7 +156,7 @@ class Comparison(Plottable, Serialisable):
 
     @property
     def rows(self) -> tuple[tuple[str, str, str, str], ...]:
-        """The peaks in words: what, as predicted, as measured, and their difference."""
+        """Rows of a table: quantity, predicted, measured, difference."""
         error = self.damping_ratio_error
         return (
             (
@@ -182,7 +181,7 @@ class Comparison(Plottable, Serialisable):
 
     @property
     def resonance_match(self) -> str:
-        """Peak and damping as measured, and how far the model is off."""
+        """Measured peak and damping with the errors of the model, as text."""
         off = f"{100 * self.frequency_error:+z.2g} %, {self.ratio_db:+z.1f} dB"
         peak = f"peak at {self.measured_hz:.4g} Hz ({off})"
         if self.measured_damping is None or self.predicted_damping is None:

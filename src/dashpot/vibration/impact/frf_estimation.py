@@ -361,11 +361,9 @@ def estimate_frf(
     ----------
     ISO 7626-5:2019; D. J. Ewins, *Modal Testing*; paper, "Experimental setup".
     """
-    record, pretrigger, mass = (
-        convert_to_si(record, "time"),
-        convert_to_si(pretrigger, "time"),
-        convert_to_si(mass, "mass"),
-    )
+    record = convert_to_si(record, "time")
+    pretrigger = convert_to_si(pretrigger, "time")
+    mass = convert_to_si(mass, "mass")
     band, resonance_band = si_range(band, "frequency"), si_range(resonance_band, "frequency")
     tests = (tests,) if isinstance(tests, ImpactTest) else tuple(tests)
     require_positive(mass=mass, unit=" kg", optional=True)

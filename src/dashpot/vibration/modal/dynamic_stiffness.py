@@ -191,11 +191,9 @@ def dynamic_stiffness(
     DataError
         If mass or seals cannot be, or too few lines are left.
     """
-    mass, mass_sd, band = (
-        convert_to_si(mass, "mass"),
-        convert_to_si(mass_sd, "mass"),
-        si_range(band, "frequency"),
-    )
+    mass = convert_to_si(mass, "mass")
+    mass_sd = convert_to_si(mass_sd, "mass")
+    band = si_range(band, "frequency")
     require_positive(mass=mass, seals=seals)
     mass_sd = 0.01 * mass if mass_sd is None else mass_sd
     over_base = frf.quantity.over_base
