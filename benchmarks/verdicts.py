@@ -244,8 +244,8 @@ def shown(rows: Iterable[Row], whole: Row) -> Iterator[str]:
     """As a table of Markdown: rates of the answered, and widths where they were asked."""
     wide = tuple(whole.widths)
     yield (
-        '| | n | refused | held | "use" | misses called "use" | sound called "use" |'
-        + (" k(T), % | k(3T), % | ln a/F | not met |" if wide else "")
+        '| | n | refused | limits right | "use" | wrong with "use" | sound with "use" |'
+        + (" k(T), % | k(3T), % | ln a/F | goals missed |" if wide else "")
     )
     yield "|---|" + (9 if wide else 6) * "---:|" + ("---|" if wide else "")
     for row in (*rows, whole):
@@ -264,14 +264,14 @@ def shown(rows: Iterable[Row], whole: Row) -> Iterator[str]:
 def goals(rows: list[Row], whole: Row) -> Iterator[tuple[str, bool]]:
     """Each goal with its figure, and whether it is met."""
     rate, sound = _part(whole.missed, whole.used), _part(whole.used_held, whole.held)
-    message = f'of {whole.used} called "use" {whole.missed} miss: {100 * rate:.1f} %'
+    message = f'of {whole.used} with "use" {whole.missed} are wrong: {100 * rate:.1f} %'
     yield f"{message} (goal <= {100 * MISSED:g} %)", rate <= MISSED
-    message = f'of {whole.held} sound ones {whole.used_held} are called "use": {100 * sound:.0f} %'
+    message = f'of {whole.held} sound ones {whole.used_held} have "use": {100 * sound:.0f} %'
     yield f"{message} (goal >= {100 * USED:g} %)", sound >= USED
     for fault, message in (
-        ("misses", f'misses among "use": lower limit above {100 * SURE:g} %'),
-        ("held", f"held: upper limit below {HELD:g}"),
-        ("used", f'sound ones called "use" below {100 * USED_EACH:g} %'),
+        ("misses", f'wrong with "use": lower limit above {100 * SURE:g} %'),
+        ("held", f"limits right: upper limit below {HELD:g}"),
+        ("used", f'sound ones with "use" below {100 * USED_EACH:g} %'),
     ):
         names = [row.name for row in rows if fault in row.faults]
         yield f"{message}, in {len(names)} disturbances (goal 0): {'; '.join(names)}", not names
@@ -289,7 +289,7 @@ def shown_curves(lines: Iterable[Mapping]) -> Iterator[str]:
     groups: dict[str, list[Mapping]] = {}
     for line in lines:
         groups.setdefault(line["group"], []).append(line)
-    yield '| | n | k(T) | k(3T) | k(10T) | at most | "use" | of them off | sound called "use" |'
+    yield '| | n | k(T) | k(3T) | k(10T) | upper limit | "use" | of them wrong | sound with "use" |'
     yield "|---|" + 8 * "---:|"
     for name, some in groups.items():
         score = curve_ends.Score.of(some)
@@ -325,7 +325,7 @@ def report(lines: Iterable[Mapping]) -> Iterator[str]:
             yield f"        doubted, though its limits may well hold: {'; '.join(needless)}"
         else:
             rate = _part(whole.missed, whole.used)
-            yield f'of {whole.used} called "use" {whole.missed} miss: {100 * rate:.1f} %'
+            yield f'of {whole.used} with "use" {whole.missed} are wrong: {100 * rate:.1f} %'
 
 
 # -- other kinds -----------------------------------------------------------------------------------

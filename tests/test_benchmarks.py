@@ -62,7 +62,7 @@ RUNS = [
             "OUT --per 0 --several 1 --kinds 2 --conditioned 2 --hammers 1 --pairs 1 --curves 6 "
             "--claims 1"
         ),
-        r'^of \d+ called "use" \d+ miss',
+        r'^of \d+ with "use" \d+ are wrong',
     ),
 ]
 
