@@ -19,15 +19,20 @@ options make an assumption unnecessary. The report has the same list, with the c
 
 def page() -> str:
     """Return the page: one section for each assumption."""
-    return "".join((HEAD, *(_section(one) for one in ASSUMPTIONS)))
+    text = "".join((HEAD, *(_section(assumption) for assumption in ASSUMPTIONS)))
+    return text.replace(" um/N", " µm/N").replace(" degC", " °C")
 
 
-def _section(one: Assumption) -> str:
-    lines = [f"\n## {one.name.capitalize()}\n", f"{one.holds}\n", f"**If not.** {one.otherwise}\n"]
-    lines.append(f"**Tested by** {_listed(one.checks)}.\n")
-    if one.options:
-        lines.append(f"**Not needed with** {_listed(one.options)}.\n")
-    lines.append(f"**On the bench.** {one.advice}\n")
+def _section(assumption: Assumption) -> str:
+    lines = [
+        f"\n## {assumption.name.capitalize()}\n",
+        f"{assumption.holds}\n",
+        f"**If not.** {assumption.otherwise}\n",
+        f"**Tested by** {_listed(assumption.checks)}.\n",
+    ]
+    if assumption.options:
+        lines.append(f"**Not needed with** {_listed(assumption.options)}.\n")
+    lines.append(f"**On the bench.** {assumption.advice}\n")
     return "\n".join(lines)
 
 

@@ -11,7 +11,7 @@ def rows_in_valid_band(outside: int, rows: int, low: float, high: float) -> Find
     return Finding(
         f"All {rows} rows of this deck lie in the valid band of the fit",
         outside,
-        failure=f"{outside} of {rows} rows, from {low:.6g} to {high:.6g} Hz, lie outside the valid "
+        failure=f"{outside} of {rows} rows, from {low:.3g} to {high:.3g} Hz, lie outside the valid "
         "band. Stiffness and damping there are extrapolated",
         remedy=Remedy("Limit the table to the valid band, or add a hammer test.", "band"),
     )

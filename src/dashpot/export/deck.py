@@ -41,15 +41,15 @@ CARRIERS = MappingProxyType(
         "opensees": ("network", "network-tcl", "python", "tcl"),
     }
 )
-"""The forms that hold springs whose force is not linear, of each target that has any."""
+"""Forms of each target that can represent nonlinear springs."""
 
-_REACH = 2.0
-"""A cubic spring is drawn to so many times the largest amplitude that was measured."""
-_POINTS = 80
-_PRESSED = 0.01
-"""Range of the cubic spring, m, where no amplitude was tested."""
-_APART = 1000
-"""Nodes stand so many largest amplitudes apart: elements that follow their nodes never turn."""
+_CUBIC_RANGE = 2.0
+"""Range of the table of a cubic spring, over the largest tested amplitude."""
+_CUBIC_POINTS = 80
+_UNTESTED_AMPLITUDE = 0.01
+"""Largest amplitude, m, that is assumed where none was tested."""
+_NODE_DISTANCE_RATIO = 1000
+"""Distance of the nodes over the largest amplitude: elements that follow them hardly rotate."""
 
 
 @dataclass(frozen=True)
@@ -90,9 +90,9 @@ class NonlinearElements:
 
     @property
     def span(self) -> float:
-        """Distance of the two nodes, deck units: far, for near ones would pass each other."""
-        most = (self.amplitudes[1] or _PRESSED) / self.units.length
-        return float(10.0 ** np.ceil(np.log10(_APART * most)))
+        """Distance of the two nodes, deck units, large against the amplitude."""
+        most = (self.amplitudes[1] or _UNTESTED_AMPLITUDE) / self.units.length
+        return float(10.0 ** np.ceil(np.log10(_NODE_DISTANCE_RATIO * most)))
 
     @property
     def node_spacing_remarks(self) -> list[str]:
@@ -102,23 +102,25 @@ class NonlinearElements:
             f"keep the two nodes {far} apart: if they are near, a press turns the elements round"
         ]
 
-    def curve(self, points: int = _POINTS, *, k: float = 0.0) -> list[tuple[float, float]]:
-        r"""Return displacement and force of the cubic spring, and of one of `k` with it, from 0 on.
+    def compute_curve(
+        self, points: int = _CUBIC_POINTS, *, k: float = 0.0
+    ) -> list[tuple[float, float]]:
+        r"""Return displacement and force of the cubic spring and a parallel one of `k`, from 0 on.
 
-        At :math:`x_i \propto (i/n)^{2/3}`, where straight lines are everywhere as far, in force,
-        from the cubic.
+        At :math:`x_i \propto (i/n)^{2/3}`, where linear interpolation has the same error of force
+        in each interval.
         """
         ends = (np.arange(points + 1) / points) ** (2 / 3)
-        x = _REACH * self.amplitudes[1] / self.units.length * ends
+        x = _CUBIC_RANGE * self.amplitudes[1] / self.units.length * ends
         return list(zip(x.tolist(), (k * x + self.k3 * x**3).tolist(), strict=True))
 
-    def both_ways(self) -> list[tuple[float, float]]:
-        """The same curve from compression to tension."""
-        half = self.curve()
+    def compute_symmetric_curve(self) -> list[tuple[float, float]]:
+        """Return the same curve from compression to tension."""
+        half = self.compute_curve()
         return [(-x, -F) for x, F in half[:0:-1]] + half
 
     @property
-    def described(self) -> list[str]:
+    def header_lines(self) -> list[str]:
         """Header lines on sliders and cubic spring."""
         if not self.amplitudes[1]:
             return []
@@ -132,12 +134,12 @@ class NonlinearElements:
         if self.k3:
             lines.append(
                 f"  cubic spring: k3 = {text(self.k3)} {force}/{length}^3, by straight lines to "
-                f"{text(_REACH * high)} {length} either way; beyond it is another one"
+                f"{text(_CUBIC_RANGE * high)} {length} either way; beyond it is another one"
             )
         tested = f"displacement amplitudes tested: {low:.4g} to {high:.4g} {length}"
         return [*lines, f"{tested}; whatever moves less or farther is EXTRAPOLATED"]
 
-    def refuse_unless_held(self, target: str, form: str) -> None:
+    def refuse_unsupported(self, target: str, form: str) -> None:
         """Raise where the target's form holds neither friction nor a cubic spring.
 
         Raises
@@ -199,7 +201,7 @@ Exportable: TypeAlias = Solid | Fit | NonlinearFit
 
 NOT_VERIFIED = "not solver-verified: no solver of this kind runs in dashpot's tests"
 
-_MOVES = ("parallel", "compression", "temperature", "aging", "draw")
+_MODEL_STEPS = ("parallel", "compression", "temperature", "aging", "draw")
 """Steps that changed the fitted model."""
 
 
@@ -468,7 +470,7 @@ class Deck:
             )
         return [
             *described,
-            *self.nonlinear_elements.described,
+            *self.nonlinear_elements.header_lines,
             "temperature: "
             + (
                 "not stated"
@@ -519,7 +521,7 @@ class Deck:
     def _pedigree(self) -> list[str]:
         """Return the header lines on the fit and its files."""
         steps = () if self.fit is None else self.fit.steps
-        scaled = [step.message for step in steps if step.name in _MOVES]
+        scaled = [step.message for step in steps if step.name in _MODEL_STEPS]
         lines = []
         if self.fit is None or not self.fit.source:
             lines.append("source: a model in memory; no file is known to stand behind it")

@@ -165,7 +165,7 @@ def open_deck(
         deck = Deck(solid, system, specimen or Specimen(), form)
     else:
         deck = Deck(solid.solid, system, specimen or solid.specimen, form, solid)
-    deck.nonlinear_elements.refuse_unless_held(target, form)
+    deck.nonlinear_elements.refuse_unsupported(target, form)
     unknown = sorted(set(allow) - set(PROBLEMS) - {"all"})
     if unknown:
         raise ExportError(

@@ -23,20 +23,20 @@ def html(
 ) -> str:
     """Return the report as one self-contained HTML file.
 
-    The first screen holds the verdict, the figure that answers, and the solid to take; then test,
-    fit and the checks that matter; all else is folded. No network: figures are inline SVG, files
-    to take along are links that hold them. One small script lets figures be zoomed and read off;
-    without it the page is whole. A strict content security policy names the hash of that script
-    and of the style, and allows nothing else. Whatever came from a file is escaped.
+    The first screen has the verdict, the main figure and the recommended model; then test, fit and
+    failed checks; all else is folded. No network: figures are inline SVG, attached files are links
+    with their contents. A small script adds zoom and reading of values; the page works without it.
+    A strict content security policy allows the hash of that script and of the style, and nothing
+    else. Text from files is escaped.
 
     Parameters
     ----------
     study : Study or another result of a kind
-        What ``dashpot report``, ``fit`` or ``predict`` found.
+        Result of ``dashpot report``, ``fit`` or ``predict``.
     lead : Picture, optional
-        The figure that answers, where the caller knows more than the result tells; not of a study.
+        The main figure, in place of that of the result; not of a study.
     beside : sequence of Picture
-        Figures of the records behind it, which are folded; not of a study.
+        Figures of its records, which are folded; not of a study.
     **sections : str
         HTML below the verdict: ``limits``.
 

@@ -31,7 +31,7 @@ from dashpot.solids.fractional import FractionalZener
 from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import STORAGE_LIMIT, DynamicStiffness
 from dashpot.workflow.json_archive import to_json
-from dashpot.workflow.recommended_solid import Answer, Recommendation
+from dashpot.workflow.recommended_solid import Recommendation, RecommendedValue
 from dashpot.workflow.study import Study
 
 # Header, lights, values and files.
@@ -276,19 +276,19 @@ def under_mass(study: Study, recommendation: Recommendation) -> tuple[str, tuple
     return text, rows(recommendation.under_mass)
 
 
-def rows(answers: Iterable[Answer]) -> tuple[Row, ...]:
+def rows(answers: Iterable[RecommendedValue]) -> tuple[Row, ...]:
     """Return rows of the table, with digits by the intervals."""
     return tuple(_format_row(answer) for answer in answers)
 
 
-def _format_row(answer: Answer) -> Row:
+def _format_row(answer: RecommendedValue) -> Row:
     measured = "" if answer.measured_fact is None else answer.measured_fact.cells.value
     return Row(
         _format_name(answer), *answer.fact.cell_texts, answer.fact.word, measured, answer.bound
     )
 
 
-def _format_name(answer: Answer) -> str:
+def _format_name(answer: RecommendedValue) -> str:
     where = "" if answer.at is None else f"{round_to_error(answer.at)}{NBSP}Hz"
     return {
         "frequency": "Peak frequency",

@@ -30,8 +30,8 @@ from dashpot.report.tables import TextTable
 class Topic(NamedTuple):
     """Topic of the verdict: the checks behind its light, and its text.
 
-    `message` stands where nothing of weight failed, `fails` where something did; by default how
-    many passed.
+    `message` is its text where no check failed, but for notes, `fails` where one did; by default
+    the number of checks that passed.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Recommended solid of a study, and its values with their limits."""
+"""Recommended model of a study, and its values with their intervals."""
 
 from __future__ import annotations
 
@@ -32,25 +32,25 @@ _UNITS: dict[Quantity, tuple[str, str]] = {
     "end of hold": ("N/m", ""), "dynamic stiffness": ("N/m", ""),
     "loss factor": ("", ""),
 }  # fmt: skip
-"""Of SI, and the one in which people read it where that is not the usual one."""
+"""SI unit, and the display unit where it is not the usual one."""
 
 
 @dataclass(frozen=True)
-class Answer:
-    """Value with its interval.
+class RecommendedValue:
+    """Recommended value with its interval.
 
     Attributes
     ----------
     quantity : str
     value, low, high : float
-        SI; nan ends where none are known, infinite ones where nothing limits it.
+        SI; nan where no interval is known, infinite where nothing limits the value.
     at : float or None
-        The frequency, Hz, or the time, s, that it holds for.
+        Its frequency, Hz, or time, s.
     bound : bool
-        The ends are those of every non-negative spectrum that the test does not reject, not of a
-        confidence interval of the parameters.
+        The interval is a bound over every non-negative spectrum that the test does not reject, not
+        a confidence interval of the parameters.
     measured, measured_se : float or None
-        The same by the hammer, and its standard error.
+        Value measured by the hammer, and its standard error.
     """
 
     quantity: Quantity
@@ -64,13 +64,13 @@ class Answer:
 
     @property
     def fact(self) -> ReportedValue:
-        """Reported value, as a table shows it."""
+        """The value for tables."""
         unit, read = _UNITS[self.quantity]
         return ReportedValue(self.quantity, self.value, self.low, self.high, unit, read=read)
 
     @property
     def measured_fact(self) -> ReportedValue | None:
-        """The same by the hammer."""
+        """The value measured by the hammer, for tables."""
         if self.measured is None:
             return None
         unit, read = _UNITS[self.quantity]
@@ -86,183 +86,198 @@ class Recommendation:
     Attributes
     ----------
     recommended : bool
-        False where the verdict is "do not use": `solid` is then what the relaxation test gave.
+        False where the verdict is "do not use": `solid` is then that of the relaxation test.
     joint : bool
-        True if the solid is that of both tests.
+        Whether `solid` is the joint model.
     solid : Fit
-        Of one seal.
+        Model of one seal.
     point : OperatingPoint or None
-        Where the mass rests on it; None without a mass.
-    under_mass, one_seal : tuple of Answer
-        Of the mass on its seals, none without a mass; and of one seal.
+        Static equilibrium of the mass on it; None without a mass.
+    under_mass, one_seal : tuple of RecommendedValue
+        Values of the mass on its seals, none without a mass; and of one seal.
     """
 
     recommended: bool
     joint: bool
     solid: Fit
     point: OperatingPoint | None
-    under_mass: tuple[Answer, ...]
-    one_seal: tuple[Answer, ...]
+    under_mass: tuple[RecommendedValue, ...]
+    one_seal: tuple[RecommendedValue, ...]
 
     @property
-    def answers(self) -> tuple[Answer, ...]:
-        """All of them."""
+    def answers(self) -> tuple[RecommendedValue, ...]:
+        """All values."""
         return (*self.under_mass, *self.one_seal)
 
 
 def recommend_solid(study: Study, *, requested: bool = False) -> Recommendation:
-    """Return the solid to take, and what it says, each with its interval or bound.
+    """Return the recommended model, and its values with intervals or bounds.
 
-    The joint fit where there is one and the verdict allows it; else that of the relaxation test.
-    Where the joint fit is what was `requested`, it is reported whether or not it is to be used.
-    Ends of the joint fit are 95 % intervals of its parameters; those of the relaxation test are
-    bounds over unresolved arms wherever they were computed.
+    The joint model is recommended where there is one and the verdict allows it, else the model of
+    the relaxation test. A joint model that was `requested` is returned whatever its verdict.
+    Intervals of the joint model are 95 % intervals of its parameters; those of the relaxation test
+    are bounds over unresolved arms where these were computed.
     """
     usable = study.verdict.use != "do not use"
-    fitted = study.joint if usable or requested else None
-    solid = study.fit if fitted is None else fitted
-    joint = fitted is not None
-    point, resonance = _resonance(study, solid)
+    joint_fit = study.joint if usable or requested else None
+    solid = study.fit if joint_fit is None else joint_fit
+    joint = joint_fit is not None
+    point, resonance = _find_resonance(study, solid)
     at = solid.band[1] if resonance is None else resonance.frequency
-    bounds, bound = _bounds(study, solid, at, joint=joint)
-    stiffness = _evaluate_answer(solid, bounds, "storage", at, bound=bound)
-    loss = _evaluate_answer(solid, bounds, "loss_factor", at, bound=bound)
-    under: tuple[Answer, ...] = ()
+    bounds, bound = _select_bounds(study, solid, at, joint=joint)
+    stiffness = _evaluate_value(solid, bounds, "storage", at, bound=bound)
+    loss = _evaluate_value(solid, bounds, "loss_factor", at, bound=bound)
+    under_mass: tuple[RecommendedValue, ...] = ()
     if resonance is not None:
-        under = _under_mass(study, resonance, stiffness, loss, joint=joint)
+        under_mass = _list_values_under_mass(study, resonance, stiffness, loss, joint=joint)
     if point is not None:
         ends = [point.factor * v for v in (stiffness.value, stiffness.low, stiffness.high)]
         stiffness = replace(stiffness, value=ends[0], low=ends[1], high=ends[2])
-    seal = (*_end_of_hold(study, solid), stiffness, loss)
-    return Recommendation(usable, joint, solid, point, under, seal)
+    one_seal = (*_list_end_of_hold(study, solid), stiffness, loss)
+    return Recommendation(usable, joint, solid, point, under_mass, one_seal)
 
 
 class _Resonance(NamedTuple):
-    """The frequency of a peak, Hz, the damping ratio of its mode, and its height, 1/kg."""
+    """Frequency of a peak, Hz, damping ratio of its mode, and height, 1/kg."""
 
     frequency: float
     damping: float
     height: float
 
 
-def _resonance(study: Study, solid: Fit) -> tuple[OperatingPoint | None, _Resonance | None]:
-    """Return where the mass rests; and its resonance, if any."""
-    mass = _mass(study, solid)
+def _find_resonance(study: Study, solid: Fit) -> tuple[OperatingPoint | None, _Resonance | None]:
+    """Return the static equilibrium of the mass and its resonance, if any."""
+    mass = _get_mass(study, solid)
     if mass is None:
         return None, None
-    rests = study.static_equilibrium
-    compression = None if rests is None or not rests.point.given else rests.point.compression
+    equilibrium = study.static_equilibrium
+    compression = (
+        None
+        if equilibrium is None or not equilibrium.point.given
+        else equilibrium.point.compression
+    )
     point = operating_point(solid, MassOnSeals(mass, study.seals, compression))
     seals = study.seals * get_hammer_stiffness_factor(solid) * point.solid(solid)
     mode = next(iter(model_modes(seals, mass)), None)
     if mode is None:
         return point, None
-    frequency, height = _peak(seals, mass, mode.frequency)
+    frequency, height = _find_peak(seals, mass, mode.frequency)
     return point, _Resonance(frequency, mode.damping_ratio, height)
 
 
-def _mass(study: Study, solid: Fit) -> float | None:
-    """Return what vibrates on the solid: the joint fit has settled on a mass of its own."""
+def _get_mass(study: Study, solid: Fit) -> float | None:
+    """Return the mass on the seals: that of the joint model, where it was fitted."""
     return None if study.mass is None else get_fitted_mass(solid) or study.mass
 
 
-def _peak(solid: Solid, mass: float, near: float) -> tuple[float, float]:
-    """Return where the accelerance peaks, Hz, and how high, 1/kg: what a hammer shows.
+def _find_peak(solid: Solid, mass: float, near: float) -> tuple[float, float]:
+    """Return frequency, Hz, and height, 1/kg, of the peak of the accelerance.
 
-    Where it does not peak it is the pole's own frequency, and no height.
+    Without a peak: the frequency of the pole, and no height.
     """
-    about = predict_frf(solid, mass=mass, frequency=near * np.geomspace(0.9, 1.6, 401))
-    top = int(np.argmax(np.abs(about.value)))
-    if not 0 < top < len(about.frequency) - 1:
+    frf = predict_frf(solid, mass=mass, frequency=near * np.geomspace(0.9, 1.6, 401))
+    top = int(np.argmax(np.abs(frf.value)))
+    if not 0 < top < len(frf.frequency) - 1:
         return near, float("nan")
-    peak = find_peak(about)
+    peak = find_peak(frf)
     return peak.frequency, peak.height
 
 
-def _bounds(
+def _select_bounds(
     study: Study, solid: Fit, at: float, *, joint: bool
 ) -> tuple[StiffnessBounds | None, bool]:
-    """Return the limits that hold at a frequency, and whether they are over unresolved arms."""
-    wide = study.unmeasured
-    if not joint and wide is not None and wide.frequency[0] <= at <= wide.frequency[-1]:
-        return wide, True
+    """Return the limits at a frequency, and whether they are bounds over unresolved arms."""
+    unmeasured = study.unmeasured
+    if (
+        not joint
+        and unmeasured is not None
+        and unmeasured.frequency[0] <= at <= unmeasured.frequency[-1]
+    ):
+        return unmeasured, True
     if not solid.estimate.parameters:
         return None, False
     return parameter_band(solid, [at]), False
 
 
-def _evaluate_answer(
+def _evaluate_value(
     solid: Fit, bounds: StiffnessBounds | None, name: str, at: float, *, bound: bool
-) -> Answer:
-    """Return stiffness or loss factor at a frequency, Hz; the ends hold the value itself."""
+) -> RecommendedValue:
+    """Return stiffness or loss factor at a frequency, Hz; the interval contains the value."""
     value = float(getattr(solid.solid, name)(frequency=at))
     quantity: Quantity = "dynamic stiffness" if name == "storage" else "loss factor"
     if bounds is None:
-        return Answer(quantity, value, at=at)
+        return RecommendedValue(quantity, value, at=at)
     edges: FloatArray = getattr(bounds, name)
     low, high = (float(np.interp(np.log(at), np.log(bounds.frequency), e)) for e in edges)
-    return Answer(quantity, value, min(low, value), max(high, value), at, bound)
+    return RecommendedValue(quantity, value, min(low, value), max(high, value), at, bound)
 
 
-def _under_mass(
-    study: Study, peak: _Resonance, stiffness: Answer, loss: Answer, *, joint: bool
-) -> tuple[Answer, ...]:
-    """Peak frequency, damping ratio and height, with the ends that stiffness and loss factor give.
+def _list_values_under_mass(
+    study: Study,
+    peak: _Resonance,
+    stiffness: RecommendedValue,
+    loss: RecommendedValue,
+    *,
+    joint: bool,
+) -> tuple[RecommendedValue, ...]:
+    """Return peak frequency, damping ratio and height, with intervals by stiffness and loss factor.
 
-    A frequency goes with the root of the stiffness, the damping ratio with the loss factor.
+    The frequency scales with the root of the stiffness, the damping ratio with the loss factor.
     """
     c, frequency, limits = study.comparison, peak.frequency, None if joint else study.frf_band
     ends = [frequency * np.sqrt(end / stiffness.value) for end in (stiffness.low, stiffness.high)]
     if limits is not None and limits.peak_frequency is not None:
-        ends = _holding(limits.peak_frequency, frequency)
+        ends = _contain(limits.peak_frequency, frequency)
     damping = max(peak.damping, 0.0) + 0.0  # of a spring, to rounding
     share = damping / loss.value if loss.value > 0 else 0.5
     bound = stiffness.bound
     return (
-        Answer(
+        RecommendedValue(
             "frequency", frequency, float(ends[0]), float(ends[1]), bound=bound,
             measured=None if c is None else c.measured_hz,
             measured_se=None if c is None else c.measured_hz_se,
         ),
-        Answer(
+        RecommendedValue(
             "damping", damping, share * loss.low, share * loss.high, bound=bound,
             measured=None if c is None else c.measured_damping,
             measured_se=None if c is None else c.measured_damping_se,
         ),
-        *_height(study, peak.height, loss, joint=joint),
+        *_list_peak_height(study, peak.height, loss, joint=joint),
     )  # fmt: skip
 
 
-def _height(study: Study, height: float, loss: Answer, *, joint: bool) -> tuple[Answer, ...]:
-    """How high the peak is, on the lines of the hammer if there is one; none that does not peak.
+def _list_peak_height(
+    study: Study, height: float, loss: RecommendedValue, *, joint: bool
+) -> tuple[RecommendedValue, ...]:
+    """Return the height of the peak, on the lines of the hammer if there is one; empty without one.
 
-    Where its ends were not sought it goes with the reciprocal of the loss factor.
+    Where its limits were not computed it scales with the reciprocal of the loss factor.
     """
-    held = study.joint_comparison if joint else study.comparison
-    if held is not None:
-        height = held.predicted_peak
+    comparison = study.joint_comparison if joint else study.comparison
+    if comparison is not None:
+        height = comparison.predicted_peak
     if not np.isfinite(height):
         return ()
     limits = None if joint else study.frf_band
     if limits is not None and limits.peak_height is not None:
-        low, high = _holding(limits.peak_height, height)
+        low, high = _contain(limits.peak_height, height)
     else:
         low, high = (height * loss.value / end if end > 0 else np.inf
                      for end in (loss.high, loss.low))  # fmt: skip
-    measured = None if held is None else held.measured_peak
-    return (Answer("peak", height, low, high, bound=loss.bound, measured=measured),)
+    measured = None if comparison is None else comparison.measured_peak
+    return (RecommendedValue("peak", height, low, high, bound=loss.bound, measured=measured),)
 
 
-def _holding(ends: tuple[float, float], value: float) -> list[float]:
-    """Ends that hold the value itself."""
+def _contain(ends: tuple[float, float], value: float) -> list[float]:
+    """Return an interval widened to contain a value."""
     return [min(ends[0], value), max(ends[1], value)]
 
 
-def _end_of_hold(study: Study, solid: Fit) -> tuple[Answer, ...]:
-    """Return the stiffness that the relaxation test knows best."""
+def _list_end_of_hold(study: Study, solid: Fit) -> tuple[RecommendedValue, ...]:
+    """Return the stiffness at the end of the hold, the best known of a relaxation test."""
     end = solid.evidence.end_of_hold or study.fit.evidence.end_of_hold
     if end is None:
         return ()
     value = end.compute_stiffness(solid.solid)
     low, high = min(end.k_end[0], value), max(end.k_end[1], value)
-    return (Answer("end of hold", value, low, high, end.end_time, bound=True),)
+    return (RecommendedValue("end of hold", value, low, high, end.end_time, bound=True),)

@@ -61,7 +61,7 @@ def test_the_text_says_that_the_seal_opens(bent_prediction):
     said = " ".join(" ".join(prediction(bent_prediction).lines).split())
     assert "mean shift, mm" in said
     shift = -1e3 * bent_prediction.preloaded[0].orbit.shift
-    assert f"at 0.3 N the seal opens by {shift:.2g} mm when shaken" in said
+    assert f"at 0.3 N the seal opens by {shift:.2g} mm on average" in said
 
 
 def peaked(law, solid, level, about):
@@ -106,7 +106,7 @@ def test_prediction_reports_the_frequency_range_with_two_solutions(bent_predicti
     assert after.frequency - before.frequency < 1e-3 * hz
     assert one.frequency == pytest.approx(hz, rel=1e-9)
     said = " ".join(" ".join(prediction(bent_prediction).lines).split())
-    assert f"! at 0.3 N two answers last below {hz:.5g} Hz" in said
+    assert f"! at 0.3 N two stable responses exist below {hz:.5g} Hz" in said
     low, high = one.interval.mean_shift
     half = 1e3 * (high - low) / 2
     assert f"± {half:.2g}" in said

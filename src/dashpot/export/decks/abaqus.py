@@ -118,7 +118,10 @@ def spring_dashpot_network(deck: Deck) -> list[str]:
             f"{1 + len(elements)}, 1, 2",
             "*SPRING, ELSET=SEAL_CUBIC, NONLINEAR",
             "",
-            *(f"{text(F)}, {text(x)}" for x, F in deck.nonlinear_elements.both_ways()),
+            *(
+                f"{text(F)}, {text(x)}"
+                for x, F in deck.nonlinear_elements.compute_symmetric_curve()
+            ),
         ]
     for number, (k, F, _) in enumerate(deck.nonlinear_elements.sliders, start=1):
         cards += _slider(number, k, F, span, k * (_SHAKES / deck.units.time) ** 2)

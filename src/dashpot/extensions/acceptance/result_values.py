@@ -21,7 +21,7 @@ from dashpot.fitting.prediction_bounds import off_by_error, parameter_band
 from dashpot.solids.maxwell import Solid
 from dashpot.workflow.identification import Identified
 from dashpot.workflow.measured_frf import Modes
-from dashpot.workflow.recommended_solid import Answer, Recommendation, recommend_solid
+from dashpot.workflow.recommended_solid import Recommendation, RecommendedValue, recommend_solid
 from dashpot.workflow.study import Study
 
 Spread = Literal["random", "bound", "unknown"]
@@ -228,7 +228,9 @@ def _(study: Study, name: _Name) -> ResultValue | None:
     return _find_by_name(advice.solid, name)
 
 
-def _make_answer_value(name: _Name, answer: Answer, advice: Recommendation) -> ResultValue:
+def _make_answer_value(
+    name: _Name, answer: RecommendedValue, advice: Recommendation
+) -> ResultValue:
     """Return a value that a recommendation holds.
 
     As there, a frequency goes with the stiffness at the peak, damping and height with the loss

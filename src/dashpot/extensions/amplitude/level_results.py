@@ -318,7 +318,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         share = 0.75 * self.k3 * self.amplitudes[1] ** 2
         return (
             (
-                f"it {way} as a cubic spring, k3 = {self.k3:.4g} N/m^3 ({low:.4g} to {high:.4g}): "
+                f"it {way} as a cubic spring, k3 = {self.k3:.3g} N/m^3 ({low:.3g} to {high:.3g}): "
                 f"{format_quantity(share, 'N/mm', '+.3g')} at the largest amplitude"
             ),
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from dashpot.base.number_format import ascii_only, interval
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.amplitude.level_prediction import LevelPrediction
 from dashpot.extensions.amplitude.preloaded_response import PreloadedLevel
@@ -17,13 +18,20 @@ def prediction(level_prediction: LevelPrediction) -> Text:
 
 
 def _format_level_resonances(level_prediction: LevelPrediction) -> list[str]:
-    """Return the resonance at each level, and what the first and the last make of it."""
+    """Return the table of the resonance at each amplitude, and its change from first to last."""
     if level_prediction.preloaded:
         return _on_bending_seals(level_prediction.preloaded, level_prediction.frf.read)
     assert level_prediction.sweep is not None  # noqa: S101
     of = level_prediction.levels[0]
     rows = [
-        [f"level, {of.unit}", "peak, Hz", "between", level_prediction.frf.read, "between", "moved"]
+        [
+            f"amplitude, {of.unit}",
+            "peak, Hz",
+            "95 %",
+            level_prediction.frf.read,
+            "95 %",
+            "motion of the seal",
+        ]
     ]
     for level in level_prediction.levels:
         quantity = format_quantity(level.amplitude, "mm", ".3g")
@@ -33,9 +41,9 @@ def _format_level_resonances(level_prediction: LevelPrediction) -> list[str]:
             [
                 f"{level.level:.4g}",
                 f"{level.frequency:.5g}",
-                "{:.5g} to {:.5g}".format(*level.frequency_between),
+                ascii_only(interval(*level.frequency_between)),
                 f"{level.value:.4g}",
-                "{:.4g} to {:.4g}".format(*level.value_between),
+                ascii_only(interval(*level.value_between)),
                 quantity,
             ]
         )
@@ -55,9 +63,9 @@ _HARMONIC = 1e-4
 
 
 def _on_bending_seals(levels: Sequence[PreloadedLevel], unit: str) -> list[str]:
-    """The resonance and harmonics at each level, by the elastic law, and what the seal does."""
-    head = [f"level, {levels[0].unit}", "peak, Hz", unit, "1st, mm", "2nd, mm",
-            "3rd, mm", "mean shift, mm", "apart", "floquet"]  # fmt: skip
+    """Return the table of resonance and harmonics at each amplitude by a nonlinear elastic law."""
+    head = [f"amplitude, {levels[0].unit}", "peak, Hz", unit, "1st, mm", "2nd, mm",
+            "3rd, mm", "mean shift, mm", "no contact", "growth"]  # fmt: skip
     rows: list[list[str]] = [head]
     message: list[str] = []
     for level in levels:
@@ -84,7 +92,7 @@ def _on_bending_seals(levels: Sequence[PreloadedLevel], unit: str) -> list[str]:
 
 
 def _list_level_lines(level: PreloadedLevel, least: float) -> Iterator[str]:
-    """What else is to be known of the response at one level."""
+    """Yield lines on opening, harmonics and stability of the response at one amplitude."""
     name, shift = f"at {level.level:.4g} {level.unit}", level.orbit.shift
     if level.interval is not None and level.interval.value is None:
         jumps = level.interval.harmonics is None
@@ -94,16 +102,19 @@ def _list_level_lines(level: PreloadedLevel, least: float) -> Iterator[str]:
         return
     does, second = "opens" if shift < 0 else "closes", level.second_harmonic
     yield (
-        f"  {name} the seal {does} by {format_quantity(abs(shift), 'mm', '.2g')} when shaken; the "
+        f"  {name} the seal {does} by {format_quantity(abs(shift), 'mm', '.2g')} on average; the "
         f"second harmonic is largest at {second['frequency_hz']:.4g} Hz, "
         f"{100 * second['amplitude'] / second['first']:.3g} % of the first"
     )
     for low, high in level.unsteady:
-        yield f"  ! {name} no answer at the drive's period lasts from {low:.4g} to {high:.4g} Hz"
+        yield (
+            f"  ! {name} no response with the period of the force is stable from {low:.4g} to "
+            f"{high:.4g} Hz"
+        )
     for hz in level.jumps_hz:
         yield (
-            f"  ! {name} two answers last below {hz:.5g} Hz. This is a rising frequency's; a "
-            "falling one keeps the other"
+            f"  ! {name} two stable responses exist below {hz:.5g} Hz. This is that of a rising "
+            "sweep; a falling sweep stays on the other"
         )
 
 

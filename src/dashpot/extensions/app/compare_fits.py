@@ -41,7 +41,7 @@ from dashpot.plot.plotted_data import compute_padded_limits, downsample_to_means
 from dashpot.report.first_screen import Light
 from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.workflow.job import Job
-from dashpot.workflow.recommended_solid import Answer, Recommendation, recommend_solid
+from dashpot.workflow.recommended_solid import Recommendation, RecommendedValue, recommend_solid
 from dashpot.workflow.study import Study
 
 INKS = {"A": Pen("fit", 2.0, (7, 4)), "B": Pen("joint-ink", 2.0)}
@@ -68,7 +68,7 @@ class ComparedFit(NamedTuple):
         return result_cache.select_shown_test(self.job, self.solid)[1]
 
     @property
-    def answers(self) -> tuple[Answer, ...]:
+    def answers(self) -> tuple[RecommendedValue, ...]:
         """Its numbers."""
         return self.recommendation.answers
 
@@ -147,7 +147,7 @@ def _numbers(a: ComparedFit, b: ComparedFit) -> Iterator[ComparedValue]:
         )  # fmt: skip
 
 
-def _format_difference(first: Answer, second: Answer) -> str:
+def _format_difference(first: RecommendedValue, second: RecommendedValue) -> str:
     """Return how much the other number is more; of a peak in dB."""
     if first.quantity == "peak" and first.value > 0 and second.value > 0:
         return decibels(20 * math.log10(second.value / first.value))
@@ -164,7 +164,7 @@ def _format_relative_difference(first: float, second: float) -> str:
     return percent(ratio - 1)
 
 
-def _classify_overlap(first: Answer, second: Answer) -> str:
+def _classify_overlap(first: RecommendedValue, second: RecommendedValue) -> str:
     """Return whether what B says was possible by A."""
     if math.isnan(first.low) or math.isnan(first.high):
         return "A has no bound"

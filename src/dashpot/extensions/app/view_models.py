@@ -79,7 +79,7 @@ from dashpot.vibration.impact.hits import cut_hits
 from dashpot.workflow.frf_prediction import Prediction
 from dashpot.workflow.inspections import InspectedFile
 from dashpot.workflow.job import Job
-from dashpot.workflow.recommended_solid import Answer, Recommendation
+from dashpot.workflow.recommended_solid import Recommendation, RecommendedValue
 from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
@@ -709,12 +709,12 @@ def groups(groups: Sequence[Group], text: str, note: str) -> str:
     )  # fmt: skip
 
 
-def _shorter(answer: Answer, row: Row) -> Row:
+def _shorter(answer: RecommendedValue, row: Row) -> Row:
     """Return a number under a name that does not wrap beside its five cells."""
     return row._replace(name=short_name(answer))
 
 
-def short_name(answer: Answer) -> str:
+def short_name(answer: RecommendedValue) -> str:
     """Return a number's name that does not wrap beside its cells."""
     at = "" if answer.at is None else round_to_error(answer.at)
     return {

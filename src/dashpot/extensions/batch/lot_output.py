@@ -137,7 +137,7 @@ def _format_lot_counts(lot: dp.Lot) -> list[str]:
     ]
     verdicts = {"verdicts": lot.verdicts, "hammers": lot.agreements}
     if lot.simulated_count:
-        lines.append(f"SIMULATED   {format_count(lot.simulated_count, 'file')}, by simulation")
+        lines.append(f"SIMULATED   {format_count(lot.simulated_count, 'file')}")
     if lot.ignored_files:
         shown = [Path(file).name for file in lot.ignored_files[:MOST_NAMED]]
         more = len(lot.ignored_files) - len(shown)

@@ -327,7 +327,7 @@ class Summary(HasChecks, Serialisable):
         fitted, copies = lot.outcomes.get("fitted", 0), len(lot.copies)
         text = f"{fitted} of {lot.record_count} fitted"
         if lot.dissimilar:
-            text += f", {len(lot.dissimilar)} tested under other conditions"
+            text += f", {len(lot.dissimilar)} tested differently"
         return text + (f", {copies} cop{'y' if copies == 1 else 'ies'}" if copies else "")
 
     @property
@@ -502,7 +502,7 @@ def _out_of_band(lot: Lot, frequency: float) -> int:
 
 _NOT_JUDGED = {
     "files": "none",
-    "measuring": "not known: no seal was tested several times",
+    "measuring": "not known: no repeats",
     "control": "not known: too few seals",
     "limits": "no limits given",
 }

@@ -187,7 +187,7 @@ def _format_nonlinear_cards(deck: Deck, number: int) -> list[str]:
         number += 1
     if not deck.nonlinear_elements.k3:
         return cards
-    curve = deck.nonlinear_elements.curve(_MOST_POINTS - 1, k=deck.k_inf)
+    curve = deck.nonlinear_elements.compute_curve(_MOST_POINTS - 1, k=deck.k_inf)
     if not curve[1][1] > 0:
         raise ExportError(
             "COMBIN39 must rise at its origin, and beside a spring that softens there is no k_inf "

@@ -181,7 +181,7 @@ def _arms(deck: Deck) -> DeckText:
         materials.append(("*MAT_SPRING_NONLINEAR_ELASTIC", [1]))
         rows = (
             f"{format_fixed_width(x, 20):>20}{format_fixed_width(F, 20):>20}"
-            for x, F in deck.nonlinear_elements.both_ways()
+            for x, F in deck.nonlinear_elements.compute_symmetric_curve()
         )
         curve = ["*DEFINE_CURVE", format_fields(1), *rows]
     cards = [

@@ -86,7 +86,7 @@ def _list_linear_materials(deck: Deck) -> list[Command]:
 def _list_nonlinear_materials(deck: Deck) -> list[Command]:
     materials = [["ElasticPP", text(k), text(x)] for k, _, x in deck.nonlinear_elements.sliders]
     if deck.nonlinear_elements.k3:
-        x, F = zip(*deck.nonlinear_elements.both_ways(), strict=True)
+        x, F = zip(*deck.nonlinear_elements.compute_symmetric_curve(), strict=True)
         materials.append(
             ["ElasticMultiLinear", "0.", "-strain", *map(text, x), "-stress", *map(text, F)]
         )

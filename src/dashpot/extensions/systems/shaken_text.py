@@ -33,6 +33,6 @@ def format_shaken_mass(prediction: Prediction) -> list[str]:
 
 
 def _format_limits(ends: tuple[float, float], unit: str = "1") -> str:
-    """Between which limits something lies; from the lower one on where nothing else limits it."""
+    """Return limits as text; an infinite upper one is "unlimited"."""
     low, high = (convert_to_unit(end, unit) for end in ends)
-    return f"{low:.4g} to {f'{high:.4g}' if math.isfinite(high) else 'unlimited'}"
+    return f"{low:.3g} to {f'{high:.3g}' if math.isfinite(high) else 'unlimited'}"

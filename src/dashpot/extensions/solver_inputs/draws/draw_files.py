@@ -150,7 +150,7 @@ def export_draws(
     checks: tuple[Check, ...] = (*base.checks, check)
     low, high = (pick(each.frequency for each in peaks) for pick in (min, max))
     least, most = (pick(each.damping_ratio for each in peaks) for pick in (min, max))
-    frequencies = f"{peak.frequency:.5g} Hz, {low:.5g} to {high:.5g} Hz"
+    frequencies = f"{peak.frequency:.5g} Hz, {low:.4g} to {high:.4g} Hz"
     damping = f"{peak.damping_ratio:.3g}, {least:.3g} to {most:.3g}"
     lines = [
         f"{count} draws for {target}, seed {seed}: {files[0]} to {files[-1].name}",
