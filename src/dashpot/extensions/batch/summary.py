@@ -398,7 +398,8 @@ def _flags(lot: Lot, of: OfQuantity) -> Iterator[Flag]:
         yield Flag(*places[file], f"the same record as {other}: left out of the statistics")
     for file, _, _, outcome, verdict, reason in rows:
         if outcome not in {"fitted", "ignored"} or verdict == "do not use":
-            yield Flag(*places[file], reason or outcome, weighty=False)
+            message = (reason or outcome).removeprefix(f"{file}: ")
+            yield Flag(*places[file], message, weighty=False)
 
 
 def _odd_seals(name: str, charts: Charts, quantity: Quantity) -> Iterator[Flag]:
