@@ -42,8 +42,8 @@ def test_the_generator_is_that_of_another_solver() -> None:
 SHAPES = {
     "friction 2 %": "friction",
     "steep 10 %": "a law that is steeper than a cubic",
-    "tilted 3 mm": "a specimen that is met at an angle",
-    "rings at 300 Hz": "a ",  # rings on, and meets the specimen as at an angle
+    "tilted 3 mm": "a contact at an angle",
+    "rings at 300 Hz": "a ",  # keeps vibrating, and touches the specimen as at an angle
 }
 """What is found of each way, in its first words."""
 

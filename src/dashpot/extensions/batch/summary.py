@@ -503,7 +503,7 @@ def _out_of_band(lot: Lot, frequency: float) -> int:
 
 _NOT_JUDGED = {
     "files": "none",
-    "measuring": "not known: no repeats",
+    "measuring": "not known: too few repeats",
     "control": "not known: too few seals",
     "limits": "no limits given",
 }

@@ -217,7 +217,7 @@ def inside_valid_band(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Fi
     if factor > 1:
         where = "above" if c.measured_hz > high else "below"
         message = f"{peak} a factor of {factor:.3g} {where} {band}"
-        message += ". The measurement agrees all the same" if borne_out else ""
+        message += ". Yet the measurement agrees" if borne_out else ""
     return Finding(message, factor, remedy=TOGETHER, always_passes=borne_out)
 
 
@@ -237,16 +237,16 @@ def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Findi
     fastest = min([1 / (2 * np.pi * high), *(arm.tau for arm in c.arms if arm.seen_by_relaxation)])
     message = (
         f"Damping at {c.measured_hz:.4g} Hz comes from relaxation in about {_time(tau)}. The "
-        f"relaxation test sees {_time(fastest)} to {_time(1 / (2 * np.pi * low))}"
+        f"relaxation test covers {_time(fastest)} to {_time(1 / (2 * np.pi * low))}"
     )
     lead = max(c.arms, key=lambda arm: arm.loss_share, default=None)
     if lead is not None:
         message += (
             f". The arm at tau = {lead.tau:.4g} s gives {100 * lead.loss_share:.1f} % of the "
-            "predicted loss" + (", far from its own time" if lead.tau > 5 * tau else "")
+            "predicted loss" + (", although it is much slower" if lead.tau > 5 * tau else "")
         )
     return Finding(
-        message + (". The hammer agrees all the same" if borne_out else ""),
+        message + (". Yet the hammer test agrees" if borne_out else ""),
         tau,
         remedy=TOGETHER,
         limit=1 / (2 * np.pi * high),
@@ -283,7 +283,7 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
     return Finding(
         f"{message}, close to {tested}"
         if near
-        else f"{message}, not to {tested}. The frequency agrees all the same",
+        else f"{message}, not to {tested}. Yet the frequency agrees",
         at,
         failure=f"{message}; the relaxation test was at {format_quantity(depth, 'mm', '.3g')}. A "
         "stiffness "

@@ -194,10 +194,10 @@ class Comparison(Plottable, Serialisable):
     @property
     def lines(self) -> str:
         """Agreement of the lines, as text."""
-        z = "" if self.z_rms is None else f", or {self.z_rms:.3g} times the noise"
+        z = "" if self.z_rms is None else f", {self.z_rms:.3g} times the noise"
         return (
             f"{len(self.measured.frequency)} lines from {self.band[0]:.3g} to {self.band[1]:.3g} "
-            f"Hz: FRF correlation (FRAC) {self.frac:.3f}; rms error {self.rms_db:.2f} dB{z}"
+            f"Hz: correlation (FRAC) {self.frac:.3f}; rms error {self.rms_db:.2f} dB{z}"
         )
 
     @property

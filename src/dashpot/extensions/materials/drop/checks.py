@@ -117,8 +117,8 @@ def impact_residual_structureless(shapes: Mapping[str, float]) -> Finding:
     return Finding(
         f"The residual of the force is most like {words}, by {abs(most):.2g} standard deviations",
         abs(most),
-        "The fit has no such force, and takes it for relaxation or for the elastic law",
-        "Look at the picture. Lubricate or align the specimen, or compress it less.",
+        "The fit has no such force, and counts it as relaxation or elastic law",
+        "Look at the figure. Lubricate or align the specimen, or compress it less.",
     )
 
 

@@ -60,7 +60,7 @@ def compute_residual_shapes(problem: DropProblem, optimum: Optimum) -> dict[str,
         )
     }
     curvature = np.gradient(np.gradient(force, problem.step, axis=0), problem.step, axis=0)
-    responses["a sensor that filters"] = np.where(in_contact, curvature, 0.0)
+    responses["a filter of the sensor"] = np.where(in_contact, curvature, 0.0)
     J = optimum.jacobian[:, optimum.free]
     # the relaxation time of an arm with g = 0 has no effect
     size = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
@@ -84,7 +84,7 @@ def compute_residual_shapes(problem: DropProblem, optimum: Optimum) -> dict[str,
         if size > _LEAST_ORTHOGONAL_PART * np.linalg.norm(column):
             scores[name] = float(orthogonal_column @ optimum.all_residuals / size / deviation)
     if (variance_increase := flights.variance_increase) is not None:
-        scores["a sensor or a mass that rings on"] = max(variance_increase, 0.0)
+        scores["a sensor or mass that keeps vibrating"] = max(variance_increase, 0.0)
     return scores
 
 
@@ -110,8 +110,8 @@ def _compute_additional_forces(
     return {
         "friction": friction,
         "an elastic law steeper than a cubic": largest * share**_POWER,
-        "a specimen that is met at an angle": largest * share * np.exp(-share / _TILT_DEPTH),
-        "one arm more": arm,
+        "a contact at an angle": largest * share * np.exp(-share / _TILT_DEPTH),
+        "one more arm": arm,
     }
 
 
