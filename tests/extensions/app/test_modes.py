@@ -109,7 +109,7 @@ def test_modes_in_the_browser(home):
         page.done()
         shown = page.at.get_by_role("region", name="Fit of this file")
         assert shown.get_by_text("Stabilisation chart").is_visible()
-        typed("Modes sought from", "5 to 50")
+        typed("Band of modes", "5 to 50")
         command.filter(has_text="--band 5.0:50Hz").wait_for()
         page.at.locator("#pick").set_input_files(str(home / "point1.csv"))
         page.at.get_by_text("Modal assurance criterion").wait_for()

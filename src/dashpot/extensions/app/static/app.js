@@ -63,7 +63,7 @@ function menu(/** @type {boolean} */ open) {
 function copy() {
   navigator.clipboard?.writeText($("command").textContent || "").then(
     () => status("command copied"),
-    () => status("the browser keeps its clipboard to itself"),
+    () => status("the browser does not allow access to the clipboard"),
   );
 }
 

@@ -51,8 +51,8 @@ function ends(/** @type {string} */ said) {
   if (said !== cancelled) return refuse(said);
   if (state.joint) return stops("Cancelled. There is no joint model.");
   const skipped = hammers().length
-    ? "The hammer was not held against it."
-    : "Its limits were not sought.";
+    ? "The hammer test was not compared."
+    : "Its limits were not computed.";
   const known = stands() && !bench() ? `The fit stands: ${found.end.join(" ")}. ${skipped}` : "";
   stops(`Cancelled. ${known || "What was asked last is not fitted."}`);
 }
@@ -143,7 +143,7 @@ export function settle(again = false) {
       return status(cancelled);
     }
     if (!again && tooTall()) return settle(true);
-    status(`settled in ${seconds(since, 2)}`);
+    status(`fitted in ${seconds(since, 2)}`);
     study();
   }, (said) => {
     ends(said);
@@ -259,7 +259,9 @@ function slowly(
   const timer = setInterval(async () => {
     const at = await call("GET", "/api/working").catch(() => null);
     if (over) return;
-    const doing = at && at.seconds !== null ? at.doing || "bounding the response" : "working";
+    const doing = at && at.seconds !== null
+      ? at.doing || "computing limits of the response"
+      : "working";
     status(`${doing}, ${seconds(since)}`);
   }, PATIENCE);
   const end = () => {
@@ -318,7 +320,7 @@ function overlay() {
 function compare() {
   if (state.against === "all") return overlay();
   const { a, b } = ab(), now = question();
-  asks(now, "Both fits are held against each other.");
+  asks(now, "Both fits are compared.");
   for (const [side, chosen] of [["a", a], ["b", b]]) {
     const all = solids().map(([name, words]) => made("option", { value: name }, words));
     $(`ab-${side}`).replaceChildren(...all);
@@ -342,7 +344,7 @@ export function study(again = false) {
   const now = question();
   asks(
     now,
-    `${chosen()}${hammers().length ? "The hammer is compared." : "Its limits are sought."}`,
+    `${chosen()}${hammers().length ? "The hammer is compared." : "Its limits are computed."}`,
   );
   slowly("study", { job: job(), sizes: sizes(), base: state.base, phase: state.phase }, (head) => {
     studied(head);
