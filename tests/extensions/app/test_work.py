@@ -255,7 +255,8 @@ def test_elastic_law_of_a_result_can_be_requested():
         for ratio in ((0.5, 1.5), (1.0, 1.0))
     )
     found = [
-        request_handlers._law(one) for one in (bent, straight, SimpleNamespace(elastic_law=None))
+        request_handlers._get_law_option(fit)
+        for fit in (bent, straight, SimpleNamespace(elastic_law=None))
     ]
     assert found == ["nonlinear", "linear", ""]
     assert set(found[:2]) <= set(get_choice_values(RampLawAsked))
