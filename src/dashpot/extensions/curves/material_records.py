@@ -27,7 +27,7 @@ from dashpot.registry import find_handler
 from dashpot.signals.segments import (
     classify_load_history,
     find_rising_sign,
-    held_throughout,
+    is_held_throughout,
 )
 
 MATERIAL: tuple[Role, ...] = ("time", "strain", "stress")
@@ -70,7 +70,7 @@ def recognise_material_record(
     if is_harmonic is not None and is_harmonic(*motion):
         return "cyclic", "it goes to and fro, and never rests"
     shown = classify_load_history(time, strain, stress)
-    held = held_throughout(stress) and shown not in _OTHER_MOTIONS
+    held = is_held_throughout(stress) and shown not in _OTHER_MOTIONS
     if record and (shown == "creep" or held):
         return "creep", "its stress is held while its strain goes on"
     if shown != "relaxation":
