@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ComplexArray, cache_on_record
+from dashpot.base.arrays import BoolArray, ComplexArray
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.option_fields import Method, get_choice_values
 from dashpot.base.units import GRAVITY, Quantity, Range, convert_to_si, si_range
@@ -96,7 +96,7 @@ def compare(
     )
     frf = _apply_test_window(frf, measured, model, mass)
     keep = _select_compared_lines(measured, find_peak(measured), explicit=band is not None)
-    modes = _find_modes(measured.only(keep)) if band is not None else _find_compared_modes(measured)
+    modes = _find_modes(measured, keep)
     measured, frf = measured.only(keep), frf.only(keep)
     measured_peak, predicted_peak = find_peak(measured), find_peak(frf)
     mode = _drop_uncertain_mode(_find_nearest_mode(modes, measured_peak.frequency))
@@ -295,23 +295,29 @@ def _compute_rms_db(a: ComplexArray, b: ComplexArray) -> float:
 def _find_predicted_damping(
     model: Solid | None, mass: float | None, predicted: FRF, peak: Peak
 ) -> float | None:
-    modes = _find_modes(predicted) if model is None or mass is None else model_modes(model, mass)
+    modes = (
+        _find_modes(predicted, predicted.frequency >= 0)
+        if model is None or mass is None
+        else model_modes(model, mass)
+    )
     mode = _find_nearest_mode(modes, peak.frequency)
     return None if mode is None else mode.damping_ratio
 
 
-@cache_on_record
-def _find_compared_modes(measured: FRF) -> tuple[Mode, ...]:
-    """Return the modes of the lines compared by default; cached for comparisons with one FRF."""
-    return _find_modes(
-        measured.only(_select_compared_lines(measured, find_peak(measured), explicit=False))
-    )
+def _find_modes(frf: FRF, keep: BoolArray) -> tuple[Mode, ...]:
+    """Return modes of some lines by the rational fraction; none where the lines are too few.
 
+    Those of lines without a gap are asked of the whole, which remembers them: several solids are
+    held against one FRF.
+    """
+    from dashpot.datamodel.structure import FRFSet
+    from dashpot.vibration.modal.modal_methods import find_mode_band
 
-def _find_modes(frf: FRF) -> tuple[Mode, ...]:
-    """Return the modes by the rational fraction; none where the lines are too few."""
     try:
-        return frf.modes()
+        lines = frf.only(keep)
+        band = find_mode_band(FRFSet((lines,)))
+        gapless = len(frf.band(*band).frequency) == len(lines.band(*band).frequency)
+        return (frf if gapless else lines).modes(band=band)
     except DashpotError:
         return ()
 

@@ -47,6 +47,12 @@ def lines_of(points: FRFSet) -> FRFLines:
     )
 
 
+def find_mode_band(points: FRFSet) -> tuple[float, float]:
+    """Return the band about where the points together move most, Hz."""
+    all_of_them = compute_rms_accelerance(points)
+    return mount_band(all_of_them.frequency, all_of_them.value, all_of_them.sd)
+
+
 def select_mode_band(points: FRFSet, band: tuple[float, float] | None) -> FRFSet:
     """The lines where modes are sought, by default about where the points together move most.
 
@@ -55,9 +61,8 @@ def select_mode_band(points: FRFSet, band: tuple[float, float] | None) -> FRFSet
     DataError
         If they are fewer than 8.
     """
-    all_of_them = compute_rms_accelerance(points)
-    f = all_of_them.frequency
-    low, high = band or mount_band(f, all_of_them.value, all_of_them.sd)
+    f = points.frfs[0].to(Kind.ACCELERANCE).frequency
+    low, high = band or find_mode_band(points)
     keep = (f >= low) & (f <= high) & (f > 0)
     if np.count_nonzero(keep) < FEWEST_BAND_LINES:
         raise DataError(
@@ -151,7 +156,12 @@ def find_modes(
         ) from None
     near = select_mode_band(FRFSet((frf,)), band)
     if method is Method.RATIONAL:
-        return tuple(shape.mode for shape in shapes_of(near, count))
+        # kept with the FRF, which is frozen, by the first and the last of these lines
+        found: dict[object, tuple[Mode, ...]] = vars(frf).setdefault("_modes", {})
+        key = (*near.frfs[0].frequency[[0, -1]].tolist(), count)
+        if key not in found:
+            found[key] = tuple(shape.mode for shape in shapes_of(near, count))
+        return found[key]
     if count not in (None, 1):
         raise DataError(f"method {method.value!r} reads one mode, not {count}; use 'rational'")
     return (_read(method, near.frfs[0]),)
