@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from itertools import compress
 
@@ -494,6 +494,17 @@ def solve_orders(
     chain = ArmInsertion(stack, thorough=thorough, signed=False, seed=0)
     chain.extend(max_arms, negligible=negligible, every=every)
     return tuple(_make_solution(chain, n, requested=n) for n in range(chain.largest_order + 1))
+
+
+def iterate_orders(blocks: Sequence[DataBlock], max_arms: int) -> Iterator[Solution]:
+    """Yield the solutions of :func:`solve_orders` one by one, each found when asked for."""
+    stack = _validate_blocks(blocks, max_arms)
+    chain = ArmInsertion(stack, thorough=False, signed=False, seed=0)
+    for arms in range(max_arms + 1):
+        chain.extend(arms)
+        if chain.largest_order < arms:
+            return
+        yield _make_solution(chain, arms, requested=arms)
 
 
 def full_jacobian(blocks: Sequence[DataBlock], solution: Solution) -> Jacobian:

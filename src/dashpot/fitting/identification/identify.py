@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -55,7 +55,7 @@ from dashpot.fitting.identification.problem_inputs import (
 from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
 from dashpot.fitting.order_selection import FURTHER
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.exponential_fit import solve_orders
+from dashpot.numerics.exponential_fit import iterate_orders, solve_orders
 from dashpot.numerics.inference.model_order import DECISIVE, Shortage, select_model_order
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -308,11 +308,13 @@ def _candidates(
 
     From a `start` in place of the linear ones, which know of no difference between the tests.
     """
-    parameters = _linear(whole, max(numbers)) if start is None else [start]
+    linear = enumerate(_linear(whole, max(numbers)) if start is None else ())
     candidates: list[Candidate] = []
     for number in numbers:
         problem = replace(whole, sought=Arms(number))
-        starts = [parameter for parameter in parameters if parameter.model.maxwell.arms == number]
+        starts = next((found for arms, found in linear if arms == number), [])
+        if start is not None and start.model.maxwell.arms == number:
+            starts = [start]
         best = _lowest(problem, [*starts, *_spread(problem, before)])
         # more arms explain no less: where they do, their optimum was not found
         if best.problem.sought.is_complete(best.point.model) and not (
@@ -447,10 +449,12 @@ def _mass(problem: IdentificationProblem, fixed: Mapping[str, float]) -> float:
     return fixed["mass@frf"] if prior is None else prior.mean
 
 
-def _linear(problem: IdentificationProblem, most: int) -> list[Parameters]:
-    """Starts from the engine: dynamic stiffness is linear in the stiffnesses of the solid."""
-    starts = []
-    for solution in solve_orders(_stiffness_blocks(problem), most):
+def _linear(problem: IdentificationProblem, most: int) -> Iterator[list[Parameters]]:
+    """Starts from the engine, of none, 1, 2, ... arms: none where it finds no mass.
+
+    Dynamic stiffness is linear in the stiffnesses of the solid.
+    """
+    for solution in iterate_orders(_stiffness_blocks(problem), most):
         k = solution.arms[0]
         model = GeneralizedMaxwell(
             max(solution.coefficient("k_inf"), 0.0),
@@ -460,9 +464,7 @@ def _linear(problem: IdentificationProblem, most: int) -> list[Parameters]:
         )
         fixed = dict(zip(solution.fixed_names, solution.fixed.tolist(), strict=True))
         mass = _mass(problem, fixed)
-        if mass > 0:
-            starts.append(_start(problem, model, mass))
-    return starts
+        yield [_start(problem, model, mass)] if mass > 0 else []
 
 
 def _spread(problem: IdentificationProblem, before: Fit | None) -> list[Parameters]:
