@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from dashpot.base import dataclass, field, number_format
 from dashpot.base.checks import Use, Verdict
-from dashpot.base.errors import DashpotError, ExportError
+from dashpot.base.errors import ExportError
 from dashpot.base.number_format import format_band
 from dashpot.base.plain_text import sentence
 from dashpot.base.units import convert_to_unit
@@ -23,7 +23,6 @@ from dashpot.export.deck import NonlinearFit
 from dashpot.export.frequency_tables import round_band_inwards
 from dashpot.plot import style as drawing_style
 from dashpot.registry import find_handler
-from dashpot.workflow.json_archive import from_json
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -177,16 +176,6 @@ class AttachedDeck(NamedTuple):
     target: str
     text: DeckText
     options: tuple[str, ...]
-
-
-def load_exportable(document: str) -> DeckSource | None:
-    """Return the input of ``dashpot export`` in a result's document; None where there is none."""
-    try:
-        result = from_json(document)
-    except DashpotError:
-        return None
-    source: DeckSource | None = result if find_handler("deck terms", result) else None
-    return source
 
 
 def find_terms(result: Fit | NonlinearFit) -> DeckTerms:

@@ -17,7 +17,7 @@ from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.specimen import Specimen
 from dashpot.plot.picture import Panel, Picture
-from dashpot.registry import page_of
+from dashpot.registry import find_handler, page_of
 from dashpot.report import page_frame, tables
 from dashpot.report.figures import LEAD, RenderedFigure, render_figure
 from dashpot.report.first_screen import NOT_GIVEN, Light, Row, tally
@@ -258,13 +258,14 @@ def build_page_contents(
     )
     names = dict.fromkeys(source.file for source in page.sources)
     document = f"{page.name}.json"
-    text = text_of(result._saved_result)
-    sentence = "every number" if result._saved_result is result else "the fit, for other commands"
+    saved = result._saved_result
+    text = text_of(saved)
+    sentence = "every number" if saved is result else "the fit, for other commands"
     files = [attachment(document, f"Download {document}", sentence, "application/json", text)]
-    behind = page_frame.load_exportable(text)
+    behind = saved if find_handler("deck terms", saved) else None
     decks = () if behind is None else page_frame.decks(behind)
     files += page_frame.attach_decks(decks, document)
-    if result._saved_result is not result:
+    if saved is not result:
         whole = text_of(result)
         files.append(attachment(_ALL, _ALL, "every number", "application/json", whole))
     return {
