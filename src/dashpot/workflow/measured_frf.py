@@ -65,15 +65,19 @@ def read_measured(
 
     Its checks are about the resonance in `band`, Hz.
     """
-    record: FRF | ShakenTest | ImpactTest
-    if options.base_acceleration is not None:
-        record = find_handler("read several", "shaken base")(paths, options=options)
-    elif len(paths) == 1 and recognise(paths[0], options).kind in RESPONSES:
-        record = read_frf(paths[0], options=options)
-    else:
-        record = hits_in(list(paths), options, f"an FRF or {HITS}")
+    record = read_record(paths, options)
     frf = measured_frf(record, choices=choices, mass=mass, band=band)
     return record if isinstance(record, ImpactTest) else None, frf
+
+
+def read_record(paths: Sequence[str | Path], options: ReadOptions) -> FRF | ShakenTest | ImpactTest:
+    """Return the hits, the shaken test or the FRF that files hold."""
+    if options.base_acceleration is not None:
+        shaken: ShakenTest = find_handler("read several", "shaken base")(paths, options=options)
+        return shaken
+    if len(paths) == 1 and recognise(paths[0], options).kind in RESPONSES:
+        return read_frf(paths[0], options=options)
+    return hits_in(list(paths), options, f"an FRF or {HITS}")
 
 
 def measured_frf(
@@ -98,22 +102,11 @@ def measured_frf(
         return transmissibility
     if isinstance(record, FRF):
         refuse_choices_of_hits(choices, "the file holds an FRF", but=("motion", "polarity"))
-        frf = _apply_polarity(as_measured(record, choices.motion), choices)
+        (frf,) = with_polarity([as_measured(record, choices.motion)], choices.polarity)
         if frf.quantity.over_base and mass is None:
             raise ReadError(_NO_MASS)
         return add_frf_checks(frf, band, mass=mass)
     return average(record, choices=choices, mass=mass, band=band)
-
-
-def _apply_polarity(frf: FRF, choices: HammerChoices) -> FRF:
-    """Return the FRF with the sign that the user gives it; refuse what else is of hits.
-
-    Raises
-    ------
-    ReadError
-    """
-    refuse_choices_of_hits(choices, "an FRF was averaged already", but=("polarity", "motion"))
-    return with_polarity([frf], choices.polarity)[0]
 
 
 def with_polarity(frfs: Sequence[FRF], polarity: Sequence[int] | None) -> tuple[FRF, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -28,14 +28,13 @@ from dashpot.datamodel.fit import (
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
-from dashpot.datamodel.specimen import Specimen, make_file_specimens
+from dashpot.datamodel.specimen import make_file_specimens
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.prior_knowledge import HammerRig
 from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.fitting.relaxation import fit
-from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.vibration.mass_on_seals import (
@@ -95,8 +94,6 @@ def read_logo(path: str | Path) -> str:
 
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
-
-Reader: TypeAlias = Callable[[str, ReadOptions, Specimen | None], RelaxationTest]
 
 COMPARED_ORDERS = (1, 2)
 """The numbers of arms that the paper's Fig. 4 compares."""
@@ -509,17 +506,21 @@ def find_reference_test(chosen: Fit, tests: Sequence[RampHold]) -> int:
 
 
 def run(
-    job: Job, *, read: Reader | None = None, fit_once: Callable[..., FittedTests] = fit_tests
+    job: Job,
+    *,
+    read: Callable[..., RelaxationTest] = read_relaxation,
+    measure: Callable[..., tuple[ImpactTest | None, FRF]] = read_measured,
+    fit_once: Callable[..., FittedTests] = fit_tests,
 ) -> Study:
     """Read the files of a job and characterise the seal.
 
-    `read` and `fit_once` stand in for the reader and the fit of the relaxation tests where they
-    remember.
+    `read`, `measure` and `fit_once` stand in for the reader of the relaxation tests, for that of
+    the hammer's files and for the fit of the tests where they remember.
     """
     files = job.relaxation, *job.other_tests
     send_progress(f"reading {_format_file_names(files)}")
     test, *tests = (
-        (read or _read)(file, job.reading, specimen)
+        read(file, options=job.reading, specimen=specimen)
         for file, specimen in zip(
             files, make_file_specimens(job.specimen, job.temperatures, len(files)), strict=True
         )
@@ -528,7 +529,7 @@ def run(
     mass, _ = total_mass(job.block)
     if job.impact:
         send_progress(f"reading {_format_file_names(job.impact)}")
-        impact, measured = read_measured(
+        impact, measured = measure(
             job.impact, choices=job.hammer, options=job.reading_impact, mass=mass, band=job.band
         )
     study = characterise(
@@ -549,10 +550,6 @@ def run(
     )
     logo = "" if job.logo is None else read_logo(job.logo)
     return replace(study, title=job.title, logo=logo)
-
-
-def _read(file: str, options: ReadOptions, specimen: Specimen | None) -> RelaxationTest:
-    return read_relaxation(file, options=options, specimen=specimen)
 
 
 def _format_file_names(files: Sequence[str]) -> str:

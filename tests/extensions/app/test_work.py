@@ -17,7 +17,13 @@ from dashpot.base.checks import Check, Remedy
 from dashpot.base.option_fields import RampLawAsked, get_choice_values
 from dashpot.datamodel.fit_diagnostics import Explanation
 from dashpot.export import SUFFIXES
-from dashpot.extensions.app import request_handlers, result_cache, view_models, wire_format
+from dashpot.extensions.app import (
+    record_cache,
+    request_handlers,
+    result_cache,
+    view_models,
+    wire_format,
+)
 from dashpot.extensions.app.command_lines import line
 from dashpot.extensions.app.handler_registry import VERBS
 from dashpot.extensions.app.request_parsing import job_of
@@ -30,6 +36,7 @@ from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.elastic import ElasticLaw
+from dashpot.workflow import measured_frf
 from dashpot.workflow.json_archive import from_json, to_json
 
 pytestmark = pytest.mark.once
@@ -119,12 +126,30 @@ def test_another_mass_leaves_the_fit_of_the_tests(store, page_job, monkeypatch):
     )
     monkeypatch.setattr(result_cache, "_fitted", {})
     jobs = [job_of(page_job | {"mass": mass}, store.folder) for mass in ("114.5g", "115g")]
-    first, second = map(result_cache.study, jobs)
+    first = result_cache.study(jobs[0])
+    for place, name in ((record_cache, "read_relaxation"), (result_cache, "read_record"),
+                        (measured_frf, "estimate_frf")):  # fmt: skip
+        monkeypatch.setattr(place, name, lambda *_, what=name, **__: pytest.fail(what))
+    second = result_cache.study(jobs[1])
     assert len(fitted) == 1
     assert first.unmeasured is second.unmeasured
+    monkeypatch.undo()
     fresh = workflow.run(jobs[1])
     assert to_json(second) == to_json(fresh)
-    result_cache.study(job_of(page_job | {"mass": "115g", "arms": 3}, store.folder))
+    mass_check = next(c for c in second.measured.checks if c.name == "high_frequency_mass_agrees")
+    assert mass_check not in first.measured.checks
+
+
+def test_another_number_of_arms_fits_the_tests_again(store, page_job, monkeypatch):
+    fitted, fit_once = [], result_cache.fit_tests
+    monkeypatch.setattr(
+        result_cache,
+        "fit_tests",
+        lambda *args, **how: (fitted.append(1), fit_once(*args, **how))[1],
+    )
+    monkeypatch.setattr(result_cache, "_fitted", {})
+    for arms in (2, 3):
+        result_cache.study(job_of(page_job | {"mass": "115.5g", "arms": arms}, store.folder))
     assert len(fitted) == 2
 
 

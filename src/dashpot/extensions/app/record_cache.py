@@ -21,17 +21,17 @@ _FEW = 8
 _SIGNALS = ("time", "displacement", "force")
 
 
-def relaxation(path: str, reading: ReadOptions, specimen: Specimen | None) -> RelaxationTest:
+def relaxation(path: str, *, options: ReadOptions, specimen: Specimen | None) -> RelaxationTest:
     """Return the test in a file, as read before if any lane has.
 
     Of a specimen the temperature alone can change what a reader says.
     """
     stated = specimen or Specimen()
-    place = _place(path, reading, stated.temperature)
+    place = _place(path, options, stated.temperature)
     test = _load_record(place)
     if test is None:
         requested_specimen = Specimen(temperature=stated.temperature)
-        test = read_relaxation(path, options=reading, specimen=requested_specimen)
+        test = read_relaxation(path, options=options, specimen=requested_specimen)
         _keep(place, test)
     return replace(test, specimen=replace(stated, temperature=test.specimen.temperature))
 

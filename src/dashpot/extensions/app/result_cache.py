@@ -8,16 +8,23 @@ from dataclasses import fields, replace
 from functools import lru_cache
 from typing import Any
 
+from dashpot.base.arrays import replace_notes
 from dashpot.base.errors import DashpotError, FitError
+from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import make_file_specimens
+from dashpot.datamodel.vibration_tests import ImpactTest, ShakenTest
 from dashpot.extensions.app import record_cache
 from dashpot.fitting.relaxation import fit, refit_nearby
+from dashpot.reading.read_options import ReadOptions
+from dashpot.vibration.impact.checks import mass_shown
 from dashpot.vibration.mass_on_seals import compute_peak_limit
 from dashpot.workflow.bench_tests import prepared_tests
 from dashpot.workflow.frf_prediction import Prediction, prediction
-from dashpot.workflow.job import Job, TimeLimits
+from dashpot.workflow.job import HammerChoices, Job, TimeLimits
+from dashpot.workflow.measured_frf import measured_frf, read_record
 from dashpot.workflow.study import FittedTests, Study, find_reference_test, fit_tests, run
 
 
@@ -43,7 +50,8 @@ def tests(job: Job) -> tuple[RelaxationTest, ...]:
     files = job.relaxation, *job.other_tests
     specimens = make_file_specimens(job.specimen, job.temperatures, len(files))
     return tuple(
-        test(file, job.reading, specimen) for file, specimen in zip(files, specimens, strict=True)
+        test(file, options=job.reading, specimen=specimen)
+        for file, specimen in zip(files, specimens, strict=True)
     )
 
 
@@ -174,9 +182,51 @@ def fit_study_tests(
 
 
 @lru_cache(KEPT)
+def _read_hammer(paths: tuple[str, ...], options: ReadOptions) -> FRF | ShakenTest | ImpactTest:
+    return read_record(paths, options)
+
+
+@lru_cache(KEPT)
+def _average_hits(
+    paths: tuple[str, ...],
+    choices: HammerChoices,
+    options: ReadOptions,
+    band: tuple[float, float] | None,
+) -> FRF:
+    """Return the FRF of hits whatever the mass."""
+    return measured_frf(_read_hammer(paths, options), choices=choices, band=band)
+
+
+def measure_hammer(
+    paths: Sequence[str],
+    *,
+    choices: HammerChoices,
+    options: ReadOptions,
+    mass: float | None,
+    band: tuple[float, float] | None,
+) -> tuple[ImpactTest | None, FRF]:
+    """Return what :func:`.read_measured` does; another mass reads no file and averages no hit.
+
+    Of hits it decides over one check alone, which stands before those of window and file.
+    """
+    record = _read_hammer(tuple(paths), options)
+    if not isinstance(record, ImpactTest):
+        return None, measured_frf(record, choices=choices, mass=mass, band=band)
+    frf = _average_hits(tuple(paths), choices, options, band)
+    if mass is None:
+        return record, frf
+    place = len(frf.checks) - len(caution_checks(frf.source))
+    place -= frf.checks[place - 1].name == "window_decay_determined"
+    shown = mass_shown(frf, next(iter(frf.modes(band=band)), None), mass)
+    checks = (*frf.checks[:place], shown, *frf.checks[place:])
+    # the modes that are kept with the FRF stay with it
+    return record, replace_notes(frf, checks=checks)
+
+
+@lru_cache(KEPT)
 def study(job: Job) -> Study:
     """Return the whole story of a job."""
-    return run(job, read=test, fit_once=fit_study_tests)
+    return run(job, read=test, measure=measure_hammer, fit_once=fit_study_tests)
 
 
 @lru_cache(KEPT)

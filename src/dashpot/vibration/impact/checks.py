@@ -111,17 +111,18 @@ def checks_of(
     if combination is not None:
         checks += [rocking_cancelled(frf, combination), hits_centred(frf, combination)]
     if mass is not None:
-        apparent = None
-        if main is not None:
-            apparent = apparent_mass(
-                frf.frequency,
-                frf.value,
-                natural_frequency=main.frequency,
-                shift=frf.shift,
-                sd=frf.sd,
-            )
-        checks.append(high_frequency_mass_agrees(apparent, mass))
+        checks.append(mass_shown(frf, main, mass))
     return tuple(checks)
+
+
+def mass_shown(frf: FRF, main: Mode | None, mass: float) -> Check:
+    """Return whether the mass line above the resonance `main` shows a mass, kg."""
+    apparent = None
+    if main is not None:
+        apparent = apparent_mass(
+            frf.frequency, frf.value, natural_frequency=main.frequency, shift=frf.shift, sd=frf.sd
+        )
+    return high_frequency_mass_agrees(apparent, mass)
 
 
 @criterion("hits", ">=", ENOUGH, "our choice: the fewest that show an outlier")

@@ -8,8 +8,9 @@ from functools import cached_property
 import numpy as np
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.arrays import BoolArray, FloatArray, replace_notes
 from dashpot.base.errors import DataError
+from dashpot.base.option_fields import require_choice
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, Range, convert_to_si, format_quantity, si_range
 from dashpot.base.value_ranges import require_positive
@@ -367,13 +368,14 @@ def estimate_frf(
     band, resonance_band = si_range(band, "frequency"), si_range(resonance_band, "frequency")
     tests = (tests,) if isinstance(tests, ImpactTest) else tuple(tests)
     require_positive(mass=mass, unit=" kg", optional=True)
+    require_choice("estimator", estimator, Estimator)
     requested_window = Window.parse(window)
     hits = cut_hits(tests, record=record, pretrigger=pretrigger)
     taken = _select_accepted_hits(hits, accept, reject)
     recorded = find_window(tests, [hit for hit, t in zip(hits, taken, strict=True) if t])
     hits = tuple(without_offset(hit, recorded) for hit in hits)
     choices = AveragingOptions(
-        estimator=_estimator(estimator),
+        estimator=Estimator(estimator),
         window=requested_window,
         combine=_validate_combination(combine, tests[0].channels),
         polarity=polarity,
@@ -392,7 +394,7 @@ def estimate_frf(
     )
     main = next(iter(frf.modes(band=resonance_band)), None)
     if main is not None:
-        frf = replace(frf, hits=with_resonances(frf, average.spectra, main))
+        frf = replace_notes(frf, hits=with_resonances(frf, average.spectra, main))
     checks = checks_of(
         frf,
         average.spectra,
@@ -405,7 +407,7 @@ def estimate_frf(
     unmeasured = not np.isfinite(recorded.ratio) and not recorded.stated
     if recorded.rate > 0 or not recorded.known or recorded.evident or unmeasured:
         checks = (*checks, window_decay_determined(recorded, main))
-    return replace(frf, checks=(*checks, *caution_checks(frf.source)))
+    return replace_notes(frf, checks=(*checks, *caution_checks(frf.source)))
 
 
 def _average_without_ringing(
@@ -431,15 +433,6 @@ def _free_poles(average: Average) -> list[complex]:
         if all(abs(p - rocking) > 0.02 * abs(p) for p in poles):
             poles.append(rocking)
     return poles
-
-
-def _estimator(name: Estimator | str) -> Estimator:
-    try:
-        return Estimator(name)
-    except ValueError:
-        raise DataError(
-            f"estimator {name!r} is unknown; expected one of {', '.join(Estimator)}"
-        ) from None
 
 
 def _validate_combination(combine: str, channels: Sequence[str]) -> str:
