@@ -54,7 +54,9 @@ class ArmInsertion:
     `best[n]` is the optimum with n arms, except after a `leap`, when the only one is its own.
     """
 
-    def __init__(self, stack: Stack, *, thorough: bool, signed: bool, seed: int) -> None:
+    def __init__(
+        self, stack: Stack, *, thorough: bool = False, signed: bool = False, seed: int = 0
+    ) -> None:
         self.stack, self.signed, self.thorough, self.seed = stack, signed, thorough, seed
         self.best: list[LocalOptimum[StackTrial]] = []
         self._attempts: dict[int, LocalOptimum[StackTrial] | None] = {}
@@ -491,7 +493,7 @@ def solve_orders(
     `every` one is wanted, which is then found from a single start.
     """
     stack = _validate_blocks(blocks, max_arms)
-    chain = ArmInsertion(stack, thorough=thorough, signed=False, seed=0)
+    chain = ArmInsertion(stack, thorough=thorough)
     chain.extend(max_arms, negligible=negligible, every=every)
     return tuple(_make_solution(chain, n, requested=n) for n in range(chain.largest_order + 1))
 
@@ -499,7 +501,7 @@ def solve_orders(
 def iterate_orders(blocks: Sequence[DataBlock], max_arms: int) -> Iterator[Solution]:
     """Yield the solutions of :func:`solve_orders` one by one, each found when asked for."""
     stack = _validate_blocks(blocks, max_arms)
-    chain = ArmInsertion(stack, thorough=False, signed=False, seed=0)
+    chain = ArmInsertion(stack)
     for arms in range(max_arms + 1):
         chain.extend(arms)
         if chain.largest_order < arms:

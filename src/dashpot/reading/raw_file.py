@@ -136,14 +136,6 @@ class RawFile:
             digest.update(block)
         return digest.hexdigest()
 
-    def on_disk(self) -> Path:
-        """Return the path, for readers that need one."""
-        if self.path is None:
-            raise ReadError(
-                "this format is read from a file, not through a pipe; save it and give its path"
-            )
-        return self.path
-
 
 @contextmanager
 def add_name_to_errors(name: str) -> Iterator[None]:

@@ -101,13 +101,6 @@ class Section:
             if name not in self.entries:
                 raise ReadError(f"{self.where}: {name} is missing")
 
-    def find_single_key(self, *names: str) -> str:
-        """Return the one of these keys that stands there, "" if none does."""
-        results = [name for name in names if name in self.entries]
-        if len(results) > 1:
-            raise ReadError(f"{self.where}: {' and '.join(results)} say the same; keep one")
-        return results[0] if results else ""
-
     def quantity(self, name: str, dimension: Dimension) -> float | None:
         """Return a quantity in SI units, such as ``"25kg"``; None if it is not there."""
         value = self.entries.get(name)

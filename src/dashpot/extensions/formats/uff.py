@@ -84,7 +84,11 @@ def _readable_path(raw: RawFile) -> Iterator[Path]:
     with raw.open() as stream:
         data = stream.read()
     if _BINARY_DATASET.search(data) or not _DOUBLE_EXPONENT.search(data):
-        yield raw.on_disk()
+        if raw.path is None:
+            raise ReadError(
+                "this format is read from a file, not through a pipe; save it and give its path"
+            )
+        yield raw.path
         return
     with TemporaryDirectory() as folder:
         path = Path(folder, "exponents.uff")

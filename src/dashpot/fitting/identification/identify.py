@@ -55,7 +55,7 @@ from dashpot.fitting.identification.problem_inputs import (
 from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
 from dashpot.fitting.order_selection import FURTHER
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.exponential_fit import iterate_orders, solve_orders
+from dashpot.numerics.exponential_fit import iterate_orders
 from dashpot.numerics.inference.model_order import DECISIVE, Shortage, select_model_order
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -308,13 +308,15 @@ def _candidates(
 
     From a `start` in place of the linear ones, which know of no difference between the tests.
     """
-    linear = enumerate(_linear(whole, max(numbers)) if start is None else ())
+    linear = (
+        enumerate(_linear(whole, max(numbers)))
+        if start is None
+        else [(start.model.maxwell.arms, [start])]
+    )
     candidates: list[Candidate] = []
     for number in numbers:
         problem = replace(whole, sought=Arms(number))
         starts = next((found for arms, found in linear if arms == number), [])
-        if start is not None and start.model.maxwell.arms == number:
-            starts = [start]
         best = _lowest(problem, [*starts, *_spread(problem, before)])
         # more arms explain no less: where they do, their optimum was not found
         if best.problem.sought.is_complete(best.point.model) and not (
@@ -506,7 +508,7 @@ def _reaching(problems: list[IdentificationProblem], most: int) -> list[Identifi
     whole = replace(
         identification_problem, frf_data=replace(identification_problem.frf_data, reach=FARTHEST)
     )
-    least = min(solution.sse for solution in solve_orders(_stiffness_blocks(whole), most))
+    least = min(solution.sse for solution in iterate_orders(_stiffness_blocks(whole), most))
     data = identification_problem.frf_data.reaching(
         float(np.sqrt(least / (2 * len(identification_problem.frf_data.lines.s))))
     )

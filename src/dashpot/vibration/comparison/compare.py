@@ -24,7 +24,7 @@ from dashpot.vibration.mass_on_seals import (
     model_modes,
     operating_point,
 )
-from dashpot.vibration.modal.peaks import Peak, find_peak
+from dashpot.vibration.modal.peaks import Peak, find_peak, mount_band
 
 # lines outside this factor of the measured peak are mass line, tip roll-off and drift
 AROUND_THE_PEAK = 4.0
@@ -310,12 +310,9 @@ def _find_modes(frf: FRF, keep: BoolArray) -> tuple[Mode, ...]:
     Those of lines without a gap are asked of the whole, which remembers them: several solids are
     held against one FRF.
     """
-    from dashpot.datamodel.structure import FRFSet
-    from dashpot.vibration.modal.modal_methods import find_mode_band
-
     try:
         lines = frf.only(keep)
-        band = find_mode_band(FRFSet((lines,)))
+        band = mount_band(lines.frequency, lines.value, lines.random_sd)
         gapless = len(frf.band(*band).frequency) == len(lines.band(*band).frequency)
         return (frf if gapless else lines).modes(band=band)
     except DashpotError:

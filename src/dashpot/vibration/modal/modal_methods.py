@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.option_fields import require_choice
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.datamodel.structure import FRFSet, ModeShape
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
@@ -47,12 +48,6 @@ def lines_of(points: FRFSet) -> FRFLines:
     )
 
 
-def find_mode_band(points: FRFSet) -> tuple[float, float]:
-    """Return the band about where the points together move most, Hz."""
-    all_of_them = compute_rms_accelerance(points)
-    return mount_band(all_of_them.frequency, all_of_them.value, all_of_them.sd)
-
-
 def select_mode_band(points: FRFSet, band: tuple[float, float] | None) -> FRFSet:
     """The lines where modes are sought, by default about where the points together move most.
 
@@ -61,8 +56,9 @@ def select_mode_band(points: FRFSet, band: tuple[float, float] | None) -> FRFSet
     DataError
         If they are fewer than 8.
     """
-    f = points.frfs[0].to(Kind.ACCELERANCE).frequency
-    low, high = band or find_mode_band(points)
+    all_of_them = compute_rms_accelerance(points)
+    f = all_of_them.frequency
+    low, high = band or mount_band(f, all_of_them.value, all_of_them.sd)
     keep = (f >= low) & (f <= high) & (f > 0)
     if np.count_nonzero(keep) < FEWEST_BAND_LINES:
         raise DataError(
@@ -148,12 +144,8 @@ def find_modes(
     count: int | None = None,
 ) -> tuple[Mode, ...]:
     """Modes of a measured accelerance; see :meth:`dashpot.datamodel.frf.FRF.modes`."""
-    try:
-        method = Method(method)
-    except ValueError:
-        raise DataError(
-            f"method {method!r} is unknown; expected one of {', '.join(Method)}"
-        ) from None
+    require_choice("method", method, Method)
+    method = Method(method)
     near = select_mode_band(FRFSet((frf,)), band)
     if method is Method.RATIONAL:
         # kept with the FRF, which is frozen, by the first and the last of these lines

@@ -301,8 +301,10 @@ def _compression(
     section: Section, columns: Mapping[str, FloatArray], count: int
 ) -> FloatArray | None:
     """Return how far the seal is pressed at each point: as stated, or its height less the gap."""
-    stated = section.find_single_key("compression", "gap")
-    names = [*filter(columns.__contains__, _PRESSED), *filter(None, [stated])]
+    stated = [name for name in ("compression", "gap") if name in section.entries]
+    if len(stated) > 1:
+        raise ReadError(f"{section.where}: compression and gap say the same; keep one")
+    names = [*filter(columns.__contains__, _PRESSED), *stated]
     if len(names) > 1:
         raise ReadError(f"{section.where}: compression or gap stands there twice; keep one")
     if not names:
