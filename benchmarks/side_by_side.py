@@ -6,10 +6,10 @@
 BEFORE and AFTER are environments (folders with bin/python and bin/dashpot). The example files are
 those of AFTER's `dashpot demo --files`; the foreign records are those of `tests/kit/foreign`, which
 import nothing from dashpot. Both run, A B A B, each command as a process of its own, whose CPU time
-is its own and its children's; then `dp.fit` of each foreign record inside one process of each, so
-that start-up is not counted. Printed: medians, and the median of the ratios AFTER / BEFORE of the
-rounds (of the records). Exit status 1 if a ratio is larger than --most. A command that an
-installation does not know, or that fails there, is named and not timed.
+is its own and its children's; then another mass in the app, and `dp.fit` of each foreign record,
+inside one process of each, so that start-up is not counted. Printed: medians, and the median of the
+ratios AFTER / BEFORE of the rounds (of the records). Exit status 1 if a ratio is larger than
+--most. A command that an installation does not know, or that fails there, is named and not timed.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 from typing import NamedTuple
@@ -80,6 +81,27 @@ for path in sys.argv[1:]:
 print(json.dumps(spent))
 """
 """CPU time of `dp.fit`, ms, of each file: the least of three."""
+CHANGE_MASS = """
+import json, os, sys, time
+from pathlib import Path
+os.environ["DASHPOT_STATE"] = "state"
+try:
+    from dashpot.extensions.app.handler_registry import VERBS
+    from dashpot.extensions.app.upload_store import Store
+except ImportError:
+    from dashpot.web.store import Store
+    from dashpot.web.verbs import VERBS
+store, spent = Store(), []
+seal, hammer = (store.put(name, Path(name).read_bytes()) for name in ("seal_8mm.csv", "hammer.csv"))
+for mass in range(1 + int(sys.argv[1])):
+    job = {"relaxation": seal, "impact": [hammer], "seals": 2, "mass": f"{114.8 + mass / 10}g"}
+    start = time.process_time()
+    VERBS["study"]({"job": job}, store.folder)
+    spent.append(1e3 * (time.process_time() - start))
+store.remove()
+print(json.dumps(spent[1:]))
+"""
+"""CPU time, ms, of what the app computes and draws when the mass changes once more."""
 
 
 class Pair(NamedTuple):
@@ -115,6 +137,21 @@ def compare_commands(environments: tuple[Path, Path], arguments: str, rounds: in
                 cpu = measure_cpu(command, folder)
                 if turn:
                     spent.append(cpu)
+    return times
+
+
+def compare_app(environments: tuple[Path, Path], rounds: int) -> Pair:
+    """Time another mass in the app, each environment in processes of its own, in turns."""
+    times = Pair([], [])
+    with tempfile.TemporaryDirectory() as name:
+        prepare_folder(environments[1], folder := Path(name) / "files")
+        for _ in range(rounds):
+            for environment, spent in zip(environments, times, strict=True):
+                done = subprocess.run(
+                    [str(environment / "bin" / "python"), "-c", CHANGE_MASS, "3"],
+                    check=True, capture_output=True, text=True, env=ENVIRONMENT, cwd=folder,
+                )  # fmt: skip
+                spent.append(statistics.median(json.loads(done.stdout)))
     return times
 
 
@@ -171,11 +208,12 @@ def main() -> int:
     environments = (options.before, options.after)
     ratios = []
     print(f"{'CPU, ms (medians)':24} {'before':>9} {'after':>9} {'ratio':>7}")
-    for name, arguments in COMMANDS.items():
+    rows = {name: partial(compare_commands, arguments=how) for name, how in COMMANDS.items()}
+    for name, compare in {**rows, "another mass in the app": compare_app}.items():
         if not re.search(options.only, name):
             continue
         try:
-            pair = compare_commands(environments, arguments, options.rounds)
+            pair = compare(environments, rounds=options.rounds)
         except subprocess.CalledProcessError as error:
             print(f"{name:24} exit status {error.returncode}: {shlex.join(error.cmd)}")
             continue
