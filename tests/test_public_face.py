@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import re
 import subprocess
 import sys
@@ -42,6 +43,11 @@ def test_every_public_name_imports_first():
         [sys.executable, "-c", EACH_ALONE], capture_output=True, text=True, check=True
     )
     assert done.stdout + done.stderr == ""
+
+
+def test_packages_pickle_by_name():
+    """As modules do for dask and joblib, whose functions may name it."""
+    assert pickle.loads(pickle.dumps(dp)) is dp  # noqa: S301  our own bytes
 
 
 def test_every_public_name_is_there_whatever_was_named_before():

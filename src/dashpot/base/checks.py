@@ -171,10 +171,6 @@ class Verdict(Serialisable):
         """The names of the checks that decided."""
         return tuple(check.name for check in self.failed_checks)
 
-    def is_milder_than(self, other: Verdict) -> bool:
-        """Whether this verdict restricts the use less than another."""
-        return _USES_BY_SEVERITY.index(self.use) < _USES_BY_SEVERITY.index(other.use)
-
     def __str__(self) -> str:
         return f"{self.use.capitalize()}: {decapitalise_sentence(self.message)}"
 

@@ -75,6 +75,10 @@ class LazyPackage(ModuleType):
         if not (fits and name in self.VERBS):
             super().__setattr__(name, value)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let functions that name the package go to other processes, as with any module."""
+        return import_module, (self.__name__,)
+
 
 def set_package_functions(package: str, *verbs: str) -> None:
     """Let these names of a package be its functions, whatever modules are imported."""

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from dashpot import plot
-from dashpot.base.checks import Verdict
+from dashpot.base.checks import Use, Verdict
 from dashpot.base.errors import DataError
+from dashpot.base.option_fields import get_choice_values
 from dashpot.base.progress import send_progress
 from dashpot.datamodel.fit import Fit, add_checks
 from dashpot.export import SUFFIXES, deck_for
@@ -28,7 +29,8 @@ from dashpot.workflow.study import Study
 
 def add_verdict_checks(fit: Fit, verdict: Verdict) -> Fit:
     """Return the fit with the failed checks of a verdict, where its own verdict is milder."""
-    if not fit.verdict.is_milder_than(verdict):
+    severity = get_choice_values(Use)
+    if severity.index(fit.verdict.use) >= severity.index(verdict.use):
         return fit
     return add_checks(fit, verdict.failed_checks)
 
