@@ -75,7 +75,7 @@ class LazyPackage(ModuleType):
         if not (fits and name in self.VERBS):
             super().__setattr__(name, value)
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> Any:
         """Let functions that name the package go to other processes, as with any module."""
         return import_module, (self.__name__,)
 

@@ -492,16 +492,14 @@ def solve_orders(
     positive spectrum with any number of arms, so that no order left out could gain more; unless
     `every` one is wanted, which is then found from a single start.
     """
-    stack = _validate_blocks(blocks, max_arms)
-    chain = ArmInsertion(stack, thorough=thorough)
+    chain = ArmInsertion(_validate_blocks(blocks, max_arms), thorough=thorough)
     chain.extend(max_arms, negligible=negligible, every=every)
     return tuple(_make_solution(chain, n, requested=n) for n in range(chain.largest_order + 1))
 
 
 def iterate_orders(blocks: Sequence[DataBlock], max_arms: int) -> Iterator[Solution]:
     """Yield the solutions of :func:`solve_orders` one by one, each found when asked for."""
-    stack = _validate_blocks(blocks, max_arms)
-    chain = ArmInsertion(stack)
+    chain = ArmInsertion(_validate_blocks(blocks, max_arms))
     for arms in range(max_arms + 1):
         chain.extend(arms)
         if chain.largest_order < arms:
