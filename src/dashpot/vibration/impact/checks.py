@@ -117,8 +117,12 @@ def checks_of(
 
 def mass_shown(frf: FRF, main: Mode | None, mass: float) -> Check:
     """Return whether the mass line above the resonance `main` shows a mass, kg."""
-    apparent = main and apparent_mass(
-        frf.frequency, frf.value, natural_frequency=main.frequency, shift=frf.shift, sd=frf.sd
+    apparent = (
+        None
+        if main is None
+        else apparent_mass(
+            frf.frequency, frf.value, natural_frequency=main.frequency, shift=frf.shift, sd=frf.sd
+        )
     )
     return high_frequency_mass_agrees(apparent, mass)
 
