@@ -197,6 +197,26 @@ def test_the_prediction_is_cut_as_the_record_was() -> None:
     assert held.measured_peak == pytest.approx(held.predicted_peak, rel=1e-9)
 
 
+def test_compare_gives_the_models_own_height_where_the_lines_cannot() -> None:
+    # a light model: 0.1 lines in its half-power band, and a third of the response left
+    light = GeneralizedMaxwell(200.0, k=(100.0,), tau=(5.0,))
+    lines = np.arange(4.0, 40.0, 0.25)
+    s = 2j * np.pi * lines
+    measured = FRF(lines, accelerance(2 * BROAD, MASS, s, 4.0), record=4.0, units="SI")
+    held = compare(
+        predict_frf(2 * light, mass=MASS, frequency=lines),
+        measured,
+        model=light,
+        seals=2,
+        mass=MASS,
+    )
+    near = 2j * np.pi * np.linspace(held.predicted_hz - 0.05, held.predicted_hz + 0.05, 200_001)
+    stiffness = 2 * (200.0 + 100.0 * 5.0 * near / (1 + 5.0 * near))
+    truth = np.abs(near**2 / (MASS * near**2 + stiffness)).max()
+    assert check(held, "lines_resolve_the_peak").value < 0.5
+    assert held.predicted_peak == pytest.approx(truth, rel=1e-3)
+
+
 def test_a_window_without_a_solid_is_refused_in_words() -> None:
     with pytest.raises(DataError, match=r"predict with shift=measured\.shift"):
         compare(predicted(PAPER), predicted(PAPER, shift=2.3))

@@ -32,6 +32,8 @@ AROUND_THE_PEAK = 4.0
 MOST_MODE_DISTANCE = 0.1
 # a damping ratio with a larger relative standard error is not reported
 MOST_DAMPING_ERROR = 0.3
+# a predicted peak with fewer lines in its half-power band is the model's, if the measured has more
+LEAST_HALF_POWER_LINES = 0.5
 
 
 def compare(
@@ -48,7 +50,9 @@ def compare(
     r"""Return the comparison of a predicted FRF with a measured one, on the measured lines.
 
     The measurement is never interpolated. Both peaks are read off the measured lines in the same
-    way (:func:`~dashpot.vibration.modal.peaks.find_peak`). Criteria over the lines are
+    way (:func:`~dashpot.vibration.modal.peaks.find_peak`); only where fewer than half a line lies
+    in the half-power band of the predicted one alone, it is that of the model without the end of
+    the record. Criteria over the lines are
 
     .. math::
 
@@ -99,6 +103,9 @@ def compare(
     modes = _find_modes(measured, keep)
     measured, frf = measured.only(keep), frf.only(keep)
     measured_peak, predicted_peak = find_peak(measured), find_peak(frf)
+    lines = predicted_peak.half_power_lines
+    if model and mass and lines < LEAST_HALF_POWER_LINES < measured_peak.half_power_lines:
+        predicted_peak = find_peak(replace(frf, value=accelerance(model, mass, frf.s), record=None))
     mode = _drop_uncertain_mode(_find_nearest_mode(modes, measured_peak.frequency))
     comparison = Comparison(
         predicted=frf,
