@@ -287,7 +287,45 @@ def _per(above: str | None, below: str | None) -> str | None:
     return f"({above})/{below}"
 
 
+def _repeated_records(timed: Sequence[_Set]) -> list[list[_Set]]:
+    """Return the channels of each record of a file that holds several of one set-up, as of hits.
+
+    A channel is told by its title, its points and its unit. Each must come equally often, record
+    after record or channel after channel; else all are channels of one record.
+    """
+    keys = [
+        (_title(e), *_ends(e), str(e.get("rsp_ent_name")), _label(e["ordinate_axis_units_lab"]))
+        for e in timed
+    ]
+    width = keys.index(keys[0], 1) if keys[0] in keys[1:] else len(keys)
+    count = keys.count(keys[0])
+    if width > 1 and keys == keys[:width] * (len(keys) // width):
+        records = [list(timed[i : i + width]) for i in range(0, len(keys), width)]
+    elif len(set(keys)) > 1 and all(keys.count(key) == count for key in keys):
+        ordered = sorted(range(len(keys)), key=lambda i: (keys[:i].count(keys[i]), i))
+        width = len(set(keys))
+        records = [[timed[j] for j in ordered[i : i + width]] for i in range(0, len(keys), width)]
+    else:
+        return [list(timed)]
+    whole = all(np.array_equal(e["x"], record[0]["x"]) for record in records for e in record)
+    return records if whole else [list(timed)]
+
+
 def _build_time_table(timed: Sequence[_Set], units: _Set | None, notes: list[str]) -> FileTable:
+    records = _repeated_records(timed)
+    if len(records) == 1:
+        return _build_record_table(timed, units, notes)
+    listed = " and ".join(f"'{_title(entry)}'" for entry in records[0])
+    notes = [*notes, f"{len(records)} records of {listed}, each a segment"]
+    tables = [_build_record_table(record, units, notes) for record in records]
+    values = [table.load(range(len(table.columns))).values for table in tables]
+    starts = np.cumsum([0, *map(len, values[:-1])]).tolist()
+    load = make_loader(np.concatenate(values), tuple(starts))
+    doubts = tuple(dict.fromkeys(doubt for table in tables for doubt in table.doubts))
+    return replace(tables[0], load=load, doubts=doubts)
+
+
+def _build_record_table(timed: Sequence[_Set], units: _Set | None, notes: list[str]) -> FileTable:
     first = timed[0]
     grids = {
         (len(e["x"]), round(float(e["x"][0]), 12), round(float(e["x"][-1]), 12)) for e in timed
