@@ -25,6 +25,7 @@ from dashpot.extensions.solver_inputs.fmi.model_description import (
     format_c_array,
 )
 from dashpot.extensions.solver_inputs.procedures import format_procedures
+from dashpot.registry import find_handler
 
 _VERSIONS = {"fmi2": "FMI 2.0", "fmi3": "FMI 3.0"}
 _SHORTEST = 1e-9
@@ -47,15 +48,19 @@ class ModelUnit(DeckText):
     printable = False
 
     @property
-    def summary(self) -> str:
+    def contents(self) -> str:
         """Version and kinds of FMI, and the platforms of its binaries."""
-        platforms = find_platforms(self.form)
-        held = (
-            f"binaries for {', '.join(platforms)}"
-            if platforms
-            else "sources only, no binaries (pip install 'dashpot[fmu]' brings the compiler)"
-        )
+        platforms = ", ".join(find_platforms(self.form))
+        held = f"binaries for {platforms}" if platforms else "sources only, no binaries"
         return f"{_VERSIONS[self.form]}, Model Exchange and Co-Simulation; {held}"
+
+    @property
+    def summary(self) -> str:
+        """The contents, and how this installation gets the compiler that they lack."""
+        if find_platforms(self.form):
+            return self.contents
+        advice = find_handler("install command", "extra")("fmu")
+        return f"{self.contents} (the compiler comes with: {advice})"
 
     @cached_property
     def file_content(self) -> bytes:
@@ -241,7 +246,7 @@ _BUILD = """<?xml version="1.0" encoding="UTF-8"?>
 
 def _format_page(unit: ModelUnit) -> str:
     header = [line[3:] for line in unit.splitlines() if line.startswith("// ")]
-    rows = "\n".join(map(html.escape, [*header, "", unit.summary]))
+    rows = "\n".join(map(html.escape, [*header, "", unit.contents]))
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         f"<title>{html.escape(unit.description.name)}</title></head>\n"
