@@ -129,6 +129,32 @@ def test_page_asks_for_a_missing_unit_and_accepts_it(visit, files):
     assert "--units force=N" in page.at.locator("#command").inner_text()
 
 
+def test_page_takes_a_sampling_rate_and_takes_a_wrong_answer_back(visit, files):
+    rows = (files / "seal_8mm.csv").read_text().splitlines()
+    start = next(i for i, row in enumerate(rows) if row.startswith("time"))
+    times = [float(row.split(",")[0]) for row in rows[start + 1 : start + 3]]
+    (files / "timeless.csv").write_text("\n".join(row.split(",", 1)[1] for row in rows[start:]))
+    page = visit(files / "timeless.csv")
+    read = page.at.get_by_role("button", name="Read it so")
+    rate = page.at.get_by_label("Sampling rate, if no column is the time")
+    rate.fill("fast")
+    read.click()
+    page.at.get_by_role("alert").filter(has_text="'fast' is no sampling rate").wait_for()
+    rate.fill("")
+    page.at.get_by_role("combobox", name="role of column 1").select_option("time")
+    read.click()
+    page.at.get_by_text("would be both time and displacement").wait_for()
+    page.at.get_by_role("combobox", name="role of column 1").select_option("displacement")
+    read.click()
+    page.at.get_by_text("looks like time").wait_for()
+    rate.fill(f"{1 / (times[1] - times[0]):.6g}")
+    read.click()
+    page.done()
+    command = page.at.locator("#command").inner_text()
+    assert "--column time" not in command
+    assert re.search(r"--rate \d+Hz", command)
+
+
 def test_what_cannot_be_read_says_so_in_the_readers_words(visit, files):
     page = visit()
     page.at.locator("#pick").set_input_files(

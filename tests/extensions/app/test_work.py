@@ -6,6 +6,7 @@ import shlex
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from kit import handmade, shell
 from kit.fits import altered
@@ -477,6 +478,21 @@ def test_a_file_without_units_asks_and_shows_what_each_would_mean(store):
     assert answered["mark"] == "good"
     profile = ask("profile", store, options={"units": {"force": "N"}})
     assert 'force" = "N"' in profile["text"].replace("'", '"')
+
+
+def test_tests_over_each_other_begin_at_a_step_after_the_ramp(store):
+    """A sample right after the ramp's end would give most of a logarithmic axis to nothing."""
+    record = simulate_relaxation(BROAD, seed=3).test
+    identity = store.put("early.csv", write_relaxation(record).encode())
+    job = {"relaxation": identity, "specimen": {}, "time_limits": {}}
+    sound = prepare(record)
+    step = float(np.median(np.diff(sound.time)))
+    after = sound.time[sound.time > sound.ramp_end]
+    job["time_limits"] = {"ramp_end": float(after[0]) - 1e-5 * step}
+    told = ask("overlay", store, jobs=[job], sizes={"seals-hold": [800, 300]})
+    axis = re.search(r'data-x="log (\S+) ', told["panels"]["seals-hold"])
+    assert axis is not None
+    assert float(axis[1]) > step / 2
 
 
 def test_whatever_comes_from_a_file_is_escaped(store):

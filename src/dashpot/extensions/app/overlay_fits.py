@@ -126,7 +126,9 @@ def _render_hold_panel(tests: Sequence[OverlaidTest], sizes: view_models.Sizes) 
     for test in tests:
         if test.prepared is None:
             continue
-        is_held = test.prepared.time > test.prepared.ramp_end
+        # a first sample may follow the end of the ramp by any part of a step: no axis for that
+        step = float(np.median(np.diff(test.prepared.time)))
+        is_held = test.prepared.time > test.prepared.ramp_end + step / 2
         elapsed = test.prepared.time[is_held] - test.prepared.ramp_end
         stiffness = convert_to_unit(test.prepared.force[is_held] / test.prepared.depth, "N/mm")
         x, y = downsample_to_means(elapsed, stiffness, log=True)

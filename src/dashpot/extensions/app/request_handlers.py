@@ -78,7 +78,7 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     head |= _get_kind_fields(inspection.kind)
     if head["mark"] != "good" or view_models.place_of(inspection) in {"", "part"}:
         head["asked"] = view_models.render_column_questions(
-            inspection, _list_unit_consequences(path, inspection, options)
+            inspection, _list_unit_consequences(path, inspection, options), options.rate
         )
     return wire_format.encode_message({**head, "name": path.name})
 

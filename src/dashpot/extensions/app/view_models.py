@@ -831,14 +831,20 @@ class UnitImplication(NamedTuple):
     stiffness: str
 
 
-def render_column_questions(result: InspectedFile, consequences: Sequence[UnitImplication]) -> str:
-    """Return the first rows with roles and units to choose, and what is to be answered."""
+def render_column_questions(
+    result: InspectedFile, consequences: Sequence[UnitImplication], rate: float | None
+) -> str:
+    """Return the first rows with roles and units to choose, and what is to be answered.
+
+    The sampling rate, Hz, is asked for where no column is the time, or one was given.
+    """
     words: dict[str, list[str]] = {}
     for unit in units.TABLE.values():
         if unit.dimension in ASKED:
             words.setdefault(unit.dimension, []).append(unit.word)
     return render_template(
         "asked", file=result, heading=_heading(result), stranger=_stranger(result), roles=ROLES,
-        units=words, consequences=consequences, on_page=format_for_page,
+        units=words, consequences=consequences, on_page=format_for_page, rate=rate,
+        timeless=rate is not None or any(question.role == "time" for question in result.questions),
         rows=list(zip(*(column.first for column in result.columns), strict=False)),
     )  # fmt: skip

@@ -356,7 +356,7 @@ def _nothing(table: FileTable, role: Role) -> Question:
         return Question(message, answer, role=_word(role), example=answer)
     example = f'{option}="{_example(table, role)}"'
     if role == "time":
-        guess = "Without a time column: --rate 1000Hz"
+        guess = "If none is, give the sampling rate: --rate 1000Hz"
         example += ". " + ". ".join(table.hints or [guess])
     if role == "hammer" and len(_likely_accelerations(table, ReadOptions())) > 1:
         example += ". Where a base was shaken, name its acceleration: "

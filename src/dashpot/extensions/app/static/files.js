@@ -194,6 +194,10 @@ function answers() {
   if (!one) return null;
   /** @type {import("./job.js").Options} */
   const options = { ...one.options, units: { ...one.options.units } };
+  // what was answered before and is not chosen now is taken back
+  const roles = [...(document.querySelector("[data-role-of]")?.querySelectorAll("option") || [])]
+    .map((role) => role.value).filter((role) => role);
+  for (const role of roles) delete options[role];
   for (const select of all("[data-role-of]")) {
     const number = select.dataset.roleOf;
     const role = /** @type {HTMLSelectElement} */ (select).value;
@@ -204,6 +208,14 @@ function answers() {
       options.acceleration = [...new Set([...(options.acceleration || []), number])];
     } else options[role] = number;
     if (unit?.value) options.units[role] = unit.value;
+  }
+  for (const role of roles) if (!options[role]) delete options.units[role];
+  /** @type {HTMLInputElement | null} */
+  const rate = document.querySelector("[data-rate]");
+  if (rate) options.rate = rate.value.trim() ? Number(rate.value.replace(",", ".")) : null;
+  if (Number.isNaN(options.rate)) {
+    refuse(`'${rate?.value}' is no sampling rate; expected a number, for example 1000`, "file");
+    return null;
   }
   return { one, options };
 }

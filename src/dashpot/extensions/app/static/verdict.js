@@ -296,7 +296,8 @@ export function render() {
   } else if (told && apart) {
     bar.append(made("button", { class: "link", "data-act": "dismiss" }, "Close"));
   }
-  bar.hidden = !told || document.body.classList.contains("aside");
+  // a refused file has its own page; an answer that was refused has this line alone
+  bar.hidden = !told || (document.body.classList.contains("aside") && shown()?.mark === "bad");
   const other = asked || refusal || away || reading() ? instead() : null;
   const head = asked && !other ? known.head : null;
   for (const one of all('[data-needs="test"]')) one.toggleAttribute("disabled", !settled());
