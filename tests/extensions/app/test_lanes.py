@@ -64,6 +64,34 @@ def test_a_sentence_is_an_answer_and_the_worker_goes_on(store):
     assert wire_format.decode_message(with_lane(store, work))[0]["name"] == "profile.toml"
 
 
+BLOCKER = """
+import sys
+
+class Blocker:
+    def find_spec(self, name, path=None, target=None):
+        if name == "dashpot.extensions.app.overlay_fits":
+            raise ModuleNotFoundError("No module named 'overlaid'", name="overlaid")
+
+sys.meta_path.insert(0, Blocker())
+"""
+
+
+def test_worker_whose_modules_cannot_be_imported_says_so_at_once(store, tmp_path, monkeypatch):
+    """It answers, and is not started anew for every question, only to end without an answer."""
+    (tmp_path / "sitecustomize.py").write_text(BLOCKER)
+    monkeypatch.setenv(
+        "PYTHONPATH", os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    )
+
+    async def work(lane):
+        for verb in ("settle", "inspect"):
+            with pytest.raises(FaultError, match="ModuleNotFoundError, No module named 'overlaid'"):
+                await asyncio.wait_for(lane.ask(verb, {}), 30)
+        return (await lane.start()).returncode
+
+    assert with_lane(store, work) is None
+
+
 def test_a_long_computation_is_cancelled_and_the_next_one_works(store):
     seal, hammer = (store.put(name, workflow.EXAMPLES[name]().encode()) for name in workflow.FIRST)
     job = {"relaxation": seal, "impact": [hammer], "mass": "114.8g", "seals": 2}

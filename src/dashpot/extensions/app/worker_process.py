@@ -14,9 +14,10 @@ import shutil
 import signal
 import sys
 import threading
+import traceback
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NoReturn
 
 from dashpot.base.errors import DashpotError
 from dashpot.base.progress import set_progress_listener
@@ -60,10 +61,14 @@ def main() -> None:
     # whatever a library prints is no answer
     os.dup2(2, 1)
     threading.Thread(target=_listen, args=(source, questions, folder), daemon=True).start()
-    from dashpot.extensions.app.handler_registry import (
-        VERBS,  # the imports are what makes a worker worth keeping
-    )
-    from dashpot.extensions.app.view_models import preload_templates
+    try:
+        from dashpot.extensions.app.handler_registry import (
+            VERBS,  # the imports are what makes a worker worth keeping
+        )
+        from dashpot.extensions.app.view_models import preload_templates
+    except Exception as error:  # noqa: BLE001 -- of any module: the page says which, at once
+        traceback.print_exc()
+        _answer_all_with_fault(error, questions, answers)
 
     if questions.empty():
         preload_templates()
@@ -81,6 +86,22 @@ def _listen(source: BinaryIO, questions: queue.Queue[bytes], folder: Path) -> No
     os._exit(0)
 
 
+def _answer_all_with_fault(
+    error: Exception, questions: queue.Queue[bytes], answers: BinaryIO
+) -> NoReturn:
+    """Answer every question with the error of an import, which a new worker would meet, too."""
+    while True:
+        questions.get()
+        answers.write(wire_format.encode_frame("f", _format_fault(error)))
+        answers.flush()
+
+
+def _format_fault(error: Exception) -> bytes:
+    """Name a fault; its own words may tell of a file, those of an import tell of a module."""
+    name = type(error).__name__
+    return (f"{name}, {error}" if isinstance(error, ImportError | SyntaxError) else name).encode()
+
+
 def _answer(verbs: Any, question: bytes, folder: Path, answers: BinaryIO) -> None:
     data = json.loads(question)
 
@@ -94,7 +115,7 @@ def _answer(verbs: Any, question: bytes, folder: Path, answers: BinaryIO) -> Non
     except DashpotError as error:
         send("e", str(error).encode())
     except Exception as error:  # noqa: BLE001 -- a fault must not end the lane, nor tell of files
-        send("f", type(error).__name__.encode())
+        send("f", _format_fault(error))
 
 
 if __name__ == "__main__":
