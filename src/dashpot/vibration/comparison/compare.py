@@ -130,14 +130,12 @@ def compare(
     z = comparison.z
     if z is not None:
         comparison = replace(comparison, z_rms=float(np.sqrt(np.mean(z**2))))
-    new_checks = checks(
+    comparison = replace(
         comparison,
-        measured=measured_peak,
-        predicted=predicted_peak,
-        fit=fit,
-        point=point,
+        checks=checks(
+            comparison, measured=measured_peak, predicted=predicted_peak, fit=fit, point=point
+        ),
     )
-    comparison = replace(comparison, checks=new_checks)
     return replace(comparison, message=format_conclusion(comparison))
 
 
@@ -191,15 +189,15 @@ def _get_legend(fit: Fit | None, measured: FRF) -> str:
 
 def _select_measured_lines(predicted: FRF, measured: FRF) -> FRF:
     """Return the prediction at the measured lines, which must be among its own."""
-    lines = np.arange(len(predicted.frequency))
-    where = np.rint(np.interp(measured.frequency, predicted.frequency, lines)).astype(int)
-    off = np.abs(predicted.frequency[where] - measured.frequency)
+    known = predicted.frequency
+    where = np.rint(np.interp(measured.frequency, known, np.arange(len(known)))).astype(int)
+    off = np.abs(known[where] - measured.frequency)
     step = float(np.median(np.diff(measured.frequency))) if len(measured.frequency) > 1 else 1.0
     if off.max() > 1e-6 * step:
         i = int(np.argmax(off))
         raise DataError(
             f"the prediction has no line at {measured.frequency[i]:.6g} Hz, where there is a "
-            f"measured one (its nearest is at {predicted.frequency[where[i]]:.6g} Hz); a "
+            f"measured one (its nearest is at {known[where[i]]:.6g} Hz); a "
             "measurement is not interpolated: predict at measured.frequency"
         )
     return replace(
