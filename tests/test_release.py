@@ -85,6 +85,17 @@ def test_the_changelog_has_a_section_for_each_version_and_the_citation_is_of_the
     assert f"\nversion: {released[0]}\n" in citation
 
 
+def test_a_copy_without_a_tag_has_the_version_that_comes_next():
+    """Pages and decks from a copy of the repository name it, not an older one."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["hatch"]
+    fallback = Version(settings["version"]["fallback-version"])
+    text = (ROOT / "CHANGELOG.md").read_text("utf-8")
+    newest = re.search(r"^## (\d\S*)", text, re.M)
+    assert newest is not None
+    assert fallback.is_devrelease
+    assert fallback.base_version == newest[1]
+
+
 def test_the_version_sorts_and_stands_in_the_byline():
     assert str(Version(dp.__version__)) == dp.__version__
     assert is_ours(f"# {byline('a test')}".encode())
