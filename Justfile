@@ -153,7 +153,7 @@ release:
     python -m venv --without-pip "$folder"
     wheel="$(echo dist/*.whl)"
     python -m pip --python "$folder/bin/python" install -q -c constraints.txt \
-        --report "$folder/report.json" "$wheel[io]"
+        --report "$folder/report.json" "$wheel[all]"
     sbom="${wheel%-py3-none-any.whl}"
     sed "s|^dynamic = .*|version = \"${sbom#dist/dashpot-}\"|" pyproject.toml > "$folder/pyproject.toml"
     cyclonedx-py environment --pyproject "$folder/pyproject.toml" --mc-type library \

@@ -197,7 +197,7 @@ def test_the_prediction_is_cut_as_the_record_was() -> None:
     assert held.measured_peak == pytest.approx(held.predicted_peak, rel=1e-9)
 
 
-def test_compare_gives_the_models_own_height_where_the_lines_cannot() -> None:
+def test_compare_takes_an_unresolved_predicted_peak_from_the_model() -> None:
     # a light model: 0.1 lines in its half-power band, and a third of the response left
     light = GeneralizedMaxwell(200.0, k=(100.0,), tau=(5.0,))
     lines = np.arange(4.0, 40.0, 0.25)

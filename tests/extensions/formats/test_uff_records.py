@@ -78,7 +78,7 @@ def test_accelerations_of_several_points_stay_channels_of_one_record(tmp_path: P
     assert len(test.channels) == 2
 
 
-def test_forces_beside_accelerations_of_other_points_are_asked_about(tmp_path: Path) -> None:
+def test_roving_accelerometer_leaves_the_hammer_open(tmp_path: Path) -> None:
     """A roving accelerometer is no repetition: an average over its points would be wrong."""
     force, motion = _hit(0)
     path = tmp_path / "roving.uff"
