@@ -4,6 +4,7 @@ import json
 import re
 import shlex
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -508,6 +509,14 @@ def test_what_can_be_taken_away(store, page_job, what):
     assert len(told["text"]) > 20
 
 
+def test_menu_offers_every_solver_input_that_is_text():
+    """An FMU is an archive, which the command line writes."""
+    script = Path(request_handlers.__file__).with_name("static") / "app.js"
+    (table,) = re.findall(r"const DECKS = {(.*?)\n};", script.read_text("utf-8"), re.DOTALL)
+    offered = set(re.findall(r"^  (\w+):", table, re.MULTILINE))
+    assert offered == set(SUFFIXES) - {"fmu"}
+
+
 def test_a_deck_is_refused_as_on_the_command_line_and_written_anyway(store, page_job):
     with pytest.raises(dp.ExportError, match="length"):
         ask("take", store, job=page_job, what="deck", target="nastran")
@@ -526,6 +535,9 @@ def test_a_deck_is_refused_as_on_the_command_line_and_written_anyway(store, page
     ("more", "words"),
     [
         ({"target": "nastran"}, ("--to", "nastran")),
+        ({"target": "modelica"}, ("--to", "modelica")),
+        ({"target": "optistruct"}, ("--to", "optistruct")),
+        ({"target": "comsol"}, ("--to", "comsol")),
         ({"target": "abaqus", "form": "prony", "seals": 2}, ("--to", "abaqus", "--form", "prony",
                                                              "--seals", "2")),
         ({"target": "radioss", "modulus": "3MPa"}, ("--to", "radioss", "--modulus", "3MPa")),
