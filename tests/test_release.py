@@ -64,6 +64,12 @@ def test_sbom_has_the_hash_of_every_component_or_is_refused():
         add_hashes({"metadata": {"component": part}, "components": [other]}, {"install": [one]})
 
 
+def test_sbom_lists_the_extras_that_readme_installs():
+    readme, recipes = ((ROOT / name).read_text("utf-8") for name in ("README.md", "Justfile"))
+    (extras,) = re.findall(r'pip install -q "\.\[(\w+)\]"', readme)
+    assert f'"$wheel[{extras}]"' in recipes
+
+
 def test_sbom_hashes_local_files_itself(tmp_path):
     add_hashes = runpy.run_path(str(ROOT / ".ci" / "sbom.py"))["add_hashes"]
     wheel = tmp_path / "part 1.whl"
