@@ -127,6 +127,7 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
         *([f"shift sd [1/s]: {float(frf.shift_sd)!r}"] if frf.shift_sd else []),
         *([] if frf.record is None else [f"record [s]: {float(frf.record)!r}"]),
         f"averages: {frf.averages}",
+        *(f"made from: sha256 {source.sha256}" for source in frf.source),
     ]
     unit = frf.unit
     named: list[tuple[str, FloatArray]] = [

@@ -20,7 +20,7 @@ from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import find_handler
-from dashpot.vibration.comparison.compare import compare, infer_mass
+from dashpot.vibration.comparison.compare import compare, find_fitted_files, infer_mass
 from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.vibration.mass_on_seals import MassOnSeals, operating_point, predict_frf
 from dashpot.workflow.checks import measurement_independent_of_fit
@@ -299,13 +299,6 @@ def agreement(
         comparison, on.mass, block.mass is None, noted, rests, (lines, formal), limits, on.seals,
         in_sample=bool(circular),
     )  # fmt: skip
-
-
-def find_fitted_files(fit: Fit, frf: FRF) -> frozenset[str]:
-    """Return the files of an FRF, by what they hold, that a fit was made from."""
-    return frozenset(source.sha256 for source in fit.source) & {
-        source.sha256 for source in frf.source
-    } - {""}
 
 
 def select_failed_stops(frf: FRF) -> tuple[Check, ...]:

@@ -48,6 +48,20 @@ def test_a_comparison_with_the_hits_that_were_fitted_says_so_first(files):
     assert "The fit was made from these hits." in found["verdict"]["message"]
 
 
+def test_an_frf_written_from_the_fitted_hits_is_no_other_measurement(files):
+    """Its file is another one, and names the hits that it was estimated from."""
+    assert ran("fit", files / "hammer.csv", "-o", files / "frf.csv").exit_code == 0
+    for more in ((), ("--record", files / "seal_8mm.csv")):
+        told = ran("compare", files / "joint.json", files / "frf.csv", *RIG, *more, "--json")
+        assert told.exit_code == 0, told.output
+        found = json.loads(told.stdout)
+        assert found["in_sample"] is True
+        assert found["verdict"]["verdict_grade"] == "no test"
+    alone = dp.fit(dp.read(files / "seal_8mm.csv"), arms=2)
+    other = dp.compare(alone, dp.read(files / "frf.csv"), mass="114.8g", seals=2)
+    assert other.in_sample is False
+
+
 def test_leave_one_out_predicts_each_hit(files):
     found = compared(files, "--record", files / "seal_8mm.csv")
     unseen = found["unmeasured"]

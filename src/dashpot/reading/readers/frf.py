@@ -188,6 +188,7 @@ def build_frf(file: OpenedFile, columns: FRFColumns) -> FRF:
     stated = _comments(file.table.header)
     shift, remarks = _shift(file, stated, hertz * column["frequency"])
     several += remarks
+    several += [line for line in file.table.header if "sha256" in line]
     scale = _compute_derivative_factor(factor, order, hertz * column["frequency"], shift)
     names = [c.name for c in file.table.columns]
     return FRF(

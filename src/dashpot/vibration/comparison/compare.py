@@ -165,7 +165,7 @@ def infer_mass(model: Solid, frf: FRF) -> tuple[float, float]:
     """
     peak = find_peak(frf)
     mass = mass_for_peak(model, peak.frequency)
-    if not (np.isfinite(mass) and mass > 0):
+    if not 0 < mass < np.inf:
         raise DataError(
             f"no mass puts a peak of this model at {peak.frequency:.4g} Hz; give --mass"
         )
@@ -179,12 +179,22 @@ def _get_legend(fit: Fit | None, measured: FRF) -> str:
     """Return the legend of the prediction of a fit."""
     if fit is None:
         return "predicted"
-    if {source.sha256 for source in fit.source} & {source.sha256 for source in measured.source} - {
-        ""
-    }:
+    if find_fitted_files(fit, measured):
         return "fitted to these hits"
-    single = fit.method in get_choice_values(Method)
-    return "predicted from relaxation" if single else "predicted by the joint model"
+    if fit.method in get_choice_values(Method):
+        return "predicted from relaxation"
+    return "predicted by the joint model"
+
+
+def find_fitted_files(fit: Fit, frf: FRF) -> frozenset[str]:
+    """Return the files of an FRF, by what they hold, that a fit was made from.
+
+    An FRF that dashpot wrote names the hits that it was estimated from, in its notes.
+    """
+    stated = repr(frf.source)
+    return frozenset(
+        source.sha256 for source in fit.source if source.sha256 and source.sha256 in stated
+    )
 
 
 def _select_measured_lines(predicted: FRF, measured: FRF) -> FRF:
@@ -277,13 +287,13 @@ def _apply_test_window(
 
 
 def _select_compared_lines(measured: FRF, peak: Peak, *, explicit: bool) -> BoolArray:
-    keep = measured.usable
-    if not explicit:
-        near = (measured.frequency >= peak.frequency / AROUND_THE_PEAK) & (
-            measured.frequency <= peak.frequency * AROUND_THE_PEAK
-        )
-        keep = keep & near
-    return keep
+    if explicit:
+        return measured.usable
+    return (
+        measured.usable
+        & (measured.frequency >= peak.frequency / AROUND_THE_PEAK)
+        & (measured.frequency <= peak.frequency * AROUND_THE_PEAK)
+    )
 
 
 # -- figures ----------------------------------------------------------------------------------
