@@ -191,9 +191,10 @@ def find_fitted_files(fit: Fit, frf: FRF) -> frozenset[str]:
 
     An FRF that dashpot wrote names the hits that it was estimated from, in its notes.
     """
-    stated = repr(frf.source)
     return frozenset(
-        source.sha256 for source in fit.source if source.sha256 and source.sha256 in stated
+        source.sha256
+        for source in fit.source
+        if source.sha256 and source.sha256 in repr(frf.source)
     )
 
 
@@ -374,11 +375,10 @@ def _is_arm_identified(fit: Fit | None, arm: int) -> bool:
         for change in fit.evidence.parameter_changes
     ):
         return False
-    covariance = fit.estimate.noise_only.covariance
-    rows = dict(zip(fit.estimate.parameters, np.diag(covariance), strict=True))
+    rows = dict(
+        zip(fit.estimate.parameters, np.diag(fit.estimate.noise_only.covariance), strict=True)
+    )
     k_var, tau_var = rows.get(f"k_{arm}"), rows.get(f"ln_tau_{arm}")
     if k_var is None or tau_var is None:
-        ratio = 1 / (2 * np.pi * fit.model.tau[arm - 1])
-        return fit.band[0] <= ratio <= fit.band[1]
-    k = np.array([fit.model.k[arm - 1]])
-    return significant(k, np.sqrt([k_var]), np.sqrt([tau_var]))
+        return fit.band[0] <= 1 / (2 * np.pi * fit.model.tau[arm - 1]) <= fit.band[1]
+    return significant(np.array([fit.model.k[arm - 1]]), np.sqrt([k_var]), np.sqrt([tau_var]))
