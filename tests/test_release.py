@@ -14,6 +14,7 @@ from packaging.version import Version
 
 import dashpot as dp
 from dashpot.base.version import byline, is_ours
+from dashpot.registry import COMMANDS
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
@@ -81,6 +82,12 @@ def test_sbom_hashes_local_files_itself(tmp_path):
     part = {"name": "part", "version": "1.0"}
     sbom = add_hashes({"metadata": {"component": part}, "components": []}, {"install": [one]})
     assert sbom["metadata"]["component"]["hashes"][0]["content"].startswith("37a680133bd09342")
+
+
+def test_the_changelog_names_every_command():
+    text = (ROOT / "CHANGELOG.md").read_text("utf-8")
+    (listed,) = re.findall(r"^- \w+ commands: (.*?)\. Python", text, re.MULTILINE | re.DOTALL)
+    assert set(re.findall(r"`(\w+)`", listed)) == set(COMMANDS)
 
 
 def test_the_changelog_has_a_section_for_each_version_and_the_citation_is_of_the_newest():
