@@ -47,7 +47,7 @@ GRAVITY = 9.80665
 
 
 _SIZES: dict[Dimension, str] = {
-    "time": "s 1, sec 1, ms 1e-3, us 1e-6, ns 1e-9, min 60, h 3600, d 86400",
+    "time": "s 1, sec 1, ms 1e-3, us 1e-6, ns 1e-9, min 60, h 3600, d 86400, year 31557600",
     "length": "m 1, mm 1e-3, cm 1e-2, um 1e-6, nm 1e-9, in 0.0254, ft 0.3048, mil 2.54e-5, "
     "thou 2.54e-5, yd 0.9144, dm 0.1",
     "force": "N 1, mN 1e-3, uN 1e-6, nN 1e-9, pN 1e-12, kN 1e3, MN 1e6, cN 1e-2, daN 10, "
@@ -109,6 +109,7 @@ _SPELLINGS = {
     "min": "minute minutes minuten minuty dakika dk мин 分 分钟",
     "h": "hr hrs hour hours stunde stunden std godz 小时 時間",
     "d": "day days tag tage dni jour jours 天 日",
+    "year": "years yr yrs",
     "m": "meter metre meters metres м 米",
     "mm": "millimeter millimetre millimeters millimetres milimetr milimetry мм 毫米 ミリ",
     "cm": "centimeter centimetre centimeters centimetres см 厘米",

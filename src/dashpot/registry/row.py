@@ -294,6 +294,7 @@ class Extension(NamedTuple):
         dynamic stiffness               stiffness over frequency of what a test or a fit holds
         retained force                  share of the force that an aged seal retains
         read limits, judge interval     acceptance limits from a file; one against an interval
+        bound value                     a value by its name, with what its standard error leaves out
         compare files                   comparison of two files
         predict file                    prediction from a file
         export with option              output of `export` where an option asks

@@ -5,6 +5,8 @@ Every truth comes from the closed forms below, which share nothing with the pack
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from dashpot.extensions.transfer_stiffness.third_octaves import (
     compute_band_means,
     list_third_octaves,
 )
+from dashpot.registry import find_handler
 from dashpot.systems import TransferStiffness, compute_transfer_stiffness
 
 MASS = 5.0
@@ -283,3 +286,14 @@ def test_swapped_channels_are_seen():
     )
     assert sheet.verdict.use == "do not use"
     assert "polarity" in str(sheet.verdict) or "below zero" in str(sheet.verdict)
+
+
+@pytest.mark.parametrize(("band", "is_noted"), [("1:2kHz", True), ("0.01:0.3Hz", False)])
+def test_intervals_beyond_the_valid_band_say_that_they_hold_standard_errors_alone(
+    tmp_path: Path, band: str, is_noted: bool
+):
+    fit = dp.fit(dp.simulate("relaxation", seed=1))
+    sheet = compute_transfer_stiffness(fit, band=band)
+    sheet.save(tmp_path / "sheet.html")
+    for text in (str(find_handler("text", sheet)(sheet)), (tmp_path / "sheet.html").read_text()):
+        assert ("the intervals hold standard errors alone" in text) is is_noted

@@ -18,6 +18,7 @@ from dashpot.base.reported_values import NORMAL, ReportedValue
 from dashpot.base.units import Dimension, find_unit, format_quantity, parse_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.fitting.prediction_bounds import off_by_error, parameter_band
+from dashpot.registry import find_handler
 from dashpot.solids.maxwell import Solid
 from dashpot.workflow.identification import Identified
 from dashpot.workflow.measured_frf import Modes
@@ -133,6 +134,10 @@ def find_value(result: Any, name: str) -> ResultValue:
         If the result has no such value.
     """
     parsed = _parse_name(name)
+    bound_value = find_handler("bound value", result)
+    bounded = None if bound_value is None else bound_value(result, parsed.column)
+    if bounded is not None:
+        return ResultValue(parsed.column, bounded[0], "bound", bounded[1])
     value = _find_by_name(result, parsed)
     if value is None:
         there = ", ".join(dict.fromkeys(list_names(result)))

@@ -100,6 +100,10 @@ EXTENSION = Extension(
         ),
     ),
     handlers={
+        "bound value": {
+            "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.lifetime_prediction:bound_life",
+            "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.lifetime_prediction:bound_life",
+        },
         "retained force": {
             "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.lifetime_prediction:predict_aging",
         },
@@ -125,6 +129,7 @@ EXTENSION = Extension(
             "drop": "dashpot.extensions.materials.table_rules:has_drop",
         },
         "text": {
+            "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.text:render_aged",
             "dashpot.extensions.materials.csr.aging_plan:AgingPlan": "dashpot.extensions.materials.csr.plan_command:format_plan",
             "dashpot.extensions.materials.cld.fit_files:CLDResult": "dashpot.extensions.materials.cld.text:cld",
             "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.text:hyperelastic",

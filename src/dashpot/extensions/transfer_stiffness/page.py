@@ -49,6 +49,7 @@ def page(sheet: TransferStiffness) -> KindPage:
         told="Transfer stiffness in third octaves",
         groups=(group("", sheet.facts),),
         sources=sheet.source,
+        note=f"{KindPage.note} {sheet.interval_note}".rstrip(),
         folds=(
             CollapsibleSection("Third octaves", _describe_bands(sheet), _make_band_table(sheet)),
             CollapsibleSection(

@@ -198,6 +198,13 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
         object.__setattr__(self, "blocked", frozen(np.asarray(self.blocked, dtype=bool)))
 
     @property
+    def interval_note(self) -> str:
+        """What the intervals leave out beyond the valid band of a fit; else empty."""
+        if not any(check.failed and check.name == "sheet_in_valid_band" for check in self.checks):
+            return ""
+        return "Outside the valid band of the fit the intervals hold standard errors alone."
+
+    @property
     def level(self) -> FloatArray:
         r""":math:`20\lg(|k|/1\,\mathrm{N/m})` of each line, dB."""
         return compute_level(np.abs(self.value))

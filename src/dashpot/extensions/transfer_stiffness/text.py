@@ -27,6 +27,7 @@ def render_transfer_stiffness(sheet: TransferStiffness) -> Text:
     head = [*_HEAD, *(["blocked, dB"] if has_output else []), *(["valid"] if judged else [])]
     rows = (_format_row(band, has_output=has_output, judged=judged) for band in sheet.bands)
     lines += table([head, *rows])
+    lines += [f"  {sheet.interval_note}"] if sheet.interval_note else []
     details = [["Hz", "dB re 1 N/m", "95 % interval", "indirect formula, dB", "lines"]]
     details += [
         [

@@ -183,3 +183,39 @@ def test_fit_refuses_a_wrong_temperature_of_use(folder, words, message):
     done = ran("fit", folder / "ovens.csv", "--use-at", *words.split())
     assert done.exit_code == 2
     assert message in done.stderr
+
+
+def test_a_limit_of_life_hangs_on_the_lower_energy_where_the_life_does():
+    """Far below the ovens the interval reaches to the life by 65 kJ/mol, in an oven it does not."""
+    cold = predict_aging(usual(), temperature="23degC")
+    life, lower = cold.answers
+    (limit,) = dp.files.read_limits("life >= 10 years").judge(cold).limits
+    assert limit.lower == 10 * 365.25 * 86400
+    assert (limit.value.low, limit.value.high) == (lower.low, life.high)
+    assert (limit.outcome, limit.spread) == ("met", "bound")
+    between = (lower.low * life.low) ** 0.5
+    (limit,) = dp.files.read_limits(f"life >= {between!r}s").judge(cold).limits
+    assert limit.outcome == "open"
+    assert "65 kJ/mol" in limit.explanation
+    assert "oven nearer" in limit.explanation
+    warm = predict_aging(usual(), temperature="100degC")
+    (limit,) = dp.files.read_limits("lifetime >= 1000h").judge(warm).limits
+    assert (limit.value, limit.spread) == (warm.answers[0], "random")
+
+
+def test_a_limit_of_life_asks_for_the_temperature_of_use(folder):
+    (folder / "limits.toml").write_text('[life]\nlower = "10 years"\n')
+    asked = "fit", folder / "ovens.csv", "--limits", folder / "limits.toml"
+    run = ran(*asked)
+    assert run.exit_code != 0
+    assert "--use-at" in run.output
+    found = run_json(*asked, "--use-at", "85degC")["acceptance"]
+    assert [limit["name"] for limit in found["limits"]] == ["life"]
+
+
+@pytest.mark.parametrize(("temperature", "is_noted"), [("23degC", True), ("100degC", False)])
+def test_intervals_of_an_extrapolated_life_say_what_they_leave_out(folder, temperature, is_noted):
+    page = folder / f"{temperature}.html"
+    run = ran("fit", folder / "ovens.csv", "--use-at", temperature, "-o", page)
+    for text in (" ".join(run.output.split()), page.read_text()):
+        assert ("scatter of readings and ovens alone" in text) is is_noted

@@ -33,6 +33,9 @@ from dashpot.extensions.materials.csr.preprocess import ONE_OVEN
 
 LOWER = 65e3
 """Activation energy at low temperature, J/mol (EPDM, Gillen et al. 2003)."""
+_ROBUST = "robust_to_lower_activation_energy"
+_EXTRAPOLATION = {"temperature_near_ovens", _ROBUST, "time_near_readings"}
+"""Checks of how far an answer lies from what was read."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -78,6 +81,16 @@ class Aged(HasVerdict, Serialisable):
     def facts(self) -> tuple[ReportedValue, ...]:
         """The answers."""
         return self.answers
+
+    @property
+    def interval_note(self) -> str:
+        """What the intervals leave out where the answer lies beyond the ovens; else empty."""
+        if not any(check.failed and check.name in _EXTRAPOLATION for check in self.checks):
+            return ""
+        return (
+            "The intervals hold the scatter of readings and ovens alone. That the aging law holds "
+            "beyond the ovens is not in them."
+        )
 
     @property
     def sources(self) -> tuple[Source, ...]:
@@ -165,6 +178,32 @@ def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> 
         if fact.error is not None and fact.value > 0
     ]
     return max(errors, default=None)
+
+
+def bound_life(result: Aging | Aged, name: str) -> tuple[ReportedValue, str] | None:
+    """Return the life with a lower end that holds a lower activation energy, and what narrows it.
+
+    None where another value is asked, and where the life is robust to the lower energy.
+
+    Raises
+    ------
+    DataError
+        If a life is asked of an aging law without a temperature of use.
+    """
+    if name != "life":
+        return None
+    if isinstance(result, Aging):
+        raise DataError(
+            "a life depends on the temperature of use. Add it: --use-at 40degC "
+            "(Python: dp.fit(records, use_at='40degC'))"
+        )
+    facts = {fact.name: fact for fact in reversed(result.facts)}
+    life, lower_energy_life = facts.get("life"), facts.get("life_if_Ea_falls")
+    doubt = next((check for check in result.checks if check.failed and check.name == _ROBUST), None)
+    if life is None or lower_energy_life is None or doubt is None:
+        return None
+    low = min(life.low, lower_energy_life.low)
+    return replace(life, low=low, error=None), doubt.message_with_remedy
 
 
 def fit_life(

@@ -90,6 +90,7 @@ def lay_out_aged(aged: Aged) -> KindPage:
         told=f"At {format_temperature(aged.temperature)}",
         groups=(group("", aged.facts), group("The aging law", aging.facts)),
         sources=aging.sources,
+        note=f"{KindPage.note} {aged.interval_note}".rstrip(),
         folds=_make_life_sections(aging, lives, part or USUAL_PART),
         name="aged" if aged._saved_result is aged else "csr",
     )

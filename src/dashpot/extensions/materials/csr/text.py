@@ -1,0 +1,13 @@
+"""Life at a temperature, and retained force after a time, as text."""
+
+from __future__ import annotations
+
+from dashpot.extensions.materials.csr.lifetime_prediction import Aged
+from dashpot.text_output.layout import Text
+from dashpot.text_output.results import render_facts
+
+
+def render_aged(aged: Aged) -> Text:
+    """Return the answers with their intervals, and what these leave out."""
+    text, note = render_facts(aged), aged.interval_note
+    return text._replace(lines=[*text.lines, *([f"  {note}"] if note else [])])
