@@ -171,6 +171,40 @@ def make_lot(seed=1, seals=20, mean=None, lots=1):
     )
 
 
+def write_press(path: Path, stiffness: float, seed: int) -> None:
+    """Write a ramp of 1 s and a hold of a solid with one arm, by its closed form."""
+    t, random = np.arange(-2.0, 20.0, 0.02), np.random.default_rng(seed)
+    rise = [-np.expm1(-np.clip(t - start, 0.0, None) / 2.0) for start in (0.0, 1.0)]
+    x = np.clip(t, 0.0, 1.0) * 6e-3
+    force = stiffness * (x + 0.3 * 6e-3 * 2.0 * (rise[0] - rise[1]))
+    force = force + 2e-3 * random.standard_normal(len(t))
+    np.savetxt(path, np.column_stack((t - t[0], 1e3 * x, force)), delimiter=",", fmt="%.6f",
+               header="time [s],displacement [mm],force [N]", comments="")  # fmt: skip
+
+
+def test_a_folder_of_tests_becomes_a_lot_and_a_share_of_cars(tmp_path, monkeypatch):
+    """From files alone: tests, ``batch``, and the door; a lot may be named by its table."""
+    monkeypatch.chdir(tmp_path)
+    random, true = np.random.default_rng(7), []
+    Path("seals").mkdir()
+    for seal in range(6):
+        true.append(200.0 * (1 + 0.04 * random.standard_normal()))
+        for repeat in (1, 2):
+            write_press(Path(f"seals/s{seal}_{repeat}.csv"), true[-1], 10 * seal + repeat)
+    assert ran("fit", "seals/s0_1.csv", "--length", "50mm", "-o", "fit.json").exit_code == 0
+    named = "--label-pattern", r"(?P<seal>s\d+)_(?P<repeat>\d)"
+    assert ran("batch", "seals", *named, "-o", "lot").exit_code == 0
+    Path("door.toml").write_text(PLATE.format(hinge="1N/m", latch="1N/m"))
+    asked = "predict", "door.toml", "--limit", "mode 1 >= 5Hz", "--lot"
+    found = run_json(*asked, "lot")
+    assert found["spread"]["specimens"] == 6
+    assert found["spread"]["between_sd"] == pytest.approx(np.std(np.log(true), ddof=1), rel=0.1)
+    assert run_json(*asked, "lot/lot.csv")["spread"] == found["spread"]
+    refused = ran(*asked, "nowhere")
+    assert refused.exit_code != 0
+    assert "nowhere does not exist" in refused.output
+
+
 def test_cars_of_a_lot_are_about_its_mean_not_about_the_fit(folder):
     lot = make_lot(mean=1.1 * 10 * PAPER.k_inf)
     cars = dp.predict(dp.read(folder / "soft.toml"), lot=lot, limits=["mode 1 >= 20Hz"])

@@ -289,7 +289,7 @@ def test_swapped_channels_are_seen():
 
 
 @pytest.mark.parametrize(("band", "is_noted"), [("1:2kHz", True), ("0.01:0.3Hz", False)])
-def test_intervals_beyond_the_valid_band_are_noted_as_standard_errors(
+def test_sheet_outside_the_valid_band_notes_its_standard_errors(
     tmp_path: Path, band: str, is_noted: bool
 ):
     fit = dp.fit(dp.simulate("relaxation", seed=1))

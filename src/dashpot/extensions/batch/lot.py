@@ -100,14 +100,18 @@ class Lot:
 
     @staticmethod
     def read(folder: str | Path) -> Lot:
-        """Return the lot that a batch wrote into a folder.
+        """Return the lot that a batch wrote into a folder, which may be named by its table.
 
         Raises
         ------
         ReadError
             If there is none.
         """
-        frame = join_frames((table for _, table in read_parts(Path(folder))), "diagonal")
+        place = Path(folder)
+        if not place.exists():
+            raise ReadError(f"{folder} does not exist; give the LOT of dashpot batch -o")
+        place = place.parent if place.is_file() else place
+        frame = join_frames((table for _, table in read_parts(place)), "diagonal")
         if frame.is_empty():
             raise ReadError(f"{folder} holds no rows of a batch; give the LOT of dashpot batch -o")
         return Lot(frame.sort("file"), 0)

@@ -194,7 +194,7 @@ def bound_life(result: Aging | Aged, name: str) -> tuple[ReportedValue, str] | N
         return None
     if isinstance(result, Aging):
         raise DataError(
-            "a life depends on the temperature of use. Add it: dashpot fit ovens.csv --use-at 40degC"
+            "a life depends on the temperature of use. Add it: dashpot fit FILE --use-at 40degC"
         )
     facts = {fact.name: fact for fact in reversed(result.facts)}
     life, lower_energy_life = facts.get("life"), facts.get("life_if_Ea_falls")
