@@ -10,6 +10,7 @@ bound by what the record, or the data sheet, says of it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
@@ -186,6 +187,10 @@ def priors(record: RampHold) -> LoadCellPriors:
             first = max(first, 1) if record.displacement[0] <= 0 else 0
         slope = Prior(0.0, np.inf)
     machine, values = record.machine, (final, duration)
+    if machine.calibration:
+        # a contact that is off is a force that stays; beside a sharp zero it would bend the law
+        of_contact = final * record.contact_error / record.depth
+        offset = Prior(offset.mean, math.hypot(offset.sd, of_contact))
     doubt = machine.combine_drift(slope, *values, record.force_noise)
     return LoadCellPriors(
         offset,
