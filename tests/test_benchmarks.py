@@ -64,6 +64,7 @@ RUNS = [
         ),
         r'^of \d+ with "use" \d+ are wrong',
     ),
+    ("verdicts_results", "--each 3", r'^of \d+ called "use" \d+ miss'),
 ]
 
 NAMES = [getattr(run, "values", run)[0] for run in RUNS]

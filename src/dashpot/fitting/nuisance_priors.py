@@ -191,7 +191,6 @@ def priors(record: RampHold) -> LoadCellPriors:
         # a contact that is off is a force that stays; beside a sharp zero it would bend the law
         of_contact = final * record.contact_error / record.depth
         offset = Prior(offset.mean, math.hypot(offset.sd, of_contact))
-    doubt = machine.combine_drift(slope, *values, record.force_noise)
     return LoadCellPriors(
         offset,
         at,
@@ -200,7 +199,7 @@ def priors(record: RampHold) -> LoadCellPriors:
         first,
         slope,
         machine.drift_conflict(slope, *values, record.force_noise),
-        Prior(*doubt),
+        Prior(*machine.combine_drift(slope, *values, record.force_noise)),
     )
 
 
