@@ -189,8 +189,9 @@ def priors(record: RampHold) -> LoadCellPriors:
     machine, values = record.machine, (final, duration)
     if machine.calibration:
         # a contact that is off is a force that stays; beside a sharp zero it would bend the law
-        of_contact = final * record.contact_error / record.depth
-        offset = Prior(offset.mean, math.hypot(offset.sd, of_contact))
+        offset = Prior(
+            offset.mean, math.hypot(offset.sd, final * record.contact_error / record.depth)
+        )
     return LoadCellPriors(
         offset,
         at,

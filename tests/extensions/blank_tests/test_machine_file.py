@@ -200,7 +200,7 @@ def test_limits_shrink_to_a_half_and_hold_the_truth_with_the_machine_file() -> N
 
 
 @pytest.mark.parametrize("seed", [1, 21, 26, 36])
-def test_contact_that_is_off_does_not_bend_the_law_beside_a_sharp_zero(seed: int) -> None:
+def test_contact_error_does_not_bend_the_law_of_a_calibrated_machine(seed: int) -> None:
     """The contact of these is off by one to three standard errors, or the load cell drifts."""
     rig, seal = replace(draw_rig(seed), rate=200.0, hum_frequency=33.3), draw_seal(seed)
     test = dp.RelaxationTest(*make_seal_test(rig, seal, seed), units="SI")
