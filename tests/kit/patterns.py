@@ -16,6 +16,7 @@ from pathlib import Path
 from time import process_time
 
 import dashpot.reading
+from dashpot.base.lazy import compile_on_use
 from dashpot.reading.text.dialect import Dialect
 from dashpot.reading.text.plain_rows import PlainRows
 
@@ -31,8 +32,8 @@ FILLS = (
 
 def _held(value: object) -> Iterator[re.Pattern]:
     """The patterns in a value of a module."""
-    if isinstance(value, re.Pattern):
-        yield value
+    if isinstance(value, compile_on_use):
+        yield value.compiled
     elif isinstance(value, dict | tuple):
         for entry in value.values() if isinstance(value, dict) else value:
             yield from _held(entry)
@@ -52,7 +53,7 @@ def _inline(tree: ast.AST) -> Iterator[re.Pattern]:
 def patterns() -> dict[str, re.Pattern]:
     """Every pattern by its own text."""
     root = Path(dashpot.reading.__file__).parent
-    found = [PlainRows(Dialect(";", ".", ("number",)), (0,)).blank]
+    found = [*_held(PlainRows(Dialect(";", ".", ("number",)), (0,)).blank)]
     for path in sorted(root.rglob("*.py")):
         parts = path.relative_to(root).with_suffix("").parts
         module = importlib.import_module(

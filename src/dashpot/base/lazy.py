@@ -1,15 +1,19 @@
-"""Public names of a package, imported when they are first used: they stand in ``__init__.pyi``."""
+"""What is made when it is first used: public names of a package, and regular expressions.
+
+The public names stand in ``__init__.pyi``.
+"""
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable
-from functools import cache
+from functools import cache, cached_property
 from importlib import import_module
 from importlib.util import resolve_name
 from os.path import splitext
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 
 def build_lazy_exports(
@@ -85,3 +89,29 @@ def set_package_functions(package: str, *verbs: str) -> None:
     module = sys.modules[package]
     module.VERBS = frozenset(verbs)  # type: ignore[attr-defined]
     module.__class__ = LazyPackage
+
+
+if TYPE_CHECKING:
+    compile_on_use = re.compile
+else:
+
+    class PatternOnUse:
+        """Stand for a pattern until one of its methods is asked for.
+
+        A short command uses half of the patterns of the modules that it loads.
+        """
+
+        def __init__(self, source: str | bytes, flags: int = 0) -> None:
+            self.source, self.flags = source, flags
+
+        @cached_property
+        def compiled(self) -> re.Pattern:
+            """Compiled pattern."""
+            return re.compile(self.source, self.flags)
+
+        def __getattr__(self, name: str) -> Any:
+            method = getattr(self.compiled, name)
+            setattr(self, name, method)
+            return method
+
+    compile_on_use = PatternOnUse

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 import re
 
+from dashpot.base.lazy import compile_on_use
 from dashpot.base.units import convert_to_unit
 
-_PARAMETER = re.compile(r"\bk_inf\b|\b(?:ln_)?(?:k|tau|b)_\d+\b|\btau\b|\b[ab]_T\b")
+_PARAMETER = compile_on_use(r"\bk_inf\b|\b(?:ln_)?(?:k|tau|b)_\d+\b|\btau\b|\b[ab]_T\b")
 # what a command line or Python alone can heed: (--band), (dashpot identify), (Python: arms=2)
-_COMMAND = re.compile(r"\s*\((?:--|dashpot |Python:)(?:[^()]|\([^()]*\))*\)")
-_POWER = re.compile(r"(?<![\w.])[0-9]+(?:\.[0-9]+)?e[+-][0-9]{2,3}\b")
-_NEGATIVE = re.compile(r"(?<![\w.)-])-(?=[0-9])")
-_UNIT = re.compile(
+_COMMAND = compile_on_use(r"\s*\((?:--|dashpot |Python:)(?:[^()]|\([^()]*\))*\)")
+_POWER = compile_on_use(r"(?<![\w.])[0-9]+(?:\.[0-9]+)?e[+-][0-9]{2,3}\b")
+_NEGATIVE = compile_on_use(r"(?<![\w.)-])-(?=[0-9])")
+_UNIT = compile_on_use(
     r"(?<=[0-9]) (?=(?:%|dB|[mk]?Hz|k?g|[mµu]?m|m?s|[mk]?N(?:/m?m|/s)?|1/kg|MPa|°C)(?![\w/]))"
 )
 MINUS = "−"

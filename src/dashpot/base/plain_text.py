@@ -5,16 +5,18 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 
+from dashpot.base.lazy import compile_on_use
+
 # Text that is safe to print on a terminal.
 
 
 # controls but tab and line feed, marks that turn the direction of writing, bytes that are no text
 _CONTROL = "\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff"
-_OBEYED = re.compile(f"[{_CONTROL}]")
-_FORMULA = re.compile(r"[=+@|%\-\uff1d\uff0b\uff0d\uff20]")
+_OBEYED = compile_on_use(f"[{_CONTROL}]")
+_FORMULA_SIGN = r"[=+@|%\-\uff1d\uff0b\uff0d\uff20]"
 """What a spreadsheet takes for the beginning of a formula, as wide letters, too."""
-_CELL = re.compile(rf"""(?<=[,;])( ?"?)(?={_FORMULA.pattern})""")
-_COLOUR = re.compile(f"(\x1b\\[(?:[012]|[39][0-7])(?:;(?:[012]|[39][0-7]))*m)|[{_CONTROL}]")
+_CELL = compile_on_use(rf"""(?<=[,;])( ?"?)(?={_FORMULA_SIGN})""")
+_COLOUR = compile_on_use(f"(\x1b\\[(?:[012]|[39][0-7])(?:;(?:[012]|[39][0-7]))*m)|[{_CONTROL}]")
 
 
 def escape_terminal_text(text: str, *, colours: bool = False) -> str:
@@ -44,7 +46,7 @@ def escape_formula(cell: str) -> str:
     ("'=1+1", 'm_1')
     """
     line = " ".join(cell.split())
-    return "'" + line if _FORMULA.match(line) else line
+    return "'" + line if re.match(_FORMULA_SIGN, line) else line
 
 
 def format_csv_comment(text: str) -> str:
@@ -65,10 +67,12 @@ def _escape_character(sign: str) -> str:
 # Sentences: their beginning, end, order and length.
 
 
-_END = re.compile(r"(?<=[.?!])(?<!eq\.)(?<!e\.g\.) (?=[A-Z\d])")
+_END = compile_on_use(r"(?<=[.?!])(?<!eq\.)(?<!e\.g\.) (?=[A-Z\d])")
 # "eq. 5" ends nothing; "k_inf" and "seal.csv" are names, and keep their letters
-_WORD = re.compile(r"(?!tau\b)(?:a|[a-z]{2,})(?=[\s,;:?!'-]|\.(?:\s|$)|$)")
-_NAMES = re.compile(r"Maxwell|Poisson|Zener|Ogden|Mooney|Neo|Hertz|Prony|Arrhenius|Table|Cpk|Hz")
+_WORD = compile_on_use(r"(?!tau\b)(?:a|[a-z]{2,})(?=[\s,;:?!'-]|\.(?:\s|$)|$)")
+_NAMES = compile_on_use(
+    r"Maxwell|Poisson|Zener|Ogden|Mooney|Neo|Hertz|Prony|Arrhenius|Table|Cpk|Hz"
+)
 """What is written with a capital within a sentence, too."""
 
 

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-import re
 from typing import NamedTuple
 
 from dashpot.base import dataclass
 from dashpot.base.checks import HasChecks
+from dashpot.base.lazy import compile_on_use
 from dashpot.base.number_format import ascii_only, format_interval, round_to_error, symbol
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import convert_to_unit, get_display_unit
 
 HELD, UNKNOWN = "held", "not identified"
 """What stands in place of an error of 0, and of one without limit."""
-_WORD = re.compile(r"_(?=[a-z]{4})")
+_WORD = compile_on_use(r"_(?=[a-z]{4})")
 NORMAL = 1.96
 """Standard errors to either end of a 95 % interval."""
 INTERVAL_LEVELS = (0.025, 0.975)

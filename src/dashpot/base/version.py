@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import re
+from dashpot.base.lazy import compile_on_use
 
 
 def _read_version() -> str:
@@ -16,10 +16,10 @@ def _read_version() -> str:
 __version__ = _read_version()
 
 # a document in JSON names its schema first; every other file holds `byline`
-_BYLINE = re.compile(rb"\bdashpot \d+\.\d+\.[\w.+]+: [a-zA-Z]")
-_SCHEMA = re.compile(rb'\s*\{\s*"schema": ?"dashpot/')
+_BYLINE = compile_on_use(rb"\bdashpot \d+\.\d+\.[\w.+]+: [a-zA-Z]")
+_SCHEMA = compile_on_use(rb'\s*\{\s*"schema": ?"dashpot/')
 _PROFILE = b"# dashpot reading profile"
-_RECORD = re.compile(rb"\bdashpot \d+\.\d+\.[\w.+]+: (?:a virtual|simulated) ")
+_RECORD = compile_on_use(rb"\bdashpot \d+\.\d+\.[\w.+]+: (?:a virtual|simulated) ")
 
 
 def byline(what: str) -> str:

@@ -214,11 +214,7 @@ def _with_default(message: str, default: Any) -> str:
 
 def group(title: str, *options: CommandOption | Iterable[CommandOption]) -> list[CommandOption]:
     """Return options under one title of the help."""
-    flat = list(
-        chain.from_iterable(
-            [option] if isinstance(option, CommandOption) else option for option in options
-        )
-    )
+    flat = _flatten(options)
     for item in flat:
         item.group = title
     return flat
@@ -226,14 +222,19 @@ def group(title: str, *options: CommandOption | Iterable[CommandOption]) -> list
 
 def mark_advanced(*options: CommandOption | Iterable[CommandOption]) -> list[CommandOption]:
     """Return options that the short help leaves out."""
-    flat = list(
-        chain.from_iterable(
-            [option] if isinstance(option, CommandOption) else option for option in options
-        )
-    )
+    flat = _flatten(options)
     for item in flat:
         item.more = True
     return flat
+
+
+def _flatten(params: Iterable[Any]) -> list[Any]:
+    """Return parameters and those of lists of them in one list."""
+    return list(
+        chain.from_iterable(
+            [param] if isinstance(param, click.Parameter) else param for param in params
+        )
+    )
 
 
 class DashpotCommand(click.Command):
@@ -373,14 +374,9 @@ def verb(
     name: str, message: str, *params: click.Parameter | Iterable[click.Parameter], **how: Any
 ) -> Callable[[Callable[..., Any]], DashpotCommand]:
     """Make a verb of a function that receives its arguments and options."""
-    flat = list(
-        chain.from_iterable(
-            [param] if isinstance(param, click.Parameter) else param for param in params
-        )
-    )
 
     def make_command(function: Callable[..., Any]) -> DashpotCommand:
-        return DashpotCommand(name, params=flat, help=message, callback=function, **how)
+        return DashpotCommand(name, params=_flatten(params), help=message, callback=function, **how)
 
     return make_command
 

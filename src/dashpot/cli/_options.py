@@ -44,7 +44,11 @@ VIBRATION = "impact frf transmissibility"
 SOLIDS = "relaxation dma master-curve modulus creep fit"
 """Kinds that are of a solid: tests of it, and its fit."""
 
-_LABELS = tuple(field.name for field in fields(Specimen) if field.metadata.get("under") == "label")
+
+def _build_keyed_option(cls: type[Any], name: str, into: str) -> list[CommandOption]:
+    """Return the option of KEY=VALUE that fills fields of a dataclass."""
+    keys = [field.name for field in fields(cls) if field.metadata.get("under") == name]
+    return build_options(cls, *keys, into=into)
 
 
 def files(
@@ -57,20 +61,8 @@ def files(
 
 def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> list[CommandOption]:
     """Return the options that say what a file leaves open; `short` stand in the short help."""
-    attributes = fields(ReadOptions)
-    columns = [
-        attribute.name for attribute in attributes if attribute.metadata.get("under") == "column"
-    ]
-    text = [
-        attribute.name
-        for attribute in attributes
-        if attribute.metadata.get("under") == "text-format"
-    ]
-    part = [
-        attribute.name for attribute in attributes if attribute.metadata.get("under") == "file-part"
-    ]
     options = [
-        *build_options(ReadOptions, *columns, into="options"),
+        *_build_keyed_option(ReadOptions, "column", into="options"),
         *build_options(
             ReadOptions,
             "units",
@@ -85,8 +77,8 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
             metavar="FILE",
             help="Settings saved by 'inspect --save'.",
         ),
-        *build_options(ReadOptions, *text, into="options"),
-        *build_options(ReadOptions, *part, into="options"),
+        *_build_keyed_option(ReadOptions, "text-format", into="options"),
+        *_build_keyed_option(ReadOptions, "file-part", into="options"),
         *build_options(
             ReadOptions,
             "rate",
@@ -214,7 +206,7 @@ def piece(*, flag: bool = False, more: bool = True) -> list[CommandOption]:
             else build_options(Specimen, "temperature", into="specimen")
         ),
         *build_options(Specimen, "length", "height", into="specimen"),
-        *build_options(Specimen, *_LABELS, into="specimen"),
+        *_build_keyed_option(Specimen, "label", into="specimen"),
     ]
     for option in options:
         option.more = more

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dashpot.base.errors import DashpotError
+from dashpot.base.lazy import compile_on_use
 from dashpot.base.option_fields import Drawn, get_choice_values, is_path_field, key_of
 from dashpot.base.units import Dimension, parse_quantity, parse_range
 from dashpot.registry import find_handler
@@ -283,7 +284,7 @@ class Keyed(click.ParamType[Any]):
         # the field that the option is named after is typed without a key: FILE,axis=Fz
         self.first = next((field for field in fields if f"--{field.name}" == flag), None)
         keys = "|".join(map(re.escape, self.fields))
-        self.between = re.compile(rf",(?=(?:{keys}){self.sign})")
+        self.between = compile_on_use(rf",(?=(?:{keys}){self.sign})")
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if not isinstance(value, str):

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from dashpot.base import dataclass
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.lazy import compile_on_use
 from dashpot.base.units import Dimension, parse_quantity
 from dashpot.reading.raw_file import RawFile, open_raw
 
 # TOML documents.
 
 
-_DEEP = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){64}""")
+_DEEP = compile_on_use(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){64}""")
 """A key of more parts than anyone writes."""
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import FloatArray, IndexArray, slices
 from dashpot.base.errors import ReadError
+from dashpot.base.lazy import compile_on_use
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.columns.kind_detection import RECOGNISED, kind_of
@@ -34,14 +35,14 @@ _WORDS = (
     r"|pr[üu]fling|pr[üu]fteil|muster|dichtung|[ée]prouvette|[ée]chantillon|joint|provino|campione"
     r"|probeta|muestra|pr[óo]bka|vzorek|monster|proefstuk|prov|试样|样品|試験片"
 )
-_NAME = re.compile(
+_NAME = compile_on_use(
     rf"(?:{_WORDS})[ _.\-]*(?:id|no\.?|nr\.?|n°|#|number|nummer|name|label|code|bezeichnung)?",
     re.IGNORECASE,
 )
 """The name of a column that says of which specimen a row is."""
-_LETTER = re.compile(r"(?:([A-W])[ _\-](\w.*)|(.*\w)[ _\-]([A-W]))")
+_LETTER = compile_on_use(r"(?:([A-W])[ _\-](\w.*)|(.*\w)[ _\-]([A-W]))")
 """A signal whose specimen is a letter before or behind it; X, Y and Z are axes."""
-_LINE = re.compile(rf"\W*(?:{_WORDS})\b.{{0,80}}", re.IGNORECASE)
+_LINE = compile_on_use(rf"\W*(?:{_WORDS})\b.{{0,80}}", re.IGNORECASE)
 """A line over a block that says of which specimen it is."""
 _MOST_SPECIMENS = 256
 """Specimens of one file, at most; a column of more labels counts rows."""

@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from dashpot.base import units
+from dashpot.base.lazy import compile_on_use
 from dashpot.base.units import Dimension, Unit
 from dashpot.datamodel.frf import Kind
 from dashpot.reading.columns import vocabulary
@@ -127,10 +128,10 @@ _FACTOR = (
     r"|\d{1,9}(?:\.\d{1,9})?(?:[eE][-+]?\d{1,2})?)"
 )
 _TIMES_SIGN = r"\s{0,3}[*x×·]?\s{0,3}"
-_BEFORE = re.compile(rf"\A{_TIMES_SIGN}{_FACTOR}{_TIMES_SIGN}([^\d\s].{{0,40}})\Z")
-_BEHIND = re.compile(rf"\A([^\d\s].{{0,40}}?)\s{{0,3}}[*x×·/]\s{{0,3}}{_FACTOR}\Z")
-_POWER = re.compile(r"10\s?(?:\^|\*\*)?\s?([-+]?\d{1,2})\Z")
-_BEHIND_NAME = re.compile(
+_BEFORE = compile_on_use(rf"\A{_TIMES_SIGN}{_FACTOR}{_TIMES_SIGN}([^\d\s].{{0,40}})\Z")
+_BEHIND = compile_on_use(rf"\A([^\d\s].{{0,40}}?)\s{{0,3}}[*x×·/]\s{{0,3}}{_FACTOR}\Z")
+_POWER = compile_on_use(r"10\s?(?:\^|\*\*)?\s?([-+]?\d{1,2})\Z")
+_BEHIND_NAME = compile_on_use(
     rf"\A(.*\S)\s{{0,3}}([*x×·/]\s{{0,3}}{_FACTOR}|(?<=\s)1[eE][-+]?\d{{1,2}})\Z"
 )
 
@@ -202,15 +203,15 @@ def format_unit_multiple(unit: Unit, factor: float) -> str:
 
 _LONGEST_HEADING = 500
 """Characters of a name; what is longer is cut."""
-_OF_WHAT = re.compile(r"\A(?:[A-Za-z]\(t\)|(?i:tan ?\((?:delta|d|δ)\)))\Z")  # E(t): no tonnes
-_IN_BRACKETS = re.compile(
+_OF_WHAT = compile_on_use(r"\A(?:[A-Za-z]\(t\)|(?i:tan ?\((?:delta|d|δ)\)))\Z")  # E(t): no tonnes
+_IN_BRACKETS = compile_on_use(
     r"[\[(<{]([^\[\](){}<>]*+(?:\([^()]*+\)[^\[\](){}<>]*+){0,2})[\])>}][\s,;:]*+\Z"
 )
-_PRIMED = re.compile(r"[A-Za-z]['\"]{1,2}")
+_PRIMED = compile_on_use(r"[A-Za-z]['\"]{1,2}")
 """A modulus as rheologists write it: its quotes are no quotes."""
-_UNIT_FIRST = re.compile(r"\A[\[(]([^\[\]()]++)[\])]\s*+([^\[\]()]++)\Z")
-_SIGNS = re.compile(r"\s*[,/:]\s*|\s+in\s+|[\s_.\-]+")
-_PLAIN_TAIL = re.compile(r"\A(.*\S)(?:\s+in\s+|\s*,\s+|\s+/\s+)([^\s,:_]+)\Z")
+_UNIT_FIRST = compile_on_use(r"\A[\[(]([^\[\]()]++)[\])]\s*+([^\[\]()]++)\Z")
+_SIGNS = compile_on_use(r"\s*[,/:]\s*|\s+in\s+|[\s_.\-]+")
+_PLAIN_TAIL = compile_on_use(r"\A(.*\S)(?:\s+in\s+|\s*,\s+|\s+/\s+)([^\s,:_]+)\Z")
 
 
 def remove_quotes(text: str) -> str:

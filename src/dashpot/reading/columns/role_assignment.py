@@ -14,6 +14,7 @@ import numpy as np
 from dashpot.base import dataclass, units
 from dashpot.base.arrays import cache_on_record
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.lazy import compile_on_use
 from dashpot.base.units import Dimension, Unit
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.header_units import (
@@ -42,7 +43,7 @@ _LESS = (
 )
 """Words that speak against a column, by how much, and if they do so of time or of the rest."""
 _WEIGHTS = {"g": "gf", "kg": "kgf", "lb": "lbf"}
-_SENSITIVITY = re.compile(
+_SENSITIVITY = compile_on_use(
     r"\A(\d++\.?\d*+(?:e[+-]?\d{1,3})?|\.\d++)\s*+(m|u|µ)?V\s*+/\s*+\(?([^()]++)\)?\Z",
     re.IGNORECASE,
 )

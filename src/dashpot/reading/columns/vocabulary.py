@@ -10,6 +10,7 @@ from itertools import pairwise
 from types import MappingProxyType
 from typing import Literal, TypeAlias
 
+from dashpot.base.lazy import compile_on_use
 from dashpot.base.units import Dimension
 
 Role: TypeAlias = Literal[
@@ -167,8 +168,8 @@ LEAST_SCORE = 1.5
 """How well a name says a role at least, so that it counts: the score of a second meaning."""
 WHOLE_TIME = ("run",)
 """Clocks of all that an instrument did, before this record too."""
-_HUMP = re.compile(r"(?<=[a-zäöüß]{2})(?=[A-ZÄÖÜ])")
-_GAPS = re.compile(r"[\s_\-:;,./\\|*#()\[\]{}<>]+")
+_HUMP = compile_on_use(r"(?<=[a-zäöüß]{2})(?=[A-ZÄÖÜ])")
+_GAPS = compile_on_use(r"[\s_\-:;,./\\|*#()\[\]{}<>]+")
 _TOLD = (
     *COMMANDED, *DERIVED, *EXTREMES, *STATIC, *PARTIAL_TIME, *OF_ACTUAL, *OF_REST, *SIDEWAYS,
     *OF_BASE, *WHOLE_TIME,
@@ -207,15 +208,15 @@ def _lexicon(words: dict[Role, str]) -> MappingProxyType[str, tuple[Role, ...]]:
 
 FIRST = _lexicon(_FIRST)
 SECOND = _lexicon(_SECOND)
-_SIZE = re.compile(
+_SIZE = compile_on_use(
     r"(?<!\w)[ekg]\*|\|[ekg]\||(?<![a-z])[kc][ _]?dyn(?![a-z])"
     r"|(?<![a-z])(?:dyn|complex|komplex|absolute)[^ '\"]{0,7} (?:[a-z]{1,12} )?"
     r"(?:stiffness|steifigkeit|modulus|modul|federrate|spring rate)"
 )
-_NO_SIZE = re.compile(
+_NO_SIZE = compile_on_use(
     r"storage|loss|speicher|verlust|real|imag|phase|angle|winkel|viscos|compliance|[ekg]['\"′″]"
 )
-_BLANKS = re.compile(r" {2,}")
+_BLANKS = compile_on_use(r" {2,}")
 _EAST = MappingProxyType({word: roles for word, roles in FIRST.items() if ord(word[0]) > 0x3000})
 """Words that stand in others without a blank."""
 _STEMS = MappingProxyType(
@@ -228,7 +229,7 @@ _STEMS = MappingProxyType(
 """Words that others end with."""
 _ENDS = frozenset(word[-2:] for word in _STEMS)
 _LONGEST = max(map(len, _STEMS))
-_NUMBER = re.compile(r"(?<![0-9])[0-9]{2,}+(?=[\])}\s]*+\Z)")
+_NUMBER = compile_on_use(r"(?<![0-9])[0-9]{2,}+(?=[\])}\s]*+\Z)")
 
 
 def tokens(name: str) -> list[str]:

@@ -9,6 +9,7 @@ from operator import eq
 
 from dashpot.base import units
 from dashpot.base.errors import ReadError
+from dashpot.base.lazy import compile_on_use
 from dashpot.base.provenance import Caution
 from dashpot.reading.columns.vocabulary import clock_order
 from dashpot.reading.raw_file import RawFile
@@ -31,11 +32,11 @@ from dashpot.reading.text.rows import Heading, load_rows, title
 
 _HEADS = (1 << 16, 1 << 20, 1 << 24)
 _LARGE = 1 << 28
-_IMAGINARY = re.compile(rb"\d\s?\*?[ijIJ]\b|[+-]\s?[ijIJ]\*?\d")
+_IMAGINARY = compile_on_use(rb"\d\s?\*?[ijIJ]\b|[+-]\s?[ijIJ]\*?\d")
 """What no table of complex cells is without."""
 _MOST_COMPLEX = 1 << 26
 """Bytes of a file whose complex cells are parted: it is held as a whole."""
-_MARKUP = re.compile(
+_MARKUP = compile_on_use(
     rb"\A(?:\xef\xbb\xbf)?\s{0,99}(<(?:!doctype\b|html\b|head\b|body\b|table\b|\?xml\b)|\{\\rtf)",
     re.I,
 )
@@ -267,15 +268,15 @@ def _clock_orders(header: Header, options: ReadOptions) -> tuple[str, ...]:
     )
 
 
-_MEASURED = re.compile(r"\A[+-]?\d[\d.,]{0,40}\s?([^\W\d_]\S{0,9})\Z")
-_FACTOR = re.compile(
+_MEASURED = compile_on_use(r"\A[+-]?\d[\d.,]{0,40}\s?([^\W\d_]\S{0,9})\Z")
+_FACTOR = compile_on_use(
     r"\b(?<!loss )(?<!shape )(?<!form )(?<!safety )(?<!quality )(?<!power )(?<!crest )"
     r"(?:scal(?:e|ing)|gain|factor|\w{1,20}f[ae][ck]tor|faktor|skalierung|verstärkung|multiplier"
     r"|slope|conversion|attenuat(?:ion|or)|divi(?:sor|der)|amplification)\b",
     re.IGNORECASE,
 )
-_NUMBER = re.compile(r"\d{1,9}(?:[.,]\d{1,9})?")
-_RATE = re.compile(
+_NUMBER = compile_on_use(r"\d{1,9}(?:[.,]\d{1,9})?")
+_RATE = compile_on_use(
     r"(?:sampl\w{0,20}|abtast\w{0,20}|scan\w{0,20}|acquisition|messrate|data|częstotliwość|采样)"
     r"\W{0,20}(?:rate|freq\w{0,20}|frequenz|频率|próbkowania)?"
     r"[^\d\n]{0,12}?(\d{1,12}(?:[.,]\d{1,12})?)\W{0,3}(k?Hz|1/s)",
@@ -283,7 +284,7 @@ _RATE = re.compile(
 )
 
 
-_INTERVAL = re.compile(
+_INTERVAL = compile_on_use(
     r"(?:(?:sampl|abtast|scan|acquisition|recording|log|mess|data)\w{0,20}\W{0,5}"
     r"(?:interval\w{0,4}|period\w{0,2}|time|step|zeit|schritt)|time\W{0,3}(?:step|increment)"
     r"|zeitschritt|abtast(?:intervall|zeit)|delta\W?[xt]|(?<!\w)dt)(?!\w)"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -12,6 +11,7 @@ import numpy as np
 from dashpot.base import dataclass, replace, units
 from dashpot.base.arrays import FloatArray, cache_on_record, validate_measured
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.lazy import compile_on_use
 from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, KindOfFile, kind_of
 from dashpot.reading.columns.role_assignment import EXAMPLE, find_weight, handle, score_columns
 from dashpot.reading.columns.vocabulary import DIMENSION, Role
@@ -23,7 +23,7 @@ from dashpot.reading.readers.relaxation import load_signals, moving_columns
 from dashpot.registry import find_handler
 from dashpot.signals.segments import classify_load_history
 
-_SCHEMA = re.compile(rb'"schema"\s*:\s*"dashpot/([a-z-]+)@')
+_SCHEMA = compile_on_use(rb'"schema"\s*:\s*"dashpot/([a-z-]+)@')
 _SCHEMA_BYTES = 1 << 16
 """Bytes that contain the schema of a document; dashpot writes it first."""
 _MOTION_REASONS: Mapping[str, str] = MappingProxyType({

@@ -13,6 +13,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.base.lazy import compile_on_use
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.reading.columns import vocabulary
@@ -144,7 +145,7 @@ PAIRS: tuple[tuple[Role, Role], ...] = (("real", "imaginary"), ("magnitude", "ph
 _HIGHEST = 3e4
 """Hz; no hammer on rubber goes higher."""
 _COHERENT = 1.01
-_STATED = re.compile(r"\A\W*+kind\s*+:\s*+(\w+)")
+_STATED = compile_on_use(r"\A\W*+kind\s*+:\s*+(\w+)")
 
 
 def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:

@@ -14,6 +14,7 @@ import numpy as np
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.lazy import compile_on_use
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
 from dashpot.datamodel.specimen import Specimen
@@ -27,7 +28,7 @@ from dashpot.reading.table import LoadedColumns
 # Specimen.
 
 
-_NUMBER = re.compile(r"[-+]?\d++(?:[.,]\d++)?+(?![.,]?\d)")
+_NUMBER = compile_on_use(r"[-+]?\d++(?:[.,]\d++)?+(?![.,]?\d)")
 _LONGEST = 120
 _BESIDES = {
     "test", "testing", "specimen", "sample", "chamber", "oven", "ambient", "room", "air", "mean",
@@ -215,21 +216,21 @@ def _is_test_temperature(name: str) -> bool:
 # record.
 
 
-_DECAY_NUMBER = re.compile(r"(?<![\w.])[-+]?\d++(?:[.,]\d++)?+(?:[eE][-+]?\d++)?+")
+_DECAY_NUMBER = compile_on_use(r"(?<![\w.])[-+]?\d++(?:[.,]\d++)?+(?:[eE][-+]?\d++)?+")
 _LONGEST_COMMENT = 200
-_WINDOW = re.compile(r"window|fenster|fen[eê]tre|weighting|bewertung", re.IGNORECASE)
-_EXPONENTIAL = re.compile(r"\bexp(?:o\b|\b|[._ ]|onen)", re.IGNORECASE)
-_DECAY = re.compile(
+_WINDOW = compile_on_use(r"window|fenster|fen[eê]tre|weighting|bewertung", re.IGNORECASE)
+_EXPONENTIAL = compile_on_use(r"\bexp(?:o\b|\b|[._ ]|onen)", re.IGNORECASE)
+_DECAY = compile_on_use(
     r"decay|damping|d[aä]mpfung|abkling|time[ _]?const|zeitkonst|\btau\b|_tau|end[ _]?value"
     r"|endwert",
     re.IGNORECASE,
 )
-_OTHER_WINDOWS = re.compile(r"averag|mittel|moving|smooth|filter|coherence", re.IGNORECASE)
-_NO_WINDOW = re.compile(
+_OTHER_WINDOWS = compile_on_use(r"averag|mittel|moving|smooth|filter|coherence", re.IGNORECASE)
+_NO_WINDOW = compile_on_use(
     r"\b(?:no|none|off|aus|kein\w*|false|not used|uniform|rectang\w*)\b", re.IGNORECASE
 )
-_RATE = re.compile(r"rate|1/s|s\^?-1|rad/s", re.IGNORECASE)
-_END = re.compile(r"end[ _]?value|endwert|%", re.IGNORECASE)
+_RATE = compile_on_use(r"rate|1/s|s\^?-1|rad/s", re.IGNORECASE)
+_END = compile_on_use(r"end[ _]?value|endwert|%", re.IGNORECASE)
 
 
 class StatedWindow(NamedTuple):

@@ -11,6 +11,7 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.lazy import compile_on_use
 from dashpot.reading.columns.header_units import remove_quotes, split_unit
 from dashpot.reading.table import Question
 
@@ -26,9 +27,9 @@ _WRITTEN: dict[Mark, str] = {
     ".,": r"[+-]?(?:\d++[.,]?\d*+|[.,]\d++)",
 }
 _EXPONENT = r"(?:[eEdD][+-]?\d{1,4})?"
-_PLAIN = {mark: re.compile(rf"\A{name}{_EXPONENT}\Z") for mark, name in _WRITTEN.items()}
+_PLAIN = {mark: compile_on_use(rf"\A{name}{_EXPONENT}\Z") for mark, name in _WRITTEN.items()}
 _ALL_PLAIN = {
-    mark: re.compile(rf"\A(?:{name}{_EXPONENT}\n)++\Z") for mark, name in _WRITTEN.items()
+    mark: compile_on_use(rf"\A(?:{name}{_EXPONENT}\n)++\Z") for mark, name in _WRITTEN.items()
 }
 # a group that gives nothing back (`)++`) is lost in Python 3.11.2 from the second match on
 GROUPS: dict[Mark, str] = {
@@ -37,19 +38,19 @@ GROUPS: dict[Mark, str] = {
 }
 """The thousands behind the first digits of a number, by its decimal mark."""
 _GROUPED = {
-    mark: re.compile(rf"\A[+-]?[1-9]\d{{0,2}}{groups}(?:{re.escape(mark)}\d*+)?\Z")
+    mark: compile_on_use(rf"\A[+-]?[1-9]\d{{0,2}}{groups}(?:{re.escape(mark)}\d*+)?\Z")
     for mark, groups in GROUPS.items()
 }
-EITHER_WAY = re.compile(r"\A[+-]?[1-9]\d{0,2}([.,])\d{3}\Z")
+EITHER_WAY = compile_on_use(r"\A[+-]?[1-9]\d{0,2}([.,])\d{3}\Z")
 """``1,234``: a thousand or one and a bit."""
 
-MISSING = re.compile(
+MISSING = compile_on_use(
     r"\A(?:nan|n\.?/?a\.?|na|null|nil|none|-+|\.+|_+|\*+|\?+|#.*|[<>]+|—|–|[+-]?inf(?:inity)?"
     r"|[+-]?(?:over|under)\w*|[+-]?ov[rfl]\w*|[+-]?ol|sat\w*|[+-]?1[.,]#\w+|nv|err\w*|invalid|bad)\Z",
     re.IGNORECASE,
 )
 _BEGINS = frozenset("0123456789+-.,")
-_BLANKS = re.compile(r"\"([^\"]*)\"|(\S+)")
+_BLANKS = compile_on_use(r"\"([^\"]*)\"|(\S+)")
 
 
 def number(cell: str, mark: Mark) -> float | None:
@@ -158,14 +159,14 @@ def are_plain(cells: Sequence[str], mark: Mark) -> bool:
 _DAY = 86400.0
 _LONGEST_CLOCK_STEP = 60.0
 """The longest step, s, over which a fall of the clock is midnight and not another start."""
-_CLOCK = re.compile(
+_CLOCK = compile_on_use(
     r"\A(?:(\d{4}([./-])\d\d?\2\d\d?|\d\d?([./-])\d\d?\3(?:\d{4}|\d\d)"
     r"|\d\d?[-. ]{1,2}[^\W\d_]{3,9}\.?[- ]\d{4})[ T_]\s{0,9})?"
     r"(\d{1,4}):(\d\d)(?::(\d\d)(?:[.,](\d{1,12})|:(\d{3}))?|([.,]\d{1,12}))?"
     r"(?:\s{0,3}([AaPp])\.?[Mm]\.?)?(?:Z|([+-])(\d\d):?(\d\d))?\Z"
 )
-_SECONDS = re.compile(r"\A\d\d(?:[.,]\d{1,12})?\Z")
-_DATE = re.compile(
+_SECONDS = compile_on_use(r"\A\d\d(?:[.,]\d{1,12})?\Z")
+_DATE = compile_on_use(
     r"\A(?:\d{4}([./-])\d\d?\1\d\d?|\d\d?([./-])\d\d?\2(?:\d{4}|\d\d)"
     r"|\d\d?[-. ]{1,2}[^\W\d_]{3,9}\.?[- ]\d{4})\Z"
 )
@@ -357,7 +358,7 @@ _HOLE = "\0"
 
 def _build_complex_pattern(mark: str) -> re.Pattern[str]:
     size = rf"(?:\d{{1,40}}(?:{mark}\d{{0,40}})?|{mark}\d{{1,40}})(?:[eEdD][+-]?\d{{1,4}})?"
-    return re.compile(
+    return compile_on_use(
         rf"(?<![\w.])\"?\(?[ ]?(?P<real>[+-]?{size})[ ]?(?P<sign>\+-|[+-])[ ]?"
         rf"(?:(?P<before>{size})\*?[ijIJ]|[ijIJ]\*?(?P<behind>{size}))[ ]?\)?\"?(?![\w.])"
     )

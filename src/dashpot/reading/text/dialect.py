@@ -11,6 +11,7 @@ from itertools import chain, islice, product, zip_longest
 
 from dashpot.base import dataclass, replace
 from dashpot.base.errors import ReadError
+from dashpot.base.lazy import compile_on_use
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.table import Content
 from dashpot.reading.text import cells as cell
@@ -33,7 +34,7 @@ _ALIGNED = 1 << 13
 _DIGITS = set("0123456789+-.,:eE")
 _STEADY = 5
 """Rows that show how many digits all are printed with."""
-_PARTS = re.compile(r"[\t;,| ]+")
+_PARTS = compile_on_use(r"[\t;,| ]+")
 
 
 @dataclass(frozen=True)
@@ -529,8 +530,8 @@ _WORDS: tuple[tuple[float, Callable[[str, str], float]], ...] = (
     (-0.3, lambda word, _: sum("\u0400" <= c <= "\u04ff" for c in word) * (len(word) < 3)),
 )
 """What a word beyond ASCII tells of its code page, and how much."""
-_UNITS = re.compile(r"(?:°[CF]?|[µμ][mNsV]|[ms][²³])(?![^\W\d_])")
-_DEBRIS = re.compile(r"(?<=[^\W\d_])[³¹¿œŸž¡£¥]|[¤¦¨¸¯](?=\w)|[\x80-\x9f\ufffd\ue000-\uf8ff]")
+_UNITS = compile_on_use(r"(?:°[CF]?|[µμ][mNsV]|[ms][²³])(?![^\W\d_])")
+_DEBRIS = compile_on_use(r"(?<=[^\W\d_])[³¹¿œŸž¡£¥]|[¤¦¨¸¯](?=\w)|[\x80-\x9f\ufffd\ue000-\uf8ff]")
 
 
 def decode_blocks(

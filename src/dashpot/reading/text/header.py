@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from itertools import zip_longest
 
 from dashpot.base import dataclass, units
+from dashpot.base.lazy import compile_on_use
 from dashpot.base.provenance import Caution
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.header_units import (
@@ -22,12 +23,12 @@ from dashpot.reading.table import Column, Content
 from dashpot.reading.text import cells as cell
 from dashpot.reading.text.dialect import LONGEST, Dialect
 
-_COMMENT = re.compile(r"\A\s*+(?:#++|%++|//++|\$++|!++|\*++|'++|--++|>++|@++)\s*+")
-_CLOSED = re.compile(r"(?<=[\])])")
+_COMMENT = compile_on_use(r"\A\s*+(?:#++|%++|//++|\$++|!++|\*++|'++|--++|>++|@++)\s*+")
+_CLOSED = compile_on_use(r"(?<=[\])])")
 _REACH = 6
 _COUNTERS = {"index", "no", "nr", "n", "number", "point", "reading", "row", "nummer", "messpunkt"}
 """Names of a first column that counts the rows, and has no unit."""
-_SIGNAL = re.compile(r"\ASig(\d{1,3})[\t ,;:=]\s*+(.{1,200})\Z")
+_SIGNAL = compile_on_use(r"\ASig(\d{1,3})[\t ,;:=]\s*+(.{1,200})\Z")
 _MARKS = ("\t", ";", ",", "|")
 _TINY = 1e-9
 
@@ -194,10 +195,10 @@ def _other_cuts(text: str, delimiter: str) -> Iterator[list[str]]:
 
 
 _LABELS = {
-    "name": re.compile(
+    "name": compile_on_use(
         r"\A(?:columns?|column[ _]names?|names?|fields?|channels?|variables?)\s*[:=]\s*", re.I
     ),
-    "unit": re.compile(r"\A(?:column[ _])?units?\s*[:=]\s*", re.I),
+    "unit": compile_on_use(r"\A(?:column[ _])?units?\s*[:=]\s*", re.I),
 }
 
 
@@ -213,7 +214,7 @@ def _find_labelled_cells(lines: Sequence[str], dialect: Dialect, what: str) -> l
     return []
 
 
-_NUMBERED = re.compile(
+_NUMBERED = compile_on_use(
     r"\A(?:(?:col(?:umn)?|field|channel|spalte|kanal)\.?\s*)?(\d{1,4})\s*[:=.)]\s*", re.I
 )
 

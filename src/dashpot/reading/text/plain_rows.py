@@ -15,6 +15,7 @@ import numpy as np
 
 from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.lazy import compile_on_use
 from dashpot.reading.text import cells as cell
 from dashpot.reading.text.cells import ClockColumn
 from dashpot.reading.text.dialect import Dialect
@@ -153,7 +154,7 @@ def split_line_cells(lines: bytes, sign: int) -> PartedLines | None:
 
 _PAYS = 1 << 19
 """Characters of tables, of all that a process reads, over which msgspec is worth its import."""
-_NEGATIVE_ZERO = re.compile(rb"-0(?=[\s,])")
+_NEGATIVE_ZERO = compile_on_use(rb"-0(?=[\s,])")
 """JSON has no negative integer zero: msgspec would read 0."""
 
 
@@ -183,7 +184,7 @@ class PlainRows:
         if self.possible and not self.blanks:
             s = re.escape(sign)
             # a blank cell becomes nan, whether alone, quoted or padded
-            self.blank = re.compile(rf"(?:(?<={s})|(?<=\n)|\A)[ ]*(?={s}|\n)")
+            self.blank = compile_on_use(rf"(?:(?<={s})|(?<=\n)|\A)[ ]*(?={s}|\n)")
             self.beside_blank = (" ", sign * 2, f"{sign}\n", f"\n{sign}", "\n\n")
             # a comma that parts no cells must not come to part them
             commas = "." if self.swaps_comma else "!"
@@ -352,7 +353,9 @@ def _grouped_between(sign: str, mark: cell.Mark) -> re.Pattern[str] | None:
     if mark not in cell.GROUPS:
         return None
     digits, rest = r"[ ]*+[+-]?[1-9]\d{0,2}", rf"(?:{re.escape(mark)}\d*+)?[ ]*+"
-    return re.compile(rf"((?:(?<=[{sign}\n])|\A){digits})({cell.GROUPS[mark]})(?={rest}[{sign}\n])")
+    return compile_on_use(
+        rf"((?:(?<=[{sign}\n])|\A){digits})({cell.GROUPS[mark]})(?={rest}[{sign}\n])"
+    )
 
 
 def _join_digit_groups(match: re.Match[str]) -> str:

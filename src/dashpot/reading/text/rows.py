@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.base.lazy import compile_on_use
 from dashpot.base.provenance import Caution
 from dashpot.reading.raw_file import TimeBudget
 from dashpot.reading.table import Column, LoadedColumns, Question
@@ -22,7 +23,7 @@ from dashpot.reading.text.plain_rows import PlainRows, line_count
 # Decimal or thousands mark, as in ``1.600``, by the whole column.
 
 
-_SMALL = re.compile(r"\A[+-]?[1-9]\d{0,2}\Z")
+_SMALL = compile_on_use(r"\A[+-]?[1-9]\d{0,2}\Z")
 _FIRST, _ROWS, _CELLS = 1 << 11, 1 << 14, 1 << 20
 """Rows that are looked at first, and at most at once, fewer of a wide table."""
 _SEEN = 1 << 12
@@ -363,7 +364,7 @@ def _after_lines(text: str, count: int) -> int:
     return position
 
 
-_TITLE = re.compile(
+_TITLE = compile_on_use(
     r"\A\W{0,80}(?:segment|step|schritt|stage|test|run|block|record|interval)"
     r"(?:\s{0,9}(?:name|no|nr))?\W{0,80}?[:=\t]\s*+(.+)",
     re.IGNORECASE,
