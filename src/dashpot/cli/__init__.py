@@ -21,6 +21,10 @@ from dashpot.registry import find_handler
 for _name in ("OMP", "OPENBLAS", "MKL"):
     os.environ.setdefault(f"{_name}_NUM_THREADS", "1")
 
+# a command makes most of its objects to keep them: a search for cycles among every 700 new ones
+# finds next to none
+gc.set_threshold(100_000)
+
 # the end of the process frees everything; the interpreter need not search every module for
 # cycles on the way out, which takes as long as reading a short file
 atexit.register(gc.freeze)
