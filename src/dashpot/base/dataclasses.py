@@ -1,4 +1,4 @@
-"""Frozen dataclasses whose methods are made when they are first used.
+"""Dataclasses whose methods are made when they are first used.
 
 :func:`dataclasses.dataclass` compiles six functions of each class when its module is imported,
 which was a third of the CPU of a short command. Here `__init__` is compiled when the first value of
@@ -22,26 +22,26 @@ if TYPE_CHECKING:
 else:
 
     def dataclass(*, frozen: bool, eq: bool = True, repr: bool = True, **options: bool):
-        """Decorate a class as ``dataclasses.dataclass(frozen=True)`` does, `__init__` on first use.
+        """Decorate a class as ``dataclasses.dataclass`` does, `__init__` on first use.
 
         Parameters
         ----------
         frozen : bool
-            Must be True; the standard library's serves others, and fields that are ``InitVar``.
+            False of values that change, which are then compared by identity.
         eq, repr : bool
         **options : bool
             Such as ``kw_only``.
         """
-        if not frozen:
-            raise TypeError("a class that is not frozen is decorated by dataclasses.dataclass")
 
         def add_methods(kind: type) -> type:
             dataclasses.dataclass(init=False, repr=False, eq=False, **options)(kind)
             methods = _build_methods(kind)
             if not repr:
                 del methods["__repr__"]
-            if not eq:
+            if not (eq and frozen):
                 del methods["__eq__"], methods["__hash__"]
+            if not frozen:
+                del methods["__setattr__"], methods["__delattr__"]
             for name, method in methods.items():
                 if vars(kind).get(name) is None:
                     setattr(kind, name, method)

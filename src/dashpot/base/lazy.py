@@ -102,12 +102,12 @@ else:
         """
 
         def __init__(self, source: str | bytes, flags: int = 0) -> None:
-            self.source, self.flags = source, flags
+            self._parts = source, flags
 
         @cached_property
         def compiled(self) -> re.Pattern:
             """Compiled pattern."""
-            return re.compile(self.source, self.flags)
+            return re.compile(*self._parts)
 
         def __getattr__(self, name: str) -> Any:
             method = getattr(self.compiled, name)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.provenance import Source
 from dashpot.base.units import celsius
-from dashpot.datamodel.shift_factors import TemperatureShifts
+
+if TYPE_CHECKING:
+    from dashpot.datamodel.shift_factors import TemperatureShifts
 
 _SHOWN = 3
 """Number of cautions that are reported one by one."""

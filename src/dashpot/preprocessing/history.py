@@ -15,12 +15,9 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, find_true_runs
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.numerics.design_matrices.recorded_motion import recorded_block
-from dashpot.numerics.exponential_fit import solve_orders
 from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.signals.noise import median_of_three
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.moving_plate import face_under_plate
 
 # arms of the solid that the face is followed by; fewer where so many leave more than the noise
 MOST_ARMS = (4, 3, 2, 1)
@@ -101,6 +98,8 @@ def _fit_alternately(
     record: RampHold, plate: FloatArray, arms: int
 ) -> tuple[float, RampHold, EarlierLoadings]:
     """Solid and face, each found with the other: what is left of the force, N, and the record."""
+    from dashpot.solids.moving_plate import face_under_plate
+
     (solid, remainder), ratio = _solid_of(record, arms), np.inf
     for _ in range(ROUNDS):
         face, _ = face_under_plate(solid, record.time, plate)
@@ -130,6 +129,9 @@ def _first_face(record: RampHold, plate: FloatArray) -> FloatArray:
 
 def _solid_of(record: RampHold, arms: int) -> tuple[GeneralizedMaxwell, float]:
     """A solid that follows the last loading after the earlier ones, and what it leaves, N rms."""
+    from dashpot.numerics.design_matrices.recorded_motion import recorded_block
+    from dashpot.numerics.exponential_fit import solve_orders
+
     used = slice(0, record.hold.stop)
     x, _ = denoise_displacement(record)
     time = record.time[used] - record.time[0]

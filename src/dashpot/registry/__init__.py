@@ -82,36 +82,20 @@ def load_object(word: str) -> Any:
 EXTENSIONS = tuple(_read_rows())
 """The rows of the core, and of each extension."""
 
-KINDS: Mapping[str, KindOfTest] = MappingProxyType(
-    {
-        kind.name: kind
-        for kind in sorted(
-            (kind for extension in EXTENSIONS for kind in extension.kinds),
-            key=lambda kind: kind.order,
-        )
-    }
-)
+
+def _sort_rows(group: str) -> Mapping[str, Any]:
+    """Return the rows of all extensions in a group by name, in their order."""
+    rows = (row for extension in EXTENSIONS for row in getattr(extension, group))
+    return MappingProxyType({row.name: row for row in sorted(rows, key=lambda row: row.order)})
+
+
+KINDS: Mapping[str, KindOfTest] = _sort_rows("kinds")
 """Every kind of test, in the order in which columns and examples stand."""
 
-FITS: Mapping[str, FitRow] = MappingProxyType(
-    {
-        fit.name: fit
-        for fit in sorted(
-            (fit for extension in EXTENSIONS for fit in extension.fits), key=lambda fit: fit.order
-        )
-    }
-)
+FITS: Mapping[str, FitRow] = _sort_rows("fits")
 """Every fit that records may mean, but for those that the row of a kind says whole."""
 
-COMMANDS: Mapping[str, Command] = MappingProxyType(
-    {
-        command.name: command
-        for command in sorted(
-            (command for extension in EXTENSIONS for command in extension.commands),
-            key=lambda command: command.order,
-        )
-    }
-)
+COMMANDS: Mapping[str, Command] = _sort_rows("commands")
 """Every command, in the order of ``dashpot --help``."""
 
 FORMATS: Mapping[str, FileFormat] = MappingProxyType(
@@ -119,15 +103,7 @@ FORMATS: Mapping[str, FileFormat] = MappingProxyType(
 )
 """Every file format."""
 
-SOLVER_INPUTS: Mapping[str, SolverInput] = MappingProxyType(
-    {
-        row.name: row
-        for row in sorted(
-            (row for extension in EXTENSIONS for row in extension.solver_inputs),
-            key=lambda row: row.order,
-        )
-    }
-)
+SOLVER_INPUTS: Mapping[str, SolverInput] = _sort_rows("solver_inputs")
 """Every solver whose input is written, in the order in which they are listed."""
 
 SOLVER_NAMES: Mapping[str, str] = MappingProxyType(

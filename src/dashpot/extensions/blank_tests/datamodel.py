@@ -24,6 +24,8 @@ from dashpot.datamodel.machine import Machine, MachineCalibration
 
 Role: TypeAlias = Literal["", "stop", "spring", "empty"]
 """What a blank test pressed; empty where the record is to show it."""
+SPRING_ERROR = 1e-3
+"""Relative standard error of a spring's stiffness, where none is stated: a calibrated one."""
 CREEP_REPEATABILITY = 0.1
 """Part of a creep by which that of another press may differ: it depends on load and rest."""
 

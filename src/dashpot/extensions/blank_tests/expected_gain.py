@@ -17,8 +17,7 @@ from dataclasses import replace
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import format_quantity, parse_quantity
 from dashpot.datamodel.machine import USUAL, Machine, MachineCalibration
-from dashpot.extensions.blank_tests.datamodel import CREEP_REPEATABILITY
-from dashpot.extensions.blank_tests.fit import SPRING_ERROR
+from dashpot.extensions.blank_tests.datamodel import CREEP_REPEATABILITY, SPRING_ERROR
 from dashpot.planning.expected_errors import expected_end, expected_error
 from dashpot.planning.planned_ramp_hold import Bench
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -15,7 +15,7 @@ from dashpot.base.student_t import t_quantile
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.checks import caution_checks
 from dashpot.extensions.blank_tests import checks
-from dashpot.extensions.blank_tests.datamodel import BlankCurve, BlankTest, MachineFit
+from dashpot.extensions.blank_tests.datamodel import SPRING_ERROR, BlankCurve, BlankTest, MachineFit
 from dashpot.extensions.blank_tests.estimation import (
     Blanks,
     EmptyRun,
@@ -27,8 +27,6 @@ from dashpot.extensions.blank_tests.estimation import (
 )
 from dashpot.extensions.blank_tests.roles import AssignedRole, assign_roles
 
-SPRING_ERROR = 1e-3
-"""Relative standard error of a spring's stiffness, where none is stated: a calibrated one."""
 _FIGURE_SAMPLES = 600
 """Samples of a record that its figure shows."""
 

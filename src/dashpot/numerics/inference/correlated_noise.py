@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -25,8 +25,9 @@ from dashpot.numerics.design_matrices.data_compression import (
     FEW_TIMES_PER_FOLD,
     Kernels,
 )
-from dashpot.numerics.exponential_fit import Solution, full_jacobian
-from dashpot.numerics.log_tau_descent import Stack
+
+if TYPE_CHECKING:
+    from dashpot.numerics.exponential_fit import Solution
 
 # Parameter covariance under correlated residuals.
 #
@@ -630,6 +631,9 @@ class NoiseGain:
     def __init__(
         self, every_sample: Sequence[DataBlock], noises: Sequence[Noise], solution: Solution
     ) -> None:
+        from dashpot.numerics.exponential_fit import full_jacobian
+        from dashpot.numerics.log_tau_descent import Stack
+
         pairs = zip(every_sample, noises, strict=True)
         spans = [reduced_basis(block, compute_averaging_length(noise)) for block, noise in pairs]
         blocks = [basis.block for basis in spans]

@@ -33,7 +33,6 @@ from dashpot.reading.readers.detect_kind import (
     open_or_identify,
     recognise_opened,
 )
-from dashpot.reading.readers.frf import as_a_ratio, determine_frf_columns
 from dashpot.reading.readers.sweep_columns import amplitude_column, sweep_columns, swept
 from dashpot.reading.table import LoadedColumns, Question
 from dashpot.registry import find_handler
@@ -289,6 +288,8 @@ def _proposal(file: OpenedFile, kind: str) -> tuple[dict[int, tuple[Role, str]],
     """Role and reason by column, and the questions left: of the roles, and of the kind besides."""
     roles, questions = _assign_kind_roles(file, kind)
     if kind in {"frf", "transmissibility"}:
+        from dashpot.reading.readers.frf import as_a_ratio, determine_frf_columns
+
         select = find_handler("first point", "frf") or as_a_ratio
         questions = _asks(lambda: determine_frf_columns(as_a_ratio(select(file))), "ROLE")
     if kind in SWEEPS and not questions:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass, field
 from dashpot.base.arrays import FloatArray
 from dashpot.base.lazy import compile_on_use
 from dashpot.reading.columns.header_units import remove_quotes, split_unit
@@ -209,7 +209,7 @@ def parse_clock_or_date(cell: str) -> Timestamp | None:
     return parse_clock_time(cell) or (Timestamp(cell, 0.0, "hms") if _DATE.match(cell) else None)
 
 
-@dataclass
+@dataclass(frozen=False)
 class ClockColumn:
     """Parser of the clock times of one column; `apply_day_changes` then completes the dates.
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
+from dashpot.base import dataclass, field
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.lazy import compile_on_use
@@ -52,7 +52,7 @@ def find_undecided_columns(values: FloatArray) -> set[int]:
     return set(left[whole[left]].tolist())
 
 
-@dataclass
+@dataclass(frozen=False)
 class _Marks:
     """How the numbers of one column are written, as far as they have been read."""
 
@@ -176,7 +176,7 @@ class Heading:
     title: str = ""
 
 
-@dataclass
+@dataclass(frozen=False)
 class _Gathered:
     """What has been read so far."""
 
