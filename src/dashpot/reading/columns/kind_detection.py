@@ -99,11 +99,11 @@ FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
     "temperature-sweep", "one-frequency", "modulus", "creep", "indentation", "cld", "cyclic",
     "stress-strain", "csr", "drop", "seal-line", "free-modes", "plug-in", "blank", "preload-map",
-    "not-a-test", "unclear"
+    "not-a-test", "unclear",
 ]  # fmt: skip
 
 SWEEPS: tuple[FileKind, ...] = (
-    "dma", "master-curve", "strain-sweep", "temperature-sweep", "one-frequency"
+    "dma", "master-curve", "strain-sweep", "temperature-sweep", "one-frequency",
 )  # fmt: skip
 """The kinds of a table of storage and loss."""
 
@@ -153,29 +153,29 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
     ),
     "creep": KindOfFile("a creep test", "use dashpot fit"),
     "cld": KindOfFile(
-        "a compression load deflection (CLD), pressed and released", "use dashpot fit", RAMP
+        "a compression load deflection (CLD), pressed and released", "use dashpot fit", RAMP,
     ),
     "indentation": KindOfFile(
         "a contact of an indenter", "use dashpot fit with its mass", ("time", "velocity"), True
     ),
     "drop": KindOfFile(
         "a drop test of a mass on a specimen", "use dashpot fit with its mass",
-        ("time", "force"), True
+        ("time", "force"), True,
     ),
     "stress-strain": KindOfFile(
         "stress over strain of a material",
         "use dashpot fit; of a relaxation test multiply by area and height first",
-        ("time", "stretch", "strain", "stress")
+        ("time", "stretch", "strain", "stress"),
     ),
     "csr": KindOfFile(
         "a record of compression stress relaxation (CSR)", "use dashpot fit", ("time", "force"),
-        by_hand=True
+        by_hand=True,
     ),
     "cyclic": KindOfFile("a cyclic run without a hold", "use dashpot fit", RAMP),
     "plug-in": KindOfFile(
         "a test of a plug-in's kind", "use dashpot fit",
         ("time", "displacement", "force", "stress", "strain", "temperature", "frequency"),
-        by_hand=True
+        by_hand=True,
     ),
     "blank": KindOfFile(
         "a blank test of the machine", "use dashpot fit --kind blank -o rig.toml", RAMP
@@ -450,7 +450,7 @@ _OF_ROLE: Mapping[str, tuple[FileKind, ...]] = MappingProxyType({
     "hammer": ("impact",), "velocity": ("indentation",), "stretch": ("stress-strain",),
     "storage": ("dma",), "loss": ("dma",), "loss_factor": ("dma",),
     "real": ("transmissibility", "frf"), "imaginary": ("transmissibility", "frf"),
-    "coherence": ("transmissibility", "frf")
+    "coherence": ("transmissibility", "frf"),
 })  # fmt: skip
 """The kinds that alone have a role: who names its column says what the file is."""
 
