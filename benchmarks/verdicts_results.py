@@ -41,7 +41,7 @@ from dashpot.extensions.materials.csr.datamodel import CSRTest
 from dashpot.extensions.materials.csr.lifetime_prediction import fit_life
 from dashpot.extensions.systems.door.leak_from_file import find_leak_speeds
 from dashpot.extensions.systems.door.population import predict_population
-from dashpot.extensions.transfer_stiffness.transfer_methods import transfer_stiffness
+from dashpot.extensions.transfer_stiffness.transfer_methods import compute_transfer_stiffness
 from dashpot.workflow.json_archive import to_json
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
@@ -204,7 +204,7 @@ def judge_stiffness(seed: int, *, is_spoilt: bool) -> Answer:
     )
     noise = 0.01 * (random.standard_normal(len(T)) + 1j * random.standard_normal(len(T)))
     frf = dp.FRF(frequency, T * gain * (1 + noise), "transmissibility", units="SI")
-    sheet = transfer_stiffness(
+    sheet = compute_transfer_stiffness(
         frf, mass=mass, band=(20.0, 180.0), gain_error=0.01, phase_error=np.radians(0.2)
     )
     held, worst = [], 0.0

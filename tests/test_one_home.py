@@ -109,6 +109,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
             "report/result_page.py": "a loop over checks, none by its name",
             "extensions/batch/summary.py": "which of four lights each check is of",
             "planning/plan.py": "the remedies of its own two checks",
+            "extensions/materials/csr/lifetime_prediction.py": "which of its checks mark an interval",
             "report/first_screen.py": "checks of a document, which holds their names",
             "workflow/assumptions.py": "the page of assumptions names the checks that ask for each",
             "workflow/study.py": "checks of a document, which holds their names",

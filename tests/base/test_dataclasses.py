@@ -114,7 +114,7 @@ class Count:
     names: list[str] = field(default_factory=list)
 
 
-def test_a_value_that_is_not_frozen_changes_and_is_equal_to_itself_alone():
+def test_unfrozen_value_changes_and_equals_only_itself():
     count, other = Count(1), Count(1)
     count.number += 2
     del other.number

@@ -113,7 +113,7 @@ def test_saved_record_keeps_its_cautions(tmp_path: Path) -> None:
     place = tmp_path / "files" / "one" / "seal.csv"
     place.write_text(path.read_text())
     for _ in range(2):  # as read, and as kept
-        kept = record_cache.relaxation(str(place), ReadOptions(), None)
+        kept = record_cache.relaxation(str(place), options=ReadOptions(), specimen=None)
         assert dp.fit(kept).verdict.reasons == ("numbers_unambiguous",)
 
 

@@ -21,7 +21,7 @@ from dashpot.extensions.guidance.option_suggestions import COMMAND_SYNONYMS, OPT
         ("fit a.csv --arsm 3", "Did you mean --arms?"),
         (
             "compare a b --amplitude 0.1N",
-            "is an option of dashpot fit, predict. Leave it out here.",
+            "is an option of dashpot fit, predict, map. Leave it out here.",
         ),
         ("gui", "Did you mean 'app'?"),
         ("convert a.json", "Did you mean 'export'?"),
