@@ -105,12 +105,12 @@ else:
             self._parts = source, flags
 
         @cached_property
-        def pattern(self) -> re.Pattern:
+        def compiled_pattern(self) -> re.Pattern:
             """Compiled pattern."""
             return re.compile(*self._parts)
 
         def __getattr__(self, name: str) -> Any:
-            method = getattr(self.pattern, name)
+            method = getattr(self.compiled_pattern, name)
             setattr(self, name, method)
             return method
 
