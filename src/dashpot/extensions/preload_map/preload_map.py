@@ -78,14 +78,9 @@ class MapResonance(Serialisable):
 class MapValues(NamedTuple):
     """Complex stiffness at one compression and amplitude over frequency.
 
-    Attributes
-    ----------
-    frequency : array, shape (n,)
-        Hz.
-    value : complex array, shape (n,)
-        N/m.
-    storage_error, loss_error, loss_factor_error, magnitude_error : array, shape (n,)
-        Half widths of the 95 % intervals: N/m, N/m, plain, and relative to :math:`|K^*|`.
+    `frequency` is in Hz and `value` in N/m, both of shape (n,). The errors are half widths of the
+    95 % intervals: of storage and loss in N/m, of the loss factor plain, of the magnitude relative
+    to :math:`|K^*|`.
     """
 
     frequency: FloatArray
