@@ -128,8 +128,8 @@ def test_end_of_hold_states_known_and_unknown_stiffness() -> None:
         .format_with_remedy("N/m")
         .endswith(
             "0.1950 N/mm. Record a baseline of 10 s, and give the drift, compliance and creep of "
-            "the machine and the recovery time of the seal: k(40.0 s) is then known to about 0.8 % "
-            "instead of 4.0 %."
+            "the machine and the rest time of the seal before the test: k(40.0 s) is then known "
+            "to about 0.8 % instead of 4.0 %."
         )
     )
 

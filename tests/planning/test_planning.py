@@ -249,7 +249,10 @@ def test_the_record_is_for_the_solid_that_is_supposed() -> None:
     """An arm that is supposed damps, so the mass rings for less long."""
     told = planned()
     assert told.record.for_lines == pytest.approx(6.86, abs=0.01)
-    assert "Record each hit for 6.86 s (44.4 s if no arm of the seal damps there)" in told.advice[1]
+    assert (
+        "Record each hit for 6.86 s (44.4 s if no arm of the seal adds damping there)"
+        in told.advice[1]
+    )
     assert planned(model=told.model).record.for_lines == pytest.approx(6.86, abs=0.01)
 
 
@@ -301,7 +304,7 @@ def test_user_story_4() -> None:
     words = " ".join(told.advice)
     assert "Ramp in 33.3 ms" in words
     assert "fit both together" in words
-    assert "6.86 s (44.4 s if no arm of the seal damps there) instead of 4 s" in words
+    assert "6.86 s (44.4 s if no arm of the seal adds damping there) instead of 4 s" in words
     assert {c.name: c.passed for c in told.checks} == {
         "loss_factor_determined": False,
         "inside_valid_band": False,
@@ -392,7 +395,7 @@ def test_naming_the_machine_narrows_each_arm() -> None:
     assert planned(drift=2e-5).arms[1].half_tau < 0.4 * usual.arms[1].half_tau
     assert planned(compliance=0.0).arms[0].half_k < 0.2 * usual.arms[0].half_k
     lines = str(usual).splitlines()
-    (head,) = [i for i, line in enumerate(lines) if line.startswith("half widths of 95 %")]
+    (head,) = [i for i, line in enumerate(lines) if line.startswith("half width of the 95 %")]
     assert "after a baseline of 10 s" in lines[head + 2 + len(usual.arms)]
     assert lines[head + 2].split() == ["0.502", *_percents(usual.arms[0])]
 

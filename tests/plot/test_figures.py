@@ -365,7 +365,7 @@ def test_stiffness_from_the_frf_is_drawn_with_its_scatter_where_it_is_good():
         panels, ("storage", "loss", "loss_factor"),
         (S.direct.storage_band, *[S.direct.loss_band] * 2), strict=True,
     ):  # fmt: skip
-        points = first(panel, "straight from the FRF")
+        points = first(panel, "directly from the FRF")
         assert len(points.x) >= 3
         assert band[0] <= points.x.min() < points.x.max() <= band[1]
         assert (points.error > 0).all()

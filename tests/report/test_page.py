@@ -289,7 +289,7 @@ def test_what_the_joint_fit_mends_does_not_fail_the_page(whole):
     assert missed
     assert S.verdict.use == "use with care"
     assert not set(missed) & set(S.verdict_checks)
-    assert Page(whole).text.count("failed: mended by the joint model") == len(missed)
+    assert Page(whole).text.count("failed: corrected by the joint model") == len(missed)
     body = whole[whole.index('<section id="weighty">') : whole.index('<section id="summary">')]
     assert not any(check.message in unescape(body) for check in missed)
 
@@ -445,7 +445,7 @@ def test_report_shows_as_many_checks_as_fit(sketch):
 
 def test_the_sentences_name_the_cause(whole):
     text = Page(whole).text
-    assert "The relaxation test cannot see" in text
+    assert "The relaxation test does not cover" in text
     assert "The joint model matches the hammer" in text
     # the frequency and the height that the joint fit misses by, as the comparison has them
     after = S.joint_comparison
@@ -479,9 +479,9 @@ def test_failed_checks_come_first(whole):
     body = whole[whole.index('<details id="checks">') : whole.index('<details id="assumptions">')]
     states = re.findall(r'<tr class="[a-z]*"><td>([^<]*)</td>', body)
     order = ["failed: do not use", "failed: use with care", "failed: a note",
-             "failed: mended by the joint model", "not judged", "passed"]  # fmt: skip
+             "failed: corrected by the joint model", "not judged", "passed"]  # fmt: skip
     assert states == sorted(states, key=order.index)
-    assert {"failed: mended by the joint model", "passed"} <= set(states)
+    assert {"failed: corrected by the joint model", "passed"} <= set(states)
 
 
 def test_what_is_assumed_stands_folded_with_what_the_study_says_of_it(whole):

@@ -109,7 +109,7 @@ def test_the_broad_seal_shows_the_papers_damping_miss() -> None:
     assert check(story, "inside_valid_band").failed
     assert check(story, "inside_valid_band").value == pytest.approx(12.71 / 0.32, rel=1e-3)
     assert "The frequency agrees (-4.8 %)" in story.message
-    assert "The relaxation test cannot see" in story.message
+    assert "The relaxation test does not cover relaxation within" in story.message
     assert "12.5 ms" in story.message
 
 

@@ -70,7 +70,7 @@ def story():
 def test_the_story_says_that_damping_was_not_tested(story):
     failed = {check.name for check in story.every_check if check.failed}
     assert {"damping_tested", "inside_valid_band"} <= failed
-    assert "The relaxation test cannot see" in story.comparison.message
+    assert "The relaxation test does not cover" in story.comparison.message
     assert story.comparison.predicted_damping < 0.6 * story.comparison.measured_damping
 
 

@@ -163,7 +163,7 @@ def _plan_ramp_hold(
         *(() if guess is None else ("--seal", guess)),
         "-o",
         "rehearsal.csv",
-        why="rehearses it",
+        why="simulates this test",
     )
     made = plan.verdict
     return CommandResult(plan, Text([str(plan)]), plan.checks, verdict=made, follow=rehearsed)

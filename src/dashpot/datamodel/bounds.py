@@ -42,7 +42,7 @@ def naming(time: float, now: float, then: float) -> str:
         return ""
     return (
         "Record a baseline of 10 s, and give the drift, compliance and creep of the machine and "
-        "the recovery time of the seal: "
+        "the rest time of the seal before the test: "
         f"k({duration(time)}) is then known to about {round_to_error(100 * then, digits=1)} % "
         "instead of "
         f"{round_to_error(100 * now, digits=2)} %."

@@ -50,7 +50,7 @@ class Table(FrozenArrays):
         return (
             f"table: {len(self.frequency)} points, {self.frequency[0]:.6g} to "
             f"{self.frequency[-1]:.6g} Hz; linear interpolation changes the FRF of any mass by at "
-            f"most {self.error:.2g} (asked for: {self.tolerance:.2g}); do not leave its range"
+            f"most {self.error:.2g} (tolerance {self.tolerance:.2g}); not valid outside its range"
         )
 
 

@@ -312,7 +312,7 @@ class Plan(HasChecks, Serialisable):
         """Lines of the table of arms."""
         if not self.arms:
             return []
-        title = "half widths of 95 % limits of each arm"
+        title = "half width of the 95 % interval of each arm"
         starred = (
             "* with drift, compliance and creep of the machine given, after a baseline of 10 s"
         )
@@ -458,7 +458,7 @@ def _compute_frequency_range(bench: Bench, repeats: Sequence[Repeat]) -> tuple[f
 def _format_record_without_arm(seal: GeneralizedMaxwell, mass: float | None, at: float) -> str:
     """Return the length of record for a seal without the assumed arm, as text."""
     need = record_need(seal, mass_for_peak(seal, at) if mass is None else mass, None)
-    return f" ({compute_record_length(need):.3g} s if no arm of the seal damps there)"
+    return f" ({compute_record_length(need):.3g} s if no arm of the seal adds damping there)"
 
 
 def _compute_hammer_lines(at: float, record: float | None) -> FloatArray:

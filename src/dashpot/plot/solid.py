@@ -98,8 +98,8 @@ def dynamic_stiffness(
         Solids of one seal to hold against it.
     """
     errors = (
-        f"and {100 * measured.mass_sd / measured.mass:.2g} % of mass",
-        f"and {np.degrees(measured.phase_sd):.2g}° of phase",
+        f"and {100 * measured.mass_sd / measured.mass:.2g} % error of mass",
+        f"and {np.degrees(measured.phase_sd):.2g}° error of phase",
         "error (1 SD): scatter",
     )
     span = _span(measured)
@@ -137,8 +137,8 @@ def dynamic_stiffness(
         )
         panels.append(Panel(*axes, tuple(marks), height=210))
     caption = (
-        "One seal straight from the measured FRF, without a model: the mean of each twelfth of an "
-        "octave, the range of its lines, and its errors laid upon each other."
+        "One seal directly from the measured FRF, without a model: the mean of each twelfth of an "
+        "octave, the range of its lines, and its errors, stacked."
     )
     strips = tuple((panel,) for panel in panels)
     return Picture("direct", caption, strips, 3, stamp, width=900.0)
@@ -354,7 +354,7 @@ def stiffness(
     joint : Fit, optional
         The fit to relaxation and FRF together.
     measured : DynamicStiffness, optional
-        Stiffness of one seal straight from the FRF, drawn as points where it is good.
+        Stiffness of one seal directly from the FRF, drawn as points where it is good.
     data : StiffnessSweep, optional
         The sweep that was fitted, drawn as points.
     mark : float, optional
@@ -388,7 +388,7 @@ def stiffness(
         )
         panels.append(Panel(*axes, tuple(marks), height=210))
     caption = (
-        "Dynamic stiffness and loss factor: solid where the test informs the fit, dashed where it "
+        "Dynamic stiffness and loss factor: solid in the valid band of the fit, dashed where it "
         "is extrapolated."
     )
     strips = tuple((panel,) for panel in panels)
@@ -491,5 +491,5 @@ def _points(measured: DynamicStiffness | None, name: str) -> list[Dots]:
     good = (f >= plotted.good[0]) & (f <= plotted.good[1])
     factor = convert_to_unit(2 * np.pi * f, "N/mm") if name == "loss" else np.ones(len(f))
     value, error = factor * plotted.value, factor * plotted.nested_errors[0]
-    points = Dots(f[good], value[good], "measured", "straight from the FRF", error=error[good])
+    points = Dots(f[good], value[good], "measured", "directly from the FRF", error=error[good])
     return [points] * bool(good.any())  # an FRF may be good nowhere

@@ -388,7 +388,7 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
         min(worst, NEIGHBOUR_STEPS),
     )
     return Finding(
-        f"The longest pause for its place is {longest:.3g} s, {since[worst]:.3g} s after onset",
+        f"The longest relative pause is {longest:.3g} s, {since[worst]:.3g} s after onset",
         float(longest / since[worst]),
         JUMPED,
         Remedy(
@@ -481,7 +481,7 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
     channel, runs_of_it = ("force", stuck) if of_force >= of_plate else ("displacement", still)
     share = max(of_force, of_plate)
     if not len(runs_of_it):
-        return Finding("No channel stands at one value while it should scatter or change", 0.0)
+        return Finding("No channel repeats one value while it should scatter or change", 0.0)
     first, last = runs_of_it[np.argmax(np.diff(runs_of_it)[:, 0])]
     count = len(runs_of_it)
     others = f", and {count - 1} more times" if count > 1 else ""

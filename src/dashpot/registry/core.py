@@ -85,10 +85,10 @@ EXTENSION = Extension(
     },
     commands=(
         Command("inspect", "Work", "What a file is, how it was read, what is unclear.", "dashpot.cli.inspect", order=0),
-        Command("fit", "Work", "The model behind any records: viscoelastic, modal, elastic.", "dashpot.cli.fit", order=1),
+        Command("fit", "Work", "A model fitted to records: viscoelastic, modal, elastic.", "dashpot.cli.fit", order=1),
         Command("predict", "Work", "How a fitted model vibrates, under a mass or in a door.", "dashpot.cli.predict", order=2),
         Command("compare", "Work", "A prediction with a measurement, two FRFs, two lots.", "dashpot.cli.compare", order=3),
-        Command("report", "Work", "The main job: a seal and its hammer test on one page.", "dashpot.cli.report", order=4),
+        Command("report", "Work", "The main workflow: relaxation and hammer test on one page.", "dashpot.cli.report", order=4),
         Command("export", "Work", "A model or constitutive law as input for solvers, as FMU or table.", "dashpot.cli.export", order=5),
         Command("plan", "Before the test", "How well a test will measure, before it is run.", "dashpot.cli.plan", order=8),
         Command("simulate", "Before the test", "A test of a known seal, marked 'simulated'.", "dashpot.cli.simulate", order=10),

@@ -496,9 +496,9 @@ def straight(study: Study) -> str:
         f"With an uncertainty of {mass:.2g} % of the mass and {phase:.2g}° of the phase, the "
         f"storage stiffness is known to 10 % {format_band(d.storage_band)}. The loss is known to "
         "30 % "
-        f"{format_band(d.loss_band)}. At higher frequencies the mass hides the seal; at lower ones "
-        "the "
-        "phase hides its damping."
+        f"{format_band(d.loss_band)}. At higher frequencies the inertia of the "
+        "mass dominates; at lower ones the "
+        "error of the phase exceeds the damping."
     )
 
 

@@ -42,7 +42,7 @@ from dashpot.workflow.study import Study
 
 STATES = {True: "passed", None: "not judged"}
 MEANS = {"stop": "failed: do not use", "limit": "failed: use with care", "note": "failed: a note"}
-MENDED = "failed: mended by the joint model"
+MENDED = "failed: corrected by the joint model"
 VALUE = ("", "value ± standard error", "unit")
 
 

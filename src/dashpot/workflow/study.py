@@ -141,7 +141,7 @@ class Study(Plottable, Serialisable):
     parameters : StiffnessBounds or None
         What the standard errors of `fit` alone allow: the formal band.
     direct : DynamicStiffness or None
-        Stiffness of one seal straight from the measured FRF, without a model of it.
+        Stiffness of one seal directly from the measured FRF, without a model of it.
     static_equilibrium : StaticEquilibrium or None
         Where the mass rests on the seals, and what secant and tangent make of it.
     frf_band : FRFBand or None

@@ -13,6 +13,6 @@ EXTENSION = Extension(
         },
     },
     commands=(
-        Command("record", "Before the test", "An instrument to a file; it does not drive the rig.", "dashpot.extensions.acquisition.command", order=9),
+        Command("record", "Before the test", "Signals of an instrument to a file; it controls no machine.", "dashpot.extensions.acquisition.command", order=9),
     ),
 )  # fmt: skip

@@ -10,7 +10,7 @@ from dashpot.cli._command import group, opt, verb
 
 @verb(
     "app",
-    """Do the same work in a browser, on this machine alone.
+    """Do the same work in a browser, on this computer only.
 
   dashpot app
   dashpot app seal_8mm.csv hammer.csv

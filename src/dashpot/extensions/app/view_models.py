@@ -97,7 +97,7 @@ SHORT = {
     "95 % bounds over all spectra": "bounds over all spectra",
     "unresolved range": "out of reach", "other family from relaxation": "other family",
     "band that every accepted hit excites": "excited by all",
-    "mode found": "mode", "new at its order": "new", "stable in frequency": "stable in frequency",
+    "fitted mode": "mode", "new pole": "new", "stable in frequency": "stable in frequency",
     "stable in frequency and damping": "stable in damping",
 }  # fmt: skip
 """What the key calls a mark where the title has said the rest."""

@@ -25,6 +25,6 @@ EXTENSION = Extension(
         },
     },
     commands=(
-        Command("batch", "Many tests", "A folder of tests to one table; --watch follows a rig.", "dashpot.extensions.batch.command", order=6),
+        Command("batch", "Many tests", "A folder of tests to one table; --watch adds new files.", "dashpot.extensions.batch.command", order=6),
     ),
 )  # fmt: skip

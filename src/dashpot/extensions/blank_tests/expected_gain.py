@@ -72,8 +72,8 @@ def advise_blank_tests(
     end, end_after, loss, loss_after = (_format_percent(value) for value in (*ends, *losses))
     hold = format_quantity(bench.hold_time, "s", ".4g")
     text = (
-        "Record blank tests of the machine, a rigid stop, a spring and an empty run: the stiffness "
-        f"at {hold} would be known to {end_after} instead of {end} (95 %)"
+        "Record blank tests of the machine, on a rigid stop, on a spring and without a seal: the "
+        f"stiffness at {hold} would be known to {end_after} instead of {end} (95 %)"
     )
     if losses[1] < _WORTHWHILE * losses[0]:
         text += f", the loss factor to {loss_after} instead of {loss} (1 SD)"

@@ -29,7 +29,7 @@ LOOKS = {
     SHAPE: ("stable in frequency, damping and shape", "fit", 4.5, False),
     DAMPING: ("stable in frequency and damping", "fit", 4.5, False),
     FREQUENCY: ("stable in frequency", "ref", 4.5, True),
-    NEW: ("new at its order", "ref", 2.5, False),
+    NEW: ("new pole", "ref", 2.5, False),
 }
 """Words, colour, size and whether hollow."""
 ABOUT = 2.0
@@ -52,7 +52,7 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
         What the figure says of its origin.
     """
     x = Scale("frequency, Hz", (float(chart.lines[0]), float(chart.lines[-1])))
-    rules = [Rule(mode.frequency, FOUND, "mode found") for mode in modes]
+    rules = [Rule(mode.frequency, FOUND, "fitted mode") for mode in modes]
     limits = compute_padded_log_limits(chart.height, margin=2.0)
     upper: list[Mark] = [*rules, Line(chart.lines, chart.height, MEASURED, "measured")]
     tallest = sorted(modes, key=lambda mode: -abs(mode.residue))[:NAMED]

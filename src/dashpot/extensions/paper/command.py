@@ -35,7 +35,7 @@ class Examples(Serialisable):
 
 @verb(
     "demo",
-    """Run the main job on a simulated seal, or write files to learn on.
+    """Run the main workflow on a simulated seal, or write files to learn on.
 
   dashpot demo                  two files and their report in dashpot-demo/
   dashpot demo --files          seal_8mm.csv and hammer.csv, here

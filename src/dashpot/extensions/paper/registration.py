@@ -8,7 +8,7 @@ EXTENSION = Extension(
         Command(
             "demo",
             "Learn",
-            "The main job on a simulated seal; --files to try by hand.",
+            "The main workflow, simulated; --files writes its two files.",
             "dashpot.extensions.paper.command",
             order=11,
         ),

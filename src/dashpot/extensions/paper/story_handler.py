@@ -70,7 +70,7 @@ def run(folder: Path, seed: int) -> CommandResult:
             _loss(fit, bound, puzzle.joint),
         ]
         seals[PUZZLE]["cold"] = {"fit": fit, "comparison": _agreement(cold)}
-    follow = format_command("demo", "--files", why="two files to try by hand")
+    follow = format_command("demo", "--files", why="two files to practise on")
     return CommandResult(Demo(seed, seals), Text(lines, details), follow=follow)
 
 

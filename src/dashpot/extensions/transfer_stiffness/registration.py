@@ -17,7 +17,7 @@ EXTENSION = Extension(
     },
     commands=(
         Command(
-            "stiffness", "Work", "Transfer stiffness of a mount, as ISO 10846 has it.",
+            "stiffness", "Work", "Transfer stiffness of a mount, as defined in ISO 10846.",
             "dashpot.extensions.transfer_stiffness.command", order=5,
         ),
     ),

@@ -313,7 +313,7 @@ def format_conclusion(c: Comparison) -> str:
     sentences = [second, first] if stiff else [first, second]
     if tested is not None and tested.failed:
         unmeasured = _time(tested.value or 0.0)
-        sentences.append(f"The relaxation test cannot see the {unmeasured} that matter.")
+        sentences.append(f"The relaxation test does not cover relaxation within {unmeasured}.")
         return clip_sentences(MAX_MESSAGE_WORDS, sentences, [TOGETHER])
     return clip_sentences(MAX_MESSAGE_WORDS, sentences, [TOGETHER if stiff else _ASTRAY])
 
