@@ -116,7 +116,7 @@ def check_temperature(specimen: Specimen) -> list[Check]:
 
 
 @criterion(
-    "samples", ">=", MIN_BASELINE, "our choice: the fewest that have a scatter", grade="note"
+    "samples", ">=", MIN_BASELINE, "our choice: the fewest that give a scatter", grade="note"
 )
 def baseline_recorded(before: Baseline) -> Finding:
     """A baseline before contact gives the tare."""
@@ -446,7 +446,7 @@ def spikes_absent(test: RampHold) -> Finding:
     "part of the hold",
     "<=",
     MAX_FROZEN,
-    "our choice: a shorter stretch moves no stiffness",
+    "our choice: a shorter stretch changes no stiffness",
     other_grade=f"stop if the force stands for more than {GROSSLY_FROZEN}",
 )
 def readings_not_repeated(test: RampHold, force: FloatArray, displacement: FloatArray) -> Finding:

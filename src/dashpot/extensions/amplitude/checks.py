@@ -84,7 +84,7 @@ def spring_cubic(gain: float) -> Finding:
 
 @criterion(
     "0.75 k3 X^2 / K', 95 %", "<=", UNSEEN,
-    "simulation: half of it fails 7 of 16 sound sweeps; without it 2 springs are missed",
+    "simulation: half of it fails 7 of 16 faultless sweeps; without it 2 springs are missed",
 )  # fmt: skip
 def no_hidden_cubic_spring(part: float) -> Finding:
     """The data exclude a cubic spring that is large enough to matter."""
@@ -139,7 +139,7 @@ def up_and_down_sweeps_agree(change: float) -> Finding:
     "residual loss / loss, worst third of ln X",
     "<=",
     0.12,
-    "simulation: 58 of 61 sound sweeps pass",
+    "simulation: 58 of 61 faultless sweeps pass",
 )
 def loss_residual_small(remainder: float) -> Finding:
     """The model fits the loss at small, medium and large amplitudes separately."""
@@ -188,7 +188,7 @@ def levels_controlled(struck: Sequence[str]) -> Finding:
     "residual / noise",
     "<=",
     1.4,
-    "1 degree of phase: 1.5; sound records: 0.9 to 1.1",
+    "1 degree of phase: 1.5; faultless records: 0.9 to 1.1",
     other_grade="stop where a tenth of F/X is left",
 )
 def levels_residual_small(residual: float, noise: float | None) -> Finding:

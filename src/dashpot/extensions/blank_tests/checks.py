@@ -109,7 +109,7 @@ def blank_tests_complete(stop: bool, spring: bool, empty: bool) -> Finding:
 
 @criterion("m/N", "<=", MOST_COMPLIANCE, "our choice: four times a usual machine")
 def stop_rigid(compliance: float | None) -> Finding:
-    """The stop is as stiff as a machine."""
+    """The stop is stiff relative to usual machines."""
     if compliance is None:
         return Finding("No stop was pressed, so its stiffness is not judged")
     return Finding(
@@ -120,7 +120,7 @@ def stop_rigid(compliance: float | None) -> Finding:
     )
 
 
-@criterion("part of the largest force", "|x| <=", 0.03, "our choice")
+@criterion("fraction of the largest force", "|x| <=", 0.03, "our choice")
 def stop_force_straight(bend: float | None) -> Finding:
     """The force of the stop rises in proportion."""
     if bend is None:
@@ -133,21 +133,21 @@ def stop_force_straight(bend: float | None) -> Finding:
     )
 
 
-@criterion("part of the largest force", "|x| <=", 0.02, "our choice: play of a crosshead")
+@criterion("fraction of the largest force", "|x| <=", 0.02, "our choice: play of a crosshead")
 def stop_force_returns(difference: float | None) -> Finding:
     """The stop gives the same force on the way back."""
     return _judge_return("stop", difference, "It is rubber, or the crosshead has play")
 
 
-@criterion("part of the largest force", "<=", 0.005, "our choice")
+@criterion("fraction of the largest force", "<=", 0.005, "our choice")
 def stop_follows_machine(misfit: float | None) -> Finding:
-    """A rigid stop explains the record."""
+    """The model of a rigid stop fits the record."""
     return _judge_misfit("stop", misfit, "It relaxes as rubber does, or it slipped")
 
 
 @criterion("m", "|x| <=", MOST_CREEP, "three usual standard deviations at 8 mm")
 def crosshead_creep_plausible(creep: float | None) -> Finding:
-    """The crosshead settles as a crosshead does."""
+    """The creep of the crosshead is in the usual range."""
     if creep is None:
         return Finding("Nothing was pressed, so creep is not judged")
     return Finding(
@@ -158,7 +158,7 @@ def crosshead_creep_plausible(creep: float | None) -> Finding:
     )
 
 
-@criterion("part of the largest force", "|x| <=", 0.005, "our choice: a calibrated spring")
+@criterion("fraction of the largest force", "|x| <=", 0.005, "our choice: a calibrated spring")
 def spring_force_straight(bend: float | None) -> Finding:
     """The force of the spring rises in proportion."""
     if bend is None:
@@ -171,15 +171,17 @@ def spring_force_straight(bend: float | None) -> Finding:
     )
 
 
-@criterion("part of the largest force", "|x| <=", 0.003, "our choice: friction of a good spring")
+@criterion(
+    "fraction of the largest force", "|x| <=", 0.003, "our choice: friction of a good spring"
+)
 def spring_force_returns(difference: float | None) -> Finding:
     """The spring gives the same force on the way back."""
     return _judge_return("spring", difference, "It rubs or is no steel, so gain and delay are off")
 
 
-@criterion("part of the largest force", "<=", 0.002, "our choice")
+@criterion("fraction of the largest force", "<=", 0.002, "our choice")
 def spring_follows_machine(misfit: float | None) -> Finding:
-    """A spring in the machine explains the record."""
+    """The model of a spring in the machine fits the record."""
     return _judge_misfit("spring", misfit, "It relaxes, rubs, or left its seat")
 
 
@@ -256,7 +258,7 @@ def empty_run_force_free_of_motion(run: EmptyRun | None) -> Finding:
 
 @criterion("part of the record", "<=", 0.15, "our choice")
 def empty_run_plate_steady(wander: float | None) -> Finding:
-    """The plate of the empty run rests or travels."""
+    """The plate of the empty run either rests or moves."""
     if wander is None:
         return Finding("No empty run was recorded, so its plate is not judged")
     return Finding(

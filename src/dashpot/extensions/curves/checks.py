@@ -47,7 +47,7 @@ LEVEL_OF_CREEP = 0.65
 
 
 @criterion(
-    "greatest strain", ">=", 0.005, "our choice: a fraction under % is a hundred times too small",
+    "greatest strain", ">=", 0.005, "our choice: a fraction read as % is a hundred times too small",
     grade="stop",
 )  # fmt: skip
 def strain_not_small(strain: float, unit: str) -> Finding:
@@ -56,11 +56,11 @@ def strain_not_small(strain: float, unit: str) -> Finding:
 
 
 @criterion(
-    "greatest strain", "<=", 3.0, "our choice: per cent under another word are that large",
+    "greatest strain", "<=", 3.0, "our choice: a strain in % with another unit is that large",
     grade="stop",
 )  # fmt: skip
 def strain_not_large(strain: float, unit: str) -> Finding:
-    """The strain is no larger than in tests that hold it or cycle it."""
+    """The strain is no larger than in relaxation or cyclic tests."""
     return _ask_unit_of_strain(strain, unit, "" if unit == "%" else "%")
 
 

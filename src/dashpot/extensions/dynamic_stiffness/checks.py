@@ -9,7 +9,7 @@ from dashpot.datamodel.bounds import WELL_KNOWN
 
 @criterion("distance from the valid band, as a factor", "<=", 1.0, "the valid band of the fit")
 def frequencies_in_valid_band(frequencies: tuple[float, ...], band: tuple[float, float]) -> Finding:
-    """Stiffness and loss factor are asked where the fit is valid."""
+    """The requested frequencies lie in the valid band of the fit."""
     low, high = band
     if not high > 0:
         return Finding("The fit has no valid band, so nothing says how well the answer is known")
@@ -28,7 +28,7 @@ def frequencies_in_valid_band(frequencies: tuple[float, ...], band: tuple[float,
 
 @criterion("error of the loss factor", "<=", WELL_KNOWN, "our choice, as in the valid band")
 def loss_factor_determined_at(error: float | None) -> Finding:
-    """The loss factor at the frequencies that are asked is known."""
+    """The loss factor at the requested frequencies is known."""
     if error is None:
         return Finding("How well the loss factor is known was not computed")
     size = f"±{100 * error:.2g} %" if error < 1 else "a factor of two or worse"

@@ -92,11 +92,11 @@ def sweeps_followed(residual: float, *, where: str) -> Finding:
     )
 
 
-@criterion("levels", ">=", 3, "two levels show no bend")
+@criterion("levels", ">=", 3, "two levels show no curvature")
 def levels_enough(levels: int, *, of: str) -> Finding:
-    """Three compressions or more, and no amplitudes or three, show how the laws bend."""
+    """Three compressions or more, and no amplitudes or three, show the curvature of the laws."""
     return Finding(
-        f"At least {levels} levels of compression and of amplitude show how the laws bend",
+        f"At least {levels} levels of compression and of amplitude show the curvature of the laws",
         levels,
         "Between them the bend of its law is not known, nor is the error of the map",
         f"Measure at a third {of}.",

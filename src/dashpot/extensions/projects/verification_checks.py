@@ -23,7 +23,7 @@ def history_present(lines: int) -> Finding:
     )
 
 
-@criterion(source="a note: what was cut short did not happen", grade="note")
+@criterion(source="a note: an interrupted step is not counted", grade="note")
 def history_complete(lines: int, *, torn: bool) -> Finding:
     """The last line of the history is complete."""
     return Finding(

@@ -108,7 +108,9 @@ def mount_dissipates(highest: float, *, centre: float) -> Finding:
     )
 
 
-@criterion("storage over size of the stiffness", ">", 0.0, "a spring pushes back")
+@criterion(
+    "storage over size of the stiffness", ">", 0.0, "the storage stiffness of a spring is positive"
+)
 def mount_acts_as_spring(least: float, *, frequency: float) -> Finding:
     """Force and input displacement are in phase at every line, as those of a spring."""
     return Finding(
@@ -124,7 +126,7 @@ def mount_acts_as_spring(least: float, *, frequency: float) -> Finding:
 def sheet_in_valid_band(
     lines: tuple[float, float], band: tuple[float, float], *, has_record: bool
 ) -> Finding:
-    """The third octaves lie in the valid band of the fit, or their limits hold unseen arms."""
+    """The third octaves lie in the valid band of the fit, or limits include unresolved arms."""
     (first, last), (low, high) = lines, band
     beyond = max(last / high, low / first) if high > 0 else math.inf
     return Finding(

@@ -30,7 +30,7 @@ ALIKE = 10.0
 
 
 @criterion(
-    source="the gradient vanishes, or a bound holds the point",
+    source="the gradient vanishes, or the optimum lies at a bound",
     grade="stop",
     fit_status=Status.NOT_CONVERGED,
 )

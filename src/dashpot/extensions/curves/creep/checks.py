@@ -41,7 +41,7 @@ FINE_ENOUGH = 1e-3
 BENT, SURELY = 0.03, 3.0
 
 
-@criterion("samples", ">=", MIN_BASELINE, "our choice: the fewest that have a scatter")
+@criterion("samples", ">=", MIN_BASELINE, "our choice: the fewest that give a scatter")
 def load_begins_at_rest(test: LoadHold) -> Finding:
     """The record shows the part at rest before the load: the zero of the displacement."""
     before = int(np.searchsorted(test.time, test.onset))
@@ -71,7 +71,9 @@ def load_begins_at_rest(test: LoadHold) -> Finding:
     )
 
 
-@criterion("part of the hold", "<=", MAX_FROZEN, "our choice: a shorter stretch moves no stiffness")
+@criterion(
+    "part of the hold", "<=", MAX_FROZEN, "our choice: a shorter stretch changes no stiffness"
+)
 def displacement_samples_not_repeated(test: LoadHold, displacement: FloatArray) -> Finding:
     """The displacement is a new reading in each row while the load is held.
 

@@ -131,7 +131,7 @@ def ovens_enough(ovens: int) -> Finding:
 
 @criterion("energy / 90 kJ/mol", "x/", 3.0, "our choice: elastomers have 40 to 200 kJ/mol")
 def activation_energy_plausible(energy: float | None) -> Finding:
-    """The activation energy is one of rubber."""
+    """The activation energy is in the range of rubbers."""
     if energy is None:
         return Finding("No activation energy was found, so it is not judged")
     return Finding(
@@ -229,7 +229,7 @@ def end_point_reached(reached: int | None, part: float) -> Finding:
 
 @criterion("standard error / value", "<=", 1.0, "our choice: else not even its size is known")
 def aging_answer_known(error: float | None) -> Finding:
-    """The answer is known to its order of magnitude."""
+    """The result is known to its order of magnitude."""
     if error is None:
         return Finding("The answer has no standard error, so it is not judged")
     return Finding(

@@ -107,7 +107,7 @@ def impacts_residual_small(misfit: float) -> Finding:
     "standard deviations",
     "<=",
     MAX_SHAPE,
-    "measured: one sound impact in 13 exceeds it",
+    "measured: one faultless impact in 13 exceeds it",
 )
 def impact_residual_structureless(shapes: Mapping[str, float]) -> Finding:
     """The residual force shows no missing effect of specimen or sensor."""

@@ -359,7 +359,7 @@ def modes_enough(modes: int, *, both: bool, foam: bool) -> Finding:
 
 @criterion(
     "residual / that with one mode scaled", "<=", SCALED,
-    "simulation: sound tests at most 1.02; 1.1 to 7 where a mode is 5 or 10 % off",
+    "simulation: faultless tests at most 1.02; 1.1 to 7 where a mode is 5 or 10 % off",
 )  # fmt: skip
 def modes_in_scale(ratio: float | None, by: float, mode: str) -> Finding:
     """No scale factor on the stress of one mode improves the fit much."""

@@ -175,7 +175,7 @@ def first_contact(before: int, after: int) -> Finding:
     "residual in contact / in flight",
     "<=",
     FOLLOWED,
-    "sound records: 0.8 to 1.3",
+    "faultless records: 0.8 to 1.3",
     other_grade="stop where a fiftieth of the push is left",
 )
 def law_residual_small(ratio: float | None, residual: float) -> Finding:
@@ -271,7 +271,7 @@ def laws_agree(
     "recorded speed / stated",
     "x/",
     1.04,
-    "sound records 0.993 to 1.012; depth and k are then 4 to 5 % wrong",
+    "faultless records 0.993 to 1.012; depth and k are then 4 to 5 % wrong",
 )
 def velocity_agrees(speed: float, stated: float | None) -> Finding:
     """The recorded speed agrees with the stated one."""

@@ -7,7 +7,7 @@ from dashpot.base.checks import Finding, Remedy, criterion
 
 @criterion("peaks outside the valid band, without a record", "<=", 0, "the valid band of the fit")
 def unresolved_arm_drawn(outside: int, peak: float, *, has_record: bool) -> Finding:
-    """The draws hold what the test leaves open at the peak."""
+    """The draws include the arms that the test does not resolve at the peak."""
     where = f"{peak:.4g} Hz"
     return Finding(
         f"The peak at {where} lies outside the valid band, and the draws have an unresolved arm"
