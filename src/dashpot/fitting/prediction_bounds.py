@@ -195,7 +195,7 @@ def unseen_arm_band(
     )
     message = (
         f"every spectrum of non-negative arms that the relaxation test does not reject at nearly "
-        f"{100 * level:g} %, line by line"
+        f"{100 * level:g} %, at each frequency alone"
     )
     return StiffnessBounds(f, storage, loss, factor, message)
 
@@ -272,7 +272,7 @@ def frf_band(
         peak_height=height,
         kind=kind,
         message=f"{100 * level:g} % limits of a predicted {kind}: by the fit's standard errors, "
-        "and, nearly so and line by line, by every spectrum that the relaxation test does not "
+        "and, approximately and at each frequency alone, by every spectrum that the test does not "
         "reject",
     )
 

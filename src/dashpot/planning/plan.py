@@ -164,7 +164,7 @@ def format_remedy(
     *faster, hammer = (how for how, _ in _list_changes(expected, alternatives, wanted))
     if not faster:
         return sentence(hammer)
-    return f"{sentence(', or '.join(faster))} Or {hammer}."
+    return f"{sentence(', or '.join(faster))} Alternatively, {hammer}."
 
 
 def _list_changes(
@@ -304,7 +304,10 @@ class Plan(HasChecks, Serialisable):
             f"{f'  and at {format_temperatures(e.repeated)}' if e.repeated else ''}"
             for e in (self.expected, *self.alternatives)
         ]
-        title = f"expected standard deviation at {self.at:g} Hz"
+        title = (
+            f"expected standard deviation at {self.at:g} Hz; full: fit of ramp and hold, "
+            "joint: with a hammer test"
+        )
         return "\n".join([title, head, *rows, *self._arm_table, self.end.message, *self.advice])
 
     @property

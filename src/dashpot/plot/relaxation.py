@@ -103,8 +103,8 @@ def fit(
     residuals = [residual_panel(item, prepared)
                  for item in sorted(shown, key=lambda item: item.fit is not fit)]  # fmt: skip
     caption = (
-        "Measured force and fitted models, and what each leaves: a good fit leaves noise and no "
-        "shape."
+        "Measured force and fitted models, and their residuals: a good fit leaves noise without "
+        "systematic shape."
     )
     strip = (force_panel(shown, prepared), *residuals)
     return Picture("fit", caption, (strip,), 1, stamp or format_fit_stamp(fit))
