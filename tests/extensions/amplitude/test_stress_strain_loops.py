@@ -231,3 +231,33 @@ def test_loops_without_a_clock_need_their_rate(tmp_path) -> None:
         level_files([tmp_path / "loops.csv"])
     (line,) = level_files([tmp_path / "loops.csv"], options=ReadOptions(rate=80.0)).fit.lines
     assert line.frequency_hz == pytest.approx(1.0, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "sizes", [(0.01, 0.02, 0.04), (0.04, 0.02, 0.01), (0.08, 0.02, 0.005)], ids=str
+)
+def test_noisy_loops_of_displacement_and_force_are_no_relaxation(tmp_path, sizes):
+    """Turns of small cycles beside large ones look held; a specimen of 20 mm and 50 mm2."""
+    time, strain, stress = loops(amplitudes=sizes)
+    strain = strain + np.random.default_rng(2).normal(0, 0.001 * max(sizes), len(strain))
+    native = write_record(
+        tmp_path / "n.csv", (time, strain, stress), "Time [s];Travel [mm];Force [N]",
+        20.0, 50.0,
+    )  # fmt: skip
+    assert inspect_file(native).kind == "cyclic"
+    (line,) = level_files([native]).fit.lines
+    true = modulus(1.0) * 50 / 20 * 1e3
+    assert line.storage == pytest.approx(true.real, rel=0.01)
+    assert line.loss == pytest.approx(true.imag, abs=0.01 * true.real)
+
+
+def test_harmonic_conditioning_before_a_hold_is_a_relaxation(tmp_path):
+    time = np.arange(0, 120, 0.02)
+    wave = 5 - 5 * np.cos(np.pi * time)
+    x = np.where(time < 60, wave, np.minimum(10, 5 * (time - 60)))
+    x = x + np.random.default_rng(3).normal(0, 0.01, len(x))
+    force = x * (2 + 0.2 * np.exp(-np.maximum(time - 62, 0) / 5))
+    path = write_record(
+        tmp_path / "p.csv", (time, x, force), "Time [s];Travel [mm];Force [N]", 1.0, 1.0
+    )
+    assert inspect_file(path).kind == "relaxation"

@@ -72,19 +72,26 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
     Raises
     ------
     DataError
-        If there are fewer than two compressions, a sweep is too short, or only some sweeps state
+        If there are fewer than two compressions, a sweep is too short or a copy, or only some sweeps state
         their amplitude.
     """
     if len(sweeps) < 2:
         raise DataError(
             f"found {len(sweeps)} sweep; a map needs sweeps at two compressions or more"
         )
+    seen: dict[tuple[object, bytes], PreloadSweep] = {}
     for sweep in sweeps:
+        first = seen.setdefault((sweep.amplitude, sweep.value.tobytes()), sweep)
+        at = f"at {convert_to_unit(float(sweep.compression), 'mm'):g} mm"
+        if first is not sweep:
+            raise DataError(
+                f"the sweep of {sweep.name} {at} has the very numbers of another, of {first.name}: "
+                "a copy is no second measurement. Leave one out"
+            )
         if len(set(sweep.frequency.tolist())) < _FEWEST:
             raise DataError(
-                f"{sweep.name} has {len(set(sweep.frequency.tolist()))} frequencies at "
-                f"{convert_to_unit(float(sweep.compression), 'mm'):g} mm; expected {_FEWEST} or "
-                "more in every sweep"
+                f"{sweep.name} has too few frequencies {at}; expected {_FEWEST} or more in every "
+                "sweep"
             )
     unknown = [sweep.name for sweep in sweeps if sweep.amplitude is None]
     if 0 < len(unknown) < len(sweeps):
