@@ -372,7 +372,8 @@ def test_frf_of_a_mass_is_read_without_its_inertia(tmp_path: Path):
         (("--compression", "x.csv:4mm"), "suits none of the files: map.csv"),
         (("--band", "100:200Hz"), "has no line from 100 to 200 Hz"),
         (("--gain-error", "80%"), "expected below 0.5"),
-        (("--compression", "4mm"), "a map needs two compressions or more"),
+        (("--compression", "4mm"), "several levels of compression in a column"),
+        (("--amplitude", "0.1mm"), "several levels of amplitude in a column"),
     ],
 )
 def test_what_makes_no_sense_is_refused_in_a_sentence(
@@ -387,9 +388,16 @@ def test_records_that_make_no_map_are_refused():
     one = PreloadSweep([1, 10, 20], [300 + 9j] * 3, "4mm", "0.1mm")
     cases = [
         ([one], "found 1 sweep"),
-        ([one, one], "needs two compressions or more"),
+        (
+            [one, PreloadSweep([1, 10, 20], [310 + 9j] * 3, "4mm", "0.1mm")],
+            "needs two compressions or more",
+        ),
+        ([one, PreloadSweep([1, 10, 20], [300 + 9j] * 3, "6mm", "0.1mm")], "sweep .* at 6 mm has"),
         ([one, PreloadSweep([1, 10, 20], [300 + 9j] * 3, "6mm")], "no amplitude is known"),
-        ([one, PreloadSweep([1, 10], [300 + 9j] * 2, "6mm", "0.1mm")], "has 2 frequencies"),
+        (
+            [one, PreloadSweep([1, 10], [300 + 9j] * 2, "6mm", "0.1mm")],
+            "too few frequencies at 6 mm",
+        ),
     ]
     for sweeps, said in cases:
         with pytest.raises(DataError, match=said):
@@ -431,3 +439,50 @@ def test_a_material_is_refused(tmp_path: Path):
     (tmp_path / "material.csv").write_text(text, encoding="utf-8")
     with pytest.raises(ReadError, match="of a material"):
         read_sweeps([tmp_path / "material.csv"])
+
+
+@pytest.mark.parametrize(
+    ("head", "said"),
+    [
+        ("compression [mm],amplitude [%]", "amplitude has several levels"),
+        ("compression [mm],amplitude [N]", "amplitude has several levels"),
+        ("compression [mm],amplitude", '--units "amplitude=mm"'),
+        ("compression [mm],strain [%]", "call it 'amplitude [mm]'"),
+        ("compression [%],amplitude [mm]", "compression has several levels"),
+        ("preload [N],amplitude [mm]", "not taken for the compression"),
+        ("compression,amplitude [mm]", '--units "compression=mm"'),
+    ],
+)
+def test_settings_that_are_no_lengths_are_not_lost(records: Path, head: str, said: str):
+    """Else amplitudes would be pooled, and a table of compressions be said to have none."""
+    text = (records / "map.csv").read_text(encoding="utf-8")
+    text = text.replace("compression [mm],amplitude [mm]", head)
+    (records / "odd.csv").write_text(text, encoding="utf-8")
+    code, printed = run("map", records / "odd.csv")
+    assert code != 0
+    assert said in " ".join(printed.split())
+
+
+def test_units_of_a_table_may_be_typed(records: Path):
+    text = (records / "map.csv").read_text(encoding="utf-8")
+    bare = re.sub(r" \[[^]]*\]", "", text)
+    (records / "bare.csv").write_text(bare, encoding="utf-8")
+    code, printed = run("map", records / "bare.csv")
+    assert code != 0
+    units = "compression=mm,amplitude=mm,frequency=Hz,storage=N/mm,loss=N/mm"
+    assert f'--units "{units}"' in " ".join(printed.split())
+    code, printed = run("map", records / "bare.csv", "--units", units)
+    assert code == 0
+    stated, typed = run("map", records / "map.csv")[1], printed
+    assert typed.split("\n", 1)[1] == stated.split("\n", 1)[1]
+
+
+def test_a_column_of_one_level_is_no_lost_setting(records: Path):
+    """A strain or displacement that does not step says nothing of the settings."""
+    lines = (records / "map.csv").read_text(encoding="utf-8").splitlines()
+    more = [
+        f"{lines[0]},strain [%]",
+        *(f"{line},{2 + i % 2 / 100:g}" for i, line in enumerate(lines[1:])),
+    ]
+    (records / "more.csv").write_text("\n".join(more) + "\n", encoding="utf-8")
+    assert run("map", records / "more.csv")[0] == 0

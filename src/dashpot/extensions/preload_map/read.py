@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any, Final, NamedTuple, get_args
@@ -18,9 +18,16 @@ from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.preload_map.preload_sweep import PreloadSweep
-from dashpot.extensions.preload_map.table_rule import MOVING, STATIC, find_length_column
+from dashpot.extensions.preload_map.table_rule import (
+    MOVING,
+    SETTINGS,
+    STATIC,
+    find_length_column,
+    get_length_word,
+)
+from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.kind_detection import SWEEPS
-from dashpot.reading.columns.role_assignment import list_columns
+from dashpot.reading.columns.role_assignment import RoleAssignment, list_columns
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
@@ -116,8 +123,9 @@ class _StiffnessTable(NamedTuple):
     weight: FloatArray | None = None
 
 
-def _read_table(file: channels.OpenedFile) -> _StiffnessTable:
+def _read_table(file: channels.OpenedFile, stated: Sequence[str] = ()) -> _StiffnessTable:
     wanted, ratio = sweep_columns(file)
+    _require_units(file, wanted)
     chosen = channels.with_units(file, wanted)
     loaded, values, unit, notes = parts_of(file, chosen, ratio)
     if unit != "N/m":
@@ -127,13 +135,15 @@ def _read_table(file: channels.OpenedFile) -> _StiffnessTable:
         )
     whole: BoolArray = np.asarray(np.isfinite(loaded.values).all(axis=1))
     columns = [channel.message for channel in chosen]
+    taken = [column.index for column in wanted]
 
     def lengths(words: Sequence[str], *, without: Sequence[str] = ()) -> FloatArray | None:
-        index = find_length_column(file.table, words, without=without)
+        index = find_length_column(file.table, words, file.options, without=without)
         if index is None:
             return None
         column = file.table.columns[index]
-        unit = units.parse_unit(column.unit or "", "length")
+        unit = units.parse_unit(get_length_word(column, words, file.options) or "", "length")
+        taken.append(index)
         numbers = channels.load(file.table, [index], file.options.segment).values[whole, 0]
         if not np.isfinite(numbers).all():
             raise ReadError(f"'{column.name}' has no number in some rows of the sweeps")
@@ -142,8 +152,13 @@ def _read_table(file: channels.OpenedFile) -> _StiffnessTable:
 
     compression = lengths(STATIC, without=MOVING)
     amplitude = lengths(MOVING)
+    if ratio is not None:
+        taken.append(ratio)
+    _refuse_lost_settings(
+        file, whole, taken, {"compression": compression, "amplitude": amplitude}, stated
+    )
     if amplitude is not None:
-        index = find_length_column(file.table, MOVING)
+        index = find_length_column(file.table, MOVING, file.options)
         named = file.table.columns[index or 0]
         factor, word = find_handler("over amplitude", "column")(f"{named.name} {named.unit or ''}")
         amplitude = amplitude / factor
@@ -159,6 +174,46 @@ def _read_table(file: channels.OpenedFile) -> _StiffnessTable:
         amplitude,
         channels.source(file, columns, notes),
     )
+
+
+def _require_units(file: channels.OpenedFile, wanted: Sequence[RoleAssignment]) -> None:
+    if any(file.unit_word(column.index, column.role) is None for column in wanted):
+        raise ReadError(
+            "some columns have no unit. Write units into the header, as 'storage [N/mm]', or add "
+            '--units "compression=mm,amplitude=mm,frequency=Hz,storage=N/mm,loss=N/mm" with yours'
+        )
+
+
+def _refuse_lost_settings(
+    file: channels.OpenedFile,
+    whole: BoolArray,
+    taken: Sequence[int],
+    settings: Mapping[str, FloatArray | None],
+    stated: Sequence[str],
+) -> None:
+    """Raise where columns of several levels would be lost.
+
+    Those of a setting that is stated, and those that name one and are no length.
+    """
+    for name in stated:
+        levels = settings[name]
+        if levels is not None and _has_several_levels(levels):
+            raise ReadError(
+                f"the file has several levels of {name} in a column: leave out --{name} for it"
+            )
+    sought = [name for name, found in settings.items() if found is None and name not in stated]
+    for index, column in enumerate(file.table.columns):
+        named = not set(SETTINGS).isdisjoint(vocabulary.tokens(column.name))
+        if not sought or index in taken or not named or column.content != "number":
+            continue
+        values = channels.load(file.table, [index], file.options.segment).values[whole, 0]
+        if np.isfinite(values).all() and _has_several_levels(values):
+            names = " or ".join(sought)
+            raise ReadError(
+                f"{column.label(index + 1)} has several levels, and is not taken for the {names}. "
+                f"Convert it to a length and call it '{sought[0]} [mm]', or give its unit "
+                f'(--units "{sought[0]}=mm"), or leave the column out'
+            )
 
 
 def _split(table: _StiffnessTable, compression: FloatArray) -> Iterator[PreloadSweep]:
@@ -193,6 +248,10 @@ def _visits(rows: IndexArray, frequency: FloatArray) -> list[IndexArray]:
         way = step or (way if turns[-1] != i else 0.0)
     parts = [rows[first:last] for first, last in zip(turns, [*turns[1:], len(rows)], strict=True)]
     return parts if min(map(len, parts)) >= _FEWEST else [rows]
+
+
+def _has_several_levels(values: FloatArray) -> bool:
+    return bool(_group(np.abs(values), _SAME_AMPLITUDE).max())
 
 
 def _group(values: FloatArray, alike: float) -> IndexArray:
@@ -244,9 +303,11 @@ def read_sweeps(
                 )
     sweeps: list[PreloadSweep] = []
     for path, name in zip(files, names, strict=True):
-        table = _load_file(path, options, mass=mass, seals=seals)
+        stated_c, stated_x = _find_stated(name, compressions), _find_stated(name, amplitudes)
+        given = {"compression": stated_c, "amplitude": stated_x}
+        stated = [role for role, value in given.items() if value is not None]
+        table = _load_file(path, options, stated, mass=mass, seals=seals)
         with add_name_to_errors(name):
-            stated_c, stated_x = _find_stated(name, compressions), _find_stated(name, amplitudes)
             compression = table.compression
             if stated_c is not None:
                 compression = np.full(len(table.frequency), stated_c)
@@ -268,7 +329,12 @@ def _find_stated(name: str, stated: Sequence[tuple[str, float]]) -> float | None
 
 
 def _load_file(
-    path: str | Path, options: ReadOptions | None, *, mass: float | None, seals: float
+    path: str | Path,
+    options: ReadOptions | None,
+    stated: Sequence[str],
+    *,
+    mass: float | None,
+    seals: float,
 ) -> _StiffnessTable:
     """Return the lines of a file of any suitable kind.
 
@@ -281,7 +347,7 @@ def _load_file(
     if detected.kind in {KIND, *SWEEPS}:
         with channels.open_file(path, options) as file:
             channels.expect(file, [KIND, *SWEEPS], "a sweep is", named=NAMED)
-            return _read_table(file)
+            return _read_table(file, stated)
     if detected.kind == "frf":
         with add_name_to_errors(Path(path).name):
             return _convert_frf(read_frf(path, options=options), mass, seals)

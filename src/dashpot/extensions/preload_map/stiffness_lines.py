@@ -72,8 +72,8 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
     Raises
     ------
     DataError
-        If there are fewer than two compressions, a sweep is too short or a copy, or only some sweeps state
-        their amplitude.
+        If there are fewer than two compressions, a sweep is too short or a copy, or only some
+        sweeps state their amplitude.
     """
     if len(sweeps) < 2:
         raise DataError(

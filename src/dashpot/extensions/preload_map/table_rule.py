@@ -10,6 +10,7 @@ from dashpot.base import units
 from dashpot.base.errors import ReadError
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.kind_detection import NamedColumns
+from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.table import Column, FileTable
 
 STATIC = (
@@ -21,11 +22,17 @@ MOVING = (
     "pp", "p", "pk", "peak", "rms", "schwingbreite", "doppelamplitude",
 )  # fmt: skip
 """Words of a column of the static compression, and of one of the amplitude."""
+SETTINGS = (
+    *(word for word in STATIC if word not in {"static", "mean", "offset"}),
+    *(word for word in MOVING if word not in {"dynamic", "dynamisch", "dynamique", "p", "peak"}),
+    "strain", "displacement",
+)  # fmt: skip
+"""Words that name a setting even where the unit is missing or no length."""
 
 
 def has_several_compressions(columns: NamedColumns) -> bool:
     """Return whether a column of static compression steps from sweep to sweep."""
-    index = find_length_column(columns.table, STATIC, without=MOVING)
+    index = find_length_column(columns.table, STATIC, columns.options, without=MOVING)
     if index is None:
         return False
     values = columns.table.load([index]).values[:, 0]
@@ -34,9 +41,11 @@ def has_several_compressions(columns: NamedColumns) -> bool:
 
 
 def find_length_column(
-    table: FileTable, words: Sequence[str], *, without: Sequence[str] = ()
+    table: FileTable, words: Sequence[str], options: ReadOptions, *, without: Sequence[str] = ()
 ) -> int | None:
     """Return the one column of a length that has one of the words in its name, and none of others.
+
+    A unit that the user gives, under the first of the words or the name of the column, counts.
 
     Raises
     ------
@@ -46,7 +55,7 @@ def find_length_column(
     found = [
         i
         for i, column in enumerate(table.columns)
-        if _is_length(column)
+        if _is_length(column, get_length_word(column, words, options))
         and not set(words).isdisjoint(vocabulary.tokens(column.name))
         and set(without).isdisjoint(vocabulary.tokens(column.name))
     ]
@@ -56,7 +65,10 @@ def find_length_column(
     return found[0] if found else None
 
 
-def _is_length(column: Column) -> bool:
-    return column.content == "number" and bool(
-        column.unit and units.find_unit(column.unit, "length")
-    )
+def get_length_word(column: Column, words: Sequence[str], options: ReadOptions) -> str | None:
+    """Return what the user, or else the file, says is the unit of a column of such a length."""
+    return options.unit_of(words[0], column.name) or column.unit
+
+
+def _is_length(column: Column, word: str | None) -> bool:
+    return column.content == "number" and bool(word and units.find_unit(word, "length"))
