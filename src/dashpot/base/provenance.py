@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from typing import Protocol, Self
 
@@ -132,3 +133,8 @@ def sources_of(records: Iterable[Read]) -> tuple[Source, ...]:
 def steps_of(records: Iterable[Prepared]) -> tuple[Step, ...]:
     """Return the processing steps of records, in order."""
     return tuple(step for record in records for step in record.steps)
+
+
+def list_origins(sources: tuple[Source, ...]) -> list[str]:
+    """Return the hashes of files, and of those that files of dashpot say they were made from."""
+    return list(dict.fromkeys(re.findall(r"sha256\W+(\w{64})", repr(sources))))

@@ -48,6 +48,26 @@ def test_a_comparison_with_the_hits_that_were_fitted_says_so_first(files):
     assert "The fit was made from these hits." in found["verdict"]["message"]
 
 
+def test_an_frf_and_its_hits_are_one_measurement_however_often_written(files):
+    """The fit may be of the FRF and the comparison with the hits, and an FRF be written again."""
+    frf, again, fit = files / "first.csv", files / "again.csv", files / "of_frf.json"
+    assert ran("fit", files / "hammer.csv", "-o", frf).exit_code == 0
+    dp.read(frf).save(again)
+    made = ran("fit", files / "seal_8mm.csv", frf, *RIG, "--arms", "4", "-o", fit)
+    assert made.exit_code == 0, made.output
+    text = frf.read_text(encoding="utf-8")
+    foreign = files / "foreign.csv"
+    foreign.write_text(
+        "".join(line for line in text.splitlines(True) if "made from" not in line),
+        encoding="utf-8",
+    )
+    for of, with_ in ((fit, frf), (fit, files / "hammer.csv"), (files / "joint.json", again)):
+        assert json.loads(ran("compare", of, with_, *RIG, "--json").stdout)["in_sample"] is True
+    for of in (fit, files / "joint.json"):
+        told = json.loads(ran("compare", of, foreign, *RIG, "--json").stdout)
+        assert not told.get("in_sample")
+
+
 def test_an_frf_written_from_the_fitted_hits_is_no_other_measurement(files):
     """Its file is another one, and names the hits that it was estimated from."""
     assert ran("fit", files / "hammer.csv", "-o", files / "frf.csv").exit_code == 0

@@ -9,6 +9,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.option_fields import Method, get_choice_values
+from dashpot.base.provenance import list_origins
 from dashpot.base.units import GRAVITY, Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind, Mode
@@ -186,16 +187,9 @@ def _get_legend(fit: Fit | None, measured: FRF) -> str:
     return "predicted by the joint model"
 
 
-def find_fitted_files(fit: Fit, frf: FRF) -> frozenset[str]:
-    """Return the files of an FRF, by what they hold, that a fit was made from.
-
-    An FRF that dashpot wrote names the hits that it was estimated from, in its notes.
-    """
-    return frozenset(
-        source.sha256
-        for source in fit.source
-        if source.sha256 and source.sha256 in repr(frf.source)
-    )
+def find_fitted_files(fit: Fit, frf: FRF) -> set[str]:
+    """Return the files that a fit and an FRF were both made from, by what they hold."""
+    return set(list_origins(fit.source)).intersection(list_origins(frf.source))
 
 
 def _select_measured_lines(predicted: FRF, measured: FRF) -> FRF:
