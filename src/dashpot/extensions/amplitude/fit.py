@@ -79,7 +79,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     """
     if len(sweep.amplitude) < _LEAST:
         raise FitError(
-            f"{len(sweep.amplitude)} loops or lines; stiffness over amplitude needs {_LEAST} or more"
+            f"found {len(sweep.amplitude)} loops or lines; a law of amplitude needs {_LEAST}"
         )
     tones = len(np.unique(sweep.frequency))
     if 2 * tones > len(sweep.amplitude):
