@@ -135,6 +135,6 @@ def steps_of(records: Iterable[Prepared]) -> tuple[Step, ...]:
     return tuple(step for record in records for step in record.steps)
 
 
-def list_origins(sources: tuple[Source, ...]) -> list[str]:
+def find_origins(sources: tuple[Source, ...]) -> set[str]:
     """Return the hashes of files, and of those that files of dashpot say they were made from."""
-    return list(dict.fromkeys(re.findall(r"sha256\W+(\w{64})", repr(sources))))
+    return set(re.findall(r"sha256\W+(\w{64})", repr(sources)))

@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.file_writing import write_atomic
 from dashpot.base.plain_text import escape_formula, format_csv_comment
-from dashpot.base.provenance import Source, list_origins
+from dashpot.base.provenance import Source, find_origins
 from dashpot.base.units import convert_to_unit
 from dashpot.base.version import byline
 from dashpot.datamodel.frf import FRF
@@ -127,7 +127,7 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
         *([f"shift sd [1/s]: {float(frf.shift_sd)!r}"] if frf.shift_sd else []),
         *([] if frf.record is None else [f"record [s]: {float(frf.record)!r}"]),
         f"averages: {frf.averages}",
-        *(f"made from: sha256 {origin}" for origin in list_origins(frf.source)),
+        *(f"made from: sha256 {origin}" for origin in sorted(find_origins(frf.source))),
     ]
     unit = frf.unit
     named: list[tuple[str, FloatArray]] = [

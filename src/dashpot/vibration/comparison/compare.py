@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.option_fields import Method, get_choice_values
-from dashpot.base.provenance import list_origins
+from dashpot.base.provenance import find_origins
 from dashpot.base.units import GRAVITY, Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind, Mode
@@ -189,7 +189,7 @@ def _get_legend(fit: Fit | None, measured: FRF) -> str:
 
 def find_fitted_files(fit: Fit, frf: FRF) -> set[str]:
     """Return the files that a fit and an FRF were both made from, by what they hold."""
-    return set(list_origins(fit.source)).intersection(list_origins(frf.source))
+    return find_origins(fit.source) & find_origins(frf.source)
 
 
 def _select_measured_lines(predicted: FRF, measured: FRF) -> FRF:
