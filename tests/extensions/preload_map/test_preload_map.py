@@ -372,8 +372,8 @@ def test_frf_of_a_mass_is_read_without_its_inertia(tmp_path: Path):
         (("--compression", "x.csv:4mm"), "suits none of the files: map.csv"),
         (("--band", "100:200Hz"), "has no line from 100 to 200 Hz"),
         (("--gain-error", "80%"), "expected below 0.5"),
-        (("--compression", "4mm"), "several levels of compression in a column"),
-        (("--amplitude", "0.1mm"), "several levels of amplitude in a column"),
+        (("--compression", "4mm"), "compression values that differ"),
+        (("--amplitude", "0.1mm"), "amplitude values that differ"),
     ],
 )
 def test_what_makes_no_sense_is_refused_in_a_sentence(
@@ -444,11 +444,11 @@ def test_a_material_is_refused(tmp_path: Path):
 @pytest.mark.parametrize(
     ("head", "said"),
     [
-        ("compression [mm],amplitude [%]", "amplitude has several levels"),
-        ("compression [mm],amplitude [N]", "amplitude has several levels"),
+        ("compression [mm],amplitude [%]", "amplitude has several values"),
+        ("compression [mm],amplitude [N]", "amplitude has several values"),
         ("compression [mm],amplitude", '--units "amplitude=mm"'),
         ("compression [mm],strain [%]", "call it 'amplitude [mm]'"),
-        ("compression [%],amplitude [mm]", "compression has several levels"),
+        ("compression [%],amplitude [mm]", "compression has several values"),
         ("preload [N],amplitude [mm]", "not taken for the compression"),
         ("compression,amplitude [mm]", '--units "compression=mm"'),
     ],

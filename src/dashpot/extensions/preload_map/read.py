@@ -199,7 +199,7 @@ def _refuse_lost_settings(
         levels = settings[name]
         if levels is not None and _has_several_levels(levels):
             raise ReadError(
-                f"the file has several levels of {name} in a column: leave out --{name} for it"
+                f"a column of the file has {name} values that differ: leave out --{name} for it"
             )
     sought = [name for name, found in settings.items() if found is None and name not in stated]
     for index, column in enumerate(file.table.columns):
@@ -210,7 +210,7 @@ def _refuse_lost_settings(
         if np.isfinite(values).all() and _has_several_levels(values):
             names = " or ".join(sought)
             raise ReadError(
-                f"{column.label(index + 1)} has several levels, and is not taken for the {names}. "
+                f"{column.label(index + 1)} has several values, and is not taken for the {names}. "
                 f"Convert it to a length and call it '{sought[0]} [mm]', or give its unit "
                 f'(--units "{sought[0]}=mm"), or leave the column out'
             )
@@ -305,8 +305,8 @@ def read_sweeps(
     for path, name in zip(files, names, strict=True):
         stated_c, stated_x = _find_stated(name, compressions), _find_stated(name, amplitudes)
         given = {"compression": stated_c, "amplitude": stated_x}
-        stated = [role for role, value in given.items() if value is not None]
-        table = _load_file(path, options, stated, mass=mass, seals=seals)
+        roles = [role for role, value in given.items() if value is not None]
+        table = _load_file(path, options, roles, mass=mass, seals=seals)
         with add_name_to_errors(name):
             compression = table.compression
             if stated_c is not None:
