@@ -16,7 +16,7 @@ from kit.bulkdata import Bush, read_cards, real
 from dashpot.base.errors import ExportError
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export import TARGETS, UNIT_SYSTEMS
-from dashpot.export.decks.nastran import BushComponent, bush_property
+from dashpot.export.decks.nastran import BushComponent, format_bush_property
 from dashpot.export.frequency_tables import tabulate
 from dashpot.export.unit_systems import format_fixed_width
 from dashpot.extensions.systems.door.seal_line import SealLine
@@ -114,7 +114,7 @@ def test_bushver():
     frequency, stiffness = [0.9, 1.0, 1.1], [0.81, 1.0, 1.21]
     damping = [0.2864789, 0.3183099, 0.3501409]
     rows = [BushComponent(1, frequency, stiffness, damping, (1.0, 0.0))]
-    cards = bush_property(1, rows, label="B")
+    cards = format_bush_property(1, rows, label="B")
     deck = "\n".join([*cards, ""])
     assert deck == (GOLDEN / "bushver.bdf").read_text()
     omega = 2 * np.pi * np.array(frequency)

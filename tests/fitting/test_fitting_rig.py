@@ -18,7 +18,7 @@ from dashpot.base.errors import Status
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RelaxationTest
-from dashpot.fitting.nuisance_priors import priors
+from dashpot.fitting.nuisance_priors import build_load_cell_priors
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -141,7 +141,7 @@ def test_of_a_cell_that_is_not_named_any_drift_is_covered(name: str) -> None:
     hits = []
     for seed in range(200):
         test = coverage.record(coverage.SEAL, coverage.NOISES[name], seed, rate=200.0)
-        drift = priors(test).doubt.sd * np.random.default_rng((seed, 7)).standard_normal()
+        drift = build_load_cell_priors(test).limit_drift.sd * np.random.default_rng((seed, 7)).standard_normal()
         drifted = replace(test, force=test.force + drift * test.time)
         found = fit(drifted, arms=2, method="hold", nuisance=coverage.KNOWN_CLOCKS)
         bounds = found.estimate.noise_only.intervals(found.model, 0.95)

@@ -70,7 +70,7 @@ def test_hats_are_integrated_exactly() -> None:
 def test_downsample_counts_every_sample_once() -> None:
     test = qlv(cubic, Bench())
     rows = downsample([test])
-    assert rows.count.sum() == len(test.time) - rows.known[0].first
+    assert rows.count.sum() == len(test.time) - rows.known[0].first_sample
     assert len(rows.time) < 600
     ramp = rows.count[rows.ramp]
     assert max(ramp[:20].max(), ramp[-20:].max(), rows.count[~rows.ramp][:10].max()) <= 2

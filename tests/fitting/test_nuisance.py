@@ -10,7 +10,7 @@ from kit.fits import of_noise
 
 import dashpot as dp
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.nuisance_priors import NuisanceTerms, Prior, priors, terms_of
+from dashpot.fitting.nuisance_priors import NuisanceTerms, Prior, build_load_cell_priors, build_nuisance_terms
 from dashpot.fitting.relaxation import fit
 from dashpot.numerics.design_matrices.block import design_block
 from dashpot.numerics.inference.correlated_noise import marginal
@@ -34,7 +34,7 @@ def nuisance(found: dp.Fit, name: str) -> tuple[float, float]:
 
 
 def test_priors_have_the_stated_means_and_errors() -> None:
-    known = priors(late(0))
+    known = build_load_cell_priors(late(0))
     assert known.offset.mean == pytest.approx(0.0, abs=2e-4)
     assert known.offset.sd == pytest.approx(4e-3 / np.sqrt(1500), rel=0.2)
     # what a cell of which nothing is known may drift: half a per cent of 1.57 N in 41 s, and
@@ -43,11 +43,11 @@ def test_priors_have_the_stated_means_and_errors() -> None:
     assert 0.8 * usual < known.drift.sd < usual
     # a limit bears more: of the force and of the scatter, while the cell warms up
     doubt = np.hypot(2.4e-4 * final, 0.1 * 4.06e-3) / np.sqrt(1 + 41 / 120)
-    assert 0.4 * doubt < known.doubt.sd < doubt
-    short = priors(replace(late(0), machine=dp.Machine(drift=1e-4)))
+    assert 0.4 * doubt < known.limit_drift.sd < doubt
+    short = build_load_cell_priors(replace(late(0), machine=dp.Machine(drift=1e-4)))
     assert short.drift.sd == pytest.approx(1e-4, rel=0.5)
     assert known.delay == (0.0, pytest.approx(5e-3))
-    assert 1400 < known.first < 1530
+    assert 1400 < known.first_sample < 1530
 
 
 def test_nuisance_terms_as_parameters_or_as_noise_agree() -> None:
@@ -55,7 +55,7 @@ def test_nuisance_terms_as_parameters_or_as_noise_agree() -> None:
     random = np.random.default_rng(3)
     spread, terms = (
         0.7,
-        NuisanceTerms({"offset": Prior(2.0, 0.5), "drift": Prior(-1.0, 0.2)}, since=-3.0),
+        NuisanceTerms({"offset": Prior(2.0, 0.5), "drift": Prior(-1.0, 0.2)}, drift_start=-3.0),
     )
     names = ("k_inf", "offset@1", "drift@1", "bump")
     fixed, target = random.standard_normal((40, 4)), random.standard_normal(40)
@@ -63,7 +63,7 @@ def test_nuisance_terms_as_parameters_or_as_noise_agree() -> None:
         target=target, fixed=fixed, fixed_names=names,
         columns=lambda tau, _: (np.zeros((40, len(tau))),) * 2, window=(0.1, 1.0),
     )  # fmt: skip
-    prior = terms.rows(block, spread)
+    prior = terms.build_rows(block, spread)
     assert prior.fixed_names == names[1:3]
     assert prior.variance == spread**2
     known = prior.evaluate(np.zeros(0), False)
@@ -71,7 +71,7 @@ def test_nuisance_terms_as_parameters_or_as_noise_agree() -> None:
     beside[:, 1:3] = known.fixed
     both = np.concatenate((fixed, beside)), np.concatenate((target, known.target))
     wanted, left, *_ = np.linalg.lstsq(*both, rcond=None)
-    doubts, mean = terms.doubts(fixed, names)
+    doubts, mean = terms.build_prior_columns(fixed, names)
     white = marginal(fixed[:, [3]], doubts / spread)
     found, rest, *_ = np.linalg.lstsq(white(fixed[:, :1]), white(target - mean), rcond=None)
     assert found == pytest.approx(wanted[:1], rel=1e-12)
@@ -80,28 +80,28 @@ def test_nuisance_terms_as_parameters_or_as_noise_agree() -> None:
 
 def test_prior_of_nuisance_terms_is_limited_by_rounding() -> None:
     record = replace(late(0), machine=dp.Machine(drift=0.0))
-    known = terms_of(record)
-    assert known.known["drift"].sd == 0.0
-    assert known.least == 1e-9 * np.abs(record.force).max()
+    known = build_nuisance_terms(record)
+    assert known.priors["drift"].sd == 0.0
+    assert known.least_error == 1e-9 * np.abs(record.force).max()
     block = design_block(
         target=np.zeros(3), fixed=np.ones((3, 2)), fixed_names=("offset", "drift"),
         columns=lambda tau, _: (np.zeros((3, len(tau))),) * 2, window=(0.1, 1.0),
     )  # fmt: skip
-    for spread, tightest in ((4e-3, 4e-8), (1e-5, known.least)):
-        rows = known.rows(block, spread).evaluate(np.zeros(0), False).fixed
+    for spread, tightest in ((4e-3, 4e-8), (1e-5, known.least_error)):
+        rows = known.build_rows(block, spread).evaluate(np.zeros(0), False).fixed
         assert rows[1] == pytest.approx([0.0, spread / tightest])
         # the offset is known in the middle of what was recorded before contact
-        assert rows[0, 1] / rows[0, 0] == pytest.approx(priors(record).at)
+        assert rows[0, 1] / rows[0, 0] == pytest.approx(build_load_cell_priors(record).offset_time)
 
 
 def test_a_data_sheet_or_a_long_baseline_tells_the_drift() -> None:
     sheet = replace(late(0), machine=dp.Machine(drift=1e-5, sync=3e-3))
-    assert priors(sheet).drift.sd == pytest.approx(1e-5, rel=1e-3)
-    assert priors(sheet).doubt == priors(sheet).drift
-    assert priors(sheet).delay.sd == 3e-3
+    assert build_load_cell_priors(sheet).drift.sd == pytest.approx(1e-5, rel=1e-3)
+    assert build_load_cell_priors(sheet).limit_drift == build_load_cell_priors(sheet).drift
+    assert build_load_cell_priors(sheet).delay.sd == 3e-3
     long = simulate_relaxation(PAPER, seed=3, rig=Rig(baseline=60.0, rate=200.0)).test
-    told = priors(prepare(long))
-    assert told.drift.sd < 0.5 * priors(late(0)).drift.sd
+    told = build_load_cell_priors(prepare(long))
+    assert told.drift.sd < 0.5 * build_load_cell_priors(late(0)).drift.sd
     assert told.drift.mean == pytest.approx(0.2e-3, abs=4 * told.drift.sd)
 
 
@@ -116,7 +116,7 @@ def test_a_single_reading_before_contact_counts() -> None:
             force=raw.force[moves:],
         )
     )
-    known = priors(test)
+    known = build_load_cell_priors(test)
     assert known.offset.sd == pytest.approx(test.force_noise, rel=0.2)
     assert known.offset.mean == pytest.approx(0.05, abs=5 * test.force_noise)
     found = fit(test, arms=2)
@@ -136,7 +136,7 @@ def test_single_reading_error_includes_slow_noise(hertz: float | None) -> None:
     clean = seal.ramp_hold_force(t, depth=1.0, ramp_time=1.0)
     x = 8e-3 * np.clip(t, 0, 1)
     test = RampHold(t, x, clean + noise, 0.0, 1.0, 41.0, 8e-3, machine=dp.Machine(drift=0.0))
-    assert priors(test).offset.sd == pytest.approx(size, rel=0.25)
+    assert build_load_cell_priors(test).offset.sd == pytest.approx(size, rel=0.25)
     found = of_noise(fit(test, arms=2))
     assert abs(found.model.k_inf - PAPER.k_inf) < 3 * np.sqrt(found.covariance[0, 0])
 

@@ -22,7 +22,7 @@ from dashpot.base.option_fields import Method
 from dashpot.datamodel.fit import list_known_values
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
-from dashpot.fitting.nuisance_priors import priors
+from dashpot.fitting.nuisance_priors import build_load_cell_priors
 from dashpot.fitting.relaxation import fit
 from dashpot.planning.checks import format_percent
 from dashpot.planning.expected_errors import (
@@ -131,12 +131,12 @@ def test_planned_priors_equal_those_of_the_fit() -> None:
     bench = Bench(8e-3, 1.0, 20.0, 1000.0, 4.5e-3, "full", 1.5, Machine(sync=2e-3))
     seal = Seal.of_arms(PAPER.k_inf, PAPER.k, PAPER.tau)
     made = record(seal, TrialBench(hold=20.0, count=0.0))
-    known = priors(prepare(relaxation_test(made), machine=bench.machine))
+    known = build_load_cell_priors(prepare(relaxation_test(made), machine=bench.machine))
     planned = bench.prior_sd(PAPER)
     assert planned == pytest.approx([known.offset.sd, known.drift.sd, known.delay.sd], rel=0.2)
     held = replace(bench, method="hold").prior_sd(PAPER)
-    assert held == pytest.approx([known.offset.sd, known.doubt.sd], rel=0.2)
-    assert known.doubt.sd > 1.05 * known.drift.sd
+    assert held == pytest.approx([known.offset.sd, known.limit_drift.sd], rel=0.2)
+    assert known.limit_drift.sd > 1.05 * known.drift.sd
     sheet = Bench(8e-3, 1.0, 20.0, 1000.0, 4.5e-3, "full", 1.5, Machine(drift=0.2e-3))
     assert sheet.prior_sd(PAPER)[1] < 0.2e-3  # of a baseline and a data sheet together
     assert sheet.prior_sd(PAPER)[2] == pytest.approx(5e-3)

@@ -21,7 +21,7 @@ from dashpot.reading.columns.kind_detection import (
     MASTER,
     ONE_FREQUENCY,
     RECOGNISED,
-    kind_of,
+    detect_table_kind,
     parse_file_kind,
 )
 from dashpot.reading.read_options import ReadOptions
@@ -118,7 +118,7 @@ def test_kind_of_sweep_depends_on_its_decades(decades: float, kind: str) -> None
     columns = tuple(Column(name, "MPa") for name in ("storage", "loss"))
     values = np.column_stack([frequency, frequency, frequency])
     table = FileTable("", (Column("frequency", "Hz"), *columns), make_loader(values))
-    assert kind_of(table, ReadOptions())[0] == kind
+    assert detect_table_kind(table, ReadOptions())[0] == kind
 
 
 @pytest.mark.parametrize("suffix", [".mat", ".h5", "7.3.h5"])

@@ -14,7 +14,7 @@ import pytest
 from dashpot.base.errors import ReadError
 from dashpot.extensions.formats import tdms
 from dashpot.reading.columns import kind_detection, role_assignment, vocabulary
-from dashpot.reading.columns.kind_detection import kind_of
+from dashpot.reading.columns.kind_detection import detect_table_kind
 from dashpot.reading.columns.role_assignment import assign, score, score_columns
 from dashpot.reading.columns.vocabulary import (
     FIRST,
@@ -53,7 +53,7 @@ def test_column_names_that_differ_by_a_number_are_scored_once(
         lambda one, options: judged.append(one.name) or inner(one, options),
     )
     role_assignment._compute_file_scores.cache_clear()
-    assert kind_of(wide(5000), ReadOptions())[0] == "relaxation"
+    assert detect_table_kind(wide(5000), ReadOptions())[0] == "relaxation"
     # three names, ten of one digit, and one for all of more
     assert len(judged) <= 14
 
@@ -163,7 +163,7 @@ def test_column_names_that_differ_by_a_number_are_normalised_once(
         kind_detection.vocabulary, "normalise_name", lambda name: folded.append(name) or inner(name)
     )
     role_assignment._compute_file_scores.cache_clear()
-    assert kind_of(wide(5000), ReadOptions())[0] == "relaxation"
+    assert detect_table_kind(wide(5000), ReadOptions())[0] == "relaxation"
     assert len(folded) < 500
 
 

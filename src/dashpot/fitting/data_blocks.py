@@ -13,7 +13,7 @@ from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
 from dashpot.base.option_fields import Method
 from dashpot.datamodel.relaxation import MAX_CREEP, RampHold
-from dashpot.fitting.nuisance_priors import priors, spread_before, terms_of
+from dashpot.fitting.nuisance_priors import build_load_cell_priors, estimate_hold_noise, build_nuisance_terms
 from dashpot.fitting.parameter_errors import Encoder, compute_residual, rounding_rms
 from dashpot.numerics.design_matrices.block import DataBlock, DelayedForce
 from dashpot.numerics.design_matrices.data_compression import uniform_step
@@ -160,22 +160,22 @@ def bound(
     """Return what is known of each load cell and its clock before the fit, a block per test.
 
     `spreads` holds the standard deviation of one independent residual of each test, N; by default
-    as its hold shows it (:func:`~dashpot.fitting.nuisance_priors.spread_before`). Eq. 5 has no ramp
+    as its hold shows it (:func:`~dashpot.fitting.nuisance_priors.estimate_hold_noise`). Eq. 5 has no ramp
     that would tell slow arms from a drift, which is there as free as it may be; its clock begins at
     the end of the ramp.
     """
     hold = design.method == "hold"
     if not (design.terms if hold else design.nuisance):
         return ()
-    provided = spreads or [*map(spread_before, tests)]
-    terms = [terms_of(test, claimed=hold) for test in tests]
+    provided = spreads or [*map(estimate_hold_noise, tests)]
+    terms = [build_nuisance_terms(test, claimed=hold) for test in tests]
     if hold:
         terms = [
-            replace(term, since=term.since + float(test.ramp_end - test.time[0]))
+            replace(term, drift_start=term.drift_start + float(test.ramp_end - test.time[0]))
             for term, test in zip(terms, tests, strict=True)
         ]
     every = zip(terms, blocks, provided, strict=True)
-    return tuple(nuisance_terms.rows(block, spread) for nuisance_terms, block, spread in every)
+    return tuple(nuisance_terms.build_rows(block, spread) for nuisance_terms, block, spread in every)
 
 
 def _late(test: RampHold, block: DataBlock, rough: Solution) -> DelayedForce:
@@ -190,7 +190,7 @@ def _late(test: RampHold, block: DataBlock, rough: Solution) -> DelayedForce:
 
 def first_sample(test: RampHold) -> int:
     """Return the first sample of a full fit: those before contact are spent on what they tell."""
-    return priors(test).first
+    return build_load_cell_priors(test).first_sample
 
 
 def is_multi_step(test: RampHold) -> bool:

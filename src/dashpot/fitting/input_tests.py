@@ -15,7 +15,7 @@ from dashpot.base.provenance import Step
 from dashpot.base.units import celsius
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
-from dashpot.fitting.nuisance_priors import priors
+from dashpot.fitting.nuisance_priors import build_load_cell_priors
 from dashpot.preprocessing.checks import earlier_loading_negligible
 from dashpot.preprocessing.prepare import prepare
 
@@ -288,7 +288,7 @@ def end_stiffnesses(records: Sequence[RampHold]) -> tuple[EndStiffness, ...]:
     .. math:: k = \frac{F - F_0 - \dot F t}{x_h}
 
     over the last twentieth of that time, with what offset, drift, depth and noise leave open
-    (:func:`~dashpot.fitting.nuisance_priors.priors`).
+    (:func:`~dashpot.fitting.nuisance_priors.build_load_cell_priors`).
     """
     at = min(record.hold_time for record in records)
     return tuple(_end_stiffness(record, at) for record in records)
@@ -298,8 +298,8 @@ def _end_stiffness(record: RampHold, at: float) -> EndStiffness:
     since = record.time - record.ramp_end
     last = (since >= 0.95 * at) & (since <= at)
     last[int(np.searchsorted(since, at)) - 1] = True
-    cell_priors = priors(record)
-    later = record.ramp_end + 0.975 * at - record.time[0] - cell_priors.at
+    cell_priors = build_load_cell_priors(record)
+    later = record.ramp_end + 0.975 * at - record.time[0] - cell_priors.offset_time
     force = (
         float(record.force[last].mean()) - cell_priors.offset.mean - cell_priors.drift.mean * later
     )

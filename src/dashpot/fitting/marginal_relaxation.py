@@ -23,7 +23,7 @@ import numpy as np
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.shift_factors import decades, shifted_log_tau
-from dashpot.fitting.nuisance_priors import NuisanceTerms, Prior, kind_of
+from dashpot.fitting.nuisance_priors import NuisanceTerms, Prior, get_column_kind
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.inference.correlated_noise import marginal
 from dashpot.solids.fractional import FractionalZener
@@ -182,7 +182,7 @@ class RelaxationData:
     @property
     def on_a_named_rig(self) -> RelaxationData:
         """The data if machine, crosshead and rest were known, the drift to a fifth of its doubt."""
-        mean, sd = self.terms.known["drift"]
+        mean, sd = self.terms.priors["drift"]
         terms = self.terms.add_terms(drift=Prior(mean, NAMED_DRIFT * sd))
         effects = self.unseen and self.unseen.but("give", "settling", "memory")
         return replace(self, unseen=effects, terms=terms)
@@ -220,7 +220,7 @@ class RelaxationData:
         But for what is `borne`, by the kinds of its columns: a column each, times its standard
         deviation.
         """
-        count, kinds = len(log_tau), [kind_of(name) for name in self.block.fixed_names]
+        count, kinds = len(log_tau), [get_column_kind(name) for name in self.block.fixed_names]
         shortest = np.log(DASHPOT * self.block.window[0])
         shift = self.moved or ThermalShift()
         doubtful = shift.shift_sd > 0
@@ -233,7 +233,7 @@ class RelaxationData:
         spring = evaluation.fixed[:, kinds.index("k_inf")]
         fast = evaluation.arms[:, -1] / np.exp(shortest)
         of_answer = _build_delay_columns(self.answer, spring, fast, evaluation.arms[:, span])
-        doubts, mean = self.terms.doubts(evaluation.fixed, self.block.fixed_names)
+        doubts, mean = self.terms.build_prior_columns(evaluation.fixed, self.block.fixed_names)
         if effects is not None:
             doubts = np.hstack(
                 (doubts, effects.columns(evaluation.fixed, evaluation.arms[:, span.stop : -1]))
@@ -242,9 +242,9 @@ class RelaxationData:
             shift.doubts(self.answer, evaluation.d_arms[:, span]) if doubtful else doubts[:, :0]
         )
         b_t = float(np.exp(shift.log_b))
-        sentences = {*SOLID, *self.terms.known, *borne}
+        sentences = {*SOLID, *self.terms.priors, *borne}
         free = [kind not in sentences for kind in kinds]
-        differences = replace(self.terms, known=borne).doubts(
+        differences = replace(self.terms, priors=borne).build_prior_columns(
             evaluation.fixed, self.block.fixed_names
         )[0]
         every = np.column_stack((doubts, of_shift, of_answer * (self.delay, self.size)))
@@ -266,7 +266,7 @@ class RelaxationData:
         offset, drift, delay and motion. The solid's parameters are k_inf, every k, every ln tau, or
         those of a fractional solid, then b; N/m, s and N s/m.
         """
-        model, priors, held = solid.maxwell, dict(self.terms.known), self.drift
+        model, priors, held = solid.maxwell, dict(self.terms.priors), self.drift
         # a seal that warms is sought where several temperatures were fitted
         kinds = (
             "give",
@@ -277,11 +277,11 @@ class RelaxationData:
         )
         borne = {kind: priors.pop(kind) for kind in kinds if kind in priors}
         if "drift" in priors:
-            borne["drift"], priors["drift"] = priors["drift"].remaining_after(held), held
+            borne["drift"], priors["drift"] = priors["drift"].compute_remainder(held), held
         values, arms = np.unique(
             np.clip(np.log(model.tau), *np.log(self.window)), return_inverse=True
         )
-        quiet = replace(self, terms=replace(self.terms, known=priors))
+        quiet = replace(self, terms=replace(self.terms, priors=priors))
         rows = quiet.rows(values, borne=borne)
         columns = np.column_stack((rows.spring, rows.arms[:, arms], rows.slopes[:, arms] * model.k))
         if isinstance(solid, FractionalZener):

@@ -54,7 +54,7 @@ class Prior(NamedTuple):
     mean: float
     sd: float = 0.0
 
-    def off(self, value: float, slope: FloatArray) -> tuple[float, FloatArray]:
+    def standardise(self, value: float, slope: FloatArray) -> tuple[float, FloatArray]:
         """Return how far `value` is from it, in standard deviations; an equality has a narrow one.
 
         With the derivative, `slope` being that of `value`.
@@ -62,7 +62,7 @@ class Prior(NamedTuple):
         sd = max(self.sd, _EXACT * abs(self.mean))
         return (value - self.mean) / sd, slope / sd
 
-    def remaining_after(self, held: Prior) -> Prior:
+    def compute_remainder(self, held: Prior) -> Prior:
         """Return what it leaves open that a fit which holds the other does not, about 0."""
         more = self.sd**2 + (self.mean - held.mean) ** 2 - held.sd**2
         return Prior(0.0, float(np.sqrt(max(more, 0.0))))
@@ -83,42 +83,42 @@ class NuisanceTerms:
         Nothing is known better, in the unit of the record.
     """
 
-    known: Mapping[str, Prior]
-    since: float = 0.0
-    least: float = 0.0
+    priors: Mapping[str, Prior]
+    drift_start: float = 0.0
+    least_error: float = 0.0
 
     def add_terms(self, **more: Prior) -> NuisanceTerms:
         """Return the terms and further ones."""
-        return replace(self, known={**self.known, **more})
+        return replace(self, priors={**self.priors, **more})
 
-    def rows(self, block: DataBlock, spread: float) -> DataBlock:
+    def build_rows(self, block: DataBlock, spread: float) -> DataBlock:
         """Return rows beside those of a block, of which one independent one has this `spread`."""
-        names = tuple(name for name in block.fixed_names if kind_of(name) in self.known)
-        kinds = [kind_of(name) for name in names]
+        names = tuple(name for name in block.fixed_names if get_column_kind(name) in self.priors)
+        kinds = [get_column_kind(name) for name in names]
         rows = np.eye(len(names))
         if "offset" in kinds and "drift" in kinds:
-            rows[kinds.index("offset"), kinds.index("drift")] = -self.since
-        mean, sd = np.array([self.known[kind] for kind in kinds]).reshape(-1, 2).T
+            rows[kinds.index("offset"), kinds.index("drift")] = -self.drift_start
+        mean, sd = np.array([self.priors[kind] for kind in kinds]).reshape(-1, 2).T
         # a prior tighter than this only spoils the conditioning
-        tightest = max(self.least, _TIGHTEST * spread)
-        unit = max(spread, self.least)
+        tightest = max(self.least_error, _TIGHTEST * spread)
+        unit = max(spread, self.least_error)
         return prior_block(block, names, rows, mean, np.maximum(sd, tightest), unit=unit)
 
-    def doubts(self, fixed: FloatArray, names: Sequence[str]) -> tuple[FloatArray, FloatArray]:
+    def build_prior_columns(self, fixed: FloatArray, names: Sequence[str]) -> tuple[FloatArray, FloatArray]:
         """The known ones of these columns times their standard deviation, and what they expect."""
-        kinds = [kind_of(name) for name in names]
+        kinds = [get_column_kind(name) for name in names]
         columns, mean = [], np.zeros(len(fixed))
         for i, kind in enumerate(kinds):
-            if kind in self.known:
-                column, prior = fixed[:, i], self.known[kind]
-                if kind == "drift" and self.since:
-                    column = column + self.since * fixed[:, kinds.index("offset")]
+            if kind in self.priors:
+                column, prior = fixed[:, i], self.priors[kind]
+                if kind == "drift" and self.drift_start:
+                    column = column + self.drift_start * fixed[:, kinds.index("offset")]
                 columns.append(prior.sd * column)
                 mean = mean + prior.mean * column
         return np.reshape(columns, (-1, len(fixed))).T, mean
 
 
-def kind_of(name: str) -> str:
+def get_column_kind(name: str) -> str:
     """Return what a column is: ``"offset"`` of ``"offset@0"``."""
     return name.partition("@")[0]
 
@@ -135,7 +135,7 @@ class LoadCellPriors(NamedTuple):
     Attributes
     ----------
     offset : Prior
-        Of the load cell at the time `at`, N.
+        Of the load cell at the time `offset_time`, N.
     at : float
         Where the offset is known, s after the first sample.
     drift : Prior
@@ -154,17 +154,17 @@ class LoadCellPriors(NamedTuple):
     """
 
     offset: Prior
-    at: float
+    offset_time: float
     drift: Prior
     delay: Prior
-    first: int
-    slope: Prior
+    first_sample: int
+    baseline_drift: Prior
     conflict: float
-    doubt: Prior
+    limit_drift: Prior
 
 
 @cache_on_record
-def priors(record: RampHold) -> LoadCellPriors:
+def build_load_cell_priors(record: RampHold) -> LoadCellPriors:
     r"""Return what the record and its machine say of offset, drift and delay.
 
     The offset is the mean of the samples before contact, with standard error
@@ -174,15 +174,15 @@ def priors(record: RampHold) -> LoadCellPriors:
     The delay is 0 with the larger of one sample, `Machine.sync` and 1/(2 pi f) of a named filter.
     """
     time, force = record.time - record.time[0], record.force
-    first = _first_motion(record)
+    first = _find_first_motion(record)
     rest = slice(0, first) if record.loading_start is None else record.baseline_samples
     duration = record.hold_end - record.onset
-    final = abs(float(force[last_of_hold(record)].mean()))
+    final = abs(float(force[select_hold_end(record)].mean()))
     noise = record.force_noise or scatter(time[record.hold], force[record.hold])
     if rest.stop - rest.start >= _FEWEST and not _is_loaded_early(record, rest):
         offset, at, slope = estimate_channel_zero(time[rest], force[rest], noise)
     else:
-        offset, at = _first_reading(record, noise), 0.0
+        offset, at = _estimate_first_reading(record, noise), 0.0
         if record.loading_start is None:
             first = max(first, 1) if record.displacement[0] <= 0 else 0
         slope = Prior(0.0, np.inf)
@@ -196,7 +196,7 @@ def priors(record: RampHold) -> LoadCellPriors:
         offset,
         at,
         Prior(*machine.combine_drift(slope, *values)),
-        delay_prior(record),
+        build_delay_prior(record),
         first,
         slope,
         machine.drift_conflict(slope, *values, record.force_noise),
@@ -204,20 +204,20 @@ def priors(record: RampHold) -> LoadCellPriors:
     )
 
 
-def terms_of(record: RampHold, *, claimed: bool = False) -> NuisanceTerms:
+def build_nuisance_terms(record: RampHold, *, claimed: bool = False) -> NuisanceTerms:
     """Return what is known of offset, drift and delay, their columns counting from its start.
 
     Of what is `claimed` as a limit the drift is as doubtful as it may be.
     """
-    cell_priors = priors(record)
+    cell_priors = build_load_cell_priors(record)
     least = ROUNDING * float(np.abs(record.force).max())
-    drift = cell_priors.doubt if claimed else cell_priors.drift
+    drift = cell_priors.limit_drift if claimed else cell_priors.drift
     all_priors = {"offset": cell_priors.offset, "drift": drift, "delay": cell_priors.delay}
-    return NuisanceTerms(all_priors, -cell_priors.at, least)
+    return NuisanceTerms(all_priors, -cell_priors.offset_time, least)
 
 
 @cache_on_record
-def spread_before(record: RampHold) -> float:
+def estimate_hold_noise(record: RampHold) -> float:
     """Return the standard deviation of one independent residual as the hold shows it unfitted, N.
 
     It is what a plateau, a drift and a dozen arms leave of means over a thousandth of the hold:
@@ -246,8 +246,8 @@ class ChannelZero(NamedTuple):
     """Zero and drift of a channel by the samples before a test, and the time of that zero."""
 
     offset: Prior
-    at: float
-    slope: Prior
+    offset_time: float
+    drift: Prior
 
 
 def estimate_channel_zero(time: FloatArray, values: FloatArray, noise: float) -> ChannelZero:
@@ -257,14 +257,14 @@ def estimate_channel_zero(time: FloatArray, values: FloatArray, noise: float) ->
     """
     residual = values - values.mean()
     # a drift is no noise
-    line = _slope(time, residual, 1.0).mean
+    line = _fit_slope(time, residual, 1.0).mean
     noises = noise_of(residual - line * (time - time.mean()))
     error = float(np.sqrt(noises.autocovariance[0] * noises.kappa / len(values)))
     offset = Prior(float(values.mean()), max(error, noise / float(np.sqrt(len(values)))))
-    return ChannelZero(offset, float(time.mean()), _slope(time, residual, noises.kappa))
+    return ChannelZero(offset, float(time.mean()), _fit_slope(time, residual, noises.kappa))
 
 
-def _first_motion(record: RampHold) -> int:
+def _find_first_motion(record: RampHold) -> int:
     """The sample from which the plate may move: a fiftieth of the ramp before it is seen to."""
     change = int(np.argmax(record.displacement > 0))
     earlier = record.loading_start is not None
@@ -287,13 +287,13 @@ class SignificantDrift(NamedTuple):
     drift: float
 
 
-def significant_drift(record: RampHold) -> SignificantDrift:
+def compute_significant_drift(record: RampHold) -> SignificantDrift:
     """Return which departures from what is known of the load cell matter to the stiffness."""
-    final = MATERIAL * abs(float(record.force[last_of_hold(record)].mean()))
+    final = MATERIAL * abs(float(record.force[select_hold_end(record)].mean()))
     return SignificantDrift(final, final / (record.hold_end - record.onset))
 
 
-def last_of_hold(record: RampHold) -> slice:
+def select_hold_end(record: RampHold) -> slice:
     """Return the last twentieth of the samples of the hold, one at least."""
     end = record.hold.stop
     return slice(end - max(1, (end - record.hold.start) // 20), end)
@@ -311,12 +311,12 @@ class TwoChannels(Protocol):
         """Between two samples, s."""
 
 
-def delay_prior(record: TwoChannels) -> Prior:
+def build_delay_prior(record: TwoChannels) -> Prior:
     """Return the prior of the delay of the force behind the displacement, s."""
     return Prior(0.0, record.machine.delay_sd(record.step))
 
 
-def error_by_delay(numbers: Callable[[float], FloatArray], delay: Prior) -> FloatArray:
+def compute_delay_errors(numbers: Callable[[float], FloatArray], delay: Prior) -> FloatArray:
     """Return the standard errors of numbers by a delay that their record does not determine.
 
     `numbers` gives them for a force that comes so much later than it was recorded, s. The larger
@@ -332,12 +332,12 @@ def error_by_delay(numbers: Callable[[float], FloatArray], delay: Prior) -> Floa
 def _is_loaded_early(record: RampHold, rest: slice) -> bool:
     """True if the force before the plate is seen to move rises as on the ramp: it moves already."""
     force = record.force[rest] - record.force[rest].mean()
-    prior = _slope(record.time[rest], force, 1.0)
+    prior = _fit_slope(record.time[rest], force, 1.0)
     ramp = float(np.abs(record.force).max()) / record.ramp_time
     return prior.mean > max(_LOADED * ramp, 4 * prior.sd)
 
 
-def _slope(time: FloatArray, residual: FloatArray, kappa: float) -> Prior:
+def _fit_slope(time: FloatArray, residual: FloatArray, kappa: float) -> Prior:
     t = time - time.mean()
     power = float(t @ t)
     slope = float(t @ residual) / power
@@ -345,7 +345,7 @@ def _slope(time: FloatArray, residual: FloatArray, kappa: float) -> Prior:
     return Prior(slope, float(np.sqrt(ratio * kappa / power)))
 
 
-def _first_reading(record: RampHold, noise: float) -> Prior:
+def _estimate_first_reading(record: RampHold, noise: float) -> Prior:
     """Return the force at the first sample, and what the compression there may have given."""
     x, force = record.displacement, record.force
     noise = _compute_reading_error(record, noise)
@@ -372,7 +372,7 @@ def _compute_reading_error(record: RampHold, noise: float) -> float:
     return slow if slow > max(chance, _MISSED * float(np.abs(force).max())) else noise
 
 
-def recorded_warming(specimen: Specimen) -> Prior:
+def build_recorded_warming_prior(specimen: Specimen) -> Prior:
     """Return by how much the seal may have warmed over its record, K: as recorded, if it was."""
     return WARMING if specimen.warmed is None else Prior(specimen.warmed, _RECORDED)
 

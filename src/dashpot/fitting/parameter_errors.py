@@ -14,7 +14,7 @@ from dashpot.base.student_t import t_quantile
 from dashpot.datamodel.parameter_estimate import Profile, Residual
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.marginal_relaxation import RelaxationData
-from dashpot.fitting.nuisance_priors import delay_prior, kind_of
+from dashpot.fitting.nuisance_priors import build_delay_prior, get_column_kind
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import compact_block
 from dashpot.numerics.exponential_fit import Jacobian, Solution, full_jacobian
@@ -647,7 +647,7 @@ def _evaluate_test_columns(data: RelaxationData, solid: Solid) -> _TestColumns:
     )
     # coordinates may differ between calls, so one call evaluates all columns
     evaluation = data.block.evaluate(np.concatenate((base, log_tau)))
-    kinds = [kind_of(name) for name in data.block.fixed_names]
+    kinds = [get_column_kind(name) for name in data.block.fixed_names]
     spring = kinds.index("k_inf")
     columns = np.column_stack(
         (
@@ -659,8 +659,8 @@ def _evaluate_test_columns(data: RelaxationData, solid: Solid) -> _TestColumns:
     if isinstance(solid, FractionalZener):
         columns = columns @ solid.arm_gradient()
     private = [i for i in range(len(kinds)) if i != spring]
-    prior_terms = replace(data.terms, known={**data.terms.known, "drift": data.drift})
-    rows = prior_terms.rows(data.block, 1 / data.weight)
+    prior_terms = replace(data.terms, priors={**data.terms.priors, "drift": data.drift})
+    rows = prior_terms.build_rows(data.block, 1 / data.weight)
     matrix = np.zeros((rows.samples, len(kinds)))
     matrix[:, [data.block.fixed_names.index(name) for name in rows.fixed_names]] = rows.evaluate(
         np.zeros(0)
@@ -670,10 +670,10 @@ def _evaluate_test_columns(data: RelaxationData, solid: Solid) -> _TestColumns:
         unmeasured = rig_effects.columns(evaluation.fixed, evaluation.arms[:, len(base) :])
     if "drift" in kinds:
         # the part of the drift that the prior of the fit excludes
-        remaining_drift = data.terms.known["drift"].remaining_after(data.drift)
-        drift = replace(data.terms, known={"drift": remaining_drift})
+        remaining_drift = data.terms.priors["drift"].compute_remainder(data.drift)
+        drift = replace(data.terms, priors={"drift": remaining_drift})
         unmeasured = np.hstack(
-            (unmeasured, drift.doubts(evaluation.fixed, data.block.fixed_names)[0])
+            (unmeasured, drift.build_prior_columns(evaluation.fixed, data.block.fixed_names)[0])
         )
     return _TestColumns(
         data.weight * columns,
@@ -691,7 +691,7 @@ def compute_clock_sensitivity(tests: Sequence[RampHold], model: GeneralizedMaxwe
     """
     delay_errors = [
         np.hypot(
-            delay_prior(test).sd, test.encoder_step / np.sqrt(12) * test.ramp_time / test.depth
+            build_delay_prior(test).sd, test.encoder_step / np.sqrt(12) * test.ramp_time / test.depth
         )
         for test in tests
     ]

@@ -85,7 +85,7 @@ from dashpot.fitting.nonlinear_ramp.linearity import (
     LinearityResult,
     select_delayed_motion,
 )
-from dashpot.fitting.nuisance_priors import delay_prior, priors, significant_drift
+from dashpot.fitting.nuisance_priors import build_delay_prior, build_load_cell_priors, compute_significant_drift
 from dashpot.fitting.order_selection import SelectedModel, select_order, validate_arm_count
 from dashpot.fitting.parameter_errors import (
     SolutionEstimate,
@@ -93,7 +93,7 @@ from dashpot.fitting.parameter_errors import (
     compute_rig_sensitivity,
 )
 from dashpot.fitting.relaxation_likelihood import build_hold_data, fitted_data
-from dashpot.fitting.valid_band import band_of_hold, informed_band
+from dashpot.fitting.valid_band import find_hold_band, find_informed_band
 from dashpot.numerics.exponential_fit import solve
 from dashpot.preprocessing.signal_conditioning import Filter, filter_of, filter_record
 from dashpot.registry import find_handler
@@ -452,18 +452,18 @@ def _build_linear_fit(
 ) -> Fit:
     """Return the fit of a linear model, with errors, limits, band and checks."""
     records, selection = motion.holds.records, families.best
-    band = informed_band(
+    band = find_informed_band(
         records,
         selection.data.rows,
         stiffness=max(selection.model.k_0, 1e-300),
         noise=max(selection.estimate.spread, 1e-6 * selection.data.peak, 1e-300),
     )
     # what it bounds is of any spectrum: few arms weigh the record as well as many
-    data = _weight_records(records, families.arms, setup)
+    data = _build_limit_data(records, families.arms, setup)
     hold = _collect_hold_arguments(records, families.arms)
     spectra = spectra_of_holds(data, **hold)
     end = compute_end_limits(data, **hold, spectra=spectra).holding(selection.model)
-    band, band_error = band_of_hold(spectra, selection.solid, band)
+    band, band_error = find_hold_band(spectra, selection.solid, band)
     sensitivity = compute_rig_sensitivity(data, selection.solid)
     if setup.method == "hold" and "delay" in setup.nuisance and selection.solid is selection.model:
         sensitivity = np.hstack((sensitivity, compute_clock_sensitivity(records, selection.model)))
@@ -474,7 +474,7 @@ def _build_linear_fit(
             selection.residual,
             selection.nuisances(
                 motion.coefficients(selection.solution.coefficient),
-                delays=[delay_prior(record).sd for record in records],
+                delays=[build_delay_prior(record).sd for record in records],
             ),
             unseen=sensitivity,
         ),
@@ -529,7 +529,7 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], law: RampLaw, arms: int | N
     )
 
 
-def _weight_records(
+def _build_limit_data(
     records: Sequence[RampHold], selection: SelectedModel, setup: FitSetup
 ) -> list[RelaxationData]:
     """Return the records with their weights in the limits."""
@@ -573,7 +573,7 @@ def _run_checks(
         ),
     ]
     if in_arms:
-        correlation = _drift_correlation(estimate)
+        correlation = _compute_drift_correlation(estimate)
         all_checks.append(checks.drift_distinguished_from_arm(model, correlation, float(error[-1])))
     all_checks += _check_load_cells(motion, selection, end)
     if choice is not None:
@@ -597,16 +597,16 @@ def _check_load_cells(
         results = []
         for i, record in enumerate(records):
             if f"{kind}@{i}" in names:
-                cell_priors = priors(record)
+                cell_priors = build_load_cell_priors(record)
                 departure = value(f"{kind}@{i}")
                 if kind == "offset" and f"drift@{i}" in names:
                     # where it is known: the fit's own is that at the first sample
-                    departure += cell_priors.at * value(f"drift@{i}")
+                    departure += cell_priors.offset_time * value(f"drift@{i}")
                 results.append(
                     (
                         departure,
                         *getattr(cell_priors, kind),
-                        getattr(significant_drift(record), kind),
+                        getattr(compute_significant_drift(record), kind),
                     )
                 )
         return results
@@ -617,20 +617,20 @@ def _check_load_cells(
         ramp_checks.drift_plausible(list_departures("drift"), beyond_hold),
     ]
     delays = [
-        (value(name), estimate.standard_error(name), priors(record).delay.sd)
+        (value(name), estimate.standard_error(name), build_load_cell_priors(record).delay.sd)
         for name, record in ((f"delay@{i}", record) for i, record in enumerate(records))
         if name in names
     ]
-    resolved_priors = [priors(record) for record in records]
+    resolved_priors = [build_load_cell_priors(record) for record in records]
     all_checks.append(
         ramp_checks.baseline_agrees(
-            [(prior.slope.mean, prior.conflict) for prior in resolved_priors]
+            [(prior.baseline_drift.mean, prior.conflict) for prior in resolved_priors]
         )
     )
     return [*all_checks, ramp_checks.clocks_agree(delays)]
 
 
-def _drift_correlation(estimate: SolutionEstimate) -> float | None:
+def _compute_drift_correlation(estimate: SolutionEstimate) -> float | None:
     """Return the largest correlation between the slowest arm and a drift, None without either."""
     drifts = [i for i, name in enumerate(estimate.names) if name.startswith("drift@")]
     if not drifts or not estimate.solution.order:

@@ -27,11 +27,11 @@ from dashpot.fitting.nuisance_priors import (
     LINEAR_DELAY,
     Prior,
     build_warming_prior,
-    delay_prior,
-    kind_of,
-    priors,
-    recorded_warming,
-    terms_of,
+    build_delay_prior,
+    get_column_kind,
+    build_load_cell_priors,
+    build_recorded_warming_prior,
+    build_nuisance_terms,
 )
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import uniform_step
@@ -160,7 +160,7 @@ def build_relaxation_data(
         residual,
         size=float(np.hypot(_compute_law_deviation(law), set_of(test, model))),
         rms=fit.estimate.residual.rms,
-        doubts={kind_of(name): sd for name, (_, sd) in doubts.items()},
+        doubts={get_column_kind(name): sd for name, (_, sd) in doubts.items()},
         claimed=claimed,
     )
     relaxation_data = replace(relaxation_data, delay=0.0) if late else relaxation_data
@@ -168,7 +168,7 @@ def build_relaxation_data(
         return relaxation_data
     relaxation_data = replace(
         relaxation_data,
-        terms=relaxation_data.terms.add_terms(warming=recorded_warming(test.specimen)),
+        terms=relaxation_data.terms.add_terms(warming=build_recorded_warming_prior(test.specimen)),
     )
     gain = _GAIN if shift.shift_sd > 0 else 0.0
     return replace(relaxation_data, moved=shift, size=float(np.hypot(relaxation_data.size, gain)))
@@ -184,7 +184,7 @@ def _build_delay_columns(
     slow = _slower(model, SLOW_ARM * test.step)
     displacement = slow.force(time, np.interp(time - late, time, x, left=0.0))
     # what has lagged once may lag by that, whatever was thought possible
-    sd = max(delay_prior(test).sd, late)
+    sd = max(build_delay_prior(test).sd, late)
     entries = {"delay": ((displacement - slow.force(time, x)) / late, sd)}
     if late > 0:
         low_passed = x - arm_response(time, x, late)
@@ -277,7 +277,7 @@ def build_hold_data(
     )
     if law is None:
         # eq. 5 is fitted with a drift as free as it may be
-        relaxation_data = replace(relaxation_data, drift=relaxation_data.terms.known["drift"])
+        relaxation_data = replace(relaxation_data, drift=relaxation_data.terms.priors["drift"])
     start = float(test.time[test.settled_samples.start] - test.time[0])
     return (
         relaxation_data
@@ -301,7 +301,7 @@ def fitted_data(
     relaxation_data = _add_rig_columns(
         relaxation_data, test, (time, x), start=float(time[first_sample(test)])
     )
-    late = any(kind_of(name) == "delay" for name in block.fixed_names)
+    late = any(get_column_kind(name) == "delay" for name in block.fixed_names)
     return replace(relaxation_data, delay=0.0) if late else relaxation_data
 
 
@@ -322,7 +322,7 @@ def _add_rig_columns(
     adds = compute_unmeasured_effects(test, time, x, data.answer)
     tau = np.geomspace(max(test.ramp_time / 100, test.step), 10 * test.hold_time, MIXED)
     shapes = {"k_inf": x, "offset": np.ones(len(time)), "drift": time - since}
-    kinds = [kind_of(name) for name in data.block.fixed_names]
+    kinds = [get_column_kind(name) for name in data.block.fixed_names]
     there = [kind in shapes for kind in kinds]
     columns = [shapes[kind] for kind in kinds if kind in shapes]
     basis = np.column_stack((*columns, arm_response(time, x, tau)))[time >= start]
@@ -369,22 +369,22 @@ def _weight_block(
     rms: float = 0.0,
     claimed: bool = True,
 ) -> RelaxationData:
-    terms = terms_of(test, claimed=claimed)
+    terms = build_nuisance_terms(test, claimed=claimed)
     power = max(noise_power(residual), certain.rounding_floor)
     remainder = max(float(np.mean(residual**2)), rms**2, power)
     return RelaxationData(
         block=block,
         weight=1 / float(np.sqrt(power)),
         kappa=power / max(float(np.mean(residual**2)), certain.rounding_floor / len(residual)),
-        terms=replace(terms, since=since + terms.since).add_terms(
+        terms=replace(terms, drift_start=since + terms.drift_start).add_terms(
             **{name: Prior(0.0, sd) for name, sd in doubts.items()}
         ),
         answer=_slower(answer, SLOW_ARM * test.step),
-        delay=terms.known["delay"].sd,
+        delay=terms.priors["delay"].sd,
         size=size,
         certain=certain,
         misfit=len(residual) * remainder / power,
-        drift=priors(test).drift,
+        drift=build_load_cell_priors(test).drift,
     )
 
 
@@ -447,12 +447,12 @@ def compute_unmeasured_effects(
     if test.preload and peak > 0:
         # pressed when the record begins; what it carries in the middle of the rest is offset
         relaxing = answer.force(time, np.ones(len(time)))
-        tared = float(np.interp(priors(test).at, time, relaxing))
+        tared = float(np.interp(build_load_cell_priors(test).offset_time, time, relaxing))
         terms["preload"] = relaxing - tared, test.preload * test.depth / peak
     if test.loading_start is None and not test.gap > 0 and answer.arms:
         memory, sd = build_earlier_press(test.machine, answer, time, depth=test.depth)
         # what it carries in the middle of the rest is offset
-        terms["memory"] = memory - float(np.interp(priors(test).at, time, memory)), sd
+        terms["memory"] = memory - float(np.interp(build_load_cell_priors(test).offset_time, time, memory)), sd
     # its temperature is that of its contact, however long the machine stood before
     value = max(test.onset - test.ramp_time - test.time[0], 0.0)
     warms = compute_warming(time, x, answer, since=value)

@@ -50,12 +50,12 @@ def find_loss_factor_band(
     at, every = np.array(list(lines)), dict(lines)
     certain = np.array([error[1] for error in lines.values()]) <= WELL_KNOWN
     if certain.all() or not certain.any():
-        return band, _band_error(every)
+        return band, _build_band_error(every)
     parts = find_true_runs(certain).tolist()
     if around is not None:
         parts = [part for part in parts if at[part[0]] <= around <= at[part[1]]]
         if not parts:
-            return band, _band_error(every)
+            return band, _build_band_error(every)
     first, last = max(parts, key=lambda run: at[run[1]] / at[run[0]])
     ends = []
     for inside, outside in ((first, first - 1), (last, last + 1)):
@@ -64,7 +64,7 @@ def find_loss_factor_band(
             end = _find_band_end(errors, every, end, float(at[outside]))
         ends.append(end)
     low, high = ends
-    return (low, high), _band_error({f: e for f, e in every.items() if low <= f <= high})
+    return (low, high), _build_band_error({f: e for f, e in every.items() if low <= f <= high})
 
 
 def _find_band_end(
@@ -89,7 +89,7 @@ def _find_band_end(
     return inside
 
 
-def _band_error(errors: Mapping[float, tuple[float, float]]) -> BandError:
+def _build_band_error(errors: Mapping[float, tuple[float, float]]) -> BandError:
     lines = sorted(errors)
     stiffness, loss_factor = zip(*(errors[line] for line in lines), strict=True)
     return BandError(tuple(lines), tuple(stiffness), tuple(loss_factor))
@@ -123,7 +123,7 @@ THINNED = 0.15
 
 
 @dataclass(frozen=True, eq=False)
-class ErrorsAbout:
+class SolidErrors:
     """Relative errors of a fitted solid over some spectra.
 
     Attributes
@@ -158,17 +158,17 @@ class ErrorsAbout:
             least, most = size / (1 + self.stiffness), size * (1 + self.stiffness)
         spread = most / least if least > 0 else np.inf
         low, high = (
-            _largest_ratio(self.spectra, sign * loss, storage, sign * eta, spread)
+            _find_largest_ratio(self.spectra, sign * loss, storage, sign * eta, spread)
             for sign in (-1, 1)
         )
         if self.stiffness is not None:
-            return self.stiffness, _relative(-low, eta, high)
+            return self.stiffness, _compute_relative_error(-low, eta, high)
         widest = max(abs(np.arctan(end) - angle) for end in (-low, high))
         most /= max(float(np.cos(widest)), 1e-9)
-        return _relative(max(least, 0.0), size, most), _relative(-low, eta, high)
+        return _compute_relative_error(max(least, 0.0), size, most), _compute_relative_error(-low, eta, high)
 
 
-def _largest_ratio(
+def _find_largest_ratio(
     spectra: AdmissibleSpectra, above: FloatArray, below: FloatArray, start: float, spread: float
 ) -> float:
     """Return the largest (above . k) / (below . k), at least `start`.
@@ -193,7 +193,7 @@ def _largest_ratio(
     return ratio
 
 
-def _relative(low: float, value: float, high: float) -> float:
+def _compute_relative_error(low: float, value: float, high: float) -> float:
     """Return by how much a value may lie off, relative to itself or to the truth."""
     if not (low > 0 and value > 0 and np.isfinite(high)):
         return np.inf
@@ -203,7 +203,7 @@ def _relative(low: float, value: float, high: float) -> float:
 # -- a band ---------------------------------------------------------------------------------------
 
 
-def band_of_hold(
+def find_hold_band(
     spectra: AdmissibleSpectra, solid: Solid, band: tuple[float, float]
 ) -> tuple[tuple[float, float], BandError | None]:
     """Return the valid band of a hold, and how well its solid is known there.
@@ -219,7 +219,7 @@ def band_of_hold(
     """
     if not has_loss_band(solid, band):
         return band, None
-    errors = ErrorsAbout(spectra.reduce_grid(THINNED), solid)
+    errors = SolidErrors(spectra.reduce_grid(THINNED), solid)
     ends = [errors(line) for line in band]
     # of a hold the stiffness is known alike over the band: what its ends say is enough
     between = replace(errors, stiffness=max(stiffness for stiffness, _ in ends))
@@ -284,7 +284,7 @@ class HeldTest(Protocol):
         """How long the hold lasts, s."""
 
 
-def informed_band(
+def find_informed_band(
     tests: Sequence[HeldTest],
     blocks: Sequence[DataBlock],
     *,

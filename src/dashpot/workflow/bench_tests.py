@@ -19,7 +19,7 @@ from dashpot.fitting.fit_options import FitOptions, SolidOptions
 from dashpot.fitting.input_tests import depths_of
 from dashpot.fitting.relaxation import fit as fit_relaxation
 from dashpot.preprocessing.prepare import prepare
-from dashpot.reading.columns.kind_detection import other_kind
+from dashpot.reading.columns.kind_detection import format_other_kind
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.detect_kind import recognise
@@ -297,7 +297,7 @@ def read_test(
     row = KINDS.get(detection.kind, KINDS["relaxation"])
     if row.fit != FIT_FILES:
         with add_name_to_errors(Path(path).name):
-            raise ReadError(other_kind(detection.kind, detection.reason, "a test of a bench is"))
+            raise ReadError(format_other_kind(detection.kind, detection.reason, "a test of a bench is"))
     test: Bench = load_object(row.reader)(path, options=options, specimen=specimen)
     return test
 

@@ -38,15 +38,15 @@ from dashpot.reading.read_options import ReadOptions
 J = TypeVar("J", bound=Any)
 
 
-def _signs(typed: Sequence[str]) -> tuple[int, ...] | None:
+def _parse_signs(typed: Sequence[str]) -> tuple[int, ...] | None:
     return tuple(int(sign) for sign in typed) or None
 
 
-def _typed_signs(signs: Sequence[int]) -> list[str]:
+def _format_signs(signs: Sequence[int]) -> list[str]:
     return [f"{sign:+d}" for sign in signs]
 
 
-def _over_base(relative: bool) -> OverBase:
+def _parse_motion(relative: bool) -> OverBase:
     return "relative" if relative else "absolute"
 
 
@@ -87,15 +87,15 @@ class HammerChoices:
         "Sign of each accelerometer, in order.",
         choices=("+1", "-1"),
         multiple=True,
-        parse=_signs,
-        typed=_typed_signs,
+        parse=_parse_signs,
+        typed=_format_signs,
     )
     motion: OverBase = option(
         "absolute",
         "The motion is relative to the base.",
         flag="relative",
         is_flag=True,
-        parse=_over_base,
+        parse=_parse_motion,
     )
 
 
@@ -366,13 +366,13 @@ class PartChoices:
     resonance_mass: float | None = option(None, "Mass on the parts at that peak.", unit="mass")
 
 
-def with_paths(job: J, function: Callable[[str], str]) -> J:
+def replace_paths(job: J, function: Callable[[str], str]) -> J:
     """Return a job with every path in it replaced: those of its parts, then its own."""
     changed: dict[str, Any] = {}
     for attribute in sorted(fields(job), key=lambda field: "part" not in field.metadata):
         value = getattr(job, attribute.name)
         if "part" in attribute.metadata:
-            changed[attribute.name] = with_paths(value, function)
+            changed[attribute.name] = replace_paths(value, function)
         elif is_path_field(attribute) and value:
             changed[attribute.name] = (
                 function(value) if isinstance(value, str) else (*map(function, value),)

@@ -48,7 +48,7 @@ def remembered(request, monkeypatch):
         return
 
     def once(job):
-        named = folder.with_paths(job, lambda path: history.sha256(Path(path).read_bytes()))
+        named = folder.replace_paths(job, lambda path: history.sha256(Path(path).read_bytes()))
         key = (Path(job.relaxation).name, to_json(named))
         if key not in STUDIES:
             STUDIES[key] = run(job)

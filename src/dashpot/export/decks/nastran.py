@@ -79,16 +79,16 @@ def nastran(
     nominal = convert_to_si(nominal, "frequency")
     row = row_of(deck, line, shear)
     if deck.form == "arms":
-        return _arms(deck, row, first_id)
+        return _format_arms(deck, row, first_id)
     damping: Damping = "loss_factor" if deck.form == "table" else "damping"
     require_positive("--", nominal=nominal, unit=" Hz", optional=True)
     requested = frequency_range, tolerance
-    return _table(
+    return _format_tables(
         deck, row, requested=requested, damping=damping, nominal=nominal, first_id=first_id
     )
 
 
-def _table(
+def _format_tables(
     deck: Deck,
     row: SpringRow,
     *,
@@ -103,15 +103,15 @@ def _table(
     for shares, rank in row.shares.items():
         springs = row.springs(shares)
         frequency_tables = [
-            deck.table(*requested, solid=solid, damping=damping, printed=_large)
+            deck.table(*requested, solid=solid, damping=damping, printed=_format_large_number)
             for _, solid in springs
         ]
         count = first_id + 2 * row.ways * rank
         rows = [
-            _component(deck, way, solid, table, damping=damping, nominal=at)
+            _build_component(deck, way, solid, table, damping=damping, nominal=at)
             for (way, solid), table in zip(springs, frequency_tables, strict=True)
         ]
-        properties += bush_property(count, rows, label="GE" if damping == "loss_factor" else "B")
+        properties += format_bush_property(count, rows, label="GE" if damping == "loss_factor" else "B")
         tables += frequency_tables
     acts = "the bushing acts along its x axis"
     if row.ways > 1:
@@ -119,7 +119,7 @@ def _table(
     return deck.format_text(
         "$",
         "frequency-dependent bushing for Nastran and OptiStruct",
-        _name_continuations([*_bushings(row, first_id), *properties]),
+        _name_continuations([*_format_bushings(row, first_id), *properties]),
         verified=_VERIFIED,
         remarks=[
             *row.remarks,
@@ -141,7 +141,7 @@ class BushComponent:
     nominal: tuple[float, float]
 
 
-def _component(
+def _build_component(
     deck: Deck, way: int, solid: Solid, table: Table, *, damping: Damping, nominal: float
 ) -> BushComponent:
     units = deck.units
@@ -159,7 +159,7 @@ def _component(
     )
 
 
-def bush_property(
+def format_bush_property(
     property_id: int, components: Sequence[BushComponent], *, label: str
 ) -> list[str]:
     """PBUSH, PBUSHT and their TABLED1, numbered from `property_id`; `label` is GE or B."""
@@ -173,61 +173,61 @@ def bush_property(
         for row, value in zip(fields, (*component.nominal, first, second), strict=True):
             row[component.number - 1] = value
         tables += [
-            *_tabled1(first, component.frequency, component.stiffness),
-            *_tabled1(second, component.frequency, component.damping),
+            *_format_tabled1(first, component.frequency, component.stiffness),
+            *_format_tabled1(second, component.frequency, component.damping),
         ]
     return [
         # large: a small field holds four digits of a small number
-        *_card("PBUSH*", [property_id, "K", *fields[0], *blank, "", label, *fields[1]]),
-        _small("PBUSHT", property_id, "K", *fields[2]),
-        _small("", "", label, *fields[3]),
+        *_format_large_card("PBUSH*", [property_id, "K", *fields[0], *blank, "", label, *fields[1]]),
+        _format_small_card("PBUSHT", property_id, "K", *fields[2]),
+        _format_small_card("", "", label, *fields[3]),
         *tables,
     ]
 
 
-def _frames(row: SpringRow, first_id: int) -> list[str]:
+def _format_frames(row: SpringRow, first_id: int) -> list[str]:
     cards: list[str] = []
     for (normal, _, along), rank in row.frames.items():
-        cards += _coordinates(first_id + rank, normal, along)
+        cards += _format_coordinate_system(first_id + rank, normal, along)
     return cards
 
 
-def _bushings(row: SpringRow, first_id: int) -> list[str]:
-    cards = _frames(row, first_id)
+def _format_bushings(row: SpringRow, first_id: int) -> list[str]:
+    cards = _format_frames(row, first_id)
     for i, station in enumerate(row.stations):
         a, b = row.nodes(i, first_id)
         for grid in (a, b):
-            cards += _card("GRID*", [grid, "", *station.place])
+            cards += _format_large_card("GRID*", [grid, "", *station.place])
         system = first_id + row.frames[station.frame] if station.frame in row.frames else 0
         count = first_id + 2 * row.ways * row.shares[station.shares]
-        cards.append(_small("CBUSH", first_id + i, count, a, b, "", "", "", system))
+        cards.append(_format_small_card("CBUSH", first_id + i, count, a, b, "", "", "", system))
     return cards
 
 
-def _coordinates(number: int, normal: Sequence[float], along: Sequence[float]) -> list[str]:
+def _format_coordinate_system(number: int, normal: Sequence[float], along: Sequence[float]) -> list[str]:
     """CORD2R: a point on its z axis, along the line, and one on x, the normal, in the xz plane."""
-    return _card("CORD2R*", [number, 0, 0.0, 0.0, 0.0, *along, *normal])
+    return _format_large_card("CORD2R*", [number, 0, 0.0, 0.0, 0.0, *along, *normal])
 
 
-def _arms(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
-    cards, grid, element = _frames(row, first_id), first_id, itertools.count(first_id)
+def _format_arms(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
+    cards, grid, element = _format_frames(row, first_id), first_id, itertools.count(first_id)
     for station in row.stations:
         a, b = grid, grid + 1
         # its own components are those of the line there
         system = [first_id + row.frames[station.frame]] if station.frame in row.frames else []
         for point in (a, b):
-            cards += _card("GRID*", [point, "", *station.place, *system])
+            cards += _format_large_card("GRID*", [point, "", *station.place, *system])
         grid = b + 1
         for way, solid in row.springs(station.shares):
             arms = deck.with_solid(solid)
             if arms.k_inf > 0:
-                cards += _card("CELAS2*", [next(element), arms.k_inf, a, way + 1, b, way + 1])
+                cards += _format_large_card("CELAS2*", [next(element), arms.k_inf, a, way + 1, b, way + 1])
             if arms.b > 0:
-                cards += _card("CDAMP2*", [next(element), arms.b, a, way + 1, b, way + 1])
+                cards += _format_large_card("CDAMP2*", [next(element), arms.b, a, way + 1, b, way + 1])
             for inner, (k, _, arm_b) in enumerate(arms.arms, start=grid):
-                cards.append(_small("SPOINT", inner))
-                cards += _card("CELAS2*", [next(element), k, a, way + 1, inner, ""])
-                cards += _card("CDAMP2*", [next(element), arm_b, inner, "", b, way + 1])
+                cards.append(_format_small_card("SPOINT", inner))
+                cards += _format_large_card("CELAS2*", [next(element), k, a, way + 1, inner, ""])
+                cards += _format_large_card("CDAMP2*", [next(element), arm_b, inner, "", b, way + 1])
             grid += len(arms.arms)
     format_procedures = find_handler("procedures", "solver input")
     verified, *more = format_procedures("nastran", "arms") if format_procedures else [_VERIFIED]
@@ -243,14 +243,14 @@ def _arms(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
     )
 
 
-def _tabled1(number: int, x: Iterable[float], y: Iterable[float]) -> list[str]:
+def _format_tabled1(number: int, x: Iterable[float], y: Iterable[float]) -> list[str]:
     pairs = [value for pair in zip(x, y, strict=True) for value in pair]
-    return _card("TABLED1*", [number, *[""] * 7, *pairs, "ENDT"])
+    return _format_large_card("TABLED1*", [number, *[""] * 7, *pairs, "ENDT"])
 
 
-def _card(name: str, fields: Sequence[float | str]) -> list[str]:
+def _format_large_card(name: str, fields: Sequence[float | str]) -> list[str]:
     """Return a large-field card: four fields of 16 columns a line, an even number of lines."""
-    words = [_large(value) if isinstance(value, float) else str(value) for value in fields]
+    words = [_format_large_number(value) if isinstance(value, float) else str(value) for value in fields]
     rows = [words[i : i + 4] for i in range(0, len(words), 4)]
     rows += [[]] * (len(rows) % 2)
     heads = [name] + ["*"] * (len(rows) - 1)
@@ -273,12 +273,12 @@ def _name_continuations(lines: Sequence[str]) -> list[str]:
     return made
 
 
-def _small(name: str, *fields: float | str) -> str:
+def _format_small_card(name: str, *fields: float | str) -> str:
     words = [
         format_fixed_width(value, 8) if isinstance(value, float) else str(value) for value in fields
     ]
     return (f"{name:<8}" + "".join(f"{word:<8}" for word in words)).rstrip()
 
 
-def _large(value: float) -> str:
+def _format_large_number(value: float) -> str:
     return f"{value:.9E}"

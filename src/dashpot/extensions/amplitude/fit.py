@@ -32,7 +32,7 @@ from dashpot.extensions.amplitude.checks import (
     up_and_down_sweeps_agree,
 )
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
-from dashpot.fitting.nuisance_priors import Prior, error_by_delay
+from dashpot.fitting.nuisance_priors import Prior, compute_delay_errors
 
 _LEAST = 6
 """Samples: two numbers of a level, three of the law, one to spare."""
@@ -170,7 +170,7 @@ def _errors_with_delay(
         return best.linear_se, best.se
     delay = Prior(0.0, sweep.delay_sd)
     # a law that stands beside the solid may take part of the turn, or leave it all to the solid
-    by_delay = np.maximum(error_by_delay(numbers, delay), error_by_delay(levels, delay))
+    by_delay = np.maximum(compute_delay_errors(numbers, delay), compute_delay_errors(levels, delay))
     storage, loss, law = np.split(by_delay, [len(best.linear), 2 * len(best.linear)])
     parts = np.append(best.linear_se.real, best.linear_se.imag)
     linear_se = join_complex_parts(np.hypot(parts, np.append(storage, loss)))

@@ -12,7 +12,7 @@ from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of
 from dashpot.base.units import format_command_quantity
 from dashpot.datamodel.frf import FRF
 from dashpot.reading.read_options import ReadOptions
-from dashpot.workflow.job import Job, with_paths
+from dashpot.workflow.job import Job, replace_paths
 
 
 def format_command_words(attribute: Field[Any], text: str) -> list[str]:
@@ -83,7 +83,7 @@ def line(command: str, job: Any) -> str:
     'dashpot fit seal.csv --arms 2 --temperature 23degC'
     """
     files: list[str] = []
-    named = with_paths(job, lambda path: Path(path).name)
+    named = replace_paths(job, lambda path: Path(path).name)
     records = [field for field in fields(named) if "argument" in field.metadata]
     for record in sorted(records, key=lambda field: int(field.metadata["argument"])):
         value = getattr(named, record.name)

@@ -21,7 +21,7 @@ from dashpot.fitting.data_blocks import find_largest_target, max_determinable_ar
 from dashpot.fitting.marginal_relaxation import RelaxationRows
 from dashpot.fitting.nuisance_priors import ROUNDING, NuisanceTerms
 from dashpot.fitting.parameter_errors import estimate_covariance
-from dashpot.fitting.valid_band import ErrorsAbout, find_loss_factor_band, has_loss_band
+from dashpot.fitting.valid_band import SolidErrors, find_loss_factor_band, has_loss_band
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import solve_orders
 from dashpot.numerics.inference.correlated_noise import (
@@ -88,7 +88,7 @@ class CurveData:
         """Everything that depends on the solid, whitened for all that is doubted."""
         evaluation = self.block.evaluate(log_tau, slopes)
         names = self.block.fixed_names
-        doubts, mean = self.terms.doubts(evaluation.fixed, names)
+        doubts, mean = self.terms.build_prior_columns(evaluation.fixed, names)
         every = np.hstack((doubts, self.common)) if self.common.size else doubts
         white = marginal(np.zeros((len(mean), 0)), every)
 
@@ -190,13 +190,13 @@ def band_of_curve(
 ) -> tuple[tuple[float, float], BandError | None]:
     """Return the valid band of a curve, which ends at a gap, and how well its solid is known there.
 
-    The parameters are those of :func:`band_of_hold`; `creep` where the spectra are of compliance.
+    The parameters are those of :func:`find_hold_band`; `creep` where the spectra are of compliance.
     """
     if not has_loss_band(solid, band):
         return band, None
     count = int(np.ceil(LINES_PER_DECADE * np.log10(band[1] / band[0]))) + 1
     lines = np.geomspace(*band, max(count, FEWEST_LINES)).tolist()
-    errors = ErrorsAbout(spectra.reduce_grid(0.0), solid, creep)
+    errors = SolidErrors(spectra.reduce_grid(0.0), solid, creep)
     return find_loss_factor_band(errors, band, {line: errors(line) for line in lines})
 
 

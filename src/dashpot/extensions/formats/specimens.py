@@ -16,7 +16,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.lazy import compile_on_use
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.header_units import split_unit
-from dashpot.reading.columns.kind_detection import RECOGNISED, kind_of
+from dashpot.reading.columns.kind_detection import RECOGNISED, detect_table_kind
 from dashpot.reading.columns.role_assignment import (
     RoleAssignment,
     assign,
@@ -80,7 +80,7 @@ def _refuse_storage_alone(table: FileTable, options: ReadOptions) -> None:
     scores = [vocabulary.matches(column.name).get("storage", 0.0) for column in table.columns]
     if (
         max(scores, default=0.0) < _STORAGE_SCORE
-        or kind_of(table, ReadOptions(kind=options.kind))[0] != "unclear"
+        or detect_table_kind(table, ReadOptions(kind=options.kind))[0] != "unclear"
     ):
         return
     loss_roles: tuple[Role, ...] = ("loss", "loss_factor", "loss_angle", "phase")
@@ -104,7 +104,7 @@ def separate_specimens(table: FileTable, raw: RawFile, options: ReadOptions) -> 
     """
     if isinstance(table.load, _SpecimenLoader):
         return table
-    kind, _ = kind_of(table, ReadOptions(kind=options.kind))
+    kind, _ = detect_table_kind(table, ReadOptions(kind=options.kind))
     if kind in RECOGNISED and RECOGNISED[kind].by_hand:  # its reader tells specimens apart
         return table
     labels = _read_labels(table, raw)

@@ -10,7 +10,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.extensions.formats.specimens import separate_specimens
 from dashpot.extensions.formats.workbook_sheets import FORMULAS, HIDDEN, format_sheet_names, sheets
-from dashpot.reading.columns.kind_detection import kind_of
+from dashpot.reading.columns.kind_detection import detect_table_kind
 from dashpot.reading.formats import text
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
@@ -51,7 +51,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
             f"no sheet holds a table of numbers; the sheets are {format_sheet_names(content)}"
         )
     seen = replace(options, kind=None)
-    names = [n for n, t in tables.items() if kind_of(t, seen)[0] not in _NO_TEST]
+    names = [n for n, t in tables.items() if detect_table_kind(t, seen)[0] not in _NO_TEST]
     likely = names or list(tables)
     table = tables[likely[0]]
     if len(likely) > 1:

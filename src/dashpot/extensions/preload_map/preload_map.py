@@ -228,7 +228,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         f = samples("frequency", f)
         for end in (float(f.min()), float(f.max())):
             _require_within("frequency", end, self.band, "Hz")
-        c, X = self._locate(compression, amplitude)
+        c, X = self._convert_place(compression, amplitude)
         on_c = compute_level_weights(self.compressions, c)
         moved = np.log(self.amplitudes) if len(self.amplitudes) else np.zeros(1)
         on_X = compute_level_weights(moved, 0.0 if X is None else float(np.log(X)))
@@ -237,7 +237,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         master = self.model.complex_stiffness(omega=2 * np.pi * f)
         value = np.asarray(master * factor)
         eta = value.imag / value.real
-        real, imaginary = self._gradients(f, master, on_c.curve, on_X.curve)
+        real, imaginary = self._compute_gradients(f, master, on_c.curve, on_X.curve)
         gap_c, gap_X = float(on_c.doubt @ ln_h), complex(on_X.doubt @ ln_s)
         gain, phase = NORMAL * self.gain_error, NORMAL * self.phase_error
 
@@ -271,7 +271,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         DataError
             As :meth:`evaluate`.
         """
-        c, X = self._locate(compression, amplitude)
+        c, X = self._convert_place(compression, amplitude)
         on_c = compute_level_weights(self.compressions, c).curve
         factor = float(np.exp(on_c @ np.log(self.compression_factor)))
         if X is not None:
@@ -296,7 +296,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         """
         kilograms = convert_to_si(mass, "mass")
         require_positive(mass=kilograms, seals=seals)
-        c, X = self._locate(compression, amplitude)
+        c, X = self._convert_place(compression, amplitude)
         low, high = self.band
 
         def excess(f: float) -> float:
@@ -320,7 +320,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         damping = float(at.value.imag[0]) / storage / 2
         return MapResonance(c, X, f, (ends[0], ends[1]), damping)
 
-    def _locate(
+    def _convert_place(
         self, compression: Quantity, amplitude: Quantity | None
     ) -> tuple[float, float | None]:
         """Return compression and amplitude, m, in the measured range."""
@@ -338,7 +338,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         _require_within("amplitude", X, (smallest, largest), "mm")
         return min(max(c, least), most), min(max(X, smallest), largest)
 
-    def _gradients(
+    def _compute_gradients(
         self, f: FloatArray, master: ComplexArray, on_c: FloatArray, on_X: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Return what ln|K| and the angle gain with each estimated number, shape (n, q) each."""

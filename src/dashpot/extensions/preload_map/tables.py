@@ -10,7 +10,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ExportError
 from dashpot.base.units import convert_to_unit
 from dashpot.base.version import byline
-from dashpot.export.decks.nastran import BushComponent, bush_property
+from dashpot.export.decks.nastran import BushComponent, format_bush_property
 from dashpot.export.unit_systems import UnitSystem, text
 from dashpot.extensions.preload_map.preload_map import PreloadMap
 
@@ -71,7 +71,7 @@ def render_nastran(found: PreloadMap, units: UnitSystem) -> str:
             (units.stiffness(at.real), at.imag / at.real),
         )
         lines.append(f"$ {_describe_setting(c, X)}; nominal at {middle:g} Hz")
-        lines += bush_property(_FIRST_PROPERTY + _STEP * number, [component], label="GE")
+        lines += format_bush_property(_FIRST_PROPERTY + _STEP * number, [component], label="GE")
     return "\n".join([*lines, ""])
 
 

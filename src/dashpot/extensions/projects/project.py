@@ -34,7 +34,7 @@ from dashpot.extensions.projects.history import FileEntry, append, file_of, read
 from dashpot.reading.raw_file import missing, open_raw
 from dashpot.reading.read_options import ReadOptions, dump_profile
 from dashpot.reading.toml import parsed_toml
-from dashpot.workflow.job import Job, with_paths
+from dashpot.workflow.job import Job, replace_paths
 from dashpot.workflow.json_archive import from_json, to_document, to_json
 from dashpot.workflow.study import Study, run
 
@@ -156,7 +156,7 @@ def record(project: Project, job: Job, *, page: Callable[[Study], str]) -> tuple
     with open_exclusive_lock(project.folder / ".lock", str(project.folder)):
         for item in project.folder.rglob(f".*{PART}"):  # by a dashpot that was killed
             item.unlink(missing_ok=True)
-        retained_job = with_paths(job, lambda path: _keep(project, path))
+        retained_job = replace_paths(job, lambda path: _keep(project, path))
         inputs = {
             path: sha256((project.folder / path).read_bytes()) for path in paths_of(retained_job)
         }
@@ -259,13 +259,13 @@ def profiles(job: Job) -> dict[str, bytes]:
 def paths_of(job: Job) -> tuple[str, ...]:
     """Return every path that a job names, each once."""
     paths: dict[str, str] = {}
-    with_paths(job, lambda path: paths.setdefault(path, path))
+    replace_paths(job, lambda path: paths.setdefault(path, path))
     return tuple(paths)
 
 
 def resolve_job_paths(project: Project, job: Job) -> Job:
     """Return the job with paths that can be opened, all of them inside the project."""
-    return with_paths(job, lambda path: str(resolve_project_path(project, path)))
+    return replace_paths(job, lambda path: str(resolve_project_path(project, path)))
 
 
 def resolve_project_path(project: Project, path: str) -> Path:

@@ -217,10 +217,10 @@ def _residual(
     arms = arm_columns(time, path, np.asarray(model.tau), derivative=False)[0]
     values = optimum.nuisance
     force = model.k_inf * path + arms @ np.asarray(model.k)
-    force += values[f"offset@{i}"] + values[f"drift@{i}"] * (time - priors.at)
+    force += values[f"offset@{i}"] + values[f"drift@{i}"] * (time - priors.offset_time)
     if f"delay@{i}" in values:
         force -= values[f"delay@{i}"] * np.gradient(force, time)
-    return np.asarray((test.force[: len(path)] - force)[priors.first :])
+    return np.asarray((test.force[: len(path)] - force)[priors.first_sample :])
 
 
 def elastic_law_of(optimum: RampHoldOptimum) -> ElasticLaw:
@@ -268,7 +268,7 @@ def select_elastic_law(
     tests : sequence of RampHold
         Of any depths and ramp rates; they share the law, the stiffnesses and the relaxation
         times, and each has its own offset and drift, bound by
-        :func:`~dashpot.fitting.nuisance_priors.priors`. The force is free of hum.
+        :func:`~dashpot.fitting.nuisance_priors.build_load_cell_priors`. The force is free of hum.
     law : "auto", "linear" or "nonlinear"
         ``"auto"`` keeps the linear law where it is sound, where no other lowers BIC by 10, or
         where none moves the path by .05 % of the depth.

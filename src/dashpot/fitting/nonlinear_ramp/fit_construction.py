@@ -28,10 +28,10 @@ from dashpot.fitting.fit_construction import (
 from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nonlinear_ramp import checks
 from dashpot.fitting.nonlinear_ramp.elastic_law import RampLaw
-from dashpot.fitting.nuisance_priors import delay_prior, last_of_hold, significant_drift
+from dashpot.fitting.nuisance_priors import build_delay_prior, select_hold_end, compute_significant_drift
 from dashpot.fitting.parameter_errors import compute_clock_sensitivity
 from dashpot.fitting.relaxation_likelihood import build_hold_data
-from dashpot.fitting.valid_band import band_of_hold, informed_band
+from dashpot.fitting.valid_band import find_hold_band, find_informed_band
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
@@ -67,7 +67,7 @@ def ramp_fit(
     model, estimate = law.model, _add_test_errors(law.estimate, law.model, tests)
     law = replace(law, estimate=estimate)
     residual = estimate.residual
-    band = informed_band(
+    band = find_informed_band(
         tests,
         compress_tests(tests, FitSetup("full")),
         stiffness=max(model.k_0, 1e-300),
@@ -75,7 +75,7 @@ def ramp_fit(
     )
     error = None
     if spectra is not None:
-        band, error = band_of_hold(spectra, model, band)
+        band, error = find_hold_band(spectra, model, band)
     noticed = [check for test in tests for check in test.checks]
     answers = (
         *law_checks(tests, law, end),
@@ -187,21 +187,21 @@ def ramp_checks(
         ),
         checks.offset_plausible(
             [
-                (values[f"offset@{i}"], *priors.offset, significant_drift(tests[i]).offset)
+                (values[f"offset@{i}"], *priors.offset, compute_significant_drift(tests[i]).offset)
                 for i, priors in enumerate(rows.known)
             ]
         ),
         checks.drift_plausible(
             [
-                (values[f"drift@{i}"], *priors.drift, significant_drift(tests[i]).drift)
+                (values[f"drift@{i}"], *priors.drift, compute_significant_drift(tests[i]).drift)
                 for i, priors in enumerate(rows.known)
             ],
             np.inf if end is None else end.beyond,
         ),
-        checks.baseline_agrees([(priors.slope.mean, priors.conflict) for priors in rows.known]),
+        checks.baseline_agrees([(priors.baseline_drift.mean, priors.conflict) for priors in rows.known]),
         checks.clocks_agree(
             [
-                (late.value, late.standard_error, delay_prior(test).sd)
+                (late.value, late.standard_error, build_delay_prior(test).sd)
                 for late, test in zip(_select_nuisances("delay", law), tests, strict=False)
             ]
         ),
@@ -215,7 +215,7 @@ def _select_nuisances(kind: str, law: RampLaw) -> list[Nuisance]:
 
 def end_stiffness(test: RampHold, rest: float) -> float:
     """Return the force over the last twentieth of the hold, less that at rest, over x, N/m."""
-    held = last_of_hold(test)
+    held = select_hold_end(test)
     return float(np.mean(test.force[held]) - rest) / float(np.mean(test.displacement[held]))
 
 

@@ -235,7 +235,7 @@ def build_nuisances(rows: DownsampledRows, delay: FloatArray | None = None) -> N
     for i, prior in enumerate(rows.known):
         here = rows.record == i
         names += [f"offset@{i}", f"drift@{i}"]
-        columns += [1.0 * here, here * (rows.time - prior.at)]
+        columns += [1.0 * here, here * (rows.time - prior.offset_time)]
         priors += [prior.offset, prior.drift]
         if delay is not None:
             names.append(f"delay@{i}")

@@ -13,7 +13,7 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, distinct, median
 from dashpot.base.errors import FitError
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.nuisance_priors import LoadCellPriors, Prior, priors
+from dashpot.fitting.nuisance_priors import LoadCellPriors, Prior, build_load_cell_priors
 from dashpot.numerics.design_matrices.recorded_motion import recursion
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, require_optimum
 from dashpot.preprocessing.denoising import denoise_displacement
@@ -105,8 +105,8 @@ def downsample(tests: Sequence[RampHold]) -> DownsampledRows:
     """
     parts, cell_priors = [], []
     for number, test in enumerate(tests):
-        cell_priors.append(priors(test))
-        parts.append(_downsample_record(test, number, cell_priors[-1].first))
+        cell_priors.append(build_load_cell_priors(test))
+        parts.append(_downsample_record(test, number, cell_priors[-1].first_sample))
     columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
     time, step, x, force, count, record, ramp = columns
     return DownsampledRows(

@@ -42,9 +42,9 @@ _FEWEST_COLUMNS, _MOST_COLUMNS = 5, 64
 class AmplitudePhaseColumns(NamedTuple):
     """Columns of a signal's amplitude and phase, and whether it is a force."""
 
-    size: int
+    amplitude: int
     phase: int
-    pushes: bool
+    is_force: bool
 
 
 def find_amplitude_phase_pairs(
@@ -201,7 +201,7 @@ class NamedColumns:
 
     table: FileTable
     options: ReadOptions
-    known: dict[Role, float] = field(default_factory=dict)
+    best_scores: dict[Role, float] = field(default_factory=dict)
 
     @cached_property
     def unique_names(self) -> tuple[str, ...]:
@@ -210,18 +210,18 @@ class NamedColumns:
             dict.fromkeys(vocabulary.replace_channel_number(c.name) for c in self.table.columns)
         )
 
-    def _best(self, role: Role) -> float:
+    def _find_best_score(self, role: Role) -> float:
         """Return how well the likeliest column suits a role."""
-        if role not in self.known:
+        if role not in self.best_scores:
             scores = score_columns(self.table, role, self.options).values()
-            self.known[role] = max(scores, default=0.0)
-        return self.known[role]
+            self.best_scores[role] = max(scores, default=0.0)
+        return self.best_scores[role]
 
     def has(self, *roles: Role, least: float = 1.5) -> bool:
         """Return whether each role is named by the user, or suits a column that well."""
-        return all(self.names(option_of(role)) or self._best(role) >= least for role in roles)
+        return all(self.has_named_column(option_of(role)) or self._find_best_score(role) >= least for role in roles)
 
-    def names(self, *fields: str) -> bool:
+    def has_named_column(self, *fields: str) -> bool:
         """Whether the user names a column that is here in one of these fields of the options."""
         return any(self._has_column(getattr(self.options, field, None)) for field in fields)
 
@@ -243,7 +243,7 @@ class NamedColumns:
         """Return whether there is an acceleration."""
         return bool(accelerations(self.table, (), self.options))
 
-    def response(self) -> bool:
+    def has_response(self) -> bool:
         """Return whether there is a complex value over frequency."""
         if self.has("frequency", least=1.0) and self.has("real", "imaginary"):
             return True  # over what is called the linear axis, in Hz
@@ -276,26 +276,26 @@ class NamedColumns:
             if value >= least
         ]
 
-    def swept(self) -> bool:
+    def has_sweep(self) -> bool:
         """Whether there is frequency, and a complex modulus in parts or by its size and angle.
 
         A table that holds the record behind them, too, is a sweep, unless the user names what a
         sweep has no use for, or its cells are empty.
         """
-        if not self._named_sweep():
+        if not self._has_sweep_columns():
             return False
-        if self.names("storage", "loss", "loss_factor") or not self.has_ramp_columns():
+        if self.has_named_column("storage", "loss", "loss_factor") or not self.has_ramp_columns():
             return True
-        return not self.names("time", "force") and all(
-            bool(np.any(_numbers(self.table, role, self.options) > 0))
+        return not self.has_named_column("time", "force") and all(
+            bool(np.any(_load_role_values(self.table, role, self.options) > 0))
             for role in _FILLED
             if self.has(role)
         )
 
-    def _named_sweep(self) -> bool:
-        return self.has("frequency") and self.dynamic()
+    def _has_sweep_columns(self) -> bool:
+        return self.has("frequency") and self.has_complex_modulus()
 
-    def dynamic(self) -> bool:
+    def has_complex_modulus(self) -> bool:
         """Whether there is a complex modulus in parts or by its size and angle, over whatever."""
         ratio = self.has("loss_factor") or self.has("loss_angle")
         parts = self.has("storage") and (ratio or self.has("loss"))
@@ -304,13 +304,13 @@ class NamedColumns:
     def has_signal_pair(self, *, pushed: bool) -> bool:
         """Return whether there are two amplitudes with two phases, one of them a force or none."""
         pair = find_amplitude_phase_pairs(self.table, self.options)
-        return pair is not None and pushed == any(columns.pushes for columns in pair)
+        return pair is not None and pushed == any(columns.is_force for columns in pair)
 
     def has_motion_ratio(self) -> bool:
         """Return whether a response is of a motion to another."""
         return is_motion_ratio(self.table)
 
-    def crept(self) -> bool:
+    def has_creep(self) -> bool:
         """Return whether there is a creep compliance, or the header says creep."""
         header = " ".join(self.table.header).casefold()
         names = map(str.casefold, self.unique_names)
@@ -318,7 +318,7 @@ class NamedColumns:
         named = named or self.has("creep_compliance", least=2.5)  # J(t), in 1/Pa
         stated = "creep" in header and "relax" not in header
         # what moves of columns that the user names is asked of the record
-        return named or (stated and not self.names("displacement", "force"))
+        return named or (stated and not self.has_named_column("displacement", "force"))
 
     def has_coordinates(self, *more: str) -> bool:
         """Return whether the columns are named x, y and z, and so."""
@@ -329,7 +329,7 @@ class NamedColumns:
         rule = find_handler("table rule", kind)
         return bool(rule and rule(self))
 
-    def spectral(self) -> bool:
+    def has_spectral_density(self) -> bool:
         """Return whether a column is a power spectral density."""
         return any(
             "spectral density" in name or "psd" in vocabulary.tokens(name)
@@ -351,7 +351,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool] | None], ...] 
     (
         "transmissibility",
         "it has frequency, and a motion over a motion",
-        lambda s: s.response() and s.has_motion_ratio(),
+        lambda s: s.has_response() and s.has_motion_ratio(),
     ),
     (
         "transmissibility",
@@ -363,18 +363,18 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool] | None], ...] 
         "it has frequency, and a force and a motion, each with its phase",
         lambda s: s.has_signal_pair(pushed=True),
     ),
-    ("frf", "it has frequency, and a complex value", NamedColumns.response),
+    ("frf", "it has frequency, and a complex value", NamedColumns.has_response),
     (
         "preload-map",
         "it has frequency, storage and loss at several compressions",
-        lambda s: s.swept() and s.satisfies("preload-map"),
+        lambda s: s.has_sweep() and s.satisfies("preload-map"),
     ),
     (
         "dma",
         "it has frequency, storage and loss",
-        NamedColumns.swept,
+        NamedColumns.has_sweep,
     ),
-    ("not-a-test", "it is a power spectral density, which has no phase", NamedColumns.spectral),
+    ("not-a-test", "it is a power spectral density, which has no phase", NamedColumns.has_spectral_density),
     (
         "indentation",
         "it has time and the acceleration or velocity of an indenter",
@@ -398,7 +398,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool] | None], ...] 
     (
         "creep",
         "it has a creep compliance, or its header says creep",
-        lambda s: s.has_time() and s.crept(),
+        lambda s: s.has_time() and s.has_creep(),
     ),
     (
         "relaxation",
@@ -434,7 +434,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool] | None], ...] 
     (
         "not-a-test",
         "it has storage and loss, and no frequency. Write a column 'frequency [Hz]' beside them",
-        lambda s: not s.has_time() and s.dynamic(),
+        lambda s: not s.has_time() and s.has_complex_modulus(),
     ),
     ("unclear", "no set of columns that makes a test was recognised", lambda _: True),
 )
@@ -459,7 +459,7 @@ _FORMER_KINDS = {"slam": "drop"}
 """Present name of a kind by its name in the edition before."""
 
 
-def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
+def detect_table_kind(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     """Return the kind of record and why, from names and units, and of a sweep from its range.
 
     What only a record's motion tells, `dashpot.reading.readers.detect_kind` adds.
@@ -467,15 +467,15 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     if options.kind is not None:
         return parse_file_kind(options.kind)
     named = NamedColumns(table, options)
-    swept = named.swept()
-    meant = named.names("force", "displacement", "acceleration")
+    swept = named.has_sweep()
+    meant = named.has_named_column("force", "displacement", "acceleration")
     peaks = (
-        None if swept or meant or find_amplitude_phase_pairs(table, options) else cycle_peaks(table)
+        None if swept or meant or find_amplitude_phase_pairs(table, options) else explain_cycle_summary(table)
     )
     if peaks:
         return "not-a-test", peaks
-    stated = {kind for role, kinds in _OF_ROLE.items() if named.names(role) for kind in kinds}
-    if named.names("stress", "strain") and not swept:  # of a sweep they are amplitudes
+    stated = {kind for role, kinds in _OF_ROLE.items() if named.has_named_column(role) for kind in kinds}
+    if named.has_named_column("stress", "strain") and not swept:  # of a sweep they are amplitudes
         stated.add("stress-strain")
     rules = sorted(_RULES, key=lambda rule: rule[0] not in stated)
     kind, reason = next(
@@ -484,11 +484,11 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
         if (holds(named) if holds else named.satisfies(kind))
     )
     if kind == "dma":
-        kind, reason = _swept(table, options, reason)
-        if kind == "dma" and named.names("displacement") and named.has_ramp_columns():
+        kind, reason = _detect_sweep_kind(table, options, reason)
+        if kind == "dma" and named.has_named_column("displacement") and named.has_ramp_columns():
             return "relaxation", "it has time, displacement and force, as named"
     if kind == "modulus":
-        decades = _decades(table, "time", options)
+        decades = _compute_decades(table, "time", options)
         return kind, reason + (f", over {decades:.0f} decades" if decades >= MASTER else "")
     return kind, reason
 
@@ -522,7 +522,7 @@ def parse_file_kind(word: str) -> tuple[FileKind, str]:
 def is_motion_ratio(table: FileTable) -> bool:
     """Return whether a response is of a motion to another, as under base excitation."""
     return any("transmissib" in line.casefold() for line in table.header) or any(
-        "transmissib" in column.name.casefold() or _over_motion(column.unit or "")
+        "transmissib" in column.name.casefold() or _is_motion_ratio_unit(column.unit or "")
         for column in table.columns
     )
 
@@ -541,20 +541,20 @@ ONE_FREQUENCY = 0.02
 """Decades within which a sweep stays at one frequency."""
 
 
-def _over_motion(unit: str) -> bool:
+def _is_motion_ratio_unit(unit: str) -> bool:
     """Return whether a unit is that of a motion over a motion, such as g/g or mm/g."""
     new_ratio = parse_response_unit(unit)
     return new_ratio is not None and new_ratio.kind.over_base
 
 
-def _numbers(table: FileTable, role: Role, options: ReadOptions) -> FloatArray:
+def _load_role_values(table: FileTable, role: Role, options: ReadOptions) -> FloatArray:
     """Return the numbers of the column likeliest in a role; none if there is no such column."""
-    indexes = _columns(table, (role,), options)
+    indexes = _find_role_columns(table, (role,), options)
     values = table.load(indexes).values[:, 0] if indexes else np.empty(0)
     return values[np.isfinite(values)]
 
 
-def _columns(table: FileTable, roles: Sequence[Role], options: ReadOptions) -> list[int]:
+def _find_role_columns(table: FileTable, roles: Sequence[Role], options: ReadOptions) -> list[int]:
     """The index of the column likeliest in each role; of a role without such a column none."""
     indices = []
     for role in roles:
@@ -568,32 +568,32 @@ def _columns(table: FileTable, roles: Sequence[Role], options: ReadOptions) -> l
     return indices
 
 
-def _decades(table: FileTable, role: Role, options: ReadOptions) -> float:
+def _compute_decades(table: FileTable, role: Role, options: ReadOptions) -> float:
     """Over how many decades a column runs; NaN without three values above zero."""
-    values = _numbers(table, role, options)
+    values = _load_role_values(table, role, options)
     values = values[values > 0]
     return float(np.ptp(np.log10(values))) if len(values) > 2 else math.nan
 
 
-def _varies(table: FileTable, role: Role, options: ReadOptions) -> bool:
-    values = _numbers(table, role, options)
+def _has_variation(table: FileTable, role: Role, options: ReadOptions) -> bool:
+    values = _load_role_values(table, role, options)
     return bool(len(values) and np.ptp(values) > 0.05 * np.abs(values).max())
 
 
-def _swept(table: FileTable, options: ReadOptions, reason: str) -> tuple[FileKind, str]:
+def _detect_sweep_kind(table: FileTable, options: ReadOptions, reason: str) -> tuple[FileKind, str]:
     """Return what a table of storage and loss was swept over."""
-    decades = _decades(table, "frequency", options)
+    decades = _compute_decades(table, "frequency", options)
     if decades >= MASTER:
         return "master-curve", f"{reason}, over {decades:.0f} decades"
     if not decades <= ONE_FREQUENCY:
-        if _has_amplitude_sweep(table, amplitude_named(table, options)):
+        if _has_amplitude_sweep(table, assign_amplitude_column(table, options)):
             return "strain-sweep", reason + ", and each frequency recurs at several amplitudes"
         return "dma", reason
     reason += ", and the frequency never changes"
-    named = amplitude_named(table, options)
-    if any(_varies(table, role, named) for role in _AMPLITUDES):
+    named = assign_amplitude_column(table, options)
+    if any(_has_variation(table, role, named) for role in _AMPLITUDES):
         return "strain-sweep", reason
-    warmed = _varies(table, "temperature", options)
+    warmed = _has_variation(table, "temperature", options)
     return "temperature-sweep" if warmed else "one-frequency", reason
 
 
@@ -604,7 +604,7 @@ _SAME_WARMTH = 3.0
 """K within which rows are of one temperature."""
 
 
-def amplitude_named(table: FileTable, options: ReadOptions) -> ReadOptions:
+def assign_amplitude_column(table: FileTable, options: ReadOptions) -> ReadOptions:
     """The options, with a length that is called an amplitude and nothing else as displacement."""
     if any(
         getattr(options, role)
@@ -619,7 +619,7 @@ def amplitude_named(table: FileTable, options: ReadOptions) -> ReadOptions:
     return options
 
 
-def groups(values: FloatArray, width: float) -> npt.NDArray[np.intp]:
+def group_values(values: FloatArray, width: float) -> npt.NDArray[np.intp]:
     """The group of each value: those that lie within a width of the smallest of their group."""
     order = np.argsort(values)
     result, first, group = np.zeros(len(values), dtype=np.intp), -math.inf, -1
@@ -632,21 +632,21 @@ def groups(values: FloatArray, width: float) -> npt.NDArray[np.intp]:
 
 def _has_amplitude_sweep(table: FileTable, options: ReadOptions) -> bool:
     """Return whether most frequencies were met at several amplitudes at one temperature."""
-    amplitudes = _columns(table, ("strain", "displacement"), options)
+    amplitudes = _find_role_columns(table, ("strain", "displacement"), options)
     if not amplitudes:
         return False
-    frequency = _columns(table, ("frequency",), options)
-    temperature = _columns(table, ("temperature",), options)
+    frequency = _find_role_columns(table, ("frequency",), options)
+    temperature = _find_role_columns(table, ("temperature",), options)
     loaded = table.load([*frequency, amplitudes[0], *temperature])
     block = np.repeat(np.arange(len(loaded.starts)), np.diff((*loaded.starts, len(loaded.values))))
     text = np.all(np.isfinite(loaded.values), axis=1) & np.all(loaded.values[:, :2] > 0, axis=1)
     rows, block = loaded.values[text], block[text]
     warmth = np.zeros(len(rows), dtype=np.intp)
     if rows.shape[1] > 2:
-        warmth = groups(rows[:, 2], _SAME_WARMTH)
+        warmth = group_values(rows[:, 2], _SAME_WARMTH)
     elif any("temp" in line.casefold() for line in chain(*loaded.above)):
         warmth = block
-    cells = np.stack((groups(np.log10(rows[:, 0]), ONE_FREQUENCY), warmth))
+    cells = np.stack((group_values(np.log10(rows[:, 0]), ONE_FREQUENCY), warmth))
     _, cell = np.unique(cells, axis=1, return_inverse=True)
     alike = [rows[cell.ravel() == index, 1] for index in range(int(cell.max(initial=-1)) + 1)]
     separate = [float(X.max()) >= _APART * float(X.min()) for X in alike]
@@ -664,18 +664,18 @@ def refuse_kind(
     ------
     ReadError
     """
-    kind, reason = kind_of(table, options)
+    kind, reason = detect_table_kind(table, options)
     if kind in RECOGNISED and kind not in accepted:
-        raise ReadError(other_kind(kind, reason, want))
+        raise ReadError(format_other_kind(kind, reason, want))
 
 
-def other_kind(kind: str, reason: str, want: str) -> str:
+def format_other_kind(kind: str, reason: str, want: str) -> str:
     """Say what a file is, where another is wanted, and which command takes it."""
     what, command, *_ = RECOGNISED[kind]
     return f"this is {what} ({reason}), where {want} expected: {command}"
 
 
-def cycle_peaks(table: FileTable) -> str | None:
+def explain_cycle_summary(table: FileTable) -> str | None:
     """Return why a table is one row per cycle (trends, peaks), or None."""
     names = [column.name for column in table.columns]
     extremes = list(filter(_is_extreme, names))

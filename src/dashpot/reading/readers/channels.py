@@ -16,7 +16,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution, Source, cautions_in
 from dashpot.base.units import Unit
-from dashpot.reading.columns.kind_detection import FileKind, cycle_peaks, kind_of, refuse_kind
+from dashpot.reading.columns.kind_detection import FileKind, explain_cycle_summary, detect_table_kind, refuse_kind
 from dashpot.reading.columns.role_assignment import (
     EXAMPLE,
     RoleAssignment,
@@ -180,7 +180,7 @@ def read_once(file: OpenedFile) -> OpenedFile:
 def refuse_summary(file: OpenedFile) -> None:
     """Refuse a table of one row per cycle, unless the user names its columns."""
     options = file.options
-    peaks = cycle_peaks(file.table)
+    peaks = explain_cycle_summary(file.table)
     if peaks and not (options.force or options.displacement or options.acceleration):
         raise ReadError(f"is not a test: {peaks}")
 
@@ -223,7 +223,7 @@ def chosen(
     """
     answers = [*(assign(file.table, role, file.options) for role in roles), *besides]
     if any(isinstance(answer, Question) for answer in answers):
-        kind, reason = kind_of(file.table, file.options)
+        kind, reason = detect_table_kind(file.table, file.options)
         if kind == "not-a-test":
             raise ReadError(f"is not a test: {reason}")
     columns = answered(file, answers)

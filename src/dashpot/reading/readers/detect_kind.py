@@ -12,7 +12,7 @@ from dashpot.base import dataclass, replace, units
 from dashpot.base.arrays import FloatArray, cache_on_record, validate_measured
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.lazy import compile_on_use
-from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, KindOfFile, kind_of
+from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, KindOfFile, detect_table_kind
 from dashpot.reading.columns.role_assignment import EXAMPLE, find_weight, handle, score_columns
 from dashpot.reading.columns.vocabulary import DIMENSION, Role
 from dashpot.reading.raw_file import RawFile, add_name_to_errors, like_json, open_raw
@@ -199,7 +199,7 @@ def _has_other_dimension(word: str | None, dimension: units.Dimension) -> bool:
 @cache_on_record
 def recognise_opened(file: OpenedFile) -> tuple[str, str]:
     """Return the kind of a table that is open, and why."""
-    kind, reason = kind_of(file.table, file.options)
+    kind, reason = detect_table_kind(file.table, file.options)
     if file.options.kind is not None:
         return kind, reason
     if kind == "relaxation":

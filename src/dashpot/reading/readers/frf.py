@@ -68,9 +68,9 @@ def as_a_ratio(file: OpenedFile) -> OpenedFile:
     if lines is None:
         return file
     radian = [file.unit(phase_columns.phase, "phase").factor for phase_columns in (over, under)]
-    unit = f"({columns[over.size].unit})/({columns[under.size].unit})"
-    name = f"{columns[over.size].name} over {columns[under.size].name}"
-    wanted = [lines.index, over.size, over.phase, under.size, under.phase]
+    unit = f"({columns[over.amplitude].unit})/({columns[under.amplitude].unit})"
+    name = f"{columns[over.amplitude].name} over {columns[under.amplitude].name}"
+    wanted = [lines.index, over.amplitude, over.phase, under.amplitude, under.phase]
 
     def load(indexes: Sequence[int]) -> LoadedColumns:
         loaded = file.table.load(wanted)
@@ -101,24 +101,24 @@ def _sort_signal_pair(
 ) -> tuple[AmplitudePhaseColumns, AmplitudePhaseColumns]:
     """Return the signal above and the one below: a force, or the motion of the base."""
     first, second = pair
-    if first.pushes or second.pushes:
-        return (second, first) if first.pushes else (first, second)
+    if first.is_force or second.is_force:
+        return (second, first) if first.is_force else (first, second)
     columns, named = file.table.columns, file.options.base_acceleration
     if named is not None:
         index = find_column(columns, named, flag("base_acceleration"))
-        below = [phase_columns.size == index for phase_columns in pair]
+        below = [phase_columns.amplitude == index for phase_columns in pair]
     else:
         below = [
-            vocabulary.has_word(columns[phase_columns.size].name, vocabulary.OF_BASE)
+            vocabulary.has_word(columns[phase_columns.amplitude].name, vocabulary.OF_BASE)
             for phase_columns in pair
         ]
     if sum(below) == 1:
         return (second, first) if below[0] else (first, second)
     raise ReadError(
-        f"{format_column(columns, first.size)} and {format_column(columns, second.size)} are two "
+        f"{format_column(columns, first.amplitude)} and {format_column(columns, second.amplitude)} are two "
         "motions; say "
         f"which of them is the base, for example {flag('base_acceleration')}="
-        f'"{handle(columns, first.size)}"'
+        f'"{handle(columns, first.amplitude)}"'
     )
 
 

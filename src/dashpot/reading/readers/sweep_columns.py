@@ -12,7 +12,7 @@ from dashpot.base.arrays import BoolArray, FloatArray, median
 from dashpot.base.errors import ReadError
 from dashpot.base.units import si_unit
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.kind_detection import amplitude_named, kind_of
+from dashpot.reading.columns.kind_detection import assign_amplitude_column, detect_table_kind
 from dashpot.reading.columns.role_assignment import (
     RoleAssignment,
     assign,
@@ -119,7 +119,7 @@ def amplitude_column(file: OpenedFile) -> RoleAssignment:
     ReadError
         If there is none, or several could be it.
     """
-    named = amplitude_named(file.table, file.options)
+    named = assign_amplitude_column(file.table, file.options)
     for role in _AMPLITUDES:
         answer = assign(file.table, role, named)
         if isinstance(answer, RoleAssignment):
@@ -158,7 +158,7 @@ def _hint(file: OpenedFile, answers: Mapping[Role, RoleAssignment | Question]) -
     """Return what the file is instead, where a column is not found."""
     if not any(isinstance(answer, Question) for answer in answers.values()):
         return ""
-    kind, reason = kind_of(file.table, file.options)
+    kind, reason = detect_table_kind(file.table, file.options)
     return "" if kind in {"dma", "unclear"} else f" (it is not a DMA test: {reason})"
 
 

@@ -72,13 +72,13 @@ from dashpot.fitting.nuisance_priors import (
     ROUNDING,
     NuisanceTerms,
     Prior,
-    delay_prior,
+    build_delay_prior,
     estimate_channel_zero,
 )
 from dashpot.fitting.order_selection import SelectedModel, select_order, validate_arm_count
 from dashpot.fitting.parameter_errors import SolutionEstimate, estimate_covariance, rounding_rms
 from dashpot.fitting.relaxation_likelihood import noise_power
-from dashpot.fitting.valid_band import informed_band
+from dashpot.fitting.valid_band import find_informed_band
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
 from dashpot.numerics.exponential_fit import Solution, solve
@@ -168,7 +168,7 @@ def _align_load(record: LoadHold, options: FitOptions) -> tuple[LoadHold, Retard
     by half of the next power, which looks like a fast retardation. So the load is moved by what
     was found, until hardly any delay is left, by Gauss-Newton.
     """
-    most = _FARTHEST * delay_prior(record).sd
+    most = _FARTHEST * build_delay_prior(record).sd
     retardation = _fit_recorded_load(record, options)
     for _ in range(_MOVES):
         delay = retardation.solution.coefficient("delay")
@@ -256,7 +256,7 @@ def estimate_preload_baseline(record: LoadHold, *, claimed: bool = False) -> _Pr
     `claimed` for limits, which bear all that a rig may drift unseen.
     """
     time, x = record.time - record.time[0], record.displacement
-    late = delay_prior(record)
+    late = build_delay_prior(record)
     # the displacement may have moved before the force shows it
     first = int(np.searchsorted(record.time, record.onset - _RESTS * late.sd))
     travel = float(np.ptp(x))
@@ -288,7 +288,7 @@ def _bound(
     block: DataBlock, baseline: _PreloadBaseline, spreads: Sequence[float] | None = None
 ) -> tuple[DataBlock, ...]:
     """Return rows that bind the nuisance terms of a block."""
-    return (baseline.terms.rows(block, baseline.noise if spreads is None else spreads[0]),)
+    return (baseline.terms.build_rows(block, baseline.noise if spreads is None else spreads[0]),)
 
 
 def _impulse(time: FloatArray, load: FloatArray) -> FloatArray:
@@ -348,7 +348,7 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
     residual = retardation.estimate.residuals[0]
     creep = retardation.spectrum
     at_rest_or_end = creep.compliance(record.hold_time).item()
-    band = informed_band(
+    band = find_informed_band(
         [record], retardation.data.rows, stiffness=at_rest_or_end,
         noise=max(retardation.estimate.spread, 1e-6 * retardation.data.peak, 1e-300),
     )  # fmt: skip
@@ -404,7 +404,7 @@ def _nuisances(record: LoadHold, retardation: Retarded, word: str) -> tuple[Nuis
     return retardation.nuisances(
         lambda name: retardation.solution.coefficient(name) + lead.get(name, 0.0),
         of=word,
-        delays=[delay_prior(record).sd],
+        delays=[build_delay_prior(record).sd],
     )
 
 

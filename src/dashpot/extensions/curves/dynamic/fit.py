@@ -66,7 +66,7 @@ from dashpot.fitting.fractional_model.family_selection import (
 )
 from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
 from dashpot.fitting.order_selection import SelectedModel, select_order, validate_arm_count
-from dashpot.fitting.valid_band import informed_band
+from dashpot.fitting.valid_band import find_informed_band
 from dashpot.numerics.design_matrices.block import DataBlock, design_block
 from dashpot.preprocessing.checks import check_temperature
 from dashpot.solids.maxwell import Solid
@@ -523,7 +523,7 @@ def _band(
         return sweep, ()
     # the blocks are in units of their own scatter
     blocks = [item.block for item in held]
-    informed = informed_band(records, blocks, stiffness=max(k_0, 1e-300), noise=1.0)
+    informed = find_informed_band(records, blocks, stiffness=max(k_0, 1e-300), noise=1.0)
     met = bands_overlap(sweep, informed)
     if met.failed:
         return sweep, (met,)

@@ -10,7 +10,7 @@ from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
-from dashpot.reading.columns.kind_detection import kind_of
+from dashpot.reading.columns.kind_detection import detect_table_kind
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import OpenedFile
@@ -46,7 +46,7 @@ def read_dynamic(
 def dynamic_in(file: OpenedFile, specimen: Specimen) -> DynamicTest:
     """Return the dynamic test in an opened file."""
     # who names the columns says what they are, not what was swept
-    by_numbers = kind_of(file.table, file.options)[0] == "strain-sweep"
+    by_numbers = detect_table_kind(file.table, file.options)[0] == "strain-sweep"
     named = () if by_numbers else NAMED
     channels.expect(file, ["dma", "master-curve"], "a sweep of frequency is", named=named)
     wanted, ratio = sweep_columns(file)

@@ -61,9 +61,9 @@ from dashpot.fitting.order_selection import FURTHER, compute_certificate
 from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.fitting.valid_band import (
     _find_widest_band,
-    band_of_hold,
+    find_hold_band,
     compute_posterior_spread,
-    informed_band,
+    find_informed_band,
 )
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import Solution, solve
@@ -199,7 +199,7 @@ def _find_loss_factor_band(
         own=made.model,
         dof=made.estimate.dof,
     )
-    return band_of_hold(spectra, made.model, made.band)
+    return find_hold_band(spectra, made.model, made.band)
 
 
 def _end_of_hold(fit: MultiTemperatureFit, made: Fit) -> EndOfHold | None:
@@ -232,7 +232,7 @@ def _build_fit(fit: MultiTemperatureFit, options: FitOptions) -> Fit:
     model = point.solid
     solution = _solution(fit)
     slower = [float(np.exp(point.log_a[i])) for i in best.joint.at]
-    band = informed_band(
+    band = find_informed_band(
         records, _reduce_tests(fit), stiffness=max(model.k_0, 1e-300), noise=1.0, slower=slower
     )
     estimate = ParameterEstimate(

@@ -26,10 +26,10 @@ from dashpot.datamodel.shift_factors import shifted_log_tau
 from dashpot.fitting.data_blocks import InitialFit, first_sample, motion
 from dashpot.fitting.nuisance_priors import (
     NuisanceTerms,
-    kind_of,
-    priors,
-    recorded_warming,
-    terms_of,
+    get_column_kind,
+    build_load_cell_priors,
+    build_recorded_warming_prior,
+    build_nuisance_terms,
 )
 from dashpot.fitting.relaxation_likelihood import compute_unmeasured_effects, select_motion_samples
 from dashpot.numerics.design_matrices.block import DataBlock, Evaluation
@@ -111,7 +111,7 @@ class SingleTemperatureTest:
     @cached_property
     def terms(self) -> NuisanceTerms:
         """What is known of those columns."""
-        return terms_of(self.record).add_terms(warming=recorded_warming(self.record.specimen))
+        return build_nuisance_terms(self.record).add_terms(warming=build_recorded_warming_prior(self.record.specimen))
 
     @property
     def nuisance_columns(self) -> list[int]:
@@ -121,12 +121,12 @@ class SingleTemperatureTest:
     @property
     def kinds(self) -> tuple[str, ...]:
         """What they are: ``"offset"``, ``"drift"``, ``"delay"``, ``"warming"``."""
-        return tuple(kind_of(self.block.fixed_names[i]) for i in self.nuisance_columns)
+        return tuple(get_column_kind(self.block.fixed_names[i]) for i in self.nuisance_columns)
 
     @cached_property
     def prior_rows(self) -> tuple[FloatArray, FloatArray]:
         """What is known of its own columns as rows of unit noise, with their targets."""
-        prior = self.terms.rows(self.block, self.spread)
+        prior = self.terms.build_rows(self.block, self.spread)
         evaluation, unit = prior.evaluate(np.zeros(0), False), float(np.sqrt(prior.variance or 1.0))
         return evaluation.fixed / unit, evaluation.target / unit
 
@@ -168,14 +168,14 @@ class SingleTemperatureTest:
         Of the drift, what the fit holds to be less than it may be. `solid` is that at the
         temperature of the test.
         """
-        (time, x), cell_priors = self.path, priors(self.record)
+        (time, x), cell_priors = self.path, build_load_cell_priors(self.record)
         at = select_motion_samples(self.record, time)
         effects = compute_unmeasured_effects(self.record, time[at], x[at], solid)
         # it is sought
         del effects["warming"]
         columns = [sd * np.interp(time, time[at], column) for column, sd in effects.values()]
         columns.append(
-            cell_priors.doubt.remaining_after(cell_priors.drift).sd * (time - cell_priors.at)
+            cell_priors.limit_drift.compute_remainder(cell_priors.drift).sd * (time - cell_priors.offset_time)
         )
         return np.column_stack(columns)[self.start :]
 
@@ -216,7 +216,7 @@ def _basis(compact: DataBlock, spread: float) -> _Basis:
 def _marginal(test: SingleTemperatureTest) -> DataBlock:
     compact = compact_block(test.block, excess=BEYOND)
     basis, names = _basis(compact, test.spread), compact.fixed_names
-    doubts, mean = test.terms.doubts(basis.fixed, names)
+    doubts, mean = test.terms.build_prior_columns(basis.fixed, names)
     white = marginal(basis.fixed[:, :0], doubts)
     data, residual = white(basis.turn), white(basis.target - mean)
     stiff = white(basis.fixed[:, [names.index("k_inf")]])

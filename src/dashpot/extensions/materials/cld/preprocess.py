@@ -32,7 +32,7 @@ from dashpot.extensions.materials.cld.local_stiffness import (
 )
 from dashpot.extensions.materials.cld.zero_point import Zero, find_later_contact, zero_of
 from dashpot.extensions.materials.strokes import Stroke, inward, strokes_of
-from dashpot.fitting.nuisance_priors import Prior, error_by_delay
+from dashpot.fitting.nuisance_priors import Prior, compute_delay_errors
 from dashpot.signals.segments import estimate_resolution
 
 _SMOOTHED, _RARE = 5, 4.0
@@ -177,7 +177,7 @@ def _with_delay(
         lost = (cycle.hysteresis for cycle in cycles.cycles)
         return np.array([*lost, *chain.from_iterable(group)], dtype=float)
 
-    error = error_by_delay(numbers, delay)
+    error = compute_delay_errors(numbers, delay)
     lost, at = np.split(np.where(np.isfinite(error), error, 0.0), [len(new_cycles.cycles)])
     cycles = tuple(
         cycle
