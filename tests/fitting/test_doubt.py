@@ -260,7 +260,11 @@ def test_a_seal_may_have_been_pressed_or_warm_up(record: RampHold) -> None:
     assert "preload" not in columns(record)
     relaxing, sd = columns(replace(record, preload=0.1))["preload"]
     # pressed to carry .1 N, it goes on relaxing, and the tare takes what it carries at rest
-    rest = float(np.interp(build_load_cell_priors(record).offset_time, record.time - record.time[0], relaxing))
+    rest = float(
+        np.interp(
+            build_load_cell_priors(record).offset_time, record.time - record.time[0], relaxing
+        )
+    )
     assert abs(rest) < 0.05 * np.abs(relaxing).max()
     assert relaxing[-1] < -5.0
     assert sd * PAPER.k_inf == pytest.approx(0.1, rel=0.5)
@@ -298,7 +302,10 @@ def test_a_sum_of_columns_that_are_there_doubts_as_a_column_does(record: RampHol
 
 
 def test_the_point_knows_nothing_of_it_and_every_limit_does(record: RampHold) -> None:
-    blind, wide = build_nuisance_terms(record).priors["drift"], build_nuisance_terms(record, claimed=True).priors["drift"]
+    blind, wide = (
+        build_nuisance_terms(record).priors["drift"],
+        build_nuisance_terms(record, claimed=True).priors["drift"],
+    )
     assert blind.sd < wide.sd
     usual, known = fit(record), fit(replace(record, machine=KNOWN))
     assert usual.model.k_inf == pytest.approx(known.model.k_inf, rel=5e-3)
@@ -312,7 +319,9 @@ def test_the_point_knows_nothing_of_it_and_every_limit_does(record: RampHold) ->
 def test_end_of_hold_states_the_gain_of_naming_the_machine(record: RampHold) -> None:
     end = fit(record).evidence.end_of_hold
     assert end is not None
-    known = replace(record, machine=replace(KNOWN, drift=build_load_cell_priors(record).limit_drift.sd / 5))
+    known = replace(
+        record, machine=replace(KNOWN, drift=build_load_cell_priors(record).limit_drift.sd / 5)
+    )
     assert end.if_machine_named * np.ptp(end.k_end) == pytest.approx(width(fit(known)), rel=0.6)
     assert "give the drift, compliance and creep of the machine" in end.format_with_remedy("N/m")
     assert replace(end, if_machine_named=0.79).remedy.startswith("Record a baseline")

@@ -141,7 +141,10 @@ def test_of_a_cell_that_is_not_named_any_drift_is_covered(name: str) -> None:
     hits = []
     for seed in range(200):
         test = coverage.record(coverage.SEAL, coverage.NOISES[name], seed, rate=200.0)
-        drift = build_load_cell_priors(test).limit_drift.sd * np.random.default_rng((seed, 7)).standard_normal()
+        drift = (
+            build_load_cell_priors(test).limit_drift.sd
+            * np.random.default_rng((seed, 7)).standard_normal()
+        )
         drifted = replace(test, force=test.force + drift * test.time)
         found = fit(drifted, arms=2, method="hold", nuisance=coverage.KNOWN_CLOCKS)
         bounds = found.estimate.noise_only.intervals(found.model, 0.95)

@@ -10,7 +10,12 @@ from kit.fits import of_noise
 
 import dashpot as dp
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.nuisance_priors import NuisanceTerms, Prior, build_load_cell_priors, build_nuisance_terms
+from dashpot.fitting.nuisance_priors import (
+    NuisanceTerms,
+    Prior,
+    build_load_cell_priors,
+    build_nuisance_terms,
+)
 from dashpot.fitting.relaxation import fit
 from dashpot.numerics.design_matrices.block import design_block
 from dashpot.numerics.inference.correlated_noise import marginal

@@ -18,8 +18,8 @@ from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
 from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
 from dashpot.extensions.materials.indentation.read import read_indentation
 from dashpot.reading.columns.kind_detection import (
-    MASTER,
-    ONE_FREQUENCY,
+    MASTER_CURVE_DECADES,
+    ONE_FREQUENCY_DECADES,
     RECOGNISED,
     detect_table_kind,
     parse_file_kind,
@@ -110,8 +110,8 @@ def test_who_names_the_columns_knows_what_the_file_is(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("decades", "kind"),
-    [(ONE_FREQUENCY - 1e-6, "one-frequency"), (ONE_FREQUENCY + 1e-6, "dma"),
-     (MASTER - 1e-6, "dma"), (MASTER + 1e-6, "master-curve")],
+    [(ONE_FREQUENCY_DECADES - 1e-6, "one-frequency"), (ONE_FREQUENCY_DECADES + 1e-6, "dma"),
+     (MASTER_CURVE_DECADES - 1e-6, "dma"), (MASTER_CURVE_DECADES + 1e-6, "master-curve")],
 )  # fmt: skip
 def test_kind_of_sweep_depends_on_its_decades(decades: float, kind: str) -> None:
     frequency = 10 ** np.linspace(0, decades, 9)

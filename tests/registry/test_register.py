@@ -36,7 +36,7 @@ from dashpot.extensions.preload_map.fit import fit_preload_map
 from dashpot.extensions.preload_map.read import read_sweeps
 from dashpot.plot.picture import Picture
 from dashpot.preprocessing.prepare import prepare
-from dashpot.reading.columns.kind_detection import RECOGNISED, SWEEPS, FileKind
+from dashpot.reading.columns.kind_detection import RECOGNISED, SWEEP_KINDS, FileKind
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.impact import read_impact
@@ -106,7 +106,7 @@ NAMED = {
 
 def test_nobody_else_names_a_kind() -> None:
     # such as "creep" are words of much else
-    kinds = {"cld", "indentation", "stress-strain", "cyclic", "dma", "csr", *SWEEPS}
+    kinds = {"cld", "indentation", "stress-strain", "cyclic", "dma", "csr", *SWEEP_KINDS}
     texts = {path: path.read_text(encoding="utf-8") for path in SOURCE.rglob("*.py")}
     found = {
         path.relative_to(SOURCE).as_posix()

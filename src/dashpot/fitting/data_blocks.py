@@ -13,7 +13,11 @@ from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
 from dashpot.base.option_fields import Method
 from dashpot.datamodel.relaxation import MAX_CREEP, RampHold
-from dashpot.fitting.nuisance_priors import build_load_cell_priors, estimate_hold_noise, build_nuisance_terms
+from dashpot.fitting.nuisance_priors import (
+    build_load_cell_priors,
+    build_nuisance_terms,
+    estimate_hold_noise,
+)
 from dashpot.fitting.parameter_errors import Encoder, compute_residual, rounding_rms
 from dashpot.numerics.design_matrices.block import DataBlock, DelayedForce
 from dashpot.numerics.design_matrices.data_compression import uniform_step
@@ -160,9 +164,9 @@ def bound(
     """Return what is known of each load cell and its clock before the fit, a block per test.
 
     `spreads` holds the standard deviation of one independent residual of each test, N; by default
-    as its hold shows it (:func:`~dashpot.fitting.nuisance_priors.estimate_hold_noise`). Eq. 5 has no ramp
-    that would tell slow arms from a drift, which is there as free as it may be; its clock begins at
-    the end of the ramp.
+    as its hold shows it (:func:`~dashpot.fitting.nuisance_priors.estimate_hold_noise`). Eq. 5 has
+    no ramp that would tell slow arms from a drift, which is there as free as it may be; its clock
+    begins at the end of the ramp.
     """
     hold = design.method == "hold"
     if not (design.terms if hold else design.nuisance):
@@ -175,7 +179,9 @@ def bound(
             for term, test in zip(terms, tests, strict=True)
         ]
     every = zip(terms, blocks, provided, strict=True)
-    return tuple(nuisance_terms.build_rows(block, spread) for nuisance_terms, block, spread in every)
+    return tuple(
+        nuisance_terms.build_rows(block, spread) for nuisance_terms, block, spread in every
+    )
 
 
 def _late(test: RampHold, block: DataBlock, rough: Solution) -> DelayedForce:

@@ -25,26 +25,26 @@ from dashpot.numerics.design_matrices.block import DataBlock, prior_block
 from dashpot.numerics.inference.correlated_noise import Noise, noise_of
 from dashpot.signals.noise import scatter
 
-# fewer samples have no scatter, and none a slope, to speak of
-_FEWEST = 5
-# a force that rises at this part of its mean rate on the ramp is no drift
-_LOADED = 0.05
+# fewest samples before contact that determine a scatter and a slope
+_MIN_REST_SAMPLES = 5
+# part of the mean rate on the ramp from which a rising force is no drift
+_MIN_RATE_RATIO = 0.05
 # part of the ramp for which a plate may move before its encoder shows it
-_UNSEEN = 0.02
-# nothing of a record is known better than this part of its largest value: the rest is rounding
+_UNSEEN_RAMP_PART = 0.02
+# rounding of a record: part of its largest value below which nothing is known
 ROUNDING = 1e-9
-# arms whose sum follows any hold, and the means of one that they follow
-_ARMS, _MEANS = 12, 1024
-# a dozen arms miss others by this part of the force at most; by chance the scatter of n readings is
-# off by no more than this over their root
-_MISSED, _BY_CHANCE = 2e-4, 4.0
-# standard deviation of a prior, in those of a row, that is as good as zero
-_TIGHTEST = 1e-5
-# an equality is a prior of this relative width
-_EXACT = 1e-6
-# a force that is later than this does not change in proportion, s
+# number of arms whose sum fits any hold, and number of block means that they are fitted to
+_HOLD_ARMS, _HOLD_MEANS = 12, 1024
+# largest misfit of those arms, part of the force; largest relative error of the scatter of n
+# readings by chance, times the square root of n
+_MAX_ARM_MISFIT, _CHANCE_FACTOR = 2e-4, 4.0
+# smallest standard deviation of a prior, over that of a row
+_MIN_SD_RATIO = 1e-5
+# relative standard deviation of a prior that is an equality
+_EQUALITY_SD = 1e-6
+# longest delay of the force that its first-order term represents, s
 LINEAR_DELAY = 2e-3
-# a force off by this part of itself at the end of the hold takes the stiffness off by as much
+# error of the force at the end of the hold that matters to the stiffness, relative
 MATERIAL = 0.01
 
 
@@ -55,17 +55,17 @@ class Prior(NamedTuple):
     sd: float = 0.0
 
     def standardise(self, value: float, slope: FloatArray) -> tuple[float, FloatArray]:
-        """Return how far `value` is from it, in standard deviations; an equality has a narrow one.
+        """Return the departure of a value from the mean in standard deviations, and its derivative.
 
-        With the derivative, `slope` being that of `value`.
+        `slope` is the derivative of `value`.
         """
-        sd = max(self.sd, _EXACT * abs(self.mean))
+        sd = max(self.sd, _EQUALITY_SD * abs(self.mean))
         return (value - self.mean) / sd, slope / sd
 
     def compute_remainder(self, held: Prior) -> Prior:
-        """Return what it leaves open that a fit which holds the other does not, about 0."""
-        more = self.sd**2 + (self.mean - held.mean) ** 2 - held.sd**2
-        return Prior(0.0, float(np.sqrt(max(more, 0.0))))
+        """Return the prior about 0 of what this one allows beyond the prior that a fit used."""
+        variance = self.sd**2 + (self.mean - held.mean) ** 2 - held.sd**2
+        return Prior(0.0, float(np.sqrt(max(variance, 0.0))))
 
 
 @dataclass(frozen=True)
@@ -75,12 +75,11 @@ class NuisanceTerms:
     Attributes
     ----------
     known : mapping of str to Prior
-        Of the coefficient of a column, by its kind: ``"offset"``, ``"drift"``, ``"delay"``...
+        Of the coefficients of the columns, by kind: ``"offset"``, ``"drift"``, ``"delay"``...
     since : float
-        From the moment at which the offset is known to that from which the drift's column counts,
-        s.
+        Zero of the drift's column, s after the time at which the offset is known.
     least : float
-        Nothing is known better, in the unit of the record.
+        Smallest standard deviation of a prior, in the unit of the record.
     """
 
     priors: Mapping[str, Prior]
@@ -92,20 +91,22 @@ class NuisanceTerms:
         return replace(self, priors={**self.priors, **more})
 
     def build_rows(self, block: DataBlock, spread: float) -> DataBlock:
-        """Return rows beside those of a block, of which one independent one has this `spread`."""
+        """Return the rows of the priors for a block whose independent rows have this `spread`."""
         names = tuple(name for name in block.fixed_names if get_column_kind(name) in self.priors)
         kinds = [get_column_kind(name) for name in names]
         rows = np.eye(len(names))
         if "offset" in kinds and "drift" in kinds:
             rows[kinds.index("offset"), kinds.index("drift")] = -self.drift_start
         mean, sd = np.array([self.priors[kind] for kind in kinds]).reshape(-1, 2).T
-        # a prior tighter than this only spoils the conditioning
-        tightest = max(self.least_error, _TIGHTEST * spread)
-        unit = max(spread, self.least_error)
-        return prior_block(block, names, rows, mean, np.maximum(sd, tightest), unit=unit)
+        # tighter priors only worsen the conditioning
+        least_sd = max(self.least_error, _MIN_SD_RATIO * spread)
+        row_sd = max(spread, self.least_error)
+        return prior_block(block, names, rows, mean, np.maximum(sd, least_sd), unit=row_sd)
 
-    def build_prior_columns(self, fixed: FloatArray, names: Sequence[str]) -> tuple[FloatArray, FloatArray]:
-        """The known ones of these columns times their standard deviation, and what they expect."""
+    def build_prior_columns(
+        self, fixed: FloatArray, names: Sequence[str]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the columns that have priors, times their SD, and the force of their means."""
         kinds = [get_column_kind(name) for name in names]
         columns, mean = [], np.zeros(len(fixed))
         for i, kind in enumerate(kinds):
@@ -119,14 +120,14 @@ class NuisanceTerms:
 
 
 def get_column_kind(name: str) -> str:
-    """Return what a column is: ``"offset"`` of ``"offset@0"``."""
+    """Return the kind in the name of a column: ``"offset"`` of ``"offset@0"``."""
     return name.partition("@")[0]
 
 
 WARMING = Prior(0.0, USUAL["warming in a chamber"].size)
-"""Of the seal over its record, K, where several temperatures are tested."""
-# how well a recorded rise of temperature is that of the seal, K
-_RECORDED = 0.1
+"""Prior of the warming of the seal over its record, K, where several temperatures are tested."""
+# standard deviation of the warming of the seal about a recorded rise of temperature, K
+_WARMING_SD = 0.1
 
 
 class LoadCellPriors(NamedTuple):
@@ -137,20 +138,19 @@ class LoadCellPriors(NamedTuple):
     offset : Prior
         Of the load cell at the time `offset_time`, N.
     at : float
-        Where the offset is known, s after the first sample.
+        At which the offset is known, s after the first sample.
     drift : Prior
         N/s.
     delay : Prior
         Of the force behind the displacement, s.
     first : int
-        The first sample that the fit may use: those before contact are spent on the priors.
+        The first that the fit may use: those before contact enter the priors.
     slope : Prior
-        As the baseline alone shows the drift, N/s; of an infinite error where there is none.
+        Of the drift by the baseline alone, N/s; its SD is infinite without one.
     conflict : float
-        Above 1 baseline and load cell contradict each other.
+        Departure of baseline and load cell from each other; above 1 they contradict.
     doubt : Prior
-        Of the drift, N/s, for whatever is claimed as a limit. A fit whose own drift were as free
-        would trade slow arms for it.
+        Of the drift, N/s, in limits. As free a drift in the fit itself would replace slow arms.
     """
 
     offset: Prior
@@ -165,7 +165,7 @@ class LoadCellPriors(NamedTuple):
 
 @cache_on_record
 def build_load_cell_priors(record: RampHold) -> LoadCellPriors:
-    r"""Return what the record and its machine say of offset, drift and delay.
+    r"""Return the priors of offset, drift and delay from a record and its machine.
 
     The offset is the mean of the samples before contact, with standard error
     :math:`s\sqrt{\kappa/n}`; of a record that begins on the ramp it is the first reading, with
@@ -174,40 +174,46 @@ def build_load_cell_priors(record: RampHold) -> LoadCellPriors:
     The delay is 0 with the larger of one sample, `Machine.sync` and 1/(2 pi f) of a named filter.
     """
     time, force = record.time - record.time[0], record.force
-    first = _find_first_motion(record)
-    rest = slice(0, first) if record.loading_start is None else record.baseline_samples
+    first_sample = _find_first_motion(record)
+    rest_samples = (
+        slice(0, first_sample) if record.loading_start is None else record.baseline_samples
+    )
     duration = record.hold_end - record.onset
-    final = abs(float(force[select_hold_end(record)].mean()))
+    end_force = abs(float(force[select_hold_end(record)].mean()))
     noise = record.force_noise or scatter(time[record.hold], force[record.hold])
-    if rest.stop - rest.start >= _FEWEST and not _is_loaded_early(record, rest):
-        offset, at, slope = estimate_channel_zero(time[rest], force[rest], noise)
+    if rest_samples.stop - rest_samples.start >= _MIN_REST_SAMPLES and not _is_loaded_early(
+        record, rest_samples
+    ):
+        offset, offset_time, baseline_drift = estimate_channel_zero(
+            time[rest_samples], force[rest_samples], noise
+        )
     else:
-        offset, at = _estimate_first_reading(record, noise), 0.0
+        offset, offset_time = _estimate_first_reading(record, noise), 0.0
         if record.loading_start is None:
-            first = max(first, 1) if record.displacement[0] <= 0 else 0
-        slope = Prior(0.0, np.inf)
-    machine, values = record.machine, (final, duration)
+            first_sample = max(first_sample, 1) if record.displacement[0] <= 0 else 0
+        baseline_drift = Prior(0.0, np.inf)
+    machine, end_of_hold = record.machine, (end_force, duration)
     if machine.calibration:
-        # a contact that is off is a force that stays; beside a sharp zero it would bend the law
+        # an error of contact is a constant force; a tighter offset would distort the elastic law
         offset = Prior(
-            offset.mean, math.hypot(offset.sd, final * record.contact_error / record.depth)
+            offset.mean, math.hypot(offset.sd, end_force * record.contact_error / record.depth)
         )
     return LoadCellPriors(
         offset,
-        at,
-        Prior(*machine.combine_drift(slope, *values)),
+        offset_time,
+        Prior(*machine.combine_drift(baseline_drift, *end_of_hold)),
         build_delay_prior(record),
-        first,
-        slope,
-        machine.drift_conflict(slope, *values, record.force_noise),
-        Prior(*machine.combine_drift(slope, *values, record.force_noise)),
+        first_sample,
+        baseline_drift,
+        machine.drift_conflict(baseline_drift, *end_of_hold, record.force_noise),
+        Prior(*machine.combine_drift(baseline_drift, *end_of_hold, record.force_noise)),
     )
 
 
 def build_nuisance_terms(record: RampHold, *, claimed: bool = False) -> NuisanceTerms:
-    """Return what is known of offset, drift and delay, their columns counting from its start.
+    """Return the priors of offset, drift and delay for columns that begin with the record.
 
-    Of what is `claimed` as a limit the drift is as doubtful as it may be.
+    With `claimed` the drift has the wider prior of limits.
     """
     cell_priors = build_load_cell_priors(record)
     least = ROUNDING * float(np.abs(record.force).max())
@@ -218,27 +224,27 @@ def build_nuisance_terms(record: RampHold, *, claimed: bool = False) -> Nuisance
 
 @cache_on_record
 def estimate_hold_noise(record: RampHold) -> float:
-    """Return the standard deviation of one independent residual as the hold shows it unfitted, N.
+    """Return the standard deviation of one independent residual, estimated before the fit, N.
 
-    It is what a plateau, a drift and a dozen arms leave of means over a thousandth of the hold:
-    noise as slow as that is what a prior is weighed against, where the scatter of neighbours may
-    be a twentieth of it.
+    It is that of means over a thousandth of the hold about a plateau, a drift and a dozen arms:
+    priors are weighted against slow noise, of which the scatter of neighbours may be a
+    twentieth.
     """
     since, force = record.time[record.hold] - record.ramp_end, record.force[record.hold]
-    few = max(len(force) // _MEANS, 1)
-    time, means = block_means(since, few), block_means(force, few)
-    if len(means) < 4 * _ARMS:
+    group_size = max(len(force) // _HOLD_MEANS, 1)
+    time, means = block_means(since, group_size), block_means(force, group_size)
+    if len(means) < 4 * _HOLD_ARMS:
         return record.force_noise
     noise = _compute_hold_noise(time, means)
-    # one independent residual is the least that noise leaves of a record; beyond it is misfit
-    return float(min(np.sqrt(few * noise.power), record.force_noise * np.sqrt(len(force))))
+    # noise cannot exceed the scatter of fully correlated samples; what does is misfit
+    return float(min(np.sqrt(group_size * noise.power), record.force_noise * np.sqrt(len(force))))
 
 
 def _compute_hold_noise(since: FloatArray, values: FloatArray) -> Noise:
-    """Return what a plateau, a drift and a dozen arms leave of a hold, as noise."""
-    end, rows = float(since[-1]), len(since)
-    arms = np.exp(-since[:, None] / np.geomspace(end / (2 * rows), 3 * end, _ARMS))
-    basis = np.linalg.qr(np.column_stack((np.ones(rows), since, arms)))[0]
+    """Return the noise of a hold about a plateau, a drift and a dozen arms fitted to it."""
+    end, sample_count = float(since[-1]), len(since)
+    arms = np.exp(-since[:, None] / np.geomspace(end / (2 * sample_count), 3 * end, _HOLD_ARMS))
+    basis = np.linalg.qr(np.column_stack((np.ones(sample_count), since, arms)))[0]
     return noise_of(values - basis @ (basis.T @ values), basis)
 
 
@@ -253,23 +259,27 @@ class ChannelZero(NamedTuple):
 def estimate_channel_zero(time: FloatArray, values: FloatArray, noise: float) -> ChannelZero:
     r"""Return the mean and the slope of a channel at rest, for correlated noise.
 
-    `noise` is the least that its scatter can be.
+    `noise` is a lower bound of its scatter.
     """
     residual = values - values.mean()
     # a drift is no noise
-    line = _fit_slope(time, residual, 1.0).mean
-    noises = noise_of(residual - line * (time - time.mean()))
-    error = float(np.sqrt(noises.autocovariance[0] * noises.kappa / len(values)))
+    slope = _fit_slope(time, residual, 1.0).mean
+    correlated_noise = noise_of(residual - slope * (time - time.mean()))
+    error = float(
+        np.sqrt(correlated_noise.autocovariance[0] * correlated_noise.kappa / len(values))
+    )
     offset = Prior(float(values.mean()), max(error, noise / float(np.sqrt(len(values)))))
-    return ChannelZero(offset, float(time.mean()), _fit_slope(time, residual, noises.kappa))
+    return ChannelZero(
+        offset, float(time.mean()), _fit_slope(time, residual, correlated_noise.kappa)
+    )
 
 
 def _find_first_motion(record: RampHold) -> int:
-    """The sample from which the plate may move: a fiftieth of the ramp before it is seen to."""
-    change = int(np.argmax(record.displacement > 0))
+    """Return the first sample at which the plate may move: a fiftieth of the ramp before seen."""
+    first_moved = int(np.argmax(record.displacement > 0))
     earlier = record.loading_start is not None
-    seen = record.onset if earlier else min(float(record.time[change]), record.onset)
-    return int(np.searchsorted(record.time, seen - _UNSEEN * record.ramp_time))
+    visible_onset = record.onset if earlier else min(float(record.time[first_moved]), record.onset)
+    return int(np.searchsorted(record.time, visible_onset - _UNSEEN_RAMP_PART * record.ramp_time))
 
 
 class SignificantDrift(NamedTuple):
@@ -288,13 +298,13 @@ class SignificantDrift(NamedTuple):
 
 
 def compute_significant_drift(record: RampHold) -> SignificantDrift:
-    """Return which departures from what is known of the load cell matter to the stiffness."""
-    final = MATERIAL * abs(float(record.force[select_hold_end(record)].mean()))
-    return SignificantDrift(final, final / (record.hold_end - record.onset))
+    """Return the offset and the drift of the load cell that matter to the stiffness."""
+    significant_force = MATERIAL * abs(float(record.force[select_hold_end(record)].mean()))
+    return SignificantDrift(significant_force, significant_force / (record.hold_end - record.onset))
 
 
 def select_hold_end(record: RampHold) -> slice:
-    """Return the last twentieth of the samples of the hold, one at least."""
+    """Return the slice of the last twentieth of the hold, at least one sample."""
     end = record.hold.stop
     return slice(end - max(1, (end - record.hold.start) // 20), end)
 
@@ -317,71 +327,77 @@ def build_delay_prior(record: TwoChannels) -> Prior:
 
 
 def compute_delay_errors(numbers: Callable[[float], FloatArray], delay: Prior) -> FloatArray:
-    """Return the standard errors of numbers by a delay that their record does not determine.
+    """Return the standard errors of numbers due to a delay that their record does not determine.
 
-    `numbers` gives them for a force that comes so much later than it was recorded, s. The larger
+    `numbers` computes them for a force delayed by its argument, s. The larger
     change of either sign counts: a cosine has no first order.
     """
     if delay.sd == 0:
         return np.zeros(len(numbers(0.0)))
     values = numbers(delay.mean)
-    ways = [numbers(delay.mean + way * delay.sd) - values for way in (-1, 1)]
-    return np.asarray(np.abs(ways).max(axis=0))
+    changes = [numbers(delay.mean + sign * delay.sd) - values for sign in (-1, 1)]
+    return np.asarray(np.abs(changes).max(axis=0))
 
 
-def _is_loaded_early(record: RampHold, rest: slice) -> bool:
-    """True if the force before the plate is seen to move rises as on the ramp: it moves already."""
-    force = record.force[rest] - record.force[rest].mean()
-    prior = _fit_slope(record.time[rest], force, 1.0)
-    ramp = float(np.abs(record.force).max()) / record.ramp_time
-    return prior.mean > max(_LOADED * ramp, 4 * prior.sd)
+def _is_loaded_early(record: RampHold, rest_samples: slice) -> bool:
+    """Return whether the force rises as on the ramp before the plate is seen to move."""
+    force = record.force[rest_samples] - record.force[rest_samples].mean()
+    slope = _fit_slope(record.time[rest_samples], force, 1.0)
+    ramp_rate = float(np.abs(record.force).max()) / record.ramp_time
+    return slope.mean > max(_MIN_RATE_RATIO * ramp_rate, 4 * slope.sd)
 
 
 def _fit_slope(time: FloatArray, residual: FloatArray, kappa: float) -> Prior:
-    t = time - time.mean()
-    power = float(t @ t)
-    slope = float(t @ residual) / power
-    ratio = float(np.sum((residual - slope * t) ** 2)) / max(len(t) - 2, 1)
-    return Prior(slope, float(np.sqrt(ratio * kappa / power)))
+    centred_time = time - time.mean()
+    sum_of_squares = float(centred_time @ centred_time)
+    slope = float(centred_time @ residual) / sum_of_squares
+    variance = float(np.sum((residual - slope * centred_time) ** 2)) / max(len(centred_time) - 2, 1)
+    return Prior(slope, float(np.sqrt(variance * kappa / sum_of_squares)))
 
 
 def _estimate_first_reading(record: RampHold, noise: float) -> Prior:
-    """Return the force at the first sample, and what the compression there may have given."""
+    """Return the prior of the offset by the first sample, widened by its compression."""
     x, force = record.displacement, record.force
     noise = _compute_reading_error(record, noise)
     if x[0] <= 0:
         return Prior(float(force[0]), noise)
-    peak = int(np.argmax(x >= 0.1 * record.depth)) or len(x) - 1
-    slope = abs(float(force[peak] - force[0])) / max(float(x[peak] - x[0]), 1e-300)
-    return Prior(0.0, noise + slope * float(x[0]))
+    pressed_sample = int(np.argmax(x >= 0.1 * record.depth)) or len(x) - 1
+    stiffness = abs(float(force[pressed_sample] - force[0])) / max(
+        float(x[pressed_sample] - x[0]), 1e-300
+    )
+    return Prior(0.0, noise + stiffness * float(x[0]))
 
 
 def _compute_reading_error(record: RampHold, noise: float) -> float:
-    """By how much one reading of the force may be off, N: its scatter, or slow noise if more.
+    """Return the standard error of one reading of the force, N: scatter, or slow noise if more.
 
-    Neighbours share what is slow and do not show it: behind a filter of 10 Hz, at 1 kHz, they
-    differ by a thousandth of it. Readings far apart show it.
+    The scatter of neighbours does not contain slow noise: behind a filter of 10 Hz, at 1 kHz,
+    they differ by a thousandth of it. The scatter of readings far apart does.
     """
     since, force = record.time[record.hold] - record.ramp_end, record.force[record.hold]
-    difference = max(len(force) // _MEANS, 1)
-    since, force = since[::difference], force[::difference]
-    if len(force) < 4 * _ARMS:
+    stride = max(len(force) // _HOLD_MEANS, 1)
+    since, force = since[::stride], force[::stride]
+    if len(force) < 4 * _HOLD_ARMS:
         return noise
-    slow = float(np.sqrt(_compute_hold_noise(since, force).autocovariance[0]))
-    chance = (1 + _BY_CHANCE / float(np.sqrt(len(force)))) * noise
-    return slow if slow > max(chance, _MISSED * float(np.abs(force).max())) else noise
+    slow_noise = float(np.sqrt(_compute_hold_noise(since, force).autocovariance[0]))
+    noise_limit = (1 + _CHANCE_FACTOR / float(np.sqrt(len(force)))) * noise
+    return (
+        slow_noise
+        if slow_noise > max(noise_limit, _MAX_ARM_MISFIT * float(np.abs(force).max()))
+        else noise
+    )
 
 
 def build_recorded_warming_prior(specimen: Specimen) -> Prior:
-    """Return by how much the seal may have warmed over its record, K: as recorded, if it was."""
-    return WARMING if specimen.warmed is None else Prior(specimen.warmed, _RECORDED)
+    """Return the prior of the warming of the seal over its record, K: as recorded, if it was."""
+    return WARMING if specimen.warmed is None else Prior(specimen.warmed, _WARMING_SD)
 
 
 def build_warming_prior(specimen: Specimen) -> Prior:
-    """By how much a seal of one temperature may warm unseen over its record, K.
+    """Return the prior of the unmodelled warming of a seal tested at one temperature, K.
 
-    A rise that was recorded says how much, but not what it does to the seal.
+    A recorded rise widens it, as its effect on the seal is unknown.
     """
     if specimen.warmed is None:
         return Prior(0.0, USUAL["warming"].size)
-    return Prior(0.0, float(np.hypot(specimen.warmed, _RECORDED)))
+    return Prior(0.0, float(np.hypot(specimen.warmed, _WARMING_SD)))

@@ -691,7 +691,8 @@ def compute_clock_sensitivity(tests: Sequence[RampHold], model: GeneralizedMaxwe
     """
     delay_errors = [
         np.hypot(
-            build_delay_prior(test).sd, test.encoder_step / np.sqrt(12) * test.ramp_time / test.depth
+            build_delay_prior(test).sd,
+            test.encoder_step / np.sqrt(12) * test.ramp_time / test.depth,
         )
         for test in tests
     ]

@@ -85,7 +85,11 @@ from dashpot.fitting.nonlinear_ramp.linearity import (
     LinearityResult,
     select_delayed_motion,
 )
-from dashpot.fitting.nuisance_priors import build_delay_prior, build_load_cell_priors, compute_significant_drift
+from dashpot.fitting.nuisance_priors import (
+    build_delay_prior,
+    build_load_cell_priors,
+    compute_significant_drift,
+)
 from dashpot.fitting.order_selection import SelectedModel, select_order, validate_arm_count
 from dashpot.fitting.parameter_errors import (
     SolutionEstimate,
@@ -167,14 +171,14 @@ def _solve_parameters(record: RampHold, arms: int, method: Method) -> dict[str, 
             compress_tests([record], FitSetup(method, NUISANCE if method == "full" else ())), arms
         )
     )
-    named = {"k_inf": model.k_inf}
+    parameters = {"k_inf": model.k_inf}
     for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True), start=1):
-        named |= {f"k_{j}": k, f"tau_{j}": tau}
-    return named
+        parameters |= {f"k_{j}": k, f"tau_{j}": tau}
+    return parameters
 
 
 class _HoldArguments(TypedDict):
-    """Longest hold, s, the model fitted to it, and the degrees of freedom of its noise."""
+    """Arguments of the limits: longest hold, s, fitted model, degrees of freedom of the noise."""
 
     time: float
     own: GeneralizedMaxwell
@@ -207,8 +211,8 @@ def fit(
     .. math:: F(t) = S(t) - \delta\,\dot S(t) + F_0 + \dot F t, \qquad
               S(t) = k_\infty x(t) + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j} \dot x(u)\,du
 
-    If the force lags by more than this first order holds, the motion is delayed by as much, where a
-    linear solid then fits (:mod:`dashpot.fitting.nonlinear_ramp.linearity`).
+    If the force lags by more than this first-order term can represent, the motion is delayed by as
+    much, where a linear solid then fits (:mod:`dashpot.fitting.nonlinear_ramp.linearity`).
 
     ``method="hold"`` is the paper's eq. (5) on the hold after an ideal ramp of rate A = x_h/c,
 
@@ -229,7 +233,7 @@ def fit(
         (:mod:`dashpot.numerics.inference.model_order`).
     method : "full" or "hold"
     thorough : bool
-        Add quasi-random starts; a ramp that is bent has its own.
+        Add quasi-random starting points; the fit of a nonlinear ramp has its own.
     nuisance : sequence of str
         Which terms are fitted along with the solid: ``"offset"``, ``"drift"`` and, of the recorded
         motion, ``"delay"``.
@@ -238,13 +242,13 @@ def fit(
     law : "auto", "linear" or "nonlinear"
         Elastic law of the seal, F_e(x) in place of x. A linear solid that explains ramp and hold
         to their noise is kept. Any other record is fitted hold first
-        (:mod:`dashpot.fitting.nonlinear_ramp.elastic_law`): the hold decides over the
-        arms, the ramp over the law, which ``"auto"`` bends only if that matters.
+        (:mod:`dashpot.fitting.nonlinear_ramp.elastic_law`): the hold decides on the
+        arms, the ramp on the law, which ``"auto"`` makes nonlinear only if that matters.
     family : "maxwell", "fractional" or "auto"
         Arms; a fractional Zener model, whose four parameters are a spectrum that is broad and
         smooth (:class:`~dashpot.solids.fractional.FractionalZener`); or the one of the two that
         BIC prefers. Beside the solid that is taken, `Fit.evidence.alternative` is then the other,
-        and says where the two part. A ramp that is not linear is explained by arms alone.
+        and says where the two differ. A ramp that is not linear is explained by arms alone.
     intervals : bool
         False returns the optimum of the same model alone, without errors, checks or bounds: for a
         first look, or where a computation asks for many fits. A number of arms left to choose,
@@ -297,8 +301,10 @@ def fit(
     try:
         return _record_law_option(_fit_one_temperature(records, setup, options), law)
     except FitError as error:
-        stops = (check for record in records for check in record.checks if check.failed)
-        cause = next((stop.message_with_option for stop in stops if stop.grade == "stop"), "")
+        failed_checks = (check for record in records for check in record.checks if check.failed)
+        cause = next(
+            (check.message_with_option for check in failed_checks if check.grade == "stop"), ""
+        )
         if not cause:
             raise
         raise FitError(f"{cause} As it is, {error}") from None
@@ -332,8 +338,8 @@ def _refuse_method(records: Sequence[RampHold], method: str) -> None:
     for number, record in enumerate(records, start=1):
         obstacle = eq5_obstacle(record)
         if obstacle is not None:
-            which = f"test {number} of {len(records)}: " if len(records) > 1 else ""
-            raise FitError(which + obstacle)
+            test_label = f"test {number} of {len(records)}: " if len(records) > 1 else ""
+            raise FitError(test_label + obstacle)
 
 
 def _refuse_history(records: Sequence[RampHold]) -> None:
@@ -358,14 +364,14 @@ def _record_law_option(fit: Fit, law: RampLawAsked) -> Fit:
 def refit_nearby(test: RampHold, fit: Fit) -> Fit:
     """Return the optimum of a test from the fit of another time range of it, as a preview.
 
-    Relaxation times are descended to from those found there. Neither their number nor the law is
-    asked about again, so `fit` is to be of a linear solid.
+    The descent starts at the relaxation times of `fit`, whose number of arms and linear law are
+    kept.
 
     Parameters
     ----------
     test : RampHold
     fit : Fit
-        Of the same test, by arms, without a bent law.
+        Of the same test, by arms, with a linear law.
 
     Raises
     ------
@@ -376,9 +382,9 @@ def refit_nearby(test: RampHold, fit: Fit) -> Fit:
     arms = len(log_tau)
     method: Method = "hold" if fit.method == "hold" else "full"
     setup = _build_setup([test], FitOptions(arms, method, max_arms=arms))
-    as_recorded = DelayedMotion(HoldBlocks([test]), data_of([test], setup, log_tau), (0.0,))
-    initial_fit = weighed(as_recorded.data, arms, only=True, near=log_tau)
-    return _build_point_fit(as_recorded, initial_fit, setup, arms)
+    motion = DelayedMotion(HoldBlocks([test]), data_of([test], setup, log_tau), (0.0,))
+    initial_fit = weighed(motion.data, arms, only=True, near=log_tau)
+    return _build_point_fit(motion, initial_fit, setup, arms)
 
 
 def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: FitOptions) -> Fit:
@@ -390,9 +396,13 @@ def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: 
     if setup == FitSetup("full"):
         motion, linearity = select_delayed_motion(motion, options)
         initial_fit, fractional_fit = linearity.first, linearity.element
-        # no law is bent by a ramp that answers to earlier loadings as well
-        is_linear = linearity.sound or any(record.loading_start is not None for record in records)
-        ramp_law = None if is_linear else _select_elastic_law(records, options.law, options.count)
+        # a ramp after earlier loadings responds to those as well: it determines no nonlinear law
+        keeps_linear_law = linearity.sound or any(
+            record.loading_start is not None for record in records
+        )
+        ramp_law = (
+            None if keeps_linear_law else _select_elastic_law(records, options.law, options.count)
+        )
         if ramp_law is not None and not ramp_law.sound:
             fit = _fit_hold_then_ramp(records, ramp_law, options.count)
             return (
@@ -458,7 +468,7 @@ def _build_linear_fit(
         stiffness=max(selection.model.k_0, 1e-300),
         noise=max(selection.estimate.spread, 1e-6 * selection.data.peak, 1e-300),
     )
-    # what it bounds is of any spectrum: few arms weigh the record as well as many
+    # the limits hold for any spectrum, so the few arms of the fit suffice for the weights
     data = _build_limit_data(records, families.arms, setup)
     hold = _collect_hold_arguments(records, families.arms)
     spectra = spectra_of_holds(data, **hold)
@@ -504,23 +514,23 @@ def _build_linear_fit(
     )
 
 
-def _fit_hold_then_ramp(records: Sequence[RampHold], law: RampLaw, arms: int | None) -> Fit:
+def _fit_hold_then_ramp(records: Sequence[RampHold], ramp_law: RampLaw, arms: int | None) -> Fit:
     """Return the fit hold first, with the elastic law that the ramps support."""
     from dashpot.fitting.nonlinear_ramp.elastic_law import supported_by_holds
     from dashpot.fitting.nonlinear_ramp.fit_construction import held_ramps, ramp_fit
 
-    data = held_ramps(records, law)
-    hold_arguments = _collect_hold_arguments(records, law)
+    data = held_ramps(records, ramp_law)
+    hold_arguments = _collect_hold_arguments(records, ramp_law)
     spectra = spectra_of_holds(data, **hold_arguments)
     end = compute_end_limits(data, **hold_arguments, spectra=spectra)
-    sensitivity = compute_rig_sensitivity(data, law.model)
+    sensitivity = compute_rig_sensitivity(data, ramp_law.model)
     arm_checks: tuple[Check, ...] = ()
     if arms is not None:
-        supported = supported_by_holds(records, law.hold)
-        arm_checks = (arms_enough(supported, law.model.arms, unit="N"),)
+        supported = supported_by_holds(records, ramp_law.hold)
+        arm_checks = (arms_enough(supported, ramp_law.model.arms, unit="N"),)
     return ramp_fit(
         records,
-        law,
+        ramp_law,
         requested=arms,
         checks=arm_checks,
         end=end,
@@ -532,7 +542,7 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], law: RampLaw, arms: int | N
 def _build_limit_data(
     records: Sequence[RampHold], selection: SelectedModel, setup: FitSetup
 ) -> list[RelaxationData]:
-    """Return the records with their weights in the limits."""
+    """Return the data of each record for the limits, weighted by its residuals."""
     model, residuals = selection.model, selection.estimate.residuals
     if setup.method == "hold":
         tests = zip(records, residuals, strict=True)
@@ -558,7 +568,7 @@ def _run_checks(
     """Return every check of the records and of the fit."""
     records, model, estimate = motion.holds.records, selection.model, selection.estimate
     choice, error = selection.choice, selection.error
-    in_arms = not isinstance(selection, FractionalFit)
+    has_arms_only = not isinstance(selection, FractionalFit)
     all_checks = [
         *(check_filter_bias(record) for record in records if record.unfiltered is not None),
         *run_relaxation_checks(
@@ -569,17 +579,17 @@ def _run_checks(
             end,
             method=setup.method,
             needed=choice is not None,
-            in_arms=in_arms,
+            in_arms=has_arms_only,
         ),
     ]
-    if in_arms:
+    if has_arms_only:
         correlation = _compute_drift_correlation(estimate)
         all_checks.append(checks.drift_distinguished_from_arm(model, correlation, float(error[-1])))
     all_checks += _check_load_cells(motion, selection, end)
     if choice is not None:
         all_checks.append(order_agreed(choice))
     all_checks += selection.enough("N")
-    if setup.method == "full" and in_arms:
+    if setup.method == "full" and has_arms_only:
         all_checks.append(
             checks.hold_and_full_agree(model, motion.holds.fit_hold_equation(model), error, end=end)
         )
@@ -591,17 +601,20 @@ def _check_load_cells(
 ) -> list[Check]:
     """Return the checks of offset, drift and delay against their priors."""
     estimate, records = selection.estimate, motion.holds.records
-    value, names = motion.coefficients(estimate.solution.coefficient), estimate.solution.fixed_names
+    get_coefficient, names = (
+        motion.coefficients(estimate.solution.coefficient),
+        estimate.solution.fixed_names,
+    )
 
     def list_departures(kind: str) -> list[tuple[float, float, float, float]]:
         results = []
         for i, record in enumerate(records):
             if f"{kind}@{i}" in names:
                 cell_priors = build_load_cell_priors(record)
-                departure = value(f"{kind}@{i}")
+                departure = get_coefficient(f"{kind}@{i}")
                 if kind == "offset" and f"drift@{i}" in names:
-                    # where it is known: the fit's own is that at the first sample
-                    departure += cell_priors.offset_time * value(f"drift@{i}")
+                    # at the time at which it is known: the fit states that at the first sample
+                    departure += cell_priors.offset_time * get_coefficient(f"drift@{i}")
                 results.append(
                     (
                         departure,
@@ -617,7 +630,11 @@ def _check_load_cells(
         ramp_checks.drift_plausible(list_departures("drift"), beyond_hold),
     ]
     delays = [
-        (value(name), estimate.standard_error(name), build_load_cell_priors(record).delay.sd)
+        (
+            get_coefficient(name),
+            estimate.standard_error(name),
+            build_load_cell_priors(record).delay.sd,
+        )
         for name, record in ((f"delay@{i}", record) for i, record in enumerate(records))
         if name in names
     ]
@@ -632,13 +649,16 @@ def _check_load_cells(
 
 def _compute_drift_correlation(estimate: SolutionEstimate) -> float | None:
     """Return the largest correlation between the slowest arm and a drift, None without either."""
-    drifts = [i for i, name in enumerate(estimate.names) if name.startswith("drift@")]
-    if not drifts or not estimate.solution.order:
+    drift_indices = [i for i, name in enumerate(estimate.names) if name.startswith("drift@")]
+    if not drift_indices or not estimate.solution.order:
         return None
-    slow = estimate.names.index(f"ln_tau_{estimate.solution.order}")
-    error = np.sqrt(np.diag(estimate.covariance))
+    slowest_arm = estimate.names.index(f"ln_tau_{estimate.solution.order}")
+    standard_errors = np.sqrt(np.diag(estimate.covariance))
     with np.errstate(invalid="ignore", divide="ignore"):
-        correlation = np.abs(estimate.covariance[slow, drifts] / (error[slow] * error[drifts]))
+        correlation = np.abs(
+            estimate.covariance[slowest_arm, drift_indices]
+            / (standard_errors[slowest_arm] * standard_errors[drift_indices])
+        )
     return float(np.nan_to_num(correlation, nan=1.0).max())
 
 
@@ -663,15 +683,15 @@ def _make_motion_steps(records: Sequence[RampHold], setup: FitSetup) -> tuple[St
         return ()
     steps = []
     for record in records:
-        count, noise = record.encoder_step, record.displacement_noise
-        if count > 0 or noise > 0:
+        step, noise = record.encoder_step, record.displacement_noise
+        if step > 0 or noise > 0:
             message = (
-                f"read the displacement between counts of {format_quantity(count, 'um', '.3g')} "
+                f"read the displacement between counts of {format_quantity(step, 'um', '.3g')} "
                 "and "
                 f"averaged its scatter of {format_quantity(noise, 'um', '.3g')} where the motion "
                 "allows; "
                 "the force is as recorded"
             )
-            parameters = (("count", f"{count:.6g} m"), ("noise", f"{noise:.6g} m"))
+            parameters = (("count", f"{step:.6g} m"), ("noise", f"{noise:.6g} m"))
             steps.append(Step("motion", parameters, message))
     return tuple(steps)

@@ -26,12 +26,12 @@ from dashpot.fitting.marginal_relaxation import (
 from dashpot.fitting.nuisance_priors import (
     LINEAR_DELAY,
     Prior,
-    build_warming_prior,
     build_delay_prior,
-    get_column_kind,
     build_load_cell_priors,
-    build_recorded_warming_prior,
     build_nuisance_terms,
+    build_recorded_warming_prior,
+    build_warming_prior,
+    get_column_kind,
 )
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import uniform_step
@@ -452,7 +452,10 @@ def compute_unmeasured_effects(
     if test.loading_start is None and not test.gap > 0 and answer.arms:
         memory, sd = build_earlier_press(test.machine, answer, time, depth=test.depth)
         # what it carries in the middle of the rest is offset
-        terms["memory"] = memory - float(np.interp(build_load_cell_priors(test).offset_time, time, memory)), sd
+        terms["memory"] = (
+            memory - float(np.interp(build_load_cell_priors(test).offset_time, time, memory)),
+            sd,
+        )
     # its temperature is that of its contact, however long the machine stood before
     value = max(test.onset - test.ramp_time - test.time[0], 0.0)
     warms = compute_warming(time, x, answer, since=value)

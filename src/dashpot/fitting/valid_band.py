@@ -18,28 +18,29 @@ from dashpot.solids.maxwell import Solid
 # Part of a band in which the loss factor is known, with its error.
 
 
-#: lines that are sought between one that is known and one that is not, at most
-MOST_LINES_BETWEEN = 5
-#: a band ends where the error is so much of the largest that is known, or within this of ln f
-AT_END, PLACED = 0.85, 0.05
-Errors: TypeAlias = Callable[[float], tuple[float, float]]
+#: most lines evaluated to find one end of a band
+MAX_END_LINES = 5
+#: an end is found at this part of the largest admissible error, or to this tolerance of ln f
+END_ERROR_RATIO, END_TOLERANCE = 0.85, 0.05
+ErrorFunction: TypeAlias = Callable[[float], tuple[float, float]]
 
 
 def find_loss_factor_band(
-    errors: Errors,
+    errors: ErrorFunction,
     band: tuple[float, float],
     lines: Mapping[float, tuple[float, float]],
     *,
     around: float | None = None,
 ) -> tuple[tuple[float, float], BandError]:
-    """Return the widest part of a band in which the loss factor is known, and how well.
+    """Return the widest part of a band in which the loss factor is known, and its errors.
 
-    With `around` it is the part that holds this line. Where it is known at no line, or not at that
-    one, the band stays as it is: the errors show that.
+    With `around` it is the part that contains this line. Where the loss factor is known at no
+    line, or not at that one, the whole band is returned with its errors.
 
     Parameters
     ----------
     errors : callable
+        Of stiffness and loss factor, relative, at a frequency in Hz.
     band : (float, float)
         Hz.
     lines : mapping of float to (float, float)
@@ -47,44 +48,52 @@ def find_loss_factor_band(
     around : float, optional
         One of these lines, Hz.
     """
-    at, every = np.array(list(lines)), dict(lines)
-    certain = np.array([error[1] for error in lines.values()]) <= WELL_KNOWN
-    if certain.all() or not certain.any():
-        return band, _build_band_error(every)
-    parts = find_true_runs(certain).tolist()
+    frequencies, all_errors = np.array(list(lines)), dict(lines)
+    is_known = np.array([error[1] for error in lines.values()]) <= WELL_KNOWN
+    if is_known.all() or not is_known.any():
+        return band, _build_band_error(all_errors)
+    known_runs = find_true_runs(is_known).tolist()
     if around is not None:
-        parts = [part for part in parts if at[part[0]] <= around <= at[part[1]]]
-        if not parts:
-            return band, _build_band_error(every)
-    first, last = max(parts, key=lambda run: at[run[1]] / at[run[0]])
+        known_runs = [
+            run for run in known_runs if frequencies[run[0]] <= around <= frequencies[run[1]]
+        ]
+        if not known_runs:
+            return band, _build_band_error(all_errors)
+    first, last = max(known_runs, key=lambda run: frequencies[run[1]] / frequencies[run[0]])
     ends = []
     for inside, outside in ((first, first - 1), (last, last + 1)):
-        end = float(at[inside])
-        if 0 <= outside < len(at):
-            end = _find_band_end(errors, every, end, float(at[outside]))
+        end = float(frequencies[inside])
+        if 0 <= outside < len(frequencies):
+            end = _find_band_end(errors, all_errors, end, float(frequencies[outside]))
         ends.append(end)
     low, high = ends
-    return (low, high), _build_band_error({f: e for f, e in every.items() if low <= f <= high})
+    return (low, high), _build_band_error({f: e for f, e in all_errors.items() if low <= f <= high})
 
 
 def _find_band_end(
-    errors: Errors, every: dict[float, tuple[float, float]], inside: float, outside: float
+    errors: ErrorFunction,
+    all_errors: dict[float, tuple[float, float]],
+    inside: float,
+    outside: float,
 ) -> float:
-    """Return the last frequency found from one that is known towards one that is not."""
-    for turn in range(MOST_LINES_BETWEEN):
-        near, far = every[inside][1], every[outside][1]
+    """Return the last frequency with a known loss factor, between a known and an unknown one."""
+    for iteration in range(MAX_END_LINES):
+        inside_error, outside_error = all_errors[inside][1], all_errors[outside][1]
         share = 0.5
-        if 0 < near < WELL_KNOWN < far < np.inf:
-            share = float(np.log(WELL_KNOWN / near) / np.log(far / near))
-        # an error rises ever faster towards the end of a band: a straight line crosses too early
-        share = min(max(share, 0.5 if turn else 0.1), 0.98)
+        if 0 < inside_error < WELL_KNOWN < outside_error < np.inf:
+            share = float(np.log(WELL_KNOWN / inside_error) / np.log(outside_error / inside_error))
+        # the error rises faster than this power law towards the end: the crossing lies farther out
+        share = min(max(share, 0.5 if iteration else 0.1), 0.98)
         middle = inside * (outside / inside) ** share
-        every[middle] = errors(middle)
-        if every[middle][1] <= WELL_KNOWN:
+        all_errors[middle] = errors(middle)
+        if all_errors[middle][1] <= WELL_KNOWN:
             inside = middle
         else:
             outside = middle
-        if every[inside][1] > AT_END * WELL_KNOWN or abs(np.log(outside / inside)) < PLACED:
+        if (
+            all_errors[inside][1] > END_ERROR_RATIO * WELL_KNOWN
+            or abs(np.log(outside / inside)) < END_TOLERANCE
+        ):
             break
     return inside
 
@@ -110,16 +119,16 @@ def _build_band_error(errors: Mapping[float, tuple[float, float]]) -> BandError:
 # too: there an arm may stand that nothing shows.
 
 
-#: a ratio is found when a step moves it by less than this part of the way from where it started
-SETTLED = 0.02
-#: a stiffness whose limits are no farther apart, as a factor, is as good as known
-NARROW = 1.25
-#: steps of a ratio, at most
-STEPS = 8
-#: lines over a band on which the least loss factor is sought
-OF_A_HOLD = 9
-#: grid of relaxation times that is left for a hold, decades
-THINNED = 0.15
+#: the iteration of a ratio ends at a step of this part of its total change
+RATIO_TOLERANCE = 0.02
+#: upper over lower limit of a stiffness up to which one step of a ratio suffices
+NARROW_STIFFNESS_RATIO = 1.25
+#: most steps of the iteration of a ratio
+MAX_RATIO_STEPS = 8
+#: number of lines of a band among which the extreme loss factor is searched
+HOLD_LINES = 9
+#: spacing of the grid of relaxation times for a hold, decades
+HOLD_GRID_DECADES = 0.15
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,30 +151,32 @@ class SolidErrors:
     stiffness: float | None = None
 
     def __call__(self, frequency: float) -> tuple[float, float]:
-        """Return those of stiffness and of loss factor at a frequency, Hz."""
+        """Return the relative errors of stiffness and loss factor at a frequency, Hz."""
         omega = 2 * np.pi * frequency
         K = complex(self.solid.complex_stiffness(omega=omega))
         columns = self.spectra.compliance_at if self.creep else self.spectra.stiffness_at
         storage, loss = columns(omega)
         if not self.spectra.shown[1]:
-            # data without a column of a dashpot: the fastest arm stands for it
+            # data without a column of a dashpot: the fastest arm represents it
             loss[1] = 0.0
-        size, angle = (1 / abs(K) if self.creep else abs(K)), float(np.angle(K))
+        magnitude, angle = (1 / abs(K) if self.creep else abs(K)), float(np.angle(K))
         eta = K.imag / K.real if K.real > 0 else np.inf
         if self.stiffness is None:
-            least, most = self.spectra.reach(storage * np.cos(angle) + loss * np.sin(angle))
+            lowest, highest = self.spectra.reach(storage * np.cos(angle) + loss * np.sin(angle))
         else:
-            least, most = size / (1 + self.stiffness), size * (1 + self.stiffness)
-        spread = most / least if least > 0 else np.inf
-        low, high = (
+            lowest, highest = magnitude / (1 + self.stiffness), magnitude * (1 + self.stiffness)
+        spread = highest / lowest if lowest > 0 else np.inf
+        low_eta, high_eta = (
             _find_largest_ratio(self.spectra, sign * loss, storage, sign * eta, spread)
             for sign in (-1, 1)
         )
         if self.stiffness is not None:
-            return self.stiffness, _compute_relative_error(-low, eta, high)
-        widest = max(abs(np.arctan(end) - angle) for end in (-low, high))
-        most /= max(float(np.cos(widest)), 1e-9)
-        return _compute_relative_error(max(least, 0.0), size, most), _compute_relative_error(-low, eta, high)
+            return self.stiffness, _compute_relative_error(-low_eta, eta, high_eta)
+        widest = max(abs(np.arctan(ratio) - angle) for ratio in (-low_eta, high_eta))
+        highest /= max(float(np.cos(widest)), 1e-9)
+        return _compute_relative_error(
+            max(lowest, 0.0), magnitude, highest
+        ), _compute_relative_error(-low_eta, eta, high_eta)
 
 
 def _find_largest_ratio(
@@ -174,27 +185,27 @@ def _find_largest_ratio(
     """Return the largest (above . k) / (below . k), at least `start`.
 
     The gain g of a step from r to r + g/(below . k) bounds the ratio by r + g/b, b the least of
-    below . k: of a below . k that does not `spread` much one step is enough.
+    below . k: if below . k varies by a small factor `spread`, one step is enough.
     """
     ratio = start
-    for _ in range(STEPS):
-        values = spectra.find_extreme_spectrum(above - ratio * below)
-        if not np.isfinite(values).all():
+    for _ in range(MAX_RATIO_STEPS):
+        spectrum = spectra.find_extreme_spectrum(above - ratio * below)
+        if not np.isfinite(spectrum).all():
             return np.inf
-        base = float(below @ values)
-        larger = float(above @ values) / base if base > 0 else -np.inf
-        if not larger > ratio:
+        denominator = float(below @ spectrum)
+        new_ratio = float(above @ spectrum) / denominator if denominator > 0 else -np.inf
+        if not new_ratio > ratio:
             break
-        change, ratio = larger - ratio, larger
-        if spread <= NARROW:
+        change, ratio = new_ratio - ratio, new_ratio
+        if spread <= NARROW_STIFFNESS_RATIO:
             return start + spread * change
-        if change <= SETTLED * (ratio - start):
+        if change <= RATIO_TOLERANCE * (ratio - start):
             break
     return ratio
 
 
 def _compute_relative_error(low: float, value: float, high: float) -> float:
-    """Return by how much a value may lie off, relative to itself or to the truth."""
+    """Return the larger relative error of a value against its limits, low and high."""
     if not (low > 0 and value > 0 and np.isfinite(high)):
         return np.inf
     return float(max(high / value, value / low, 1.0) - 1)
@@ -206,12 +217,12 @@ def _compute_relative_error(low: float, value: float, high: float) -> float:
 def find_hold_band(
     spectra: AdmissibleSpectra, solid: Solid, band: tuple[float, float]
 ) -> tuple[tuple[float, float], BandError | None]:
-    """Return the valid band of a hold, and how well its solid is known there.
+    """Return the valid band of a hold, and the errors of its solid there.
 
     Parameters
     ----------
     spectra : AdmissibleSpectra
-        What the holds do not reject.
+        Every spectrum that the holds do not reject.
     solid : Solid
         The fit.
     band : (float, float)
@@ -219,27 +230,27 @@ def find_hold_band(
     """
     if not has_loss_band(solid, band):
         return band, None
-    errors = SolidErrors(spectra.reduce_grid(THINNED), solid)
-    ends = [errors(line) for line in band]
-    # of a hold the stiffness is known alike over the band: what its ends say is enough
-    between = replace(errors, stiffness=max(stiffness for stiffness, _ in ends))
-    lines = dict(zip(band, ends, strict=True))
-    at = np.geomspace(*band, OF_A_HOLD)
-    K = solid.complex_stiffness(omega=2 * np.pi * at)
-    eta = K.imag / K.real
-    if all(error > WELL_KNOWN for _, error in ends):
-        # best known where there is most of it
-        inner = [*np.argsort(-eta).tolist()]
+    errors = SolidErrors(spectra.reduce_grid(HOLD_GRID_DECADES), solid)
+    end_errors = [errors(line) for line in band]
+    # the stiffness of a hold is known equally well over the band: the errors at its ends suffice
+    errors_within = replace(errors, stiffness=max(stiffness for stiffness, _ in end_errors))
+    lines = dict(zip(band, end_errors, strict=True))
+    frequencies = np.geomspace(*band, HOLD_LINES)
+    K = solid.complex_stiffness(omega=2 * np.pi * frequencies)
+    loss_factor = K.imag / K.real
+    if all(error > WELL_KNOWN for _, error in end_errors):
+        # the loss factor is known best where it is largest
+        candidate_lines = [*np.argsort(-loss_factor).tolist()]
     else:
-        # and worst where there is least: at an end, as a rule
-        inner = [int(np.argmin(eta))]
-    for place in inner:
-        if 0 < place < len(at) - 1:
-            lines[float(at[place])] = between(float(at[place]))
-            if lines[float(at[place])][1] <= WELL_KNOWN:
+        # and worst where it is smallest, mostly at an end
+        candidate_lines = [int(np.argmin(loss_factor))]
+    for index in candidate_lines:
+        if 0 < index < len(frequencies) - 1:
+            lines[float(frequencies[index])] = errors_within(float(frequencies[index]))
+            if lines[float(frequencies[index])][1] <= WELL_KNOWN:
                 break
     lines = dict(sorted(lines.items()))
-    return find_loss_factor_band(between, band, lines)
+    return find_loss_factor_band(errors_within, band, lines)
 
 
 def has_loss_band(solid: Solid, band: tuple[float, float]) -> bool:
@@ -263,8 +274,8 @@ def has_loss_band(solid: Solid, band: tuple[float, float]) -> bool:
 
 
 _ARMS_PER_DECADE = 2
-_PLAUSIBLE = 0.1
-_INFORMED = 0.5
+_PRIOR_SD_RATIO = 0.1
+_MAX_SPREAD_RATIO = 0.5
 _FREQUENCIES_PER_DECADE = 20
 
 
@@ -292,7 +303,7 @@ def find_informed_band(
     noise: float,
     slower: Sequence[float] | None = None,
 ) -> tuple[float, float]:
-    """Return the band, Hz; both ends equal if the test informs no frequency by half.
+    """Return the widest band that the tests inform, Hz; its ends are equal if there is none.
 
     Parameters
     ----------
@@ -303,15 +314,15 @@ def find_informed_band(
     noise : float
         Standard deviation of one residual, N or m, widened for correlation (s times root kappa).
     slower : sequence of float, optional
-        How many times slower than the solid asked about each test's was: its shift factor.
+        Shift factor of each test: relaxation times in it over those of the returned band.
     """
-    group = list(zip(tests, slower or [1.0] * len(tests), strict=True))
-    slowest = 1.0 / (2.0 * np.pi * max(test.hold_time / a for test, a in group))
-    step = min(float(np.diff(test.time).min()) / a for test, a in group)
-    ramp = min(test.ramp_time / a for test, a in group)
+    tests_and_shifts = list(zip(tests, slower or [1.0] * len(tests), strict=True))
+    slowest = 1.0 / (2.0 * np.pi * max(test.hold_time / shift for test, shift in tests_and_shifts))
+    step = min(float(np.diff(test.time).min()) / shift for test, shift in tests_and_shifts)
+    ramp = min(test.ramp_time / shift for test, shift in tests_and_shifts)
     fastest = min(1.0 / (np.pi * max(ramp, step)), 0.5 / step)
-    frequency, residual = compute_posterior_spread(blocks, stiffness=stiffness, noise=noise)
-    return _find_widest_band(frequency, residual, slowest, fastest)
+    frequency, spread_ratio = compute_posterior_spread(blocks, stiffness=stiffness, noise=noise)
+    return _find_widest_band(frequency, spread_ratio, slowest, fastest)
 
 
 def compute_posterior_spread(
@@ -329,27 +340,29 @@ def compute_posterior_spread(
     basis = np.linalg.qr(fixed)[0]
     # spring, offset and drift are free: what they explain tells nothing of an arm
     arms = arms - basis @ (basis.T @ arms)
-    prior = _PLAUSIBLE * stiffness
-    information = arms.T @ arms * (prior / noise) ** 2
+    prior_sd = _PRIOR_SD_RATIO * stiffness
+    information = arms.T @ arms * (prior_sd / noise) ** 2
     posterior = np.linalg.inv(information + np.eye(len(log_tau)))
     tau = np.exp(log_tau)
     count = int(_FREQUENCIES_PER_DECADE * decades)
     omega = np.exp(-np.linspace(log_tau[-1], log_tau[0], count))
-    x = omega[:, None] * tau
-    loss = x / (1.0 + x * x)
-    # what millions of samples leave is less than its rounding
+    omega_tau = omega[:, None] * tau
+    loss = omega_tau / (1.0 + omega_tau * omega_tau)
+    # for millions of samples the variance may be negative by rounding
     spread = np.maximum(((loss @ posterior) * loss).sum(axis=1), 0.0)
     remainder = np.sqrt(spread / (loss * loss).sum(axis=1))
     return omega / (2.0 * np.pi), remainder
 
 
 def _find_widest_band(
-    frequency: FloatArray, left: FloatArray, slowest: float, fastest: float
+    frequency: FloatArray, spread_ratio: FloatArray, slowest: float, fastest: float
 ) -> tuple[float, float]:
     best = float(
-        np.clip(frequency[int(np.argmin(left))], min(slowest, fastest), max(slowest, fastest))
+        np.clip(
+            frequency[int(np.argmin(spread_ratio))], min(slowest, fastest), max(slowest, fastest)
+        )
     )
-    ends = frequency[find_true_runs(left <= _INFORMED)].tolist()
-    clipped = [(max(low, slowest), min(high, fastest)) for low, high in ends]
-    wide = [(low, high) for low, high in clipped if high > low]
-    return max(wide, key=lambda run: run[1] / run[0], default=(best, best))
+    runs = frequency[find_true_runs(spread_ratio <= _MAX_SPREAD_RATIO)].tolist()
+    clipped = [(max(low, slowest), min(high, fastest)) for low, high in runs]
+    bands = [(low, high) for low, high in clipped if high > low]
+    return max(bands, key=lambda run: run[1] / run[0], default=(best, best))

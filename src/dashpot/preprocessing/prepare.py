@@ -145,7 +145,7 @@ def prepare(
     step = median(np.diff(test.time))
     delay_sd = machine.delay_sd(step)
     find_contact = partial(
-        _find_contact, test.time, x, despiked_force, provided=contact, delay_sd=delay_sd
+        _find_contact, test.time, x, despiked_force, provided_contact=contact, delay_sd=delay_sd
     )
     baseline, touch = find_contact(motion, least_gap=least_gap)
     contact_motion = follow_contact(test, motion, touch.displacement, doubt=least_gap)
@@ -170,7 +170,7 @@ def prepare(
     rise = _compute_force_rise(
         record, baseline, where, may_pull=earlier is not None and earlier.is_bonded
     )
-    # a force that is the same whenever the plate is away is the cell's own
+    # a force that is the same whenever the plate is away is the offset of the load cell
     preload = _compute_preload(record, baseline, touch, rise)
     if earlier is not None:
         touch = earlier.touch
@@ -266,7 +266,7 @@ class _EarlierLoading(NamedTuple):
     last_touch : Touch
         First contact in the fitted loading.
     baseline : Baseline
-        Of the force while the seal was free.
+        Of the force without contact.
     is_bonded : bool
         The seal pulls at a plate that retracts.
     first_sample : int
@@ -285,12 +285,12 @@ def _find_earlier_loading(
     x: FloatArray,
     force: FloatArray,
     motion: PlateMotion,
-    last: tuple[Baseline, Touch],
+    last_contact: tuple[Baseline, Touch],
     *,
     find_contact: Callable[..., tuple[Baseline, Touch]],
 ) -> _EarlierLoading | None:
     """Return contact and baseline of earlier loadings; None if none pressed the seal."""
-    last_baseline, touch = last
+    last_baseline, touch = last_contact
     if not list_earlier_presses(motion):
         return None
     peak = float(np.ptp(force[motion.start : motion.stop + 1]))
@@ -300,9 +300,9 @@ def _find_earlier_loading(
     first_motion = find_first_press(test, motion, force, least=least_force)
     if first_motion is None:
         return None
-    # by the depth of the fitted loading: a smaller gap is none of a shallow press
-    gap = _compute_least_gap(test.displacement_quantum, motion)
-    baseline, first_touch = find_contact(first_motion, least_gap=gap)
+    # from the depth of the fitted loading, as a shallow press would allow too small a gap
+    least_gap = _compute_least_gap(test.displacement_quantum, motion)
+    baseline, first_touch = find_contact(first_motion, least_gap=least_gap)
     first_sample = (
         first_motion.departure
         + 1
@@ -401,18 +401,18 @@ def _find_contact(
     force: FloatArray,
     motion: PlateMotion,
     *,
-    provided: float | None,
+    provided_contact: float | None,
     least_gap: float,
     delay_sd: float,
 ) -> tuple[Baseline, Touch]:
     """Return the baseline before first contact, and first contact."""
     rest_samples = slice(motion.start, motion.departure + 1)
     baseline = estimate_baseline(time[rest_samples], force[rest_samples])
-    if provided is not None:
-        contact_displacement = motion.sign * provided
+    if provided_contact is not None:
+        contact_displacement = motion.sign * provided_contact
         if contact_displacement >= motion.cycle.hold.level:
             raise DataError(
-                f"contact = {provided:g} m lies at or beyond the held displacement, "
+                f"contact = {provided_contact:g} m lies at or beyond the held displacement, "
                 f"{motion.sign * motion.cycle.hold.level:g} m; expected it before"
             )
         touch = Touch(contact_displacement, contact_displacement - motion.rest)
@@ -437,7 +437,7 @@ def _find_contact(
 
         touch = _correct_delayed_contact(time, x, force, motion, find_touch, delay_sd=delay_sd)
     if touch.gap > 0:
-        # half of the air is far enough from contact to be called quiet
+        # the first half of the air gap is surely without contact
         approach = x[motion.start : motion.stop + 1] > motion.rest + 0.5 * touch.gap
         quiet_samples = slice(
             motion.start, max(motion.start + int(np.argmax(approach)), rest_samples.stop)
@@ -474,19 +474,19 @@ def _correct_delayed_contact(
             time[selected], pressed, force[selected], corners=ramp_corners, delay_sd=delay_sd
         )
 
-    best, delay_estimate = touch, estimate_delay(touch.displacement)
+    best_touch, delay_estimate = touch, estimate_delay(touch.displacement)
     if touch.gap <= MOST_DELAY_SD * delay_sd * motion.line.speed:
-        at_rest = estimate_delay(motion.rest)
-        if at_rest.deviance < delay_estimate.deviance - LEAST_DEVIANCE_GAIN:
-            best, delay_estimate = Touch(motion.rest, 0.0), at_rest
+        rest_estimate = estimate_delay(motion.rest)
+        if rest_estimate.deviance < delay_estimate.deviance - LEAST_DEVIANCE_GAIN:
+            best_touch, delay_estimate = Touch(motion.rest, 0.0), rest_estimate
     for _ in range(MAX_ITERATIONS if delay_estimate.delay else 0):
-        # the plate as it was when the force that is read was felt
+        # the displacement at the time at which the force of each sample arose
         touch = find_touch(np.interp(time - delay_estimate.delay, time, x))
         new_estimate = estimate_delay(touch.displacement)
         if new_estimate.deviance > delay_estimate.deviance - LEAST_DEVIANCE_GAIN:
             break
-        best, delay_estimate = touch, new_estimate
-    return best
+        best_touch, delay_estimate = touch, new_estimate
+    return best_touch
 
 
 def _compute_least_gap(encoder_step: float, motion: PlateMotion) -> float:
@@ -499,9 +499,9 @@ def _determine_phase_times(
     touch: Touch,
     time: FloatArray,
     step: float,
-    provided: tuple[float | None, float | None, float | None],
+    provided_times: tuple[float | None, float | None, float | None],
 ) -> tuple[float, float, float]:
-    onset, ramp_end, hold_end = provided
+    onset, ramp_end, hold_end = provided_times
     last_time = float(time[motion.stop])
     if onset is None:
         onset = max(
@@ -582,17 +582,19 @@ def _build_record(
 
 
 def _set_broadband_noise(record: RampHold) -> RampHold:
-    """Return the record with its noise without the spectral lines common to force and plate.
+    """Return the record with the noise outside the spectral lines that force and plate share.
 
     Such lines are motion and its response, not noise.
     """
     time, x, force = (
         channel[record.hold] for channel in (record.time, record.displacement, record.force)
     )
-    least = record.displacement_quantum / 12**0.5
+    least_displacement_noise = record.displacement_quantum / 12**0.5
     return replace(
         record,
-        displacement_noise=min(record.displacement_noise, max(white_noise(time, x), least)),
+        displacement_noise=min(
+            record.displacement_noise, max(white_noise(time, x), least_displacement_noise)
+        ),
         force_noise=min(record.force_noise, white_noise(time, force)),
     )
 
@@ -603,14 +605,14 @@ def _subtract_hum(record: RampHold) -> RampHold:
     time, force = record.time[hold_samples], record.force[hold_samples]
     if not is_evenly_sampled(time):
         return record
-    lines, hum, responds = hum_lines(
+    lines, hum, plate_responds = hum_lines(
         record.time,
         without_spikes(time, force),
         hold_samples,
         noise=record.force_noise,
         displacement=record.displacement[hold_samples],
     )
-    if responds:
+    if plate_responds:
         record = _set_broadband_noise(record)
     if not lines:
         return record
@@ -618,14 +620,14 @@ def _subtract_hum(record: RampHold) -> RampHold:
     settled_samples = slice(
         hold_samples.start + (hold_samples.stop - hold_samples.start) // 10, hold_samples.stop
     )
-    noise = scatter(record.time[settled_samples], force[settled_samples])
-    return replace(record, force=force, force_noise=noise, hum=lines)
+    force_noise = scatter(record.time[settled_samples], force[settled_samples])
+    return replace(record, force=force, force_noise=force_noise, hum=lines)
 
 
 def _time_average(time: FloatArray, values: FloatArray) -> float:
     """Return the mean over time, by the trapezoidal rule."""
-    steps = np.diff(time)
-    return float(steps @ (values[1:] + values[:-1]) / (2 * steps.sum()))
+    intervals = np.diff(time)
+    return float(intervals @ (values[1:] + values[:-1]) / (2 * intervals.sum()))
 
 
 def _compute_force_rise(
@@ -633,9 +635,9 @@ def _compute_force_rise(
 ) -> float:
     """Return the peak of the force over its baseline, N, on one side of zero."""
     loaded_force = record.force[np.searchsorted(record.time, record.onset) :]
-    start = 0.0 if baseline.long_enough else float(record.force[0])
+    base_force = 0.0 if baseline.long_enough else float(record.force[0])
     loaded_force = median_of_three(loaded_force) if len(loaded_force) > 50 else loaded_force
-    peak, minimum = float(loaded_force.max()) - start, float(loaded_force.min()) - start
+    peak, minimum = float(loaded_force.max()) - base_force, float(loaded_force.min()) - base_force
     if peak <= 8 * record.force_noise:
         raise DataError(
             f"{where}: the force does not rise while the plate presses (by "
@@ -659,8 +661,8 @@ def _compute_preload(record: RampHold, baseline: Baseline, touch: Touch, rise: f
         return 0.0
     if baseline.long_enough:
         return baseline.level if abs(baseline.level) > checks.MAX_PRELOAD * rise else 0.0
-    first = float(record.force[0])
-    return first if abs(first) > max(5 * record.force_noise, 0.01 * rise) else 0.0
+    first_force = float(record.force[0])
+    return first_force if abs(first_force) > max(5 * record.force_noise, 0.01 * rise) else 0.0
 
 
 def _calibrate_record(
@@ -678,8 +680,8 @@ def _subtract_machine_deflection(record: RampHold, preload: float, machine: Mach
     calibration, settling = machine.calibration, 0.0
     if calibration is not None:
         # the error of the contact is an error of the depth
-        error = float(np.hypot(calibration.gain_error, record.contact_error / record.depth))
-        machine = replace(machine, calibration=replace(calibration, gain_error=error))
+        gain_error = float(np.hypot(calibration.gain_error, record.contact_error / record.depth))
+        machine = replace(machine, calibration=replace(calibration, gain_error=gain_error))
         settling = calibration.settling
     if not machine.compliance and not settling:
         return replace(record, preload=preload, machine=machine)
@@ -689,8 +691,8 @@ def _subtract_machine_deflection(record: RampHold, preload: float, machine: Mach
         force, _ = denoise_values(force, record.force_noise)
     is_compressed = record.displacement > 0
     compliance = machine.compliance or 0.0
-    since_ramp = np.maximum(record.time - record.ramp_end, 0.0) / record.ramp_time
-    deflection = compliance * (force - preload) - settling * np.log1p(since_ramp)
+    relative_time = np.maximum(record.time - record.ramp_end, 0.0) / record.ramp_time
+    deflection = compliance * (force - preload) - settling * np.log1p(relative_time)
     deflection = np.where(is_compressed, deflection, 0.0)
     held_deflection = _time_average(record.time[record.hold], deflection[record.hold])
     if not held_deflection < record.depth:
@@ -736,13 +738,15 @@ def _make_machine_steps(machine: Machine) -> tuple[Step, ...]:
         ("force_filter_hz", machine.force_filter,
          "force behind a first-order low-pass of {:.4g} Hz, which the fit's motion passes too"),
     )  # fmt: skip
-    stated = [(name, value, words) for name, value, words in effects if value is not None]
-    if not stated:
+    known_effects = [(name, value, words) for name, value, words in effects if value is not None]
+    if not known_effects:
         return ()
-    message = "; ".join(words.format(value) for _, value, words in stated)
+    message = "; ".join(words.format(value) for _, value, words in known_effects)
     if machine.calibration:
         message = f"{machine.calibration.source}: {message}"
-    return (Step("machine", tuple((name, repr(value)) for name, value, _ in stated), message),)
+    return (
+        Step("machine", tuple((name, repr(value)) for name, value, _ in known_effects), message),
+    )
 
 
 def _make_orientation_step(displacement: int, force: int) -> Step:

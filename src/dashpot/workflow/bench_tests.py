@@ -297,7 +297,9 @@ def read_test(
     row = KINDS.get(detection.kind, KINDS["relaxation"])
     if row.fit != FIT_FILES:
         with add_name_to_errors(Path(path).name):
-            raise ReadError(format_other_kind(detection.kind, detection.reason, "a test of a bench is"))
+            raise ReadError(
+                format_other_kind(detection.kind, detection.reason, "a test of a bench is")
+            )
     test: Bench = load_object(row.reader)(path, options=options, specimen=specimen)
     return test
 

@@ -1,4 +1,4 @@
-"""Jobs as values: which files are read, and how they are treated."""
+"""Jobs and options of commands: which files are read, and how they are processed."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ from dashpot.reading.read_options import ReadOptions
 J = TypeVar("J", bound=Any)
 
 
-def _parse_signs(typed: Sequence[str]) -> tuple[int, ...] | None:
-    return tuple(int(sign) for sign in typed) or None
+def _parse_signs(texts: Sequence[str]) -> tuple[int, ...] | None:
+    return tuple(int(sign) for sign in texts) or None
 
 
 def _format_signs(signs: Sequence[int]) -> list[str]:
@@ -51,7 +51,7 @@ def _parse_motion(relative: bool) -> OverBase:
 
 
 def require_test_for_machine(machine: Machine | None, *, tests: int, add: str) -> None:
-    """Refuse what is said of a machine where no test was made on it.
+    """Refuse the description of a machine where there is no test made on it.
 
     Raises
     ------
@@ -137,7 +137,7 @@ class TimeLimits:
 
 @dataclass(frozen=True)
 class BlockOnSeals:
-    """A block on so many equal seals, as a user says it.
+    """Options of a block on equal seals: masses, number and compression.
 
     Attributes
     ----------
@@ -265,7 +265,7 @@ class Job(Serialisable):
 
     @property
     def fit_options(self) -> FitOptions:
-        """What is asked of the fit of the relaxation tests."""
+        """Options of the fit of the relaxation tests."""
         return FitOptions(self.arms, self.method, self.law, self.family)
 
 
@@ -366,33 +366,32 @@ class PartChoices:
     resonance_mass: float | None = option(None, "Mass on the parts at that peak.", unit="mass")
 
 
-def replace_paths(job: J, function: Callable[[str], str]) -> J:
-    """Return a job with every path in it replaced: those of its parts, then its own."""
-    changed: dict[str, Any] = {}
-    for attribute in sorted(fields(job), key=lambda field: "part" not in field.metadata):
-        value = getattr(job, attribute.name)
-        if "part" in attribute.metadata:
-            changed[attribute.name] = replace_paths(value, function)
-        elif is_path_field(attribute) and value:
-            changed[attribute.name] = (
-                function(value) if isinstance(value, str) else (*map(function, value),)
+def replace_paths(job: J, replace_path: Callable[[str], str]) -> J:
+    """Return a job with every path replaced: those of nested options, then its own."""
+    values: dict[str, Any] = {}
+    for job_field in sorted(fields(job), key=lambda field: "part" not in field.metadata):
+        value = getattr(job, job_field.name)
+        if "part" in job_field.metadata:
+            values[job_field.name] = replace_paths(value, replace_path)
+        elif is_path_field(job_field) and value:
+            values[job_field.name] = (
+                replace_path(value) if isinstance(value, str) else (*map(replace_path, value),)
             )
-    return replace(job, **changed)
+    return replace(job, **values)
 
 
 # Options of tests at several temperatures: one alone, or all, shifted to one.
 
 
 _TYPED_SHIFTS = {value.removesuffix("/T_r"): value for value in get_choice_values(VerticalAsked)}
-"""Shifts of the moduli, by the words that are typed."""
+"""Options for the shift of the moduli by the words that a user types."""
 
 
 @dataclass(frozen=True)
 class ShiftChoices:
     """Options of shifting tests at several temperatures to a master curve.
 
-    Of ramps and holds, which find their shifts in one fit, `at` and `shifts` say nothing. `shifts`
-    names a file.
+    `at` and `shifts`, a file, do not apply to ramps and holds, whose shifts one fit determines.
     """
 
     at: float | None = option(

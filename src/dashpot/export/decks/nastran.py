@@ -39,7 +39,7 @@ def nastran(
     shear: Shear | None = None,
     first_id: int = 1,
 ) -> DeckText:
-    r"""Bulk data for Nastran and OptiStruct: a bushing whose stiffness depends on frequency.
+    r"""Return Nastran and OptiStruct bulk data of a bushing with stiffness over frequency.
 
     ``"table"`` writes CBUSH, PBUSH and PBUSHT with K = K' and GE = K''/K' in TABLED1 (large
     field), for direct and modal frequency response (SOL 108, 111); ``"viscous-table"`` the same
@@ -66,7 +66,7 @@ def nastran(
         compression and its normal: needs the contact length that the model stands for. Without it
         there is one CBUSH at the origin.
     shear : Shear, optional
-        What the seal of that line answers across it and along it: components 2 and 3.
+        Stiffness of the seal of that line across it and along it: components 2 and 3.
     first_id : int
         First number given to grids, elements, properties, tables, coordinate systems.
 
@@ -82,9 +82,9 @@ def nastran(
         return _format_arms(deck, row, first_id)
     damping: Damping = "loss_factor" if deck.form == "table" else "damping"
     require_positive("--", nominal=nominal, unit=" Hz", optional=True)
-    requested = frequency_range, tolerance
+    table_range = frequency_range, tolerance
     return _format_tables(
-        deck, row, requested=requested, damping=damping, nominal=nominal, first_id=first_id
+        deck, row, table_range=table_range, damping=damping, nominal=nominal, first_id=first_id
     )
 
 
@@ -92,30 +92,34 @@ def _format_tables(
     deck: Deck,
     row: SpringRow,
     *,
-    requested: tuple[tuple[float, float], float],
+    table_range: tuple[tuple[float, float], float],
     damping: Damping,
     nominal: float | None,
     first_id: int,
 ) -> DeckText:
-    at = nominal or float(np.sqrt(np.prod(requested[0])))
+    nominal_frequency = nominal or float(np.sqrt(np.prod(table_range[0])))
     properties: list[str] = []
     tables: list[Table] = []
-    for shares, rank in row.shares.items():
-        springs = row.springs(shares)
+    for shares, index in row.shares.items():
+        direction_solids = row.springs(shares)
         frequency_tables = [
-            deck.table(*requested, solid=solid, damping=damping, printed=_format_large_number)
-            for _, solid in springs
+            deck.table(*table_range, solid=solid, damping=damping, printed=_format_large_number)
+            for _, solid in direction_solids
         ]
-        count = first_id + 2 * row.ways * rank
-        rows = [
-            _build_component(deck, way, solid, table, damping=damping, nominal=at)
-            for (way, solid), table in zip(springs, frequency_tables, strict=True)
+        property_id = first_id + 2 * row.ways * index
+        components = [
+            _build_component(
+                deck, direction, solid, table, damping=damping, nominal=nominal_frequency
+            )
+            for (direction, solid), table in zip(direction_solids, frequency_tables, strict=True)
         ]
-        properties += format_bush_property(count, rows, label="GE" if damping == "loss_factor" else "B")
+        properties += format_bush_property(
+            property_id, components, label="GE" if damping == "loss_factor" else "B"
+        )
         tables += frequency_tables
-    acts = "the bushing acts along its x axis"
+    direction_remark = "the bushing acts along its x axis"
     if row.ways > 1:
-        acts = "components 1 to 3 act normal to the line, across it and along it"
+        direction_remark = "components 1 to 3 act normal to the line, across it and along it"
     return deck.format_text(
         "$",
         "frequency-dependent bushing for Nastran and OptiStruct",
@@ -123,7 +127,7 @@ def _format_tables(
         verified=_VERIFIED,
         remarks=[
             *row.remarks,
-            f"nominal K and damping: those at {at:.6g} Hz; {acts}",
+            f"nominal K and damping: those at {nominal_frequency:.6g} Hz; {direction_remark}",
         ],
         table=max(tables, key=lambda table: table.error),
         nominal=nominal,
@@ -142,19 +146,19 @@ class BushComponent:
 
 
 def _build_component(
-    deck: Deck, way: int, solid: Solid, table: Table, *, damping: Damping, nominal: float
+    deck: Deck, direction: int, solid: Solid, table: Table, *, damping: Damping, nominal: float
 ) -> BushComponent:
     units = deck.units
     K = complex(solid.complex_stiffness(omega=2 * np.pi * nominal))
-    nominal_damping, damped = K.imag / K.real, table.damping
+    nominal_damping, table_damping = K.imag / K.real, table.damping
     if damping == "damping":
         nominal_damping = units.damping(K.imag / (2 * np.pi * nominal))
-        damped = units.damping(table.damping)
+        table_damping = units.damping(table.damping)
     return BushComponent(
-        way + 1,
+        direction + 1,
         units.frequency(table.frequency).tolist(),
         units.stiffness(table.storage).tolist(),
-        damped.tolist(),
+        table_damping.tolist(),
         (units.stiffness(K.real), nominal_damping),
     )
 
@@ -162,23 +166,25 @@ def _build_component(
 def format_bush_property(
     property_id: int, components: Sequence[BushComponent], *, label: str
 ) -> list[str]:
-    """PBUSH, PBUSHT and their TABLED1, numbered from `property_id`; `label` is GE or B."""
-    last = components[-1].number
-    K, damped, K_table, damping_table = ([""] * last for _ in range(4))
-    fields: list[list[float | str]] = [K, damped, K_table, damping_table]  # type: ignore[list-item]
-    blank = [""] * (6 - last)
+    """Return PBUSH, PBUSHT and TABLED1 cards, numbered from `property_id`; `label` is GE or B."""
+    last_number = components[-1].number
+    K, damping, K_table, damping_table = ([""] * last_number for _ in range(4))
+    fields: list[list[float | str]] = [K, damping, K_table, damping_table]  # type: ignore[list-item]
+    blank = [""] * (6 - last_number)
     tables = []
-    for rank, component in enumerate(components):
-        first, second = property_id + 2 * rank, property_id + 2 * rank + 1
-        for row, value in zip(fields, (*component.nominal, first, second), strict=True):
+    for index, component in enumerate(components):
+        stiffness_id, damping_id = property_id + 2 * index, property_id + 2 * index + 1
+        for row, value in zip(fields, (*component.nominal, stiffness_id, damping_id), strict=True):
             row[component.number - 1] = value
         tables += [
-            *_format_tabled1(first, component.frequency, component.stiffness),
-            *_format_tabled1(second, component.frequency, component.damping),
+            *_format_tabled1(stiffness_id, component.frequency, component.stiffness),
+            *_format_tabled1(damping_id, component.frequency, component.damping),
         ]
     return [
-        # large: a small field holds four digits of a small number
-        *_format_large_card("PBUSH*", [property_id, "K", *fields[0], *blank, "", label, *fields[1]]),
+        # large fields: a small field keeps four digits of a small number
+        *_format_large_card(
+            "PBUSH*", [property_id, "K", *fields[0], *blank, "", label, *fields[1]]
+        ),
         _format_small_card("PBUSHT", property_id, "K", *fields[2]),
         _format_small_card("", "", label, *fields[3]),
         *tables,
@@ -187,90 +193,113 @@ def format_bush_property(
 
 def _format_frames(row: SpringRow, first_id: int) -> list[str]:
     cards: list[str] = []
-    for (normal, _, along), rank in row.frames.items():
-        cards += _format_coordinate_system(first_id + rank, normal, along)
+    for (normal, _, along), index in row.frames.items():
+        cards += _format_coordinate_system(first_id + index, normal, along)
     return cards
 
 
 def _format_bushings(row: SpringRow, first_id: int) -> list[str]:
     cards = _format_frames(row, first_id)
     for i, station in enumerate(row.stations):
-        a, b = row.nodes(i, first_id)
-        for grid in (a, b):
+        grid_a, grid_b = row.nodes(i, first_id)
+        for grid in (grid_a, grid_b):
             cards += _format_large_card("GRID*", [grid, "", *station.place])
         system = first_id + row.frames[station.frame] if station.frame in row.frames else 0
-        count = first_id + 2 * row.ways * row.shares[station.shares]
-        cards.append(_format_small_card("CBUSH", first_id + i, count, a, b, "", "", "", system))
+        property_id = first_id + 2 * row.ways * row.shares[station.shares]
+        cards.append(
+            _format_small_card(
+                "CBUSH", first_id + i, property_id, grid_a, grid_b, "", "", "", system
+            )
+        )
     return cards
 
 
-def _format_coordinate_system(number: int, normal: Sequence[float], along: Sequence[float]) -> list[str]:
-    """CORD2R: a point on its z axis, along the line, and one on x, the normal, in the xz plane."""
-    return _format_large_card("CORD2R*", [number, 0, 0.0, 0.0, 0.0, *along, *normal])
+def _format_coordinate_system(
+    system_id: int, normal: Sequence[float], along: Sequence[float]
+) -> list[str]:
+    """Return a CORD2R card: z along the line, x along the normal."""
+    return _format_large_card("CORD2R*", [system_id, 0, 0.0, 0.0, 0.0, *along, *normal])
 
 
 def _format_arms(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
-    cards, grid, element = _format_frames(row, first_id), first_id, itertools.count(first_id)
+    cards, next_grid = _format_frames(row, first_id), first_id
+    element_ids = itertools.count(first_id)
     for station in row.stations:
-        a, b = grid, grid + 1
-        # its own components are those of the line there
+        grid_a, grid_b = next_grid, next_grid + 1
+        # the components of the grids are those of the line at this station
         system = [first_id + row.frames[station.frame]] if station.frame in row.frames else []
-        for point in (a, b):
+        for point in (grid_a, grid_b):
             cards += _format_large_card("GRID*", [point, "", *station.place, *system])
-        grid = b + 1
-        for way, solid in row.springs(station.shares):
-            arms = deck.with_solid(solid)
-            if arms.k_inf > 0:
-                cards += _format_large_card("CELAS2*", [next(element), arms.k_inf, a, way + 1, b, way + 1])
-            if arms.b > 0:
-                cards += _format_large_card("CDAMP2*", [next(element), arms.b, a, way + 1, b, way + 1])
-            for inner, (k, _, arm_b) in enumerate(arms.arms, start=grid):
-                cards.append(_format_small_card("SPOINT", inner))
-                cards += _format_large_card("CELAS2*", [next(element), k, a, way + 1, inner, ""])
-                cards += _format_large_card("CDAMP2*", [next(element), arm_b, inner, "", b, way + 1])
-            grid += len(arms.arms)
+        next_grid = grid_b + 1
+        for direction, solid in row.springs(station.shares):
+            deck_solid, component = deck.with_solid(solid), direction + 1
+            if deck_solid.k_inf > 0:
+                cards += _format_large_card(
+                    "CELAS2*",
+                    [next(element_ids), deck_solid.k_inf, grid_a, component, grid_b, component],
+                )
+            if deck_solid.b > 0:
+                cards += _format_large_card(
+                    "CDAMP2*",
+                    [next(element_ids), deck_solid.b, grid_a, component, grid_b, component],
+                )
+            for inner_grid, (k, _, arm_b) in enumerate(deck_solid.arms, start=next_grid):
+                cards.append(_format_small_card("SPOINT", inner_grid))
+                cards += _format_large_card(
+                    "CELAS2*", [next(element_ids), k, grid_a, component, inner_grid, ""]
+                )
+                cards += _format_large_card(
+                    "CDAMP2*", [next(element_ids), arm_b, inner_grid, "", grid_b, component]
+                )
+            next_grid += len(deck_solid.arms)
     format_procedures = find_handler("procedures", "solver input")
-    verified, *more = format_procedures("nastran", "arms") if format_procedures else [_VERIFIED]
-    acts = "the network acts along component 1 of its grids"
+    verified, *procedure_remarks = (
+        format_procedures("nastran", "arms") if format_procedures else [_VERIFIED]
+    )
+    direction_remark = "the network acts along component 1 of its grids"
     if row.ways > 1:
-        acts = "the networks act along components 1 to 3 of their grids, in whose own systems"
+        direction_remark = (
+            "the networks act along components 1 to 3 of their grids, in whose own systems"
+        )
     return deck.format_text(
         "$",
         "network of springs and dashpots for Nastran and OptiStruct",
         _name_continuations(cards),
         verified=verified,
-        remarks=[*more, *row.remarks, acts],
+        remarks=[*procedure_remarks, *row.remarks, direction_remark],
     )
 
 
-def _format_tabled1(number: int, x: Iterable[float], y: Iterable[float]) -> list[str]:
+def _format_tabled1(table_id: int, x: Iterable[float], y: Iterable[float]) -> list[str]:
     pairs = [value for pair in zip(x, y, strict=True) for value in pair]
-    return _format_large_card("TABLED1*", [number, *[""] * 7, *pairs, "ENDT"])
+    return _format_large_card("TABLED1*", [table_id, *[""] * 7, *pairs, "ENDT"])
 
 
 def _format_large_card(name: str, fields: Sequence[float | str]) -> list[str]:
     """Return a large-field card: four fields of 16 columns a line, an even number of lines."""
-    words = [_format_large_number(value) if isinstance(value, float) else str(value) for value in fields]
+    words = [
+        _format_large_number(value) if isinstance(value, float) else str(value) for value in fields
+    ]
     rows = [words[i : i + 4] for i in range(0, len(words), 4)]
     rows += [[]] * (len(rows) % 2)
-    heads = [name] + ["*"] * (len(rows) - 1)
+    row_names = [name] + ["*"] * (len(rows) - 1)
     lines = [
-        f"{head:<8}" + "".join(f"{word:>16}" for word in row)
-        for head, row in zip(heads, rows, strict=True)
+        f"{row_name:<8}" + "".join(f"{word:>16}" for word in row)
+        for row_name, row in zip(row_names, rows, strict=True)
     ]
     return [f"{line:<72}*" for line in lines[:-1]] + [lines[-1].rstrip()]
 
 
 def _name_continuations(lines: Sequence[str]) -> list[str]:
-    """Return cards whose continuations have names, as Nastran before 2001 asks for them."""
-    made = list(lines)
+    """Return cards with named continuations, which Nastran before 2001 requires."""
+    named_lines = list(lines)
     names = (f"*S{number}" for number in itertools.count(1))
     for i, (line, following) in enumerate(itertools.pairwise(lines)):
         if line[72:] == "*":
             name = next(names)
-            made[i] = made[i][:72] + name
-            made[i + 1] = f"{name:<8}{following[8:]}"
-    return made
+            named_lines[i] = named_lines[i][:72] + name
+            named_lines[i + 1] = f"{name:<8}{following[8:]}"
+    return named_lines
 
 
 def _format_small_card(name: str, *fields: float | str) -> str:

@@ -12,7 +12,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep, LoopRecord, StressStrainLoops
-from dashpot.reading.columns.kind_detection import ONE_FREQUENCY, group_values
+from dashpot.reading.columns.kind_detection import ONE_FREQUENCY_DECADES, group_values
 from dashpot.reading.columns.role_assignment import RoleAssignment, assign
 from dashpot.reading.columns.vocabulary import Role, has_word, normalise_name
 from dashpot.reading.read_options import ReadOptions
@@ -138,7 +138,7 @@ def _tones(frequency: FloatArray) -> FloatArray:
     """Return the frequencies, each the median of those that an instrument meant to be the same."""
     if not np.all(frequency > 0):
         return frequency
-    tone = group_values(np.log10(frequency), ONE_FREQUENCY)
+    tone = group_values(np.log10(frequency), ONE_FREQUENCY_DECADES)
     return np.array([np.median(frequency[tone == index]) for index in range(tone.max() + 1)])[tone]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, LoadHold
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
-from dashpot.reading.columns.kind_detection import MASTER
+from dashpot.reading.columns.kind_detection import MASTER_CURVE_DECADES
 
 
 def list_load_columns(record: LoadHold) -> dict[str, Any]:
@@ -25,6 +25,6 @@ def list_curve_columns(record: CreepCompliance | RelaxationModulus) -> dict[str,
 
 def list_sweep_columns(record: DynamicTest) -> dict[str, Any]:
     """Return the number of samples of a sweep, and its kind if it is a master curve."""
-    wide = np.log10(np.max(record.frequency) / np.min(record.frequency)) >= MASTER
+    wide = np.log10(np.max(record.frequency) / np.min(record.frequency)) >= MASTER_CURVE_DECADES
     shifted = {"kind": "master-curve"} if wide else {}
     return shifted | {"samples": len(record.frequency)}

@@ -20,9 +20,9 @@ from dashpot.extensions.preload_map.interpolation import compute_level_weights
 from dashpot.extensions.preload_map.separability import PairTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-_SAME = 1e-6
-"""Relative distance beyond a range that is rounding."""
-_PER_OCTAVE = 6
+_RANGE_TOLERANCE = 1e-6
+"""Relative tolerance of the ends of a range, for rounding."""
+_LINES_PER_OCTAVE = 6
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class MapCell(Serialisable):
         m.
     sweeps, lines : int
     residual : float
-        Rms of measured less map, relative.
+        Rms difference of the measured stiffness from the map, relative.
     """
 
     compression: float
@@ -109,7 +109,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
     compressions, amplitudes : array
         Levels, m, rising; no amplitude where none is known.
     reference : (int, int)
-        Which of them are c_0 and X_0.
+        Indices of c_0 and X_0 in these levels.
     compression_factor : array
         :math:`F_e'(c)/F_e'(c_0)` at the levels.
     amplitude_factor : complex array
@@ -126,7 +126,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
     frequency, value, line_compression, line_amplitude : array, shape (n,)
         Every measured line; an unknown amplitude is nan.
     mass, seals : float
-        That the resonances are of; a mass of 0 is none.
+        Mass, kg, and number of parts of the resonances; without resonances the mass is 0.
     resonances : tuple of MapResonance
     checks, source, steps
         As in a fit.
@@ -229,34 +229,60 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         for end in (float(f.min()), float(f.max())):
             _require_within("frequency", end, self.band, "Hz")
         c, X = self._convert_place(compression, amplitude)
-        on_c = compute_level_weights(self.compressions, c)
-        moved = np.log(self.amplitudes) if len(self.amplitudes) else np.zeros(1)
-        on_X = compute_level_weights(moved, 0.0 if X is None else float(np.log(X)))
-        ln_h, ln_s = np.log(self.compression_factor), np.log(self.amplitude_factor)
-        factor = np.exp(on_c.curve @ ln_h + on_X.curve @ ln_s)
+        compression_weights = compute_level_weights(self.compressions, c)
+        log_amplitudes = np.log(self.amplitudes) if len(self.amplitudes) else np.zeros(1)
+        amplitude_weights = compute_level_weights(
+            log_amplitudes, 0.0 if X is None else float(np.log(X))
+        )
+        log_compression_factor, log_amplitude_factor = (
+            np.log(self.compression_factor),
+            np.log(self.amplitude_factor),
+        )
+        factor = np.exp(
+            compression_weights.curve @ log_compression_factor
+            + amplitude_weights.curve @ log_amplitude_factor
+        )
         master = self.model.complex_stiffness(omega=2 * np.pi * f)
         value = np.asarray(master * factor)
-        eta = value.imag / value.real
-        real, imaginary = self._compute_gradients(f, master, on_c.curve, on_X.curve)
-        gap_c, gap_X = float(on_c.doubt @ ln_h), complex(on_X.doubt @ ln_s)
-        gain, phase = NORMAL * self.gain_error, NORMAL * self.phase_error
+        loss_factor = value.imag / value.real
+        log_gradient, angle_gradient = self._compute_gradients(
+            f, master, compression_weights.curve, amplitude_weights.curve
+        )
+        compression_gap, amplitude_gap = (
+            float(compression_weights.doubt @ log_compression_factor),
+            complex(amplitude_weights.doubt @ log_amplitude_factor),
+        )
+        gain_half_width, phase_half_width = NORMAL * self.gain_error, NORMAL * self.phase_error
 
-        def half(re: FloatArray | float, im: FloatArray | float) -> FloatArray:
-            """95 % half width of re times ln|K| and im times the angle."""
-            re, im = np.broadcast_to(re, f.shape), np.broadcast_to(im, f.shape)
-            gradient = re[:, None] * real + im[:, None] * imaginary
-            noise = np.einsum("ij,jk,ik->i", gradient, self.covariance, gradient)
-            common = (re * gain) ** 2 + (im * phase) ** 2
-            between = (re * gap_c) ** 2 + (re * gap_X.real + im * gap_X.imag) ** 2
-            return np.asarray(np.sqrt(np.maximum(NORMAL**2 * noise, 0.0) + common + between))
+        def compute_half_width(
+            log_weight: FloatArray | float, angle_weight: FloatArray | float
+        ) -> FloatArray:
+            """Return the 95 % half width of a weighted sum of ln|K| and its angle."""
+            log_weight, angle_weight = (
+                np.broadcast_to(log_weight, f.shape),
+                np.broadcast_to(angle_weight, f.shape),
+            )
+            gradient = log_weight[:, None] * log_gradient + angle_weight[:, None] * angle_gradient
+            noise_variance = np.einsum("ij,jk,ik->i", gradient, self.covariance, gradient)
+            sensor_variance = (log_weight * gain_half_width) ** 2 + (
+                angle_weight * phase_half_width
+            ) ** 2
+            interpolation = (log_weight * compression_gap) ** 2 + (
+                log_weight * amplitude_gap.real + angle_weight * amplitude_gap.imag
+            ) ** 2
+            return np.asarray(
+                np.sqrt(
+                    np.maximum(NORMAL**2 * noise_variance, 0.0) + sensor_variance + interpolation
+                )
+            )
 
         return MapValues(
             f,
             value,
-            value.real * half(1.0, -eta),
-            half(value.imag, value.real),
-            half(0.0, 1 + eta**2),
-            half(1.0, 0.0),
+            value.real * compute_half_width(1.0, -loss_factor),
+            compute_half_width(value.imag, value.real),
+            compute_half_width(0.0, 1 + loss_factor**2),
+            compute_half_width(1.0, 0.0),
         )
 
     def build_model(
@@ -264,7 +290,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
     ) -> GeneralizedMaxwell:
         """Return the Maxwell model at a compression and an amplitude, N/m.
 
-        The factor of the amplitude is taken by its size: an angle of its own is no Maxwell model.
+        Of the amplitude factor only the magnitude is used, as its angle fits no Maxwell model.
 
         Raises
         ------
@@ -272,11 +298,13 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
             As :meth:`evaluate`.
         """
         c, X = self._convert_place(compression, amplitude)
-        on_c = compute_level_weights(self.compressions, c).curve
-        factor = float(np.exp(on_c @ np.log(self.compression_factor)))
+        compression_weights = compute_level_weights(self.compressions, c).curve
+        factor = float(np.exp(compression_weights @ np.log(self.compression_factor)))
         if X is not None:
-            on_X = compute_level_weights(np.log(self.amplitudes), float(np.log(X))).curve
-            factor *= float(np.exp(on_X @ np.log(np.abs(self.amplitude_factor))))
+            amplitude_weights = compute_level_weights(
+                np.log(self.amplitudes), float(np.log(X))
+            ).curve
+            factor *= float(np.exp(amplitude_weights @ np.log(np.abs(self.amplitude_factor))))
         return self.model * factor
 
     def find_resonance(
@@ -299,26 +327,26 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         c, X = self._convert_place(compression, amplitude)
         low, high = self.band
 
-        def excess(f: float) -> float:
+        def compute_excess(f: float) -> float:
             value = self.evaluate(np.array([f]), compression=c, amplitude=X).value[0]
             return float((2 * np.pi * f) ** 2 * kilograms - seals * value.real)
 
-        if excess(low) > 0 or excess(high) < 0:
-            where = "below" if excess(low) > 0 else "above"
+        if compute_excess(low) > 0 or compute_excess(high) < 0:
+            side_word = "below" if compute_excess(low) > 0 else "above"
             raise DataError(
                 f"the resonance of {convert_to_unit(kilograms, 'g'):.4g} g on {seals:g} parts lies "
-                f"{where} the measured band, {low:.4g} to {high:.4g} Hz. Check the mass, or "
+                f"{side_word} the measured band, {low:.4g} to {high:.4g} Hz. Check the mass, or "
                 "measure further"
             )
         for _ in range(60):
             middle = float(np.sqrt(low * high))
-            low, high = (middle, high) if excess(middle) < 0 else (low, middle)
+            low, high = (middle, high) if compute_excess(middle) < 0 else (low, middle)
         f = float(np.sqrt(low * high))
-        at = self.evaluate(np.array([f]), compression=c, amplitude=X)
-        storage, error = float(at.value.real[0]), float(at.storage_error[0])
-        ends = [f * float(np.sqrt(max(1 + side * error / storage, 0.0))) for side in (-1, 1)]
-        damping = float(at.value.imag[0]) / storage / 2
-        return MapResonance(c, X, f, (ends[0], ends[1]), damping)
+        map_values = self.evaluate(np.array([f]), compression=c, amplitude=X)
+        storage, error = float(map_values.value.real[0]), float(map_values.storage_error[0])
+        limits = [f * float(np.sqrt(max(1 + side * error / storage, 0.0))) for side in (-1, 1)]
+        damping = float(map_values.value.imag[0]) / storage / 2
+        return MapResonance(c, X, f, (limits[0], limits[1]), damping)
 
     def _convert_place(
         self, compression: Quantity, amplitude: Quantity | None
@@ -339,20 +367,30 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         return min(max(c, least), most), min(max(X, smallest), largest)
 
     def _compute_gradients(
-        self, f: FloatArray, master: ComplexArray, on_c: FloatArray, on_X: FloatArray
+        self,
+        f: FloatArray,
+        master: ComplexArray,
+        compression_weights: FloatArray,
+        amplitude_weights: FloatArray,
     ) -> tuple[FloatArray, FloatArray]:
-        """Return what ln|K| and the angle gain with each estimated number, shape (n, q) each."""
-        n = len(f)
-        product = 2j * np.pi * f[:, None] * np.array(self.model.tau)
-        arms = np.column_stack((np.ones(n), product / (1 + product))) / master[:, None]
-        zero_c, zero_X = np.zeros((n, len(on_c))), np.zeros((n, len(on_X)))
-        c, X = np.tile(on_c, (n, 1)), np.tile(on_X, (n, 1))
+        """Return the gradients of ln|K| and angle in the parameters, shape (n, q) each."""
+        line_count = len(f)
+        omega_tau = 2j * np.pi * f[:, None] * np.array(self.model.tau)
+        arms = np.column_stack((np.ones(line_count), omega_tau / (1 + omega_tau))) / master[:, None]
+        zero_c, zero_X = (
+            np.zeros((line_count, len(compression_weights))),
+            np.zeros((line_count, len(amplitude_weights))),
+        )
+        c, X = (
+            np.tile(compression_weights, (line_count, 1)),
+            np.tile(amplitude_weights, (line_count, 1)),
+        )
         return (
             np.hstack((c, X, zero_X, arms.real)),
             np.hstack((zero_c, zero_X, X, arms.imag)),
         )
 
-    # -- what it tells ------------------------------------------------------------------------
+    # -- reported values ------------------------------------------------------------------------
 
     @property
     def reference_compression(self) -> float:
@@ -373,7 +411,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
     def grid(self) -> FloatArray:
         """Frequencies of tables and figures, Hz: both ends and six an octave."""
         low, high = self.band
-        return np.geomspace(low, high, max(round(_PER_OCTAVE * np.log2(high / low)), 2) + 1)
+        return np.geomspace(low, high, max(round(_LINES_PER_OCTAVE * np.log2(high / low)), 2) + 1)
 
     @property
     def settings(self) -> tuple[tuple[float, float | None], ...]:
@@ -387,39 +425,46 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         f = self.middle_frequency
         facts = []
         for c in self.compressions.tolist():
-            at = self.evaluate(np.array([f]), compression=c)
-            value, error = float(at.value.real[0]), float(at.storage_error[0])
+            map_values = self.evaluate(np.array([f]), compression=c)
+            value, error = float(map_values.value.real[0]), float(map_values.storage_error[0])
             name = f"K' at {convert_to_unit(c, 'mm'):.4g} mm, {f:g} Hz"
             facts.append(ReportedValue(name, value, value - error, value + error, unit="N/m"))
         for X in self.amplitudes.tolist() or [None]:
-            at = self.evaluate(np.array([f]), compression=self.reference_compression, amplitude=X)
-            eta, error = float(at.value.imag[0] / at.value.real[0]), float(at.loss_factor_error[0])
-            where = "" if X is None else f"amplitude {convert_to_unit(X, 'mm'):.4g} mm, "
-            name = f"loss factor at {where}{f:g} Hz"
+            map_values = self.evaluate(
+                np.array([f]), compression=self.reference_compression, amplitude=X
+            )
+            eta, error = (
+                float(map_values.value.imag[0] / map_values.value.real[0]),
+                float(map_values.loss_factor_error[0]),
+            )
+            amplitude_label = "" if X is None else f"amplitude {convert_to_unit(X, 'mm'):.4g} mm, "
+            name = f"loss factor at {amplitude_label}{f:g} Hz"
             facts.append(ReportedValue(name, eta, eta - error, eta + error))
-        for found in self.resonances:
-            name = f"resonance at {convert_to_unit(found.compression, 'mm'):.4g} mm"
-            facts.append(ReportedValue(name, found.frequency, *found.frequency_limits, unit="Hz"))
+        for resonance in self.resonances:
+            name = f"resonance at {convert_to_unit(resonance.compression, 'mm'):.4g} mm"
+            facts.append(
+                ReportedValue(name, resonance.frequency, *resonance.frequency_limits, unit="Hz")
+            )
         return tuple(facts)
 
     @property
     def _table_columns(self) -> Series:
-        """The map on its levels and over frequency."""
+        """Columns of the map on its levels and over frequency."""
         rows: dict[str, list[FloatArray]] = {}
         f = self.grid
         for c, X in self.settings:
-            at = self.evaluate(f, compression=c, amplitude=X)
-            eta = at.value.imag / at.value.real
+            map_values = self.evaluate(f, compression=c, amplitude=X)
+            eta = map_values.value.imag / map_values.value.real
             columns = {
                 "compression": np.full(len(f), c),
                 "amplitude": np.full(len(f), np.nan if X is None else X),
                 "frequency": f,
-                "storage": at.value.real,
-                "storage_low": at.value.real - at.storage_error,
-                "storage_high": at.value.real + at.storage_error,
-                "loss": at.value.imag,
-                "loss_low": at.value.imag - at.loss_error,
-                "loss_high": at.value.imag + at.loss_error,
+                "storage": map_values.value.real,
+                "storage_low": map_values.value.real - map_values.storage_error,
+                "storage_high": map_values.value.real + map_values.storage_error,
+                "loss": map_values.value.imag,
+                "loss_low": map_values.value.imag - map_values.loss_error,
+                "loss_high": map_values.value.imag + map_values.loss_error,
                 "loss_factor": eta,
             }
             for name, values in columns.items():
@@ -452,10 +497,10 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
 
 def _require_within(name: str, value: float, range_: tuple[float, float], unit: str) -> None:
     low, high = range_
-    if low * (1 - _SAME) <= value <= high * (1 + _SAME):
+    if low * (1 - _RANGE_TOLERANCE) <= value <= high * (1 + _RANGE_TOLERANCE):
         return
-    shown, least, most = (convert_to_unit(entry, unit) for entry in (value, low, high))
+    converted, least, most = (convert_to_unit(entry, unit) for entry in (value, low, high))
     raise DataError(
-        f"{name} = {shown:.4g} {unit}; the sweeps cover {least:.4g} to {most:.4g} {unit}, and a "
-        "map is not extrapolated. Ask inside, or measure there"
+        f"{name} = {converted:.4g} {unit}; the sweeps cover {least:.4g} to {most:.4g} {unit}, and "
+        "a map is not extrapolated. Ask inside, or measure there"
     )

@@ -26,7 +26,7 @@ from dashpot.extensions.preload_map.table_rule import (
     get_length_word,
 )
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.kind_detection import SWEEPS
+from dashpot.reading.columns.kind_detection import SWEEP_KINDS
 from dashpot.reading.columns.role_assignment import RoleAssignment, list_columns
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
@@ -344,9 +344,9 @@ def _load_file(
         If it is none.
     """
     detected = recognise(path, None if options is None else options.for_file(path))
-    if detected.kind in {KIND, *SWEEPS}:
+    if detected.kind in {KIND, *SWEEP_KINDS}:
         with channels.open_file(path, options) as file:
-            channels.expect(file, [KIND, *SWEEPS], "a sweep is", named=NAMED)
+            channels.expect(file, [KIND, *SWEEP_KINDS], "a sweep is", named=NAMED)
             return _read_table(file, stated)
     if detected.kind == "frf":
         with add_name_to_errors(Path(path).name):

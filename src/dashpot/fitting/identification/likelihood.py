@@ -412,7 +412,9 @@ class ModelPrediction:
         constraints, p = self.problem.constraints, self.point
         if constraints.static_stiffness is not None:
             k_inf = p.model.k_inf
-            yield constraints.static_stiffness.standardise(k_inf, k_inf * np.eye(1, len(self.theta))[0])
+            yield constraints.static_stiffness.standardise(
+                k_inf, k_inf * np.eye(1, len(self.theta))[0]
+            )
         if constraints.natural_frequency is None and constraints.damping_ratio is None:
             return
         solid = self.problem.frf_data.seals * p.seal_under_hammer
@@ -423,7 +425,9 @@ class ModelPrediction:
         change = -by * complex(residues(solid.maxwell, p.mass, at)[0])
         longer = (pole.conjugate() * change).real / size
         if constraints.natural_frequency is not None:
-            yield constraints.natural_frequency.standardise(size / (2 * np.pi), longer / (2 * np.pi))
+            yield constraints.natural_frequency.standardise(
+                size / (2 * np.pi), longer / (2 * np.pi)
+            )
         if constraints.damping_ratio is not None:
             slope = (pole.real * longer / size - change.real) / size
             yield constraints.damping_ratio.standardise(-pole.real / size, slope)

@@ -28,7 +28,11 @@ from dashpot.fitting.fit_construction import (
 from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nonlinear_ramp import checks
 from dashpot.fitting.nonlinear_ramp.elastic_law import RampLaw
-from dashpot.fitting.nuisance_priors import build_delay_prior, select_hold_end, compute_significant_drift
+from dashpot.fitting.nuisance_priors import (
+    build_delay_prior,
+    compute_significant_drift,
+    select_hold_end,
+)
 from dashpot.fitting.parameter_errors import compute_clock_sensitivity
 from dashpot.fitting.relaxation_likelihood import build_hold_data
 from dashpot.fitting.valid_band import find_hold_band, find_informed_band
@@ -198,7 +202,9 @@ def ramp_checks(
             ],
             np.inf if end is None else end.beyond,
         ),
-        checks.baseline_agrees([(priors.baseline_drift.mean, priors.conflict) for priors in rows.known]),
+        checks.baseline_agrees(
+            [(priors.baseline_drift.mean, priors.conflict) for priors in rows.known]
+        ),
         checks.clocks_agree(
             [
                 (late.value, late.standard_error, build_delay_prior(test).sd)

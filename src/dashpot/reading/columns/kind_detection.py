@@ -40,7 +40,7 @@ _FEWEST_COLUMNS, _MOST_COLUMNS = 5, 64
 
 
 class AmplitudePhaseColumns(NamedTuple):
-    """Columns of a signal's amplitude and phase, and whether it is a force."""
+    """Indices of the columns of a signal's amplitude and phase, and whether it is a force."""
 
     amplitude: int
     phase: int
@@ -52,47 +52,47 @@ def find_amplitude_phase_pairs(
 ) -> tuple[AmplitudePhaseColumns, AmplitudePhaseColumns] | None:
     """Return the two signals of a table that holds two amplitudes with two phases over frequency.
 
-    None of any other, and where a column is a response already.
+    None is returned for any other table, and where a column is a response already.
     """
-    phases, sizes, lines = [], [], 0
+    phases, amplitudes, frequency_count = [], [], 0
     if not _FEWEST_COLUMNS <= len(table.columns) <= _MOST_COLUMNS:
         return None
     for i, column in enumerate(table.columns):
         if column.content != "number":
             continue
-        word = column.unit or ""
-        if parse_response_unit(word) or any(
-            score(column, r, options) >= _NAMED_SCORE for r in ("real", "storage")
+        unit = column.unit or ""
+        if parse_response_unit(unit) or any(
+            score(column, role, options) >= _NAMED_SCORE for role in ("real", "storage")
         ):
             return None
         if score(column, "frequency", options) >= _NAMED_SCORE:
-            lines += 1
+            frequency_count += 1
         elif score(column, "phase", options) >= _NAMED_SCORE:
             phases.append(i)
-        elif units.find_unit(word, "force") or any(
-            units.find_unit(word, motion) for motion in _PAIRED_MOTIONS
+        elif units.find_unit(unit, "force") or any(
+            units.find_unit(unit, motion) for motion in _PAIRED_MOTIONS
         ):
-            sizes.append(i)
-    pushes = [bool(units.find_unit(table.columns[i].unit or "", "force")) for i in sizes]
-    if not lines or len(sizes) != 2 or len(phases) != 2 or all(pushes):
+            amplitudes.append(i)
+    are_forces = [bool(units.find_unit(table.columns[i].unit or "", "force")) for i in amplitudes]
+    if not frequency_count or len(amplitudes) != 2 or len(phases) != 2 or all(are_forces):
         return None
-    if _has_reversed_phases(table, sizes, phases):
+    if _has_reversed_phases(table, amplitudes, phases):
         phases.reverse()
     first, second = (
-        AmplitudePhaseColumns(*item) for item in zip(sizes, phases, pushes, strict=True)
+        AmplitudePhaseColumns(*item) for item in zip(amplitudes, phases, are_forces, strict=True)
     )
     return first, second
 
 
-def _has_reversed_phases(table: FileTable, sizes: list[int], phases: list[int]) -> bool:
+def _has_reversed_phases(table: FileTable, amplitudes: list[int], phases: list[int]) -> bool:
     """Return whether the names say that the first phase is that of the second amplitude."""
-    words = {i: set(vocabulary.tokens(table.columns[i].name)) for i in (*sizes, *phases)}
-    entries = {i: words[i] - words[j] for i, j in (sizes, sizes[::-1])}
-    straight, across = (
-        sum(len(entries[i] & words[p]) for i, p in zip(sizes, order, strict=True))
-        for order in (phases, phases[::-1])
+    words = {i: set(vocabulary.tokens(table.columns[i].name)) for i in (*amplitudes, *phases)}
+    own_words = {i: words[i] - words[j] for i, j in (amplitudes, amplitudes[::-1])}
+    in_order, reversed_order = (
+        sum(len(own_words[i] & words[p]) for i, p in zip(amplitudes, phase_order, strict=True))
+        for phase_order in (phases, phases[::-1])
     )
-    return across > straight
+    return reversed_order > in_order
 
 
 FileKind: TypeAlias = Literal[
@@ -102,7 +102,7 @@ FileKind: TypeAlias = Literal[
     "not-a-test", "unclear",
 ]  # fmt: skip
 
-SWEEPS: tuple[FileKind, ...] = (
+SWEEP_KINDS: tuple[FileKind, ...] = (
     "dma", "master-curve", "strain-sweep", "temperature-sweep", "one-frequency",
 )  # fmt: skip
 """The kinds of a table of storage and loss."""
@@ -116,11 +116,11 @@ class KindOfFile(NamedTuple):
     what, use : str
         Its name, and which command wants it or why none does.
     roles : tuple of str
-        Of its columns; what a creep test or a sweep has, its reader finds.
+        Roles of its columns; the reader of a creep test or a sweep finds its own.
     accelerated : bool
-        Whether every acceleration beside them is of it, too.
+        Whether every acceleration column belongs to the record, too.
     by_hand : bool
-        Whether its rows are read by hand, at no rate.
+        Whether its rows were read by hand, so that a sampling rate makes no sense.
     """
 
     what: str
@@ -130,30 +130,32 @@ class KindOfFile(NamedTuple):
     by_hand: bool = False
 
 
-RAMP: tuple[Role, ...] = ("time", "displacement", "force")
-_RESPONSE: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
-_SWEPT: tuple[Role, ...] = ("frequency", "storage", "loss", "temperature")
-_NO_TIMES = "it tells no relaxation times; sweep the frequency"
+RAMP_ROLES: tuple[Role, ...] = ("time", "displacement", "force")
+_FRF_ROLES: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
+_SWEEP_ROLES: tuple[Role, ...] = ("frequency", "storage", "loss", "temperature")
+_NO_TAU = "it tells no relaxation times; sweep the frequency"
 RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
-    "relaxation": KindOfFile("a relaxation test", "use dashpot fit or dashpot report", RAMP),
+    "relaxation": KindOfFile("a relaxation test", "use dashpot fit or dashpot report", RAMP_ROLES),
     "impact": KindOfFile("a hammer file", "use dashpot fit", ("time", "hammer"), True),
-    "frf": KindOfFile("an FRF", "use dashpot fit or dashpot compare", _RESPONSE),
+    "frf": KindOfFile("an FRF", "use dashpot fit or dashpot compare", _FRF_ROLES),
     "transmissibility": KindOfFile(
-        "a transmissibility", "use dashpot fit, with the mass for the model, or compare", _RESPONSE
+        "a transmissibility", "use dashpot fit, with the mass for the model, or compare", _FRF_ROLES
     ),
-    "dma": KindOfFile("a dynamic (DMA) sweep", "use dashpot fit", _SWEPT),
-    "master-curve": KindOfFile("a master curve of storage and loss", "use dashpot fit", _SWEPT),
+    "dma": KindOfFile("a dynamic (DMA) sweep", "use dashpot fit", _SWEEP_ROLES),
+    "master-curve": KindOfFile(
+        "a master curve of storage and loss", "use dashpot fit", _SWEEP_ROLES
+    ),
     "strain-sweep": KindOfFile(
-        "an amplitude sweep at one frequency or a few", "use dashpot fit", _SWEPT
+        "an amplitude sweep at one frequency or a few", "use dashpot fit", _SWEEP_ROLES
     ),
-    "temperature-sweep": KindOfFile("a temperature sweep at one frequency", _NO_TIMES, _SWEPT),
-    "one-frequency": KindOfFile("a dynamic test at one frequency", _NO_TIMES, _SWEPT),
+    "temperature-sweep": KindOfFile("a temperature sweep at one frequency", _NO_TAU, _SWEEP_ROLES),
+    "one-frequency": KindOfFile("a dynamic test at one frequency", _NO_TAU, _SWEEP_ROLES),
     "modulus": KindOfFile(
         "a relaxation modulus over time", "use dashpot fit", ("time", "modulus")
     ),
     "creep": KindOfFile("a creep test", "use dashpot fit"),
     "cld": KindOfFile(
-        "a compression load deflection (CLD), pressed and released", "use dashpot fit", RAMP,
+        "a compression load deflection (CLD), pressed and released", "use dashpot fit", RAMP_ROLES,
     ),
     "indentation": KindOfFile(
         "a contact of an indenter", "use dashpot fit with its mass", ("time", "velocity"), True
@@ -171,17 +173,17 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
         "a record of compression stress relaxation (CSR)", "use dashpot fit", ("time", "force"),
         by_hand=True,
     ),
-    "cyclic": KindOfFile("a cyclic run without a hold", "use dashpot fit", RAMP),
+    "cyclic": KindOfFile("a cyclic run without a hold", "use dashpot fit", RAMP_ROLES),
     "plug-in": KindOfFile(
         "a test of a plug-in's kind", "use dashpot fit",
         ("time", "displacement", "force", "stress", "strain", "temperature", "frequency"),
         by_hand=True,
     ),
     "blank": KindOfFile(
-        "a blank test of the machine", "use dashpot fit --kind blank -o rig.toml", RAMP
+        "a blank test of the machine", "use dashpot fit --kind blank -o rig.toml", RAMP_ROLES
     ),
     "preload-map": KindOfFile(
-        "storage and loss at several compressions", "use dashpot map", _SWEPT
+        "storage and loss at several compressions", "use dashpot map", _SWEEP_ROLES
     ),
     "seal-line": KindOfFile(
         "points of a seal line", "a door file names it: [seal] points, for dashpot predict"
@@ -190,14 +192,14 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
         "modes of a structure at points", "a door file names it: [modes] file, for dashpot predict"
     ),
 })  # fmt: skip
-"""Every kind that a file can be seen to be; what else is of a kind, ``dashpot.registry`` names."""
+"""Every kind of file by its name; its readers and figures are rows of ``dashpot.registry``."""
 
-_SIGNALS = {"force", "displacement", "stress", "strain"}
+_SIGNAL_ROLES = {"force", "displacement", "stress", "strain"}
 
 
 @dataclass(frozen=True, eq=False)
 class NamedColumns:
-    """What the names and units of a table's columns say."""
+    """Predicates on the names and units of a table's columns."""
 
     table: FileTable
     options: ReadOptions
@@ -205,29 +207,32 @@ class NamedColumns:
 
     @cached_property
     def unique_names(self) -> tuple[str, ...]:
-        """The names, once where they differ by a number alone: there may be thousands of them."""
+        """Names of the columns without channel numbers, each once: there may be thousands."""
         return tuple(
             dict.fromkeys(vocabulary.replace_channel_number(c.name) for c in self.table.columns)
         )
 
     def _find_best_score(self, role: Role) -> float:
-        """Return how well the likeliest column suits a role."""
+        """Return the score of the likeliest column for a role."""
         if role not in self.best_scores:
             scores = score_columns(self.table, role, self.options).values()
             self.best_scores[role] = max(scores, default=0.0)
         return self.best_scores[role]
 
     def has(self, *roles: Role, least: float = 1.5) -> bool:
-        """Return whether each role is named by the user, or suits a column that well."""
-        return all(self.has_named_column(option_of(role)) or self._find_best_score(role) >= least for role in roles)
+        """Return whether each role is named by the user, or has a column of that score."""
+        return all(
+            self.has_named_column(option_of(role)) or self._find_best_score(role) >= least
+            for role in roles
+        )
 
     def has_named_column(self, *fields: str) -> bool:
-        """Whether the user names a column that is here in one of these fields of the options."""
+        """Return whether one of these fields of the options names a column of the table."""
         return any(self._has_column(getattr(self.options, field, None)) for field in fields)
 
-    def _has_column(self, named: str | None) -> bool:
+    def _has_column(self, column_name: str | None) -> bool:
         try:
-            return bool(named) and find_column(self.table.columns, str(named), "") >= 0
+            return bool(column_name) and find_column(self.table.columns, str(column_name), "") >= 0
         except ReadError:  # it is of another file, or its reader says so
             return False
 
@@ -236,7 +241,7 @@ class NamedColumns:
         return self.has("time", least=least) or self.options.rate is not None
 
     def has_ramp_columns(self) -> bool:
-        """Return whether there are the columns of a ramp and hold, be it by their units alone."""
+        """Return whether there are the columns of a ramp and hold, by name or by unit alone."""
         return self.has_time(least=1.0) and self.has("force", "displacement", least=1.0)
 
     def has_acceleration(self) -> bool:
@@ -247,8 +252,10 @@ class NamedColumns:
         """Return whether there is a complex value over frequency."""
         if self.has("frequency", least=1.0) and self.has("real", "imaginary"):
             return True  # over what is called the linear axis, in Hz
-        sized = self.has("magnitude", least=1.0)  # by its unit alone, such as a2/a1 [g/g]
-        return sized and self.has("frequency", "phase") and not self.has_motion_as_magnitude()
+        has_magnitude = self.has("magnitude", least=1.0)  # by its unit alone, such as a2/a1 [g/g]
+        return (
+            has_magnitude and self.has("frequency", "phase") and not self.has_motion_as_magnitude()
+        )
 
     def has_partial_response(self) -> bool:
         """Return whether there is one part of a complex value over frequency, and no time."""
@@ -258,15 +265,15 @@ class NamedColumns:
         )
 
     def has_motion_as_magnitude(self) -> bool:
-        """Whether a dynamic stiffness is named, and what looks like a magnitude is the motion."""
-        columns, named = self.table.columns, self.options.magnitude
-        sizes = [columns[i] for i in self._find_likely_columns("complex_modulus", 2.5)]
-        if named is not None:
-            return columns[find_column(columns, named, flag("magnitude"))] in sizes
-        words = [columns[i].unit for i in self._find_likely_columns("magnitude", 1.5)]
-        return bool(sizes) and all(
-            word and any(units.find_unit(word, name) for name in ("length", "strain", "force"))
-            for word in words
+        """Return whether a dynamic stiffness is named, and the likely magnitude is a motion."""
+        columns, magnitude = self.table.columns, self.options.magnitude
+        modulus_columns = [columns[i] for i in self._find_likely_columns("complex_modulus", 2.5)]
+        if magnitude is not None:
+            return columns[find_column(columns, magnitude, flag("magnitude"))] in modulus_columns
+        magnitude_units = [columns[i].unit for i in self._find_likely_columns("magnitude", 1.5)]
+        return bool(modulus_columns) and all(
+            unit and any(units.find_unit(unit, name) for name in ("length", "strain", "force"))
+            for unit in magnitude_units
         )
 
     def _find_likely_columns(self, role: Role, least: float) -> list[int]:
@@ -277,10 +284,10 @@ class NamedColumns:
         ]
 
     def has_sweep(self) -> bool:
-        """Whether there is frequency, and a complex modulus in parts or by its size and angle.
+        """Return whether there are a frequency and a complex modulus.
 
-        A table that holds the record behind them, too, is a sweep, unless the user names what a
-        sweep has no use for, or its cells are empty.
+        A table that contains time, displacement and force, too, is a sweep, unless the user names
+        time or force, or the cells of the sweep are empty.
         """
         if not self._has_sweep_columns():
             return False
@@ -288,7 +295,7 @@ class NamedColumns:
             return True
         return not self.has_named_column("time", "force") and all(
             bool(np.any(_load_role_values(self.table, role, self.options) > 0))
-            for role in _FILLED
+            for role in _REQUIRED_SWEEP_ROLES
             if self.has(role)
         )
 
@@ -296,32 +303,36 @@ class NamedColumns:
         return self.has("frequency") and self.has_complex_modulus()
 
     def has_complex_modulus(self) -> bool:
-        """Whether there is a complex modulus in parts or by its size and angle, over whatever."""
-        ratio = self.has("loss_factor") or self.has("loss_angle")
-        parts = self.has("storage") and (ratio or self.has("loss"))
-        return parts or (ratio and self.has("complex_modulus") and not self.has("coherence"))
+        """Return whether there is a complex modulus, in parts or by its magnitude and angle."""
+        has_loss_ratio = self.has("loss_factor") or self.has("loss_angle")
+        has_parts = self.has("storage") and (has_loss_ratio or self.has("loss"))
+        return has_parts or (
+            has_loss_ratio and self.has("complex_modulus") and not self.has("coherence")
+        )
 
-    def has_signal_pair(self, *, pushed: bool) -> bool:
+    def has_signal_pair(self, *, has_force: bool) -> bool:
         """Return whether there are two amplitudes with two phases, one of them a force or none."""
         pair = find_amplitude_phase_pairs(self.table, self.options)
-        return pair is not None and pushed == any(columns.is_force for columns in pair)
+        return pair is not None and has_force == any(columns.is_force for columns in pair)
 
     def has_motion_ratio(self) -> bool:
-        """Return whether a response is of a motion to another."""
+        """Return whether a response is a motion over a motion."""
         return is_motion_ratio(self.table)
 
     def has_creep(self) -> bool:
         """Return whether there is a creep compliance, or the header says creep."""
         header = " ".join(self.table.header).casefold()
         names = map(str.casefold, self.unique_names)
-        named = any("compliance" in name and "machine" not in name for name in names)
-        named = named or self.has("creep_compliance", least=2.5)  # J(t), in 1/Pa
-        stated = "creep" in header and "relax" not in header
-        # what moves of columns that the user names is asked of the record
-        return named or (stated and not self.has_named_column("displacement", "force"))
+        has_compliance = any("compliance" in name and "machine" not in name for name in names)
+        has_compliance = has_compliance or self.has("creep_compliance", least=2.5)  # J(t), in 1/Pa
+        header_says_creep = "creep" in header and "relax" not in header
+        # where the user names the columns, the record decides
+        return has_compliance or (
+            header_says_creep and not self.has_named_column("displacement", "force")
+        )
 
     def has_coordinates(self, *more: str) -> bool:
-        """Return whether the columns are named x, y and z, and so."""
+        """Return whether columns are named x, y, z and as in `more`."""
         return {"x", "y", "z", *more} <= set(map(vocabulary.normalise_name, self.unique_names))
 
     def satisfies(self, kind: FileKind) -> bool:
@@ -356,12 +367,12 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool] | None], ...] 
     (
         "transmissibility",
         "it has frequency, and two motions, each with its phase",
-        lambda s: s.has_signal_pair(pushed=False),
+        lambda s: s.has_signal_pair(has_force=False),
     ),
     (
         "frf",
         "it has frequency, and a force and a motion, each with its phase",
-        lambda s: s.has_signal_pair(pushed=True),
+        lambda s: s.has_signal_pair(has_force=True),
     ),
     ("frf", "it has frequency, and a complex value", NamedColumns.has_response),
     (
@@ -374,7 +385,11 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool] | None], ...] 
         "it has frequency, storage and loss",
         NamedColumns.has_sweep,
     ),
-    ("not-a-test", "it is a power spectral density, which has no phase", NamedColumns.has_spectral_density),
+    (
+        "not-a-test",
+        "it is a power spectral density, which has no phase",
+        NamedColumns.has_spectral_density,
+    ),
     (
         "indentation",
         "it has time and the acceleration or velocity of an indenter",
@@ -438,89 +453,99 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool] | None], ...] 
     ),
     ("unclear", "no set of columns that makes a test was recognised", lambda _: True),
 )
-"""The kinds, their reasons and what shows them, None if an extension says it; the first that holds
-is taken."""
+"""Kinds, reasons and predicates, the first true one decides; None: that of an extension."""
 
 
-_FILLED: tuple[Role, ...] = ("frequency", "storage", "complex_modulus")
-"""What is empty, or 0, in a sweep's columns where a machine wrote another test into them."""
+_REQUIRED_SWEEP_ROLES: tuple[Role, ...] = ("frequency", "storage", "complex_modulus")
+"""Roles whose columns are empty, or 0, where a machine wrote another test into a sweep's table."""
 
-_OF_ROLE: Mapping[str, tuple[FileKind, ...]] = MappingProxyType({
+_KINDS_BY_ROLE: Mapping[str, tuple[FileKind, ...]] = MappingProxyType({
     "modulus": ("modulus",), "creep_compliance": ("creep",), "base_acceleration": ("impact",),
     "hammer": ("impact",), "velocity": ("indentation",), "stretch": ("stress-strain",),
     "storage": ("dma",), "loss": ("dma",), "loss_factor": ("dma",),
     "real": ("transmissibility", "frf"), "imaginary": ("transmissibility", "frf"),
     "coherence": ("transmissibility", "frf"),
 })  # fmt: skip
-"""The kinds that alone have a role: who names its column says what the file is."""
+"""Kinds by the role that they alone have: a user who names its column states the kind."""
 
 
 _FORMER_KINDS = {"slam": "drop"}
-"""Present name of a kind by its name in the edition before."""
+"""Current name of a kind by its former name."""
 
 
 def detect_table_kind(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
-    """Return the kind of record and why, from names and units, and of a sweep from its range.
+    """Return the kind of record and the reason, by names and units, and of a sweep by its range.
 
-    What only a record's motion tells, `dashpot.reading.readers.detect_kind` adds.
+    What depends on the motion in a record, `dashpot.reading.readers.detect_kind` decides.
     """
     if options.kind is not None:
         return parse_file_kind(options.kind)
-    named = NamedColumns(table, options)
-    swept = named.has_sweep()
-    meant = named.has_named_column("force", "displacement", "acceleration")
-    peaks = (
-        None if swept or meant or find_amplitude_phase_pairs(table, options) else explain_cycle_summary(table)
+    columns = NamedColumns(table, options)
+    is_sweep = columns.has_sweep()
+    names_signals = columns.has_named_column("force", "displacement", "acceleration")
+    summary_reason = (
+        None
+        if is_sweep or names_signals or find_amplitude_phase_pairs(table, options)
+        else explain_cycle_summary(table)
     )
-    if peaks:
-        return "not-a-test", peaks
-    stated = {kind for role, kinds in _OF_ROLE.items() if named.has_named_column(role) for kind in kinds}
-    if named.has_named_column("stress", "strain") and not swept:  # of a sweep they are amplitudes
-        stated.add("stress-strain")
-    rules = sorted(_RULES, key=lambda rule: rule[0] not in stated)
+    if summary_reason:
+        return "not-a-test", summary_reason
+    named_kinds = {
+        kind
+        for role, kinds in _KINDS_BY_ROLE.items()
+        if columns.has_named_column(role)
+        for kind in kinds
+    }
+    # the stress and strain of a sweep are amplitudes
+    if columns.has_named_column("stress", "strain") and not is_sweep:
+        named_kinds.add("stress-strain")
+    rules = sorted(_RULES, key=lambda rule: rule[0] not in named_kinds)
     kind, reason = next(
         (kind, reason)
         for kind, reason, holds in rules
-        if (holds(named) if holds else named.satisfies(kind))
+        if (holds(columns) if holds else columns.satisfies(kind))
     )
     if kind == "dma":
         kind, reason = _detect_sweep_kind(table, options, reason)
-        if kind == "dma" and named.has_named_column("displacement") and named.has_ramp_columns():
+        named_motion = columns.has_named_column("displacement")
+        if kind == "dma" and named_motion and columns.has_ramp_columns():
             return "relaxation", "it has time, displacement and force, as named"
     if kind == "modulus":
         decades = _compute_decades(table, "time", options)
-        return kind, reason + (f", over {decades:.0f} decades" if decades >= MASTER else "")
+        return kind, reason + (
+            f", over {decades:.0f} decades" if decades >= MASTER_CURVE_DECADES else ""
+        )
     return kind, reason
 
 
-def parse_file_kind(word: str) -> tuple[FileKind, str]:
-    """Return the kind that a user says a file is, by its word or by that of a plug-in, and why.
+def parse_file_kind(kind_name: str) -> tuple[FileKind, str]:
+    """Return the kind of file that has a name, built in or of a plug-in, and the reason.
 
     Raises
     ------
     ReadError
-        If there is none, with the nearest.
+        If there is none; the message names the nearest.
     """
-    word = _FORMER_KINDS.get(word, word)
-    if word in RECOGNISED and word != "plug-in":
-        return cast("FileKind", word), "as was said"
+    kind_name = _FORMER_KINDS.get(kind_name, kind_name)
+    if kind_name in RECOGNISED and kind_name != "plug-in":
+        return cast("FileKind", kind_name), "as was said"
     from difflib import get_close_matches  # few need them, and they cost time to import
 
     from dashpot.registry.plugins import find_plugin, format_plugin_names
 
-    plugged = find_plugin("kinds", word)
-    if plugged is not None:
-        return "plug-in", f"for {plugged.label}, as was said"
-    near = get_close_matches(word, RECOGNISED, 1)
+    plugin = find_plugin("kinds", kind_name)
+    if plugin is not None:
+        return "plug-in", f"for {plugin.label}, as was said"
+    nearest = get_close_matches(kind_name, RECOGNISED, 1)
     raise ReadError(
-        f"'{word}' is no kind of file. "
-        + (f"Did you mean '{near[0]}'?" if near else f"Kinds are {', '.join(RECOGNISED)}.")
+        f"'{kind_name}' is no kind of file. "
+        + (f"Did you mean '{nearest[0]}'?" if nearest else f"Kinds are {', '.join(RECOGNISED)}.")
         + format_plugin_names("kinds")
     )
 
 
 def is_motion_ratio(table: FileTable) -> bool:
-    """Return whether a response is of a motion to another, as under base excitation."""
+    """Return whether a response is a motion over a motion, as under base excitation."""
     return any("transmissib" in line.casefold() for line in table.header) or any(
         "transmissib" in column.name.casefold() or _is_motion_ratio_unit(column.unit or "")
         for column in table.columns
@@ -529,38 +554,36 @@ def is_motion_ratio(table: FileTable) -> bool:
 
 def is_relative_transmissibility(table: FileTable) -> bool:
     """Return whether a name or the header says a relative transmissibility."""
-    sentences = (*table.header, *(column.name for column in table.columns))
-    return any(
-        "relative transmissib" in sentence.casefold().replace("_", " ") for sentence in sentences
-    )
+    texts = (*table.header, *(column.name for column in table.columns))
+    return any("relative transmissib" in text.casefold().replace("_", " ") for text in texts)
 
 
-MASTER = 7.0
-"""Decades of frequency or time that no machine sweeps in one test: they were shifted together."""
-ONE_FREQUENCY = 0.02
+MASTER_CURVE_DECADES = 7.0
+"""Decades of frequency or time from which a curve was shifted together from several tests."""
+ONE_FREQUENCY_DECADES = 0.02
 """Decades within which a sweep stays at one frequency."""
 
 
 def _is_motion_ratio_unit(unit: str) -> bool:
     """Return whether a unit is that of a motion over a motion, such as g/g or mm/g."""
-    new_ratio = parse_response_unit(unit)
-    return new_ratio is not None and new_ratio.kind.over_base
+    response_unit = parse_response_unit(unit)
+    return response_unit is not None and response_unit.kind.over_base
 
 
 def _load_role_values(table: FileTable, role: Role, options: ReadOptions) -> FloatArray:
-    """Return the numbers of the column likeliest in a role; none if there is no such column."""
+    """Return the finite values of the likeliest column of a role; empty without one."""
     indexes = _find_role_columns(table, (role,), options)
     values = table.load(indexes).values[:, 0] if indexes else np.empty(0)
     return values[np.isfinite(values)]
 
 
 def _find_role_columns(table: FileTable, roles: Sequence[Role], options: ReadOptions) -> list[int]:
-    """The index of the column likeliest in each role; of a role without such a column none."""
+    """Return the indices of the likeliest columns of roles; roles without one are left out."""
     indices = []
     for role in roles:
-        named = getattr(options, role, None)
-        if named is not None:
-            indices.append(find_column(table.columns, named, flag(role)))
+        column_name = getattr(options, role, None)
+        if column_name is not None:
+            indices.append(find_column(table.columns, column_name, flag(role)))
             continue
         scores = score_columns(table, role, options)
         best = max(scores, key=lambda i: scores[i], default=None)
@@ -569,7 +592,7 @@ def _find_role_columns(table: FileTable, roles: Sequence[Role], options: ReadOpt
 
 
 def _compute_decades(table: FileTable, role: Role, options: ReadOptions) -> float:
-    """Over how many decades a column runs; NaN without three values above zero."""
+    """Return the range of a column in decades; NaN without three values above zero."""
     values = _load_role_values(table, role, options)
     values = values[values > 0]
     return float(np.ptp(np.log10(values))) if len(values) > 2 else math.nan
@@ -581,31 +604,31 @@ def _has_variation(table: FileTable, role: Role, options: ReadOptions) -> bool:
 
 
 def _detect_sweep_kind(table: FileTable, options: ReadOptions, reason: str) -> tuple[FileKind, str]:
-    """Return what a table of storage and loss was swept over."""
+    """Return the kind of sweep of a table of storage and loss, and the reason."""
     decades = _compute_decades(table, "frequency", options)
-    if decades >= MASTER:
+    if decades >= MASTER_CURVE_DECADES:
         return "master-curve", f"{reason}, over {decades:.0f} decades"
-    if not decades <= ONE_FREQUENCY:
+    if not decades <= ONE_FREQUENCY_DECADES:
         if _has_amplitude_sweep(table, assign_amplitude_column(table, options)):
             return "strain-sweep", reason + ", and each frequency recurs at several amplitudes"
         return "dma", reason
     reason += ", and the frequency never changes"
-    named = assign_amplitude_column(table, options)
-    if any(_has_variation(table, role, named) for role in _AMPLITUDES):
+    amplitude_options = assign_amplitude_column(table, options)
+    if any(_has_variation(table, role, amplitude_options) for role in _AMPLITUDE_ROLES):
         return "strain-sweep", reason
-    warmed = _has_variation(table, "temperature", options)
-    return "temperature-sweep" if warmed else "one-frequency", reason
+    temperature_varies = _has_variation(table, "temperature", options)
+    return "temperature-sweep" if temperature_varies else "one-frequency", reason
 
 
-_AMPLITUDES: tuple[Role, ...] = ("strain", "stress", "displacement", "force")
-_APART = 1.5
-"""Ratio of amplitudes that no drive drifts by at one frequency and temperature."""
-_SAME_WARMTH = 3.0
-"""K within which rows are of one temperature."""
+_AMPLITUDE_ROLES: tuple[Role, ...] = ("strain", "stress", "displacement", "force")
+_MIN_AMPLITUDE_RATIO = 1.5
+"""Ratio of amplitudes at one frequency and temperature from which they were swept."""
+_TEMPERATURE_WIDTH = 3.0
+"""Range of temperatures that counts as one, K."""
 
 
 def assign_amplitude_column(table: FileTable, options: ReadOptions) -> ReadOptions:
-    """The options, with a length that is called an amplitude and nothing else as displacement."""
+    """Return the options, with a length column named amplitude as displacement if none is."""
     if any(
         getattr(options, role)
         or max(score_columns(table, role, options).values(), default=0.0) >= 1.0
@@ -613,25 +636,25 @@ def assign_amplitude_column(table: FileTable, options: ReadOptions) -> ReadOptio
     ):
         return options
     for number, column in enumerate(table.columns, 1):
-        long = column.unit and units.find_unit(column.unit, "length")
-        if long and "amplitude" in vocabulary.tokens(column.name):
+        is_length = column.unit and units.find_unit(column.unit, "length")
+        if is_length and "amplitude" in vocabulary.tokens(column.name):
             return replace(options, displacement=str(number))
     return options
 
 
 def group_values(values: FloatArray, width: float) -> npt.NDArray[np.intp]:
-    """The group of each value: those that lie within a width of the smallest of their group."""
+    """Return the group of each value: values within a width of the smallest of their group."""
     order = np.argsort(values)
-    result, first, group = np.zeros(len(values), dtype=np.intp), -math.inf, -1
+    result, group_start, group = np.zeros(len(values), dtype=np.intp), -math.inf, -1
     for i in order.tolist():
-        if not values[i] - first <= width:
-            first, group = float(values[i]), group + 1
+        if not values[i] - group_start <= width:
+            group_start, group = float(values[i]), group + 1
         result[i] = group
     return result
 
 
 def _has_amplitude_sweep(table: FileTable, options: ReadOptions) -> bool:
-    """Return whether most frequencies were met at several amplitudes at one temperature."""
+    """Return whether most frequencies were tested at several amplitudes and one temperature."""
     amplitudes = _find_role_columns(table, ("strain", "displacement"), options)
     if not amplitudes:
         return False
@@ -639,64 +662,73 @@ def _has_amplitude_sweep(table: FileTable, options: ReadOptions) -> bool:
     temperature = _find_role_columns(table, ("temperature",), options)
     loaded = table.load([*frequency, amplitudes[0], *temperature])
     block = np.repeat(np.arange(len(loaded.starts)), np.diff((*loaded.starts, len(loaded.values))))
-    text = np.all(np.isfinite(loaded.values), axis=1) & np.all(loaded.values[:, :2] > 0, axis=1)
-    rows, block = loaded.values[text], block[text]
-    warmth = np.zeros(len(rows), dtype=np.intp)
+    is_valid = np.all(np.isfinite(loaded.values), axis=1) & np.all(loaded.values[:, :2] > 0, axis=1)
+    rows, block = loaded.values[is_valid], block[is_valid]
+    temperature_group = np.zeros(len(rows), dtype=np.intp)
     if rows.shape[1] > 2:
-        warmth = group_values(rows[:, 2], _SAME_WARMTH)
+        temperature_group = group_values(rows[:, 2], _TEMPERATURE_WIDTH)
     elif any("temp" in line.casefold() for line in chain(*loaded.above)):
-        warmth = block
-    cells = np.stack((group_values(np.log10(rows[:, 0]), ONE_FREQUENCY), warmth))
-    _, cell = np.unique(cells, axis=1, return_inverse=True)
-    alike = [rows[cell.ravel() == index, 1] for index in range(int(cell.max(initial=-1)) + 1)]
-    separate = [float(X.max()) >= _APART * float(X.min()) for X in alike]
-    return 2 * sum(separate) >= max(len(separate), 1)
+        temperature_group = block
+    conditions = np.stack(
+        (group_values(np.log10(rows[:, 0]), ONE_FREQUENCY_DECADES), temperature_group)
+    )
+    _, condition = np.unique(conditions, axis=1, return_inverse=True)
+    amplitudes_by_condition = [
+        rows[condition.ravel() == index, 1] for index in range(int(condition.max(initial=-1)) + 1)
+    ]
+    is_swept = [
+        float(condition_amplitudes.max())
+        >= _MIN_AMPLITUDE_RATIO * float(condition_amplitudes.min())
+        for condition_amplitudes in amplitudes_by_condition
+    ]
+    return 2 * sum(is_swept) >= max(len(is_swept), 1)
 
 
 def refuse_kind(
-    table: FileTable, options: ReadOptions, accepted: Sequence[FileKind], want: str
+    table: FileTable, options: ReadOptions, accepted: Sequence[FileKind], expected_kind: str
 ) -> None:
-    """Refuse a table that is surely not what `want` says, with the command that takes it.
+    """Refuse a table of a kind that is not accepted, and name the command that takes it.
 
-    A user who names columns of what is wanted knows better: the caller does not ask then.
+    Callers skip this where the user names columns of the expected kind.
 
     Raises
     ------
     ReadError
+        If the kind is recognised and not accepted.
     """
     kind, reason = detect_table_kind(table, options)
     if kind in RECOGNISED and kind not in accepted:
-        raise ReadError(format_other_kind(kind, reason, want))
+        raise ReadError(format_other_kind(kind, reason, expected_kind))
 
 
-def format_other_kind(kind: str, reason: str, want: str) -> str:
-    """Say what a file is, where another is wanted, and which command takes it."""
-    what, command, *_ = RECOGNISED[kind]
-    return f"this is {what} ({reason}), where {want} expected: {command}"
+def format_other_kind(kind: str, reason: str, expected_kind: str) -> str:
+    """Return the message that a file is of another kind than expected, and its command."""
+    kind_name, command, *_ = RECOGNISED[kind]
+    return f"this is {kind_name} ({reason}), where {expected_kind} expected: {command}"
 
 
 def explain_cycle_summary(table: FileTable) -> str | None:
-    """Return why a table is one row per cycle (trends, peaks), or None."""
+    """Return the reason why a table has one row per cycle (trends, peaks), or None."""
     names = [column.name for column in table.columns]
     extremes = list(filter(_is_extreme, names))
     if len(extremes) < 2:
         return None
-    recorded = any(_is_recorded(name) for name in names if name not in extremes)
-    counted = any("cycle" in vocabulary.matches(name) for name in names)
-    if recorded and not counted:
+    has_recorded_signal = any(_is_recorded(name) for name in names if name not in extremes)
+    has_cycle_count = any("cycle" in vocabulary.matches(name) for name in names)
+    if has_recorded_signal and not has_cycle_count:
         return None
-    listed = ", ".join(f"'{name}'" for name in extremes[:3])
+    extreme_names = ", ".join(f"'{name}'" for name in extremes[:3])
     return (
-        f"it is a summary with one row per cycle ({listed}), not the recorded signals; "
+        f"it is a summary with one row per cycle ({extreme_names}), not the recorded signals; "
         "export the raw time, displacement and force instead"
     )
 
 
 def _is_extreme(name: str) -> bool:
-    signal = not _SIGNALS.isdisjoint(vocabulary.matches(name))
-    return signal and vocabulary.has_word(name, vocabulary.EXTREMES)
+    is_signal = not _SIGNAL_ROLES.isdisjoint(vocabulary.matches(name))
+    return is_signal and vocabulary.has_word(name, vocabulary.EXTREMES)
 
 
 def _is_recorded(name: str) -> bool:
-    pushed = vocabulary.matches(name).get("force", 0.0) >= 2.5
-    return pushed and not vocabulary.has_word(name, vocabulary.DERIVED)
+    is_force = vocabulary.matches(name).get("force", 0.0) >= 2.5
+    return is_force and not vocabulary.has_word(name, vocabulary.DERIVED)

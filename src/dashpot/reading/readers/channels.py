@@ -16,7 +16,12 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution, Source, cautions_in
 from dashpot.base.units import Unit
-from dashpot.reading.columns.kind_detection import FileKind, explain_cycle_summary, detect_table_kind, refuse_kind
+from dashpot.reading.columns.kind_detection import (
+    FileKind,
+    detect_table_kind,
+    explain_cycle_summary,
+    refuse_kind,
+)
 from dashpot.reading.columns.role_assignment import (
     EXAMPLE,
     RoleAssignment,

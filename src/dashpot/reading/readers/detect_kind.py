@@ -12,7 +12,12 @@ from dashpot.base import dataclass, replace, units
 from dashpot.base.arrays import FloatArray, cache_on_record, validate_measured
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.lazy import compile_on_use
-from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, KindOfFile, detect_table_kind
+from dashpot.reading.columns.kind_detection import (
+    RAMP_ROLES,
+    RECOGNISED,
+    KindOfFile,
+    detect_table_kind,
+)
 from dashpot.reading.columns.role_assignment import EXAMPLE, find_weight, handle, score_columns
 from dashpot.reading.columns.vocabulary import DIMENSION, Role
 from dashpot.reading.raw_file import RawFile, add_name_to_errors, like_json, open_raw
@@ -170,10 +175,10 @@ def suggest_relaxation_options(path: str | Path, options: ReadOptions | None = N
     free = [
         i for i, column in enumerate(file.table.columns) if column.content in {"number", "clock"}
     ]
-    if len(free) < len(RAMP):
+    if len(free) < len(RAMP_ROLES):
         return ""
     columns, names, missing_units = file.table.columns, [], []
-    for role in RAMP:
+    for role in RAMP_ROLES:
         scores = score_columns(file.table, role, file.options)
         candidates = [i for i in free if not _has_other_dimension(columns[i].unit, DIMENSION[role])]
         if not candidates:

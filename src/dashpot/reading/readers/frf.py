@@ -115,8 +115,8 @@ def _sort_signal_pair(
     if sum(below) == 1:
         return (second, first) if below[0] else (first, second)
     raise ReadError(
-        f"{format_column(columns, first.amplitude)} and {format_column(columns, second.amplitude)} are two "
-        "motions; say "
+        f"{format_column(columns, first.amplitude)} and {format_column(columns, second.amplitude)} "
+        "are two motions; say "
         f"which of them is the base, for example {flag('base_acceleration')}="
         f'"{handle(columns, first.amplitude)}"'
     )

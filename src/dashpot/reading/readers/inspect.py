@@ -14,7 +14,7 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray, distinct, median
 from dashpot.base.errors import ReadError
 from dashpot.base.result_mixins import Plottable, Series
-from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, SWEEPS
+from dashpot.reading.columns.kind_detection import RAMP_ROLES, RECOGNISED, SWEEP_KINDS
 from dashpot.reading.columns.role_assignment import (
     RoleAssignment,
     accelerations,
@@ -292,7 +292,7 @@ def _proposal(file: OpenedFile, kind: str) -> tuple[dict[int, tuple[Role, str]],
 
         select = find_handler("first point", "frf") or as_a_ratio
         questions = _asks(lambda: determine_frf_columns(as_a_ratio(select(file))), "ROLE")
-    if kind in SWEEPS and not questions:
+    if kind in SWEEP_KINDS and not questions:
         questions = _asks(lambda: swept(file), "ROLE")
     if kind == "strain-sweep":
         questions += _asks(lambda: amplitude_column(file), "strain")
@@ -322,7 +322,7 @@ def _assign_kind_roles(
         answer = since_the_step(table, options) if since else assign(table, role, options)
         if isinstance(answer, RoleAssignment):
             played, _ = roles.get(answer.index, (role, ""))
-            if played != role and {played, role} <= set(RAMP):  # who reads it asks this, too
+            if played != role and {played, role} <= set(RAMP_ROLES):  # who reads it asks this, too
                 message = channels.format_role_conflict(table.columns, answer.index, played, role)
                 questions.append(Question(message, f"{flag(role)}=NAME"))
                 continue
@@ -354,7 +354,7 @@ def _find_accelerations(file: OpenedFile, taken: list[int]) -> list[RoleAssignme
 def _get_usual_roles(kind: str) -> tuple[Role, ...]:
     """The roles of a kind; of a table that shows none, those of a ramp and hold are asked for."""
     if kind == "unclear":
-        return RAMP
+        return RAMP_ROLES
     return RECOGNISED[kind].roles if kind in RECOGNISED else ()
 
 
@@ -362,7 +362,7 @@ def _roles_of(file: OpenedFile, kind: str, *, clocked: bool) -> list[Role]:
     """The roles that a file of a kind should fill, without a time or a hammer it does not need."""
     find_roles = find_handler("roles", kind)
     wanted = find_roles(file) if find_roles else _get_usual_roles(kind)
-    if kind in SWEEPS:
+    if kind in SWEEP_KINDS:
         with suppress(ReadError):  # what is lacking is asked of the caller
             wanted = tuple(assignment.role for assignment in sweep_columns(file)[0])
     options = file.options

@@ -14,7 +14,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
 from dashpot.datamodel.relaxation import RelaxationTest, Trajectory
 from dashpot.datamodel.specimen import Specimen
-from dashpot.reading.columns.kind_detection import SWEEPS, FileKind
+from dashpot.reading.columns.kind_detection import SWEEP_KINDS, FileKind
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels, cleaning, size_checks
@@ -59,7 +59,7 @@ def roles(file: OpenedFile) -> list[Role]:
 def relaxation_in(file: OpenedFile, specimen: Specimen) -> RelaxationTest:
     """Return the relaxation test in an opened file."""
     channels.refuse_summary(file)
-    _require_relaxation_kind(file, SWEEPS)
+    _require_relaxation_kind(file, SWEEP_KINDS)
     try:
         chosen, clocks = moving_columns(file)
     except ReadError:

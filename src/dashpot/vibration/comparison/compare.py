@@ -27,14 +27,14 @@ from dashpot.vibration.mass_on_seals import (
 )
 from dashpot.vibration.modal.peaks import Peak, find_peak, mount_band
 
-# lines outside this factor of the measured peak are mass line, tip roll-off and drift
-AROUND_THE_PEAK = 4.0
+# factor about the measured peak; lines beyond are mass line, tip roll-off and drift
+COMPARED_BAND_FACTOR = 4.0
 # a mode belongs to a peak if their frequencies differ by less than this part
-MOST_MODE_DISTANCE = 0.1
+MAX_MODE_DISTANCE = 0.1
 # a damping ratio with a larger relative standard error is not reported
-MOST_DAMPING_ERROR = 0.3
-# a predicted peak with fewer lines in its half-power band is the model's, if the measured has more
-LEAST_HALF_POWER_LINES = 0.5
+MAX_DAMPING_ERROR = 0.3
+# fewest lines in the half-power band of a predicted peak that is read off the lines
+MIN_HALF_POWER_LINES = 0.5
 
 
 def compare(
@@ -95,30 +95,32 @@ def compare(
     compression = convert_to_si(compression, "length")
     measured = measured.to(Kind.ACCELERANCE, mass=mass)
     measured = measured if band is None else measured.band(*band)
-    frf = _select_measured_lines(predicted.to(Kind.ACCELERANCE, mass=mass), measured)
+    predicted_lines = _select_measured_lines(predicted.to(Kind.ACCELERANCE, mass=mass), measured)
     model, mass, point = _assemble_mass_on_seals(
-        frf, model, fit, mass=mass, seals=seals, compression=compression
+        predicted_lines, model, fit, mass=mass, seals=seals, compression=compression
     )
-    frf = _apply_test_window(frf, measured, model, mass)
-    keep = _select_compared_lines(measured, find_peak(measured), explicit=band is not None)
-    modes = _find_modes(measured, keep)
-    measured, frf = measured.only(keep), frf.only(keep)
-    measured_peak, predicted_peak = find_peak(measured), find_peak(frf)
-    lines = predicted_peak.half_power_lines
-    if model and mass and lines < LEAST_HALF_POWER_LINES < measured_peak.half_power_lines:
-        predicted_peak = find_peak(replace(frf, value=accelerance(model, mass, frf.s), record=None))
+    predicted_lines = _apply_test_window(predicted_lines, measured, model, mass)
+    is_compared = _select_compared_lines(measured, find_peak(measured), explicit=band is not None)
+    modes = _find_modes(measured, is_compared)
+    measured, predicted_lines = measured.only(is_compared), predicted_lines.only(is_compared)
+    measured_peak, predicted_peak = find_peak(measured), find_peak(predicted_lines)
+    line_count = predicted_peak.half_power_lines
+    if model and mass and line_count < MIN_HALF_POWER_LINES < measured_peak.half_power_lines:
+        predicted_peak = find_peak(
+            replace(predicted_lines, value=accelerance(model, mass, predicted_lines.s), record=None)
+        )
     mode = _drop_uncertain_mode(_find_nearest_mode(modes, measured_peak.frequency))
     comparison = Comparison(
-        predicted=frf,
+        predicted=predicted_lines,
         measured=measured,
         predicted_hz=predicted_peak.frequency,
         measured_hz=measured_peak.frequency,
         predicted_peak=predicted_peak.height,
         measured_peak=measured_peak.height,
-        predicted_damping=_find_predicted_damping(model, mass, frf, predicted_peak),
+        predicted_damping=_find_predicted_damping(model, mass, predicted_lines, predicted_peak),
         measured_damping=None if mode is None else mode.damping_ratio,
-        frac=_compute_frac(frf.value, measured.value),
-        rms_db=_compute_rms_db(frf.value, measured.value),
+        frac=_compute_frac(predicted_lines.value, measured.value),
+        rms_db=_compute_rms_db(predicted_lines.value, measured.value),
         z_rms=None,
         legend=_get_legend(fit, measured),
         arms=_list_arm_evidence(model, fit, measured_peak.frequency),
@@ -194,21 +196,23 @@ def find_fitted_files(fit: Fit, frf: FRF) -> set[str]:
 
 def _select_measured_lines(predicted: FRF, measured: FRF) -> FRF:
     """Return the prediction at the measured lines, which must be among its own."""
-    known = predicted.frequency
-    where = np.rint(np.interp(measured.frequency, known, np.arange(len(known)))).astype(int)
-    off = np.abs(known[where] - measured.frequency)
+    predicted_frequency = predicted.frequency
+    nearest = np.rint(
+        np.interp(measured.frequency, predicted_frequency, np.arange(len(predicted_frequency)))
+    ).astype(int)
+    distance = np.abs(predicted_frequency[nearest] - measured.frequency)
     step = float(np.median(np.diff(measured.frequency))) if len(measured.frequency) > 1 else 1.0
-    if off.max() > 1e-6 * step:
-        i = int(np.argmax(off))
+    if distance.max() > 1e-6 * step:
+        i = int(np.argmax(distance))
         raise DataError(
             f"the prediction has no line at {measured.frequency[i]:.6g} Hz, where there is a "
-            f"measured one (its nearest is at {known[where[i]]:.6g} Hz); a "
+            f"measured one (its nearest is at {predicted_frequency[nearest[i]]:.6g} Hz); a "
             "measurement is not interpolated: predict at measured.frequency"
         )
     return replace(
         predicted,
         frequency=measured.frequency,
-        value=predicted.value[where],
+        value=predicted.value[nearest],
         coherence=None,
         sd=None,
     )
@@ -225,11 +229,11 @@ def _assemble_mass_on_seals(
 ) -> tuple[Solid | None, float | None, OperatingPoint | None]:
     """Return model of all seals, mass and operating point, each None where it is not known."""
     if model is not None:
-        total = seals * model
-        mass = _infer_predicted_mass(predicted, total) if mass is None else mass
-        sag = mass * GRAVITY / total.k_inf if total.k_inf > 0 else np.inf
+        solid = seals * model
+        mass = _infer_predicted_mass(predicted, solid) if mass is None else mass
+        static_compression = mass * GRAVITY / solid.k_inf if solid.k_inf > 0 else np.inf
         law = None if fit is None else fit.elastic_law
-        return total, mass, OperatingPoint(sag, None if law is None else law.depth)
+        return solid, mass, OperatingPoint(static_compression, None if law is None else law.depth)
     if fit is None:
         return None, mass, None
     if mass is None:
@@ -249,9 +253,9 @@ def _assemble_mass_on_seals(
 def _infer_predicted_mass(predicted: FRF, model: Solid) -> float:
     """Return the mass in a prediction: (D(s) - K(s)) / s^2 of its dynamic stiffness D."""
     stiffness = predicted.to(Kind.DYNAMIC_STIFFNESS)
-    ratio = (stiffness.value - model.stiffness_at(stiffness.s)) / stiffness.s**2
-    mass = float(np.median(ratio.real))
-    if not mass > 0 or float(np.median(np.abs(ratio - mass))) > 1e-3 * mass:
+    masses = (stiffness.value - model.stiffness_at(stiffness.s)) / stiffness.s**2
+    mass = float(np.median(masses.real))
+    if not mass > 0 or float(np.median(np.abs(masses - mass))) > 1e-3 * mass:
         raise DataError(
             "the prediction was not made with this solid: what is left of its dynamic stiffness "
             f"is no mass (about {mass:.4g} kg); check --seals, or give --mass"
@@ -286,20 +290,23 @@ def _select_compared_lines(measured: FRF, peak: Peak, *, explicit: bool) -> Bool
         return measured.usable
     return (
         measured.usable
-        & (measured.frequency >= peak.frequency / AROUND_THE_PEAK)
-        & (measured.frequency <= peak.frequency * AROUND_THE_PEAK)
+        & (measured.frequency >= peak.frequency / COMPARED_BAND_FACTOR)
+        & (measured.frequency <= peak.frequency * COMPARED_BAND_FACTOR)
     )
 
 
-# -- figures ----------------------------------------------------------------------------------
+# -- criteria and modes --------------------------------------------------------------------------
 
 
-def _compute_frac(a: ComplexArray, b: ComplexArray) -> float:
-    return float(np.abs(np.vdot(a, b)) ** 2 / (np.vdot(a, a).real * np.vdot(b, b).real))
+def _compute_frac(predicted: ComplexArray, measured: ComplexArray) -> float:
+    return float(
+        np.abs(np.vdot(predicted, measured)) ** 2
+        / (np.vdot(predicted, predicted).real * np.vdot(measured, measured).real)
+    )
 
 
-def _compute_rms_db(a: ComplexArray, b: ComplexArray) -> float:
-    return float(np.sqrt(np.mean((20 * np.log10(np.abs(a) / np.abs(b))) ** 2)))
+def _compute_rms_db(predicted: ComplexArray, measured: ComplexArray) -> float:
+    return float(np.sqrt(np.mean((20 * np.log10(np.abs(predicted) / np.abs(measured))) ** 2)))
 
 
 def _find_predicted_damping(
@@ -314,29 +321,29 @@ def _find_predicted_damping(
     return None if mode is None else mode.damping_ratio
 
 
-def _find_modes(frf: FRF, keep: BoolArray) -> tuple[Mode, ...]:
-    """Return modes of some lines by the rational fraction; none where the lines are too few.
+def _find_modes(frf: FRF, is_used: BoolArray) -> tuple[Mode, ...]:
+    """Return the modes of selected lines by the rational fraction; none where they are too few.
 
-    Those of lines without a gap are asked of the whole, which remembers them: several solids are
-    held against one FRF.
+    Lines without a gap are fitted on the whole FRF, which caches its modes: several solids are
+    compared with one FRF.
     """
     try:
-        lines = frf.only(keep)
+        lines = frf.only(is_used)
         band = mount_band(lines.frequency, lines.value, lines.random_sd)
-        gapless = len(frf.band(*band).frequency) == len(lines.band(*band).frequency)
-        return (frf if gapless else lines).modes(band=band)
+        is_gapless = len(frf.band(*band).frequency) == len(lines.band(*band).frequency)
+        return (frf if is_gapless else lines).modes(band=band)
     except DashpotError:
         return ()
 
 
 def _find_nearest_mode(modes: tuple[Mode, ...], frequency: float) -> Mode | None:
-    near = [mode for mode in modes if abs(mode.frequency / frequency - 1) < MOST_MODE_DISTANCE]
-    return min(near, key=lambda mode: abs(mode.frequency - frequency), default=None)
+    near_modes = [mode for mode in modes if abs(mode.frequency / frequency - 1) < MAX_MODE_DISTANCE]
+    return min(near_modes, key=lambda mode: abs(mode.frequency - frequency), default=None)
 
 
 def _drop_uncertain_mode(mode: Mode | None) -> Mode | None:
     """Return the mode if the standard error of its damping is small enough, else None."""
-    if mode is None or not mode.damping_ratio_se < MOST_DAMPING_ERROR * mode.damping_ratio:
+    if mode is None or not mode.damping_ratio_se < MAX_DAMPING_ERROR * mode.damping_ratio:
         return None
     return mode
 
@@ -346,21 +353,23 @@ def _list_arm_evidence(
 ) -> tuple[ArmEvidence, ...]:
     if model is None or not model.maxwell.arms:
         return ()
-    arms, omega = model.maxwell, 2 * np.pi * frequency
-    x = omega * np.asarray(arms.tau)
-    loss = np.asarray(arms.k) * x / (1 + x**2)
-    share = loss / (loss.sum() + omega * arms.b)
+    maxwell, omega = model.maxwell, 2 * np.pi * frequency
+    omega_tau = omega * np.asarray(maxwell.tau)
+    loss = np.asarray(maxwell.k) * omega_tau / (1 + omega_tau**2)
+    loss_fractions = loss / (loss.sum() + omega * maxwell.b)
     return tuple(
-        ArmEvidence(tau, float(part), _is_arm_identified(fit, j))
-        for j, (tau, part) in enumerate(zip(arms.tau, share, strict=True), start=1)
+        ArmEvidence(tau, float(loss_fraction), _is_arm_identified(fit, j))
+        for j, (tau, loss_fraction) in enumerate(
+            zip(maxwell.tau, loss_fractions, strict=True), start=1
+        )
     )
 
 
 def _is_arm_identified(fit: Fit | None, arm: int) -> bool:
     """Return whether the relaxation test determines an arm: k > 3 SE and SE(ln tau) < 0.5.
 
-    Of a joint fit the arms that the hammer test added are not; of a fit without covariance those
-    that relax inside its band are.
+    Arms that the hammer test added to a joint fit are not; without a covariance those are that
+    relax inside the band of the fit.
     """
     if fit is None or arm > fit.model.arms or fit.method == "frf":
         return False
@@ -369,10 +378,10 @@ def _is_arm_identified(fit: Fit | None, arm: int) -> bool:
         for change in fit.evidence.parameter_changes
     ):
         return False
-    rows = dict(
+    variances = dict(
         zip(fit.estimate.parameters, np.diag(fit.estimate.noise_only.covariance), strict=True)
     )
-    k_var, tau_var = rows.get(f"k_{arm}"), rows.get(f"ln_tau_{arm}")
+    k_var, tau_var = variances.get(f"k_{arm}"), variances.get(f"ln_tau_{arm}")
     if k_var is None or tau_var is None:
         return fit.band[0] <= 1 / (2 * np.pi * fit.model.tau[arm - 1]) <= fit.band[1]
     return significant(np.array([fit.model.k[arm - 1]]), np.sqrt([k_var]), np.sqrt([tau_var]))

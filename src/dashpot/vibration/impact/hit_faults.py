@@ -13,14 +13,14 @@ from dashpot.signals.stuck_channel import find_stuck_runs
 from dashpot.vibration.impact.hits import HitBlock, width_at
 from dashpot.vibration.modal.peaks import run_about
 
-REBOUND = 0.05  # of the peak: a second pulse this high is a second hit
-LEAST_SAMPLES = 5  # that a pulse must hold to be known in shape
-UNDECAYED = 0.01  # of the response may be left at the end of a record without a window
-UNDECAYED_WITH_WINDOW = 0.25
-FLAT = 0.38  # width at 95 % over width at 50 % of the peak; a half-sine has 0.30
-PRE_HIT_MOTION = 0.02  # of the response may be there before the hit
-FLAT_RESPONSE = 0.55
-UNDERSHOOT = 0.05  # of the pulse's impulse given back after it
+SECOND_PULSE_RATIO = 0.05  # height over the peak from which a second pulse is a second hit
+MIN_PULSE_SAMPLES = 5  # fewest samples that resolve the shape of a pulse
+MAX_UNDECAYED_RATIO = 0.01  # largest part of the response at the end of a record without window
+MAX_UNDECAYED_RATIO_WINDOWED = 0.25  # the same with an exponential window
+FLAT_WIDTH_RATIO = 0.38  # width at 95 % over width at 50 % of the peak; a half-sine has 0.30
+MAX_PRE_HIT_MOTION = 0.02  # largest ratio of the motion before a hit to the response
+FLAT_LOBE_RATIO = 0.55  # samples above 97 % over those above 80 % of a flat lobe
+MAX_UNDERSHOOT = 0.05  # largest part of the impulse of a pulse that the channel gives back
 
 
 @dataclass(frozen=True)
@@ -32,82 +32,84 @@ class HitQuality:
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """Faults first."""
+        """Faults, then doubts."""
         return self.faults + self.doubts
 
 
 def judge_hit(hit: HitBlock, *, windowed: bool = False) -> HitQuality:
-    """Judge one hit by itself.
+    """Return the faults and doubts of one hit, judged alone.
 
-    A fault makes the FRF wrong and rejects the hit; a doubt costs accuracy and is only said.
+    A fault makes the FRF wrong and rejects the hit; a doubt costs accuracy and is only reported.
     """
     return HitQuality(tuple(_list_faults(hit)), tuple(_list_doubts(hit, windowed)))
 
 
 def compute_undecayed_fraction(hit: HitBlock) -> float:
-    """Part of the response that is left at the end of the block, noise taken off; 0 to 1."""
-    length = max(len(hit.force) // 16, 4)
-    remaining = []
+    """Return the ratio of the response at the end of the block to its maximum, without noise."""
+    segment_length = max(len(hit.force) // 16, 4)
+    fractions = []
     for row, noise in zip(hit.acceleration, hit.noise[1:], strict=True):
-        start = row[hit.onset : hit.onset + (len(row) - hit.onset) // length * length]
-        power = start.reshape(-1, length).var(axis=1)
-        # the decay of what rings longest: the loudest sixteenth may hold what dies at once
-        last = max(power[-1] - noise**2, 0.0)
-        remaining.append(np.sqrt(last / max(power.max(), 1e-300)))
-    return float(min(max(remaining), 1.0))
+        response = row[
+            hit.onset : hit.onset + (len(row) - hit.onset) // segment_length * segment_length
+        ]
+        power = response.reshape(-1, segment_length).var(axis=1)
+        # relative to the loudest segment, which may contain a short-lived mode
+        end_power = max(power[-1] - noise**2, 0.0)
+        fractions.append(np.sqrt(end_power / max(power.max(), 1e-300)))
+    return float(min(max(fractions), 1.0))
 
 
 def compute_pre_hit_motion(hit: HitBlock) -> float:
-    """Return the motion before the hit, noise removed, over that after it."""
-    worst = 0.0
+    """Return the ratio of the motion before the hit, without noise, to that after it."""
+    largest_ratio = 0.0
     for row, spread, noise in zip(hit.acceleration, hit.ringing, hit.noise[1:], strict=True):
-        slow = float(np.sqrt(max(spread**2 - noise**2, 0.0)))
-        level = float(row[hit.onset :][: max(len(row) // 16, 4)].std())
-        if slow > 3 * noise / np.sqrt(max(hit.onset, 1)):
-            worst = max(worst, slow / max(level, 1e-300))
-    return worst
+        motion = float(np.sqrt(max(spread**2 - noise**2, 0.0)))
+        response_sd = float(row[hit.onset :][: max(len(row) // 16, 4)].std())
+        if motion > 3 * noise / np.sqrt(max(hit.onset, 1)):
+            largest_ratio = max(largest_ratio, motion / max(response_sd, 1e-300))
+    return largest_ratio
 
 
 def find_second_pulse(hit: HitBlock) -> tuple[float, float]:
-    """Return largest second rise of the force: its height over the peak, and s from the peak.
+    """Return the largest second rise of the force over its peak, and its time from the peak, s.
 
     How far the force rises again after it fell from its peak, or before it rose to it. The single
     hump of a soft tip, however long, does not rise twice.
     """
-    f, top, at = hit.force, hit.peak, hit.peak_at
-    inside = hit.pulse(0.05)
-    best, where = 0.0, 0
+    force, peak, peak_index = hit.force, hit.peak, hit.peak_at
+    pulse = hit.pulse(0.05)
+    largest_rise, offset = 0.0, 0
     for step in (1, -1):
-        walk = f[at::step] if step > 0 else f[at::-1]
-        rise = walk - np.minimum(np.minimum.accumulate(walk), top)
+        samples = force[peak_index::step] if step > 0 else force[peak_index::-1]
+        rise = samples - np.minimum(np.minimum.accumulate(samples), peak)
         # what starts below the base line rings; only what stands above it pushes
-        rise = np.minimum(rise, walk)
+        rise = np.minimum(rise, samples)
         # ringing of filters about a short pulse dies within a few samples
-        near = np.arange(len(rise)) < (inside.stop - inside.start) + 6
-        rise = np.where(near & (rise < 4 * REBOUND * top), 0.0, rise)
+        is_near = np.arange(len(rise)) < (pulse.stop - pulse.start) + 6
+        rise = np.where(is_near & (rise < 4 * SECOND_PULSE_RATIO * peak), 0.0, rise)
         i = int(np.argmax(rise))
-        if rise[i] > best:
-            best, where = float(rise[i]), step * i
-    return best / top, where / hit.rate
+        if rise[i] > largest_rise:
+            largest_rise, offset = float(rise[i]), step * i
+    return largest_rise / peak, offset / hit.rate
 
 
 def _list_faults(hit: HitBlock) -> Iterator[str]:
     if hit.missing:
-        have = (len(hit.force) - hit.missing) / hit.rate
+        recorded_time = (len(hit.force) - hit.missing) / hit.rate
         yield (
-            f"the recording ends {have:.3g} s into a block of {hit.length:.3g} s; record on, or "
-            "ask for a shorter record"
+            f"the recording ends {recorded_time:.3g} s into a block of {hit.length:.3g} s; "
+            "record on, or ask for a shorter record"
         )
     if hit.onset < 2 and hit.force[0] > 0.05 * hit.peak:
         yield (
             f"the recording begins inside the pulse, at {100 * hit.force[0] / hit.peak:.0f} % of "
             "its peak; set a pretrigger"
         )
-    second, after = find_second_pulse(hit)
-    if second >= REBOUND and second * hit.peak >= 8 * hit.noise[0]:
+    height_ratio, delay = find_second_pulse(hit)
+    if height_ratio >= SECOND_PULSE_RATIO and height_ratio * hit.peak >= 8 * hit.noise[0]:
         yield (
-            f"double hit: a second pulse of {100 * second:.0f} % of the peak "
-            f"{format_quantity(abs(after), 'ms', '.0f')} {'after' if after > 0 else 'before'} it"
+            f"double hit: a second pulse of {100 * height_ratio:.0f} % of the peak "
+            f"{format_quantity(abs(delay), 'ms', '.0f')} {'after' if delay > 0 else 'before'} it"
         )
     overloads = tuple(_list_overloads(hit))
     yield from overloads
@@ -116,20 +118,20 @@ def _list_faults(hit: HitBlock) -> Iterator[str]:
 
 
 def _find_stuck_responses(hit: HitBlock) -> Iterator[tuple[str, bool]]:
-    """Where a response keeps one value that its noise rules out, and whether it still rang."""
-    measured = len(hit.force) - hit.missing
-    length = max(measured // 16, 4)
-    for number, row in enumerate(hit.acceleration[:, :measured], 1):
+    """Yield a message for each response with a stuck value, and whether it was still ringing."""
+    sample_count = len(hit.force) - hit.missing
+    segment_length = max(sample_count // 16, 4)
+    for number, row in enumerate(hit.acceleration[:, :sample_count], 1):
         runs = find_stuck_runs(row, leaps=False)
         if len(runs):
             first, last = runs[np.argmax(np.diff(runs)[:, 0])]
-            before = row[max(first - length, 0) : first + 1]
-            loudest = float(row[hit.onset :][:length].std())
+            samples_before = row[max(first - segment_length, 0) : first + 1]
+            response_sd = float(row[hit.onset :][:segment_length].std())
             message = (
                 f"acceleration {number} has one and the same value for {last - first + 1} samples, "
                 f"from {first / hit.rate:.3g} s on; check the cable and the converter"
             )
-            yield message, bool(float(before.std()) > UNDECAYED * loudest)
+            yield message, bool(float(samples_before.std()) > MAX_UNDECAYED_RATIO * response_sd)
 
 
 def _list_overloads(hit: HitBlock) -> Iterator[str]:
@@ -150,14 +152,14 @@ def _list_overloads(hit: HitBlock) -> Iterator[str]:
 
 def _find_clipping_level(row: FloatArray, noise: float) -> float:
     """Return where the highest lobe of a response is cut off, m/s^2; 0 if it is not."""
-    top = int(np.argmax(row))
-    lobe = row[run_about(row > 0.3 * row[top], top)]
+    peak_index = int(np.argmax(row))
+    lobe = row[run_about(row > 0.3 * row[peak_index], peak_index)]
     peak = float(lobe.max())
-    run = int(np.count_nonzero(lobe > peak - max(3 * noise, 1e-6 * peak)))
+    top_samples = int(np.count_nonzero(lobe > peak - max(3 * noise, 1e-6 * peak)))
     # any smooth top is a parabola, which spends 0.39 of its upper fifth in its upper 3 %
-    upper = np.count_nonzero(lobe > 0.97 * peak) / np.count_nonzero(lobe > 0.8 * peak)
-    flat = run >= 4 and upper > FLAT_RESPONSE and is_flat_topped(lobe, noise)
-    return peak if flat else 0.0
+    top_ratio = np.count_nonzero(lobe > 0.97 * peak) / np.count_nonzero(lobe > 0.8 * peak)
+    is_flat = top_samples >= 4 and top_ratio > FLAT_LOBE_RATIO and is_flat_topped(lobe, noise)
+    return peak if is_flat else 0.0
 
 
 def _list_doubts(hit: HitBlock, windowed: bool) -> Iterator[str]:
@@ -166,13 +168,13 @@ def _list_doubts(hit: HitBlock, windowed: bool) -> Iterator[str]:
             f"only {hit.onset} samples lie before the pulse, too few to know the offsets; set a "
             "pretrigger of some 0.1 s"
         )
-    inside = hit.pulse(0.1)
-    samples = inside.stop - inside.start
-    if samples < LEAST_SAMPLES:
+    pulse = hit.pulse(0.1)
+    samples = pulse.stop - pulse.start
+    if samples < MIN_PULSE_SAMPLES:
         yield (
             f"the pulse is {samples} sample{'s' if samples > 1 else ''} long, so its height is "
-            f"guesswork; sample at {LEAST_SAMPLES / samples * hit.rate:.3g} Hz or more, or take "
-            "a softer tip"
+            f"guesswork; sample at {MIN_PULSE_SAMPLES / samples * hit.rate:.3g} Hz or more, or "
+            "take a softer tip"
         )
     yield from _list_ringing(hit, windowed)
     yield from _list_undershoot(hit)
@@ -180,20 +182,20 @@ def _list_doubts(hit: HitBlock, windowed: bool) -> Iterator[str]:
 
 
 def _list_ringing(hit: HitBlock, windowed: bool) -> Iterator[str]:
-    remainder, limit = (
+    undecayed, limit = (
         compute_undecayed_fraction(hit),
-        UNDECAYED_WITH_WINDOW if windowed else UNDECAYED,
+        MAX_UNDECAYED_RATIO_WINDOWED if windowed else MAX_UNDECAYED_RATIO,
     )
-    if remainder > limit and not hit.missing:
+    if undecayed > limit and not hit.missing:
         yield (
-            f"{100 * remainder:.2g} % of the response is left at the end of the record (expected "
+            f"{100 * undecayed:.2g} % of the response is left at the end of the record (expected "
             f"{100 * limit:.0f} % {'with' if windowed else 'without'} a window); record longer"
             + ("" if windowed else ", or use the exponential window")
         )
-    worst = compute_pre_hit_motion(hit)
-    if worst >= PRE_HIT_MOTION:
+    motion = compute_pre_hit_motion(hit)
+    if motion >= MAX_PRE_HIT_MOTION:
         yield (
-            f"the block still moves before the hit, by {100 * worst:.0f} % of the response to it; "
+            f"the block still moves before the hit, by {100 * motion:.0f} % of the response to it; "
             + ("that is taken off as a free decay, but better " if hit.calmed else "")
             + "wait longer between hits"
         )
@@ -207,17 +209,19 @@ def is_flat_topped(lobe: FloatArray, noise: float) -> bool:
     samples about it, so noise on a flat top does not hide it. Lobes of fewer than 8 samples are
     only called flat when 3 neighbours are equal.
     """
-    top = int(np.argmax(lobe))
-    peak = float(lobe[top])
+    peak_index = int(np.argmax(lobe))
+    peak = float(lobe[peak_index])
     if len(lobe) < 8:
-        equal = np.abs(np.diff(lobe)) <= 1e-9 * peak
-        high = np.minimum(lobe[1:], lobe[:-1]) >= 0.98 * peak
-        pairs = equal & high
+        is_equal = np.abs(np.diff(lobe)) <= 1e-9 * peak
+        is_high = np.minimum(lobe[1:], lobe[:-1]) >= 0.98 * peak
+        pairs = is_equal & is_high
         return bool((pairs[1:] & pairs[:-1]).any())
     peak = float(np.median(lobe[lobe >= peak - max(3 * noise, 0.02 * peak)]))
     if noise > 0.02 * peak:  # the widths drown in noise
         return False
-    return _compute_lobe_width(lobe, 0.95 * peak) > FLAT * _compute_lobe_width(lobe, 0.5 * peak)
+    return _compute_lobe_width(lobe, 0.95 * peak) > FLAT_WIDTH_RATIO * _compute_lobe_width(
+        lobe, 0.5 * peak
+    )
 
 
 def _compute_lobe_width(lobe: FloatArray, level: float) -> float:
@@ -227,24 +231,26 @@ def _compute_lobe_width(lobe: FloatArray, level: float) -> float:
 
 
 def _list_undershoot(hit: HitBlock) -> Iterator[str]:
-    """A force channel coupled by a capacitor gives the impulse back after the pulse."""
-    inside = hit.pulse(0.02)
-    end = inside.stop + (inside.stop - inside.start)
+    """Yield a doubt if the force undershoots after the pulse, as an AC-coupled channel does."""
+    pulse = hit.pulse(0.02)
+    end = pulse.stop + (pulse.stop - pulse.start)
     tail = hit.force[end : len(hit.force) - hit.missing]
     if hit.onset < 8 or len(tail) < 16:
         return
-    impulse = float(hit.force[inside].sum())
-    given_back = -float(tail.sum()) / impulse
+    impulse = float(hit.force[pulse].sum())
+    undershoot = -float(tail.sum()) / impulse
     # the base line is known only as well as the mean of the samples before the hit
-    doubt = 5 * hit.noise[0] * len(tail) / np.sqrt(hit.onset) / impulse
-    if given_back < max(UNDERSHOOT, doubt):
+    undershoot_error = 5 * hit.noise[0] * len(tail) / np.sqrt(hit.onset) / impulse
+    if undershoot < max(MAX_UNDERSHOOT, undershoot_error):
         return
-    # of what is to be given back, exp(-2 pi f t) is still to come after t
-    early = max(len(tail) // 50, 8)
-    share = min(max(-float(tail[:early].sum()) / float(hit.force[:end].sum()), 0.0), 0.99)
-    corner = -np.log1p(-share) * hit.rate / (2 * np.pi * early)
+    # at time t after the pulse, exp(-2 pi f t) of the undershoot is still to come
+    early_count = max(len(tail) // 50, 8)
+    early_fraction = min(
+        max(-float(tail[:early_count].sum()) / float(hit.force[:end].sum()), 0.0), 0.99
+    )
+    corner_frequency = -np.log1p(-early_fraction) * hit.rate / (2 * np.pi * early_count)
     yield (
-        f"the force stays below its base line after the pulse and gives {100 * given_back:.0f} % "
-        f"of the impulse back, as a channel with a high pass at {corner:.2g} Hz does; couple "
-        "it by DC, or trust only frequencies 20 times as high"
+        f"the force stays below its base line after the pulse and gives {100 * undershoot:.0f} % "
+        f"of the impulse back, as a channel with a high pass at {corner_frequency:.2g} Hz does; "
+        "couple it by DC, or trust only frequencies 20 times as high"
     )

@@ -61,8 +61,8 @@ from dashpot.fitting.order_selection import FURTHER, compute_certificate
 from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.fitting.valid_band import (
     _find_widest_band,
-    find_hold_band,
     compute_posterior_spread,
+    find_hold_band,
     find_informed_band,
 )
 from dashpot.numerics.design_matrices.block import DataBlock

@@ -26,10 +26,10 @@ from dashpot.datamodel.shift_factors import shifted_log_tau
 from dashpot.fitting.data_blocks import InitialFit, first_sample, motion
 from dashpot.fitting.nuisance_priors import (
     NuisanceTerms,
-    get_column_kind,
     build_load_cell_priors,
-    build_recorded_warming_prior,
     build_nuisance_terms,
+    build_recorded_warming_prior,
+    get_column_kind,
 )
 from dashpot.fitting.relaxation_likelihood import compute_unmeasured_effects, select_motion_samples
 from dashpot.numerics.design_matrices.block import DataBlock, Evaluation
@@ -111,7 +111,9 @@ class SingleTemperatureTest:
     @cached_property
     def terms(self) -> NuisanceTerms:
         """What is known of those columns."""
-        return build_nuisance_terms(self.record).add_terms(warming=build_recorded_warming_prior(self.record.specimen))
+        return build_nuisance_terms(self.record).add_terms(
+            warming=build_recorded_warming_prior(self.record.specimen)
+        )
 
     @property
     def nuisance_columns(self) -> list[int]:
@@ -175,7 +177,8 @@ class SingleTemperatureTest:
         del effects["warming"]
         columns = [sd * np.interp(time, time[at], column) for column, sd in effects.values()]
         columns.append(
-            cell_priors.limit_drift.compute_remainder(cell_priors.drift).sd * (time - cell_priors.offset_time)
+            cell_priors.limit_drift.compute_remainder(cell_priors.drift).sd
+            * (time - cell_priors.offset_time)
         )
         return np.column_stack(columns)[self.start :]
 
