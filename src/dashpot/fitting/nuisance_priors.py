@@ -62,9 +62,9 @@ class Prior(NamedTuple):
         sd = max(self.sd, _EQUALITY_SD * abs(self.mean))
         return (value - self.mean) / sd, slope / sd
 
-    def compute_remainder(self, held: Prior) -> Prior:
+    def compute_remainder(self, fitted_prior: Prior) -> Prior:
         """Return the prior about 0 of what this one allows beyond the prior that a fit used."""
-        variance = self.sd**2 + (self.mean - held.mean) ** 2 - held.sd**2
+        variance = self.sd**2 + (self.mean - fitted_prior.mean) ** 2 - fitted_prior.sd**2
         return Prior(0.0, float(np.sqrt(max(variance, 0.0))))
 
 
@@ -326,16 +326,18 @@ def build_delay_prior(record: TwoChannels) -> Prior:
     return Prior(0.0, record.machine.delay_sd(record.step))
 
 
-def compute_delay_errors(numbers: Callable[[float], FloatArray], delay: Prior) -> FloatArray:
+def compute_delay_errors(
+    compute_numbers: Callable[[float], FloatArray], delay: Prior
+) -> FloatArray:
     """Return the standard errors of numbers due to a delay that their record does not determine.
 
-    `numbers` computes them for a force delayed by its argument, s. The larger
+    `compute_numbers` takes the additional delay of the force, s. The larger
     change of either sign counts: a cosine has no first order.
     """
     if delay.sd == 0:
-        return np.zeros(len(numbers(0.0)))
-    values = numbers(delay.mean)
-    changes = [numbers(delay.mean + sign * delay.sd) - values for sign in (-1, 1)]
+        return np.zeros(len(compute_numbers(0.0)))
+    values = compute_numbers(delay.mean)
+    changes = [compute_numbers(delay.mean + sign * delay.sd) - values for sign in (-1, 1)]
     return np.asarray(np.abs(changes).max(axis=0))
 
 

@@ -30,11 +30,11 @@ def find_loss_factor_band(
     band: tuple[float, float],
     lines: Mapping[float, tuple[float, float]],
     *,
-    around: float | None = None,
+    included_line: float | None = None,
 ) -> tuple[tuple[float, float], BandError]:
     """Return the widest part of a band in which the loss factor is known, and its errors.
 
-    With `around` it is the part that contains this line. Where the loss factor is known at no
+    With `included_line` it is the part that contains it. Where the loss factor is known at no
     line, or not at that one, the whole band is returned with its errors.
 
     Parameters
@@ -45,7 +45,7 @@ def find_loss_factor_band(
         Hz.
     lines : mapping of float to (float, float)
         Errors at some lines of the band, Hz, increasing; its two ends among them.
-    around : float, optional
+    included_line : float, optional
         One of these lines, Hz.
     """
     frequencies, all_errors = np.array(list(lines)), dict(lines)
@@ -53,9 +53,9 @@ def find_loss_factor_band(
     if is_known.all() or not is_known.any():
         return band, _build_band_error(all_errors)
     known_runs = find_true_runs(is_known).tolist()
-    if around is not None:
+    if included_line is not None:
         known_runs = [
-            run for run in known_runs if frequencies[run[0]] <= around <= frequencies[run[1]]
+            run for run in known_runs if frequencies[run[0]] <= included_line <= frequencies[run[1]]
         ]
         if not known_runs:
             return band, _build_band_error(all_errors)
@@ -73,29 +73,29 @@ def find_loss_factor_band(
 def _find_band_end(
     errors: ErrorFunction,
     all_errors: dict[float, tuple[float, float]],
-    inside: float,
-    outside: float,
+    known_line: float,
+    unknown_line: float,
 ) -> float:
     """Return the last frequency with a known loss factor, between a known and an unknown one."""
     for iteration in range(MAX_END_LINES):
-        inside_error, outside_error = all_errors[inside][1], all_errors[outside][1]
-        share = 0.5
-        if 0 < inside_error < WELL_KNOWN < outside_error < np.inf:
-            share = float(np.log(WELL_KNOWN / inside_error) / np.log(outside_error / inside_error))
+        known_error, unknown_error = all_errors[known_line][1], all_errors[unknown_line][1]
+        exponent = 0.5
+        if 0 < known_error < WELL_KNOWN < unknown_error < np.inf:
+            exponent = float(np.log(WELL_KNOWN / known_error) / np.log(unknown_error / known_error))
         # the error rises faster than this power law towards the end: the crossing lies farther out
-        share = min(max(share, 0.5 if iteration else 0.1), 0.98)
-        middle = inside * (outside / inside) ** share
+        exponent = min(max(exponent, 0.5 if iteration else 0.1), 0.98)
+        middle = known_line * (unknown_line / known_line) ** exponent
         all_errors[middle] = errors(middle)
         if all_errors[middle][1] <= WELL_KNOWN:
-            inside = middle
+            known_line = middle
         else:
-            outside = middle
+            unknown_line = middle
         if (
-            all_errors[inside][1] > END_ERROR_RATIO * WELL_KNOWN
-            or abs(np.log(outside / inside)) < END_TOLERANCE
+            all_errors[known_line][1] > END_ERROR_RATIO * WELL_KNOWN
+            or abs(np.log(unknown_line / known_line)) < END_TOLERANCE
         ):
             break
-    return inside
+    return known_line
 
 
 def _build_band_error(errors: Mapping[float, tuple[float, float]]) -> BandError:
@@ -140,9 +140,9 @@ class SolidErrors:
     spectra : AdmissibleSpectra
     solid : Solid
     creep : bool
-        The spectra are of compliance.
+        Whether the spectra are of compliance.
     stiffness : float or None
-        The relative error of the stiffness at every line, where it is known already.
+        Relative error of the stiffness at every line, if it is known already.
     """
 
     spectra: AdmissibleSpectra
@@ -165,9 +165,9 @@ class SolidErrors:
             lowest, highest = self.spectra.reach(storage * np.cos(angle) + loss * np.sin(angle))
         else:
             lowest, highest = magnitude / (1 + self.stiffness), magnitude * (1 + self.stiffness)
-        spread = highest / lowest if lowest > 0 else np.inf
+        stiffness_ratio = highest / lowest if lowest > 0 else np.inf
         low_eta, high_eta = (
-            _find_largest_ratio(self.spectra, sign * loss, storage, sign * eta, spread)
+            _find_largest_ratio(self.spectra, sign * loss, storage, sign * eta, stiffness_ratio)
             for sign in (-1, 1)
         )
         if self.stiffness is not None:
@@ -180,25 +180,29 @@ class SolidErrors:
 
 
 def _find_largest_ratio(
-    spectra: AdmissibleSpectra, above: FloatArray, below: FloatArray, start: float, spread: float
+    spectra: AdmissibleSpectra,
+    numerator: FloatArray,
+    denominator: FloatArray,
+    start: float,
+    stiffness_ratio: float,
 ) -> float:
-    """Return the largest (above . k) / (below . k), at least `start`.
+    """Return the largest ratio (numerator . k) / (denominator . k), at least `start`.
 
-    The gain g of a step from r to r + g/(below . k) bounds the ratio by r + g/b, b the least of
-    below . k: if below . k varies by a small factor `spread`, one step is enough.
+    With n and d the two products, the gain g of a step from r to r + g/d bounds the ratio by
+    r + g/min(d): if d varies by a small factor, `stiffness_ratio`, one step is enough.
     """
     ratio = start
     for _ in range(MAX_RATIO_STEPS):
-        spectrum = spectra.find_extreme_spectrum(above - ratio * below)
+        spectrum = spectra.find_extreme_spectrum(numerator - ratio * denominator)
         if not np.isfinite(spectrum).all():
             return np.inf
-        denominator = float(below @ spectrum)
-        new_ratio = float(above @ spectrum) / denominator if denominator > 0 else -np.inf
+        value = float(denominator @ spectrum)
+        new_ratio = float(numerator @ spectrum) / value if value > 0 else -np.inf
         if not new_ratio > ratio:
             break
         change, ratio = new_ratio - ratio, new_ratio
-        if spread <= NARROW_STIFFNESS_RATIO:
-            return start + spread * change
+        if stiffness_ratio <= NARROW_STIFFNESS_RATIO:
+            return start + stiffness_ratio * change
         if change <= RATIO_TOLERANCE * (ratio - start):
             break
     return ratio
@@ -301,7 +305,7 @@ def find_informed_band(
     *,
     stiffness: float,
     noise: float,
-    slower: Sequence[float] | None = None,
+    shift_factors: Sequence[float] | None = None,
 ) -> tuple[float, float]:
     """Return the widest band that the tests inform, Hz; its ends are equal if there is none.
 
@@ -313,10 +317,10 @@ def find_informed_band(
         k_0 of the solid found, N/m; of a creep test its compliance at rest, m/N.
     noise : float
         Standard deviation of one residual, N or m, widened for correlation (s times root kappa).
-    slower : sequence of float, optional
+    shift_factors : sequence of float, optional
         Shift factor of each test: relaxation times in it over those of the returned band.
     """
-    tests_and_shifts = list(zip(tests, slower or [1.0] * len(tests), strict=True))
+    tests_and_shifts = list(zip(tests, shift_factors or [1.0] * len(tests), strict=True))
     slowest = 1.0 / (2.0 * np.pi * max(test.hold_time / shift for test, shift in tests_and_shifts))
     step = min(float(np.diff(test.time).min()) / shift for test, shift in tests_and_shifts)
     ramp = min(test.ramp_time / shift for test, shift in tests_and_shifts)

@@ -485,7 +485,7 @@ def _find_loss_factor_band(
     lines = sorted({*np.geomspace(*band, 8 * LINES_IN_BAND).tolist(), peak})
     errors = every if every(peak)[1] <= WELL_KNOWN else noise
     values, band_error = find_loss_factor_band(
-        errors, band, {line: errors(line) for line in lines}, around=peak
+        errors, band, {line: errors(line) for line in lines}, included_line=peak
     )
     if errors is every:
         return values, band_error

@@ -233,7 +233,11 @@ def _build_fit(fit: MultiTemperatureFit, options: FitOptions) -> Fit:
     solution = _solution(fit)
     slower = [float(np.exp(point.log_a[i])) for i in best.joint.at]
     band = find_informed_band(
-        records, _reduce_tests(fit), stiffness=max(model.k_0, 1e-300), noise=1.0, slower=slower
+        records,
+        _reduce_tests(fit),
+        stiffness=max(model.k_0, 1e-300),
+        noise=1.0,
+        shift_factors=slower,
     )
     estimate = ParameterEstimate(
         parameter_names(point.order),
