@@ -45,7 +45,7 @@ _EQUALITY_SD = 1e-6
 # longest delay of the force that its first-order term represents, s
 LINEAR_DELAY = 2e-3
 # error of the force at the end of the hold that matters to the stiffness, relative
-MATERIAL = 0.01
+MATERIAL_FORCE_ERROR = 0.01
 
 
 class Prior(NamedTuple):
@@ -283,7 +283,7 @@ def _find_first_motion(record: RampHold) -> int:
 
 
 class SignificantDrift(NamedTuple):
-    """Drift of a load cell that changes the force at the end of the hold by `MATERIAL`.
+    """Drift of a load cell that changes the force at the end of the hold by `MATERIAL_FORCE_ERROR`.
 
     Attributes
     ----------
@@ -299,7 +299,9 @@ class SignificantDrift(NamedTuple):
 
 def compute_significant_drift(record: RampHold) -> SignificantDrift:
     """Return the offset and the drift of the load cell that matter to the stiffness."""
-    significant_force = MATERIAL * abs(float(record.force[select_hold_end(record)].mean()))
+    significant_force = MATERIAL_FORCE_ERROR * abs(
+        float(record.force[select_hold_end(record)].mean())
+    )
     return SignificantDrift(significant_force, significant_force / (record.hold_end - record.onset))
 
 

@@ -414,11 +414,13 @@ def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: 
         initial_fit = initial_fit or weighed(motion.data, options.point, only=True)
         return _build_point_fit(motion, initial_fit, setup, options.point)
     selected = select_order(motion.data, options, first=initial_fit)
-    families = chosen_family(selected, options.family, fractional_fit)
+    family_selection = chosen_family(selected, options.family, fractional_fit)
     if setup.method == "hold":
         depth_errors = [record.depth_doubt for record in records]
-        families = replace(families, best=families.best.with_depth_doubt(depth_errors))
-    return _build_linear_fit(motion, families, setup, linearity, options)
+        family_selection = replace(
+            family_selection, best=family_selection.best.with_depth_doubt(depth_errors)
+        )
+    return _build_linear_fit(motion, family_selection, setup, linearity, options)
 
 
 def _select_elastic_law(
@@ -455,13 +457,13 @@ def _build_point_fit(
 
 def _build_linear_fit(
     motion: DelayedMotion,
-    families: FamilySelection,
+    family_selection: FamilySelection,
     setup: FitSetup,
     linearity: LinearityResult | None,
     options: FitOptions,
 ) -> Fit:
     """Return the fit of a linear model, with errors, limits, band and checks."""
-    records, selection = motion.holds.records, families.best
+    records, selection = motion.holds.records, family_selection.best
     band = find_informed_band(
         records,
         selection.data.rows,
@@ -469,15 +471,15 @@ def _build_linear_fit(
         noise=max(selection.estimate.spread, 1e-6 * selection.data.peak, 1e-300),
     )
     # the limits hold for any spectrum, so the few arms of the fit suffice for the weights
-    data = _build_limit_data(records, families.arms, setup)
-    hold = _collect_hold_arguments(records, families.arms)
+    data = _build_limit_data(records, family_selection.arms, setup)
+    hold = _collect_hold_arguments(records, family_selection.arms)
     spectra = spectra_of_holds(data, **hold)
-    end = compute_end_limits(data, **hold, spectra=spectra).holding(selection.model)
+    end_of_hold = compute_end_limits(data, **hold, spectra=spectra).holding(selection.model)
     band, band_error = find_hold_band(spectra, selection.solid, band)
     sensitivity = compute_rig_sensitivity(data, selection.solid)
     if setup.method == "hold" and "delay" in setup.nuisance and selection.solid is selection.model:
         sensitivity = np.hstack((sensitivity, compute_clock_sensitivity(records, selection.model)))
-    alternative = families.alternative(band)
+    alternative = family_selection.alternative(band)
     steps = (*_make_motion_steps(records, setup), *motion.steps)
     return build_fit(
         selection.outcome(
@@ -495,13 +497,13 @@ def _build_linear_fit(
             checks=(
                 *(check for record in records for check in record.checks),
                 selection.convergence_check,
-                *_run_checks(motion, selection, setup, end),
+                *_run_checks(motion, selection, setup, end_of_hold),
                 *([] if linearity is None else [ramp_checks.ramp_explained(linearity.judged)]),
-                *families.checks(alternative),
+                *family_selection.checks(alternative),
                 valid_band_exists(band),
                 loss_factor_determined(band_error),
             ),
-            end_of_hold=end,
+            end_of_hold=end_of_hold,
             alternative=alternative,
             band_error=band_error,
         ),
@@ -522,7 +524,7 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], ramp_law: RampLaw, arms: in
     data = held_ramps(records, ramp_law)
     hold_arguments = _collect_hold_arguments(records, ramp_law)
     spectra = spectra_of_holds(data, **hold_arguments)
-    end = compute_end_limits(data, **hold_arguments, spectra=spectra)
+    end_of_hold = compute_end_limits(data, **hold_arguments, spectra=spectra)
     sensitivity = compute_rig_sensitivity(data, ramp_law.model)
     arm_checks: tuple[Check, ...] = ()
     if arms is not None:
@@ -533,7 +535,7 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], ramp_law: RampLaw, arms: in
         ramp_law,
         requested=arms,
         checks=arm_checks,
-        end=end,
+        end=end_of_hold,
         unmeasured=sensitivity,
         spectra=spectra,
     )
@@ -563,7 +565,7 @@ def _collect_hold_arguments(
 
 
 def _run_checks(
-    motion: DelayedMotion, selection: SelectedModel, setup: FitSetup, end: EndOfHold | None
+    motion: DelayedMotion, selection: SelectedModel, setup: FitSetup, end_of_hold: EndOfHold | None
 ) -> tuple[Check, ...]:
     """Return every check of the records and of the fit."""
     records, model, estimate = motion.holds.records, selection.model, selection.estimate
@@ -576,7 +578,7 @@ def _run_checks(
             model,
             error,
             Residuals(estimate.residuals, estimate.rms, estimate.kappa),
-            end,
+            end_of_hold,
             method=setup.method,
             needed=choice is not None,
             in_arms=has_arms_only,
@@ -585,19 +587,21 @@ def _run_checks(
     if has_arms_only:
         correlation = _compute_drift_correlation(estimate)
         all_checks.append(checks.drift_distinguished_from_arm(model, correlation, float(error[-1])))
-    all_checks += _check_load_cells(motion, selection, end)
+    all_checks += _check_load_cells(motion, selection, end_of_hold)
     if choice is not None:
         all_checks.append(order_agreed(choice))
     all_checks += selection.enough("N")
     if setup.method == "full" and has_arms_only:
         all_checks.append(
-            checks.hold_and_full_agree(model, motion.holds.fit_hold_equation(model), error, end=end)
+            checks.hold_and_full_agree(
+                model, motion.holds.fit_hold_equation(model), error, end=end_of_hold
+            )
         )
     return tuple(all_checks)
 
 
 def _check_load_cells(
-    motion: DelayedMotion, selection: SelectedModel, end: EndOfHold | None
+    motion: DelayedMotion, selection: SelectedModel, end_of_hold: EndOfHold | None
 ) -> list[Check]:
     """Return the checks of offset, drift and delay against their priors."""
     estimate, records = selection.estimate, motion.holds.records
@@ -624,7 +628,7 @@ def _check_load_cells(
                 )
         return results
 
-    beyond_hold = np.inf if end is None else end.beyond
+    beyond_hold = np.inf if end_of_hold is None else end_of_hold.beyond
     all_checks = [
         ramp_checks.offset_plausible(list_departures("offset")),
         ramp_checks.drift_plausible(list_departures("drift"), beyond_hold),
