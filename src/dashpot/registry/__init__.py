@@ -103,6 +103,11 @@ FORMATS: Mapping[str, FileFormat] = MappingProxyType(
 )
 """Every file format."""
 
+FILE_KINDS: Mapping[str, tuple[Any, ...]] = MappingProxyType(
+    {name: row for extension in EXTENSIONS for name, row in extension.file_kinds.items()}
+)
+"""Kinds of file of extensions, each with what `KindOfFile` holds."""
+
 SOLVER_INPUTS: Mapping[str, SolverInput] = _sort_rows("solver_inputs")
 """Every solver whose input is written, in the order in which they are listed."""
 

@@ -314,6 +314,8 @@ class Extension(NamedTuple):
     commands : tuple of Command
     formats : tuple of FileFormat
     solver_inputs : tuple of SolverInput
+    file_kinds : mapping of str to tuple
+        Arguments of `KindOfFile` of ``reading/columns/kind_detection.py``, by kind.
     """
 
     name: str
@@ -323,3 +325,4 @@ class Extension(NamedTuple):
     commands: tuple[Command, ...] = ()
     formats: tuple[FileFormat, ...] = ()
     solver_inputs: tuple[SolverInput, ...] = ()
+    file_kinds: Mapping[str, tuple[Any, ...]] = _NONE

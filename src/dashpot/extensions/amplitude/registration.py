@@ -4,6 +4,11 @@ from dashpot.registry.row import Extension, FitRow, KindOfTest
 
 EXTENSION = Extension(
     "amplitude",
+    file_kinds={
+        "cyclic": (
+            "a cyclic run without a hold", "use dashpot fit", ("time", "displacement", "force"),
+        ),
+    },
     kinds=(
             KindOfTest(
                 "strain-sweep", "dashpot.extensions.amplitude.read:read_amplitude", "dashpot.extensions.amplitude.fit_files:level_files",

@@ -4,6 +4,12 @@ from dashpot.registry.row import Extension, FitRow, KindOfTest
 
 EXTENSION = Extension(
     "blank_tests",
+    file_kinds={
+        "blank": (
+            "a blank test of the machine", "use dashpot fit --kind blank -o rig.toml",
+            ("time", "displacement", "force"),
+        ),
+    },
     kinds=(
         KindOfTest(
             "blank", "dashpot.extensions.blank_tests.read:read_blank_test",

@@ -4,6 +4,10 @@ from dashpot.registry.row import Extension, KindOfTest
 
 EXTENSION = Extension(
     "curves",
+    file_kinds={
+        "creep": ("a creep test", "use dashpot fit"),
+        "modulus": ("a relaxation modulus over time", "use dashpot fit", ("time", "modulus")),
+    },
     kinds=(
             KindOfTest(
                 "dma", "dashpot.extensions.curves.dynamic.read:read_dynamic", "dashpot.workflow.bench_tests:fit_files", app_section="bench", fit_route="bench",

@@ -4,6 +4,28 @@ from dashpot.registry.row import Extension, FitRow, KindOfTest
 
 EXTENSION = Extension(
     "materials",
+    file_kinds={
+        "cld": (
+            "a compression load deflection (CLD), pressed and released", "use dashpot fit",
+            ("time", "displacement", "force"),
+        ),
+        "stress-strain": (
+            "stress over strain of a material",
+            "use dashpot fit; of a relaxation test multiply by area and height first",
+            ("time", "stretch", "strain", "stress"),
+        ),
+        "indentation": (
+            "a contact of an indenter", "use dashpot fit with its mass", ("time", "velocity"), True,
+        ),
+        "drop": (
+            "a drop test of a mass on a specimen", "use dashpot fit with its mass",
+            ("time", "force"), True,
+        ),
+        "csr": (
+            "a record of compression stress relaxation (CSR)", "use dashpot fit",
+            ("time", "force"), False, True,
+        ),
+    },
     kinds=(
             KindOfTest(
                 "cld", "dashpot.extensions.materials.cld.read:read_cld", "dashpot.extensions.materials.cld.fit_files:cld_files", fit_route="cld",

@@ -4,6 +4,13 @@ from dashpot.registry.row import Extension, FileFormat, KindOfTest
 
 EXTENSION = Extension(
     "plugins",
+    file_kinds={
+        "plug-in": (
+            "a test of a plug-in's kind", "use dashpot fit",
+            ("time", "displacement", "force", "stress", "strain", "temperature", "frequency"),
+            False, True,
+        ),
+    },
     kinds=(
             KindOfTest(
                 "plug-in", "dashpot.extensions.plugins.read:read_plugged", "dashpot.extensions.plugins.fit_files:plugged_files",

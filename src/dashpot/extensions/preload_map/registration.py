@@ -6,6 +6,12 @@ _MAP = "dashpot.extensions.preload_map.preload_map:PreloadMap"
 
 EXTENSION = Extension(
     "preload_map",
+    file_kinds={
+        "preload-map": (
+            "storage and loss at several compressions", "use dashpot map",
+            ("frequency", "storage", "loss", "temperature"),
+        ),
+    },
     kinds=(
         KindOfTest(
             "preload-map", "dashpot.extensions.preload_map.read:read_preload_table",

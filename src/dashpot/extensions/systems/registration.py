@@ -4,6 +4,15 @@ from dashpot.registry.row import Extension, KindOfTest
 
 EXTENSION = Extension(
     "systems",
+    file_kinds={
+        "seal-line": (
+            "points of a seal line", "a door file names it: [seal] points, for dashpot predict",
+        ),
+        "free-modes": (
+            "modes of a structure at points",
+            "a door file names it: [modes] file, for dashpot predict",
+        ),
+    },
     kinds=(
             KindOfTest(
                 "seal-line", app_section="part",

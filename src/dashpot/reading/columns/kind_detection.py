@@ -28,7 +28,7 @@ from dashpot.reading.columns.role_assignment import (
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.table import FileTable
-from dashpot.registry import find_handler
+from dashpot.registry import FILE_KINDS, find_handler
 
 # Amplitude and phase of two signals, whose ratio is a response.
 
@@ -150,48 +150,7 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
     ),
     "temperature-sweep": KindOfFile("a temperature sweep at one frequency", _NO_TAU, _SWEEP_ROLES),
     "one-frequency": KindOfFile("a dynamic test at one frequency", _NO_TAU, _SWEEP_ROLES),
-    "modulus": KindOfFile(
-        "a relaxation modulus over time", "use dashpot fit", ("time", "modulus")
-    ),
-    "creep": KindOfFile("a creep test", "use dashpot fit"),
-    "cld": KindOfFile(
-        "a compression load deflection (CLD), pressed and released", "use dashpot fit", RAMP_ROLES,
-    ),
-    "indentation": KindOfFile(
-        "a contact of an indenter", "use dashpot fit with its mass", ("time", "velocity"), True
-    ),
-    "drop": KindOfFile(
-        "a drop test of a mass on a specimen", "use dashpot fit with its mass",
-        ("time", "force"), True,
-    ),
-    "stress-strain": KindOfFile(
-        "stress over strain of a material",
-        "use dashpot fit; of a relaxation test multiply by area and height first",
-        ("time", "stretch", "strain", "stress"),
-    ),
-    "csr": KindOfFile(
-        "a record of compression stress relaxation (CSR)", "use dashpot fit", ("time", "force"),
-        by_hand=True,
-    ),
-    "cyclic": KindOfFile("a cyclic run without a hold", "use dashpot fit", RAMP_ROLES),
-    "plug-in": KindOfFile(
-        "a test of a plug-in's kind", "use dashpot fit",
-        ("time", "displacement", "force", "stress", "strain", "temperature", "frequency"),
-        by_hand=True,
-    ),
-    "blank": KindOfFile(
-        "a blank test of the machine", "use dashpot fit --kind blank -o rig.toml", RAMP_ROLES
-    ),
-    "preload-map": KindOfFile(
-        "storage and loss at several compressions", "use dashpot map", _SWEEP_ROLES
-    ),
-    "seal-line": KindOfFile(
-        "points of a seal line", "a door file names it: [seal] points, for dashpot predict"
-    ),
-    "free-modes": KindOfFile(
-        "modes of a structure at points", "a door file names it: [modes] file, for dashpot predict"
-    ),
-})  # fmt: skip
+} | {kind: KindOfFile(*row) for kind, row in FILE_KINDS.items()})  # fmt: skip
 """Every kind of file by its name; its readers and figures are rows of ``dashpot.registry``."""
 
 _SIGNAL_ROLES = {"force", "displacement", "stress", "strain"}
