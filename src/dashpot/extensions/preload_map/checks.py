@@ -161,8 +161,8 @@ def loss_factor_determined(half_width: float, *, loss_factor: float) -> Finding:
         half_width,
         "The error of the phase between the sensors decides that",
         "Measure that phase error on a steel spring, and state it.",
-        failure=f"The loss factor, {loss_factor:.2g} at least, is known to "
-        f"{half_width * loss_factor:.2g} only",
+        failure=f"The loss factor is as small as {loss_factor:.2g} and is known only to "
+        f"±{half_width * loss_factor:.2g}",
     )
 
 
