@@ -106,6 +106,9 @@ class Fuzzer:
         """Fail unless a task ends in a value or a refusal, and soon."""
         self.tries += 1
         message = self._tried(task, content, apart=False)
+        if message:  # after thousands of files the process may have no address space left
+            self.close()
+            message = self._tried(task, content, apart=False)
         if message is None:
             self.deaths += 1
             message = self._tried(task, content, apart=True)
