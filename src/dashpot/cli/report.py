@@ -177,7 +177,7 @@ def _refuse_others(kinds: dict[str, str], tests: Sequence[str], impact: Sequence
         if path not in (*tests, *impact):
             line = (
                 f"Type: dashpot fit {path}"
-                if kind in KINDS
+                if kind in KINDS and KINDS[kind].fit
                 else f"{get_kind_command(kind)}.".capitalize()
             )
             raise click.UsageError(
