@@ -30,6 +30,7 @@ from dashpot.extensions.preload_map.interpolation import compute_level_weights
 from dashpot.extensions.preload_map.preload_map import PreloadMap
 from dashpot.extensions.preload_map.preload_sweep import PreloadSweep
 from dashpot.extensions.preload_map.read import read_sweeps
+from dashpot.extensions.preload_map.text import format_preload_map
 
 BROKEN = ("compression and frequency", "amplitude and frequency", "compression and amplitude")
 
@@ -213,6 +214,32 @@ def test_sweeps_may_have_different_frequencies():
     found = fit_preload_map(sweeps)
     at = found.evaluate(np.array([10.0]), compression="5mm")
     assert at.value[0] == pytest.approx(part.stiffness([10.0], 5.0, 0.1)[0], rel=5e-3)
+
+
+def test_pair_is_called_separable_where_its_check_passes():
+    """A clear departure that is too small to matter is no reason against a map."""
+    f = np.geomspace(1.0, 50.0, 25)
+    sweeps = [
+        PreloadSweep(f, cubic_seal(f, c) * np.exp(2e-4 * (c - 6) * np.log(f)), f"{c}mm")
+        for c in (4, 6, 8)
+    ]
+    found = fit_preload_map(sweeps)
+    (pair,) = found.pairs
+    (check,) = (c for c in found.checks if c.name == "compression_and_frequency_separable")
+    assert pair.chance < 1e-3
+    assert check.passed
+    (row,) = (line for line in text_of(found) if line.strip().startswith("compression and freq"))
+    assert "yes" in row
+
+
+def text_of(found: PreloadMap) -> list[str]:
+    return format_preload_map(found).lines
+
+
+def test_table_may_stand_for_its_sweeps(records: Path):
+    table_of_sweeps = dp.read(records / "map.csv")
+    direct, by_sweeps = (fit_preload_map(of) for of in (table_of_sweeps, table_of_sweeps.sweeps))
+    assert direct == by_sweeps
 
 
 # -- files and the command -------------------------------------------------------------------------

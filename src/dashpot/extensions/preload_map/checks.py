@@ -7,10 +7,8 @@ from collections.abc import Sequence
 
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.number_format import format_count
-from dashpot.extensions.preload_map.separability import PairTest
+from dashpot.extensions.preload_map.separability import CHANCE, PairTest
 
-MATTERS = 0.01
-"""Departure from a separable stiffness, relative or in rad, that is too small to matter."""
 _WAYS = {
     "compression and frequency": "Fit each compression alone.",
     "amplitude and frequency": "Fit each amplitude alone.",
@@ -19,12 +17,11 @@ _WAYS = {
 
 
 def _judge(test: PairTest) -> Finding:
-    if not test.tested or test.chance is None:
+    if test.is_separable is None:
         return Finding(f"No combination of sweeps shows whether {test.pair} are separable")
     size = f"{100 * (test.departure or 0):.2g} %"
     turn = f"{test.angle or 0:.2g} rad"
-    small = max(test.departure_limit or 0.0, test.angle_limit or 0.0) < MATTERS
-    enough = "too little to matter" if small else "no more than chance"
+    enough = "too little to matter" if test.is_negligible else "no more than chance"
     message = f"{test.pair.capitalize()} are separable but for {size} and {turn}"
     return Finding(
         f"{message}, {enough}",
@@ -32,23 +29,23 @@ def _judge(test: PairTest) -> Finding:
         failure=f"{test.pair.capitalize()} are not separable: the stiffness departs by up to "
         f"{size} and {turn} (probability {test.shown_chance})",
         remedy=_WAYS[test.pair],
-        always_passes=small,
+        always_passes=test.is_negligible,
     )
 
 
-@criterion("probability by chance", ">=", 0.01, "F tests at 1 %; or within 1 % and 0.01 rad")
+@criterion("probability by chance", ">=", CHANCE, "F tests at 1 %; or within 1 % and 0.01 rad")
 def compression_and_frequency_separable(test: PairTest) -> Finding:
     """Every compression has the same dependence on frequency, up to a real factor."""
     return _judge(test)
 
 
-@criterion("probability by chance", ">=", 0.01, "F tests at 1 %; or within 1 % and 0.01 rad")
+@criterion("probability by chance", ">=", CHANCE, "F tests at 1 %; or within 1 % and 0.01 rad")
 def amplitude_and_frequency_separable(test: PairTest) -> Finding:
     """Every amplitude has the same dependence on frequency, up to a complex factor."""
     return _judge(test)
 
 
-@criterion("probability by chance", ">=", 0.01, "F tests at 1 %; or within 1 % and 0.01 rad")
+@criterion("probability by chance", ">=", CHANCE, "F tests at 1 %; or within 1 % and 0.01 rad")
 def compression_and_amplitude_separable(test: PairTest) -> Finding:
     """The stiffness falls with amplitude alike at every compression."""
     return _judge(test)

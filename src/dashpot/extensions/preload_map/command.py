@@ -102,8 +102,8 @@ def command(
             raise click.UsageError(
                 "a saved map is not fitted again: only --mass, --seals and outputs go with it"
             )
-        found = _read_map(files)
-        found = found if mass is None else add_resonances(found, mass, seals)
+        preload_map = _read_map(files)
+        preload_map = preload_map if mass is None else add_resonances(preload_map, mass, seals)
     else:
         kinds_of(detections, options)
         print_detected_kinds(detections)
@@ -111,12 +111,12 @@ def command(
             files, options=options, compressions=compressions, amplitudes=amplitudes, mass=mass,
             seals=seals,
         )  # fmt: skip
-        found = fit_preload_map(sweeps, mass=mass, seals=seals, **stated)
+        preload_map = fit_preload_map(sweeps, mass=mass, seals=seals, **stated)
     if picture:
-        write_figure(picture, found.plot())
+        write_figure(picture, preload_map.plot())
     if output:
-        write_output(output, _render(found, suffix, unit_system))
-    return CommandResult.from_result(found)
+        write_output(output, _render(preload_map, suffix, unit_system))
+    return CommandResult.from_result(preload_map)
 
 
 def _read_map(files: tuple[str, ...]) -> PreloadMap:
@@ -138,16 +138,16 @@ def _read_map(files: tuple[str, ...]) -> PreloadMap:
     return saved
 
 
-def _render(found: PreloadMap, suffix: str, unit_system: str | None) -> str:
+def _render(preload_map: PreloadMap, suffix: str, unit_system: str | None) -> str:
     """Return the content of an output file."""
     from dashpot.export.unit_systems import unit_system as find_unit_system
     from dashpot.extensions.preload_map import tables
 
     if suffix in PAGE_SUFFIXES:
-        return workflow.html(found)
+        return workflow.html(preload_map)
     if suffix in _DECKS:
         render = tables.render_nastran if suffix == ".bdf" else tables.render_abaqus
-        return render(found, find_unit_system(unit_system))
+        return render(preload_map, find_unit_system(unit_system))
     if suffix == ".m":
-        return tables.render_matlab(found)
-    return tables.render_csv(found) if suffix == ".csv" else format_json(found) + "\n"
+        return tables.render_matlab(preload_map)
+    return tables.render_csv(preload_map) if suffix == ".csv" else format_json(preload_map) + "\n"

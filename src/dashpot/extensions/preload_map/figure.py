@@ -17,115 +17,118 @@ _AIR = 1.8
 """Room for the names of the curves at their ends, a factor in frequency."""
 
 
-def draw_preload_map(found: PreloadMap, *, stamp: str = "") -> Picture:
+def draw_preload_map(preload_map: PreloadMap, *, stamp: str = "") -> Picture:
     """Return the map over frequency at each compression and amplitude, and over these two.
 
     Parameters
     ----------
-    found : PreloadMap
+    preload_map : PreloadMap
     stamp : str
         What the figure says of its origin; by default the files.
     """
-    strips: list[tuple[Panel, ...]] = [(_storage(found),), (_loss(found),)]
-    across = [_over_compression(found)]
-    if len(found.amplitudes) > 1:
-        across.append(_over_amplitude(found))
+    strips: list[tuple[Panel, ...]] = [(_storage(preload_map),), (_loss(preload_map),)]
+    across = [_over_compression(preload_map)]
+    if len(preload_map.amplitudes) > 1:
+        across.append(_over_amplitude(preload_map))
     strips += [(panel,) for panel in across]
     caption = (
         "Preload map: storage stiffness at each compression and loss factor at two amplitudes over "
         "frequency, and the storage stiffness over compression and amplitude at one frequency, "
-        "with 95 % limits. Dots are measured."
+        "with 95 % limits. Dots are measured; circles are the map at the measured levels."
     )
-    origin = format_stamp(found.source) if found.source else ""
+    origin = format_stamp(preload_map.source) if preload_map.source else ""
     return Picture("preload-map", caption, tuple(strips), 2, stamp or origin)
 
 
-def _scale(found: PreloadMap) -> Scale:
-    low, high = found.band
+def _scale(preload_map: PreloadMap) -> Scale:
+    low, high = preload_map.band
     return Scale(FREQUENCY, (low, high * _AIR), log=True)
 
 
-def _chosen(found: PreloadMap, compression: float, amplitude: float | None) -> BoolArray:
+def _chosen(preload_map: PreloadMap, compression: float, amplitude: float | None) -> BoolArray:
     """Return which measured lines are of a setting."""
-    at = np.isclose(found.line_compression, compression)
-    return np.asarray(at if amplitude is None else at & np.isclose(found.line_amplitude, amplitude))
+    at = np.isclose(preload_map.line_compression, compression)
+    return np.asarray(
+        at if amplitude is None else at & np.isclose(preload_map.line_amplitude, amplitude)
+    )
 
 
-def _storage(found: PreloadMap) -> Panel:
+def _storage(preload_map: PreloadMap) -> Panel:
     marks: list[Mark] = []
     ends: list[FloatArray] = []
-    for i, c in enumerate(found.compressions.tolist()):
-        at = found.evaluate(found.grid, compression=c)
+    for i, c in enumerate(preload_map.compressions.tolist()):
+        at = preload_map.evaluate(preload_map.grid, compression=c)
         value, error = (convert_to_unit(entry, "N/mm") for entry in
                         (at.value.real, at.storage_error))  # fmt: skip
-        here = _chosen(found, c, found.reference_amplitude)
+        here = _chosen(preload_map, c, preload_map.reference_amplitude)
         marks += [
             Area(at.frequency, value - error, value + error, "fit", "" if i else "95 % limits"),
             Line(at.frequency, value, FIT, "" if i else "map"),
-            Dots(found.frequency[here], convert_to_unit(found.value.real[here], "N/mm"),
+            Dots(preload_map.frequency[here], convert_to_unit(preload_map.value.real[here], "N/mm"),
                  "measured", "" if i else "measured", 3.0),
             Tag(float(at.frequency[-1]), float(value[-1]),
                 f"{convert_to_unit(c, 'mm'):.3g} mm", "fit", end=True),
         ]  # fmt: skip
         ends += [value - error, value + error]
-    moved = found.reference_amplitude
+    moved = preload_map.reference_amplitude
     note = "" if moved is None else f"at an amplitude of {convert_to_unit(moved, 'mm'):.3g} mm"
     limits = compute_padded_limits(*ends)
     return Panel(
-        _scale(found), Scale("storage stiffness K′, N/mm", limits), tuple(marks),
+        _scale(preload_map), Scale("storage stiffness K′, N/mm", limits), tuple(marks),
         title="stiffness at each compression", note=note,
     )  # fmt: skip
 
 
-def _loss(found: PreloadMap) -> Panel:
+def _loss(preload_map: PreloadMap) -> Panel:
     marks: list[Mark] = []
     ends: list[FloatArray] = [np.zeros(1)]
-    c = found.reference_compression
-    levels: list[float | None] = found.amplitudes.tolist() or [None]
+    c = preload_map.reference_compression
+    levels: list[float | None] = preload_map.amplitudes.tolist() or [None]
     shown = [levels[0], levels[-1]] if len(levels) > 1 else levels
     for i, X in enumerate(shown):
-        at = found.evaluate(found.grid, compression=c, amplitude=X)
+        at = preload_map.evaluate(preload_map.grid, compression=c, amplitude=X)
         eta, error = at.value.imag / at.value.real, at.loss_factor_error
-        here = _chosen(found, c, X)
-        measured = found.value[here].imag / found.value[here].real
+        here = _chosen(preload_map, c, X)
+        measured = preload_map.value[here].imag / preload_map.value[here].real
         if not i:
             marks.append(Area(at.frequency, eta - error, eta + error, "fit", "95 % limits"))
             ends += [eta - error, eta + error]
         marks += [
             Line(at.frequency, eta, FIT, "" if i else "map"),
-            Dots(found.frequency[here], measured, "measured", "" if i else "measured", 3.0),
+            Dots(preload_map.frequency[here], measured, "measured", "" if i else "measured", 3.0),
         ]
         if X is not None:
             name = f"{convert_to_unit(X, 'mm'):.3g} mm"
             marks.append(Tag(float(at.frequency[-1]), float(eta[-1]), name, "fit", end=True))
         ends += [eta, measured]
+    limits = compute_padded_limits(*ends)
     return Panel(
-        _scale(found), Scale("loss factor K″/K′, 1", compute_padded_limits(*ends)), tuple(marks),
+        _scale(preload_map), Scale("loss factor K″/K′, 1", limits), tuple(marks),
         title="loss factor at two amplitudes" if len(shown) > 1 else "loss factor",
         note=f"at a compression of {convert_to_unit(c, 'mm'):.3g} mm",
     )  # fmt: skip
 
 
-def _over_compression(found: PreloadMap) -> Panel:
-    levels = found.compressions
+def _over_compression(preload_map: PreloadMap) -> Panel:
+    levels = preload_map.compressions
     places = np.linspace(float(levels[0]), float(levels[-1]), _POINTS)
-    f = np.array([found.middle_frequency])
-    curve = [found.evaluate(f, compression=float(c)) for c in places]
-    dots = [found.evaluate(f, compression=float(c)) for c in levels]
-    return _across(found, (places, curve), (levels, dots), "compression, mm")
+    f = np.array([preload_map.middle_frequency])
+    curve = [preload_map.evaluate(f, compression=float(c)) for c in places]
+    dots = [preload_map.evaluate(f, compression=float(c)) for c in levels]
+    return _across(preload_map, (places, curve), (levels, dots), "compression, mm")
 
 
-def _over_amplitude(found: PreloadMap) -> Panel:
-    levels, c = found.amplitudes, found.reference_compression
+def _over_amplitude(preload_map: PreloadMap) -> Panel:
+    levels, c = preload_map.amplitudes, preload_map.reference_compression
     places = np.geomspace(float(levels[0]), float(levels[-1]), _POINTS)
-    f = np.array([found.middle_frequency])
-    curve = [found.evaluate(f, compression=c, amplitude=float(X)) for X in places]
-    dots = [found.evaluate(f, compression=c, amplitude=float(X)) for X in levels]
-    return _across(found, (places, curve), (levels, dots), "amplitude, mm")
+    f = np.array([preload_map.middle_frequency])
+    curve = [preload_map.evaluate(f, compression=c, amplitude=float(X)) for X in places]
+    dots = [preload_map.evaluate(f, compression=c, amplitude=float(X)) for X in levels]
+    return _across(preload_map, (places, curve), (levels, dots), "amplitude, mm")
 
 
 def _across(
-    found: PreloadMap,
+    preload_map: PreloadMap,
     line: tuple[FloatArray, list[MapValues]],
     levels: tuple[FloatArray, list[MapValues]],
     label: str,
@@ -142,7 +145,12 @@ def _across(
         Area(places, value - error, value + error, "fit", "95 % limits"),
         Line(places, value, FIT, "map"),
         Dots(
-            convert_to_unit(levels[0], "mm"), shown, "measured", "measured levels", 5.0, hollow=True
+            convert_to_unit(levels[0], "mm"),
+            shown,
+            "measured",
+            "map at a measured level",
+            5.0,
+            hollow=True,
         ),
     )
     limits = compute_padded_limits(value - error, value + error)
@@ -153,5 +161,5 @@ def _across(
         Scale("K′, N/mm", limits),
         marks,
         title=f"stiffness over {label.split(',', maxsplit=1)[0]}",
-        note=f"at {found.middle_frequency:g} Hz",
+        note=f"at {preload_map.middle_frequency:g} Hz",
     )

@@ -18,8 +18,8 @@ from dashpot.base.units import Quantity, Range, convert_to_si, convert_to_unit, 
 from dashpot.base.value_ranges import require_nonnegative
 from dashpot.extensions.preload_map import checks
 from dashpot.extensions.preload_map.interpolation import compute_level_weights
-from dashpot.extensions.preload_map.preload_map import MapCell, PreloadMap
-from dashpot.extensions.preload_map.preload_sweep import PreloadSweep
+from dashpot.extensions.preload_map.preload_map import MapCell, PreloadMap, build_arm_columns
+from dashpot.extensions.preload_map.preload_sweep import PreloadSweep, PreloadTable
 from dashpot.extensions.preload_map.separability import (
     Layout,
     SweepScatter,
@@ -34,22 +34,25 @@ from dashpot.vibration.modal.dynamic_stiffness import DEGREE
 
 GAIN_ERROR = 0.01
 """Relative standard error of the ratio of two sensors where none is stated."""
-_PER_DECADE = 24
-_BEYOND = 30.0
-"""Relaxation times of the model reach so far beyond the band."""
-_QUIET = 1e-9
-"""SweepScatter that rounding leaves."""
-_NOTHING = 1e-9
-_MOST = 0.5
+_ARMS_PER_DECADE, _BEYOND_BAND = 24, 30.0
+"""Relaxation times that the model is chosen from, and by which factor they leave the band."""
+_LEAST_SCATTER = 1e-9
+"""Scatter of ln|K| and of the angle, rad, at least: rounding leaves as much."""
+_LEAST_SHARE = 1e-9
+"""Share of the stiffness that an arm carries at least."""
+_LARGEST_ERROR = 0.5
+"""Relative error of a sensor, or angle, rad, that still tells a stiffness."""
 _RANK = 1e-9
-_CURVE = 40
-_TURNS = 4
-_MOST_ANGLE = 0.1
-"""Angle that a curve may have beside its arms, rad: a standard deviation."""
+_GRID_POINTS = 40
+"""Points of the common curve of sweeps that share no frequencies."""
+_ITERATIONS = 4
+"""Fits of the arms, each about the angle of the one before."""
+_ANGLE_SD = 0.1
+"""Standard deviation of the angle that a curve may have beside its arms, rad."""
 
 
 def fit_preload_map(
-    sweeps: Sequence[PreloadSweep],
+    sweeps: Sequence[PreloadSweep] | PreloadTable,
     /,
     *,
     band: Range | None = None,
@@ -75,7 +78,7 @@ def fit_preload_map(
 
     Parameters
     ----------
-    sweeps : sequence of PreloadSweep
+    sweeps : sequence of PreloadSweep, or PreloadTable
         At two compressions or more; sweeps at one setting are repeats.
     band : (float, float) or str, optional
         Hz; by default all lines.
@@ -100,14 +103,16 @@ def fit_preload_map(
     DataError
         If the sweeps are too few, too short or not linked, or an option is impossible.
     """
+    if isinstance(sweeps, PreloadTable):
+        sweeps = sweeps.sweeps
     turn = convert_to_si(phase_error, "angle")
     require_nonnegative(gain_error=gain_error, phase_error=turn)
     if repeatability is not None:
         require_nonnegative(repeatability=repeatability)
-    if max(gain_error, turn, repeatability or 0.0) >= _MOST:
+    if max(gain_error, turn, repeatability or 0.0) >= _LARGEST_ERROR:
         raise DataError(
             f"a gain error of {gain_error:g}, a phase error of {turn:g} rad and a repeatability of "
-            f"{repeatability or 0:g} tell no stiffness; expected below {_MOST:g}"
+            f"{repeatability or 0:g} tell no stiffness; expected below {_LARGEST_ERROR:g}"
         )
     lines = collect_lines(_select_band(sweeps, si_range(band, "frequency")))
     layouts = build_layouts(lines)
@@ -121,7 +126,7 @@ def fit_preload_map(
     pairs = judge_pairs(lines, layouts, scatters)
     law = _fit_law(lines, layouts, scatters)
     no_amplitude = bool(np.isnan(lines.amplitudes[0]))
-    found = PreloadMap(
+    preload_map = PreloadMap(
         model=law.model,
         band=(float(lines.frequency.min()), float(lines.frequency.max())),
         compressions=lines.compressions,
@@ -144,15 +149,16 @@ def fit_preload_map(
         source=_collect_sources(sweeps),
         steps=(Step("fit_preload_map", _settings(band, repeatability, gain_error, turn)),),
     )
-    found = replace(found, cells=_measure_cells(lines, found))
-    repeats = int(lines.sweep.max()) + 1 - len(found.cells)
-    found = replace(
-        found, checks=_judge(found, law, repeats=repeats, stated=repeatability is not None)
+    preload_map = replace(preload_map, cells=_measure_cells(lines, preload_map))
+    repeats = int(lines.sweep.max()) + 1 - len(preload_map.cells)
+    preload_map = replace(
+        preload_map,
+        checks=_judge(preload_map, law, repeats=repeats, stated=repeatability is not None),
     )
-    return found if mass is None else add_resonances(found, mass, seals)
+    return preload_map if mass is None else add_resonances(preload_map, mass, seals)
 
 
-def add_resonances(found: PreloadMap, mass: Quantity, seals: float = 1.0) -> PreloadMap:
+def add_resonances(preload_map: PreloadMap, mass: Quantity, seals: float = 1.0) -> PreloadMap:
     """Return the map with the resonance of a mass at each measured compression.
 
     Raises
@@ -161,9 +167,10 @@ def add_resonances(found: PreloadMap, mass: Quantity, seals: float = 1.0) -> Pre
         If one lies outside the measured band.
     """
     each = tuple(
-        found.find_resonance(mass, seals=seals, compression=c) for c in found.compressions.tolist()
+        preload_map.find_resonance(mass, seals=seals, compression=c)
+        for c in preload_map.compressions.tolist()
     )
-    return replace(found, mass=convert_to_si(mass, "mass"), seals=seals, resonances=each)
+    return replace(preload_map, mass=convert_to_si(mass, "mass"), seals=seals, resonances=each)
 
 
 class _SeparableLaw(NamedTuple):
@@ -231,7 +238,7 @@ def _fit_law(
     of_magnitude = np.hstack((curve.columns, np.tile(at_c, (n, 1)), np.tile(at_x, (n, 1))))
     of_angle = np.hstack((curve.columns, np.tile(at_x, (n, 1))))
     ln_master = of_magnitude @ magnitude.beta + 1j * (of_angle @ angle.beta)
-    sd = [max(scatter.line, _QUIET) / curve.strength for scatter in scatters]
+    sd = [max(scatter.line, _LEAST_SCATTER) / curve.strength for scatter in scatters]
     model, angle_left = _fit_arms(tones, np.exp(ln_master), sd)
     followed = model.complex_stiffness(omega=2 * np.pi * tones) * np.exp(1j * angle_left)
     to_k, to_angle = _invert_curve(model, tones, sd)
@@ -280,10 +287,10 @@ def _curve_columns(lines: StiffnessLines, shared: int) -> _CommonCurve:
         weight = np.bincount(lines.tone, lines.weight**2, len(lines.tones))
         return _CommonCurve(lines.tones, np.eye(shared), np.sqrt(weight))
     low, high = float(lines.frequency.min()), float(lines.frequency.max())
-    f = np.asarray(np.geomspace(low, high, _CURVE), dtype=float)
-    u = np.linspace(-1.0, 1.0, _CURVE)
+    f = np.asarray(np.geomspace(low, high, _GRID_POINTS), dtype=float)
+    u = np.linspace(-1.0, 1.0, _GRID_POINTS)
     columns = np.asarray(np.polynomial.legendre.legvander(u, shared - 1), dtype=float)
-    return _CommonCurve(f, columns, np.full(_CURVE, np.sqrt(total / _CURVE)))
+    return _CommonCurve(f, columns, np.full(_GRID_POINTS, np.sqrt(total / _GRID_POINTS)))
 
 
 class _AdditiveCoefficients(NamedTuple):
@@ -324,28 +331,22 @@ def _fit_arms(
     Friction turns the stiffness by an angle that no arm has: it is the same at every frequency.
     """
     omega = 2 * np.pi * frequency
-    low, high = 1 / omega.max() / _BEYOND, _BEYOND / omega.min()
-    tau = np.geomspace(low, high, round(_PER_DECADE * float(np.log10(high / low))) + 1)
-    columns = _arm_columns(omega, tau)
+    low, high = 1 / omega.max() / _BEYOND_BAND, _BEYOND_BAND / omega.min()
+    tau = np.geomspace(low, high, round(_ARMS_PER_DECADE * float(np.log10(high / low))) + 1)
+    columns = build_arm_columns(omega, tau)
     n, turned = len(omega), 0.0
     target = np.concatenate((1 / sd[0], zeros := np.zeros(n), [0.0]))
     positive = np.append(np.ones(len(tau) + 1, dtype=bool), False)
-    for _ in range(_TURNS):
+    for _ in range(_ITERATIONS):
         A = columns / (master * np.exp(-1j * turned))[:, None]
-        turn = np.concatenate((zeros, 1 / sd[1], [1 / _MOST_ANGLE]))
+        turn = np.concatenate((zeros, 1 / sd[1], [1 / _ANGLE_SD]))
         rows = np.vstack((A.real / sd[0][:, None], A.imag / sd[1][:, None], 0 * A.real[:1]))
-        target[-1] = -turned / _MOST_ANGLE
+        target[-1] = -turned / _ANGLE_SD
         k, _ = solve_linear(np.column_stack((rows, turn)), target, positive=positive)
         turned += float(k[-1])
-    carries = k[1:-1] > _NOTHING * float(k[:-1].sum())
+    carries = k[1:-1] > _LEAST_SHARE * float(k[:-1].sum())
     model = GeneralizedMaxwell(float(k[0]), tuple(k[1:-1][carries]), tuple(tau[carries]))
     return model, turned
-
-
-def _arm_columns(omega: FloatArray, tau: FloatArray) -> ComplexArray:
-    """Return what k_inf and every stiffness multiply."""
-    product = 1j * omega[:, None] * tau
-    return np.column_stack((np.ones(len(omega), dtype=complex), product / (1 + product)))
 
 
 def _invert_curve(
@@ -353,7 +354,10 @@ def _invert_curve(
 ) -> tuple[FloatArray, FloatArray]:
     """Return what stiffnesses and angle gain with the rows of ln|K|, then of the angle, over sd."""
     omega, n = 2 * np.pi * frequency, len(frequency)
-    A = _arm_columns(omega, np.array(model.tau)) / model.complex_stiffness(omega=omega)[:, None]
+    A = (
+        build_arm_columns(omega, np.array(model.tau))
+        / model.complex_stiffness(omega=omega)[:, None]
+    )
     rows = np.vstack((A.real / sd[0][:, None], A.imag / sd[1][:, None]))
     turn = np.concatenate((np.zeros(n), 1 / sd[1]))
     free = np.flatnonzero(np.array((model.k_inf, *model.k)) > 0)
@@ -363,7 +367,7 @@ def _invert_curve(
     return to_k, back[-1]
 
 
-def _measure_cells(lines: StiffnessLines, found: PreloadMap) -> tuple[MapCell, ...]:
+def _measure_cells(lines: StiffnessLines, preload_map: PreloadMap) -> tuple[MapCell, ...]:
     """Return how many lines each setting has, and how far the map misses them."""
     cells = []
     for i, c in enumerate(lines.compressions.tolist()):
@@ -372,8 +376,10 @@ def _measure_cells(lines: StiffnessLines, found: PreloadMap) -> tuple[MapCell, .
             if not here.any():
                 continue
             moved = None if np.isnan(X) else X
-            expected = found.evaluate(lines.frequency[here], compression=c, amplitude=moved).value
-            gap = found.value[here] / expected - 1
+            expected = preload_map.evaluate(
+                lines.frequency[here], compression=c, amplitude=moved
+            ).value
+            gap = preload_map.value[here] / expected - 1
             rms = float(np.sqrt(np.mean(np.abs(gap) ** 2)))
             cells.append(
                 MapCell(c, moved, len(set(lines.sweep[here].tolist())), int(here.sum()), rms)
@@ -382,42 +388,44 @@ def _measure_cells(lines: StiffnessLines, found: PreloadMap) -> tuple[MapCell, .
 
 
 def _judge(
-    found: PreloadMap, law: _SeparableLaw, *, repeats: int, stated: bool
+    preload_map: PreloadMap, law: _SeparableLaw, *, repeats: int, stated: bool
 ) -> tuple[Check, ...]:
     criteria = {
         "compression and frequency": checks.compression_and_frequency_separable,
         "amplitude and frequency": checks.amplitude_and_frequency_separable,
         "compression and amplitude": checks.compression_and_amplitude_separable,
     }
-    untested = [test.pair for test in found.pairs if not test.tested]
-    worst = max(found.cells, key=lambda cell: cell.residual)
+    untested = [test.pair for test in preload_map.pairs if not test.tested]
+    worst = max(preload_map.cells, key=lambda cell: cell.residual)
     where = f"{convert_to_unit(worst.compression, 'mm'):.4g} mm"
     if worst.amplitude is not None:
         where += f" and an amplitude of {convert_to_unit(worst.amplitude, 'mm'):.4g} mm"
-    counts = {"compression": len(found.compressions)}
-    if len(found.amplitudes) > 1:
-        counts["amplitude"] = len(found.amplitudes)
+    counts = {"compression": len(preload_map.compressions)}
+    if len(preload_map.amplitudes) > 1:
+        counts["amplitude"] = len(preload_map.amplitudes)
     fewest = min(counts, key=lambda name: counts[name])
     gaps = {
-        "compression": _interpolation_error(found.compressions, np.log(found.compression_factor))
+        "compression": _interpolation_error(
+            preload_map.compressions, np.log(preload_map.compression_factor)
+        )
     }
-    if len(found.amplitudes) > 1:
+    if len(preload_map.amplitudes) > 1:
         gaps["amplitude"] = _interpolation_error(
-            np.log(found.amplitudes), np.log(found.amplitude_factor)
+            np.log(preload_map.amplitudes), np.log(preload_map.amplitude_factor)
         )
     widest = max(gaps, key=lambda name: gaps[name])
     return (
-        *(criteria[test.pair](test) for test in found.pairs),
+        *(criteria[test.pair](test) for test in preload_map.pairs),
         checks.every_pair_tested(untested),
         checks.departure_excluded(
-            max((test.departure_limit or 0.0 for test in found.pairs), default=0.0),
-            max((test.angle_limit or 0.0 for test in found.pairs), default=0.0),
+            max((test.departure_limit or 0.0 for test in preload_map.pairs), default=0.0),
+            max((test.angle_limit or 0.0 for test in preload_map.pairs), default=0.0),
         ),
         checks.sweeps_followed(worst.residual, where=where),
         checks.levels_enough(counts[fewest], of=fewest),
         checks.levels_dense(gaps[widest], of=widest),
         checks.solid_follows_master_curve(law.misfit_ratio, misfit=law.misfit),
-        *_judge_limits(found),
+        *_judge_limits(preload_map),
         checks.repeatability_known(repeats, stated=stated),
     )
 
@@ -425,26 +433,26 @@ def _judge(
 def _interpolation_error(levels: FloatArray, logarithm: FloatArray | ComplexArray) -> float:
     """Return the largest difference of parabola and line half way between levels."""
     middles = (levels[1:] + levels[:-1]) / 2
-    gaps = [abs(compute_level_weights(levels, float(at)).doubt @ logarithm) for at in middles]
+    gaps = [abs(compute_level_weights(levels, float(at)).difference @ logarithm) for at in middles]
     return float(max(gaps))
 
 
-def _judge_limits(found: PreloadMap) -> tuple[Check, ...]:
+def _judge_limits(preload_map: PreloadMap) -> tuple[Check, ...]:
     """Return the checks of the limits at all measured settings."""
-    f = found.grid
-    at = [found.evaluate(f, compression=c, amplitude=X) for c, X in found.settings]
+    f = preload_map.grid
+    at = [preload_map.evaluate(f, compression=c, amplitude=X) for c, X in preload_map.settings]
     eta = np.concatenate([each.value.imag / each.value.real for each in at])
     error = np.concatenate([each.loss_factor_error for each in at])
     highest = eta + error
-    measured = found.value.imag / found.value.real
-    spread = NORMAL * found.line_scatter[1] + NORMAL * found.phase_error
+    measured = preload_map.value.imag / preload_map.value.real
+    spread = NORMAL * preload_map.line_scatter[1] + NORMAL * preload_map.phase_error
     i = int(measured.argmin())
     lowest = float(measured[i]) + spread
     ratio = error / np.maximum(eta, 1e-12)
     j = int(ratio.argmax())
     return (
         checks.part_dissipates(
-            min(lowest, float(highest.min())), frequency=float(found.frequency[i])
+            min(lowest, float(highest.min())), frequency=float(preload_map.frequency[i])
         ),
         checks.stiffness_determined(float(max(each.magnitude_error.max() for each in at))),
         checks.loss_factor_determined(float(ratio[j]), loss_factor=float(eta[j])),

@@ -16,8 +16,8 @@ class LevelWeights(NamedTuple):
     chord: FloatArray
 
     @property
-    def doubt(self) -> FloatArray:
-        """Weights of the difference of the two: the half width of the interpolation's error."""
+    def difference(self) -> FloatArray:
+        """Weights of parabola less line: the half width of the interpolation's error."""
         return self.curve - self.chord
 
 

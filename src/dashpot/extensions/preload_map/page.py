@@ -5,7 +5,13 @@ from __future__ import annotations
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.preload_map.preload_map import PreloadMap
-from dashpot.extensions.preload_map.text import PAIR_HEAD, describe_map, list_pair_cells
+from dashpot.extensions.preload_map.text import (
+    PAIR_HEAD,
+    SETTING_HEAD,
+    describe_map,
+    list_pair_cells,
+    list_setting_cells,
+)
 from dashpot.report.first_screen import NOT_GIVEN
 from dashpot.report.result_page import CollapsibleSection, KindPage, Topic, group, lights
 from dashpot.report.tables import TextTable
@@ -16,41 +22,43 @@ _SEPARABLE = {
 }  # fmt: skip
 
 
-def page(found: PreloadMap) -> KindPage:
+def page(preload_map: PreloadMap) -> KindPage:
     """Return the page of a preload map."""
-    tested = [test for test in found.pairs if test.tested]
+    tested = [test for test in preload_map.pairs if test.tested]
     return KindPage(
         about="complex stiffness over frequency, amplitude and compression",
         strip=(
-            ("Map", describe_map(found)),
-            ("Compressions", _levels(found.compressions.tolist())),
-            ("Amplitudes", _levels(found.amplitudes.tolist())),
-            ("Scatter of lines", _scatter(found)),
+            ("Map", describe_map(preload_map)),
+            ("Compressions", _levels(preload_map.compressions.tolist())),
+            ("Amplitudes", _levels(preload_map.amplitudes.tolist())),
+            ("Scatter of lines", _scatter(preload_map)),
         ),
         lights=lights(
-            found.checks,
+            preload_map.checks,
             Topic("Records", {"repeatability_known", "part_dissipates"}),
-            Topic("Separable", _SEPARABLE, f"{len(tested)} of {len(found.pairs)} pairs tested"),
+            Topic(
+                "Separable", _SEPARABLE, f"{len(tested)} of {len(preload_map.pairs)} pairs tested"),
             Topic("Map", {
                 "sweeps_followed", "solid_follows_master_curve", "levels_enough", "levels_dense"}),
             Topic("Limits", {"stiffness_determined", "loss_factor_determined"}),
         ),
         answers="Stiffness and loss factor over frequency, compression and amplitude",
-        picture=found.plot(),
+        picture=preload_map.plot(),
         told="Stiffness, loss factor and resonances",
-        groups=(group("", found.facts),),
-        sources=found.source,
+        groups=(group("", preload_map.facts),),
+        sources=preload_map.source,
         folds=(
-            CollapsibleSection("Separability", f"{len(tested)} pairs tested", _pairs(found)),
-            CollapsibleSection("Map", "at the measured levels", _table(found)),
-            CollapsibleSection("Settings", f"{len(found.cells)} settings", _cells(found)),
+            CollapsibleSection("Separability", f"{len(tested)} pairs tested", _pairs(preload_map)),
+            CollapsibleSection("Map", "at the measured levels", _table(preload_map)),
+            CollapsibleSection("Settings", f"{len(preload_map.cells)} settings",
+                TextTable(SETTING_HEAD, tuple(map(list_setting_cells, preload_map.cells)))),
         ),
         name="preload-map",
     )  # fmt: skip
 
 
-def _scatter(found: PreloadMap) -> str:
-    size, turn = found.line_scatter
+def _scatter(preload_map: PreloadMap) -> str:
+    size, turn = preload_map.line_scatter
     return f"{100 * size:.2g} %, {turn:.2g} rad"
 
 
@@ -59,12 +67,12 @@ def _levels(values: list[float]) -> str:
     return f"{shown} mm" if shown else NOT_GIVEN
 
 
-def _pairs(found: PreloadMap) -> TextTable:
-    rows = tuple(list_pair_cells(test) for test in found.pairs)
+def _pairs(preload_map: PreloadMap) -> TextTable:
+    rows = tuple(list_pair_cells(test) for test in preload_map.pairs)
     return TextTable(PAIR_HEAD, rows, tuple("doubt" if row[1] != "yes" else "" for row in rows))
 
 
-def _table(found: PreloadMap) -> TextTable:
+def _table(preload_map: PreloadMap) -> TextTable:
     """Return the map at its levels and a few frequencies."""
     head = (
         "compression, mm",
@@ -77,10 +85,10 @@ def _table(found: PreloadMap) -> TextTable:
         "from",
         "to",
     )
-    f = found.grid[:: max(len(found.grid) // 5, 1)]
+    f = preload_map.grid[:: max(len(preload_map.grid) // 5, 1)]
     rows = []
-    for c, X in found.settings:
-        at = found.evaluate(f, compression=c, amplitude=X)
+    for c, X in preload_map.settings:
+        at = preload_map.evaluate(f, compression=c, amplitude=X)
         storage, error = (convert_to_unit(entry, "N/mm") for entry in
                           (at.value.real, at.storage_error))  # fmt: skip
         eta, turn = at.value.imag / at.value.real, at.loss_factor_error
@@ -97,18 +105,3 @@ def _table(found: PreloadMap) -> TextTable:
             for i in range(len(f))
         ]  # fmt: skip
     return TextTable(head, tuple(rows))
-
-
-def _cells(found: PreloadMap) -> TextTable:
-    head = ("compression, mm", "amplitude, mm", "sweeps", "lines", "rms residual, %")
-    rows = tuple(
-        (
-            f"{convert_to_unit(cell.compression, 'mm'):.4g}",
-            "" if cell.amplitude is None else f"{convert_to_unit(cell.amplitude, 'mm'):.4g}",
-            str(cell.sweeps),
-            str(cell.lines),
-            f"{100 * cell.residual:.2g}",
-        )
-        for cell in found.cells
-    )
-    return TextTable(head, rows)

@@ -249,8 +249,8 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
             f, master, compression_weights.curve, amplitude_weights.curve
         )
         compression_gap, amplitude_gap = (
-            float(compression_weights.doubt @ log_compression_factor),
-            complex(amplitude_weights.doubt @ log_amplitude_factor),
+            float(compression_weights.difference @ log_compression_factor),
+            complex(amplitude_weights.difference @ log_amplitude_factor),
         )
         gain_half_width, phase_half_width = NORMAL * self.gain_error, NORMAL * self.phase_error
 
@@ -375,8 +375,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
     ) -> tuple[FloatArray, FloatArray]:
         """Return the gradients of ln|K| and angle in the parameters, shape (n, q) each."""
         line_count = len(f)
-        omega_tau = 2j * np.pi * f[:, None] * np.array(self.model.tau)
-        arms = np.column_stack((np.ones(line_count), omega_tau / (1 + omega_tau))) / master[:, None]
+        arms = build_arm_columns(2 * np.pi * f, np.array(self.model.tau)) / master[:, None]
         zero_c, zero_X = (
             np.zeros((line_count, len(compression_weights))),
             np.zeros((line_count, len(amplitude_weights))),
@@ -493,6 +492,12 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         mass = format_quantity_short(self.mass, "kg")
         first, last = (self.resonances[i].frequency for i in (0, -1))
         return f"{headline}. The resonance of {mass} is at {first:.4g} and {last:.4g} Hz"
+
+
+def build_arm_columns(omega: FloatArray, tau: FloatArray) -> ComplexArray:
+    r"""Return what k_inf and each k_j multiply: 1, :math:`j\omega\tau_j/(1+j\omega\tau_j)`."""
+    product = 1j * omega[:, None] * tau
+    return np.column_stack((np.ones(len(omega), dtype=complex), product / (1 + product)))
 
 
 def _require_within(name: str, value: float, range_: tuple[float, float], unit: str) -> None:

@@ -1,4 +1,4 @@
-"""Complex stiffness of a part over frequency, at one compression and one amplitude."""
+"""Sweeps of complex stiffness over frequency, each at one compression and one amplitude."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import numpy as np
 from dashpot.base import dataclass
 from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray, complex_samples, samples
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import Source
-from dashpot.base.units import Quantity, convert_to_si, format_quantity
+from dashpot.base.provenance import Source, describe_record_source
+from dashpot.base.result_mixins import HasSummary, Series
+from dashpot.base.units import Quantity, convert_to_si, convert_to_unit, format_quantity
 from dashpot.base.value_ranges import SIZES
 
 
@@ -94,3 +95,43 @@ class PreloadSweep(EqualByValue):
     def name(self) -> str:
         """The file, if it has one."""
         return "sweep" if self.source is None else self.source.file
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PreloadTable(EqualByValue, HasSummary):
+    """Sweeps of complex stiffness at several compressions, of one table.
+
+    Attributes
+    ----------
+    sweeps : tuple of PreloadSweep
+    source : Source or None
+    """
+
+    sweeps: tuple[PreloadSweep, ...]
+    source: Source | None = None
+
+    @property
+    def _table_columns(self) -> Series:
+        """Every line."""
+        joined = self.sweeps
+        lengths = [len(sweep.frequency) for sweep in joined]
+        moved = [np.nan if sweep.amplitude is None else float(sweep.amplitude) for sweep in joined]
+        value = np.concatenate([sweep.value for sweep in joined])
+        return {
+            "compression": (np.repeat([float(s.compression) for s in joined], lengths), "m"),
+            "amplitude": (np.repeat(moved, lengths), "m"),
+            "frequency": (np.concatenate([sweep.frequency for sweep in joined]), "Hz"),
+            "storage": (value.real, "N/m"),
+            "loss": (value.imag, "N/m"),
+        }
+
+    @property
+    def _summary_lines(self) -> tuple[str, ...]:
+        """Which sweeps there are."""
+        compressions = sorted({float(sweep.compression) for sweep in self.sweeps})
+        shown = ", ".join(f"{convert_to_unit(c, 'mm'):.4g}" for c in compressions)
+        lines = sum(len(sweep.frequency) for sweep in self.sweeps)
+        return (
+            describe_record_source(self.source, lines),
+            f"{len(self.sweeps)} sweeps of complex stiffness at compressions of {shown} mm",
+        )

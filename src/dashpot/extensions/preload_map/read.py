@@ -9,15 +9,20 @@ from typing import Any, Final, NamedTuple, get_args
 
 import numpy as np
 
-from dashpot.base import dataclass, units
-from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray, IndexArray
+from dashpot.base import units
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, IndexArray
 from dashpot.base.errors import ReadError
-from dashpot.base.provenance import Source, describe_record_source
-from dashpot.base.result_mixins import HasSummary, Series
+from dashpot.base.provenance import Source
 from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.preload_map.preload_sweep import PreloadSweep
+from dashpot.extensions.preload_map.preload_sweep import PreloadSweep, PreloadTable
+from dashpot.extensions.preload_map.stiffness_lines import (
+    FEWEST_FREQUENCIES,
+    SAME_AMPLITUDE,
+    SAME_COMPRESSION,
+    group_levels,
+)
 from dashpot.extensions.preload_map.table_rule import (
     MOVING,
     SETTINGS,
@@ -38,54 +43,11 @@ from dashpot.registry import find_handler, list_names
 from dashpot.signals.segments import Loading
 
 KIND: Final = "preload-map"
-_SAME_LEVEL, _SAME_AMPLITUDE = 0.01, 0.06
-"""Relative steps between levels of a column that are no step."""
-_FEWEST = 3
 _LOOPS = set(get_args(Loading)) & set(list_names("read record"))
 """Kinds of records of time, displacement and force that another extension reads as loops."""
 _HEAVIEST = 5.0
 """Weight of a line at the resonance, at most: there other errors than noise are left."""
 _MOTIONS = (Kind.RECEPTANCE, Kind.MOBILITY, Kind.ACCELERANCE)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class PreloadTable(EqualByValue, HasSummary):
-    """Sweeps of complex stiffness at several compressions, of one table.
-
-    Attributes
-    ----------
-    sweeps : tuple of PreloadSweep
-    source : Source or None
-    """
-
-    sweeps: tuple[PreloadSweep, ...]
-    source: Source | None = None
-
-    @property
-    def _table_columns(self) -> Series:
-        """Every line."""
-        joined = self.sweeps
-        lengths = [len(sweep.frequency) for sweep in joined]
-        moved = [np.nan if sweep.amplitude is None else float(sweep.amplitude) for sweep in joined]
-        value = np.concatenate([sweep.value for sweep in joined])
-        return {
-            "compression": (np.repeat([float(s.compression) for s in joined], lengths), "m"),
-            "amplitude": (np.repeat(moved, lengths), "m"),
-            "frequency": (np.concatenate([sweep.frequency for sweep in joined]), "Hz"),
-            "storage": (value.real, "N/m"),
-            "loss": (value.imag, "N/m"),
-        }
-
-    @property
-    def _summary_lines(self) -> tuple[str, ...]:
-        """Which sweeps there are."""
-        compressions = sorted({float(sweep.compression) for sweep in self.sweeps})
-        shown = ", ".join(f"{convert_to_unit(c, 'mm'):.4g}" for c in compressions)
-        lines = sum(len(sweep.frequency) for sweep in self.sweeps)
-        return (
-            describe_record_source(self.source, lines),
-            f"{len(self.sweeps)} sweeps of complex stiffness at compressions of {shown} mm",
-        )
 
 
 def read_preload_table(
@@ -219,9 +181,9 @@ def _refuse_lost_settings(
 def _split(table: _StiffnessTable, compression: FloatArray) -> Iterator[PreloadSweep]:
     """Yield the sweeps of a table: one for each setting, and for each time that it was swept."""
     moved = table.amplitude
-    settings = _group(compression, _SAME_LEVEL)
+    settings = group_levels(compression, SAME_COMPRESSION)[1]
     if moved is not None:
-        settings = settings * (len(moved) + 1) + _group(moved, _SAME_AMPLITUDE)
+        settings = settings * (len(moved) + 1) + group_levels(moved, SAME_AMPLITUDE)[1]
     for setting in dict.fromkeys(settings.tolist()):
         for here in _visits(np.flatnonzero(settings == setting), table.frequency):
             yield PreloadSweep(
@@ -247,20 +209,11 @@ def _visits(rows: IndexArray, frequency: FloatArray) -> list[IndexArray]:
             step = 0.0  # noqa: PLW2901 -- a jump back says nothing of the way that follows
         way = step or (way if turns[-1] != i else 0.0)
     parts = [rows[first:last] for first, last in zip(turns, [*turns[1:], len(rows)], strict=True)]
-    return parts if min(map(len, parts)) >= _FEWEST else [rows]
+    return parts if min(map(len, parts)) >= FEWEST_FREQUENCIES else [rows]
 
 
 def _has_several_levels(values: FloatArray) -> bool:
-    return bool(_group(np.abs(values), _SAME_AMPLITUDE).max())
-
-
-def _group(values: FloatArray, alike: float) -> IndexArray:
-    """Return the group of each value > 0: neighbours that differ by less than a part are of one."""
-    order = np.argsort(values, kind="stable")
-    group = np.empty(len(values), dtype=int)
-    logs = np.log(np.maximum(values[order], 1e-300))
-    group[order] = np.concatenate(([0], np.cumsum(np.diff(logs) > alike)))
-    return group
+    return bool(group_levels(np.abs(values), SAME_AMPLITUDE)[1].max())
 
 
 # -- files of any kind -----------------------------------------------------------------------------

@@ -16,7 +16,7 @@ EXTENSION = Extension(
         KindOfTest(
             "preload-map", "dashpot.extensions.preload_map.read:read_preload_table",
             classes={
-                "dashpot.extensions.preload_map.read:PreloadTable": "",
+                "dashpot.extensions.preload_map.preload_sweep:PreloadTable": "",
                 _MAP: "dashpot.extensions.preload_map.figure:draw_preload_map",
             },
             pages={_MAP: "dashpot.extensions.preload_map.page:page"},
@@ -26,7 +26,7 @@ EXTENSION = Extension(
     ),
     handlers={
         "table rule": {"preload-map": "dashpot.extensions.preload_map.table_rule:has_several_compressions"},
-        "text": {_MAP: "dashpot.extensions.preload_map.text:preload_map"},
+        "text": {_MAP: "dashpot.extensions.preload_map.text:format_preload_map"},
         "plot": {"preload_map": "dashpot.extensions.preload_map.figure:draw_preload_map"},
     },
     commands=(

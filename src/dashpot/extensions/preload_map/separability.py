@@ -47,6 +47,10 @@ _DEGREES = range(1, 9)
 _LEAST_DOF = 4
 _LEAST_CHANCE = 1e-9
 """Probability below which no scatter is known to be normal."""
+CHANCE = 0.01
+"""Least probability by chance of a separable pair."""
+NEGLIGIBLE = 0.01
+"""Departure from a separable stiffness, relative or in rad, that is too small to matter."""
 
 
 @dataclass(frozen=True)
@@ -76,6 +80,18 @@ class PairTest(Serialisable):
     angle_limit: float | None = None
 
     @property
+    def is_negligible(self) -> bool:
+        """The sweeps exclude every departure that matters."""
+        return max(self.departure_limit or 0.0, self.angle_limit or 0.0) < NEGLIGIBLE
+
+    @property
+    def is_separable(self) -> bool | None:
+        """The departure is no clearer than chance, or negligible; None without a test."""
+        if not self.tested or self.chance is None:
+            return None
+        return self.chance >= CHANCE or self.is_negligible
+
+    @property
     def shown_chance(self) -> str:
         """The probability, as people read it; empty of a pair without a test."""
         if self.chance is None:
@@ -86,8 +102,8 @@ class PairTest(Serialisable):
 class Layout(NamedTuple):
     """Columns of one part, magnitude or angle.
 
-    `main` is what a separable stiffness needs, `pairs` what each pair adds within sweeps and
-    between them.
+    `main` is what a separable stiffness needs, `within` and `between` what each pair adds within
+    sweeps and between them.
     """
 
     main: FloatArray

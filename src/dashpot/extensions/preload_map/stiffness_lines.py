@@ -12,12 +12,12 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.preload_map.preload_sweep import PreloadSweep
 
-_SAME_COMPRESSION, _SAME_AMPLITUDE, _SAME_TONE = 0.01, 0.06, 0.01
+SAME_COMPRESSION, SAME_AMPLITUDE, _SAME_TONE = 0.01, 0.06, 0.01
 """Relative differences below which a machine meant the same value."""
 _PART = 0.4
 """Part of the least step of a sweep within which frequencies of two sweeps are the same."""
 _EQUAL = 1e-6
-_FEWEST = 3
+FEWEST_FREQUENCIES = 3
 """Frequencies of a sweep, at least: its shape is compared."""
 
 
@@ -64,6 +64,7 @@ class StiffnessLines(NamedTuple):
 
 
 _SHARED = 0.7
+_LEAST = 1e-300
 
 
 def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
@@ -88,10 +89,10 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
                 f"the sweep of {sweep.name} {at} has the very numbers of another, of {first.name}: "
                 "a copy is no second measurement. Leave one out"
             )
-        if len(set(sweep.frequency.tolist())) < _FEWEST:
+        if len(set(sweep.frequency.tolist())) < FEWEST_FREQUENCIES:
             raise DataError(
-                f"{sweep.name} has too few frequencies {at}; expected {_FEWEST} or more in every "
-                "sweep"
+                f"{sweep.name} has too few frequencies {at}; expected {FEWEST_FREQUENCIES} or "
+                "more in every sweep"
             )
     unknown = [sweep.name for sweep in sweeps if sweep.amplitude is None]
     if 0 < len(unknown) < len(sweeps):
@@ -102,7 +103,7 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
     counts = [len(sweep.frequency) for sweep in sweeps]
     of_sweep = np.repeat(np.arange(len(sweeps)), counts)
     each = np.array([float(sweep.compression) for sweep in sweeps])
-    compressions, compression = _group(each, _SAME_COMPRESSION)
+    compressions, compression = group_levels(each, SAME_COMPRESSION)
     if len(compressions) < 2:
         raise DataError(
             f"every sweep is at {convert_to_unit(float(compressions[0]), 'mm'):.4g} mm; a map "
@@ -112,13 +113,13 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
     amplitudes, amplitude = (
         (np.array([np.nan]), np.zeros(len(sweeps), dtype=int))
         if unknown
-        else _group(moved, _SAME_AMPLITUDE)
+        else group_levels(moved, SAME_AMPLITUDE)
     )
     frequency = np.concatenate([sweep.frequency for sweep in sweeps])
     value = np.concatenate([sweep.value for sweep in sweeps])
     weight = np.concatenate([np.asarray(sweep.weight, dtype=float) for sweep in sweeps])
     closest = min(_least_step(sweep.frequency) for sweep in sweeps)
-    tones, tone = _group(frequency, min(_SAME_TONE, _PART * closest))
+    tones, tone = group_levels(frequency, min(_SAME_TONE, _PART * closest))
     return StiffnessLines(
         frequency,
         weight / float(np.sqrt(np.mean(weight**2))),
@@ -140,10 +141,15 @@ def _least_step(frequency: FloatArray) -> float:
     return float(np.min(steps[steps > _EQUAL], initial=np.inf))
 
 
-def _group(values: FloatArray, alike: float) -> tuple[FloatArray, IndexArray]:
-    """Return the levels, rising, and which of them each value is of."""
+def group_levels(values: FloatArray, alike: float) -> tuple[FloatArray, IndexArray]:
+    """Return the levels of values, rising, and which of them each value is of.
+
+    Neighbours whose logarithms differ by less than `alike` are of one level; values that are not
+    above zero, too.
+    """
     order = np.argsort(values, kind="stable")
-    steps = np.concatenate(([0], np.cumsum(np.diff(np.log(values[order])) > alike)))
+    logs = np.log(np.maximum(values[order], _LEAST))
+    steps = np.concatenate(([0], np.cumsum(np.diff(logs) > alike)))
     group = np.empty(len(values), dtype=int)
     group[order] = steps
     levels = np.array([float(values[group == i].mean()) for i in range(int(steps[-1]) + 1)])

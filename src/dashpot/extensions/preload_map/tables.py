@@ -16,12 +16,12 @@ from dashpot.extensions.preload_map.preload_map import PreloadMap
 
 TOLERANCE = 1e-4
 """Largest relative error of linear interpolation in a table."""
-_MOST = 2000
+_MOST_FREQUENCIES = 2000
 _FIRST_PROPERTY, _STEP = 1, 100
 _LINE = 6
 
 
-def tabulate_frequencies(found: PreloadMap, tolerance: float = TOLERANCE) -> FloatArray:
+def tabulate_frequencies(preload_map: PreloadMap, tolerance: float = TOLERANCE) -> FloatArray:
     """Return frequencies, Hz, between which straight lines follow the map within a tolerance.
 
     Geometric steps, halved until the middle of every step is met; the same for every setting, for
@@ -32,37 +32,37 @@ def tabulate_frequencies(found: PreloadMap, tolerance: float = TOLERANCE) -> Flo
     ExportError
         If that takes more than 2000 points.
     """
-    low, high = found.band
+    low, high = preload_map.band
     points = 8
-    while points <= _MOST:
+    while points <= _MOST_FREQUENCIES:
         f = np.geomspace(low, high, points + 1)
         middle = (f[1:] + f[:-1]) / 2
-        K = found.model.complex_stiffness(omega=2 * np.pi * f)
-        between = found.model.complex_stiffness(omega=2 * np.pi * middle)
+        K = preload_map.model.complex_stiffness(omega=2 * np.pi * f)
+        between = preload_map.model.complex_stiffness(omega=2 * np.pi * middle)
         if np.max(np.abs((K[1:] + K[:-1]) / 2 / between - 1)) <= tolerance:
             return np.asarray(f)
         points *= 2
     raise ExportError(
-        f"the table would need more than {_MOST} frequencies; narrow the band (--band)"
+        f"the table would need more than {_MOST_FREQUENCIES} frequencies; narrow the band (--band)"
     )
 
 
-def render_csv(found: PreloadMap) -> str:
+def render_csv(preload_map: PreloadMap) -> str:
     """Return the map at its levels with its 95 % limits, a row a frequency, in SI units."""
-    columns = found._table_columns
+    columns = preload_map._table_columns
     head = ",".join(f"{name} [{unit}]" if unit else name for name, (_, unit) in columns.items())
     rows = zip(*(values for values, _ in columns.values()), strict=True)
     return "\n".join((head, *(",".join(f"{value:.10g}" for value in row) for row in rows))) + "\n"
 
 
-def render_nastran(found: PreloadMap, units: UnitSystem) -> str:
+def render_nastran(preload_map: PreloadMap, units: UnitSystem) -> str:
     """Return a frequency-dependent bushing property of each setting, acting along its x axis."""
-    f = tabulate_frequencies(found)
-    middle = found.middle_frequency
-    lines = [*_head("$", found, units, "frequency-dependent bushings, one of each setting")]
-    for number, (c, X) in enumerate(found.settings):
-        K = found.evaluate(f, compression=c, amplitude=X).value
-        at = complex(found.evaluate(np.array([middle]), compression=c, amplitude=X).value[0])
+    f = tabulate_frequencies(preload_map)
+    middle = preload_map.middle_frequency
+    lines = [*_head("$", preload_map, units, "frequency-dependent bushings, one of each setting")]
+    for number, (c, X) in enumerate(preload_map.settings):
+        K = preload_map.evaluate(f, compression=c, amplitude=X).value
+        at = complex(preload_map.evaluate(np.array([middle]), compression=c, amplitude=X).value[0])
         component = BushComponent(
             1,
             units.frequency(f).tolist(),
@@ -75,18 +75,18 @@ def render_nastran(found: PreloadMap, units: UnitSystem) -> str:
     return "\n".join([*lines, ""])
 
 
-def render_abaqus(found: PreloadMap, units: UnitSystem) -> str:
+def render_abaqus(preload_map: PreloadMap, units: UnitSystem) -> str:
     """Return a connector whose stiffness and damping depend on frequency, compression, amplitude.
 
     Compression is the first field variable, amplitude the second, in the unit of length.
     """
-    f = tabulate_frequencies(found)
-    fields = 2 if len(found.amplitudes) else 1
+    f = tabulate_frequencies(preload_map)
+    fields = 2 if len(preload_map.amplitudes) else 1
     stiff: list[str] = []
     damped: list[str] = []
     # field variables change slowest, the last of them first
-    for c, X in sorted(found.settings, key=lambda setting: (setting[1] or 0.0, setting[0])):
-        K = found.evaluate(f, compression=c, amplitude=X).value
+    for c, X in sorted(preload_map.settings, key=lambda setting: (setting[1] or 0.0, setting[0])):
+        K = preload_map.evaluate(f, compression=c, amplitude=X).value
         where = [c] if X is None else [c, X]
         tail = ", ".join(["", *(text(value / units.length) for value in where)])
         for at, value in zip(f.tolist(), K.tolist(), strict=True):
@@ -94,7 +94,7 @@ def render_abaqus(found: PreloadMap, units: UnitSystem) -> str:
             stiff.append(f"{text(units.stiffness(value.real))}, {hertz}, {tail}")
             damped.append(f"{text(value.imag / value.real)}, {hertz}, {tail}")
     return "\n".join([
-        *_head("**", found, units, "connector behavior over frequency and field variables"),
+        *_head("**", preload_map, units, "connector behavior over frequency and field variables"),
         f"** field variable 1 is the compression, {units.words[0]}"
         + (f"; field variable 2 is the amplitude, {units.words[0]}" if fields > 1 else ""),
         "** acts along component 1, in direct or subspace-based steady-state dynamics",
@@ -107,21 +107,21 @@ def render_abaqus(found: PreloadMap, units: UnitSystem) -> str:
     ])  # fmt: skip
 
 
-def render_matlab(found: PreloadMap) -> str:
+def render_matlab(preload_map: PreloadMap) -> str:
     """Return a script with the levels, the frequencies and K(frequency, amplitude, compression)."""
-    f = tabulate_frequencies(found)
-    amplitudes = found.amplitudes.tolist() or [None]
+    f = tabulate_frequencies(preload_map)
+    amplitudes = preload_map.amplitudes.tolist() or [None]
     lines = [
         f"% {byline('preload map')}",
         "% K(i, j, l) in N/m at frequency(i) in Hz, amplitude(j) and compression(l) in m",
         *_matlab_row("frequency", f),
         *_matlab_row("amplitude", np.array([np.nan if X is None else X for X in amplitudes])),
-        *_matlab_row("compression", found.compressions),
-        f"K = complex(zeros({len(f)}, {len(amplitudes)}, {len(found.compressions)}));",
+        *_matlab_row("compression", preload_map.compressions),
+        f"K = complex(zeros({len(f)}, {len(amplitudes)}, {len(preload_map.compressions)}));",
     ]
-    for n, c in enumerate(found.compressions.tolist(), 1):
+    for n, c in enumerate(preload_map.compressions.tolist(), 1):
         for j, X in enumerate(amplitudes, 1):
-            K: ComplexArray = found.evaluate(f, compression=c, amplitude=X).value
+            K: ComplexArray = preload_map.evaluate(f, compression=c, amplitude=X).value
             lines += [
                 f"K(:, {j}, {n}) = complex( ...",
                 *_wrap("[", K.real, "], ..."),
@@ -130,11 +130,11 @@ def render_matlab(found: PreloadMap) -> str:
     return "\n".join([*lines, ""])
 
 
-def _head(mark: str, found: PreloadMap, units: UnitSystem, what: str) -> Sequence[str]:
-    low, high = found.band
+def _head(mark: str, preload_map: PreloadMap, units: UnitSystem, what: str) -> Sequence[str]:
+    low, high = preload_map.band
     return (
         f"{mark} {byline(what)}",
-        f"{mark} units: {', '.join(units.words)}; verdict: {found.verdict.use}",
+        f"{mark} units: {', '.join(units.words)}; verdict: {preload_map.verdict.use}",
         f"{mark} measured from {low:.6g} to {high:.6g} Hz; do not leave the table",
         f"{mark} not solver-verified: no solver runs this form in dashpot's tests",
     )
