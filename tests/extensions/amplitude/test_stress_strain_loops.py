@@ -136,6 +136,40 @@ def test_too_few_loops_are_refused_with_the_other_kind(tmp_path) -> None:
     assert dp.read(path, kind="stress-strain", test="uniaxial").mode == "uniaxial"
 
 
+@pytest.mark.parametrize("samples", [8, 8.3, 10])
+def test_loops_of_few_samples_a_cycle_ask_for_more(tmp_path, samples) -> None:
+    """They are no curve of stress over strain."""
+    t = np.arange(0, 40, 1 / samples)
+    strain = 0.05 * np.sin(2 * np.pi * t)
+    stress = 5 * np.array([strain, 0.05 * np.cos(2 * np.pi * t)]).sum(axis=0)
+    strain = strain + np.random.default_rng(4).normal(0, 1e-4, len(t))
+    path = write_record(tmp_path / "loops.csv", (t, strain, stress))
+    assert inspect_file(path).kind == "cyclic"
+    with pytest.raises(ReadError, match="samples in a cycle"):
+        level_files([path])
+
+
+@pytest.mark.parametrize("samples", [7, 8, 10])
+def test_triangles_of_few_samples_a_cycle_are_no_loops(tmp_path, samples) -> None:
+    t = np.arange(0, 40, 1 / samples) + 0.013
+    strain = 0.05 * (2 * np.abs(2 * (t % 1) - 1) - 1)
+    path = write_record(tmp_path / "triangles.csv", (t, strain, 3 * strain))
+    assert inspect_file(path).kind != "cyclic"
+
+
+def test_cycles_between_two_amplitudes_do_not_move_the_frequency(tmp_path) -> None:
+    """They are shorter or longer than the others."""
+    per_cycle, sizes = 16, (0.01, 0.02, 0.04, 0.08)
+    t = np.arange(10 * per_cycle * len(sizes)) / per_cycle
+    wave = 2 * np.pi * t + 0.3
+    strain = np.repeat(sizes, 10 * per_cycle) * np.sin(wave)
+    stress = 5 * np.repeat(sizes, 10 * per_cycle) * np.sin(wave + 0.2)
+    path = write_record(tmp_path / "loops.csv", (t, strain, stress))
+    (line,) = level_files([path]).fit.lines
+    assert line.frequency_hz == pytest.approx(1.0, rel=1e-3)
+    assert line.storage == pytest.approx(5e6 * np.cos(0.2), rel=5e-3)
+
+
 def test_loops_are_drawn_in_strain_and_stress(tmp_path) -> None:
     path = write_record(tmp_path / "loops.csv", loops())
     for name in ("loops.svg", "loops.html", "loops.json"):
@@ -172,6 +206,7 @@ def test_loops_whose_stress_counts_the_other_way_dissipate(tmp_path, strain, str
     fit = level_files([path]).fit
     assert fit.lines[0].storage == pytest.approx(1e6 * modulus(1.0).real, rel=5e-3)
     assert fit.lines[0].loss == pytest.approx(1e6 * modulus(1.0).imag, rel=0.05)
+    assert "stress falls where the motion rises" in " ".join(fit.source.notes)
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-5, 1e-3])

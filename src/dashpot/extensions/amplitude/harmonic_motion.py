@@ -14,8 +14,8 @@ _CROSSED = 5.0
 _PASSES = 3
 _FEWEST = 2
 """Cycles: a creep that its drift is taken off looks like one."""
-_LEAST, _MANY = 8, 32
-"""Samples of a cycle; as many tell its noise from what a sine misses."""
+_LEAST, _MANY = 7, 32
+"""Samples of a cycle: fewer do not tell a sine from a triangle; as many tell noise from misfit."""
 _DISTORTED = 0.04
 """Rms of what a sine misses beyond noise, over its amplitude; of a triangle it misses 0.08."""
 _COVERED = 0.65
@@ -65,7 +65,10 @@ def find_cycle_starts(t: FloatArray, x: FloatArray) -> FloatArray:
     drift = Polynomial.fit(t, x, 1)
     noise = estimate_scatter(x)
     for _ in range(_PASSES):
-        starts = _find_rises(t, x - drift(t), _CROSSED * noise)
+        level = x - drift(t)
+        unsure, spread = _CROSSED * noise, float(np.std(level))
+        # of few samples a cycle a motion looks like noise, but of less than half its size
+        starts = _find_rises(t, level, min(unsure, spread) if 2 * noise < spread else unsure)
         if len(starts) < 3:
             break
         rows = np.searchsorted(t, starts)

@@ -42,6 +42,8 @@ class HysteresisLoop:
         Of either part of that, from the scatter between neighbouring samples, N/m or Pa.
     displacement, force : array, shape (n,)
         As recorded, less their mean and drift, m and N; strain and stress of a material.
+    sign_reversed : bool
+        The force counts down where the displacement counts up, and its sign was reversed.
     """
 
     frequency: float
@@ -50,6 +52,7 @@ class HysteresisLoop:
     sd: float
     displacement: FloatArray
     force: FloatArray
+    sign_reversed: bool = False
 
 
 def sweep_of_loops(test: LoopRecord, machine: Machine | None = None) -> AmplitudeSweep:
@@ -67,7 +70,13 @@ def sweep_of_loops(test: LoopRecord, machine: Machine | None = None) -> Amplitud
     machine.refuse_unused("sync", of="recorded loops")
     cycles = steady_cycles(test)
     K = np.array([cycle.stiffness for cycle in cycles])
-    unit, of = ("N/m", "m") if isinstance(test, RelaxationTest) else ("Pa", "strain")
+    unit, of, pushed = (
+        ("N/m", "m", "force") if isinstance(test, RelaxationTest) else ("Pa", "strain", "stress")
+    )
+    source = test.source
+    if source is not None and cycles[0].sign_reversed:
+        note = f"the {pushed} falls where the motion rises; its sign was reversed"
+        source = replace(source, notes=(*source.notes, note))
     return AmplitudeSweep(
         np.array([cycle.frequency for cycle in cycles]),
         np.array([cycle.amplitude for cycle in cycles]),
@@ -76,7 +85,7 @@ def sweep_of_loops(test: LoopRecord, machine: Machine | None = None) -> Amplitud
         unit,
         of,
         test.specimen,
-        test.source,
+        source,
         np.array([cycle.sd for cycle in cycles]),
         machine.delay_sd(median(np.diff(test.time))),
         units="SI",
@@ -134,10 +143,11 @@ def steady_cycles(test: LoopRecord) -> tuple[HysteresisLoop, ...]:
             "no two cycles that follow each other have one amplitude: hold each for some cycles"
             + ("" if part else f"; {_ELASTIC}")
         )
-    if (
-        median(np.array([loop.stiffness.real for loop in loops])) < 0
-    ):  # one of the signals counts down
-        loops = [replace(loop, stiffness=-loop.stiffness, force=-loop.force) for loop in loops]
+    if median(np.array([loop.stiffness.real for loop in loops])) < 0:
+        loops = [
+            replace(loop, stiffness=-loop.stiffness, force=-loop.force, sign_reversed=True)
+            for loop in loops
+        ]
     return tuple(loops)
 
 
@@ -165,14 +175,18 @@ def find_flat_part(loops: Sequence[HysteresisLoop]) -> float:
 def _tones(frequency: FloatArray) -> FloatArray:
     """Return the frequency that each cycle was asked to have: neighbours share their median.
 
-    Those of a sweep of the frequency have their own.
+    Those of a sweep of the frequency have their own: most are far from the median.
     """
     order = np.argsort(frequency)
     indices = np.flatnonzero(np.diff(np.log(frequency[order])) > np.log(_ONE_TONE))
     values = np.empty_like(frequency)
     for part in np.split(order, indices + 1):
-        swept = frequency[part].max() > _ONE_TONE**2 * frequency[part].min()
-        values[part] = frequency[part] if swept else median(frequency[part])
+        middle = median(frequency[part])
+        near = np.abs(np.log(frequency[part] / middle)) < np.log(_ONE_TONE) / 2
+        wide = frequency[part].max() > _ONE_TONE**2 * frequency[part].min()
+        # between two amplitudes a cycle may be shorter or longer
+        swept = wide and np.mean(near) <= 0.5
+        values[part] = frequency[part] if swept else middle
     return values
 
 
