@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dashpot.base.number_format import round_to_error
+import numpy as np
+
+from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.preload_map.preload_map import PreloadMap
 from dashpot.extensions.preload_map.text import (
@@ -20,6 +22,8 @@ _SEPARABLE = {
     "compression_and_frequency_separable", "amplitude_and_frequency_separable",
     "compression_and_amplitude_separable", "every_pair_tested", "departure_excluded",
 }  # fmt: skip
+
+_TABLE_FREQUENCIES = 6
 
 
 def page(preload_map: PreloadMap) -> KindPage:
@@ -74,33 +78,29 @@ def _pairs(preload_map: PreloadMap) -> TextTable:
 
 def _table(preload_map: PreloadMap) -> TextTable:
     """Return the map at its levels and a few frequencies."""
-    head = (
-        "compression, mm",
-        "amplitude, mm",
-        "Hz",
-        "K', N/mm",
-        "from",
-        "to",
-        "loss factor",
-        "from",
-        "to",
-    )
-    f = preload_map.grid[:: max(len(preload_map.grid) // 5, 1)]
+    head = ("compression, mm", "amplitude, mm", "Hz", "K', N/mm", "from", "to", "loss factor",
+            "from", "to")  # fmt: skip
+    f = preload_map.grid[np.linspace(0, len(preload_map.grid) - 1, _TABLE_FREQUENCIES, dtype=int)]
     rows = []
     for c, X in preload_map.settings:
         at = preload_map.evaluate(f, compression=c, amplitude=X)
-        storage, error = (convert_to_unit(entry, "N/mm") for entry in
-                          (at.value.real, at.storage_error))  # fmt: skip
-        eta, turn = at.value.imag / at.value.real, at.loss_factor_error
+        columns = (
+            (at.value.real, at.storage_error, "N/m"),
+            (at.value.imag / at.value.real, at.loss_factor_error, ""),
+        )
         rows += [
             (
                 f"{convert_to_unit(c, 'mm'):.4g}",
                 "" if X is None else f"{convert_to_unit(X, 'mm'):.4g}",
                 f"{f[i]:.4g}",
-                f"{storage[i]:.4g}", f"{storage[i] - error[i]:.4g}", f"{storage[i] + error[i]:.4g}",
-                f"{eta[i]:.3g}",
-                round_to_error(float(eta[i] - turn[i]), digits=2),
-                round_to_error(float(eta[i] + turn[i]), digits=2),
+                *(
+                    text
+                    for value, error, unit in columns
+                    for text in ReportedValue(
+                        "", float(value[i]), float((value - error)[i]), float((value + error)[i]),
+                        unit=unit,
+                    ).cell_texts
+                ),
             )
             for i in range(len(f))
         ]  # fmt: skip

@@ -74,6 +74,12 @@ class MapResonance(Serialisable):
     frequency_limits: tuple[float, float]
     damping: float
 
+    @property
+    def reported_frequency(self) -> ReportedValue:
+        """The frequency with its limits, Hz."""
+        name = f"resonance at {convert_to_unit(self.compression, 'mm'):.4g} mm"
+        return ReportedValue(name, self.frequency, *self.frequency_limits, unit="Hz")
+
 
 class MapValues(NamedTuple):
     """Complex stiffness at one compression and amplitude over frequency.
@@ -439,12 +445,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
             amplitude_label = "" if X is None else f"amplitude {convert_to_unit(X, 'mm'):.4g} mm, "
             name = f"loss factor at {amplitude_label}{f:g} Hz"
             facts.append(ReportedValue(name, eta, eta - error, eta + error))
-        for resonance in self.resonances:
-            name = f"resonance at {convert_to_unit(resonance.compression, 'mm'):.4g} mm"
-            facts.append(
-                ReportedValue(name, resonance.frequency, *resonance.frequency_limits, unit="Hz")
-            )
-        return tuple(facts)
+        return (*facts, *(resonance.reported_frequency for resonance in self.resonances))
 
     @property
     def _table_columns(self) -> Series:
