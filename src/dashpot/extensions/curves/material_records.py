@@ -76,11 +76,8 @@ def recognise_material_record(
     if shown != "relaxation":
         return None
     rests = np.abs(strain - median(strain)) < _RESTS * np.ptp(strain)
-    if record and np.mean(rests) >= _HELD_PART:
-        return "modulus", _HELD
-    if _relaxes_in_holds(time, strain, stress):
-        return "modulus", _HELD
-    return None
+    is_held = record and np.mean(rests) >= _HELD_PART
+    return ("modulus", _HELD) if is_held or _relaxes_in_holds(time, strain, stress) else None
 
 
 def _relaxes_in_holds(time: FloatArray, strain: FloatArray, stress: FloatArray) -> bool:

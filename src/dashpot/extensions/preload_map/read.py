@@ -96,36 +96,24 @@ def _read_table(file: channels.OpenedFile, stated: Sequence[str] = ()) -> _Stiff
             "multiply by area over height"
         )
     whole: BoolArray = np.asarray(np.isfinite(loaded.values).all(axis=1))
-    columns = [channel.message for channel in chosen]
-    taken = [column.index for column in wanted]
-
-    def lengths(words: Sequence[str], *, without: Sequence[str] = ()) -> FloatArray | None:
-        index = find_length_column(file.table, words, file.options, without=without)
-        if index is None:
-            return None
-        column = file.table.columns[index]
-        unit = units.parse_unit(get_length_word(column, words, file.options) or "", "length")
-        taken.append(index)
-        numbers = channels.load(file.table, [index], file.options.segment).values[whole, 0]
-        if not np.isfinite(numbers).all():
-            raise ReadError(f"'{column.name}' has no number in some rows of the sweeps")
-        columns.append(f"{words[0]}: {column.name} [{unit.word}]")
-        return np.asarray(channels.si(numbers, unit))
-
-    compression = lengths(STATIC, without=MOVING)
-    amplitude = lengths(MOVING)
+    static = _load_length(file, whole, STATIC, without=MOVING)
+    moving = _load_length(file, whole, MOVING)
+    settings = [setting for setting in (static, moving) if setting is not None]
+    taken = [role.index for role in wanted] + [setting.column for setting in settings]
     if ratio is not None:
         taken.append(ratio)
+    compression = None if static is None else static.values
+    amplitude = None if moving is None else moving.values
     _refuse_lost_settings(
         file, whole, taken, {"compression": compression, "amplitude": amplitude}, stated
     )
-    if amplitude is not None:
-        index = find_length_column(file.table, MOVING, file.options)
-        named = file.table.columns[index or 0]
-        factor, word = find_handler("over amplitude", "column")(f"{named.name} {named.unit or ''}")
-        amplitude = amplitude / factor
+    if moving is not None:
+        column = file.table.columns[moving.column]
+        text = f"{column.name} {column.unit or ''}"
+        factor, word = find_handler("over amplitude", "column")(text)
+        amplitude = moving.values / factor
         if word:
-            notes.append(f"'{named.name}' is {word}: over {factor:.3g} it is the amplitude")
+            notes.append(f"'{column.name}' is {word}: over {factor:.3g} it is the amplitude")
     if compression is not None and compression.min() < 0 and compression.max() <= 0:
         compression = -compression
         notes.append("compression is negative throughout; its sign was turned")
@@ -134,8 +122,40 @@ def _read_table(file: channels.OpenedFile, stated: Sequence[str] = ()) -> _Stiff
         values["storage"] + 1j * values["loss"],
         compression,
         amplitude,
-        channels.source(file, columns, notes),
+        channels.source(
+            file,
+            [*(channel.message for channel in chosen), *(setting.message for setting in settings)],
+            notes,
+        ),
     )
+
+
+class _LengthColumn(NamedTuple):
+    """Column of a length: its number in the table, its values, m, and what is said of it."""
+
+    column: int
+    values: FloatArray
+    message: str
+
+
+def _load_length(
+    file: channels.OpenedFile,
+    whole: BoolArray,
+    words: Sequence[str],
+    *,
+    without: Sequence[str] = (),
+) -> _LengthColumn | None:
+    """Return the rows of the one column of a length that words name; None if there is none."""
+    index = find_length_column(file.table, words, file.options, without=without)
+    if index is None:
+        return None
+    column = file.table.columns[index]
+    unit = units.parse_unit(get_length_word(column, words, file.options) or "", "length")
+    numbers = channels.load(file.table, [index], file.options.segment).values[whole, 0]
+    if not np.isfinite(numbers).all():
+        raise ReadError(f"'{column.name}' has no number in some rows of the sweeps")
+    message = f"{words[0]}: {column.name} [{unit.word}]"
+    return _LengthColumn(index, np.asarray(channels.si(numbers, unit)), message)
 
 
 def _require_units(file: channels.OpenedFile, wanted: Sequence[RoleAssignment]) -> None:
