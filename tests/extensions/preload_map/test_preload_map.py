@@ -416,6 +416,13 @@ def test_what_makes_no_sense_is_refused_in_a_sentence(
     assert said in " ".join(text.split())
 
 
+def test_report_names_the_command_of_a_map(records: Path):
+    code, text = run("report", records / "map.csv")
+    assert code != 0
+    assert "Use dashpot map." in " ".join(text.split())
+    assert "dashpot fit" not in text
+
+
 def test_records_that_make_no_map_are_refused():
     one = PreloadSweep([1, 10, 20], [300 + 9j] * 3, "4mm", "0.1mm")
     cases = [
