@@ -25,6 +25,7 @@ from typing import BinaryIO
 
 from dashpot.base.errors import DashpotError, ReadError
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.sandbox.parent_process import CHILD_ENVIRONMENT
 
 SECONDS = 10.0
 """Processor time that no mutant may cost."""
@@ -106,9 +107,6 @@ class Fuzzer:
         """Fail unless a task ends in a value or a refusal, and soon."""
         self.tries += 1
         message = self._tried(task, content, apart=False)
-        if message:  # after thousands of files the process may have no address space left
-            self.close()
-            message = self._tried(task, content, apart=False)
         if message is None:
             self.deaths += 1
             message = self._tried(task, content, apart=True)
@@ -128,7 +126,7 @@ class Fuzzer:
             self._process = subprocess.Popen(
                 [sys.executable, "-W", "error", "-m", "kit.fuzzing"], stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+                env={**os.environ, **CHILD_ENVIRONMENT, "PYTHONPATH": os.pathsep.join(sys.path)},
             )  # fmt: skip
         # on a busy machine a mutant waits far longer than it works; who works too long is reported
         clock = threading.Timer((_APART if apart else _BESIDE) * SECONDS, self._process.kill)

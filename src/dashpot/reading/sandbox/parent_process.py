@@ -23,7 +23,7 @@ from dashpot.reading.sandbox import limits, message_protocol
 
 A = TypeVar("A", bound=message_protocol.Answer)
 _MARK = "--read-for-dashpot"
-_ONE_ARENA = {"MALLOC_ARENA_MAX": "1", "POLARS_MAX_THREADS": "1"}
+CHILD_ENVIRONMENT = {"MALLOC_ARENA_MAX": "1", "POLARS_MAX_THREADS": "1"}
 """Each thread of polars sets aside 64 MB of addresses in an arena: a GiB is full before a file."""
 CHILD_OPTIONS = ("sheet", "segment", "format", "rate")
 """What is said to a reader in a child."""
@@ -105,7 +105,7 @@ def _child(seconds: float, late: threading.Event) -> Iterator[subprocess.Popen[b
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            env=get_single_thread_env() | _ONE_ARENA,
+            env=get_single_thread_env() | CHILD_ENVIRONMENT,
             creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
         )
     except OSError as error:
