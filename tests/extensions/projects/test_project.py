@@ -453,7 +453,7 @@ def test_find_largest_difference_distinguishes_true_from_one(project_copy):
     assert find_largest_difference({"a": 1, "b": 0.0}, {"a": 1.0, "b": -0.0})[0] == 0.0
     assert find_largest_difference({"a": np.nan}, {"a": np.nan})[0] == 0.0
     assert find_largest_difference({"a": 2.0}, {"a": 1.0})[0] == 0.5
-    assert find_largest_difference({"a": "NaN"}, {"a": 1.0})[0] == 0.0
+    assert find_largest_difference({"a": "NaN"}, {"a": 1.0})[0] == np.inf
     assert find_largest_difference({"a": 1.0}, {"a": "NaN"})[0] == np.inf
 
 

@@ -270,8 +270,6 @@ def _compute_relative_difference(text: Any, again: Any) -> float:
     """Return relative difference of two values; of texts that of the numbers in them, if any."""
     if repr(text) == repr(again):  # as NaN equals nothing
         return 0.0
-    if text == "NaN" and _is_number(again):  # what an earlier version did not know
-        return 0.0
     if _is_number(text) and _is_number(again) and text != again:
         number, scale = abs(Decimal(text) - Decimal(again)), max(abs(text), abs(again))
         # what is not finite is no rounding of what is

@@ -13,6 +13,7 @@ from kit.fits import formal_errors
 import dashpot as dp
 from dashpot.base.errors import DataError, FitError
 from dashpot.extensions.curves.creep.compliance import measured_compliance
+from dashpot.extensions.curves.creep.fit import estimate_preload_baseline
 from dashpot.extensions.curves.creep.fit import fit_creep as fit
 from dashpot.extensions.curves.creep.load_noise import load_sensitivity
 from dashpot.extensions.curves.creep.preprocess import load_hold
@@ -105,6 +106,19 @@ def test_the_sensitivity_is_the_derivative_of_the_interconversion(creep: CreepSp
         step[i] = 1e-6 * abs(value)
         slope = (solid(at + step) - solid(at - step)) / (2 * step[i])
         assert known[:, i] == pytest.approx(slope, rel=1e-5, abs=1e-6 * np.abs(slope).max())
+
+
+@pytest.mark.parametrize(("length", "knows"), [(0.6, False), (4.0, True)])
+def test_baseline_that_shows_the_slope_within_the_usual_drift_knows_it(
+    length: float, knows: bool
+) -> None:
+    """The standard error of a slope over n white samples in T is noise sqrt(12/n)/T."""
+    noise, step = 2e-6, 0.01
+    clock = np.arange(-length, 40.0, step)
+    slope_error = noise * np.sqrt(12 * step / length) / length
+    baseline = estimate_preload_baseline(load_hold(record(noise=noise, clock=clock)))
+    assert bool(slope_error < 0.9 * baseline.usual) is knows
+    assert bool(baseline.knows_drift) is knows
 
 
 def test_creep_fit_reports_flow() -> None:
