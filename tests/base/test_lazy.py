@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import re
 
 import pytest
@@ -26,6 +28,19 @@ def test_a_pattern_finds_what_a_compiled_one_does(source, flags, text):
         compiled.flags,
         compiled.groups,
     )
+
+
+@pytest.mark.parametrize("used", [False, True])
+@pytest.mark.parametrize(
+    "duplicate",
+    [copy.copy, copy.deepcopy, lambda pattern: pickle.loads(pickle.dumps(pattern))],  # noqa: S301
+    ids=["copy", "deepcopy", "pickle"],
+)
+def test_a_pattern_can_be_copied_before_and_after_its_use(duplicate, used):
+    pattern = compile_on_use("a+", re.IGNORECASE)
+    if used:
+        assert pattern.match("A")
+    assert duplicate(pattern).match("AA")[0] == "AA"
 
 
 def test_a_wrong_pattern_is_refused_when_it_is_used():

@@ -33,7 +33,7 @@ FILLS = (
 def _held(value: object) -> Iterator[re.Pattern]:
     """The patterns in a value of a module."""
     if isinstance(value, compile_on_use):
-        yield value.compiled_pattern
+        yield re.compile(value.pattern, value.flags)
     elif isinstance(value, dict | tuple):
         for entry in value.values() if isinstance(value, dict) else value:
             yield from _held(entry)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable
-from functools import cache, cached_property
+from functools import cache
 from importlib import import_module
 from importlib.util import resolve_name
 from os.path import splitext
@@ -104,14 +104,12 @@ else:
         def __init__(self, source: str | bytes, flags: int = 0) -> None:
             self._parts = source, flags
 
-        @cached_property
-        def compiled_pattern(self) -> re.Pattern:
-            """Compiled pattern."""
-            return re.compile(*self._parts)
-
         def __getattr__(self, name: str) -> Any:
-            method = getattr(self.compiled_pattern, name)
+            method = getattr(re.compile(*self._parts), name)  # compiled once: `re` keeps it
             setattr(self, name, method)
             return method
+
+        def __reduce__(self) -> Any:
+            return compile_on_use, self._parts
 
     compile_on_use = PatternOnUse
