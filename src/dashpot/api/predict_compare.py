@@ -295,8 +295,10 @@ def report(
         Tests of one seal, and hits or an FRF of a mass on such seals.
     mass : float or str, optional
         Of the block, kg; inferred from the hits, and said so, if missing.
-    seals, arms, method, model, elastic, band, filter, cuts, machine, compression
+    seals, arms, method, model, elastic, band, filter, time_limits, cycle, machine, compression
         As ``dp.fit`` takes them.
+    impact_temperature, hammer
+        As ``dp.fit`` takes them, of the hits.
     joint : bool
         Whether to fit tests and hits together, too.
     title : str

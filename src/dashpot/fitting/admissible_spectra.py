@@ -106,8 +106,8 @@ class AdmissibleSpectra:
         The highest frequency to be asked about, rad/s.
     limit : float
         Of the deviance, :func:`deviance_limit`.
-    further : array, shape (n,), optional
-        Relaxation times that the grid holds besides, s: those of the fit.
+    extra : array, shape (n,), optional
+        Further relaxation times of the grid, s: those of the fit.
     """
 
     def __init__(

@@ -74,11 +74,11 @@ class NuisanceTerms:
 
     Attributes
     ----------
-    known : mapping of str to Prior
+    priors : mapping of str to Prior
         Of the coefficients of the columns, by kind: ``"offset"``, ``"drift"``, ``"delay"``...
-    since : float
+    drift_start : float
         Zero of the drift's column, s after the time at which the offset is known.
-    least : float
+    least_error : float
         Smallest standard deviation of a prior, in the unit of the record.
     """
 
@@ -137,19 +137,19 @@ class LoadCellPriors(NamedTuple):
     ----------
     offset : Prior
         Of the load cell at the time `offset_time`, N.
-    at : float
+    offset_time : float
         At which the offset is known, s after the first sample.
     drift : Prior
         N/s.
     delay : Prior
         Of the force behind the displacement, s.
-    first : int
+    first_sample : int
         The first that the fit may use: those before contact enter the priors.
-    slope : Prior
+    baseline_drift : Prior
         Of the drift by the baseline alone, N/s; its SD is infinite without one.
     conflict : float
         Departure of baseline and load cell from each other; above 1 they contradict.
-    doubt : Prior
+    limit_drift : Prior
         Of the drift, N/s, in limits. As free a drift in the fit itself would replace slow arms.
     """
 

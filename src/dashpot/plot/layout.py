@@ -1,6 +1,6 @@
 """Layout of a strip of panels in px: polylines, markers and labels.
 
-What is laid out is drawn alike by `svg` and by `bitmap`, so a figure looks alike everywhere.
+Both `svg` and `figure_files` draw it, so a figure looks alike everywhere.
 """
 
 from __future__ import annotations

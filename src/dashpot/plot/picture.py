@@ -1,7 +1,8 @@
 """Figures as values, independent of their drawing.
 
 A `Picture` holds strips of panels; a panel holds marks in data coordinates, in the units that
-people read. `svg` writes it for a page or a file, `bitmap` gives it to matplotlib for PNG and PDF.
+people read. `svg` writes it for a page or a file, `figure_files` gives it to matplotlib for PNG and
+PDF.
 """
 
 from __future__ import annotations

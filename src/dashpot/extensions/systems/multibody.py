@@ -181,7 +181,7 @@ class ModalSpring:
     ----------
     name : str
         Of the body.
-    felt : GeneralizedMaxwell
+    linearised_solid : GeneralizedMaxwell
     """
 
     name: str

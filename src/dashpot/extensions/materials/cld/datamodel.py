@@ -573,7 +573,7 @@ class ProcessCapability(Protocol):
         None where the forces do not scatter.
     cpk_interval : (float, float) or None
         95 %.
-    message : str
+    summary : str
         Cpk with its interval.
     """
 

@@ -28,7 +28,7 @@ def fit_drop_files(
     Parameters
     ----------
     files : sequence of path
-    mass, impact, relaxation
+    mass, drop, relaxation
         As in :func:`~dashpot.extensions.materials.drop.fit.fit_drop_tests`, of the impacts of all
         files in their order.
     specimen : Specimen, optional

@@ -203,8 +203,6 @@ class ClosingAnalysis:
     monotone : bool
         Whether every faster door that was tried closes too.
     scatter : Scatter or None
-    along : array, shape (stations,)
-        Of the line, m.
     """
 
     door: ClosingDoor
