@@ -169,9 +169,10 @@ def command(*, files: tuple[str, ...], **arguments: Any) -> CommandResult:
     from dashpot.workflow.fit_routing import find_selected_fit, route
 
     stated_kinds = (
-        kind.name for kind in KINDS.values()
+        kind.name
+        for kind in KINDS.values()
         if kind.kind_option and arguments[kind.kind_option] not in (None, (), "")
-    )  # fmt: skip
+    )
     if arguments["options"].kind is None and (name := next(stated_kinds, None)):
         arguments["options"] = replace(arguments["options"], kind=name)
     detections = detect_file_kinds(files, arguments["options"])

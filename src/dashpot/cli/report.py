@@ -51,9 +51,8 @@ class Reported(Serialisable):
     @property
     def numbers(self) -> list[Any]:
         """Numbers that page and app show."""
-        from dashpot.workflow.recommended_solid import (
-            recommend_solid,  # a page of help does without
-        )
+        # a page of help does without
+        from dashpot.workflow.recommended_solid import recommend_solid
 
         return [answer.fact for answer in recommend_solid(self.study, requested=True).answers]
 

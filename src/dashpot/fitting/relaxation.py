@@ -605,10 +605,8 @@ def _check_load_cells(
 ) -> list[Check]:
     """Return the checks of offset, drift and delay against their priors."""
     estimate, records = selection.estimate, motion.holds.records
-    get_coefficient, names = (
-        motion.coefficients(estimate.solution.coefficient),
-        estimate.solution.fixed_names,
-    )
+    get_coefficient = motion.coefficients(estimate.solution.coefficient)
+    names = estimate.solution.fixed_names
 
     def list_departures(kind: str) -> list[tuple[float, float, float, float]]:
         results = []

@@ -509,7 +509,7 @@ def run(
     job: Job,
     *,
     read: Callable[..., RelaxationTest] = read_relaxation,
-    measure: Callable[..., Any] = read_measured,
+    measure: Callable[..., tuple[ImpactTest | None, FRF]] = read_measured,
     fit_once: Callable[..., FittedTests] = fit_tests,
 ) -> Study:
     """Read the files of a job and characterise the seal.
@@ -548,7 +548,8 @@ def run(
         impact_temperature=job.impact_temperature,
         fit_once=fit_once,
     )
-    return replace(study, title=job.title, logo="" if job.logo is None else read_logo(job.logo))
+    logo = "" if job.logo is None else read_logo(job.logo)
+    return replace(study, title=job.title, logo=logo)
 
 
 def _format_file_names(files: Sequence[str]) -> str:

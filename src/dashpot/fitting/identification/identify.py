@@ -316,7 +316,8 @@ def _candidates(
     candidates: list[Candidate] = []
     for number in numbers:
         problem = replace(whole, sought=Arms(number))
-        starts = next((found for arms, found in linear if arms == number), [])
+        # found one after another, in the order of `numbers`: no more of them than are tried
+        starts = next((points for arms, points in linear if arms == number), [])
         best = _lowest(problem, [*starts, *_spread(problem, before)])
         # more arms explain no less: where they do, their optimum was not found
         if best.problem.sought.is_complete(best.point.model) and not (

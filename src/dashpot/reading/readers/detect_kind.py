@@ -210,12 +210,10 @@ def recognise_opened(file: OpenedFile) -> tuple[str, str]:
     if kind == "relaxation":
         record = _load_motion(file, _PART_ROLES)
         loading = classify_load_history(*record) if record else ""
-        x = record[1] if loading in _KINDS_WITH_HOLD else np.zeros(1)
-        if np.ptp(x[-len(x) // 10 :]) > 0.05 * np.ptp(x):  # moves to its end
+        if loading in _KINDS_WITH_HOLD and _moves_to_its_end(record[1]):
             # turns of small cycles beside large ones look held
             is_harmonic = find_handler("record rule", "cyclic")
-            if is_harmonic and is_harmonic(*record):
-                loading = "cyclic"
+            loading = "cyclic" if is_harmonic and is_harmonic(*record) else loading
         return (loading, _MOTION_REASONS[loading]) if loading in _MOTION_REASONS else (kind, reason)
     if kind == "cld":
         signals = _load_signals_by_row(file, _PART_ROLES)
@@ -227,6 +225,11 @@ def recognise_opened(file: OpenedFile) -> tuple[str, str]:
         motions = _load_motion(file, _MATERIAL_ROLES), _load_signals_by_row(file, _MATERIAL_ROLES)
         return (recognise_material and recognise_material(*motions)) or (kind, reason)
     return kind, reason
+
+
+def _moves_to_its_end(displacement: FloatArray) -> bool:
+    last_tenth = displacement[-len(displacement) // 10 :]
+    return bool(np.ptp(last_tenth) > 0.05 * np.ptp(displacement))
 
 
 def _load_signals_by_row(

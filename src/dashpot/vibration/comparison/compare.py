@@ -51,9 +51,10 @@ def compare(
     r"""Return the comparison of a predicted FRF with a measured one, on the measured lines.
 
     The measurement is never interpolated. Both peaks are read off the measured lines in the same
-    way (:func:`~dashpot.vibration.modal.peaks.find_peak`); only where fewer than half a line lies
-    in the half-power band of the predicted one alone, it is that of the model without the end of
-    the record. Criteria over the lines are
+    way (:func:`~dashpot.vibration.modal.peaks.find_peak`). Only if less than half a line lies in
+    the half-power band of the predicted one, and more in that of the measured, the predicted one is
+    read off :math:`s^2/(m s^2 + n K(s))` on these lines: a truncated record does not show a peak
+    between them. Criteria over the lines are
 
     .. math::
 
@@ -384,4 +385,5 @@ def _is_arm_identified(fit: Fit | None, arm: int) -> bool:
     k_var, tau_var = variances.get(f"k_{arm}"), variances.get(f"ln_tau_{arm}")
     if k_var is None or tau_var is None:
         return fit.band[0] <= 1 / (2 * np.pi * fit.model.tau[arm - 1]) <= fit.band[1]
-    return significant(np.array([fit.model.k[arm - 1]]), np.sqrt([k_var]), np.sqrt([tau_var]))
+    k = np.array([fit.model.k[arm - 1]])
+    return significant(k, np.sqrt([k_var]), np.sqrt([tau_var]))

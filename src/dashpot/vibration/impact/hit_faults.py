@@ -182,10 +182,8 @@ def _list_doubts(hit: HitBlock, windowed: bool) -> Iterator[str]:
 
 
 def _list_ringing(hit: HitBlock, windowed: bool) -> Iterator[str]:
-    undecayed, limit = (
-        compute_undecayed_fraction(hit),
-        MAX_UNDECAYED_RATIO_WINDOWED if windowed else MAX_UNDECAYED_RATIO,
-    )
+    undecayed = compute_undecayed_fraction(hit)
+    limit = MAX_UNDECAYED_RATIO_WINDOWED if windowed else MAX_UNDECAYED_RATIO
     if undecayed > limit and not hit.missing:
         yield (
             f"{100 * undecayed:.2g} % of the response is left at the end of the record (expected "

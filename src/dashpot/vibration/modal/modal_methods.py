@@ -148,12 +148,12 @@ def find_modes(
     method = Method(method)
     near = select_mode_band(FRFSet((frf,)), band)
     if method is Method.RATIONAL:
-        # kept with the FRF, which is frozen, by the first and the last of these lines
-        found: dict[object, tuple[Mode, ...]] = vars(frf).setdefault("_modes", {})
+        # cached with the FRF, which is frozen, by the first and the last of these lines
+        cached_modes: dict[object, tuple[Mode, ...]] = vars(frf).setdefault("_modes", {})
         key = (*near.frfs[0].frequency[[0, -1]].tolist(), count)
-        if key not in found:
-            found[key] = tuple(shape.mode for shape in shapes_of(near, count))
-        return found[key]
+        if key not in cached_modes:
+            cached_modes[key] = tuple(shape.mode for shape in shapes_of(near, count))
+        return cached_modes[key]
     if count not in (None, 1):
         raise DataError(f"method {method.value!r} reads one mode, not {count}; use 'rational'")
     return (_read(method, near.frfs[0]),)
