@@ -92,7 +92,6 @@ def words(kind: KindOfTest) -> list[str]:
 
 SOURCE = Path(dp.__file__).parent
 NAMED = {
-    "api/read_save.py": "a keyword of `read` belongs to one kind",
     "cli/": "a command is called so, too",
     "reading/columns/kind_detection.py": "what a table must hold",
     "reading/readers/": "which files a reader takes",

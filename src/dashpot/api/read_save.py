@@ -183,12 +183,14 @@ def _record(path: Place, kind: str, options: ReadOptions, keywords: Mapping[str,
             f"{name} is {get_kind_label(kind)}, which holds no record. To see what is in it: "
             f'dp.inspect("{path}")'
         )
-    for word, owner in _OWNERS.items():
-        if word in keywords and owner != kind:
-            raise DataError(
-                f"{word}= is for {get_kind_label(owner)}. {name} is {get_kind_label(kind)}: leave "
-                f'{word}= out, or give kind="{owner}" if it is one after all'
-            )
+    for owner in KINDS.values():
+        for word in owner.read_keywords:
+            if word in keywords and owner.name != kind:
+                raise DataError(
+                    f"{word}= is for {get_kind_label(owner.name)}. {name} is "
+                    f"{get_kind_label(kind)}: leave {word}= out, or give "
+                    f'kind="{owner.name}" if it is one after all'
+                )
     arguments: dict[str, Any] = {"options": options}
     special = _SPECIAL.get(kind) or find_handler("read record", kind)
     if special is not None:
@@ -208,10 +210,6 @@ def _transmissibility(path: Place, options: dict[str, Any], _: Mapping[str, Any]
     return load_object(KINDS["transmissibility"].reader)(path, **options)
 
 
-_OWNERS = {"test": "stress-strain", "role": "blank"} | dict.fromkeys(
-    ("mass", "radius", "radius_error", "drop_height", "impact_velocity"), "indentation"
-)
-"""The kind of test that each of these keywords belongs to."""
 _SPECIAL = {"impact": _impact, "transmissibility": _transmissibility}
 """Kinds whose readers want to know something else than the options and the specimen."""
 

@@ -406,12 +406,14 @@ def plan(
     band = _compute_frequency_range(bench, repeats)
     remedy = format_remedy(expected, alternatives, wanted=wanted)
     answered_checks = _run_checks(expected, band, need, tip, at=at, wanted=wanted, remedy=remedy)
-    total_without_arm = hammer.seals * seal.model
+    without_arm = (
+        ""
+        if arm is None
+        else _format_record_without_arm(hammer.seals * seal.model, hammer.mass, at)
+    )
     advice = list_advice(
         expected, alternatives, answered_checks, need, tip, at=at, wanted=wanted,
-        test_temperature=test_temperature,
-        without_arm="" if arm is None
-        else _format_record_without_arm(total_without_arm, hammer.mass, at),
+        test_temperature=test_temperature, without_arm=without_arm,
     )  # fmt: skip
     advise = find_handler("plan advice", "machine")
     if advise is not None and expected.loss_factor_sd > wanted:

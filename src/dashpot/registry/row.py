@@ -96,6 +96,8 @@ class KindOfTest(NamedTuple):
         Option of ``dashpot fit`` that selects the kind where the file does not show it.
     fit_options : tuple of str
         Options of ``dashpot fit`` that its fit takes.
+    read_keywords : tuple of str
+        Keywords of ``dp.read`` that its reader alone takes.
     predict : str
         Function that predicts from a result and its `predict_options`.
     predict_options : str
@@ -126,6 +128,7 @@ class KindOfTest(NamedTuple):
     fits: str = ""
     kind_option: str = ""
     fit_options: tuple[str, ...] = ()
+    read_keywords: tuple[str, ...] = ()
     predict: str = ""
     predict_options: str = ""
     next_command: str = ""

@@ -279,5 +279,5 @@ def _list_end_of_hold(study: Study, solid: Fit) -> tuple[RecommendedValue, ...]:
     if end is None:
         return ()
     value = end.compute_stiffness(solid.solid)
-    low, high = min(end.k_end[0], value), max(end.k_end[1], value)
+    low, high = _contain(end.k_end, value)
     return (RecommendedValue("end of hold", value, low, high, end.end_time, bound=True),)

@@ -21,7 +21,8 @@ EXTENSION = Extension(
             pages={"dashpot.extensions.blank_tests.datamodel:MachineFit": "dashpot.extensions.blank_tests.page:page"},
             checks="dashpot.extensions.blank_tests.checks",
             examples="dashpot.extensions.blank_tests.examples:EXAMPLES",
-            kind_option="spring_stiffness", fit_options=("spring_stiffness",), order=21,
+            kind_option="spring_stiffness", fit_options=("spring_stiffness",),
+            read_keywords=("role",), order=21,
         ),
     ),
     handlers={

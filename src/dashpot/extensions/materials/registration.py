@@ -53,6 +53,7 @@ EXTENSION = Extension(
                 },
                 pages={"dashpot.extensions.materials.indentation.datamodel:IndentationFit": "dashpot.extensions.materials.indentation.page:page"},
                 app_form="dashpot.extensions.materials.indentation.app_form", takes_one_file=True,
+                read_keywords=("mass", "radius", "radius_error", "drop_height", "impact_velocity"),
                 checks="dashpot.extensions.materials.indentation.checks",
                 lot_row="dashpot.extensions.materials.indentation.lot_row:build_lot_row", required_value="mass",
                 lot_hint="give the indenter's mass (--mass, or the column 'mass' of --manifest)",
@@ -80,7 +81,8 @@ EXTENSION = Extension(
                 pages={"dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.page:page"},
                 app_form="dashpot.extensions.materials.hyperelastic.app_form",
                 checks="dashpot.extensions.materials.hyperelastic.checks",
-                examples="dashpot.extensions.materials.hyperelastic.examples:EXAMPLES", order=14,
+                examples="dashpot.extensions.materials.hyperelastic.examples:EXAMPLES",
+                read_keywords=("test",), order=14,
         ),
             KindOfTest(
                 "csr", "dashpot.extensions.materials.csr.read:read_csr", "dashpot.extensions.materials.csr.fit_files:csr_files", fit_route="csr",
