@@ -136,5 +136,6 @@ def steps_of(records: Iterable[Prepared]) -> tuple[Step, ...]:
 
 
 def find_origins(sources: tuple[Source, ...]) -> set[str]:
-    """Return the hashes of files, and of those that files of dashpot say they were made from."""
-    return set(re.findall(r"sha256\W+(\w{64})", repr(sources)))
+    """Return the hashes of files, and of those that their notes say they were made from."""
+    texts = (f"sha256 {source.sha256}; {'; '.join(source.notes)}" for source in sources)
+    return set(re.findall(r"sha256\W+(\w{64})", "; ".join(texts)))
