@@ -188,7 +188,7 @@ def _complete_errors(where: str, compliance: float | None, calibration: dict[str
     if compliance is None and stated:
         raise ReadError(
             f"{where}: {stated[0].replace('_', '-')} has no effect without compliance. Add "
-            "compliance, 0um/N if the displacement is calibration at the seal"
+            "compliance, 0um/N if the displacement is measured at the seal"
         )
     if compliance is not None and "compliance_error" not in calibration:
         calibration["compliance_error"] = USUAL["give, named"].size * compliance
