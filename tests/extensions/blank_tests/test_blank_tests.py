@@ -89,6 +89,19 @@ def test_delay_error_is_that_of_a_ramp_of_8_mm_in_1_s() -> None:
     assert abs(np.mean([delay.value for delay in found]) - 1e-3) < 4 * stated / np.sqrt(40)
 
 
+def test_delay_error_of_a_held_spring_holds_the_error_of_its_rest() -> None:
+    # 2 um of noise in the displacement are 2 mN, twice that of the force, and 250 us of its speed
+    rig = replace(QUIET, noise=1e-3, displacement_noise=2e-6)
+    found = [
+        estimate_press(
+            read(make_spring(rig, seed, gap=0.0, hold=6.0, back=False)), spring=True
+        ).delay
+        for seed in range(40)
+    ]
+    z = [(delay.value - rig.delay) / delay.error for delay in found]
+    assert np.sqrt(np.mean(np.square(z))) < 1.3  # 1.6 with the rest by a fiftieth of the record
+
+
 def test_contact_after_a_gap_costs_half_of_the_knowledge_of_the_delay() -> None:
     there = estimate_press(read(make_spring(QUIET, 1, gap=0.0, back=False)), spring=True)
     after = estimate_press(read(make_spring(QUIET, 1, gap=1e-3, back=False)), spring=True)

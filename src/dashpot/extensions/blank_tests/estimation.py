@@ -258,7 +258,11 @@ def estimate_press(record: BlankTest, *, spring: bool = False) -> Press:
     fit, shift, ramp_time, columns, weights = _solve_press(history)
     has_offset = len(fit.values) > _OFFSET_COLUMN
     if spring and has_offset and abs(fit.values[0]) <= _GAP_ERRORS * fit.errors[0]:
+        history, rest_error = _measure_from_rest(history)
         fit, shift, ramp_time, columns, weights = _solve_press(history, rests_at_contact=True)
+        contact = (columns[:, 1] != 0).astype(float)
+        effect = fit.values[1] * solve_regression(columns, contact, weights).values
+        fit = fit._replace(errors=np.hypot(fit.errors, effect * rest_error))
     n, stiffness = len(history.time), float(fit.values[1])
     motion = _shift_motion(history, shift)
     response = fit.values[0] + stiffness * motion
@@ -410,6 +414,16 @@ def compute_speed(time: FloatArray, x: FloatArray, half_span: int) -> FloatArray
 def _shift_motion(history: PressHistory, delay: float) -> FloatArray:
     """Return the displacement at the time of each sample less the delay, s, in m."""
     return np.interp(history.time - delay, history.time, history.displacement)
+
+
+def _measure_from_rest(history: PressHistory) -> tuple[PressHistory, float]:
+    r"""Return the history with its displacement from the rest, and the standard error of that, m.
+
+    The rest is the median of the n samples before contact: :math:`\sigma_x \sqrt{\pi/2n}`.
+    """
+    rest = median(history.displacement[history.before])
+    error = history.displacement_noise * np.sqrt(np.pi / (2 * len(history.before)))
+    return history._replace(displacement=history.displacement - rest), float(error)
 
 
 def _compute_noise_share(history: PressHistory, delay: float) -> float:
