@@ -42,7 +42,9 @@ from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.impact import read_impact
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.registry import (
+    EXTENSIONS,
     KINDS,
+    Extension,
     KindOfTest,
     LotSpecimen,
     asks_of,
@@ -269,3 +271,10 @@ def test_the_option_that_names_a_kind_is_taken_by_its_fit() -> None:
     named = [kind for kind in KINDS.values() if kind.kind_option]
     assert named
     assert all(kind.kind_option in kind.fit_options for kind in named)
+
+
+def test_every_task_of_a_handler_stands_in_the_table_of_tasks() -> None:
+    table = (Extension.__doc__ or "").split(" returns\n")[1].split("fits : tuple of FitRow")[0]
+    rows = re.findall(r"^ +(\w[\w ,]*?) {2,}\S", table, re.MULTILINE)
+    documented = {task.strip() for row in rows for task in row.split(",")}
+    assert documented == {task for extension in EXTENSIONS for task in extension.handlers}

@@ -274,6 +274,7 @@ class Extension(NamedTuple):
         mounts                          mounts of a seal line
         stations                        stations of the seal in a file
         suggest                         words that a user may have meant, by command
+        choice                          advice on a word that an option does not take, by the word
         install command                 command that installs an extra in this installation
         keep                            job and report saved in a folder
         fit records                     fit of bench tests, one of the type
@@ -287,12 +288,13 @@ class Extension(NamedTuple):
         predict with option             the same where an option asks
         predict with sweep, read sweep  with a strain sweep; its reader
         predict at levels               FRFs of a fit at several amplitudes
+        sweep at level                  sweep of a ``"mass"`` at one level of the force
         random base                     response of a ``"mass"`` or a ``"system"`` to a random base
         compare                         comparison of two results of a type
         simulated record                record of a simulated instrument
         plan repeats, planned rows      plan of a test repeated at other temperatures
         plan advice                     what tests of the ``"machine"`` would improve
-        plan test, plan with option     planner of a test of its own, and its plan in Python
+        plan test                       plan of a test of its own where an option asks
         scatter of specimens            standard deviations between and within the seals of a lot
         dynamic stiffness               stiffness over frequency of what a test or a fit holds
         retained force                  share of the force that an aged seal retains
