@@ -49,6 +49,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from kit.fits import a_fit
 from kit.foreign.aging import Rubber, lot
 from kit.foreign.blank_rigs import draw_rig, make_empty, make_spring, make_stop
+from kit.foreign.door_files import render_hinged_door, render_leaking_door
 from kit.lots import lot_of, scattered
 
 MISSED = 0.04
@@ -149,24 +150,9 @@ def judge_limits(seed: int, *, is_spoilt: bool) -> Answer:
 
 DENSITY = 1.2041
 """Of air at 20 degC, kg/m^3; the temperature of the tests is not stated."""
-DOOR = """
-[door]
-mass = "25kg"
-width = "1.1m"
-height = "1.2m"
-centre = "0.55, 0.6, 0 m"
-[seal]
-fit = "fit.json"
-length = "50mm"
-points = ["0, 0, 0 mm", "1100, 0, 0 mm", "1100, 1200, 0 mm", "0, 1200, 0 mm"]
-closed = true
-pitch = "500mm"
-compression = "5mm"
-[leak]
-lip = "10mm"
-lip_sd = "0.3mm"
-gap_sd = "0.2mm"
-"""
+DOOR = render_leaking_door(
+    'lip = "10mm"\nlip_sd = "0.3mm"\ngap_sd = "0.2mm"\n', compression="5mm", pitch="500mm"
+)
 
 
 def judge_leak(seed: int, *, is_spoilt: bool) -> Answer:
@@ -219,28 +205,7 @@ def judge_stiffness(seed: int, *, is_spoilt: bool) -> Answer:
 
 
 # -- many cars -------------------------------------------------------------------------------------
-PLATE = """
-[door]
-mass = "25kg"
-width = "1.1m"
-height = "1.2m"
-centre = "0.55, 0.6, 0 m"
-motions = ["z", "rx", "ry"]
-[[hinge]]
-at = "0, 300, 0 mm"
-stiffness = "1N/m"
-[[hinge]]
-at = "0, 900, 0 mm"
-stiffness = "1N/m"
-[latch]
-at = "1.1, 0.6, 0 m"
-stiffness = "1N/m"
-[seal]
-fit = "fit.json"
-points = ["0, 0, 0 mm", "1100, 0, 0 mm", "1100, 1200, 0 mm", "0, 1200, 0 mm"]
-closed = true
-pitch = "300mm"
-"""
+PLATE = render_hinged_door(hinge="1N/m", latch="1N/m", pitch="300mm")
 
 
 def judge_cars(seed: int, *, is_spoilt: bool) -> Answer:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from kit import shell
 from kit.fits import a_fit
+from kit.foreign.door_files import render_hinged_door
 
 from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
@@ -22,28 +23,7 @@ from dashpot.workflow.json_archive import from_json, to_json
 
 pytestmark = pytest.mark.once
 
-PLATE = """
-[door]
-mass = "25kg"
-width = "1.1m"
-height = "1.2m"
-centre = "0.55, 0.6, 0 m"
-motions = ["z", "rx", "ry"]
-[[hinge]]
-at = "0, 300, 0 mm"
-stiffness = "5kN/mm"
-[[hinge]]
-at = "0, 900, 0 mm"
-stiffness = "5kN/mm"
-[latch]
-at = "1.1, 0.6, 0 m"
-stiffness = "1kN/mm"
-[seal]
-fit = "fit.json"
-points = ["0, 0, 0 mm", "1100, 0, 0 mm", "1100, 1200, 0 mm", "0, 1200, 0 mm"]
-closed = true
-pitch = "20mm"
-"""
+PLATE = render_hinged_door(hinge="5kN/mm", latch="1kN/mm", pitch="20mm")
 LINE = PLATE[PLATE.index("points") :]
 ROUND = "points = [{}]\n".format(
     ", ".join(

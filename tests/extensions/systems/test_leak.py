@@ -11,6 +11,7 @@ import pytest
 from kit import shell
 from kit.fits import a_fit
 from kit.foreign.aging import Rubber, lot
+from kit.foreign.door_files import render_leaking_door
 
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
@@ -37,23 +38,7 @@ from dashpot.workflow.json_archive import to_json
 
 K_INF, ARMS, TAU = 196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8)
 SEAL = dp.GeneralizedMaxwell(K_INF, ARMS, TAU)
-DOOR = """
-[door]
-mass = "25kg"
-width = "1.1m"
-height = "1.2m"
-centre = "0.55, 0.6, 0 m"
-[seal]
-fit = "fit.json"
-length = "50mm"
-points = ["0, 0, 0 mm", "1100, 0, 0 mm", "1100, 1200, 0 mm", "0, 1200, 0 mm"]
-closed = true
-pitch = "50mm"
-compression = "6mm"
-[leak]
-lip = "10mm"
-limit = "160km/h"
-"""
+DOOR = render_leaking_door('lip = "10mm"\nlimit = "160km/h"\n', compression="6mm", pitch="50mm")
 STATES = """
 [[leak.state]]
 name = "gap 2 mm wider"

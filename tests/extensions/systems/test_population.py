@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kit.fits import a_fit
+from kit.foreign.door_files import render_hinged_door
 from kit.lots import lot_of, scattered
 from kit.shell import ran, run_json
 from scipy.stats import norm
@@ -29,28 +30,8 @@ from dashpot.registry import find_handler
 from dashpot.solids.demo_seals import BROAD, PAPER
 from dashpot.workflow.json_archive import to_json
 
-PLATE = """
-[door]
-mass = "25kg"
-width = "1.1m"
-height = "1.2m"
-centre = "0.55, 0.6, 0 m"
-motions = ["z", "rx", "ry"]
-[[hinge]]
-at = "0, 300, 0 mm"
-stiffness = "{hinge}"
-[[hinge]]
-at = "0, 900, 0 mm"
-stiffness = "{hinge}"
-[latch]
-at = "1.1, 0.6, 0 m"
-stiffness = "{latch}"
-[seal]
-fit = "fit.json"
-points = ["0, 0, 0 mm", "1100, 0, 0 mm", "1100, 1200, 0 mm", "0, 1200, 0 mm"]
-closed = true
-pitch = "100mm"
-"""
+SOFT = render_hinged_door(hinge="1N/m", latch="1N/m", pitch="100mm")
+STIFF = render_hinged_door(hinge="5kN/mm", latch="1kN/mm", pitch="100mm")
 
 
 @pytest.fixture(scope="module")
@@ -62,8 +43,8 @@ def folder(tmp_path_factory) -> Path:
         band=(1e-3, 1e3),
     )  # fmt: skip
     (place / "fit.json").write_text(to_json(fit))
-    (place / "soft.toml").write_text(PLATE.format(hinge="1N/m", latch="1N/m"))
-    (place / "stiff.toml").write_text(PLATE.format(hinge="5kN/mm", latch="1kN/mm"))
+    (place / "soft.toml").write_text(SOFT)
+    (place / "stiff.toml").write_text(STIFF)
     return place
 
 
@@ -194,7 +175,7 @@ def test_a_folder_of_tests_becomes_a_lot_and_a_share_of_cars(tmp_path, monkeypat
     assert ran("fit", "seals/s0_1.csv", "--length", "50mm", "-o", "fit.json").exit_code == 0
     named = "--label-pattern", r"(?P<seal>s\d+)_(?P<repeat>\d)"
     assert ran("batch", "seals", *named, "-o", "lot").exit_code == 0
-    Path("door.toml").write_text(PLATE.format(hinge="1N/m", latch="1N/m"))
+    Path("door.toml").write_text(SOFT)
     asked = "predict", "door.toml", "--limit", "mode 1 >= 5Hz", "--lot"
     found = run_json(*asked, "lot")
     assert found["spread"]["specimens"] == 6
