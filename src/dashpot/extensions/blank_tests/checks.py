@@ -213,16 +213,18 @@ def stop_and_spring_delay_agree(difference: float | None, stop: float, spring: f
     )
 
 
-@criterion("part of the stiffness", "<=", 0.1, "our choice: contact of steel on steel")
-def repeated_stops_agree(apart: float | None) -> Finding:
+@criterion("fraction of the stiffness", "<=", 0.1, "our choice: contact of steel on steel")
+def repeated_stops_agree(difference: float | None) -> Finding:
     """Repeated stops show the same stiffness."""
-    return _judge_repeats("stop", apart, "One of them was no rigid stop, or was mounted otherwise")
+    return _judge_repeats(
+        "stop", difference, "One of them was no rigid stop, or was mounted otherwise"
+    )
 
 
-@criterion("part of the stiffness", "<=", 0.01, "our choice: a calibrated spring")
-def repeated_springs_agree(apart: float | None) -> Finding:
+@criterion("fraction of the stiffness", "<=", 0.01, "our choice: a calibrated spring")
+def repeated_springs_agree(difference: float | None) -> Finding:
     """Repeated springs show the same stiffness."""
-    return _judge_repeats("spring", apart, "They were two springs, or one left its seat")
+    return _judge_repeats("spring", difference, "They were two springs, or one left its seat")
 
 
 @criterion("factor", "x/", 1.1, "our choice: no calibrated cell is off by 10 %")
