@@ -136,7 +136,7 @@ def _find_contacts(force: FloatArray, threshold: float, least_foot: float) -> li
             runs[-1] = (runs[-1][0], last)
         else:
             runs.append((first, last))
-    long_runs = [result for result in runs if result[1] - result[0] + 1 >= _LEAST_SAMPLES]
+    long_runs = [run for run in runs if run[1] - run[0] + 1 >= _LEAST_SAMPLES]
     return [_extend_to_zero_force(force, first, last, least_foot) for first, last in long_runs]
 
 
