@@ -71,7 +71,7 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
         seal_fit = read_fit(door.seal.fit)
         seal_temperature = door.seal.temperature if temperature is None else temperature
         cases = []
-        aged: list[Check] = []
+        aging_checks: list[Check] = []
         for state in (LeakState(NEW), *door.leak.states):
             temperature_there = seal_temperature if state.temperature is None else state.temperature
             fit_there = (
@@ -87,7 +87,7 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
                 compute_air_density(air_temperature) if state.density is None else state.density
             )
             retention, doubts = _evaluate_retention(state)
-            aged += doubts
+            aging_checks += doubts
             cases.append((fit_there, SectionState(state, section, density, retention)))
         leaks = tuple(
             find_leak(
@@ -96,9 +96,9 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
             for fit_there, case in cases
         )
         result = LeakResult(door, door.leak, fit, stations, compression, leaks, ())
-        checks_run = _run_checks(result, [(case.state, fit_there) for fit_there, case in cases])
-        every = (*checks_run, *aged)
-    return replace(result, checks=every)
+        leak_checks = _run_checks(result, [(case.state, fit_there) for fit_there, case in cases])
+        all_checks = (*leak_checks, *aging_checks)
+    return replace(result, checks=all_checks)
 
 
 def _evaluate_retention(state: LeakState) -> tuple[Interval, list[Check]]:

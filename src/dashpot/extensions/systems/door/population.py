@@ -231,9 +231,8 @@ class DoorPopulation(HasVerdict, Serialisable):
         """Each quantity with the range of 95 % of the cars, and the share beyond each limit."""
         facts = []
         for quantity in self.quantities:
-            scatters = (
-                quantity.between_sd > LEAST_SD
-            )  # of a mode that holds no seal nothing is left but rounding
+            # of a mode that moves no seal nothing is left but rounding
+            scatters = quantity.between_sd > LEAST_SD
             facts.append(
                 ReportedValue(
                     quantity.name.replace(" ", "_"),
