@@ -69,6 +69,11 @@ def hangs(raw: RawFile, options: ReadOptions) -> FileTable:
     raise AssertionError
 
 
+def selects_without_memory(raw: RawFile, options: ReadOptions) -> FileTable:
+    """What NumPy raises where it has no memory to select rows."""
+    raise SystemError("error return without exception set")
+
+
 def eats(raw: RawFile, options: ReadOptions) -> FileTable:
     return {"much": bytes(2 * limits.MEMORY)}  # type: ignore[return-value]
 

@@ -74,6 +74,7 @@ def test_what_a_library_prints_is_not_the_answer() -> None:
         (misbehaving.is_killed, "ended with SIGKILL"),
         (misbehaving.leaves, "ended with exit code 3"),
         (misbehaving.eats, "takes more than 1 GiB of memory to read as junk; export a part"),
+        (misbehaving.selects_without_memory, "takes more than 1 GiB of memory to read as junk"),
     ],
 )
 def test_whatever_it_does_is_a_sentence(function, sentence: str) -> None:

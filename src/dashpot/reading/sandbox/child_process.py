@@ -60,7 +60,7 @@ def run_parser(
         return function(raw, options)
     except DashpotError:
         raise
-    except MemoryError:
+    except (MemoryError, SystemError):  # NumPy raises this where it has no memory to select rows
         raise ReadError(
             f"takes more than {limits.MEMORY >> 30} GiB of memory to read as {what}; "
             "export a part of it, or as text"
