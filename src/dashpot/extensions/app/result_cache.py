@@ -10,7 +10,6 @@ from typing import Any
 
 from dashpot.base.arrays import replace_notes
 from dashpot.base.errors import DashpotError, FitError
-from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
@@ -181,6 +180,10 @@ def fit_study_tests(
     return _fitted[key][1]
 
 
+_ANY_MASS = 1.0
+"""Mass, kg, for a check that is then replaced."""
+
+
 @lru_cache(KEPT)
 def _read_hammer(paths: tuple[str, ...], options: ReadOptions) -> FRF | ShakenTest | ImpactTest:
     return read_record(paths, options)
@@ -193,8 +196,8 @@ def _average_hits(
     options: ReadOptions,
     band: tuple[float, float] | None,
 ) -> FRF:
-    """Return the FRF of hits whatever the mass."""
-    return measured_frf(_read_hammer(paths, options), choices=choices, band=band)
+    """Return the FRF of hits, whose check of the mass is of another mass."""
+    return measured_frf(_read_hammer(paths, options), choices=choices, mass=_ANY_MASS, band=band)
 
 
 def measure_hammer(
@@ -207,18 +210,19 @@ def measure_hammer(
 ) -> tuple[ImpactTest | None, FRF]:
     """Return what :func:`.read_measured` does; another mass reads no file and averages no hit.
 
-    Of hits it decides over one check alone, which stands before those of window and file.
+    Of hits it decides over one check alone.
     """
     record = _read_hammer(tuple(paths), options)
     if not isinstance(record, ImpactTest):
         return None, measured_frf(record, choices=choices, mass=mass, band=band)
     frf = _average_hits(tuple(paths), choices, options, band)
-    if mass is None:
-        return record, frf
-    place = len(frf.checks) - len(caution_checks(frf.source))
-    place -= frf.checks[place - 1].name == "window_decay_determined"
-    shown = mass_shown(frf, next(iter(frf.modes(band=band)), None), mass)
-    checks = (*frf.checks[:place], shown, *frf.checks[place:])
+    main = next(iter(frf.modes(band=band)), None)
+    shown = () if mass is None else (mass_shown(frf, main, mass),)
+    checks = tuple(
+        new
+        for check in frf.checks
+        for new in (shown if check.name == "high_frequency_mass_agrees" else (check,))
+    )
     # the modes that are kept with the FRF stay with it
     return record, replace_notes(frf, checks=checks)
 
