@@ -176,7 +176,7 @@ def _classify_overlap(first: RecommendedValue, second: RecommendedValue) -> str:
 def _arms(a: Fit, b: Fit) -> Iterator[ComparedValue]:
     """Springs and arms side by side: those of one time constant, and those that one has alone."""
     entries = [{fact.name: fact for fact in list_known_values(fit)} for fit in (a, b)]
-    group = f"Solid, k in {entries[0]['k_inf'].word}" if "k_inf" in entries[0] else "Solid"
+    group = f"Model, k in {entries[0]['k_inf'].word}" if "k_inf" in entries[0] else "Model"
     if all("k_inf" in facts for facts in entries):
         yield _pair("spring at rest", entries[0]["k_inf"], entries[1]["k_inf"], group)
     if a.family != "maxwell" or b.family != "maxwell":

@@ -47,8 +47,8 @@ from dashpot.workflow.stiffness_under_mass import family_checks, find_static_equ
 from dashpot.workflow.study import Study
 
 HINT = (
-    "Give the test mass and the number of seals: the hammer is then held against what the "
-    "relaxation test predicts."
+    "Give the test mass and the number of seals: the hammer test is then compared with the "
+    "prediction of the relaxation test."
 )
 REACH = np.geomspace(0.2, 4.0, 2001)
 """Lines of a response, as multiples of its peak's frequency."""
