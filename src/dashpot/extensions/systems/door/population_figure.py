@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.number_format import round_to_error
-from dashpot.extensions.systems.door.population import LEAST_SD, DoorPopulation, DoorQuantity
+from dashpot.extensions.systems.door.population import (
+    LEAST_SD,
+    DoorPopulation,
+    DoorQuantity,
+    format_limit,
+    format_share,
+)
 from dashpot.plot.picture import FIT, REJECTED, Area, Line, Mark, Panel, Picture, Rule, Scale
 from dashpot.plot.plotted_data import stamp as format_stamp
-from dashpot.report.result_page import KindPage, Topic, group, lights
+from dashpot.report.first_screen import Row
+from dashpot.report.result_page import Group, KindPage, Topic, group, lights
 
 _SHOWN, _WIDE, _POINTS = 4, 4.0, 241
 """Panels at most, standard deviations to both sides, points of a curve."""
@@ -43,14 +49,16 @@ def lay_out_population(population: DoorPopulation) -> KindPage:
     """Return the page of the doors of many cars."""
     spread = population.spread
     tested = "stated" if spread.specimens is None else f"{spread.specimens} of the lot"
-    limited = tuple(fact for fact in population.facts if fact.name.endswith("_beyond"))
+    limited = tuple(
+        _make_share_row(one) for one in population.quantities if one.share_beyond is not None
+    )
     scattered = {
         one.name.replace(" ", "_") for one in population.quantities if one.between_sd > LEAST_SD
     }
     others = tuple(fact for fact in population.facts if fact.name in scattered)
     groups = [group("95 % of the cars lie from, to", others)]
     if limited:
-        groups.insert(0, group("Share beyond a limit, with its 95 % interval", limited))
+        groups.insert(0, Group("Share beyond a limit, with its 95 % interval", limited))
     return KindPage(
         about="doors of many cars",
         strip=(
@@ -60,7 +68,8 @@ def lay_out_population(population: DoorPopulation) -> KindPage:
         ),
         lights=lights(
             population.checks, Topic("Seal and door"),
-            Topic("Scatter", {"seals_suffice", "scatter_exceeds_testing"}, "known"),
+            Topic("Scatter", {"seals_suffice", "scatter_exceeds_testing"},
+                  "stated" if spread.specimens is None else "known"),
         ),
         answers="How the cars differ",
         picture=draw_population(population),
@@ -69,6 +78,14 @@ def lay_out_population(population: DoorPopulation) -> KindPage:
         sources=population.sources,
         note="Of a share, from and to are its 95 % interval.",
     )  # fmt: skip
+
+
+def _make_share_row(quantity: DoorQuantity) -> Row:
+    """Return the row of the share of the cars beyond a limit."""
+    low, high = format_share(quantity.share_low), format_share(quantity.share_high)
+    ends = ("", "") if low == high else (low, high)
+    name = f"cars with {quantity.label} {format_limit(quantity)}"
+    return Row(name, format_share(quantity.share_beyond), *ends, "%", "", bound=False)
 
 
 def _draw_quantity(quantity: DoorQuantity, mean: float) -> Panel:
@@ -97,11 +114,10 @@ def _draw_quantity(quantity: DoorQuantity, mean: float) -> Panel:
                 Area(x[beyond], zero[beyond], density[beyond], "bad", "beyond the limit", tint=0.6)
             )
         marks.append(Rule(limit, REJECTED, "limit"))
-        low, share, high = (
-            round_to_error(100 * (value or 0.0), digits=2)
-            for value in (quantity.share_low, quantity.share_beyond, quantity.share_high)
-        )
-        note = f"{share} % beyond ({low} to {high})"
+        note = f"{format_share(quantity.share_beyond)} % beyond"
+        if quantity.share_low != quantity.share_high:
+            low, high = format_share(quantity.share_low), format_share(quantity.share_high)
+            note += f" ({low} to {high})"
     across = Scale(f"{quantity.label}, {quantity.unit}", (float(x[0]), float(x[-1])))
     up = Scale("density over its largest", (0.0, 1.1))
     return Panel(across, up, tuple(marks), note=note)
