@@ -30,7 +30,7 @@ from dashpot.extensions.materials.csr.aging_information import AgingTest, Planne
 from dashpot.extensions.materials.csr.datamodel import Aging
 from dashpot.extensions.materials.csr.fit import USUAL_DRIFT, USUAL_OVEN, WORST_OVEN
 from dashpot.extensions.materials.csr.law import THOUSAND_HOURS, AgingLaw
-from dashpot.extensions.materials.csr.life_table import format_life, get_life_unit
+from dashpot.extensions.materials.csr.life_table import format_life
 from dashpot.extensions.materials.csr.lifetime_prediction import (
     LOWER,
     find_energy_change,
@@ -171,12 +171,15 @@ class AgingPlan(HasChecks, Serialisable):
     def verdict(self) -> Verdict:
         """Verdict, with the ovens and the expected interval of the life."""
         every = [f"{n} at {celsius(kelvin)}" for kelvin, n, *_ in self.ovens]
-        _, unit = get_life_unit(self.life)
         low, high = (
-            format_life(self.life * math.exp(sign * NORMAL * self.life_sd), self.life / 10)
+            format_life(
+                self.life * math.exp(sign * NORMAL * self.life_sd),
+                self.life / 10,
+                reference=self.life,
+            )
             for sign in (-1, 1)
         )
-        low = low.removesuffix(f" {unit}") if high.endswith(f" {unit}") else low
+        low = low.partition(" ")[0]
         specimens = format_count(sum(self.specimens), "specimen")
         headline = (
             f"{specimens} ({', '.join(every)}) for {format_quantity(self.longest, 'h', '.4g')} "

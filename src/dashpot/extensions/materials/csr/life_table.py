@@ -94,9 +94,9 @@ def get_life_unit(life: float) -> tuple[float, str]:
     return (YEAR, "years") if life >= YEAR else (HOUR, "h")
 
 
-def format_life(life: float, error: float | None = None) -> str:
-    """Return a life, s, in hours or years."""
-    size, name = get_life_unit(life)
+def format_life(life: float, error: float | None = None, *, reference: float | None = None) -> str:
+    """Return a life, s, in hours or years, whichever suits a reference life, s, or itself."""
+    size, name = get_life_unit(life if reference is None else reference)
     return f"{round_to_error(life / size, error / size if error else None)} {name}"
 
 

@@ -136,7 +136,9 @@ def _make_life_sections(
         (
             format_temperature(life.temperature),
             *(
-                format_life(number, life.life.value / 10) if number is not None else ""
+                format_life(number, life.life.value / 10, reference=life.life.value)
+                if number is not None
+                else ""
                 for number in (
                     life.life.value,
                     *((life.life.low, life.life.high) if life.life.has_interval else (None, None)),
