@@ -49,11 +49,11 @@ def hammers_compared(without: int, paired: int) -> Finding:
 def tests_alike(dissimilar: int, tests: int) -> Finding:
     """Tests of a lot agree in hold and compression to 5 %, and in temperature to 3 K."""
     return Finding(
-        f"{format_count(tests, 'seal')} tested under the same conditions",
+        f"{format_count(tests, 'test')} under the same conditions",
         dissimilar,
         "The statistics leave them out, and the page names them",
         "Test every seal with the same hold, compression and temperature.",
-        f"{dissimilar} of {tests} seals were tested under other conditions than the rest",
+        f"{dissimilar} of {tests} tests were made under other conditions than the rest",
     )
 
 
