@@ -10,7 +10,7 @@ from dashpot.extensions.preload_map.separability import PairTest
 from dashpot.text_output.layout import Text, table
 from dashpot.text_output.results import format_rounded
 
-PAIR_HEAD = ("pair", "separable", "probability", "departure", "at most", "of the angle, rad")
+PAIR_HEAD = ("pair", "separable", "probability", "departure", "at most", "angle at most, rad")
 SETTING_HEAD = ("compression, mm", "amplitude, mm", "sweeps", "lines", "rms residual, %")
 
 
