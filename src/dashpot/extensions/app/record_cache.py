@@ -22,7 +22,7 @@ _SIGNALS = ("time", "displacement", "force")
 
 
 def relaxation(path: str, *, options: ReadOptions, specimen: Specimen | None) -> RelaxationTest:
-    """Return the test in a file, as read before if any lane has.
+    """Return the test in a file, as read before if any worker has.
 
     Of a specimen the temperature alone can change what a reader says.
     """

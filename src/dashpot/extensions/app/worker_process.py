@@ -114,7 +114,7 @@ def _answer(verbs: Any, question: bytes, folder: Path, answers: BinaryIO) -> Non
             send("d", verbs[data["verb"]](data["request"], folder))
     except DashpotError as error:
         send("e", str(error).encode())
-    except Exception as error:  # noqa: BLE001 -- a fault must not end the lane, nor tell of files
+    except Exception as error:  # noqa: BLE001 -- a fault must not end the worker, nor tell of files
         send("f", _format_fault(error))
 
 

@@ -31,13 +31,13 @@ if TYPE_CHECKING:
     from dashpot.workflow.inspections import InspectedFile
 
 _NUMBERS, _INSTANTS, _SPANS = "iuf", "M", "m"
-_UNITS = re.compile(r'--units "?([^"\s();]+=[^"\s();]+)')
-_COLUMN = re.compile(r'--column ([\w-]+)="([^"]+)"')
-_PART_OF = re.compile(r'--file-part (\w+)="?([^"\s;,()]+)')
-_RATE = re.compile(r"--rate (\d\w+)")
+_UNITS_OPTION = re.compile(r'--units "?([^"\s();]+=[^"\s();]+)')
+_COLUMN_OPTION = re.compile(r'--column ([\w-]+)="([^"]+)"')
+_FILE_PART_OPTION = re.compile(r'--file-part (\w+)="?([^"\s;,()]+)')
+_RATE_OPTION = re.compile(r"--rate (\d\w+)")
 """Options of the command line as messages show them, with what they say."""
 _HINT = 'dp.read(frame, columns={"force": "F"}, units={"force": "N"})'
-_PART, _MATERIAL = ("time", "displacement", "force"), ("time", "strain", "stress")
+_PART_ROLES, _MATERIAL_ROLES = ("time", "displacement", "force"), ("time", "strain", "stress")
 _LINE = 'dp.fit(time, displacement, force, units="s, mm, N")'
 
 
@@ -110,10 +110,12 @@ def _format_python_line(text: str) -> str:
     >>> _format_python_line('add --units "strain=%,stress=MPa"')
     'dp.read(frame, units={"strain": "%", "stress": "MPa"})'
     """
-    units = [pair.split("=", 1) for pair in ",".join(_UNITS.findall(text)).split(",") if pair]
-    rates = _RATE.findall(text)[:1]
-    columns = [pair for pair in _COLUMN.findall(text) if not rates or pair[0] != "time"]
-    parts = [(key, int(v) if v.isdigit() else v) for key, v in _PART_OF.findall(text)]
+    units = [
+        pair.split("=", 1) for pair in ",".join(_UNITS_OPTION.findall(text)).split(",") if pair
+    ]
+    rates = _RATE_OPTION.findall(text)[:1]
+    columns = [pair for pair in _COLUMN_OPTION.findall(text) if not rates or pair[0] != "time"]
+    parts = [(key, int(v) if v.isdigit() else v) for key, v in _FILE_PART_OPTION.findall(text)]
     keywords = {"columns": columns, "units": units, "part": parts}
     said = [
         f"{name}={json.dumps(dict(pairs), ensure_ascii=False)}"
@@ -167,7 +169,7 @@ def _make_record(arrays: list[Any], units: Any) -> Any:
         shown = classify_load_history(test.time, test.displacement, test.force)
         if shown in {"relaxation", "still", "other"}:
             return test
-    roles = _MATERIAL if of_material else _PART
+    roles = _MATERIAL_ROLES if of_material else _PART_ROLES
     return read_frame(
         dict(zip(roles, arrays, strict=True)), units=dict(zip(roles, words, strict=True))
     )
@@ -177,11 +179,12 @@ def _list_stated_units(units: Any) -> list[str]:
     """Return the units of three arrays in their order, from ``"s, mm, N"`` or a mapping by role."""
     if not isinstance(units, Mapping):
         return [word.strip() for word in str(units).split(",")]
-    for roles in (_PART, _MATERIAL):
+    for roles in (_PART_ROLES, _MATERIAL_ROLES):
         if units.keys() == set(roles):
             return [str(units[role]) for role in roles]
     raise DataError(
-        f"units of three arrays are of {', '.join(_PART)}, or of {', '.join(_MATERIAL)}: {_LINE}"
+        f"units of three arrays are of {', '.join(_PART_ROLES)}, "
+        f"or of {', '.join(_MATERIAL_ROLES)}: {_LINE}"
     )
 
 

@@ -95,7 +95,11 @@ def get_life_unit(life: float) -> tuple[float, str]:
 
 
 def format_life(life: float, error: float | None = None, *, reference: float | None = None) -> str:
-    """Return a life, s, in hours or years, whichever suits a reference life, s, or itself."""
+    """Return a life, s, in hours or years, whichever suits a reference life, s, or itself.
+
+    >>> format_life(1.1 * YEAR), format_life(1.1 * YEAR, 10 * HOUR, reference=0.9 * YEAR)
+    ('1.10 years', '9643 h')
+    """
     size, name = get_life_unit(life if reference is None else reference)
     return f"{round_to_error(life / size, error / size if error else None)} {name}"
 
