@@ -1,4 +1,4 @@
-"""Writes the page of schemas and former keys from the code: ``python docs/documents.py``."""
+"""Writes the page of former names and schemas, keys from the code: ``python docs/documents.py``."""
 
 from __future__ import annotations
 
@@ -15,7 +15,54 @@ from dashpot.extensions.projects.revised_numbers import REVISED_NUMBERS
 
 PAGE = Path(__file__).with_suffix(".md")
 HEAD = """\
-# Documents and their versions
+# Former names, and versions of documents
+
+## Options and names in Python
+
+Names before 0.9.0. An old option still works in 0.9.0 and is not shown in the help; an old Python
+name is gone.
+
+| old | new |
+|---|---|
+| `--as` | `--kind` |
+| `--text` | `--text-format` |
+| `--part` | `--file-part` |
+| `--known` | `--prior` |
+| `--only` | `--at-temperature` |
+| `--until` | `--end` |
+| `--new` | `--unaged-fit` |
+| `--by` | `--label-pattern` |
+| `--wanted` | `--target-sd` |
+| `--cuts` | `--time-limits` |
+| `--level`, `--fitted-at` | `--amplitude`, `--reference-strain` |
+| `--resonance-at`, `--resonance-level` | `--resonance-amplitude` |
+| `--memory`, `--slam`, `--between` | `--relaxation`, `--drop`, `--compression-limits` |
+| `--kind slam` | `--kind drop` |
+| `dashpot predict --kind` | `dashpot predict --frf-type` |
+| `dp.fit(cuts=)`, `dp.report(cuts=)` | `time_limits=` |
+| `dp.Pieces`, `dp.CompressionTest` | `dp.CLDResult`, `dp.CLDTest` |
+| `dp.Levels` | `dp.AmplitudeResult` |
+| `dp.ModesByMass` | `dp.MassSeriesModes` |
+| `dp.CounterforceTest` | `dp.CSRTest` |
+| `dp.Agreement` | `dp.FRFComparison` |
+| `dp.systems.Closing` | `dp.systems.ClosingAnalysis` |
+| `dp.systems.transfer_stiffness` | `dp.systems.compute_transfer_stiffness` |
+| `dp.files.recording` | `dp.files.acquisition` |
+| `dp.plan(wanted=)` | `dp.plan(max_std=)` |
+| `dp.fit(known=, only=)` | `dp.fit(prior=, temperature=)` |
+| `dp.SlamTest` | `dp.DropTest` |
+| `dp.fit(memory=, slam=)`, `dp.predict(slam=)` | `dp.fit(relaxation=, drop=)`, `dp.predict(drop=)` |
+| `.pieces` of a load deflection result, `CSRTest(piece=)` | `.specimens`, `CSRTest(specimen_number=)` |
+| `fit.residual`, `.dof`, `.profiles`, `.nuisance`, `.parameters` | the same of `fit.estimate` |
+| `fit.orders`, `.certificate`, `.explanations`, `.alternative`, `.end_of_hold`, `.creep` | the same of `fit.evidence` |
+| `fit.by_depth`, `fit.moved` | `fit.evidence.stiffness_by_depth`, `fit.evidence.parameter_changes` |
+| `fit.left_open` | `fit.stiffness_limits` |
+| `check.says`, `verdict.says`, `verdict.because` | `check.message`, `verdict.message`, `verdict.failed_checks` |
+| `fit.estimate.residual.kappa` | `.variance_inflation` |
+| `study.unseen`, `.further`, `.at_rest` | `.unmeasured`, `.other_tests`, `.static_equilibrium` |
+| `described`, `series`, `document` of a result | `print(result)`, `to_pandas()`, `to_dict()` |
+
+## JSON documents
 
 `--json` prints one JSON document, `-o fit.json` and `dp.save` write one. Each says in `"schema"`
 what it holds and in which version: `"dashpot/fit@2"`. A version changes where a key changes its
@@ -27,13 +74,13 @@ version are converted before the document is decoded, so that it holds the same 
 anew in the present version. An unknown version is refused, with what to do: of a newer one, update
 dashpot.
 
-## Schemas
+### Schemas
 
 | former | present |
 |---|---|
 """
 KEYS = """
-## Keys
+### Keys
 
 A key that stands in an object of the document follows the key of that object: `checks.says` is
 `"says"` of each of the `"checks"`.
@@ -42,7 +89,7 @@ A key that stands in an object of the document follows the key of that object: `
 |---|---|---|
 """
 CHECKS = """
-## Names of checks
+## Checks
 
 | former | present |
 |---|---|
@@ -52,7 +99,7 @@ PROJECTS = """
 
 `dashpot verify` checks the history and every hash of a project of any version as they are. A result
 in documents of a former version is computed again and compared in what both versions hold: the
-solid, its residual and what is predicted from it must be the same to 1e-7 of each number
+model, its residual and what is predicted from it must be the same to 1e-7 of each number
 (`former_result_recomputed`). These numbers are computed otherwise since; where they differ a note
 says so (`uncertainty_unrevised`):
 
