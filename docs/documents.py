@@ -14,6 +14,58 @@ from dashpot.extensions.projects.document_versions import (
 from dashpot.extensions.projects.revised_numbers import REVISED_NUMBERS
 
 PAGE = Path(__file__).with_suffix(".md")
+FORMER_NAMES = {
+    "`--as`": "`--kind`",
+    "`--text`": "`--text-format`",
+    "`--part`": "`--file-part`",
+    "`--known`": "`--prior`",
+    "`--only`": "`--at-temperature`",
+    "`--until`": "`--end`",
+    "`--new`": "`--unaged-fit`",
+    "`--by`": "`--label-pattern`",
+    "`--wanted`": "`--target-sd`",
+    "`--cuts`": "`--time-limits`",
+    "`--level`, `--fitted-at`": "`--amplitude`, `--reference-strain`",
+    "`--resonance-at`, `--resonance-level`": "`--resonance-amplitude`",
+    "`--memory`, `--slam`, `--between`": "`--relaxation`, `--drop`, `--compression-limits`",
+    "`--kind slam`": "`--kind drop`",
+    "`dashpot predict --kind`": "`dashpot predict --frf-type`",
+    "`dp.fit(cuts=)`, `dp.report(cuts=)`": "`time_limits=`",
+    "`dp.Pieces`, `dp.CompressionTest`": "`dp.CLDResult`, `dp.CLDTest`",
+    "`dp.Levels`": "`dp.AmplitudeResult`",
+    "`dp.ModesByMass`": "`dp.MassSeriesModes`",
+    "`dp.CounterforceTest`": "`dp.CSRTest`",
+    "`dp.Agreement`": "`dp.FRFComparison`",
+    "`dp.systems.Closing`": "`dp.systems.ClosingAnalysis`",
+    "`dp.systems.transfer_stiffness`": "`dp.systems.compute_transfer_stiffness`",
+    "`dp.files.recording`": "`dp.files.acquisition`",
+    "`dp.plan(wanted=)`": "`dp.plan(max_std=)`",
+    "`dp.fit(known=, only=)`": "`dp.fit(prior=, temperature=)`",
+    "`dp.SlamTest`": "`dp.DropTest`",
+    "`dp.fit(memory=, slam=)`, `dp.predict(slam=)`": (
+        "`dp.fit(relaxation=, drop=)`, `dp.predict(drop=)`"
+    ),
+    "`.pieces` of a load deflection result, `CSRTest(piece=)`": (
+        "`.specimens`, `CSRTest(specimen_number=)`"
+    ),
+    "`fit.residual`, `.dof`, `.profiles`, `.nuisance`, `.parameters`": "the same of `fit.estimate`",
+    "`fit.orders`, `.certificate`, `.explanations`, `.alternative`, `.end_of_hold`, `.creep`": (
+        "the same of `fit.evidence`"
+    ),
+    "`fit.by_depth`, `fit.moved`": (
+        "`fit.evidence.stiffness_by_depth`, `fit.evidence.parameter_changes`"
+    ),
+    "`fit.left_open`": "`fit.stiffness_limits`",
+    "`check.says`, `verdict.says`, `verdict.because`": (
+        "`check.message`, `verdict.message`, `verdict.failed_checks`"
+    ),
+    "`fit.estimate.residual.kappa`": "`.variance_inflation`",
+    "`study.unseen`, `.further`, `.at_rest`": (
+        "`.unmeasured`, `.other_tests`, `.static_equilibrium`"
+    ),
+    "`described`, `series`, `document` of a result": "`print(result)`, `to_pandas()`, `to_dict()`",
+}
+"""Options and names of Python before 0.9.0, and what they are now."""
 HEAD = """\
 # Former names, and versions of documents
 
@@ -24,44 +76,8 @@ name is gone.
 
 | old | new |
 |---|---|
-| `--as` | `--kind` |
-| `--text` | `--text-format` |
-| `--part` | `--file-part` |
-| `--known` | `--prior` |
-| `--only` | `--at-temperature` |
-| `--until` | `--end` |
-| `--new` | `--unaged-fit` |
-| `--by` | `--label-pattern` |
-| `--wanted` | `--target-sd` |
-| `--cuts` | `--time-limits` |
-| `--level`, `--fitted-at` | `--amplitude`, `--reference-strain` |
-| `--resonance-at`, `--resonance-level` | `--resonance-amplitude` |
-| `--memory`, `--slam`, `--between` | `--relaxation`, `--drop`, `--compression-limits` |
-| `--kind slam` | `--kind drop` |
-| `dashpot predict --kind` | `dashpot predict --frf-type` |
-| `dp.fit(cuts=)`, `dp.report(cuts=)` | `time_limits=` |
-| `dp.Pieces`, `dp.CompressionTest` | `dp.CLDResult`, `dp.CLDTest` |
-| `dp.Levels` | `dp.AmplitudeResult` |
-| `dp.ModesByMass` | `dp.MassSeriesModes` |
-| `dp.CounterforceTest` | `dp.CSRTest` |
-| `dp.Agreement` | `dp.FRFComparison` |
-| `dp.systems.Closing` | `dp.systems.ClosingAnalysis` |
-| `dp.systems.transfer_stiffness` | `dp.systems.compute_transfer_stiffness` |
-| `dp.files.recording` | `dp.files.acquisition` |
-| `dp.plan(wanted=)` | `dp.plan(max_std=)` |
-| `dp.fit(known=, only=)` | `dp.fit(prior=, temperature=)` |
-| `dp.SlamTest` | `dp.DropTest` |
-| `dp.fit(memory=, slam=)`, `dp.predict(slam=)` | `dp.fit(relaxation=, drop=)`, `dp.predict(drop=)` |
-| `.pieces` of a load deflection result, `CSRTest(piece=)` | `.specimens`, `CSRTest(specimen_number=)` |
-| `fit.residual`, `.dof`, `.profiles`, `.nuisance`, `.parameters` | the same of `fit.estimate` |
-| `fit.orders`, `.certificate`, `.explanations`, `.alternative`, `.end_of_hold`, `.creep` | the same of `fit.evidence` |
-| `fit.by_depth`, `fit.moved` | `fit.evidence.stiffness_by_depth`, `fit.evidence.parameter_changes` |
-| `fit.left_open` | `fit.stiffness_limits` |
-| `check.says`, `verdict.says`, `verdict.because` | `check.message`, `verdict.message`, `verdict.failed_checks` |
-| `fit.estimate.residual.kappa` | `.variance_inflation` |
-| `study.unseen`, `.further`, `.at_rest` | `.unmeasured`, `.other_tests`, `.static_equilibrium` |
-| `described`, `series`, `document` of a result | `print(result)`, `to_pandas()`, `to_dict()` |
-
+"""
+DOCUMENTS = """
 ## JSON documents
 
 `--json` prints one JSON document, `-o fit.json` and `dp.save` write one. Each says in `"schema"`
@@ -120,7 +136,10 @@ def format_page() -> str:
     ]
     checks = [_row(f"`{old}`", f"`{new}`") for old, new in sorted(RENAMED_CHECKS.items())]
     revised = [_row(f"`{key}`", reason) for key, reason in REVISED_NUMBERS.items()]
-    return "".join([HEAD, *rows, KEYS, *keys, CHECKS, *checks, PROJECTS, *revised])
+    names = [_row(old, new) for old, new in FORMER_NAMES.items()]
+    return "".join(
+        [HEAD, *names, DOCUMENTS, *rows, KEYS, *keys, CHECKS, *checks, PROJECTS, *revised]
+    )
 
 
 def _row(*cells: str) -> str:

@@ -1955,8 +1955,8 @@ MOUNTS = [
     ),
     Case("line_noise_stated", mounts.line_noise_stated, None, 0.01),
     Case(
-        "sheet_in_valid_band",
-        lambda x: mounts.sheet_in_valid_band((1.0, 10 * x), (0.5, 10.0), has_record=False),
+        "third_octaves_in_valid_band",
+        lambda x: mounts.third_octaves_in_valid_band((1.0, 10 * x), (0.5, 10.0), has_record=False),
         0.99, 1.01,
     ),
 ]  # fmt: skip
@@ -2273,7 +2273,7 @@ LIMITS = {
     "extensions/transfer_stiffness": {
         "output_blocked": 20.0, "errors_not_magnified": 2.0, "flange_inertia_negligible": 0.06,
         "blocking_mass_rigid": 1.0, "third_octaves_resolved": 5, "level_determined": 1.5,
-        "mount_dissipates": 0.0, "mount_acts_as_spring": 0.0, "sheet_in_valid_band": 1.0,
+        "mount_dissipates": 0.0, "mount_acts_as_spring": 0.0, "third_octaves_in_valid_band": 1.0,
     },
     "datamodel": {"numbers_unambiguous": 0, "temperature_tested": 0},
     "vibration": {

@@ -74,7 +74,7 @@ def test_read_checks_the_requested_kind(examples):
 def test_read_joins_several_files_only_if_all_are_hammer_records(examples):
     hits = dp.read([examples("hammer.csv")])
     assert isinstance(hits, dp.ImpactTest)
-    with pytest.raises(dp.ReadError, match=r"hammer\.csv is a hammer file.*dp\.fit\(one, two\)"):
+    with pytest.raises(dp.ReadError, match=r"hammer\.csv is a hammer test.*dp\.fit\(one, two\)"):
         dp.read([examples("seal_8mm.csv"), examples("hammer.csv")])
 
 

@@ -73,7 +73,7 @@ MISTAKES = (
     ("fit seal.csv --column force", "write --column force=VALUE",
      "fit seal.csv --column force=3 --arms 1"),
     ("fit seal.csv --arms -3", "expected 'auto', 0, 1, 2, ...", "fit seal.csv --arms 1"),
-    ("fit seal.csv --seals 2", "--seals is for an FRF, a hammer file", "fit seal.csv --arms 1"),
+    ("fit seal.csv --seals 2", "--seals is for an FRF, a hammer test", "fit seal.csv --arms 1"),
     ("fit hammer.csv --reject three", "the hits are 1, 2", ""),
     ("simulate ramp -o x.csv", "Known are relaxation, creep, impact and motion", ""),
     ("demo x", "unexpected extra argument (x)", ""),

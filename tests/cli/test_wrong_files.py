@@ -65,7 +65,7 @@ def run(*words: str, code: int = 0) -> str:
         ("report hammer.csv", "needs a relaxation test, and here is none.* dashpot fit hammer.csv"),
         ("report dma.csv", r"is a dynamic \(DMA\) sweep.* Type: dashpot fit dma.csv"),
         ("compare fit.json seal.csv --mass 104g", "seal.csv is a relaxation test. Compare a fit w"),
-        ("compare hammer.csv fit.json --mass 104g", "hammer.csv is a hammer file; fit.json is a f"),
+        ("compare hammer.csv fit.json --mass 104g", "hammer.csv is a hammer test; fit.json is a f"),
         ("fit seal.csv --mass 104g", "--mass is for .*seal.csv is a relaxation test"),
         ("compare fit.json base.csv", "over the mass and neither alone: give the mass"),
         ("predict fit.json --mass 104", "for example '104g'"),

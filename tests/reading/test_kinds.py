@@ -102,7 +102,7 @@ def test_a_reader_takes_its_kind_and_says_of_others_what_they_are(
 def test_who_names_the_columns_knows_what_the_file_is(tmp_path: Path) -> None:
     path = tmp_path / "both.csv"
     path.write_text(hammer("force [N],c [mm],acceleration [m/s^2]"))
-    with pytest.raises(ReadError, match="this is a hammer file"):
+    with pytest.raises(ReadError, match="this is a hammer test"):
         read_relaxation(path)
     found = read_relaxation(path, options=ReadOptions(displacement="c", units={"c": "mm"}))
     assert len(found.time) == 6000

@@ -164,7 +164,7 @@ def test_so_does_a_force_where_the_displacement_goes_on(
 
 
 @pytest.mark.parametrize(
-    ("base", "what"), [("a0", "a shaken base with its mass"), (None, "a hammer file")]
+    ("base", "what"), [("a0", "a shaken base with its mass"), (None, "a hammer test")]
 )
 def test_a_base_that_shakes_is_not_called_a_hammer_file(
     tmp_path: Path, base: str | None, what: str

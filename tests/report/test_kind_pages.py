@@ -175,12 +175,12 @@ def held_in(page: str) -> dict[str, str]:
 
 DENSE = Check("few_arms_sufficient", False, "No number of arms up to 6 follows.", grade="note")
 EXPORTED = {
-    "a seal": (lambda: S.fit, ["fit.json", "solid.bdf", "solid.inp"]),
-    "a material": (lambda: altered(S.fit, unit="Pa"), ["fit.json", "solid.inp"]),
+    "a seal": (lambda: S.fit, ["fit.json", "model.bdf", "model.inp"]),
+    "a material": (lambda: altered(S.fit, unit="Pa"), ["fit.json", "model.inp"]),
     "a table of arms": (
         lambda: altered(S.fit, unit="Pa", status=Status.NOT_IDENTIFIED,
                         checks=(*S.fit.checks, DENSE)),
-        ["fit.json", "solid.inp"],
+        ["fit.json", "model.inp"],
     ),
     "what is not identified": (
         lambda: altered(S.fit, unit="Pa", status=Status.NOT_IDENTIFIED,

@@ -246,7 +246,7 @@ def test_the_verdict_leads_in_words_in_colour_and_in_form(grade, colour, words):
 @pytest.mark.parametrize(
     ("grade", "heading", "names"),
     [("limit", "Recommended: model of the relaxation test, two arms",
-      ["fit.json", "solid.bdf", "solid.inp"]),
+      ["fit.json", "model.bdf", "model.inp"]),
      ("stop", "No model is recommended", ["fit.json"])],
 )  # fmt: skip
 def test_what_must_not_be_used_is_not_offered(sketch, grade, heading, names):
@@ -363,7 +363,7 @@ def test_a_deck_of_the_page_is_that_of_the_command_line(tmp_path, known):
     kept = tmp_path / "fit.json"
     kept.write_text(to_json(fit))
     found = decks(page)
-    assert set(found) == {"solid.bdf", "solid.inp"}
+    assert set(found) == {"model.bdf", "model.inp"}
     commands = re.findall(r"the same as (dashpot export [^<]*)", unescape(page))
     for deck, command in zip(found.values(), commands, strict=True):
         words = shlex.split(command)[2:]
@@ -371,7 +371,7 @@ def test_a_deck_of_the_page_is_that_of_the_command_line(tmp_path, known):
         assert said.exit_code == 0, said.output
         assert said.stdout == deck
         assert ("OVERRIDE: the test temperature is not stated" in deck) is not known
-    assert "EXTRAPOLATED:" not in found["solid.bdf"]
+    assert "EXTRAPOLATED:" not in found["model.bdf"]
     text = Page(page).text
     assert ("state temperature and contact length" in text) is not known
     assert "Decks are valid from 0.004 to 0.32 Hz" in text
@@ -391,7 +391,7 @@ def test_a_seal_that_hardens_has_the_deck_of_what_the_mass_feels():
     rests = find_static_equilibrium(hard, MassOnSeals(S.mass, 2.0))
     page = html(replace(S, fit=hard, static_equilibrium=rests, measured=None, comparison=None,
                         joint=None, joint_comparison=None, impact=None, direct=None))  # fmt: skip
-    k = float(re.search(r"k_inf = ([\d.]+) N/mm", decks(page)["solid.bdf"])[1])
+    k = float(re.search(r"k_inf = ([\d.]+) N/mm", decks(page)["model.bdf"])[1])
     assert k == pytest.approx(1e-3 * rests.tangent.stiffness, rel=1e-3)
     assert "--compression" in page
 
@@ -488,7 +488,7 @@ def test_what_is_assumed_stands_folded_with_what_the_study_says_of_it(whole):
     body = whole[whole.index('<details id="assumptions">') : whole.index('<details id="provenance')]
     assert body.count("<tr") == 1 + len(ASSUMPTIONS)
     # the mass of this study sags 2.9 mm, and the test held 8 mm
-    assert re.search(r'<tr class="bad"><td>elastic law</td>.*<td>doubted</td>', body)
+    assert re.search(r'<tr class="bad"><td>elastic law</td>.*<td>contradicted</td>', body)
 
 
 def test_report_shows_a_shared_check_only_at_one_place(sketch):

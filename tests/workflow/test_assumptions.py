@@ -58,5 +58,5 @@ def test_what_checks_say_of_an_assumption() -> None:
     clocks = next(one for one in ASSUMPTIONS if one.name == "synchronous clocks")
     good, bad, silent = (Check("delay_plausible", passed, "") for passed in (True, False, None))
     assert clocks.state([good, silent]) == "not contradicted"
-    assert clocks.state([good, bad]) == "doubted"
-    assert clocks.state([silent, Check("strain_small", False, "")]) == "unwatched"
+    assert clocks.state([good, bad]) == "contradicted"
+    assert clocks.state([silent, Check("strain_small", False, "")]) == "not tested"

@@ -276,7 +276,7 @@ def frf_of(
     """Return the FRF of hits, or one that was measured elsewhere, with what it says of itself."""
     measurement = _require_single_measurement(measured)
     if isinstance(measurement, FRFSet):
-        raise FitError("one FRF is fitted under a mass, that of the block: choose its point")
+        raise FitError("one FRF is fitted under a mass: choose its point")
     return measured_frf(measurement, choices=hammer or HammerChoices(), mass=mass, band=band)
 
 

@@ -195,7 +195,7 @@ def _get_seal_model(seal: str | Fit | Solid) -> tuple[Any, TemperatureLaw, float
 
     if isinstance(seal, str):
         if seal not in SEALS:
-            raise DataError(f"seal='{seal}': expected one of {', '.join(SEALS)}, or a solid")
+            raise DataError(f"seal='{seal}': expected one of {', '.join(SEALS)}, or a model")
         solid, mass = SEALS[seal]
         return solid, SHIFT, mass
     if isinstance(seal, Fit):

@@ -345,7 +345,7 @@ def run_joint(request: FitRequest) -> CommandResult:
     request.check_output_suffix(".json", *FRF_SUFFIXES, what="a fit")
     if request.mass is None:
         raise click.UsageError(
-            "A test and a hammer file are fitted together under a mass. "
+            "A test and a hammer test are fitted together under a mass. "
             "Give the test mass: --mass 104g"
         )
     measured = request.select_files(*VIBRATION)

@@ -244,7 +244,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
             return self.model
         name = "a temperature that nobody noted" if tested is None else celsius(tested)
         raise DataError(
-            f"the fit is of tests at {name}, and nothing says how the solid moves to "
+            f"the fit is of tests at {name}, and nothing says how the model shifts to "
             f"{celsius(kelvin)}: fit tests at several temperatures together"
         )
 

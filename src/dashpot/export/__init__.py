@@ -140,7 +140,7 @@ def export_solid(
     write = find_writer(target)
     refuse_untaken(target, write, choices)
     if compression is not None:
-        raise ExportError("a bare solid has no elastic law; leave out --compression")
+        raise ExportError("a model in memory has no elastic law; leave out --compression")
     choices.setdefault("specimen", Specimen(temperature=temperature))
     return write(seals * solid, **choices)
 

@@ -249,7 +249,7 @@ def _refuse_impossible(deck: Deck) -> None:
     """Raise where nothing can be overlooked: there is no right number to write."""
     model = deck.model
     if model.k_0 == 0 and model.b == 0 and not deck.nonlinear_elements.parts:
-        raise ExportError("the solid has neither stiffness nor damping; there is nothing to write")
+        raise ExportError("the model has neither stiffness nor damping; there is nothing to write")
     _refuse_extreme(deck)
     if deck.form == "prony" and model.b > 0:
         raise ExportError(

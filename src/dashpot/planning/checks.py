@@ -22,10 +22,10 @@ def loss_factor_determined(sd: float, at: float, wanted: float, *, remedy: str =
 
 @criterion("frequency, Hz", source="within 1/(2 pi hold) to 1/(pi ramp)")
 def inside_valid_band(at: float, band: tuple[float, float]) -> Finding:
-    """The frequency of interest lies in the frequency range of the ramp and hold."""
+    """The frequency of interest lies in the valid band of the ramp and hold."""
     inside = band[0] <= at <= band[1]
     return Finding(
-        f"The frequency range of this ramp and hold is {band[0]:.2g} to {band[1]:.2g} Hz; "
+        f"The valid band of this ramp and hold is {band[0]:.2g} to {band[1]:.2g} Hz; "
         f"{at:g} Hz lies {'inside' if inside else 'outside'}",
         at,
         remedy="Ramp faster, or add a hammer test.",

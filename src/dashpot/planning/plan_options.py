@@ -66,7 +66,7 @@ class HammerPlan:
         If a number is not positive, or the coherence not below 1.
     """
 
-    mass: float | None = option(None, "Test mass (what peaks at the frequency).", unit="mass")
+    mass: float | None = option(None, "Test mass (that which resonates there).", unit="mass")
     seals: float = option(1.0, "Seals in parallel.")
     record: float | None = option(None, "Record after a hit.", unit="time", flag="hit-length")
     pulse: float | None = option(None, "Hammer pulse; soft tips give 10 to 20 ms.", unit="time")

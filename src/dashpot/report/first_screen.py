@@ -509,7 +509,7 @@ def inferred_mass(study: Study) -> str:
     return (
         f"The mass of {format_with_error(study.mass, 'g', digits=4)} was found from the measured "
         "FRF, "
-        "so the agreement in frequency proves nothing. Weigh the block."
+        "so the agreement in frequency proves nothing. Weigh the test mass."
     )
 
 

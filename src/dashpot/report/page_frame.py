@@ -236,11 +236,11 @@ def format_deck_note(source: DeckSource, made: Sequence[AttachedDeck]) -> str:
         return ""
     terms = _terms_of(source)
     if not made:
-        return f"No deck is here, because {terms.reason}."
+        return f"No solver input is here, because {terms.reason}."
     unknown = " and ".join(words for name, words in _UNSTATED.items() if name in made[0].options)
     requested = f" Before you use one, state {unknown}." if unknown else ""
     return (
-        f"Decks are valid {format_band(terms.band)}.{requested}"
+        f"Solver inputs are valid {format_band(terms.band)}.{requested}"
         if terms.band
         else requested.strip()
     )
@@ -253,8 +253,8 @@ def attach_decks(made: Sequence[AttachedDeck], document: str) -> list[Attachment
         command = shlex.join(("dashpot", "export", document, *options))
         files.append(
             attachment(
-                f"solid.{SUFFIXES[target]}",
-                "Deck: " * (i == 0) + _SOLVERS[target],
+                f"model.{SUFFIXES[target]}",
+                "Solver input: " * (i == 0) + _SOLVERS[target],
                 f"deck, {_SYSTEM}; the same as {command}",
                 "text/plain",
                 text,

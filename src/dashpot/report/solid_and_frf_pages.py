@@ -78,7 +78,7 @@ def modes_page(modes: Modes) -> KindPage:
         for hit in frf.hits
     )  # fmt: skip
     marks = tuple("" if hit.accepted else "bad" for hit in frf.hits)
-    head = ("hit", "time, s", "peak, N", "pulse, ms", "verdict")
+    head = ("hit", "time, s", "peak, N", "pulse width, ms", "verdict")
     fold = CollapsibleSection("Every hit", used, TextTable(head, hits, marks))
     return KindPage(
         about="hammer test" if frf.hits else "measured FRF",

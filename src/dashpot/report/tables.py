@@ -40,7 +40,7 @@ from dashpot.workflow.assumptions import ASSUMPTIONS
 from dashpot.workflow.stiffness_under_mass import rival_of
 from dashpot.workflow.study import Study
 
-STATES = {True: "passed", None: "not judged"}
+STATES = {True: "passed", None: "not applicable"}
 MEANS = {"stop": "failed: do not use", "limit": "failed: use with care", "note": "failed: a note"}
 MENDED = "failed: corrected by the joint model"
 VALUE = ("", "value ± standard error", "unit")
@@ -92,8 +92,16 @@ def assumptions(study: Study) -> TextTable:
         )
         for assumption, state in pairs
     )
-    head = ("assumed", "what that means", "here", "option that lifts it", "on the bench")
-    return TextTable(head, rows, tuple("bad" if state == "doubted" else "" for _, state in pairs))
+    head = (
+        "assumed",
+        "what that means",
+        "in this study",
+        "option that makes it unnecessary",
+        "on the bench",
+    )
+    return TextTable(
+        head, rows, tuple("bad" if state == "contradicted" else "" for _, state in pairs)
+    )
 
 
 def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Check]) -> TextTable:
@@ -415,7 +423,7 @@ def arms_tested(comparison: Comparison | None) -> TextTable | None:
         answers = ("yes" if tested else "hardly", "yes" if resolved else "no")
         rows.append((duration(arm.tau), share, *answers))
         marks.append("bad" if tested and not resolved else "")
-    head = ("arm's τ", "share of the loss at the peak, %", "tested by this FRF",
+    head = ("τ of the arm", "share of the loss at the peak, %", "tested by this FRF",
             "resolved by the relaxation test")  # fmt: skip
     return TextTable(head, tuple(rows), tuple(marks))
 
@@ -425,7 +433,7 @@ def hits(frf: FRF | None) -> TextTable | None:
     if frf is None or not frf.hits:
         return None
     columns = 6 if any(hit.reasons for hit in frf.hits) else 5
-    head = ("hit", "at, s", "peak, N", "pulse, ms", "verdict", "why")
+    head = ("hit", "time, s", "peak, N", "pulse width, ms", "verdict", "why")
     rows = tuple(
         (
             hit.name,

@@ -67,7 +67,7 @@ class Oscillator:
         """
         if solid.k_inf <= 0:
             raise DataError(
-                "k_inf = 0: the block would sink without end; the virtual hammer needs a solid "
+                "k_inf = 0: the test mass would sink without end; the simulation needs a model "
                 "with k_inf > 0"
             )
         k, tau = np.array(solid.k), np.array(solid.tau)
@@ -79,9 +79,7 @@ class Oscillator:
         matrix[2:, 2:] = -np.diag(1 / tau)
         poles, vectors = np.linalg.eig(matrix)
         if np.linalg.cond(vectors / np.linalg.norm(vectors, axis=0)) > 1e10:
-            raise DataError(
-                "two poles of the block on its seals coincide; change the mass a little"
-            )
+            raise DataError("two poles of the mass on its seals coincide; change the mass a little")
         push = np.zeros(size)
         push[1] = 1 / inertia
         return cls(inertia, poles, (matrix[1] @ vectors) * np.linalg.solve(vectors, push))

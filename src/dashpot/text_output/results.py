@@ -285,7 +285,10 @@ def impact(result: ImpactResult) -> Text:
     lines = []
     for mode in result.modes:
         frequency, ratio, _ = (fact.cells.ascii.with_unit for fact in mode.mode.facts)
-        lines.append(f"  mode  {frequency}, damping ratio {ratio} ({mode.method})")
+        lines.append(
+            f"  mode  {frequency}, damping ratio {ratio} "
+            f"({mode.method.replace('rational', 'rational-fraction fit')})"
+        )
     used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} used"
     spacing = frf.frequency[1] - frf.frequency[0]
     if frf.quantity.over_base:
@@ -296,7 +299,7 @@ def impact(result: ImpactResult) -> Text:
 
 def _hits(hits: Sequence[Hit]) -> list[str]:
     """Return the table of hits with their verdicts, and why one was rejected."""
-    rows = [["hit", "time, s", "peak, N", "pulse, ms", "verdict"]]
+    rows = [["hit", "time, s", "peak, N", "pulse width, ms", "verdict"]]
     rows += [
         [
             hit.name,

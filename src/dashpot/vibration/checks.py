@@ -10,15 +10,15 @@ MOST_BEYOND = 3.0
 # above this part of the block's mass the seals' own inertia shifts the peak by a third of a percent
 
 
-@criterion("seals / block", "<=", 0.02, "2 % move the peak by 0.33 %")
+@criterion("seals / test mass", "<=", 0.02, "2 % move the peak by 0.33 %")
 def seal_mass_negligible(part: float) -> Finding:
-    """The mass of the seals is negligible relative to the block."""
+    """The mass of the seals is negligible relative to the test mass."""
     return Finding(
-        f"The seals weigh {100 * part:.2g} % of the block",
+        f"The seals weigh {100 * part:.2g} % of the test mass",
         part,
         "A third of that counts as moving mass. The rest, and waves within the seal, are not "
         "modelled",
-        "Use a heavier block.",
+        "Use a heavier test mass.",
     )
 
 

@@ -648,7 +648,7 @@ def moving_mass(block: float, *, seal: float, seals: float = 1.0) -> tuple[float
     require_nonnegative("seal ", mass=seal, unit=" kg")
     if seals * seal > block:
         raise DataError(
-            f"the seals would weigh {format_quantity(seals * seal, 'g')} on a block of "
+            f"the seals would weigh {format_quantity(seals * seal, 'g')} on a mass of "
             f"{format_quantity(block, 'g')}: check the mass of one seal and its unit"
         )
     return block + seals * seal / 3, seal_mass_negligible(seals * seal / block)

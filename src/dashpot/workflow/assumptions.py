@@ -36,12 +36,14 @@ class Assumption:
     options: tuple[str, ...]
     advice: str
 
-    def state(self, checks: Iterable[Check]) -> Literal["doubted", "not contradicted", "unwatched"]:
+    def state(
+        self, checks: Iterable[Check]
+    ) -> Literal["contradicted", "not contradicted", "not tested"]:
         """Return the state of the assumption by the checks of a study."""
         answers = [check.passed for check in checks if check.name in self.checks]
         if False in answers:
-            return "doubted"
-        return "not contradicted" if True in answers else "unwatched"
+            return "contradicted"
+        return "not contradicted" if True in answers else "not tested"
 
 
 ASSUMPTIONS = (

@@ -71,7 +71,7 @@ _BENCH = {
     "seal_8mm.csv": Example("relaxation", "a seal pressed 8 mm in 1 s and held 40 s", _seal(1)),
     "hammer.csv": Example(
         "impact",
-        f"a block of {format_quantity(MASS, 'g', 'g')} on two such seals, struck five times",
+        f"a mass of {format_quantity(MASS, 'g', 'g')} on two such seals, struck five times",
         _hammer,
     ),
     "depth_4mm.csv": Example(

@@ -64,7 +64,7 @@ def route(kinds: Mapping[str, str], *, masses: int = 0, selected: str = "") -> s
             _refuse_several(kinds)
             return "joint"
         raise ReadError(
-            "A test and a hammer file are fitted together under a mass. Give the test "
+            "A test and a hammer test are fitted together under a mass. Give the test "
             "mass, such as --mass 104g."
         )
     meant = _find_common_meaning(have)

@@ -742,7 +742,7 @@ def test_accessibility_tree_of_single_and_joint_tests(visit, files):
     assert "12.7" in page.at.locator("#answers").inner_text()
     assert "--no-joint" not in page.at.locator("#command").inner_text()
     page.at.get_by_role("button", name="change", exact=True).click()
-    page.at.get_by_role("button", name="its base").click()
+    page.at.get_by_role("button", name="base motion").click()
     page.at.locator("[data-panel=frf]").get_by_text("less than its base above").first.wait_for()
     assert "predict joint.json" in page.at.locator("#command").inner_text()
     assert "Transmissibility of" in page.at.locator('[data-panel="frf"]').inner_text()

@@ -77,7 +77,7 @@ def test_batch_has_a_row_for_every_file(whole):
         ("fitted", 8), ("refused", 2), ("other", 1)
     ]  # fmt: skip
     hammer = row_of(whole, "hammer.csv")
-    assert "it is a hammer file: say of which test" in hammer["reason"]
+    assert "it is a hammer test: say of which test" in hammer["reason"]
     assert (hammer["measured_Hz"], hammer["k_inf_N_per_m"]) == (pytest.approx(12.7, abs=0.1), None)
     assert "is empty (0 bytes)" in row_of(whole, "empty.csv")["reason"]
     assert "no numbers under the header" in row_of(whole, "junk.csv")["reason"]
@@ -431,7 +431,7 @@ def test_the_command_prints_logs_and_judges(folder, tmp_path):
     strict = ran(*words, "--strict", "-v")
     assert strict.exit_code == 1
     assert "0 now, 11 taken from an earlier run" in strict.stdout
-    assert "it is a hammer file: say of which test" in " ".join(strict.stdout.split())
+    assert "it is a hammer test: say of which test" in " ".join(strict.stdout.split())
     plan = run_json(*words, "--dry-run")
     assert (plan["done"], plan["chunks"], plan["seconds"]) == (11, 0, 0)
     good = [*words[:1], folder / "lotA_seal0_rep0.csv", *words[2:], "--strict", "--jobs", 1]

@@ -214,7 +214,9 @@ def test_closing_speed_of_the_cars_follows_the_force_of_the_seal(tmp_path, monke
     pair = least_speed(closed, load=np.exp([-0.04, 0.04]))
     slope = float(np.diff(np.log(pair))[0] / 0.08)
     assert one["between_sd"] == pytest.approx(0.04 * slope, rel=0.05)
-    assert "How the cars differ" in Path("cars.html").read_text()
+    page = Path("cars.html").read_text()
+    assert "How the cars differ" in page
+    assert "door.toml" in page
     Path("cars.json").write_text(json.dumps(cars))
     assert dp.read("cars.json").quantities[-1].name == "closing"
 

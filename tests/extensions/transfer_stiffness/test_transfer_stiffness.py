@@ -12,6 +12,8 @@ import pytest
 
 import dashpot as dp
 from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source
+from dashpot.base.version import is_ours
 from dashpot.extensions.transfer_stiffness.third_octaves import (
     compute_band_means,
     list_third_octaves,
@@ -219,6 +221,20 @@ def test_every_quantity_of_force_over_motion_is_one_stiffness():
     np.testing.assert_allclose(compute_transfer_stiffness(relative, mass=MASS, exact=True).value, K)
 
 
+@pytest.mark.parametrize("simulated", [False, True])
+@pytest.mark.parametrize("lines", [False, True])
+def test_table_names_its_files_and_a_simulation(simulated, lines):
+    source = (Source("mount.csv", "0" * 64, simulated=simulated),)
+    measured = frf(LINES, two_seals(LINES), "dynamic_stiffness", source=source)
+    above = [
+        line
+        for line in compute_transfer_stiffness(measured).csv(lines=lines).splitlines()
+        if line.startswith("#")
+    ]
+    assert above[0].endswith("transfer stiffness of mount.csv")
+    assert any("SIMULATED" in line for line in above) is simulated
+
+
 def test_document_and_tables_come_back(tmp_path):
     sheet = compute_transfer_stiffness(
         frf(LINES, two_seals(LINES), "dynamic_stiffness"), preload="20N"
@@ -229,8 +245,9 @@ def test_document_and_tables_come_back(tmp_path):
     assert back.bands == sheet.bands
     np.testing.assert_array_equal(back.value, sheet.value)
     rows = sheet.csv().splitlines()
-    assert len(rows) == len(sheet.bands) + 1
-    assert len(sheet.csv(lines=True).splitlines()) == len(LINES) + 1
+    assert is_ours(rows[0].encode())
+    assert len(rows) == len(sheet.bands) + 2
+    assert len(sheet.csv(lines=True).splitlines()) == len(LINES) + 2
     assert "Method" in sheet.save(tmp_path / "sheet.html").read_text(encoding="utf-8")
 
 
@@ -296,4 +313,4 @@ def test_sheet_outside_the_valid_band_notes_its_standard_errors(
     sheet = compute_transfer_stiffness(fit, band=band)
     sheet.save(tmp_path / "sheet.html")
     for text in (str(find_handler("text", sheet)(sheet)), (tmp_path / "sheet.html").read_text()):
-        assert ("the intervals hold standard errors alone" in text) is is_noted
+        assert ("the intervals contain standard errors alone" in text) is is_noted

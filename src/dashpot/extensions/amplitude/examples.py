@@ -61,7 +61,7 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
             _loops,
         ),
         "shaker_20mN.csv": Example(
-            "frf", "the block on two such seals, on a shaker of 0.02 N", _make_frf_writer(0.02, 1)
+            "frf", "the mass on two such seals, on a shaker of 0.02 N", _make_frf_writer(0.02, 1)
         ),
         "shaker_500mN.csv": Example(
             "frf", "the same at 0.5 N: dashpot fit takes the two", _make_frf_writer(0.5, 2)

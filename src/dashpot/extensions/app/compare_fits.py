@@ -178,7 +178,7 @@ def _arms(a: Fit, b: Fit) -> Iterator[ComparedValue]:
     entries = [{fact.name: fact for fact in list_known_values(fit)} for fit in (a, b)]
     group = f"Model, k in {entries[0]['k_inf'].word}" if "k_inf" in entries[0] else "Model"
     if all("k_inf" in facts for facts in entries):
-        yield _pair("spring at rest", entries[0]["k_inf"], entries[1]["k_inf"], group)
+        yield _pair("k∞", entries[0]["k_inf"], entries[1]["k_inf"], group)
     if a.family != "maxwell" or b.family != "maxwell":
         return
     for i, j in match_time_constants(a.model.tau, b.model.tau):

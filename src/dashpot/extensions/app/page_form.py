@@ -16,8 +16,7 @@ from dashpot.base.option_fields import (
 from dashpot.workflow.job import Job
 
 LABELS = {
-    "full": "recorded", "hold": "eq. (5)", "linear": "straight", "nonlinear": "bent",
-    "maxwell": "arms",
+    "full": "ramp and hold", "hold": "hold", "nonlinear": "curved", "maxwell": "Maxwell",
 }  # fmt: skip
 """Labels on the page of the choices of a command."""
 

@@ -95,7 +95,7 @@ SHORT = {
     "k∞, relaxation fit": "k∞", "k∞, fit": "k∞", "relaxation fit": "arms",
     "predicted from relaxation": "predicted",
     "95 % bounds over all spectra": "bounds over all spectra",
-    "unresolved range": "out of reach", "other family from relaxation": "other family",
+    "unresolved range": "outside the test", "other family from relaxation": "other family",
     "band that every accepted hit excites": "excited by all",
     "fitted mode": "mode", "new pole": "new", "stable in frequency": "stable in frequency",
     "stable in frequency and damping": "stable in damping",
@@ -583,7 +583,7 @@ def arms_table(fit: Fit, *, single: Fit | None = None) -> str:
     if fit.family != "maxwell" or fit.model.arms > SINGLE:
         return solid_table(fit)
     reported_values = {fact.name: fact for fact in list_known_values(fit)}
-    pairs = [("spring at rest", "k_inf", "")]
+    pairs = [("k∞", "k_inf", "")]
     pairs += [(f"arm {j}", f"k_{j}", f"tau_{j}") for j in range(1, fit.model.arms + 1)]
     if "b" in reported_values:
         pairs.append((f"dashpot, {reported_values['b'].word}", "b", ""))

@@ -38,6 +38,8 @@ def fits_usable(unusable: int, fitted: int) -> Finding:
 @criterion("hammer tests not compared", "<=", 0, "by definition")
 def hammers_compared(without: int, paired: int) -> Finding:
     """Every hammer test of the batch was compared with its relaxation test."""
+    if not paired:
+        return Finding("No test of the batch has a hammer test, so none is compared")
     return Finding(
         f"{paired - without} of {paired} hammer tests were compared with their relaxation tests",
         without,

@@ -116,7 +116,7 @@ def calculix(
         "node 1 is the ground side, node 2 the moving side, one inner node in each arm, along x"
     ]
     if mass is not None:
-        title = "steady-state response of a mass on the solid for CalculiX"
+        title = "steady-state response of a mass on the model for CalculiX"
         cards += _steps(deck, mass, low, high, points)
         remarks += [
             "U1 of node 2 under a unit force: the receptance, real block then",

@@ -63,7 +63,7 @@ def opensees(
         else format_procedures("opensees", deck.form, with_dashpot=deck.b > 0)
     )
     tag = first_tag + len(_list_materials(deck))
-    where = _NODES if network else (f"material {tag} is the solid; {_MATERIAL[0]}", _MATERIAL[1])
+    where = _NODES if network else (f"material {tag} is the model; {_MATERIAL[0]}", _MATERIAL[1])
     return deck.format_text(
         "#",
         f"{'network of zeroLength elements' if network else 'uniaxial material'} for OpenSees",

@@ -123,7 +123,7 @@ def mount_acts_as_spring(least: float, *, frequency: float) -> Finding:
 
 
 @criterion("distance from the valid band, a factor", "<=", 1.0, "the valid band of the fit")
-def sheet_in_valid_band(
+def third_octaves_in_valid_band(
     lines: tuple[float, float], band: tuple[float, float], *, has_record: bool
 ) -> Finding:
     """The third octaves lie in the valid band of the fit, or limits include unresolved arms."""
@@ -132,11 +132,11 @@ def sheet_in_valid_band(
     return Finding(
         f"The lines lie in the valid band of the fit, {low:.2g} to {high:.2g} Hz"
         if beyond <= 1
-        else "The intervals hold every arm that the record does not exclude",
+        else "The intervals include every arm that the record does not exclude",
         beyond,
-        "Its intervals hold standard errors alone there",
+        "Its intervals contain standard errors alone there",
         Remedy("Narrow the band, or give the record behind the fit.", "record"),
-        failure=f"The fit covers {low:.2g} to {high:.2g} Hz, and the sheet reaches "
+        failure=f"The fit covers {low:.2g} to {high:.2g} Hz, and the table reaches "
         f"{beyond:.3g} times further",
         always_passes=has_record,
     )

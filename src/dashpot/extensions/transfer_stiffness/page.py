@@ -41,7 +41,7 @@ def page(sheet: TransferStiffness) -> KindPage:
             Topic("Level", {"level_determined", "third_octaves_resolved"}, level),
             Topic("Method", {
                 "output_blocked", "errors_not_magnified", "flange_inertia_negligible",
-                "blocking_mass_rigid", "sheet_in_valid_band"}),
+                "blocking_mass_rigid", "third_octaves_in_valid_band"}),
             Topic("Mount", {"mount_dissipates", "mount_acts_as_spring"}, "a spring with loss"),
         ),
         answers="Transfer stiffness and loss factor over frequency",

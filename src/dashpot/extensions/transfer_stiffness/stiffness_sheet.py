@@ -22,6 +22,7 @@ from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict, Series
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import convert_to_unit
+from dashpot.base.version import byline
 
 Method: TypeAlias = Literal["direct", "indirect", "predicted"]
 
@@ -200,9 +201,11 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
     @property
     def interval_note(self) -> str:
         """What the intervals leave out beyond the valid band of a fit; else empty."""
-        if not any(check.failed and check.name == "sheet_in_valid_band" for check in self.checks):
+        if not any(
+            check.failed and check.name == "third_octaves_in_valid_band" for check in self.checks
+        ):
             return ""
-        return "Outside the valid band of the fit the intervals hold standard errors alone."
+        return "Outside the valid band of the fit the intervals contain standard errors alone."
 
     @property
     def level(self) -> FloatArray:
@@ -277,11 +280,15 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
         }
 
     def csv(self, *, lines: bool = False) -> str:
-        """Return the third octaves as a table, or the lines."""
+        """Return the third octaves as a table, or the lines, below what they are of."""
+        notes = [byline("transfer stiffness of " + ", ".join(one.file for one in self.source))]
+        if any(one.simulated for one in self.source):
+            notes.append("SIMULATED: the test behind this table was simulated")
         columns = self._line_columns if lines else self._table_columns
         head = ",".join(f"{name} [{unit}]" if unit else name for name, (_, unit) in columns.items())
         rows = zip(*(values for values, _ in columns.values()), strict=True)
-        return "\n".join((head, *(",".join(map(_format_cell, row)) for row in rows))) + "\n"
+        above = (f"# {note}" for note in notes)
+        return "\n".join((*above, head, *(",".join(map(_format_cell, row)) for row in rows))) + "\n"
 
     @property
     def _headline(self) -> str:

@@ -662,7 +662,7 @@ def _predict(
         else request.temperature,
         seals=seals,
         checks=(
-            checks.sheet_in_valid_band(edges, fit.band, has_record=bool(prepared)),
+            checks.third_octaves_in_valid_band(edges, fit.band, has_record=bool(prepared)),
             checks.level_determined(widest.half_width, centre=widest.centre),
             *fit.checks,
         ),

@@ -18,7 +18,7 @@ EXPLAINED = 2.0
 UNEXPLAINED = 0.1
 # a squared residual so many times as large is another seal
 CONTRADICTED = 4.0
-REMEDY = Remedy("Weigh the block. Check number, length and compression of the seals.", "mass")
+REMEDY = Remedy("Weigh the test mass. Check number, length and compression of the seals.", "mass")
 _APART = "Hammer and relaxation test contradict each other"
 # a force missed by less than this part of its peak changes no use of the solid
 IMMATERIAL = 1e-4
@@ -147,7 +147,7 @@ def tests_agree(lead: Explanation | None) -> Finding:
 
 
 REMEDIES: dict[str, Remedy | str] = {
-    "mass": Remedy("Weigh the block again.", "mass"),
+    "mass": Remedy("Weigh the test mass again.", "mass"),
     "gain": "Check the sensitivities of hammer and accelerometer.",
     "delay": "Check the delay between hammer and accelerometer.",
     "stiffness": "Check number, length and compression of the seals.",
@@ -177,8 +177,8 @@ def _plausible(quantity: str, ends: Status | None = None) -> Believable:
     )
     def judge(off: float, sd: float) -> Finding:
         return Finding(
-            f"The fit wants a {quantity} {abs(off) / sd:.2g} standard deviations from what was "
-            "known",
+            f"The fitted {quantity} differs from the known one by {abs(off) / sd:.2g} standard "
+            "deviations",
             abs(off) / sd,
             remedy=remedy,
             grade="stop" if abs(off) > 4 * STRAINED * sd else None,

@@ -61,12 +61,12 @@ def ramp_residual_small(missed: float, noise: float, discrepancy: float, kind: s
 def ramp_explained(quality: LinearFitQuality | None) -> Finding:
     """A linear model fits ramp and hold to within their noise."""
     if quality is None:
-        return Finding("No one ramp before one hold is there, so it is not judged")
+        return Finding("The record is not one ramp and one hold, so it is not judged")
     return Finding(
-        f"A linear solid leaves {quality.ramp:.3g} times the noise on the ramp",
+        f"A linear model leaves {quality.ramp:.3g} times the noise on the ramp",
         quality.ramp,
-        "No bent law explains it better: two faults may hide each other, such as a seal that bends "
-        "a little and one that warms. Fast arms, and the loss that they give, are uncertain",
+        "No nonlinear law explains it better: two faults may hide each other, such as a seal that "
+        "stiffens a little and one that warms. Fast arms, and their loss, are uncertain",
         "Press at a second speed, or strike the seal with a hammer.",
         always_passes=quality.sound,
     )

@@ -133,10 +133,10 @@ class KindOfFile(NamedTuple):
 RAMP_ROLES: tuple[Role, ...] = ("time", "displacement", "force")
 _FRF_ROLES: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
 _SWEEP_ROLES: tuple[Role, ...] = ("frequency", "storage", "loss", "temperature")
-_NO_TAU = "it tells no relaxation times; sweep the frequency"
+_NO_TAU = "it shows no relaxation times; sweep the frequency"
 RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
     "relaxation": KindOfFile("a relaxation test", "use dashpot fit or dashpot report", RAMP_ROLES),
-    "impact": KindOfFile("a hammer file", "use dashpot fit", ("time", "hammer"), True),
+    "impact": KindOfFile("a hammer test", "use dashpot fit", ("time", "hammer"), True),
     "frf": KindOfFile("an FRF", "use dashpot fit or dashpot compare", _FRF_ROLES),
     "transmissibility": KindOfFile(
         "a transmissibility", "use dashpot fit, with the mass for the model, or compare", _FRF_ROLES

@@ -206,7 +206,7 @@ ramp_not_fast = make_size_criterion(
 )  # fmt: skip
 hammer_not_heavy = make_size_criterion(
     "hammer_not_heavy",
-    "The hammer force is no larger than a block on seals can take.",
+    "The hammer force is no larger than a mass on seals can take.",
     "greatest force <= 1e3 N", "a sledge hammer",
     message="The hammer's force reaches", role="hammer",
 )  # fmt: skip

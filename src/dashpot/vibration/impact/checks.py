@@ -456,14 +456,14 @@ def hits_centred(frf: FRF, combination: Combination) -> Finding:
     value = float(abs(combination.eccentricity[worst]))
     scatter = float(np.std(combination.eccentricity))
     message = (
-        f"Hit {names[worst]} rocks the block by {100 * value:.0f} % of its bounce at the "
+        f"Hit {names[worst]} rocks the test mass by {100 * value:.0f} % of its bounce at the "
         f"accelerometers, the most of all ({100 * scatter:.0f} % scatter)"
     )
     if combination.reach is not None:
         reach = combination.reach
         # a slender block as long as the accelerometers are apart: rho^2 = x^2 / 3
         message += (
-            f". On a slender block {format_quantity(2 * reach, 'mm', '.0f')} long this is a hit "
+            f". On a slender mass {format_quantity(2 * reach, 'mm', '.0f')} long this is a hit "
             f"{format_quantity(value * reach / 3, 'mm', '.1f')} off centre"
         )
     return Finding(message, value, remedy="Strike closer to the centre.")

@@ -513,7 +513,7 @@ def _cut_step(hits: Sequence[HitBlock]) -> Step:
             ("record", f"{length:.9g} s"),
             ("pretrigger", f"{before:.9g} s"),
         ),
-        f"{len(hits)} hits in blocks of {length:.4g} s, {format_quantity(before, 'ms', '.3g')} of "
+        f"{len(hits)} hits in records of {length:.4g} s, {format_quantity(before, 'ms', '.3g')} of "
         "each "
         "before the hit, from where the offsets were taken",
     )

@@ -97,7 +97,7 @@ def _list_faults(hit: HitBlock) -> Iterator[str]:
     if hit.missing:
         recorded_time = (len(hit.force) - hit.missing) / hit.rate
         yield (
-            f"the recording ends {recorded_time:.3g} s into a block of {hit.length:.3g} s; "
+            f"the recording ends {recorded_time:.3g} s into a record of {hit.length:.3g} s; "
             "record on, or ask for a shorter record"
         )
     if hit.onset < 2 and hit.force[0] > 0.05 * hit.peak:
@@ -193,7 +193,7 @@ def _list_ringing(hit: HitBlock, windowed: bool) -> Iterator[str]:
     motion = compute_pre_hit_motion(hit)
     if motion >= MAX_PRE_HIT_MOTION:
         yield (
-            f"the block still moves before the hit, by {100 * motion:.0f} % of the response to it; "
+            f"the mass still moves before the hit, by {100 * motion:.0f} % of the response to it; "
             + ("that is taken off as a free decay, but better " if hit.calmed else "")
             + "wait longer between hits"
         )

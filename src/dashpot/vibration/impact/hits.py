@@ -237,8 +237,8 @@ def _length(onsets: Sequence[_PulseOnset], rate: float, before: int, record: flo
         length = sample_count(record, rate) if np.isfinite(record) else 0
         if length < before + 8:
             raise DataError(
-                f"record = {record!r} s; expected more than the {before / rate:.3g} s that a block "
-                "holds before the hit"
+                f"record = {record!r} s; expected more than the {before / rate:.3g} s "
+                "before the hit"
             )
         return length
     space = []

@@ -181,7 +181,7 @@ def aging_exceeds_cell_drift(rate: float | None, drift: float) -> Finding:
         f"The coldest oven loses {100 * loss:.3g} % in 1000 h, where the load cell may drift by "
         f"{100 * drift:.3g} %",
         loss / drift if drift else np.inf,
-        "A drift looks like chemistry there; the intervals hold either",
+        "A drift looks like chemical aging there; the intervals include both",
         Remedy("Check the cell with a weight, and give its drift.", "machine", "drift=10mN/h"),
     )
 
@@ -206,11 +206,11 @@ def robust_to_lower_activation_energy(
         return Finding("The temperature is that of an oven, or above, so it is not judged")
     return Finding(
         f"An activation energy of {format_quantity(lower, 'kJ/mol', 'g')} below {celsius(coldest)} "
-        "moves "
-        f"the answer by {change:.2g} standard errors",
+        "changes "
+        f"the result by {change:.2g} standard errors",
         change,
-        "Rubber often has one so low there, and no oven shows it",
-        "Test an oven nearer to it.",
+        "Many rubbers have so low an energy below the ovens, and these ovens cannot show it",
+        "Test an oven at a lower temperature.",
     )
 
 

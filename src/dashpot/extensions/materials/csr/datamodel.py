@@ -178,7 +178,7 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         facts = [
             ReportedValue.from_error(
                 "physical_loss", law.physical, loss, law.quantile, unit="1", read="%",
-                words="physical loss in a decade of time",
+                words="physical relaxation per decade of time",
             ),
             ReportedValue("chemical_time", math.nan, tau, math.inf, "s", None, "h", named)
             if law.bound_alone

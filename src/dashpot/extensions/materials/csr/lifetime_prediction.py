@@ -88,8 +88,8 @@ class Aged(HasVerdict, Serialisable):
         if not any(check.failed and check.name in _EXTRAPOLATION for check in self.checks):
             return ""
         return (
-            "The intervals hold the scatter of readings and ovens alone. That the aging law holds "
-            "beyond the ovens is not in them."
+            "The intervals contain the scatter of readings and ovens alone. They assume that the "
+            "aging law is valid beyond the ovens."
         )
 
     @property

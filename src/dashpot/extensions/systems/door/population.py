@@ -55,6 +55,7 @@ from dashpot.extensions.systems.door.modes import (
     oscillations,
 )
 from dashpot.extensions.systems.door.mounts import SEAL
+from dashpot.extensions.systems.door.result import list_sources
 from dashpot.registry import find_handler
 
 _RANGE_SD, _NODES, _DEGREE = 5.0, 11, 4
@@ -407,7 +408,10 @@ def predict_population(
     )
     door_checks = check_door(assembly, fit, modes, below)
     return DoorPopulation(
-        seal_spread, distributions, (*spread_checks, *fit.checks, *door_checks), fit.source
+        seal_spread,
+        distributions,
+        (*spread_checks, *fit.checks, *door_checks),
+        list_sources(assembly, fit),
     )
 
 

@@ -248,12 +248,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
     @property
     def sources(self) -> tuple[Source, ...]:
         """The files behind it."""
-        modes = self.assembly.modes
-        sources = (self.door.source, None if modes is None else modes.source)
-        return (
-            *(source for source in sources if source is not None),
-            *(self.fit.source if self.fit else ()),
-        )
+        return list_sources(self.assembly, self.fit)
 
     @property
     def responses(self) -> dict[str, Any]:
@@ -275,3 +270,12 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
         if line is None or stations is None or line.section is None:
             return None
         return SealOfDoor(line, line.section, stations, self.fit)
+
+
+def list_sources(assembly: Assembly, fit: Fit | None) -> tuple[Source, ...]:
+    """Return the files behind a door: its own, that of its modes, and those of its seal's fit."""
+    sources = (assembly.door.source, None if assembly.modes is None else assembly.modes.source)
+    return (
+        *(source for source in sources if source is not None),
+        *(fit.source if fit else ()),
+    )

@@ -44,7 +44,7 @@ def door(result: DoorResult, *, every: bool = False) -> Text:
 
 def _rows(result: DoorResult, numbers: Sequence[int], parts: Sequence[str]) -> list[list[str]]:
     """Frequency, damping and shares of some modes: of the seal, or of each of the `parts`."""
-    named = ["without seal", "damping, %", "seal: % of energy", "% of loss", "times outside"]
+    named = ["without seal", "damping, %", "seal: % of energy", "% of loss", "times above band"]
     rows = [["mode", "Hz", *(("damping, %", *parts) if parts else named)]]
     for i in numbers:
         mode = result.modes[i]
