@@ -494,7 +494,7 @@ def measure_all() -> list[Run]:
 def format_matrix() -> str:
     """Return the table of docs/export.md."""
     rows = [
-        "| Deck | Run by | Procedure | Case | Largest difference | |", "|---|---|---|---|---|---|",
+        "| Deck | Run by | Procedure | Case | Largest deviation | Result |", "|---|---|---|---|---|---|",
     ]  # fmt: skip
     for run in read_runs():
         word = "right" if run.is_right else "**wrong**"

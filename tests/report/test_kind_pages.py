@@ -203,7 +203,7 @@ def test_deck_of_a_page_equals_that_of_its_command(name, tmp_path):
     files = held_in(page)
     assert list(dict.fromkeys(files)) == names
     (tmp_path / "fit.json").write_text(files["fit.json"])
-    decks = [files[one] for one in names if one.startswith("solid.")]
+    decks = [files[one] for one in names if one.startswith("model.")]
     commands = re.findall(r"the same as (dashpot export [^<]*)", unescape(page))
     for deck, command in zip(decks, commands, strict=True):
         words = shlex.split(command)

@@ -348,7 +348,7 @@ def decks(page: str) -> dict[str, str]:
     return {
         name: base64.b64decode(data).decode()
         for name, data in re.findall(
-            r'download="(solid\.[a-z]+)" href="data:text/plain;base64,([^"]+)"', page
+            r'download="(model\.[a-z]+)" href="data:text/plain;base64,([^"]+)"', page
         )
     }
 
@@ -374,7 +374,7 @@ def test_a_deck_of_the_page_is_that_of_the_command_line(tmp_path, known):
     assert "EXTRAPOLATED:" not in found["model.bdf"]
     text = Page(page).text
     assert ("state temperature and contact length" in text) is not known
-    assert "Decks are valid from 0.004 to 0.32 Hz" in text
+    assert "Solver inputs are valid from 0.004 to 0.32 Hz" in text
 
 
 def test_a_solid_that_is_not_identified_has_no_deck_and_the_page_says_so():
@@ -382,7 +382,10 @@ def test_a_solid_that_is_not_identified_has_no_deck_and_the_page_says_so():
     lost = altered(S.fit, status=Status.TAU_AT_BOUND, checks=(edge,))
     page = html(replace(handmade.bench_only(), fit=lost))
     assert decks(page) == {}
-    assert "No deck is here, because the tests do not determine every parameter." in Page(page).text
+    assert (
+        "No solver input is here, because the tests do not determine every parameter."
+        in Page(page).text
+    )
 
 
 def test_a_seal_that_hardens_has_the_deck_of_what_the_mass_feels():
@@ -479,7 +482,7 @@ def test_failed_checks_come_first(whole):
     body = whole[whole.index('<details id="checks">') : whole.index('<details id="assumptions">')]
     states = re.findall(r'<tr class="[a-z]*"><td>([^<]*)</td>', body)
     order = ["failed: do not use", "failed: use with care", "failed: a note",
-             "failed: corrected by the joint model", "not judged", "passed"]  # fmt: skip
+             "failed: corrected by the joint model", "not applicable", "passed"]  # fmt: skip
     assert states == sorted(states, key=order.index)
     assert {"failed: corrected by the joint model", "passed"} <= set(states)
 
