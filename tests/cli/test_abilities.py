@@ -112,7 +112,7 @@ ROWS = (
     (f"{DROP} 0.6m/s --amplitude 0.1N", "--drop is not"),
     (f"{DROP} 0.6m/s --radius 5mm", "No such option '--radius'"),
     ("fit slam.csv", "impacts need the mass"),
-    ("fit slam.csv --mass 200g --radius 5mm", "--radius is for a contact of an indenter"),
+    ("fit slam.csv --mass 200g --radius 5mm", "--radius is for a rebound indentation"),
     ("fit slam.csv --mass 200g --drop 0m/s", "expected a number > 0"),
     ("fit slam.csv --mass 200g --relaxation csr.json", "expected a fit"),
     # 6, parts

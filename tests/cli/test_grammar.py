@@ -268,8 +268,8 @@ def test_fit_states_the_recognised_kind_and_accepts_another() -> None:
 
 
 SUITS = (
-    ("--radius 5mm", "hammer.csv", "--radius is for a contact of an indenter. hammer.csv is a"),
-    ("--drop-height 5cm", "seal.csv", "--drop-height is for a contact of an indenter. seal.csv"),
+    ("--radius 5mm", "hammer.csv", "--radius is for a rebound indentation. hammer.csv is a"),
+    ("--drop-height 5cm", "seal.csv", "--drop-height is for a rebound indentation. seal.csv"),
     ("--terms 2", "seal.csv", "--terms is for stress over strain of a material. seal.csv is a"),
     (
         "--compression-limits 4:8mm",

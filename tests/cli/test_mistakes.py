@@ -289,7 +289,7 @@ MISTAKES = (
     ("fit hit.csv --mass 5", "for example '5g'", "fit hit.csv --mass 5g --model hertz"),
     ("fit hit.csv --mass 5g --radius 5", "for example '5mm'",
      "fit hit.csv --mass 5g --radius 5mm --model kelvin-voigt"),
-    ("fit hit.csv --mass 5g --seals 2", "hit.csv is a contact of an indenter",
+    ("fit hit.csv --mass 5g --seals 2", "hit.csv is a rebound indentation",
      "fit hit.csv --mass 5g --model hertz"),
     ("fit rod.csv --shape block:20mm,20mm --density 1000 --mass 31.4g",
      "expected 3: length, width, height", f"fit rod.csv {ROD}"),

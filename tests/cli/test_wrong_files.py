@@ -59,7 +59,7 @@ def run(*words: str, code: int = 0) -> str:
         ("fit late.csv", "the record begins within its ramp, or after it"),
         ("fit compliance.csv --column modulus=2", "is a compliance"),
         ("fit ball.csv", "--mass 5g"),
-        ("fit hammer.csv --radius 5mm", "--radius is for a contact of an indenter. hammer.csv is"),
+        ("fit hammer.csv --radius 5mm", "--radius is for a rebound indentation. hammer.csv is"),
         ("fit frf.csv --band 900:950Hz", "modes need at least 8, and the FRF has lines from"),
         ("fit dma.csv --mass 104g", r"--mass is for .*dma.csv is a dynamic \(DMA\) sweep"),
         ("report hammer.csv", "needs a relaxation test, and here is none.* dashpot fit hammer.csv"),

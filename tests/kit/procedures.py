@@ -494,8 +494,9 @@ def measure_all() -> list[Run]:
 def format_matrix() -> str:
     """Return the table of docs/export.md."""
     rows = [
-        "| Deck | Run by | Procedure | Case | Largest deviation | Result |", "|---|---|---|---|---|---|",
-    ]  # fmt: skip
+        "| Deck | Run by | Procedure | Case | Largest deviation | Result |",
+        "|---|---|---|---|---|---|",
+    ]
     for run in read_runs():
         word = "right" if run.is_right else "**wrong**"
         procedure = run.procedure.replace("*", "\\*")

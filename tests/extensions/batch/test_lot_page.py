@@ -192,7 +192,7 @@ def test_a_quantity_that_no_seal_has_is_no_column(lot):
     beside = replace(lot, table=lot.table.with_columns(cld_force_N=pressed))
     assert "cld_force" in {one.name for one in beside.quantities}
     heads = re.findall(r'<th scope="col" class="n">([^<]*)', html(beside))
-    assert "stiffness at once, N/mm" in heads
+    assert "instantaneous stiffness, N/mm" in heads
     assert not [one for one in heads if one.startswith("force at nominal")]
 
 

@@ -6,7 +6,7 @@ EXTENSION = Extension(
     "amplitude",
     file_kinds={
         "cyclic": (
-            "a cyclic run without a hold", "use dashpot fit", ("time", "displacement", "force"),
+            "cyclic loops without a hold", "use dashpot fit", ("time", "displacement", "force"),
         ),
     },
     kinds=(

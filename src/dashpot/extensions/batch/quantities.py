@@ -19,10 +19,10 @@ from dashpot.base.units import (
 )
 
 _WORDS = {
-    "k_end": "stiffness at the end of the hold", "k_0": "stiffness at once",
+    "k_end": "stiffness at the end of the hold", "k_0": "instantaneous stiffness",
     "k_inf": "equilibrium stiffness", "frequency": "frequency of the mass",
     "damping_ratio": "damping ratio of the mass", "E_end": "modulus at the end",
-    "E_0": "modulus at once", "E_inf": "equilibrium modulus",
+    "E_0": "instantaneous modulus", "E_inf": "equilibrium modulus",
     "cld_at": "nominal compression", "cld_force": "force at nominal",
     "cld_per_100mm": "force at nominal per 100 mm", "cld_slope": "slope at nominal",
     "cld_hysteresis": "hysteresis", "cld_softening": "softening", "cld_set": "set",

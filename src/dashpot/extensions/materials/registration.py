@@ -15,7 +15,7 @@ EXTENSION = Extension(
             ("time", "stretch", "strain", "stress"),
         ),
         "indentation": (
-            "a contact of an indenter", "use dashpot fit with its mass", ("time", "velocity"), True,
+            "a rebound indentation", "use dashpot fit with its mass", ("time", "velocity"), True,
         ),
         "drop": (
             "a drop test of a mass on a specimen", "use dashpot fit with its mass",

@@ -105,7 +105,7 @@ def get_kind_label(kind: str) -> str:
     """Return the name of a kind of file in messages, such as "a relaxation test".
 
     >>> get_kind_label("cyclic"), get_kind_label("fit"), get_kind_label("comparison")
-    ('a cyclic run without a hold', 'a fit', 'a stored comparison')
+    ('cyclic loops without a hold', 'a fit', 'a stored comparison')
     """
     kinds = RECOGNISED if kind in RECOGNISED else DOCUMENT_KINDS
     if kind in kinds:

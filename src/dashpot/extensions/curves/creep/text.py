@@ -11,7 +11,7 @@ def format_compliances(fit: Fit) -> list[str]:
     assert creep is not None  # noqa: S101
     reported_values = creep.list_values("m/N" if fit.unit == "N/m" else "1/Pa")
     texts = {value.name: value.cells.ascii.with_unit for value in reported_values}
-    parts = [f"at once {texts['glass']}"]
+    parts = [f"instantaneous {texts['glass']}"]
     parts += [
         f"{texts[f'd_{j}']} in {texts[f'lam_{j}']}" for j in range(1, len(creep.spectrum.d) + 1)
     ]

@@ -55,7 +55,7 @@ def cld(result: CLDResult) -> Text:
 
 
 def _scatter(statistics: Sequence[SpecimenStatistics]) -> list[str]:
-    rows = [["", "mean", "deviation", "cv, %", "unit"]]
+    rows = [["", "mean", "SD", "CV, %", "unit"]]
     for figure in statistics:
         unit = get_display_unit(figure.unit) or "%"
         cv = format_rounded(100 * figure.deviation / figure.mean) if figure.mean else ""

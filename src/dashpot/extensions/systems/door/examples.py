@@ -164,7 +164,7 @@ name = "gap 2 mm wider"
 gap = "2mm"
 
 [[leak.state]]
-name = "the same, at once"
+name = "gap 2 mm wider, suddenly"
 gap = "2mm"
 time = "0.1s"               # since the gap widened
 
