@@ -380,7 +380,7 @@ def test_a_rejected_hit_can_be_forced_in(strike, paper_seal):
         ({"reject": ["1"]}, "no hit is left to average. hit 1: rejected by name"),
         ({"combine": "median"}, "expected 'mean', 'weighted' or a channel: acceleration 1"),
         ({"polarity": (1, 1)}, r"expected \+1 or -1 for each of the 1 accelerometers"),
-        ({"record": 0.05}, "expected more than the 0.1 s that a block holds before"),
+        ({"record": 0.05}, "expected more than the 0.1 s before"),
         ({"mass": 0}, "mass = 0 kg; expected a number > 0"),
         ({"pretrigger": -1}, "expected a time >= 0"),
         ({"band": (12.0, 12.1)}, "lines between 12 and 12.1 Hz"),

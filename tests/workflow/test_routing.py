@@ -63,7 +63,7 @@ def test_options_select_the_fit(kinds: tuple[str, ...], said: dict[str, object],
         ((HITS, *4 * ("cld",)), {}, "1.csv, 2.csv and 2 more are each a compression load"),
         (("fit",), {}, "0.csv is a fit: use dashpot predict"),
         (("door",), {}, "0.csv is a door: use dashpot predict"),
-        (("temperature-sweep",), {}, "it tells no relaxation times; sweep the frequency"),
+        (("temperature-sweep",), {}, "it shows no relaxation times; sweep the frequency"),
         (("comparison",), {}, "0.csv is a stored comparison: it is not fitted"),
     ],
 )

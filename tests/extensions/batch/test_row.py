@@ -193,7 +193,7 @@ def test_a_hammer_at_another_temperature_says_its_resonance_and_no_agreement(
     found = row_of(replace(entry, temperature=296.15, hammer_temperature=296.15 + apart))
     assert found["measured_Hz"] == same["measured_Hz"]
     assert (found["predicted_Hz"] is not None, found["agreement"] != "") == (compared, compared)
-    assert ("nothing says how the solid moves to 53" in found["reason"]) != compared
+    assert ("nothing says how the model shifts to 53" in found["reason"]) != compared
 
 
 @pytest.mark.once

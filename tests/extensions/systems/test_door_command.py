@@ -205,7 +205,7 @@ def test_door_reports_an_unsupported_motion(folder):
     [
         ('fit = "fit.json"', 'fit = "none.json"', "none.json: there is no such file"),
         ('fit = "fit.json"', 'fit = "door.toml"', "this is not a JSON document; expected a fit"),
-        ("pitch", 'temperature = "0degC"\npitch', "nothing says how the solid moves to 0 degC"),
+        ("pitch", 'temperature = "0degC"\npitch', "nothing says how the model shifts to 0 degC"),
         ("pitch", 'height = "2m"\ngap = "1.9m"\npitch', "was tested to"),
         ("[seal]", '[[point]]\nat = "0, 0, 0 m"\non = "body"\n[seal]', "which stands still"),
         ("[latch]", '[base]\npsd = "1g"\n[latch]', "expected a density in g^2/Hz"),
