@@ -197,7 +197,7 @@ def test_a_limit_of_life_hangs_on_the_lower_energy_where_the_life_does():
     (limit,) = dp.files.read_limits(f"life >= {between!r}s").judge(cold).limits
     assert limit.outcome == "open"
     assert "65 kJ/mol" in limit.explanation
-    assert "oven nearer" in limit.explanation
+    assert "oven at a lower temperature" in limit.explanation
     warm = predict_aging(usual(), temperature="100degC")
     (limit,) = dp.files.read_limits("lifetime >= 1000h").judge(warm).limits
     assert (limit.value, limit.spread) == (warm.answers[0], "random")
