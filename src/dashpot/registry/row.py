@@ -299,6 +299,7 @@ class Extension(NamedTuple):
         dynamic stiffness               stiffness over frequency of what a test or a fit holds
         retained force                  share of the force that an aged seal retains
         read limits, judge interval     acceptance limits from a file; one against an interval
+        judge limits                    section of the ``"app"``, options and document of limits
         bound value                     a value by its name, with what its standard error leaves out
         compare files                   comparison of two files
         predict file                    prediction from a file
@@ -309,7 +310,8 @@ class Extension(NamedTuple):
         files beside                    additional files of `simulate`
         job, fit job                    class of a job; its result and `JobPage`
         figure cards                    cards in place of a picture
-        file row                        entry of a file in the list
+        app file                        name, media type and text of what the app saves of a result
+        file row                        entry of a file in the list, or None, by suffix and word
         predict open files              prediction for a kind without a fit
         recorder, record                device by its driver; recording to a file
         open folder                     last job of a folder

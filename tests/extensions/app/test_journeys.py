@@ -692,6 +692,91 @@ def test_words_are_readable(visit, files, how):
     assert page.at.evaluate(CONTRAST) == []
 
 
+def test_limits_are_typed_judged_kept_and_exported(visit, files, tmp_path):
+    page = visit(*(files / name for name in workflow.FIRST))
+    page.done()
+    page.at.locator("#seals").fill("2")
+    page.at.locator("#mass").fill("114.8")
+    page.at.keyboard.press("Enter")
+    page.at.get_by_role("tab", name="joint model").click()
+    page.done()
+    verdict = page.at.get_by_role("region", name="Verdict").inner_text()
+    lines = page.at.get_by_label("Limits, one per line")
+    lines.fill("frequency >= 12Hz")
+    lines.press("Enter")
+    found = page.at.get_by_role("region", name="Limits")
+    found.get_by_role("heading", name="Seal: meets the limit").wait_for()
+    lines.press_sequentially("damping >= 5%")
+    page.at.keyboard.press("Tab")
+    found.get_by_role("heading", name="Seal: misses 1 of 2 limits").wait_for()
+    assert found.get_by_role("row").filter(has_text="damping").get_by_text("missed").count() == 1
+    # the seal misses a limit; the model is as good as before
+    assert page.at.get_by_role("region", name="Verdict").inner_text() == verdict
+    command = page.at.locator("#command")
+    command.filter(has_text="--limit 'damping >= 5%'").wait_for()
+    (tmp_path / "limits.toml").write_text('[peak]\nupper = "1000"\n')
+    page.at.locator("#pick").set_input_files(str(tmp_path / "limits.toml"))
+    found.get_by_role("heading", name="Seal: misses 1 of 3 limits").wait_for()
+    command.filter(has_text="--limits limits.toml").wait_for()
+    page.at.reload()
+    found.get_by_role("heading", name="Seal: misses 1 of 3 limits").wait_for()
+    assert lines.input_value().splitlines() == ["frequency >= 12Hz", "damping >= 5%"]
+    page.done()
+    with page.at.expect_download() as taken:
+        page.at.keyboard.press("r")
+    assert "Seal: misses 1 of 3 limits" in taken.value.path().read_text()
+    lines.fill("damping >= 5")
+    page.at.keyboard.press("Tab")
+    page.at.get_by_role("alert").filter(has_text="write 5% if that is meant").wait_for()
+    assert not found.is_visible()
+    page.at.keyboard.press("Control+z")
+    found.get_by_role("heading", name="Seal: misses 1 of 3 limits").wait_for()
+    assert page.at.get_by_role("region", name="Verdict").inner_text() == verdict
+
+
+def test_blank_tests_give_the_machine_of_the_open_test(visit, tmp_path):
+    names = ("rig_stop.csv", "rig_spring.csv", "rig_empty.csv")
+    for name in (*names, "rig_seal.csv"):
+        (tmp_path / name).write_text(workflow.EXAMPLES[name]())
+    page = visit(*(tmp_path / name for name in names))
+    page.at.get_by_text("No machine file is open").wait_for()
+    for name in names:
+        page.file(name).click()
+        page.at.get_by_label("blank test, no seal").check()
+        page.file(name).filter(has_text="a blank test of the machine").wait_for()
+    page.at.get_by_label("Spring stiffness").fill("1")
+    page.at.keyboard.press("Enter")
+    page.at.locator("#command").filter(has_text="--spring-stiffness 1N/mm --kind blank").wait_for()
+    page.done()
+    page.at.get_by_role("button", name="Use it for the open tests").click()
+    page.file("rig.toml").filter(has_text="(today)").wait_for()
+    page.at.locator("#pick").set_input_files(str(tmp_path / "rig_seal.csv"))
+    page.at.locator("#command").filter(has_text="--machine rig.toml").wait_for()
+    page.done()
+    page.at.get_by_text(re.compile(r"rig\.toml: machine file, measured .*today")).wait_for()
+    page.remove("rig.toml")
+    page.at.locator("#command").filter(has_not_text="--machine").wait_for()
+
+
+def test_an_aging_law_has_its_life_at_the_temperature_of_use(visit, tmp_path):
+    (tmp_path / "ovens.csv").write_text(workflow.EXAMPLES["ovens.csv"]())
+    page = visit(tmp_path / "ovens.csv")
+    page.done()
+    page.at.get_by_label("Temperature of use").fill("70")
+    page.at.keyboard.press("Enter")
+    page.at.locator("#command").filter(has_text="--use-at 70degC").wait_for()
+    page.done()
+    answers = page.at.locator("#answers").inner_text()
+    assert "time until F/F0 is 50 %" in answers
+    assert "if Ea were 65 kJ/mol" in answers
+    page.at.get_by_label("Limits, one per line").fill("life >= 5 years")
+    page.at.keyboard.press("Tab")
+    page.at.get_by_role("region", name="Limits").get_by_text("at least 5 years").wait_for()
+    page.at.reload()
+    page.at.get_by_role("region", name="Limits").get_by_text("at least 5 years").wait_for()
+    assert page.at.get_by_label("Temperature of use").input_value() == "70"
+
+
 GOLDEN = Path(__file__).parent / "golden"
 
 

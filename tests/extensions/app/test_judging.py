@@ -68,14 +68,12 @@ def test_app_and_command_give_the_same_result_for_a_kind(store, tmp_path, monkey
 
 def test_every_kind_of_the_register_has_a_place_on_the_page():
     nowhere = {name for name, one in KINDS.items() if not one.app_section}
-    # a sweep over temperature and one frequency are fitted by no command; a plug-in and blank
-    # tests are typed
+    # a sweep over temperature and one frequency are fitted by no command; a plug-in is typed
     assert nowhere == {
         "temperature-sweep",
         "one-frequency",
         "rod",
         "plug-in",
-        "blank",
         "preload-map",
     }
 

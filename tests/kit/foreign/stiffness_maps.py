@@ -126,3 +126,40 @@ def table(lines: list[Line]) -> str:
         for f, K in zip(FREQUENCY, line.value, strict=True)
     ]
     return "\n".join([head, *rows, ""])
+
+
+LOOP_FREQUENCIES, LOOP_CYCLES, LOOP_RATE = (1.0, 2.0, 4.0, 7.0, 12.0, 20.0), 8, 1000.0
+"""Hz; cycles of each setting; Hz."""
+
+
+def loop_record(
+    part: Part,
+    compression: float,
+    r: np.random.Generator,
+    *,
+    amplitudes: tuple[float, ...] = AMPLITUDES,
+    frequencies: tuple[float, ...] = LOOP_FREQUENCIES,
+    noise: float = 2e-4,
+) -> str:
+    """The text of a record at one compression: a sine of each frequency and amplitude after another.
+
+    The force is the steady one of the part about that of the compression; both channels have a
+    noise of that share of the largest amplitude and of the largest force.
+    """
+    displacements, forces = [], []
+    static = part.linear * compression * 1e-3
+    for f in frequencies:
+        for X in amplitudes:
+            phase = 2 * np.pi * np.arange(round(LOOP_CYCLES * LOOP_RATE / f)) * f / LOOP_RATE
+            K = complex(part.stiffness([f], compression, X)[0])
+            displacements.append(compression + X * np.sin(phase))
+            forces.append(static + 1e-3 * X * (K.real * np.sin(phase) + K.imag * np.cos(phase)))
+    x, force = np.concatenate(displacements), np.concatenate(forces)
+    swing = float(np.abs(force - static).max())
+    x = x + noise * max(amplitudes) * r.standard_normal(len(x))
+    force = force + noise * swing * r.standard_normal(len(x))
+    rows = [
+        f"{i / LOOP_RATE:.3f},{a:.6f},{b:.7f}"
+        for i, (a, b) in enumerate(zip(x, force, strict=True))
+    ]
+    return "\n".join(["time [s],displacement [mm],force [N]", *rows, ""])

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from dashpot.base import dataclass
+from dashpot.base import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import ReportedValue
 from dashpot.extensions.acceptance.datamodel import Acceptance, JudgedLimit
@@ -112,21 +112,22 @@ def _combine_limits(
     """
     if first is None:
         return other
-    ends = []
+    ends, texts = [], []
     for side in ("lower", "upper"):
         values = [getattr(entry, side) for entry in (first, other)]
         if None not in values:
             raise DataError(f"the {side} limit of {first.quantity.column} is given twice; keep one")
         ends.append(values[0] if values[1] is None else values[1])
+        texts.append(getattr(first, f"{side}_text") or getattr(other, f"{side}_text"))
     if not ends[0] < ends[1]:
         raise DataError(f"the lower limit of {first.quantity.column} is not below the upper one")
     lower, upper = ends
-    return LimitEntry(other.quantity, lower, upper, other.cpk)
+    return LimitEntry(other.quantity, lower, upper, other.cpk, *texts)
 
 
 def _judge_entry(entry: LimitEntry[ResultValue], *, is_usable: bool) -> JudgedLimit:
     value, lower, upper = entry.quantity, entry.lower, entry.upper
-    fact = value.fact
+    fact = _read_in_stated_unit(value, entry.lower_text or entry.upper_text)
     low, high = _get_interval(fact)
     outcome = judge_interval(lower, upper, low, high) if is_usable else "open"
     further_tests: int | None = None
@@ -150,7 +151,14 @@ def _judge_entry(entry: LimitEntry[ResultValue], *, is_usable: bool) -> JudgedLi
         further_tests_90,
         value.remedy,
         is_usable,
+        (entry.lower_text, entry.upper_text),
     )
+
+
+def _read_in_stated_unit(value: ResultValue, stated: str) -> ReportedValue:
+    """Return a value in the unit of its limit: a life in years where years are asked."""
+    unit = stated.partition(" ")[2]
+    return replace(value.fact, read=unit) if unit and value.dimension is not None else value.fact
 
 
 def _get_interval(fact: ReportedValue) -> tuple[float, float]:

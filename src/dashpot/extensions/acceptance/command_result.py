@@ -7,37 +7,14 @@ from typing import Any
 import click
 
 from dashpot import workflow
-from dashpot.base import dataclass
-from dashpot.base.serialisation import DIGEST, Serialisable, compute_document_digest
 from dashpot.cli._command_result import CommandResult
 from dashpot.extensions.acceptance.accept import read_limits
-from dashpot.extensions.acceptance.datamodel import Acceptance
+from dashpot.extensions.acceptance.datamodel import Acceptance, JudgedResult
 from dashpot.extensions.acceptance.page import render_section
 from dashpot.extensions.acceptance.text import render_acceptance
 
 SOURCES = "dashpot.limits"
 """Key of the context under which files and expressions of limits are kept."""
-
-
-@dataclass(frozen=True)
-class JudgedResult(Serialisable):
-    """Result of a command with its acceptance, as one document.
-
-    Attributes
-    ----------
-    result : Serialisable
-    acceptance : Acceptance
-    """
-
-    result: Serialisable
-    acceptance: Acceptance
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the document of the result, with the key ``"acceptance"``."""
-        entries = self.result.to_dict()
-        digested = entries.pop(DIGEST, None) is not None
-        entries["acceptance"] = self.acceptance.to_dict()
-        return {**entries, DIGEST: compute_document_digest(entries)} if digested else entries
 
 
 def judge(result: Any) -> Acceptance:

@@ -7,18 +7,22 @@ from typing import Any, Literal
 
 from dashpot.base import dataclass
 from dashpot.base.checks import Use
-from dashpot.base.number_format import format_count
+from dashpot.base.number_format import MINUS, format_count, round_to_error
 from dashpot.base.plain_text import sentence
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import Printable
-from dashpot.base.serialisation import Key, Serialisable
+from dashpot.base.serialisation import DIGEST, Key, Serialisable, compute_document_digest
 from dashpot.extensions.acceptance.judgement import Outcome
 from dashpot.extensions.acceptance.result_values import Spread
 
 SealWord = Literal["meets", "misses", "open"]
 
-_NO_NUMBER = "no number of such tests decides it: what is open is not random"
-_OF_RIG = "The rest is of the rig, which makes all such tests: measure its delay, gain and drift."
+_REPEATING = "Repeating the test does not decide it"
+_OF_RIG = (
+    "what remains is uncertainty of the rig, the same in every such test. Measure its delay, gain "
+    "and drift with blank tests (dashpot fit STOP SPRING EMPTY --kind blank -o rig.toml)."
+)
+_MOST_DIGITS = 9
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,10 @@ class JudgedLimit(Serialisable):
         no number of such tests does.
     remedy : str
         What would narrow a bound; empty where that is not known.
+    is_usable : bool
+        Whether the model may be used at all.
+    stated : tuple of (str, str)
+        Both limits with the unit in which they were stated; empty where there is none.
     """
 
     _keys = (
@@ -69,6 +77,7 @@ class JudgedLimit(Serialisable):
     further_tests_90: int | None = None
     remedy: str = ""
     is_usable: bool = True
+    stated: tuple[str, str] = ("", "")
 
     @property
     def request(self) -> str:
@@ -77,14 +86,45 @@ class JudgedLimit(Serialisable):
 
     @property
     def limit_text(self) -> str:
-        """The limits with their unit: 'at least 3 %', '0.18 to 0.22 N/mm'."""
+        """The limits in the unit of their statement: 'at least 10 years', '0.18 to 0.22 N/mm'."""
         ends = [
-            f"{self.value.to_display_unit(end):.6g}"
-            for end in (self.lower, self.upper)
+            text or f"{self.value.to_display_unit(end):.10g} {self.value.word}".rstrip()
+            for end, text in zip((self.lower, self.upper), self.stated, strict=True)
             if end is not None
         ]
         words = "" if len(ends) == 2 else "at most " if self.lower is None else "at least "
-        return f"{words}{' to '.join(ends)} {self.value.word}".rstrip()
+        if len({text.partition(" ")[2] for text in ends}) == 1:
+            ends[0] = ends[0].partition(" ")[0] if len(ends) == 2 else ends[0]
+        return f"{words}{' to '.join(ends)}"
+
+    @property
+    def cell_texts(self) -> tuple[str, str, str]:
+        """Value and interval as cells, no end of which is rounded to the other side of a limit.
+
+        An end of 291,000 h that is shown as 300,000 h would contradict "open" at 295,000 h.
+        """
+        fact = self.value
+        texts = zip(fact.cell_texts, (fact.value, fact.low, fact.high), strict=True)
+        value, low, high = (self._round_to_side(text, number) for text, number in texts)
+        return value, low, high
+
+    def _round_to_side(self, text: str, number: float) -> str:
+        """Return a rounded number with as many digits as show on which side of the limits it is."""
+        limits = [end for end in (self.lower, self.upper) if end is not None]
+        shown = self.value.to_display_unit(number)
+        edges = [self.value.to_display_unit(end) for end in limits]
+
+        def is_on_its_side(text: str) -> bool:
+            try:
+                rounded = float(text.replace(MINUS, "-").replace(",", ""))
+            except ValueError:  # no number, such as "no limit"
+                return True
+            return all((rounded > edge) == (shown > edge) for edge in edges if edge != shown)
+
+        digits = 3
+        while not is_on_its_side(text) and digits < _MOST_DIGITS:
+            text, digits = round_to_error(shown, digits=digits), digits + 1
+        return text
 
     @property
     def explanation(self) -> str:
@@ -94,15 +134,17 @@ class JudgedLimit(Serialisable):
         if not self.is_usable:
             return "The model is not to be used, so its values decide nothing."
         if self.spread == "bound":
-            return f"{sentence(_NO_NUMBER)} {self.remedy}".rstrip()
+            return f"{_REPEATING}: its interval is a bound, not scatter. {self.remedy}".rstrip()
         if self.spread == "unknown":
             return "How many tests decide it is not known: the value has no standard error."
         if self.further_tests is None:
-            return f"{sentence(_NO_NUMBER)} {self.remedy or _OF_RIG}"
+            if self.remedy:
+                return f"{_REPEATING}. {self.remedy}"
+            return f"{_REPEATING}: {_OF_RIG}"
         count = format_count(self.further_tests, "further test")
         text = f"{sentence(count)[:-1]} would decide it if the mean stays here"
         if self.further_tests_90 is None:
-            return f"{text}. {self.remedy or _OF_RIG}"
+            return f"{text}. {self.remedy or sentence(_OF_RIG)}"
         return f"{text}, {self.further_tests_90} with a chance of 90 %."
 
 
@@ -145,6 +187,15 @@ class Acceptance(Printable, Serialisable):
         return [limit.outcome for limit in self.limits]
 
     @property
+    def explanations(self) -> dict[str, str]:
+        """What would decide the open limits, each sentence once, with the names that it is of."""
+        names: dict[str, list[str]] = {}
+        for limit in self.limits:
+            if limit.explanation:
+                names.setdefault(limit.explanation, []).append(limit.value.label)
+        return {text: ", ".join(labels) for text, labels in names.items()}
+
+    @property
     def checks(self) -> tuple[()]:
         """None: a limit is no check of the model."""
         return ()
@@ -181,3 +232,24 @@ class Acceptance(Printable, Serialisable):
         }[self.word]
         joined = "and" if (self.use == "do not use") == (self.word != "meets") else "; "
         return f"{model}{f' {joined} ' if joined == 'and' else joined}{seal}"
+
+
+@dataclass(frozen=True)
+class JudgedResult(Serialisable):
+    """Result with its acceptance, as one document.
+
+    Attributes
+    ----------
+    result : Serialisable
+    acceptance : Acceptance
+    """
+
+    result: Serialisable
+    acceptance: Acceptance
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the document of the result, with the key ``"acceptance"``."""
+        entries = self.result.to_dict()
+        digested = entries.pop(DIGEST, None) is not None
+        entries["acceptance"] = self.acceptance.to_dict()
+        return {**entries, DIGEST: compute_document_digest(entries)} if digested else entries

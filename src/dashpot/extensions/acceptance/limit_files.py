@@ -15,6 +15,7 @@ from dashpot.reading.toml import Section, tables_of
 
 _KEYS = ("lower", "upper", "cpk")
 _NUMBER = r"\s*[-+]?(?:\d+\.?\d*|\.\d+)"
+_WITH_UNIT = re.compile(rf"({_NUMBER}(?:[eE][-+]?\d+)?)(?:\s+|(?![\d.]))(\S.*)")
 _QUANTITIES: Mapping[str, str] = {"frequency": "frequency", "stiffness": "stiffness"}
 """Quantity of a dimension that a user may have meant."""
 _SHARES = ("damping_ratio", "loss_factor")
@@ -53,12 +54,17 @@ class LimitEntry(NamedTuple, Generic[Q]):
     lower, upper : float or None
     cpk : float or None
         The least capability that is asked of a lot.
+    lower_text, upper_text : str
+        The limits with the unit in which they were stated, such as ``"10 years"``; empty where
+        they were stated without one.
     """
 
     quantity: Q
     lower: float | None
     upper: float | None
     cpk: float | None
+    lower_text: str = ""
+    upper_text: str = ""
 
 
 def is_expression(text: str) -> bool:
@@ -149,7 +155,8 @@ def parse_expression(text: str, find_quantity: Callable[[str], Q]) -> LimitEntry
 
 
 def _parse_entry(quantity: Q, table: Mapping[str, Any]) -> LimitEntry[Q]:
-    lower, upper = (_parse_number(table.get(text), quantity) for text in ("lower", "upper"))
+    stated = [table.get(side) for side in ("lower", "upper")]
+    lower, upper = (_parse_number(value, quantity) for value in stated)
     cpk = float(table["cpk"]) if "cpk" in table else None
     ends = [end for end in (lower, upper) if end is not None]
     if not ends:
@@ -158,7 +165,17 @@ def _parse_entry(quantity: Q, table: Mapping[str, Any]) -> LimitEntry[Q]:
         raise DataError("lower is not below upper; exchange them")
     if cpk is not None and not cpk > 0:
         raise DataError(f"cpk = {cpk:g}; expected a number > 0, such as 1.33")
-    return LimitEntry(quantity, lower, upper, cpk)
+    return LimitEntry(quantity, lower, upper, cpk, *map(_format_stated, stated))
+
+
+def _format_stated(value: object) -> str:
+    """Return a stated limit with a space before its unit; empty without a unit.
+
+    >>> _format_stated("3%"), _format_stated("1e5 h"), _format_stated("200")
+    ('3 %', '1e5 h', '')
+    """
+    match = _WITH_UNIT.fullmatch(str(value))
+    return f"{match[1].strip()} {match[2].strip()}" if match else ""
 
 
 def _parse_number(value: object, quantity: LimitedQuantity) -> float | None:
@@ -167,8 +184,11 @@ def _parse_number(value: object, quantity: LimitedQuantity) -> float | None:
         return None
     if quantity.dimension is not None:
         return parse_quantity(str(value), quantity.dimension)
-    match = re.fullmatch(rf"({_NUMBER}(?:[eE][-+]?\d+)?)\s*(\S.*)", str(value))
-    if match is not None and match[2].strip() == quantity.unit != "%":
+    match = _WITH_UNIT.fullmatch(str(value))
+    if match is not None and match[2].strip() in {
+        quantity.unit,
+        quantity.unit.removeprefix("1"),
+    } - {"", "%"}:
         number = float(match[1])
     elif match is not None and (unit := find_unit(match[2], "strain")) is not None:
         number = float(match[1]) * unit.factor

@@ -59,7 +59,7 @@ def write_page(acceptance: Acceptance) -> str:
 
 
 def _make_row(limit: JudgedLimit) -> LimitRow:
-    value, low, high = limit.value.cell_texts
+    value, low, high = limit.cell_texts
     unit = limit.value.word
     return LimitRow(limit, value, low, high, unit, _MARKS[limit.outcome], _draw_bar(limit))
 

@@ -7,6 +7,8 @@ EXTENSION = Extension(
     handlers={
         "options": {"limits": "dashpot.extensions.acceptance.command_options:OPTIONS"},
         "read limits": {"file": "dashpot.extensions.acceptance.limit_files:read_limits"},
+        "judge limits": {"app": "dashpot.extensions.acceptance.app_panel:judge_for_app"},
+        "file row": {".toml limits": "dashpot.extensions.acceptance.app_panel:describe_limit_file"},
         "judge interval": {"limits": "dashpot.extensions.acceptance.judgement:judge_interval"},
         "text": {
             "dashpot.extensions.acceptance.datamodel:Acceptance": "dashpot.extensions.acceptance.text:render_acceptance",

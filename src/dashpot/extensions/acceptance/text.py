@@ -11,13 +11,12 @@ def render_acceptance(acceptance: Acceptance) -> Text:
     """Return the seal's word, and a line for each limit."""
     rows = [["limit", "found", "95 % from", "to", ""]]
     for limit in acceptance.limits:
-        value, low, high = (ascii_only(cell) for cell in limit.value.cell_texts)
+        value, low, high = (ascii_only(cell) for cell in limit.cell_texts)
         value_text = f"{value} {ascii_only(limit.value.word)}".rstrip()
         rows.append([ascii_only(limit.request), value_text, low, high, limit.outcome])
     lines = [f"Seal: {acceptance.headline}", *table(rows)]
     lines += [
-        f"  {ascii_only(limit.value.label)}: {ascii_only(limit.explanation)}"
-        for limit in acceptance.limits
-        if limit.explanation
+        f"  {ascii_only(labels)}: {ascii_only(text)}"
+        for text, labels in acceptance.explanations.items()
     ]
     return Text(lines)

@@ -13,6 +13,7 @@ from dashpot.datamodel.fit import Fit
 from dashpot.extensions.app import view_models, wire_format
 from dashpot.extensions.app.command_lines import line
 from dashpot.extensions.app.figure_cards import make_figure_cards
+from dashpot.extensions.app.limits_panel import judge_limits
 from dashpot.extensions.app.request_parsing import build_from_request, sizes_of
 from dashpot.plot.picture import Picture
 from dashpot.report.page_frame import VERDICT_COLOURS
@@ -64,7 +65,7 @@ def bench(request: Mapping[str, Any], folder: Path) -> bytes:
             "figures": make_figure_cards(picture, sizes_of(request).get("bench", WIDE)[0]),
             "facts": [list(names) for names in page.strip],
             "simulated": any(source.simulated for source in fit.source),
-            "command": line("fit", job),
+            **judge_limits(request, folder, fit).add_to(line("fit", job)),
         }
     )
 
@@ -72,6 +73,7 @@ def bench(request: Mapping[str, Any], folder: Path) -> bytes:
 def download_bench(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the fit as its JSON, as ``dashpot fit --json`` prints it."""
     fit, _ = _fit_and_plot(_parse_request(request, folder))
+    text = judge_limits(request, folder, fit).render_document(to_json(fit))
     return wire_format.encode_message(
-        {"name": "fit.json", "kind": "application/json", "text": to_json(fit)}
+        {"name": "fit.json", "kind": "application/json", "text": text}
     )

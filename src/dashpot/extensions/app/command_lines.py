@@ -6,7 +6,7 @@ import shlex
 from dataclasses import Field, fields, replace
 from glob import escape
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of
 from dashpot.base.units import format_command_quantity
@@ -14,12 +14,24 @@ from dashpot.datamodel.frf import FRF
 from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.job import Job, replace_paths
 
+T = TypeVar("T")
+
 
 def format_command_words(attribute: Field[Any], text: str) -> list[str]:
     """Return the words by which a field is typed: ``["--machine", "sync=0.5ms"]``."""
     if "under" not in attribute.metadata:
         return [flag_of(attribute), text]
     return [flag_of(attribute), f"{key_of(attribute)}{attribute.metadata.get('sign', '=')}{text}"]
+
+
+_part_files: dict[Any, str] = {}
+"""Parts of a job that a file stated, each with the name of that file."""
+
+
+def note_file(part: T, name: str) -> T:
+    """Return a part of a job that a file states, whose options are then the name of that file."""
+    _part_files[part] = name
+    return part
 
 
 def words_of(result: Any, *names: str) -> list[str]:
@@ -39,7 +51,9 @@ def words_of(result: Any, *names: str) -> list[str]:
         value = getattr(result, attribute.name)
         if names and attribute.name not in names:
             continue
-        if "part" in attribute.metadata:
+        if "part" in attribute.metadata and value in _part_files:
+            sentences += [f"--{attribute.name}", _part_files[value]]
+        elif "part" in attribute.metadata:
             sentences += words_of(value)
         elif value != attribute.default and attribute in iterate_option_fields(result):
             if "is_flag" in attribute.metadata:

@@ -16,6 +16,7 @@ from dashpot.base.progress import send_progress
 from dashpot.datamodel.fit import Fit, add_checks
 from dashpot.export import SUFFIXES, deck_for
 from dashpot.extensions.app import recent, result_cache, wire_format
+from dashpot.extensions.app.limits_panel import judge_limits
 from dashpot.extensions.app.request_parsing import deck_choices, job_of, part, word
 from dashpot.reading.read_options import ReadOptions, dump_profile
 from dashpot.reading.write import write_frf
@@ -24,7 +25,6 @@ from dashpot.report import html as report_html
 from dashpot.report.figures import stamp
 from dashpot.workflow.job import Job
 from dashpot.workflow.json_archive import to_json
-from dashpot.workflow.study import Study
 
 
 def add_verdict_checks(fit: Fit, verdict: Verdict) -> Fit:
@@ -40,7 +40,7 @@ def download_file(request: Mapping[str, Any], folder: Path) -> bytes:
     job = job_of(request.get("job"), folder)
     what = word(request, "what")
     makers: dict[str, Callable[[], tuple[str, str, str]]] = {
-        "report": lambda: ("report.html", "text/html", report_html(_compute_report_study(job))),
+        "report": lambda: ("report.html", "text/html", _render_report(request, folder, job)),
         "fit": lambda: ("fit.json", "application/json", to_json(_solid(request, job))),
         "joint": lambda: ("joint.json", "application/json", to_json(_joint(job))),
         "deck": lambda: _deck(request, job),
@@ -69,10 +69,20 @@ def profile(request: Mapping[str, Any], folder: Path) -> bytes:  # noqa: ARG001
     )
 
 
-def _compute_report_study(job: Job) -> Study:
+def _render_report(request: Mapping[str, Any], folder: Path, job: Job) -> str:
+    """Return the report, with the section of the limits that the page asks.
+
+    Raises
+    ------
+    DataError
+        If one of them is no limit of this study.
+    """
     study = result_cache.study(job)
+    limits = judge_limits(request, folder, study)
+    if limits.refusal:
+        raise DataError(limits.refusal)
     send_progress("drawing the report")
-    return study
+    return report_html(study, **({"limits": limits.html} if limits.html else {}))
 
 
 def _solid(request: Mapping[str, Any], job: Job) -> Fit:

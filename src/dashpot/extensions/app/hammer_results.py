@@ -21,6 +21,7 @@ from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.extensions.app import view_models, wire_format
 from dashpot.extensions.app.command_lines import words_of
 from dashpot.extensions.app.hit_selection import HitSelection, estimate_each_hit, propose_hits
+from dashpot.extensions.app.limits_panel import judge_limits
 from dashpot.extensions.app.request_parsing import get_list, part, sizes_of, word
 from dashpot.extensions.app.result_cache import KEPT
 from dashpot.extensions.app.upload_store import path_in
@@ -141,7 +142,7 @@ def hammer(request: Mapping[str, Any], folder: Path) -> bytes:
         "arms": "",
         "checks": view_models.check_list(result.checks),
         "simulated": any(source.simulated for source in page.sources),
-        "command": _format_command(hammer_request),
+        **judge_limits(request, folder, result).add_to(_format_command(hammer_request)),
         "hits": "",
         "hit_panels": {},
         "poles": [],
@@ -165,8 +166,9 @@ def hammer(request: Mapping[str, Any], folder: Path) -> bytes:
 def download_hammer(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the modes as their JSON, as ``dashpot fit --json`` prints it."""
     result, _ = _find_modes(_parse_request(request, folder))
+    text = judge_limits(request, folder, result).render_document(text_of(result))
     return wire_format.encode_message(
-        {"name": "modes.json", "kind": "application/json", "text": text_of(result)}
+        {"name": "modes.json", "kind": "application/json", "text": text}
     )
 
 

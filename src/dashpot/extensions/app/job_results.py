@@ -12,6 +12,7 @@ from dashpot.extensions.app import view_models, wire_format
 from dashpot.extensions.app.bench_tests import KEPT, WIDE
 from dashpot.extensions.app.command_lines import line
 from dashpot.extensions.app.figure_cards import draw_cards
+from dashpot.extensions.app.limits_panel import judge_limits
 from dashpot.extensions.app.request_parsing import build_from_request, get_list, sizes_of
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.registry import find_handler
@@ -47,7 +48,11 @@ def _parse_modes_job(request: Mapping[str, Any], folder: Path) -> Any:
 
 
 def _build_message(
-    job: Any, request: Mapping[str, Any], lights: Sequence[Light], **others: Any
+    job: Any,
+    request: Mapping[str, Any],
+    folder: Path,
+    lights: Sequence[Light],
+    **others: Any,
 ) -> bytes:
     """Verdict, numbers, checks, figures, what else there is, and the command that gives it."""
     result, page = _fit_job(job)
@@ -61,7 +66,7 @@ def _build_message(
         "figures": draw_cards(page.cards, sizes_of(request).get("bench", WIDE)[0]),
         **others,
         "simulated": any(source.simulated for source in page.sources),
-        "command": line("fit", job),
+        **judge_limits(request, folder, result).add_to(line("fit", job)),
     }
     return wire_format.encode_message(message)
 
@@ -70,26 +75,27 @@ def level(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the fit of tests at several amplitudes, with its lights and the line of facts."""
     job = _parse_level_job(request, folder)
     page = kind_page(_fit_job(job)[0])
-    return _build_message(job, request, page.lights, facts=[list(names) for names in page.strip])
+    return _build_message(
+        job, request, folder, page.lights, facts=[list(names) for names in page.strip]
+    )
 
 
 def modes(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the modes of FRFs: of points of one structure, or under several masses on one seal."""
-    return _build_message(_parse_modes_job(request, folder), request, ())
+    return _build_message(_parse_modes_job(request, folder), request, folder, ())
 
 
 def download_level(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the fit as its JSON, as ``dashpot fit --json`` prints it."""
-    return _build_download("levels.json", _parse_level_job(request, folder))
+    return _build_download("levels.json", _parse_level_job(request, folder), request, folder)
 
 
 def download_modes(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the modes as their JSON, as ``dashpot fit --json`` prints it."""
-    return _build_download("modes.json", _parse_modes_job(request, folder))
+    return _build_download("modes.json", _parse_modes_job(request, folder), request, folder)
 
 
-def _build_download(name: str, job: Any) -> bytes:
+def _build_download(name: str, job: Any, request: Mapping[str, Any], folder: Path) -> bytes:
     result, _ = _fit_job(job)
-    return wire_format.encode_message(
-        {"name": name, "kind": "application/json", "text": text_of(result)}
-    )
+    text = judge_limits(request, folder, result).render_document(text_of(result))
+    return wire_format.encode_message({"name": name, "kind": "application/json", "text": text})

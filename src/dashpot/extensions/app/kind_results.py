@@ -20,7 +20,9 @@ from dashpot.base.progress import send_progress
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.app import result_cache, view_models, wire_format
 from dashpot.extensions.app.bench_tests import KEPT, WIDE
+from dashpot.extensions.app.command_lines import words_of
 from dashpot.extensions.app.figure_cards import draw_cards, make_figure_cards
+from dashpot.extensions.app.limits_panel import judge_limits
 from dashpot.extensions.app.request_parsing import get_list, mapping, part, sizes_of
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.reading.read_options import ReadOptions
@@ -113,15 +115,20 @@ def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
             "facts": [list(names) for names in page.strip],
             "asks": view_models.make_form_fields(asks_of(kind_request.kind)),
             "simulated": any(source.simulated for source in page.sources),
-            "command": _line(kind_request),
+            **judge_limits(request, folder, result).add_to(_line(kind_request)),
         }
     )
 
 
 def download_kind(request: Mapping[str, Any], folder: Path) -> bytes:
-    """Return the result as its JSON, as the command prints it with ``--json``."""
+    """Return the file that is kept of a result, or its JSON as ``--json`` prints it."""
     result, page = _fit_with_page(_parse_request(request, folder))
+    save_file = find_handler("app file", result)
+    if save_file is not None:
+        name, kind, text = save_file(result)
+        return wire_format.encode_message({"name": name, "kind": kind, "text": text})
     text = text_of(result) if hasattr(result, "to_dict") else json.dumps(result)
+    text = judge_limits(request, folder, result).render_document(text)
     return wire_format.encode_message(
         {"name": f"{page.name}.json", "kind": "application/json", "text": text}
     )
@@ -132,4 +139,5 @@ def _line(request: KindRequest) -> str:
     names = [Path(path).name for path in request.files]
     if find_handler("predict open files", request.kind) is not None:
         return shlex.join(["dashpot", "predict", names[0]])
-    return shlex.join(["dashpot", "fit", *names, *request.said.options(len(names))])
+    options = [*request.said.options(len(names)), *words_of(request.options)]
+    return shlex.join(["dashpot", "fit", *names, *options])

@@ -29,13 +29,14 @@ from dashpot.extensions.app import (
     wire_format,
 )
 from dashpot.extensions.app.command_lines import FIT, line, predict_command
+from dashpot.extensions.app.limits_panel import judge_limits
 from dashpot.extensions.app.request_parsing import job_of, number, part, sizes_of, word
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation, relaxation_in
-from dashpot.registry import KINDS, asks_of, find_handler
+from dashpot.registry import KINDS, asks_of, find_handler, list_names
 from dashpot.report import first_screen
 from dashpot.report.first_screen import find_simulated_files
 from dashpot.report.page_frame import VERDICT_COLOURS
@@ -59,9 +60,9 @@ LIVE_LINES = np.geomspace(0.3, 3.0, 301)
 def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the description of a file, and open questions on it."""
     path = path_in(folder, request.get("file"))
-    describe_file = find_handler("file row", path.suffix.lower())
-    if describe_file is not None:
-        return wire_format.encode_message(describe_file(path))
+    row = _describe_by_suffix(path)
+    if row is not None:
+        return wire_format.encode_message(row)
     options = part(ReadOptions, request.get("options", {}), "options")
     job = Job(str(path), reading=options)
     # what is read and prepared here is what the fit asks for next
@@ -81,6 +82,13 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
             inspection, _list_unit_consequences(path, inspection, options), options.rate
         )
     return wire_format.encode_message({**head, "name": path.name})
+
+
+def _describe_by_suffix(path: Path) -> dict[str, Any] | None:
+    """Return what the first extension that knows a file says of it; None where none does."""
+    names = [name for name in list_names("file row") if name.split()[0] == path.suffix.lower()]
+    rows = (find_handler("file row", name)(path) for name in names)
+    return next((row for row in rows if row is not None), None)
 
 
 def _get_kind_fields(kind: str) -> dict[str, Any]:
@@ -307,7 +315,7 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         ),
         "time_limits": _list_time_limits(study.prepared),
         "simulated": bool(find_simulated_files(study)),
-        "command": line("report", job),
+        **judge_limits(request, folder, study).add_to(line("report", job)),
     }
     if request.get("base") is True and study.mass is not None:
         prediction, joint = result_cache.base_motion(job), study.joint is not None

@@ -11,8 +11,9 @@ from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.option_fields import is_path_field, require_choice
 from dashpot.base.units import convert_to_si, si_range
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.app.command_lines import texts_of
+from dashpot.extensions.app.command_lines import note_file, texts_of
 from dashpot.extensions.app.upload_store import path_in
+from dashpot.registry import find_handler
 from dashpot.workflow.job import Job
 
 T = TypeVar("T")
@@ -63,6 +64,8 @@ def build_from_request(kind: type[T], options: Mapping[str, Any], folder: Path) 
 def _value(field: Field[Any], options: Mapping[str, Any], folder: Path) -> Any:
     """Return what a field is, by what a page says: nothing, or an empty text, is the default."""
     how, name, value = field.metadata, field.name, options[field.name]
+    if "part" in how and isinstance(value, str) and value:
+        return _read_part(how["part"], name, path_in(folder, value))
     if "part" in how:
         return part(how["part"], value, name)
     if isinstance(field.default, tuple):
@@ -74,6 +77,22 @@ def _value(field: Field[Any], options: Mapping[str, Any], folder: Path) -> Any:
     if field.default is MISSING:
         raise DataError(f"{name} is not given")
     return field.default
+
+
+def _read_part(kind: type[T], name: str, path: Path) -> T:
+    """Return a part of a job that an open file states, as ``--machine rig.toml`` does.
+
+    Raises
+    ------
+    DataError
+        If no file states this part.
+    ReadError
+        If it is no such file.
+    """
+    read = find_handler("read option", f"--{name}")
+    if read is None:
+        raise DataError(f"{name} is a text; expected an object")
+    return note_file(kind(**read(str(path))), path.name)
 
 
 def _single(field: Field[Any], value: Any, folder: Path) -> Any:

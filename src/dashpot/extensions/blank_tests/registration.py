@@ -14,6 +14,7 @@ EXTENSION = Extension(
         KindOfTest(
             "blank", "dashpot.extensions.blank_tests.read:read_blank_test",
             "dashpot.extensions.blank_tests.fit_files:fit_blank_files", fit_route="blank",
+            app_section="judged", app_form="dashpot.extensions.blank_tests.app_form",
             classes={
                 "dashpot.extensions.blank_tests.datamodel:BlankTest": "",
                 "dashpot.extensions.blank_tests.datamodel:MachineFit": "dashpot.extensions.blank_tests.figure:draw_machine",
@@ -26,6 +27,10 @@ EXTENSION = Extension(
         ),
     ),
     handlers={
+        "app file": {
+            "dashpot.extensions.blank_tests.datamodel:MachineFit": "dashpot.extensions.blank_tests.app_form:save_machine_file",
+        },
+        "file row": {".toml machine": "dashpot.extensions.blank_tests.app_row:describe_machine_file"},
         "option groups": {"fit blank tests": "dashpot.extensions.blank_tests.command_options:list_groups"},
         "plan advice": {"machine": "dashpot.extensions.blank_tests.expected_gain:advise_blank_tests"},
         "read": {"machine": "dashpot.extensions.blank_tests.machine_file:read_machine_file"},

@@ -139,6 +139,8 @@ def _read_frf(
     click.UsageError
         If it is no such measurement.
     """
+    from dashpot.base.plain_text import sentence
+    from dashpot.reading.columns.kind_detection import RECOGNISED
     from dashpot.reading.readers.frf import read_frf
     from dashpot.workflow.measured_frf import as_measured
 
@@ -152,9 +154,11 @@ def _read_frf(
         sweep = load_object(KINDS[kind].reader)(path, options=options)
         response: FRF = find_handler("dynamic stiffness", sweep)(sweep)
         return response
+    is_fitted = kind in KINDS and KINDS[kind].fit_route
+    advice = "fit it first: dashpot fit" if is_fitted else RECOGNISED[kind].use
     raise click.UsageError(
         f"{path} is {get_kind_name(kind)}. A sheet is of a force over a motion, a "
-        "transmissibility, or a fit. Fit it first: dashpot fit"
+        f"transmissibility, or a fit. {sentence(advice)}"
     )
 
 

@@ -8,6 +8,7 @@ import {
   history,
   kindOf,
   levelUnit,
+  limited,
   onlyRead,
   remember,
   shown,
@@ -21,6 +22,7 @@ import {
   bench,
   cancel,
   fit,
+  limit,
   live,
   moreChecks,
   poles,
@@ -166,6 +168,7 @@ const acts = {
   project: files.project,
   cancel,
   "take-bench": files.takeBench,
+  "use-machine": files.useMachine,
   folders: () => {
     if (document.body.classList.toggle("folders")) field("folder-name").focus();
   },
@@ -410,6 +413,7 @@ document.addEventListener("change", (event) => {
     files.take([...(at.files || [])]);
     at.value = "";
   } else if (hit) useHit(hit, at.checked);
+  else if (at.dataset.blank) files.takeAsBlank(at.dataset.blank, at.checked);
   else if (at.dataset.together) files.join(at.dataset.together, at.checked);
   else if (at.dataset.side) {
     state.ab = { ...state.ab, [at.dataset.side]: at.value };
@@ -421,7 +425,10 @@ document.addEventListener("change", (event) => {
     state.said = { ...state.said, [kind]: { ...state.said[kind], [name]: at.value.trim() } };
     settle();
   } else if (end) cut(end, Number.isFinite(parseFloat(text)) ? parseFloat(text) : null, false);
-  else if (at.id.startsWith("specimen-")) {
+  else if (at.id === "limit-lines") {
+    state.limits = { ...state.limits, [limited()]: at.value.trim() };
+    limit();
+  } else if (at.id.startsWith("specimen-")) {
     describe(at.id.slice("specimen-".length), at.value);
     settle();
   } else if (typed[at.id]) {
@@ -451,6 +458,12 @@ function step(/** @type {string} */ name, /** @type {number} */ by) {
   // each press is a change: what takes seconds waits for the last of them
   pause = setTimeout(settle, PAUSE);
 }
+
+// each line is a limit: it counts when it is written
+$("limit-lines").addEventListener("keydown", (event) => {
+  if (event.key !== "Enter" || !field("limit-lines").value.trim()) return;
+  setTimeout(() => $("limit-lines").dispatchEvent(new Event("change", { bubbles: true })));
+});
 
 $("mass").addEventListener("keydown", (event) => {
   const by = { ArrowUp: 1, ArrowDown: -1 }[event.key];

@@ -3,11 +3,13 @@ import { $, all, atWork, field, made, status, words } from "./dom.js";
 import {
   hammers,
   isBench,
+  isBeside,
   isHammer,
   isHitsAlone,
   isModes,
   isTest,
   job,
+  limits,
   LOT,
   shown,
   state,
@@ -110,7 +112,8 @@ export async function opened(
   const asks = added.find((one) => one.asked);
   const first = added.find((one) => one.page === "test") || added.find(isHitsAlone) ||
     added.find((one) => isBench(one) && !(isModes(one) && test()));
-  const next = (asks || first || shown() || added[0] || state.files[0])?.id || "";
+  const record = [...added, ...state.files].find((one) => !isBeside(one));
+  const next = (asks || first || shown() || record || added[0] || state.files[0])?.id || "";
   // what the user chose while they were read is kept: what is typed then is of that file
   if (state.current === at || !shown()) state.current = next;
   fileList();
@@ -150,6 +153,8 @@ export async function example() {
 
 export function show(/** @type {string} */ id) {
   const before = test();
+  // what goes with a record has no page of its own
+  if (state.files.some((one) => one.id === id && isBeside(one)) && shown()) return;
   if (state.against === "all") state.against = "";
   state.current = id;
   fileList();
@@ -171,11 +176,24 @@ export function remove(/** @type {string} */ id) {
   refuse("", "file");
   refuse("");
   state.files = state.files.filter((one) => one.id !== id);
-  state.current = state.files[0]?.id || (state.lot && LOT);
+  state.current = (state.files.find((one) => !isBeside(one)) || state.files[0])?.id ||
+    (state.lot && LOT);
   if (!hammers().length) state.joint = false;
   state.job.time_limits = {};
   fileList();
   views();
+  settle();
+}
+
+/** Take a record for a blank test of the machine, or for that of a seal. */
+export async function takeAsBlank(/** @type {string} */ id, /** @type {boolean} */ yes) {
+  const one = state.files.find((file) => file.id === id);
+  if (!one) return;
+  const { kind: _, ...options } = one.options;
+  one.options = yes ? { ...options, kind: "blank" } : options;
+  refuse("", "file");
+  await read(one);
+  fileList();
   settle();
 }
 
@@ -290,6 +308,16 @@ export function takeBench() {
   if (of) make(`take-${of.verb}`, of.request, "fit", save);
 }
 
+/** The machine of blank tests, opened as the machine of the tests. */
+export function useMachine() {
+  const of = bench();
+  if (!of) return;
+  make(`take-${of.verb}`, of.request, "the machine file", (/** @type {any} */ file) => {
+    take([new File([file.text], file.name, { type: file.kind })]);
+    return `${file.name} is open`;
+  });
+}
+
 /** The solid that stands on the page: nothing else is taken away as "the model". */
 const solidShown = () => document.querySelector("[data-solid]")?.getAttribute("data-solid");
 
@@ -297,7 +325,7 @@ export function away(/** @type {Record<string, any>} */ what) {
   // what is about to change is of no solid that stands on the page
   if (!settled()) return status("not judged yet: nothing to export");
   const { joint } = state, solid = solidShown(), model = ["fit", "deck"].includes(what.what);
-  const request = { job: job(), ...what, ...(model && { joint, solid }) };
+  const request = { job: job(), limits: limits(), ...what, ...(model && { joint, solid }) };
   make("take", request, what.target || what.what, save);
 }
 

@@ -42,7 +42,7 @@ import { call } from "./wire.js";
 /** @typedef {{key: string, words: string, kept: string}} Step A choice, and the state after it */
 /** @typedef {{at: string, law: string}} OfLevels Forces at which a resonance is asked for, and the law */
 /** @typedef {{of: "points" | "masses" | "levels" | "rod", band: string}} OfFRFs In what several FRFs differ, and where modes are sought */
-/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, against: "" | "ab" | "all", ab: {a: string, b: string}, phase: boolean, lot: string, levels: OfLevels, frfs: OfFRFs, said: Record<string, Record<string, string>>, past: Step[], job: Choices}} State */
+/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, against: "" | "ab" | "all", ab: {a: string, b: string}, phase: boolean, lot: string, levels: OfLevels, frfs: OfFRFs, said: Record<string, Record<string, string>>, limits: Record<string, string>, past: Step[], job: Choices}} State */
 
 /** What is shown where no file is. */
 export const LOT = "lot";
@@ -65,6 +65,7 @@ const fresh = () => ({
   levels: { at: "", law: "auto" },
   frfs: { of: "points", band: "" },
   said: {},
+  limits: {},
   past: [],
   job: { ...usual, time_limits: {}, specimen: {}, hammer: { accept: [], reject: [] } },
 });
@@ -114,6 +115,21 @@ export const isBench = (/** @type {OpenFile} */ one) =>
 export const levelUnit = (/** @type {OpenFile | undefined} */ one) =>
   one?.page === "base" ? "m/s^2" : "N";
 export const shown = () => state.files.find((one) => one.id === state.current);
+/** A file that is no record, and is asked nothing by itself: limits, a machine. */
+export const isBeside = isTaken("limits", "machine");
+const isMachine = isTaken("machine");
+/** The machine file of the tests: the last that was opened. */
+export const machine = () => state.files.filter(isMachine).at(-1);
+/** Of what the limits are that are typed: of the seal under test, or of the kind that is shown. */
+export const limited = () => {
+  const one = shown();
+  return one && isBench(one) ? kindOf(one) : "test";
+};
+/** Limits of what is shown: typed, one on a line, and in files. */
+export const limits = () => ({
+  typed: (state.limits[limited()] || "").split("\n").filter((text) => text.trim()),
+  files: state.files.filter(isTaken("limits")).map((one) => one.id),
+});
 
 /** The test that is fitted. */
 export function test() {
@@ -130,9 +146,10 @@ export const hammers = () => state.files.filter(isHammer);
 export function job() {
   const of = test(), by = hammers(), also = together();
   const warmth = [of, ...also].map((one) => one?.temperature || "");
-  const several = also.length > 0;
+  const several = also.length > 0, rig = machine();
   return {
     ...state.job,
+    ...(rig && { machine: rig.id }),
     relaxation: of ? of.id : "",
     reading: of ? of.options : {},
     joint: state.joint,
@@ -200,7 +217,7 @@ export function sizes() {
 
 /** What of the state the user chose; what a file was found to be is none of it. */
 const key = () => {
-  const { job, joint, base, levels, frfs, said, files } = state;
+  const { job, joint, base, levels, frfs, said, limits, files } = state;
   return JSON.stringify([
     job,
     joint,
@@ -208,6 +225,7 @@ const key = () => {
     levels,
     frfs,
     said,
+    limits,
     files.map((one) => [one.id, one.options, one.together, one.temperature, one.level, one.mass]),
   ]);
 };
@@ -237,6 +255,7 @@ function changed(/** @type {string} */ before, /** @type {string} */ after) {
   }
   if (was[1] !== now[1]) words.push(now[1] ? "joint model" : "relaxation alone");
   if (was[2] !== now[2]) words.push(now[2] ? "its base moves" : "a force on it");
+  if (JSON.stringify(was[6]) !== JSON.stringify(now[6])) words.push("limits");
   const more = now.at(-1).length - was.at(-1).length;
   if (more > 0) words.push(`${more === 1 ? "a file" : `${more} files`} opened`);
   if (more < 0) words.push("a file removed");

@@ -16,6 +16,7 @@ import {
   job,
   jobOf,
   kindOf,
+  limits,
   LOT,
   questionOf,
   remember,
@@ -40,7 +41,8 @@ const seconds = (/** @type {number} */ since, digits = 1) =>
 /** What decides the verdict: two questions alike have one. */
 function question() {
   const of = bench();
-  if (of) return JSON.stringify([of.verb, { ...of.request, sizes: null }]);
+  // limits are asked of the seal, and no verdict on its model depends on them
+  if (of) return JSON.stringify([of.verb, { ...of.request, sizes: null, limits: null }]);
   if (test() && state.against) return JSON.stringify([state.against, against()]);
   return test() ? questionOf(state.joint) : "";
 }
@@ -48,6 +50,7 @@ function question() {
 /** Say why what is asked now has no answer. */
 function ends(/** @type {string} */ said) {
   $("right").classList.remove("moving");
+  limitsFound({ html: "", refusal: "" });
   if (said !== cancelled) return refuse(said);
   if (state.joint) return stops("Cancelled. There is no joint model.");
   const skipped = hammers().length
@@ -55,6 +58,27 @@ function ends(/** @type {string} */ said) {
     : "Its limits were not computed.";
   const known = stands() && !bench() ? `The fit stands: ${found.end.join(" ")}. ${skipped}` : "";
   stops(`Cancelled. ${known || "What was asked last is not fitted."}`);
+}
+
+/** The limits as they were held against what was found, or why one is none. */
+function limitsFound(/** @type {{html: string, refusal: string}} */ { html, refusal }) {
+  const home = $("limits-found");
+  home.classList.remove("past");
+  home.hidden = !html;
+  stand("limits-found", html);
+  $("limits-refusal").textContent = refusal;
+  $("limits-refusal").hidden = !refusal;
+  const word = home.querySelector("h2")?.textContent || "";
+  $("fold-limits").textContent = refusal ? "one is refused" : word || "none";
+}
+
+/** Hold other limits against what is found: no verdict on the model depends on them. */
+export function limit() {
+  remember();
+  $("limits-found").classList.add("past");
+  const alone = bench();
+  if (alone) fitBench(alone);
+  else study();
 }
 
 /** What the fit that was settled last chose by itself. */
@@ -172,6 +196,7 @@ function nothing() {
   for (const name of ["checks", "beside", "answers", "command", "bench-page", "tells-more"]) {
     $(name).replaceChildren();
   }
+  limitsFound({ html: "", refusal: "" });
   $("simulated").hidden = true;
   for (const end of all("[data-cut]")) put(end.id, "");
 }
@@ -346,8 +371,10 @@ export function study(again = false) {
     now,
     `${chosen()}${hammers().length ? "The hammer is compared." : "Its limits are computed."}`,
   );
-  slowly("study", { job: job(), sizes: sizes(), base: state.base, phase: state.phase }, (head) => {
+  const asked = { job: job(), sizes: sizes(), base: state.base, phase: state.phase };
+  slowly("study", { ...asked, limits: limits() }, (head) => {
     studied(head);
+    limitsFound(head.limits);
     knows(now, head, !head.hint);
     if (head.hint) stops(head.hint, { words: "Give the mass", act: "mass" });
     if (again || !tooTall()) return true;
@@ -358,6 +385,11 @@ export function study(again = false) {
 
 /** What is asked of the file that is shown, if the page fits it by itself, and by which verb. */
 export function bench() {
+  const asked = benchAsked();
+  return asked && { ...asked, request: { ...asked.request, limits: limits() } };
+}
+
+function benchAsked() {
   const one = shown();
   if (!one || !isBench(one)) return null;
   const { id: file, options, temperature } = one, { arms, mass, seals } = state.job;
@@ -415,6 +447,7 @@ function fitBench(/** @type {{verb: string, request: any}} */ { verb, request })
     $("answers").innerHTML = head.answers || "";
     $("beside").hidden = true;
     told(head);
+    limitsFound(head.limits);
     fit();
     if (verb === "hammer") return hitsAlone(head);
     strips($("bench-page"), head.figures, verb, head.facts);

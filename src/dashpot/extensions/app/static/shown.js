@@ -1,5 +1,5 @@
 // What stands on the page beside the drawings: verdict, solid, choices, files, fields.
-import { $, all, icon, made, put } from "./dom.js";
+import { $, all, field, icon, made, put } from "./dom.js";
 import {
   alike,
   door,
@@ -15,7 +15,9 @@ import {
   isTest,
   kindOf,
   levelUnit,
+  limited,
   LOT,
+  machine,
   shown,
   state,
   test,
@@ -26,6 +28,8 @@ import { render } from "./verdict.js";
 
 /** @typedef {import("./job.js").OpenFile} OpenFile */
 
+/** A record without a seal, by which the machine is found. */
+const isBlank = (/** @type {OpenFile} */ one) => one.options.kind === "blank";
 /** Characters of a name in the list, and of its start where it is longer. */
 const LONGEST = 48, START = 20;
 /** What became of an open file on disk. @type {Record<string, string>} */
@@ -35,6 +39,12 @@ export const WATCHED = {
   gone: "no longer there",
   stale: "changed on disk",
 };
+/** Where no machine file is open. */
+const MACHINE = "No machine file is open: gain, delay and drift are those of a usual machine. To " +
+  "measure them, open a record on a rigid stop, on a steel spring and empty, and tick " +
+  "\u201cblank test\u201d at each.";
+/** A limit as it may be typed, by what it is of. @type {Record<string, string>} */
+const LIMIT = { test: "damping >= 3%", csr: "life >= 10 years" };
 const SPECIMEN = { name: "", lot: "", length: "mm" };
 
 /** The table of a solid, and how many arms it has, each on its tab. */
@@ -111,7 +121,8 @@ export function fileList() {
   const of = test();
   $("files").replaceChildren(...state.files.map((one) => {
     const level = isLevel(one) && one.level ? `, at ${levelWords(one)}` : "";
-    const message = `${one.line || "reading"}${level}`;
+    const unused = one.page === "machine" && one !== machine() ? ", not used" : "";
+    const message = `${one.line || "reading"}${level}${unused}`;
     const words = made("span", {}, named(one.name), made("i", {}, message), ...stamped(one));
     const item = made(
       "li",
@@ -127,6 +138,11 @@ export function fileList() {
       const box = made("input", { type: "checkbox", "data-together": one.id });
       box.toggleAttribute("checked", together().includes(one));
       item.append(made("label", { class: "with" }, box, " fit together"));
+    }
+    if (one.id === state.current && (one.kind === "relaxation" || isBlank(one))) {
+      const box = made("input", { type: "checkbox", "data-blank": one.id });
+      box.toggleAttribute("checked", isBlank(one));
+      item.append(made("label", { class: "with" }, box, " blank test, no seal"));
     }
     const away = { class: "link away", "data-remove": one.id, "aria-label": `remove ${one.name}` };
     item.append(made("button", away, "\u00d7"));
@@ -201,6 +217,7 @@ export function views() {
   for (const [name, yes] of Object.entries(classes)) document.body.classList.toggle(name, yes);
   $("bench-page").hidden = !fitted || hitsOnly;
   $("pole-hint").hidden = !hitsOnly || !!asks;
+  $("machine-hint").hidden = !judged || !one || !isBlank(one) || !!asks;
   asked(one);
   document.body.classList.toggle("alone", response && !fitted && !test());
   $("question").hidden = !asks;
@@ -264,6 +281,10 @@ export function fields() {
   const { job } = state;
   put("mass", job.mass.replace(/g$/, ""));
   put("seals", String(job.seals));
+  field("limit-lines").placeholder = LIMIT[limited()] || "NAME >= VALUE";
+  put("limit-lines", state.limits[limited()] || "");
+  const rig = machine();
+  $("machine-line").textContent = rig ? `${rig.name}: ${rig.line}` : MACHINE;
   put("compression", job.compression.replace(/mm$/, ""));
   put("level", levelNumber(shown()));
   $("level-unit").textContent = unitWords(shown());

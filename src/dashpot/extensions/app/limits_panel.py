@@ -1,0 +1,72 @@
+"""Limits that a page asks of a result, held against it."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dashpot.base import dataclass
+from dashpot.base.errors import DashpotError, DataError
+from dashpot.extensions.app.request_parsing import get_list, mapping
+from dashpot.extensions.app.upload_store import path_in
+from dashpot.registry import find_handler
+from dashpot.report.result_page import text_of
+
+
+@dataclass(frozen=True)
+class LimitsPanel:
+    """Limits of a page.
+
+    Attributes
+    ----------
+    html : str
+        Section with the outcome of each; empty where none is asked, or one is refused.
+    refusal : str
+        Why one is no limit of this result.
+    words : tuple of str
+        Options of the command line that ask the same.
+    document : Serialisable or None
+        The result with what was found of its limits.
+    """
+
+    html: str = ""
+    refusal: str = ""
+    words: tuple[str, ...] = ()
+    document: Any = None
+
+    def add_to(self, command: str) -> dict[str, Any]:
+        """Return the entries of an answer: the limits, and the command that also asks them."""
+        return {
+            "limits": {"html": self.html, "refusal": self.refusal},
+            "command": " ".join([command, shlex.join(self.words)]).rstrip(),
+        }
+
+    def render_document(self, text: str) -> str:
+        """Return the JSON of the result with its limits; without limits the `text` of it alone."""
+        return text if self.document is None else text_of(self.document)
+
+
+def judge_limits(request: Mapping[str, Any], folder: Path, result: Any) -> LimitsPanel:
+    """Return the limits of a request held against a result; a refused one is said, not raised.
+
+    A limit that cannot be judged says nothing against the result.
+    """
+    asked = mapping(request.get("limits", {}), "limits")
+    expressions = [text.strip() for text in map(_read_text, get_list(asked, "typed"))]
+    files = [path_in(folder, item) for item in get_list(asked, "files")]
+    expressions = [text for text in expressions if text]
+    if not expressions and not files:
+        return LimitsPanel()
+    try:
+        html, words, document = find_handler("judge limits", "app")(result, expressions, files)
+    except DashpotError as error:
+        return LimitsPanel(refusal=str(error))
+    return LimitsPanel(html, "", words, document)
+
+
+def _read_text(item: object) -> str:
+    if not isinstance(item, str):
+        raise DataError(f"limits: {item!r}; expected a text such as 'damping >= 3%'")
+    return item

@@ -1,0 +1,31 @@
+"""Machine file in the app: its entry in the list of files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.errors import ReadError
+from dashpot.extensions.blank_tests.machine_file import read_machine_file
+from dashpot.reading.toml import tables_of
+
+
+def describe_machine_file(path: Path) -> dict[str, Any] | None:
+    """Return what the list of files says of a machine file; None of another TOML file.
+
+    Raises
+    ------
+    ReadError
+        If it is a machine file that cannot be used.
+    """
+    try:
+        _, tables = tables_of(path)
+    except ReadError:
+        return None
+    if "machine" not in tables:
+        return None
+    machine = read_machine_file(path)
+    source = "" if machine.calibration is None else machine.calibration.source
+    line = source.replace(f" {path.name}", "", 1) or "machine file, not from blank tests"
+    return {"kind": "machine", "page": "machine", "line": line, "mark": "good", "simulated": False,
+            "long": False, "asks": [], "alone": False, "name": path.name}  # fmt: skip
