@@ -141,7 +141,7 @@ def loop_record(
     frequencies: tuple[float, ...] = LOOP_FREQUENCIES,
     noise: float = 2e-4,
 ) -> str:
-    """The text of a record at one compression: a sine of each frequency and amplitude after another.
+    """The text of a record at one compression: sines of each frequency and amplitude.
 
     The force is the steady one of the part about that of the compression; both channels have a
     noise of that share of the largest amplitude and of the largest force.
@@ -158,8 +158,6 @@ def loop_record(
     swing = float(np.abs(force - static).max())
     x = x + noise * max(amplitudes) * r.standard_normal(len(x))
     force = force + noise * swing * r.standard_normal(len(x))
-    rows = [
-        f"{i / LOOP_RATE:.3f},{a:.6f},{b:.7f}"
-        for i, (a, b) in enumerate(zip(x, force, strict=True))
-    ]
+    samples = enumerate(zip(x, force, strict=True))
+    rows = [f"{i / LOOP_RATE:.3f},{a:.6f},{b:.7f}" for i, (a, b) in samples]
     return "\n".join(["time [s],displacement [mm],force [N]", *rows, ""])

@@ -30,4 +30,6 @@ def page(fit: MachineFit) -> KindPage:
         told="The machine",
         groups=(group("", fit.facts),),
         sources=fit.sources,
+        note=f"{KindPage.note} Write the machine file with -o rig.toml, and fit every seal that is "
+        "tested on this machine with --machine rig.toml.",
     )  # fmt: skip

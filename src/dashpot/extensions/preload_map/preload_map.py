@@ -18,10 +18,13 @@ from dashpot.base.units import Quantity, convert_to_si, convert_to_unit
 from dashpot.base.value_ranges import format_quantity_short, require_positive
 from dashpot.extensions.preload_map.interpolation import compute_level_weights
 from dashpot.extensions.preload_map.separability import PairTest
+from dashpot.extensions.preload_map.stiffness_lines import (
+    SAME_AMPLITUDE,
+    SAME_COMPRESSION,
+    SAME_TONE,
+)
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-_RANGE_TOLERANCE = 1e-6
-"""Relative tolerance of the ends of a range, for rounding."""
 _LINES_PER_OCTAVE = 6
 
 
@@ -233,7 +236,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         )
         f = samples("frequency", f)
         for end in (float(f.min()), float(f.max())):
-            _require_within("frequency", end, self.band, "Hz")
+            _require_within("frequency", end, self.band, "Hz", SAME_TONE)
         c, X = self._convert_place(compression, amplitude)
         compression_weights = compute_level_weights(self.compressions, c)
         log_amplitudes = np.log(self.amplitudes) if len(self.amplitudes) else np.zeros(1)
@@ -360,7 +363,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         """Return compression and amplitude, m, in the measured range."""
         c, X = convert_to_si(compression, "length"), convert_to_si(amplitude, "length")
         least, most = float(self.compressions[0]), float(self.compressions[-1])
-        _require_within("compression", c, (least, most), "mm")
+        _require_within("compression", c, (least, most), "mm", SAME_COMPRESSION)
         if not len(self.amplitudes):
             if X is not None:
                 raise DataError(
@@ -369,7 +372,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
             return min(max(c, least), most), None
         X = float(self.amplitudes[self.reference[1]]) if X is None else X
         smallest, largest = float(self.amplitudes[0]), float(self.amplitudes[-1])
-        _require_within("amplitude", X, (smallest, largest), "mm")
+        _require_within("amplitude", X, (smallest, largest), "mm", SAME_AMPLITUDE)
         return min(max(c, least), most), min(max(X, smallest), largest)
 
     def _compute_gradients(
@@ -501,9 +504,15 @@ def build_arm_columns(omega: FloatArray, tau: FloatArray) -> ComplexArray:
     return np.column_stack((np.ones(len(omega), dtype=complex), product / (1 + product)))
 
 
-def _require_within(name: str, value: float, range_: tuple[float, float], unit: str) -> None:
+def _require_within(
+    name: str, value: float, range_: tuple[float, float], unit: str, same: float
+) -> None:
+    """Refuse a value outside a range; one that lies beside an end by the share `same` is that end.
+
+    A loop whose amplitude was set to 0.5 mm may be measured as 0.4999 mm.
+    """
     low, high = range_
-    if low * (1 - _RANGE_TOLERANCE) <= value <= high * (1 + _RANGE_TOLERANCE):
+    if low * (1 - same) <= value <= high * (1 + same):
         return
     converted, least, most = (convert_to_unit(entry, unit) for entry in (value, low, high))
     raise DataError(

@@ -12,7 +12,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.preload_map.preload_sweep import PreloadSweep
 
-SAME_COMPRESSION, SAME_AMPLITUDE, _SAME_TONE = 0.01, 0.06, 0.01
+SAME_COMPRESSION, SAME_AMPLITUDE, SAME_TONE = 0.01, 0.06, 0.01
 """Relative differences below which a machine meant the same value."""
 _PART = 0.4
 """Part of the least step of a sweep within which frequencies of two sweeps are the same."""
@@ -119,7 +119,7 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
     value = np.concatenate([sweep.value for sweep in sweeps])
     weight = np.concatenate([np.asarray(sweep.weight, dtype=float) for sweep in sweeps])
     closest = min(_least_step(sweep.frequency) for sweep in sweeps)
-    tones, tone = group_levels(frequency, min(_SAME_TONE, _PART * closest))
+    tones, tone = group_levels(frequency, min(SAME_TONE, _PART * closest))
     return StiffnessLines(
         frequency,
         weight / float(np.sqrt(np.mean(weight**2))),

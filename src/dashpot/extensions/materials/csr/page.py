@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
+from dashpot.base import replace
 from dashpot.base.number_format import round_to_error
+from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.csr.datamodel import Aging
 from dashpot.extensions.materials.csr.figure import (
@@ -88,12 +92,22 @@ def lay_out_aged(aged: Aged) -> KindPage:
         answers="How long it seals" if drawn else "What is left of the force",
         picture=draw_life(aged),
         told=f"At {format_temperature(aged.temperature)}",
-        groups=(group("", aged.facts), group("The aging law", aging.facts)),
+        groups=(
+            group("", [_read_in_life_unit(fact) for fact in aged.facts]),
+            group("The aging law", aging.facts),
+        ),
         sources=aging.sources,
         note=f"{KindPage.note} {aged.interval_note}".rstrip(),
         folds=_make_life_sections(aging, lives, part or USUAL_PART),
         name="aged" if aged._saved_result is aged else "csr",
     )
+
+
+def _read_in_life_unit(fact: ReportedValue) -> ReportedValue:
+    """Return a life in hours or years, as the chart has it; any other value as it is."""
+    if fact.unit != "s" or math.isnan(fact.value):
+        return fact
+    return replace(fact, read=get_life_unit(fact.value)[1])
 
 
 def _format_strip(aging: Aging) -> tuple[tuple[str, str], ...]:
