@@ -18,6 +18,7 @@ from kit.foreign.stiffness_maps import (
     Part,
     cubic_seal,
     draw_part,
+    loop_record,
     measure,
     table,
 )
@@ -525,3 +526,45 @@ def test_a_column_of_one_level_is_no_lost_setting(records: Path):
     ]
     (records / "more.csv").write_text("\n".join(more) + "\n", encoding="utf-8")
     assert run("map", records / "more.csv")[0] == 0
+
+
+def test_recorded_loops_make_the_map_of_their_part(tmp_path: Path):
+    """A record at each compression, of all amplitudes and frequencies, from another generator."""
+    r = np.random.default_rng(5)
+    part = draw_part(r)
+    stated = []
+    for c in COMPRESSIONS:
+        name = f"loops_{c:g}mm.csv"
+        (tmp_path / name).write_text(loop_record(part, c, r), encoding="utf-8")
+        stated.append((name, 1e-3 * c))
+    sweeps = read_sweeps([tmp_path / name for name, _ in stated], compressions=stated)
+    assert len(sweeps) == len(COMPRESSIONS) * len(AMPLITUDES)
+    found = fit_preload_map(sweeps, gain_error=0.0, phase_error=0.0)
+    assert len(found.pairs) == 3
+    assert all(pair.chance > 1e-3 for pair in found.pairs)
+    f = np.array([1.0, 1.5, 5.0, 15.0, 20.0])
+    for c in COMPRESSIONS:
+        for X in AMPLITUDES:
+            # the nominal setting is inside, though its loops were measured a little smaller
+            at = found.evaluate(f, compression=1e-3 * c, amplitude=1e-3 * X)
+            assert at.value == pytest.approx(part.stiffness(f, c, X), rel=3e-3)
+
+
+def test_loops_of_a_part_that_is_not_separable_are_found_out(tmp_path: Path):
+    r = np.random.default_rng(6)
+    part = draw_part(r, "amplitude and frequency", 0.8)
+    stated = []
+    for c in COMPRESSIONS:
+        name = f"loops_{c:g}mm.csv"
+        (tmp_path / name).write_text(loop_record(part, c, r), encoding="utf-8")
+        stated.append((name, 1e-3 * c))
+    files = [tmp_path / name for name, _ in stated]
+    found = fit_preload_map(read_sweeps(files, compressions=stated))
+    assert found.verdict.use != "use"
+
+
+def test_loops_without_a_stated_compression_are_refused(tmp_path: Path):
+    r = np.random.default_rng(5)
+    (tmp_path / "loops.csv").write_text(loop_record(draw_part(r), 4.0, r), encoding="utf-8")
+    with pytest.raises(ReadError, match="the file says no compression"):
+        read_sweeps([tmp_path / "loops.csv"])

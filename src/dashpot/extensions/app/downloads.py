@@ -82,7 +82,7 @@ def _render_report(request: Mapping[str, Any], folder: Path, job: Job) -> str:
     if limits.refusal:
         raise DataError(limits.refusal)
     send_progress("drawing the report")
-    return report_html(study, **({"limits": limits.html} if limits.html else {}))
+    return report_html(study, limits=limits.html)
 
 
 def _solid(request: Mapping[str, Any], job: Job) -> Fit:

@@ -13,7 +13,7 @@ from dashpot.extensions.systems.door.population import (
 )
 from dashpot.plot.picture import FIT, REJECTED, Area, Line, Mark, Panel, Picture, Rule, Scale
 from dashpot.plot.plotted_data import stamp as format_stamp
-from dashpot.report.first_screen import Row
+from dashpot.report.first_screen import Light, Row
 from dashpot.report.result_page import Group, KindPage, Topic, group, lights
 
 _SHOWN, _WIDE, _POINTS = 4, 4.0, 241
@@ -48,7 +48,7 @@ def draw_population(population: DoorPopulation, *, stamp: str = "") -> Picture:
 def lay_out_population(population: DoorPopulation) -> KindPage:
     """Return the page of the doors of many cars."""
     spread = population.spread
-    tested = "stated" if spread.specimens is None else f"{spread.specimens} of the lot"
+    tested = "stated" if spread.specimens is None else f"{spread.specimens} seals of the lot"
     limited = tuple(
         _make_share_row(one) for one in population.quantities if one.share_beyond is not None
     )
@@ -62,14 +62,15 @@ def lay_out_population(population: DoorPopulation) -> KindPage:
     return KindPage(
         about="doors of many cars",
         strip=(
-            ("Seals", tested),
-            ("Scatter between seals", f"{100 * spread.between_sd:.2g} %"),
+            ("Scatter between seals", f"{100 * spread.between_sd:.2g} %, {tested}"),
             ("Error of their mean", f"{100 * spread.mean_sd:.2g} %"),
         ),
         lights=lights(
             population.checks, Topic("Seal and door"),
             Topic("Scatter", {"seals_suffice", "scatter_exceeds_testing"},
                   "stated" if spread.specimens is None else "known"),
+        ) + tuple(
+            Light("Limit", "note", f"{row.name}: {row.value} %") for row in limited
         ),
         answers="How the cars differ",
         picture=draw_population(population),
