@@ -692,7 +692,7 @@ def test_words_are_readable(visit, files, how):
     assert page.at.evaluate(CONTRAST) == []
 
 
-def test_limits_are_typed_judged_kept_and_exported(visit, files, tmp_path):
+def test_typed_limits_are_compared_survive_a_reload_and_reach_the_report(visit, files, tmp_path):
     page = visit(*(files / name for name in workflow.FIRST))
     page.done()
     page.at.locator("#seals").fill("2")

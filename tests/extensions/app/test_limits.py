@@ -8,6 +8,7 @@ import pytest
 from kit.shell import ran
 
 from dashpot import workflow
+from dashpot.base.errors import ReadError
 from dashpot.extensions.app import wire_format
 from dashpot.extensions.app.handler_registry import VERBS
 from dashpot.extensions.app.upload_store import Store
@@ -27,6 +28,7 @@ def store():
 @pytest.fixture
 def home(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("DASHPOT_STATE", str(tmp_path / "state"))
     return tmp_path
 
 
@@ -82,7 +84,7 @@ def test_a_refused_limit_leaves_the_verdict_and_says_why(store, home, text, word
     assert "word" in head["verdict"]
 
 
-def test_a_fault_of_a_limit_file_names_the_file_alone(store, home):
+def test_a_fault_of_a_limit_file_has_its_name_and_no_folder(store, home):
     (seal,) = put(store, home, "seal_8mm.csv")
     (stated,) = put(store, home, "limits.toml", text='[weight]\nlower = "3kg"\n')
     head = ask("study", store, job={"relaxation": seal}, limits={"files": [stated]})
@@ -124,15 +126,19 @@ def test_a_machine_file_is_the_machine_of_the_job_and_names_its_age(store, home)
     (seal,) = put(store, home, "rig_seal.csv")
     found = ask("study", store, job={"relaxation": seal, "machine": rig})
     assert found["command"] == "dashpot report rig_seal.csv --machine rig.toml"
-    report = ask("take", store, job={"relaxation": seal, "machine": rig}, what="report")["text"]
+    job = {"relaxation": seal, "machine": rig}
+    report = ask("take", store, job=job, what="report")["text"]
     assert "machine file rig.toml" in report
+    ask("project", store, job=job, folder=str(home / "door"))
+    with pytest.raises(ReadError, match="was fitted with machine file rig.toml"):
+        ask("folder", store, folder=str(home / "door"))
 
 
-def test_toml_files_are_told_apart_by_their_tables(store, home):
+def test_tables_of_a_toml_file_decide_its_kind(store, home):
     (door,) = put(store, home, "door.toml")
     (limits,) = put(store, home, "limits.toml", text=LIMIT_FILE)
     (broken,) = put(store, home, "rig.toml", text="[machine]\ngain = 3\n")
     assert ask("inspect", store, file=door)["kind"] == "door"
     assert ask("inspect", store, file=limits)["kind"] == "limits"
-    with pytest.raises(Exception, match=r"rig\.toml: gain"):
+    with pytest.raises(ReadError, match=r"rig\.toml: gain"):
         ask("inspect", store, file=broken)

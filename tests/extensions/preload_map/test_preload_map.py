@@ -550,7 +550,7 @@ def test_recorded_loops_make_the_map_of_their_part(tmp_path: Path):
             assert at.value == pytest.approx(part.stiffness(f, c, X), rel=3e-3)
 
 
-def test_loops_of_a_part_that_is_not_separable_are_found_out(tmp_path: Path):
+def test_loops_of_a_part_that_is_not_separable_make_no_map_for_use(tmp_path: Path):
     r = np.random.default_rng(6)
     part = draw_part(r, "amplitude and frequency", 0.8)
     stated = []

@@ -97,6 +97,12 @@ def _put(home: Path, path: Path, stamp: tuple[int, ...] | None, content: bytes) 
 def _project(place: Path, home: Path) -> dict[str, Any]:
     """Return the last job of a project, with its files put where the page has them."""
     job, find_file = find_handler("open folder", "project")(place)
+    calibration = job.machine.calibration
+    if calibration is not None:
+        raise ReadError(
+            f"{place.name} was fitted with {calibration.source}, and a project does not keep the "
+            "machine file. Open its records and the machine file here"
+        )
 
     def brought(path: str) -> dict[str, str]:
         file = find_file(path)
