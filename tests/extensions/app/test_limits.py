@@ -130,7 +130,7 @@ def test_a_machine_file_is_the_machine_of_the_job_and_names_its_age(store, home)
     report = ask("take", store, job=job, what="report")["text"]
     assert "machine file rig.toml" in report
     ask("project", store, job=job, folder=str(home / "door"))
-    with pytest.raises(ReadError, match="was fitted with machine file rig.toml"):
+    with pytest.raises(ReadError, match=r"was fitted with machine file rig\.toml"):
         ask("folder", store, folder=str(home / "door"))
 
 
