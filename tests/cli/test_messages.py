@@ -125,6 +125,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "extensions/systems/door/predict_handler.py": (),
     "extensions/materials/cld/fit_handler.py": (),
     "extensions/acceptance/command_options.py": (),
+    "extensions/acceptance/app_panel.py": ("fit", "report"),
     "extensions/materials/fit_options.py": (),
     "extensions/materials/hyperelastic/fit_handler.py": (),
     "extensions/materials/indentation/fit_handler.py": (),

@@ -20,7 +20,7 @@ SealWord = Literal["meets", "misses", "open"]
 _REPEATING = "Repeating the test does not decide it"
 _OF_RIG = (
     "what remains is uncertainty of the rig, the same in every such test. Measure its delay, gain "
-    "and drift with blank tests (dashpot fit STOP SPRING EMPTY --kind blank -o rig.toml)."
+    "and drift with blank tests."
 )
 _MOST_DIGITS = 9
 

@@ -291,7 +291,7 @@ def _identify_toml(path: str | Path) -> Recognised | None:
         return Recognised("machine", "it has the table [machine]")
     if tables.keys() <= PROFILE:
         return Recognised("profile", "it is TOML with tables of a profile")
-    return Recognised("unclear", "it is TOML of no door, machine or profile; --limits reads limits")
+    return Recognised("unclear", "it is TOML of no door or machine; limits: dashpot report --limits")
 
 
 def _identify_document(raw: RawFile) -> Recognised | None:
