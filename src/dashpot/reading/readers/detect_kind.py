@@ -291,7 +291,9 @@ def _identify_toml(path: str | Path) -> Recognised | None:
         return Recognised("machine", "it has the table [machine]")
     if tables.keys() <= PROFILE:
         return Recognised("profile", "it is TOML with tables of a profile")
-    return Recognised("unclear", "it is TOML of no door or machine; limits: dashpot report --limits")
+    return Recognised(
+        "unclear", "it is TOML of no door or machine; for limits: dashpot report --limits"
+    )
 
 
 def _identify_document(raw: RawFile) -> Recognised | None:
