@@ -40,9 +40,8 @@ export const WATCHED = {
   stale: "changed on disk",
 };
 /** Where no machine file is open. */
-const MACHINE = "No machine file is open: gain, delay and drift are those of a usual machine. To " +
-  "measure them, open a record on a rigid stop, on a steel spring and empty, and tick " +
-  "\u201cblank test\u201d at each.";
+const MACHINE = "No machine file is open. Blank tests make one: open records on a rigid stop, on " +
+  "a steel spring and empty, and tick \u201cblank test\u201d at each.";
 /** A limit as it may be typed, by what it is of. @type {Record<string, string>} */
 const LIMIT = { test: "damping >= 3%", csr: "life >= 10 years" };
 const SPECIMEN = { name: "", lot: "", length: "mm" };
