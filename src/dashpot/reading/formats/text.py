@@ -32,8 +32,14 @@ from dashpot.reading.text.rows import Heading, load_rows, title
 
 _HEADS = (1 << 16, 1 << 20, 1 << 24)
 _LARGE = 1 << 28
-_IMAGINARY = compile_on_use(rb"\d\s?\*?[ijIJ]\b|[+-]\s?[ijIJ]\*?\d")
-"""What no table of complex cells is without."""
+_IMAGINARY = compile_on_use(
+    rb"[ijIJ](?:(?:(?<=\d.)|(?<=\d\s.)|(?<=\d\*.)|(?<=\d\s\*.))\b"
+    rb"|(?:(?<=[+-].)|(?<=[+-]\s.))\*?\d)"
+)
+"""What no table of complex cells is without: i or j behind a number or before one.
+
+The letter stands first in the pattern, since a table holds few of them, and many digits.
+"""
 _MOST_COMPLEX = 1 << 26
 """Bytes of a file whose complex cells are parted: it is held as a whole."""
 _MARKUP = compile_on_use(
