@@ -57,9 +57,9 @@ from dashpot.extensions.modes.job import ModesJob
 from dashpot.extensions.modes.mass_series_files import modes_by_mass
 from dashpot.extensions.modes.measured_modes import modes_files
 from dashpot.fitting.identification.prior_knowledge import KnownSolid
+from dashpot.reading.columns.file_kinds import Recognised
 from dashpot.reading.read_options import OF_HAMMER, ReadOptions
 from dashpot.reading.readers import detect_kind
-from dashpot.reading.readers.detect_kind import Recognised
 from dashpot.workflow.bench_tests import BenchFitOptions
 from dashpot.workflow.job import (
     HammerChoices,

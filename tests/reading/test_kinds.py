@@ -17,10 +17,10 @@ from dashpot.extensions.materials.drop.read import read_drop_test
 from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
 from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
 from dashpot.extensions.materials.indentation.read import read_indentation
+from dashpot.reading.columns.file_kinds import RECOGNISED
 from dashpot.reading.columns.kind_detection import (
     MASTER_CURVE_DECADES,
     ONE_FREQUENCY_DECADES,
-    RECOGNISED,
     detect_table_kind,
     parse_file_kind,
 )

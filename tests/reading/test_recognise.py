@@ -13,15 +13,11 @@ from dashpot.base.errors import ReadError
 from dashpot.extensions.curves.creep.read import read_creep
 from dashpot.extensions.curves.dynamic.read import read_dynamic
 from dashpot.extensions.curves.modulus.read import read_modulus
-from dashpot.reading.columns.kind_detection import RECOGNISED
+from dashpot.reading.columns.file_kinds import RECOGNISED, get_kind_label
 from dashpot.reading.formats import text
 from dashpot.reading.read_options import PROFILE, ReadOptions, dump_profile
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.detect_kind import (
-    get_kind_label,
-    recognise,
-    suggest_relaxation_options,
-)
+from dashpot.reading.readers.detect_kind import recognise, suggest_relaxation_options
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.signals.segments import LEAST_CREEP, MOST_HELD_CHANGE

@@ -36,7 +36,7 @@ from dashpot.extensions.preload_map.fit import fit_preload_map
 from dashpot.extensions.preload_map.read import read_sweeps
 from dashpot.plot.picture import Picture
 from dashpot.preprocessing.prepare import prepare
-from dashpot.reading.columns.kind_detection import RECOGNISED, SWEEP_KINDS, FileKind
+from dashpot.reading.columns.file_kinds import RECOGNISED, SWEEP_KINDS, FileKind
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.impact import read_impact

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import cache, wraps
 from inspect import Parameter, Signature, signature
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar, get_overloads
+from typing import Any, ParamSpec, TypeVar
 
 from dashpot.base.errors import DashpotError, DataError
 
@@ -92,13 +92,6 @@ def show_stub_signature(function: F) -> F:
     """Give a function the signature of its overloads in the stub, as a decorator."""
     merged = merge_signatures(function, read_overloads()[function.__name__])
     function.__signature__ = merged  # type: ignore[attr-defined]
-    return function
-
-
-def show_overloads(function: F) -> F:
-    """Give a function the signature of its overloads in the source, as a decorator."""
-    cases = (signature(case) for case in get_overloads(function))
-    function.__signature__ = merge_signatures(function, cases)  # type: ignore[attr-defined]
     return function
 
 

@@ -11,8 +11,9 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.base.result_mixins import load_function
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.specimen import Specimen
+from dashpot.reading.columns.file_kinds import get_kind_label
 from dashpot.reading.read_options import ReadOptions, load_profile
-from dashpot.reading.readers.detect_kind import get_kind_label, recognise
+from dashpot.reading.readers.detect_kind import recognise
 from dashpot.registry import KINDS, find_handler, load_object
 
 if TYPE_CHECKING:

@@ -389,14 +389,15 @@ def refuse_others(verb: DashpotCommand, ctx: click.Context, kinds: Mapping[str, 
     click.UsageError
         If one was typed.
     """
-    from dashpot.cli._command_files import format_override_hint, get_kind_name
+    from dashpot.cli._command_files import format_override_hint
+    from dashpot.reading.columns.file_kinds import get_kind_label
 
     have = set(kinds.values())
     for option in verb.options:
         if not option.suits(have) and option.get_typed_words(ctx):
             if not option.kinds:
                 raise click.UsageError(f"{option.flag} does not suit it. {_format_kinds(kinds)}.")
-            *others, last = dict.fromkeys(get_kind_name(word) for word in sorted(option.kinds))
+            *others, last = dict.fromkeys(get_kind_label(word) for word in sorted(option.kinds))
             wanted = f"{', '.join(others)} or {last}" if others else last
             but = format_override_hint(option.kinds) if len(kinds) == 1 else ""
             raise click.UsageError(f"{option.flag} is for {wanted}. {_format_kinds(kinds)}.{but}")
@@ -404,9 +405,9 @@ def refuse_others(verb: DashpotCommand, ctx: click.Context, kinds: Mapping[str, 
 
 def _format_kinds(kinds: Mapping[str, str]) -> str:
     """Return what each file is called, in a sentence."""
-    from dashpot.cli._command_files import get_kind_name
+    from dashpot.reading.columns.file_kinds import get_kind_label
 
-    return "; ".join(f"{Path(path).name} is {get_kind_name(word)}" for path, word in kinds.items())
+    return "; ".join(f"{Path(path).name} is {get_kind_label(word)}" for path, word in kinds.items())
 
 
 # -- how it is laid out ---------------------------------------------------------------------------

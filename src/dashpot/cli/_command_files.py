@@ -16,8 +16,8 @@ from dashpot.base.units import convert_to_unit
 from dashpot.cli._terminal import to_stderr
 
 if TYPE_CHECKING:
+    from dashpot.reading.columns.file_kinds import Recognised
     from dashpot.reading.read_options import ReadOptions
-    from dashpot.reading.readers.detect_kind import Recognised
     from dashpot.solids.shift_laws import TemperatureLaw
 
 
@@ -71,9 +71,19 @@ def is_json(path: str) -> bool:
 
 def detect_file_kinds(files: Sequence[str], options: ReadOptions) -> dict[str, Recognised]:
     """Return the kind of each file."""
-    from dashpot.reading.readers.detect_kind import recognise
+    return {path: _detect_file_kind(path, options) for path in files}
 
-    return {path: recognise(path, options.for_file(path)) for path in files}
+
+def _detect_file_kind(path: str, options: ReadOptions) -> Recognised:
+    if is_json(path):
+        from dashpot.reading.columns.file_kinds import identify_json
+        from dashpot.reading.raw_file import open_raw
+
+        if document := identify_json(open_raw(path)):
+            return document
+    from dashpot.reading.readers.detect_kind import recognise  # which no document needs
+
+    return recognise(path, options.for_file(path))
 
 
 def kinds_of(detections: Mapping[str, Recognised], options: ReadOptions) -> dict[str, str]:
@@ -106,16 +116,9 @@ def _format_column_hint(path: str, options: ReadOptions) -> str:
     )
 
 
-def get_kind_name(kind: str) -> str:
-    """Return the name of a file's kind, such as 'a relaxation test'."""
-    from dashpot.reading.readers import detect_kind
-
-    return detect_kind.get_kind_label(kind)
-
-
 def format_override_hint(kinds: Collection[str]) -> str:
     """Return how to state that a file is of this kind; empty for a choice of several."""
-    from dashpot.reading.columns.kind_detection import RECOGNISED
+    from dashpot.reading.columns.file_kinds import RECOGNISED
 
     (word, *more) = kinds
     known = word in RECOGNISED and not more

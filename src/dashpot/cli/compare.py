@@ -16,7 +16,6 @@ from dashpot.cli._command import build_options, group, mark_advanced, opt, refus
 from dashpot.cli._command_files import (
     detect_file_kinds,
     format_command,
-    get_kind_name,
     grams,
     kinds_of,
     print_detected_kinds,
@@ -24,6 +23,7 @@ from dashpot.cli._command_files import (
 from dashpot.cli._command_result import CommandResult, write_figure
 from dashpot.cli._options import MASS, VIBRATION
 from dashpot.cli._param_types import File
+from dashpot.reading.columns.file_kinds import get_kind_label
 from dashpot.registry import find_handler
 from dashpot.text_output.layout import Text
 from dashpot.workflow.job import BlockOnSeals, Job
@@ -84,7 +84,7 @@ def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
 def _no_pair(kinds: Mapping[str, str]) -> str:
     """Why files of these kinds are not compared, and what would be."""
     first, *others = kinds
-    text = "; ".join(f"{path} is {get_kind_name(kind)}" for path, kind in kinds.items())
+    text = "; ".join(f"{path} is {get_kind_label(kind)}" for path, kind in kinds.items())
     message = f"{text}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
     if kinds[first] in _MEASURED and {kinds[path] for path in others} == {_SOLID}:
         message += (

@@ -16,7 +16,6 @@ from dashpot.cli._command import CommandOption, build_options, group, mark_advan
 from dashpot.cli._command_files import (
     detect_file_kinds,
     format_command,
-    get_kind_name,
     grams,
     kinds_of,
     print_detected_kinds,
@@ -25,6 +24,7 @@ from dashpot.cli._command_files import (
 from dashpot.cli._command_result import CommandResult, claim_outputs, note_written, write_output
 from dashpot.cli._options import MASS, MODEL, PIECE, RAMP, format_column_hint
 from dashpot.cli._param_types import Folder, Output
+from dashpot.reading.columns.file_kinds import get_kind_label
 from dashpot.reading.read_options import OF_HAMMER, ReadOptions
 from dashpot.registry import KINDS, find_handler, load_object
 from dashpot.workflow.job import Job
@@ -170,7 +170,7 @@ def command(
 
 def _refuse_others(kinds: dict[str, str], tests: Sequence[str], impact: Sequence[str]) -> None:
     """Refuse what no page of a seal is about."""
-    from dashpot.reading.readers.detect_kind import get_kind_command
+    from dashpot.reading.columns.file_kinds import get_kind_command
 
     for path, kind in kinds.items():
         if path not in (*tests, *impact):
@@ -180,7 +180,8 @@ def _refuse_others(kinds: dict[str, str], tests: Sequence[str], impact: Sequence
                 else f"{get_kind_command(kind)}.".capitalize()
             )
             raise click.UsageError(
-                f"{path} is {get_kind_name(kind)}. The report is of relaxation tests and a hammer. "
+                f"{path} is {get_kind_label(kind)}. "
+                "The report is of relaxation tests and a hammer. "
                 f"{format_column_hint(tuple(kinds)).strip() or line}"
             )
     if not tests:

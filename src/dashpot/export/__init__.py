@@ -7,11 +7,11 @@ bare :class:`~dashpot.solids.maxwell.Solid` or of a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
 from importlib import import_module
 from inspect import signature
-from types import MappingProxyType
+from typing import Any
 
 from dashpot.base.errors import ExportError
 from dashpot.datamodel.fit import Fit
@@ -22,25 +22,34 @@ from dashpot.export.unit_systems import UNIT_SYSTEMS
 from dashpot.registry import SOLVER_INPUTS, SOLVER_NAMES, find_handler
 from dashpot.solids.maxwell import Solid
 
-_MODULES = {name: import_module(row.module) for name, row in SOLVER_INPUTS.items()}
-FORMS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {name: module.FORMS for name, module in _MODULES.items()}
-)
+
+class _SolverAttribute(Mapping[str, Any]):
+    """An attribute of the module of each solver, or what bears its name; imported when used."""
+
+    def __init__(self, attribute: str = "", *default: object) -> None:
+        self._attribute, self._default = attribute, default
+
+    def __getitem__(self, name: str) -> Any:
+        module = import_module(SOLVER_INPUTS[name].module)
+        return getattr(module, self._attribute or name, *self._default)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(SOLVER_INPUTS)
+
+    def __len__(self) -> int:
+        return len(SOLVER_INPUTS)
+
+
+FORMS: Mapping[str, tuple[str, ...]] = _SolverAttribute("FORMS")
 """Forms that each target can write; the first is the default."""
 
-SUFFIXES: Mapping[str, str] = MappingProxyType(
-    {name: module.SUFFIX for name, module in _MODULES.items()}
-)
+SUFFIXES: Mapping[str, str] = _SolverAttribute("SUFFIX")
 """Of the file that each target's decks are kept in."""
 
-NEEDS: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
-    {name: getattr(module, "NEEDS", {}) for name, module in _MODULES.items()}
-)
+NEEDS: Mapping[str, Mapping[str, tuple[str, ...]]] = _SolverAttribute("NEEDS", {})
 """Arguments that a form of a target cannot do without."""
 
-TARGETS: Mapping[str, Callable[..., DeckText]] = MappingProxyType(
-    {name: getattr(module, name) for name, module in _MODULES.items()}
-)
+TARGETS: Mapping[str, Callable[..., DeckText]] = _SolverAttribute()
 """Every target by its name on the command line."""
 
 

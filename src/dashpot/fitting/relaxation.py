@@ -81,7 +81,6 @@ from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nonlinear_ramp.linearity import (
     DelayedMotion,
-    HoldBlocks,
     LinearityResult,
     select_delayed_motion,
 )
@@ -280,7 +279,7 @@ def fit(
         "auto" if arms == "auto" else count, method, law, family, intervals, thorough, max_arms,
         shift_law, vertical, reference,
     )  # fmt: skip
-    setup = _build_setup(records, options, nuisance)
+    setup = build_setup(records, options, nuisance)
     temperatures = checked_temperatures(records, shared=method == "full")
     reference = convert_to_si(reference, "temperature")
     if len(temperatures) > 1:
@@ -310,7 +309,7 @@ def fit(
         raise FitError(f"{cause} As it is, {error}") from None
 
 
-def _build_setup(
+def build_setup(
     records: Sequence[RampHold], options: FitOptions, nuisance: Sequence[str] = NUISANCE
 ) -> FitSetup:
     """Return the setup of the fit; its options are checked.
@@ -361,32 +360,6 @@ def _record_law_option(fit: Fit, law: RampLawAsked) -> Fit:
     return replace(fit, provenance=replace(fit.provenance, steps=(*earlier, step)))
 
 
-def refit_nearby(test: RampHold, fit: Fit) -> Fit:
-    """Return the optimum of a test from the fit of another time range of it, as a preview.
-
-    The descent starts at the relaxation times of `fit`, whose number of arms and linear law are
-    kept.
-
-    Parameters
-    ----------
-    test : RampHold
-    fit : Fit
-        Of the same test, by arms, with a linear law.
-
-    Raises
-    ------
-    FitError
-        If the test has fewer samples than such a fit has parameters.
-    """
-    log_tau = np.log(fit.model.tau)
-    arms = len(log_tau)
-    method: Method = "hold" if fit.method == "hold" else "full"
-    setup = _build_setup([test], FitOptions(arms, method, max_arms=arms))
-    motion = DelayedMotion(HoldBlocks([test]), data_of([test], setup, log_tau), (0.0,))
-    initial_fit = weighed(motion.data, arms, only=True, near=log_tau)
-    return _build_point_fit(motion, initial_fit, setup, arms)
-
-
 def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: FitOptions) -> Fit:
     """Return the fit of a linear model, or of a nonlinear ramp where no linear model fits."""
     motion = DelayedMotion.from_records(records, setup)
@@ -412,7 +385,7 @@ def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: 
             )
     if options.point is not None:
         initial_fit = initial_fit or weighed(motion.data, options.point, only=True)
-        return _build_point_fit(motion, initial_fit, setup, options.point)
+        return build_point_fit(motion, initial_fit, setup, options.point)
     selected = select_order(motion.data, options, first=initial_fit)
     family_selection = chosen_family(selected, options.family, fractional_fit)
     if setup.method == "hold":
@@ -432,7 +405,7 @@ def _select_elastic_law(
     return select_elastic_law(records, law=law, arms=arms)
 
 
-def _build_point_fit(
+def build_point_fit(
     motion: DelayedMotion, initial_fit: InitialFit, setup: FitSetup, arms: int
 ) -> Fit:
     """Return a fit with the optimum alone, without errors or checks."""

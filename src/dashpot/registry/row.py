@@ -322,7 +322,7 @@ class Extension(NamedTuple):
     formats : tuple of FileFormat
     solver_inputs : tuple of SolverInput
     file_kinds : mapping of str to tuple
-        Arguments of `KindOfFile` of ``reading/columns/kind_detection.py``, by kind.
+        Arguments of `KindOfFile` of ``reading/columns/file_kinds.py``, by kind.
     """
 
     name: str

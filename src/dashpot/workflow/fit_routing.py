@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 from dashpot.base.errors import ReadError
-from dashpot.reading.readers.detect_kind import get_kind_command, get_kind_label
+from dashpot.reading.columns.file_kinds import get_kind_command, get_kind_label
 from dashpot.registry import FITS, KINDS, RESPONSES
 
 BENCH = frozenset(kind.name for kind in KINDS.values() if kind.fit_route == "bench")

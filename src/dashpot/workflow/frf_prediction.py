@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, ClassVar, Literal, Protocol, get_args, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, get_args, overload
 
 import numpy as np
 
@@ -25,7 +25,6 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.random_response import RandomLimits, RandomResponse
-from dashpot.datamodel.relaxation import RampHold
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import find_handler
 from dashpot.solids.maxwell import Solid
@@ -53,6 +52,9 @@ from dashpot.workflow.stiffness_under_mass import (
     rest_checks,
     rival_modes,
 )
+
+if TYPE_CHECKING:
+    from dashpot.datamodel.relaxation import RampHold
 
 # Geometry of the part under a mass.
 

@@ -15,10 +15,11 @@ from dashpot.base.serialisation import Key, Serialisable
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
 from dashpot.preprocessing.prepare import prepare
+from dashpot.reading.columns.file_kinds import Recognised
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.channels import OpenedFile, cache_open_file, pop_cached_file, read_once
-from dashpot.reading.readers.detect_kind import Recognised, open_or_identify
+from dashpot.reading.readers.detect_kind import open_or_identify
 from dashpot.reading.readers.inspect import Inspection, inspect_opened, inspect_other_path
 from dashpot.reading.readers.relaxation import relaxation_in
 from dashpot.registry import KINDS, load_object

@@ -444,7 +444,7 @@ def _a_fit(path: str | Path, result: object) -> Fit:
 
 def format_unexpected_kind(path: str | Path, result: object) -> str:
     """Return what a document holds that is not what was wanted, and who wants it."""
-    from dashpot.reading.readers.detect_kind import get_kind_command, get_kind_label
+    from dashpot.reading.columns.file_kinds import get_kind_command, get_kind_label
 
     kind = str(getattr(result, "schema", "")).partition("/")[2].partition("@")[0]
     use = get_kind_command(kind)

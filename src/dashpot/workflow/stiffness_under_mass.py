@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,6 @@ from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.bounds import FRFBounds
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import Kind, Mode
-from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.prediction_bounds import PredictedFRF, formal_frf_band, frf_band
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested, mass_of_a_block
@@ -28,6 +27,9 @@ from dashpot.vibration.mass_on_seals import (
     operating_point,
 )
 from dashpot.workflow.checks import families_predict_alike
+
+if TYPE_CHECKING:
+    from dashpot.datamodel.relaxation import RampHold
 
 # Static equilibrium, with peaks by secant and tangent stiffness, and limits.
 

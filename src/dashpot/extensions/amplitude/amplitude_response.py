@@ -24,7 +24,7 @@ from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.extensions.amplitude.mass_response import mass_at_level
 from dashpot.extensions.amplitude.preprocess import sweep_of_loops
 from dashpot.extensions.amplitude.read import read_amplitude, read_loops
-from dashpot.reading.columns.kind_detection import RECOGNISED
+from dashpot.reading.columns.file_kinds import RECOGNISED
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.detect_kind import recognise

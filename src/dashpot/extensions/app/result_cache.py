@@ -16,7 +16,8 @@ from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import make_file_specimens
 from dashpot.datamodel.vibration_tests import ImpactTest, ShakenTest
 from dashpot.extensions.app import record_cache
-from dashpot.fitting.relaxation import fit, refit_nearby
+from dashpot.extensions.app.preview_fit import refit_nearby
+from dashpot.fitting.relaxation import fit
 from dashpot.reading.read_options import ReadOptions
 from dashpot.vibration.impact.checks import mass_shown
 from dashpot.vibration.mass_on_seals import compute_peak_limit

@@ -67,7 +67,7 @@ from dashpot.plot.picture import (
 )
 from dashpot.plot.plotted_data import downsample_to_extremes, unit_of
 from dashpot.plot.svg import strip, swatch
-from dashpot.reading.columns.kind_detection import RECOGNISED
+from dashpot.reading.columns.file_kinds import RECOGNISED
 from dashpot.registry import KINDS
 from dashpot.report import first_screen
 from dashpot.report.figures import chart_of

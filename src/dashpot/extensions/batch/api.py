@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from inspect import signature
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, get_overloads, overload
 
-from dashpot.api import call_with_options, show_overloads
+from dashpot.api import F, call_with_options, merge_signatures
 from dashpot.api.fit import Arms
 from dashpot.api.read_save import Place
 from dashpot.base.errors import DataError
@@ -19,6 +20,13 @@ if TYPE_CHECKING:
     from dashpot.extensions.batch.arrays.fit_many import BatchFit
     from dashpot.extensions.batch.comparison import LotComparison
     from dashpot.extensions.batch.lot import Lot
+
+
+def _show_overloads(function: F) -> F:
+    """Give a function the signature of its overloads in the source, as a decorator."""
+    cases = (signature(case) for case in get_overloads(function))
+    function.__signature__ = merge_signatures(function, cases)  # type: ignore[attr-defined]
+    return function
 
 
 @overload
@@ -56,7 +64,7 @@ def batch(
     method: Method = "full",
     errors: bool = False,
 ) -> BatchFit: ...
-@show_overloads
+@_show_overloads
 def batch(what: Any, /, **options: Any) -> Any:
     """Fit every test in files and folders, one row each; or many records on one clock at once.
 

@@ -26,7 +26,8 @@ from dashpot.extensions.batch.impact_comparison import (
     read_hammer_resonance,
 )
 from dashpot.extensions.batch.input_files import NO_TABLE, Entry, compute_file_hash
-from dashpot.reading.readers.detect_kind import Recognised, recognise
+from dashpot.reading.columns.file_kinds import Recognised
+from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.registry import (
     FIT_FILES,

@@ -15,8 +15,9 @@ from dashpot.base.arrays import FloatArray, IndexArray, slices
 from dashpot.base.errors import ReadError
 from dashpot.base.lazy import compile_on_use
 from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.file_kinds import RECOGNISED
 from dashpot.reading.columns.header_units import split_unit
-from dashpot.reading.columns.kind_detection import RECOGNISED, detect_table_kind
+from dashpot.reading.columns.kind_detection import detect_table_kind
 from dashpot.reading.columns.role_assignment import (
     RoleAssignment,
     assign,

@@ -10,7 +10,8 @@ from pathlib import Path
 from dashpot.base.errors import DataError, ReadError
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.structure import FRFSet
-from dashpot.reading.columns.kind_detection import FileKind, find_amplitude_phase_pairs
+from dashpot.reading.columns.file_kinds import FileKind
+from dashpot.reading.columns.kind_detection import find_amplitude_phase_pairs
 from dashpot.reading.columns.role_assignment import score
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions

@@ -7,7 +7,7 @@ from pathlib import Path
 from dashpot.base import units
 from dashpot.base.errors import ReadError
 from dashpot.extensions.plugins.datamodel import PluggedColumn, PluggedTest
-from dashpot.reading.columns.kind_detection import RECOGNISED
+from dashpot.reading.columns.file_kinds import RECOGNISED
 from dashpot.reading.columns.role_assignment import assign
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions

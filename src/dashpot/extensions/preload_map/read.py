@@ -31,12 +31,12 @@ from dashpot.extensions.preload_map.table_rule import (
     get_length_word,
 )
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.kind_detection import SWEEP_KINDS
+from dashpot.reading.columns.file_kinds import SWEEP_KINDS, get_kind_label
 from dashpot.reading.columns.role_assignment import RoleAssignment, list_columns
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.detect_kind import get_kind_label, recognise
+from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.sweep_columns import NAMED, parts_of, sweep_columns
 from dashpot.registry import find_handler, list_names

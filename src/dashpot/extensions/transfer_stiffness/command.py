@@ -13,12 +13,12 @@ from dashpot.cli._command import group, mark_advanced, opt, refuse_others, verb
 from dashpot.cli._command_files import (
     PAGE_SUFFIXES,
     detect_file_kinds,
-    get_kind_name,
     kinds_of,
     print_detected_kinds,
 )
 from dashpot.cli._command_result import CommandResult, format_json, write_figure, write_output
 from dashpot.cli._param_types import File, Range, WithUnit
+from dashpot.reading.columns.file_kinds import get_kind_command, get_kind_label
 from dashpot.registry import KINDS, find_handler, list_names, load_object
 
 if TYPE_CHECKING:
@@ -140,7 +140,6 @@ def _read_frf(
         If it is no such measurement.
     """
     from dashpot.base.plain_text import sentence
-    from dashpot.reading.columns.kind_detection import RECOGNISED
     from dashpot.reading.readers.frf import read_frf
     from dashpot.workflow.measured_frf import as_measured
 
@@ -155,9 +154,9 @@ def _read_frf(
         response: FRF = find_handler("dynamic stiffness", sweep)(sweep)
         return response
     is_fitted = kind in KINDS and KINDS[kind].fit_route
-    advice = "fit it first: dashpot fit" if is_fitted else RECOGNISED[kind].use
+    advice = "fit it first: dashpot fit" if is_fitted else get_kind_command(kind)
     raise click.UsageError(
-        f"{path} is {get_kind_name(kind)}. A sheet is of a force over a motion, a "
+        f"{path} is {get_kind_label(kind)}. A sheet is of a force over a motion, a "
         f"transmissibility, or a fit. {sentence(advice)}"
     )
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from itertools import chain
 from types import MappingProxyType
-from typing import Literal, NamedTuple, TypeAlias, cast
+from typing import NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Dimension
 from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.file_kinds import RECOGNISED, FileKind
 from dashpot.reading.columns.header_units import parse_response_unit
 from dashpot.reading.columns.role_assignment import (
     accelerations,
@@ -28,7 +29,7 @@ from dashpot.reading.columns.role_assignment import (
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.table import FileTable
-from dashpot.registry import FILE_KINDS, find_handler
+from dashpot.registry import find_handler
 
 # Amplitude and phase of two signals, whose ratio is a response.
 
@@ -94,64 +95,6 @@ def _has_reversed_phases(table: FileTable, amplitudes: list[int], phases: list[i
     )
     return reversed_order > in_order
 
-
-FileKind: TypeAlias = Literal[
-    "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
-    "temperature-sweep", "one-frequency", "modulus", "creep", "indentation", "cld", "cyclic",
-    "stress-strain", "csr", "drop", "seal-line", "free-modes", "plug-in", "blank", "preload-map",
-    "not-a-test", "unclear",
-]  # fmt: skip
-
-SWEEP_KINDS: tuple[FileKind, ...] = (
-    "dma", "master-curve", "strain-sweep", "temperature-sweep", "one-frequency",
-)  # fmt: skip
-"""The kinds of a table of storage and loss."""
-
-
-class KindOfFile(NamedTuple):
-    """Kind of file: its name, its purpose, and the roles of its columns.
-
-    Attributes
-    ----------
-    what, use : str
-        Its name, and which command wants it or why none does.
-    roles : tuple of str
-        Roles of its columns; the reader of a creep test or a sweep finds its own.
-    accelerated : bool
-        Whether every acceleration column belongs to the record, too.
-    by_hand : bool
-        Whether its rows were read by hand, so that a sampling rate makes no sense.
-    """
-
-    what: str
-    use: str
-    roles: tuple[Role, ...] = ()
-    accelerated: bool = False
-    by_hand: bool = False
-
-
-RAMP_ROLES: tuple[Role, ...] = ("time", "displacement", "force")
-_FRF_ROLES: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
-_SWEEP_ROLES: tuple[Role, ...] = ("frequency", "storage", "loss", "temperature")
-_NO_TAU = "it shows no relaxation times; sweep the frequency"
-RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
-    "relaxation": KindOfFile("a relaxation test", "use dashpot fit or dashpot report", RAMP_ROLES),
-    "impact": KindOfFile("a hammer test", "use dashpot fit", ("time", "hammer"), True),
-    "frf": KindOfFile("an FRF", "use dashpot fit or dashpot compare", _FRF_ROLES),
-    "transmissibility": KindOfFile(
-        "a transmissibility", "use dashpot fit, with the mass for the model, or compare", _FRF_ROLES
-    ),
-    "dma": KindOfFile("a dynamic (DMA) sweep", "use dashpot fit", _SWEEP_ROLES),
-    "master-curve": KindOfFile(
-        "a master curve of storage and loss", "use dashpot fit", _SWEEP_ROLES
-    ),
-    "strain-sweep": KindOfFile(
-        "an amplitude sweep at one frequency or a few", "use dashpot fit", _SWEEP_ROLES
-    ),
-    "temperature-sweep": KindOfFile("a temperature sweep at one frequency", _NO_TAU, _SWEEP_ROLES),
-    "one-frequency": KindOfFile("a dynamic test at one frequency", _NO_TAU, _SWEEP_ROLES),
-} | {kind: KindOfFile(*row) for kind, row in FILE_KINDS.items()})  # fmt: skip
-"""Every kind of file by its name; its readers and figures are rows of ``dashpot.registry``."""
 
 _SIGNAL_ROLES = {"force", "displacement", "stress", "strain"}
 
@@ -274,10 +217,6 @@ class NamedColumns:
         pair = find_amplitude_phase_pairs(self.table, self.options)
         return pair is not None and has_force == any(columns.is_force for columns in pair)
 
-    def has_motion_ratio(self) -> bool:
-        """Return whether a response is a motion over a motion."""
-        return is_motion_ratio(self.table)
-
     def has_creep(self) -> bool:
         """Return whether there is a creep compliance, or the header says creep."""
         header = " ".join(self.table.header).casefold()
@@ -321,7 +260,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool] | None], ...] 
     (
         "transmissibility",
         "it has frequency, and a motion over a motion",
-        lambda s: s.has_response() and s.has_motion_ratio(),
+        lambda s: s.has_response() and is_motion_ratio(s.table),
     ),
     (
         "transmissibility",

@@ -16,8 +16,8 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution, Source, cautions_in
 from dashpot.base.units import Unit
+from dashpot.reading.columns.file_kinds import FileKind
 from dashpot.reading.columns.kind_detection import (
-    FileKind,
     detect_table_kind,
     explain_cycle_summary,
     refuse_kind,

@@ -8,19 +8,18 @@ from types import MappingProxyType
 
 import numpy as np
 
-from dashpot.base import dataclass, replace, units
+from dashpot.base import replace, units
 from dashpot.base.arrays import FloatArray, cache_on_record, validate_measured
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.lazy import compile_on_use
-from dashpot.reading.columns.kind_detection import (
+from dashpot.reading.columns.file_kinds import (
     RAMP_ROLES,
-    RECOGNISED,
-    KindOfFile,
-    detect_table_kind,
+    Recognised,
+    identify_json,
 )
+from dashpot.reading.columns.kind_detection import detect_table_kind
 from dashpot.reading.columns.role_assignment import EXAMPLE, find_weight, handle, score_columns
 from dashpot.reading.columns.vocabulary import DIMENSION, Role
-from dashpot.reading.raw_file import RawFile, add_name_to_errors, like_json, open_raw
+from dashpot.reading.raw_file import add_name_to_errors, like_json, open_raw
 from dashpot.reading.read_options import PROFILE, ReadOptions, flag
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import OpenedFile
@@ -28,9 +27,10 @@ from dashpot.reading.readers.relaxation import load_signals, moving_columns
 from dashpot.registry import find_handler
 from dashpot.signals.segments import classify_load_history
 
-_SCHEMA = compile_on_use(rb'"schema"\s*:\s*"dashpot/([a-z-]+)@')
-_SCHEMA_BYTES = 1 << 16
-"""Bytes that contain the schema of a document; dashpot writes it first."""
+_FOLDER_KINDS = (
+    ("project", "dashpot.toml", "it holds dashpot.toml"),
+    ("lot", "part-*.parquet", "it holds the rows of a batch"),
+)
 _MOTION_REASONS: Mapping[str, str] = MappingProxyType({
     "cld": "it goes in and back at one speed, and never rests",
     "cyclic": "it goes to and fro, and never rests",
@@ -44,85 +44,6 @@ _LEAST_SAMPLES = 8
 """Fewest samples that show a motion."""
 _MATERIAL_ROLES: tuple[Role, ...] = ("strain", "stress")
 _PART_ROLES: tuple[Role, ...] = ("displacement", "force")
-_FOLDER_KINDS = (
-    ("project", "dashpot.toml", "it holds dashpot.toml"),
-    ("lot", "part-*.parquet", "it holds the rows of a batch"),
-)
-DOCUMENT_KINDS: Mapping[str, KindOfFile] = MappingProxyType({
-    "fit": KindOfFile("a fit", "use dashpot predict, compare or export"),
-    "model": KindOfFile("a solid", "use dashpot export"),
-    "levels": KindOfFile("a fit over amplitude", "use dashpot export"),
-    "hyperelastic": KindOfFile("a fit of a hyperelastic law", "use dashpot export"),
-    "study": KindOfFile("a study of one seal", "use dashpot verify"),
-    "job": KindOfFile("the inputs of a report", "use dashpot report"),
-    "door": KindOfFile("a door", "use dashpot predict"),
-    "profile": KindOfFile("a reading profile", "give it as --profile"),
-    "machine": KindOfFile("a machine file", "use dashpot fit --machine"),
-    "project": KindOfFile("a project", "use dashpot verify"),
-    "lot": KindOfFile("a lot", "use dashpot compare with another lot"),
-    "folder": KindOfFile("a folder", "use dashpot batch"),
-})  # fmt: skip
-"""Files that are no table of a test: their name in messages, and the command that reads them."""
-
-
-@dataclass(frozen=True)
-class Recognised:
-    """Kind of a file, and the reason for it.
-
-    Attributes
-    ----------
-    kind : str
-        A kind of ``reading.columns.kind_detection``; of a document of dashpot's own the name in its
-        schema, such as ``"fit"``; or ``"door"``, ``"profile"``, ``"project"``, ``"lot"``,
-        ``"folder"``.
-    reason : str
-    stored : bool
-        Whether it is a result, or a record, that dashpot wrote as JSON.
-    simulated : bool
-        Whether the header says that the table was simulated.
-    on_a_base : bool
-        Whether an acceleration is that of the base: base excitation, no hammer.
-    """
-
-    kind: str
-    reason: str
-    stored: bool = False
-    simulated: bool = False
-    on_a_base: bool = False
-
-    @property
-    def kind_title(self) -> str:
-        """Name of such a file in messages."""
-        return "a shaken base with its mass" if self.on_a_base else get_kind_label(self.kind)
-
-    @property
-    def use(self) -> str:
-        """The command that reads it, or why none does; empty where that is not known."""
-        return get_kind_command(self.kind)
-
-
-def get_kind_label(kind: str) -> str:
-    """Return the name of a kind of file in messages, such as "a relaxation test".
-
-    >>> get_kind_label("cyclic"), get_kind_label("fit"), get_kind_label("comparison")
-    ('cyclic loops without a hold', 'a fit', 'a stored comparison')
-    """
-    kinds = RECOGNISED if kind in RECOGNISED else DOCUMENT_KINDS
-    if kind in kinds:
-        return kinds[kind].what
-    test = {
-        "unclear": "no test that is known",
-        "not-a-test": "no test",
-        "aged": "a predicted aging",
-        "slammed": "a predicted drop test",
-    }
-    return test.get(kind, f"a stored {kind.replace('-', ' ')}")
-
-
-def get_kind_command(kind: str) -> str:
-    """Return the command that reads a kind of file, or why none does; empty if not known."""
-    kinds = RECOGNISED if kind in RECOGNISED else DOCUMENT_KINDS
-    return kinds[kind].use if kind in kinds else ""
 
 
 def recognise(
@@ -274,7 +195,7 @@ def open_or_identify(path: str | Path, options: ReadOptions | None) -> OpenedFil
     if Path(path).is_dir():
         return _identify_folder(Path(path))
     raw = open_raw(path)
-    detection = _identify_document(raw) if like_json(raw.head(64)) else _identify_toml(path)
+    detection = identify_json(raw) if like_json(raw.head(64)) else _identify_toml(path)
     return channels.open_table(raw, options) if detection is None else detection
 
 
@@ -294,15 +215,6 @@ def _identify_toml(path: str | Path) -> Recognised | None:
     return Recognised(
         "unclear", "it is TOML of no door or machine; for limits: dashpot report --limits"
     )
-
-
-def _identify_document(raw: RawFile) -> Recognised | None:
-    """Return the kind in a document's schema; None of JSON that is not dashpot's own."""
-    match = _SCHEMA.search(raw.head(_SCHEMA_BYTES))
-    if match is None:
-        return None
-    word = match[1].decode()
-    return Recognised(word, f"its schema is dashpot/{word}", stored=True)
 
 
 def _identify_folder(path: Path) -> Recognised:

@@ -14,7 +14,13 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray, distinct, median
 from dashpot.base.errors import ReadError
 from dashpot.base.result_mixins import Plottable, Series
-from dashpot.reading.columns.kind_detection import RAMP_ROLES, RECOGNISED, SWEEP_KINDS
+from dashpot.reading.columns.file_kinds import (
+    RAMP_ROLES,
+    RECOGNISED,
+    SWEEP_KINDS,
+    Recognised,
+    get_kind_command,
+)
 from dashpot.reading.columns.role_assignment import (
     RoleAssignment,
     accelerations,
@@ -27,12 +33,7 @@ from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.readers import channels, cleaning
 from dashpot.reading.readers.channels import OpenedFile, find_mass_motions
 from dashpot.reading.readers.cleaning import find_separate_clocks, since_the_step
-from dashpot.reading.readers.detect_kind import (
-    Recognised,
-    get_kind_command,
-    open_or_identify,
-    recognise_opened,
-)
+from dashpot.reading.readers.detect_kind import open_or_identify, recognise_opened
 from dashpot.reading.readers.sweep_columns import amplitude_column, sweep_columns, swept
 from dashpot.reading.table import LoadedColumns, Question
 from dashpot.registry import find_handler

@@ -14,7 +14,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
 from dashpot.datamodel.relaxation import RelaxationTest, Trajectory
 from dashpot.datamodel.specimen import Specimen
-from dashpot.reading.columns.kind_detection import SWEEP_KINDS, FileKind
+from dashpot.reading.columns.file_kinds import SWEEP_KINDS, FileKind
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels, cleaning, size_checks

@@ -15,7 +15,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
 from dashpot.extensions.curves.material_records import refuse_creep_sizes
 from dashpot.extensions.curves.modulus.read import over_time
-from dashpot.reading.columns.kind_detection import FileKind
+from dashpot.reading.columns.file_kinds import FileKind
 from dashpot.reading.columns.role_assignment import assign, score_columns
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions

@@ -19,7 +19,7 @@ from dashpot.extensions.curves.material_records import (
     holds_stress,
     read_strain_and_stress,
 )
-from dashpot.reading.columns.kind_detection import RECOGNISED
+from dashpot.reading.columns.file_kinds import RECOGNISED
 from dashpot.reading.columns.role_assignment import RoleAssignment, assign, format_column
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions

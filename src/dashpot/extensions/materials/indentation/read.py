@@ -11,7 +11,7 @@ from dashpot.base.errors import ReadError
 from dashpot.extensions.materials.indentation import size_checks
 from dashpot.extensions.materials.indentation.datamodel import IndentationTest, Motion
 from dashpot.extensions.materials.indentation.indenter import Indenter
-from dashpot.reading.columns.kind_detection import FileKind
+from dashpot.reading.columns.file_kinds import FileKind
 from dashpot.reading.columns.role_assignment import (
     RoleAssignment,
     accelerations,

@@ -1,0 +1,39 @@
+"""Fit of a time range from that of the one before, while a handle is dragged."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.option_fields import Method
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.data_blocks import data_of, weighed
+from dashpot.fitting.fit_options import FitOptions
+from dashpot.fitting.nonlinear_ramp.linearity import DelayedMotion, HoldBlocks
+from dashpot.fitting.relaxation import build_point_fit, build_setup
+
+
+def refit_nearby(test: RampHold, fit: Fit) -> Fit:
+    """Return the optimum of a test from the fit of another time range of it, as a preview.
+
+    The descent starts at the relaxation times of `fit`, whose number of arms and linear law are
+    kept.
+
+    Parameters
+    ----------
+    test : RampHold
+    fit : Fit
+        Of the same test, by arms, with a linear law.
+
+    Raises
+    ------
+    FitError
+        If the test has fewer samples than such a fit has parameters.
+    """
+    log_tau = np.log(fit.model.tau)
+    arms = len(log_tau)
+    method: Method = "hold" if fit.method == "hold" else "full"
+    setup = build_setup([test], FitOptions(arms, method, max_arms=arms))
+    motion = DelayedMotion(HoldBlocks([test]), data_of([test], setup, log_tau), (0.0,))
+    initial_fit = weighed(motion.data, arms, only=True, near=log_tau)
+    return build_point_fit(motion, initial_fit, setup, arms)
