@@ -95,6 +95,7 @@ def words(kind: KindOfTest) -> list[str]:
 SOURCE = Path(dp.__file__).parent
 NAMED = {
     "cli/": "a command is called so, too",
+    "reading/columns/file_kinds.py": "names of kinds",
     "reading/columns/kind_detection.py": "what a table must hold",
     "reading/readers/": "which files a reader takes",
     "extensions/curves/": "each kind is its own",
