@@ -139,7 +139,7 @@ def test_a_force_that_rises_is_not_fitted_silently(test: RampHold) -> None:
         assert found.status is Status.FORCE_RISES
         assert not found.ok
         assert "No relaxing part does that" in named(found, "force_relaxes").message
-        assert "no relaxing part does that" in found.status.value
+        assert "a relaxing seal cannot do that" in found.status.value
 
 
 def test_a_drift_of_the_rig_is_no_rise(test: RampHold) -> None:
@@ -244,7 +244,7 @@ def test_drift_that_hides_a_slow_arm() -> None:
 def test_rules_that_disagree_say_so() -> None:
     agreed = solid.order_agreed(OrderChoice(2, 2, 2))
     assert agreed.passed
-    assert agreed.message == "Both rules choose 2 arms."
+    assert agreed.message == "BIC and significance choose 2 arms."
     torn = solid.order_agreed(OrderChoice(1, 3, 1))
     assert torn.failed
     assert "BIC supports 3 arms, the significance of k and tau 1 arm; 1 arm taken" in torn.message

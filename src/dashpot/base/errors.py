@@ -90,5 +90,5 @@ class Status(Enum):
     TAU_AT_BOUND = "a relaxation time of the optimum lies at the edge of the measured window"
     FEWER_ARMS = "the optimum has fewer arms than asked for; one more arm would have k <= 0"
     NOT_CONVERGED = "the iteration limit was reached before the gradient vanished"
-    FORCE_RISES = "the force rises during the hold; no relaxing part does that"
+    FORCE_RISES = "the force rises during the hold; a relaxing seal cannot do that"
     NO_DATA = "nothing was fitted, because the record has values that are not finite"

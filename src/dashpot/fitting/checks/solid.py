@@ -185,7 +185,7 @@ def residuals_white(kappa: float, rms: float, noise: float | None = None) -> Fin
 def order_agreed(choice: OrderChoice) -> Finding:
     """BIC and significance agree on the number of arms, below the largest that was tried."""
     chosen = format_arm_count(choice.arms)
-    message = f"Both rules choose {chosen}"
+    message = f"BIC and significance choose {chosen}"
     if not choice.has_agreement:
         message = (
             f"BIC supports {format_arm_count(choice.by_bic)}, the significance of k and tau "

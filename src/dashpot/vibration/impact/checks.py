@@ -416,10 +416,10 @@ def amplitude_linear(trend: Trend | None, main: Mode) -> Finding:
     return Finding(
         f"Hits of 1 to {trend.range:.3g} in height change the stiffness by "
         f"{100 * trend.stiffness:+.2g} % per doubling, the damping by "
-        f"{100 * trend.damping:+.2g} %. Chance gives {100 * trend.stiffness_sure:.2g} and "
+        f"{100 * trend.damping:+.2g} %. Scatter alone gives {100 * trend.stiffness_sure:.2g} and "
         f"{100 * trend.damping_sure:.2g} %; "
         f"{100 * trend.detectable_stiffness_change:.2g} and "
-        f"{100 * trend.detectable_damping_change:.2g} % would be found",
+        f"{100 * trend.detectable_damping_change:.2g} % would be detected",
         max(stiffness, damping),
         "The seals are not linear at these amplitudes, so the average peak is too broad",
         "Hit alike, as hard as in use.",
