@@ -254,7 +254,7 @@ def attach_decks(made: Sequence[AttachedDeck], document: str) -> list[Attachment
         files.append(
             attachment(
                 f"model.{SUFFIXES[target]}",
-                "Solver input: " * (i == 0) + _SOLVERS[target],
+                _SOLVERS[target] + " input" * (i == 0),
                 f"deck, {_SYSTEM}; the same as {command}",
                 "text/plain",
                 text,
