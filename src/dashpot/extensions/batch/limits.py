@@ -65,4 +65,4 @@ def read_limits(path: str | Path, columns: Sequence[str]) -> tuple[Limits, ...]:
         If the file is no such TOML, or names what no column is.
     """
     entries = find_handler("read limits", "file")(path, partial(quantity, columns=columns))
-    return tuple(Limits(*entry) for entry in entries)
+    return tuple(Limits(entry.quantity, entry.lower, entry.upper, entry.cpk) for entry in entries)
