@@ -547,7 +547,7 @@ def test_recorded_loops_make_the_map_of_their_part(tmp_path: Path):
         for X in AMPLITUDES:
             # the nominal setting is inside, though its loops were measured a little smaller
             at = found.evaluate(f, compression=1e-3 * c, amplitude=1e-3 * X)
-            assert at.value == pytest.approx(part.stiffness(f, c, X), rel=3e-3)
+            assert at.value == pytest.approx(part.stiffness(f, c, X), rel=1e-3)
 
 
 def test_loops_of_a_part_that_is_not_separable_make_no_map_for_use(tmp_path: Path):

@@ -21,6 +21,7 @@ from dashpot.extensions.preload_map.stiffness_lines import (
     FEWEST_FREQUENCIES,
     SAME_AMPLITUDE,
     SAME_COMPRESSION,
+    SAME_TONE,
     group_levels,
 )
 from dashpot.extensions.preload_map.table_rule import (
@@ -47,6 +48,8 @@ _LOOPS = set(get_args(Loading)) & set(list_names("read record"))
 """Kinds of records of time, displacement and force that another extension reads as loops."""
 _HEAVIEST = 5.0
 """Weight of a line at the resonance, at most: there other errors than noise are left."""
+_FEWEST_LOOPS = 5
+"""Loops of one setting of which the first and the last are left out."""
 _MOTIONS = (Kind.RECEPTANCE, Kind.MOBILITY, Kind.ACCELERANCE)
 
 
@@ -329,11 +332,31 @@ def _load_file(
         loops = find_handler("read record", detected.kind)(path, given, {})
         if loops.unit != "N/m" or loops.of != "m":
             raise ReadError(f"{Path(path).name}: expected loops of force and displacement")
-        return _StiffnessTable(loops.frequency, loops.value, None, loops.amplitude, loops.source)
+        kept = _find_settled_loops(loops.frequency, loops.amplitude)
+        return _StiffnessTable(
+            loops.frequency[kept], loops.value[kept], None, loops.amplitude[kept], loops.source
+        )
     raise ReadError(
         f"{Path(path).name} is {get_kind_label(detected.kind)}. A map is of storage and loss "
         "stiffness over frequency, of FRFs, or of recorded loops"
     )
+
+
+def _find_settled_loops(frequency: FloatArray, amplitude: FloatArray) -> BoolArray:
+    """Return which loops are settled: the first and the last of each setting are not.
+
+    They hold some of the change to the next setting, up to 0.3 % of the stiffness at 50 samples a
+    loop. A setting of fewer than five loops keeps all.
+    """
+    tones = group_levels(frequency, SAME_TONE)[1]
+    setting = tones * (len(amplitude) + 1) + group_levels(amplitude, SAME_AMPLITUDE)[1]
+    starts = np.flatnonzero(np.diff(setting, prepend=setting[0] - 1))
+    lengths = np.diff(starts, append=len(setting))
+    long = lengths >= _FEWEST_LOOPS
+    kept = np.ones(len(setting), dtype=bool)
+    kept[starts[long]] = False
+    kept[(starts + lengths - 1)[long]] = False
+    return kept
 
 
 def _convert_frf(frf: FRF, mass: float | None, seals: float) -> _StiffnessTable:
