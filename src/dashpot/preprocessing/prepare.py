@@ -420,6 +420,9 @@ def _find_contact(
         peak = motion.line.last + int(np.argmax(force[motion.line.last : motion.stop + 1]))
         loading_samples = slice(motion.start, peak + 1)
         level, noise = baseline.level, baseline.noise
+        # a drift is no contact; it is followed no further than half a baseline beyond its end
+        since = np.minimum(time - baseline.middle, baseline.duration)
+        steady_force = force - baseline.slope * since
         if not baseline.long_enough:
             level = median(force[loading_samples][:5])
             noise = scatter(time[loading_samples], force[loading_samples])
@@ -427,7 +430,7 @@ def _find_contact(
         def find_touch(displacement: FloatArray) -> Touch:
             return find_first_contact(
                 displacement[loading_samples],
-                force[loading_samples] - level,
+                steady_force[loading_samples] - level,
                 noise=max(noise, 1e-6 * (float(force[peak]) - level)),
                 rest=motion.rest,
                 level=motion.cycle.hold.level,
@@ -435,7 +438,9 @@ def _find_contact(
                 rested=motion.cycle.rest is not None,
             )
 
-        touch = _correct_delayed_contact(time, x, force, motion, find_touch, delay_sd=delay_sd)
+        touch = _correct_delayed_contact(
+            time, x, steady_force, motion, find_touch, delay_sd=delay_sd
+        )
     if touch.gap > 0:
         # the first half of the air gap is surely without contact
         approach = x[motion.start : motion.stop + 1] > motion.rest + 0.5 * touch.gap

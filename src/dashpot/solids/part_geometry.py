@@ -16,11 +16,9 @@ them and nearly incompressible, :math:`G = E/3`:
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from dashpot.base import dataclass, field, fields, replace
+from dashpot.base import dataclass, field, fields
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_count
 from dashpot.base.option_fields import PartMode
@@ -28,8 +26,6 @@ from dashpot.base.units import convert_to_si
 
 RUBBER = 0.4995
 """Poisson's ratio that a rubber has, nearly: a bulk modulus 1000 times its shear modulus."""
-_WITHIN, _HIGHEST = 0.0007, 0.4999
-"""How far a rubber's is not known, and its upper end."""
 _SOFTEST = 0.2
 _CYLINDER = (0.87022479, 0.89154842, 4.78464784)
 _COMPRESSED = (2.3033, -1.1880, -0.0179, 0.2896)
@@ -179,21 +175,6 @@ class _Pad(Geometry):
     def _stiffer(self) -> float:
         """Return what bonded plates make of the stiffness, a factor."""
         raise NotImplementedError
-
-    def bonded_slopes(self) -> tuple[float, float]:
-        r"""Slopes of the logarithm of the bonded factor.
-
-        By the logarithm of the height, and by Poisson's ratio over what is not known of a rubber's.
-        """
-
-        def slope(first: _Pad, second: _Pad, difference: float) -> float:
-            return float(np.log(first._stiffer() / second._stiffer()) / difference)
-
-        step, nu = 1e-4, min(self.poisson, _HIGHEST - _WITHIN)
-        value: Any = self  # a dataclass, as every pad is
-        tall, flat = (replace(value, height=self.height * np.exp(by)) for by in (step, -step))
-        stiff, soft = (replace(value, poisson=nu + by) for by in (_WITHIN, -_WITHIN))
-        return slope(tall, flat, 2 * step), slope(stiff, soft, 2 * _WITHIN)
 
 
 @dataclass(frozen=True)

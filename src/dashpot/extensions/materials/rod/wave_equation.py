@@ -57,6 +57,8 @@ _MEDIAN = float(np.sqrt(np.pi / 2))
 _TURNS = 3
 _GOOD = 0.1
 """Error of storage and of loss factor in the band that is called usable."""
+_POISSON_ERROR, _HIGHEST_POISSON = 0.0007, 0.4999
+"""How far Poisson's ratio of a rubber is not known, and its upper end."""
 
 
 def rod_transmissibility(
@@ -165,6 +167,22 @@ def _remove_sensor_offset(
     return modulus, sensors_agree(whole.real, whole.imag, values=values)
 
 
+def _compute_bonded_slopes(part: Disc | Block) -> tuple[float, float]:
+    r"""Return slopes of the logarithm of the bonded factor.
+
+    By the logarithm of the height, and by Poisson's ratio over what is not known of a rubber's.
+    """
+
+    def compute_slope(first: Disc | Block, second: Disc | Block, difference: float) -> float:
+        factors = [pad.factor() / pad.factor(bonded=False) for pad in (first, second)]
+        return float(np.log(factors[0] / factors[1]) / difference)
+
+    step, nu = 1e-4, min(part.poisson, _HIGHEST_POISSON - _POISSON_ERROR)
+    tall, flat = (replace(part, height=part.height * np.exp(by)) for by in (step, -step))
+    stiff, soft = (replace(part, poisson=nu + by) for by in (_POISSON_ERROR, -_POISSON_ERROR))
+    return compute_slope(tall, flat, 2 * step), compute_slope(stiff, soft, 2 * _POISSON_ERROR)
+
+
 def _invert_lines(
     measured: FRF, rod: _Setup, errors: RodErrors, *, relative_sensor: bool
 ) -> RodModulus:
@@ -179,7 +197,7 @@ def _invert_lines(
     _, by_w, by_ratio = equation(w, ratio)
     # the bonded factor goes with the area over the length squared
     shape = part.factor(bonded=rod.bonded) * part.height / part.area
-    steep, by_poisson = part.bonded_slopes() if rod.bonded else (0.0, 0.0)
+    steep, by_poisson = _compute_bonded_slopes(part) if rod.bonded else (0.0, 0.0)
     E = density * omega**2 * part.height**2 / w / shape
     relative = y / (by_w * w)  # d ln E for a gain of the response over the base, or over the force
     heavy = ratio * by_ratio / (by_w * w)
