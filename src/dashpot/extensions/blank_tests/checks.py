@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit, format_quantity, parse_quantity
+from dashpot.datamodel.machine import USUAL
 
 if TYPE_CHECKING:
     from dashpot.extensions.blank_tests.estimation import Blanks, EmptyRun, Press
@@ -22,6 +23,10 @@ _CLEAR_ERRORS = 3.0
 _DELAY_TOLERANCE = parse_quantity("0.2ms", "time")
 _CREEP_TOLERANCE = parse_quantity("1.5um", "length")
 """What two records of one machine may differ by besides their errors."""
+MOST_DELAY_ERROR = 0.1 * USUAL["delay"].size
+"""Standard error of a delay, s, beyond which a machine file says hardly more than is usual."""
+_CELL_CLASS = 1.035
+"""Gain of a cell of the lowest class, 3 % off, by a spring that is known to 0.5 %."""
 
 
 def run_checks(blanks: Blanks, values: Sequence[ReportedValue]) -> tuple[Check, ...]:
@@ -44,6 +49,7 @@ def run_checks(blanks: Blanks, values: Sequence[ReportedValue]) -> tuple[Check, 
         stop_and_spring_delay_agree(*_compare_estimates(stop, spring, "delay", _DELAY_TOLERANCE)),
         repeated_stops_agree(_measure_repeats(stops)),
         repeated_springs_agree(_measure_repeats(springs)),
+        delay_determined(facts["delay"].error if springs else None),
         gain_plausible(facts["gain"].value if "gain" in facts else None),
         empty_run_force_free_of_motion(empty),
         empty_run_plate_steady(None if empty is None else empty.wander),
@@ -227,7 +233,20 @@ def repeated_springs_agree(difference: float | None) -> Finding:
     return _judge_repeats("spring", difference, "They were two springs, or one left its seat")
 
 
-@criterion("factor", "x/", 1.1, "our choice: no calibrated cell is off by 10 %")
+@criterion("s", "<=", MOST_DELAY_ERROR, "our choice: a tenth of what is usual")
+def delay_determined(error: float | None) -> Finding:
+    """The spring determines the delay of the force."""
+    if error is None:
+        return Finding("No spring was pressed, so the error of the delay is not judged")
+    return Finding(
+        f"The delay is known to {format_quantity(error, 'ms', '.2g')}",
+        error,
+        "The zero of the force moved in the record, something slipped, or the ramp is too slow",
+        "Press a spring in a second or less, and touch nothing until its record ends.",
+    )
+
+
+@criterion("factor", "x/", _CELL_CLASS, "ISO 7500-1: class 3, the lowest, is within 3 %")
 def gain_plausible(gain: float | None) -> Finding:
     """The gain is that of a calibrated cell."""
     if gain is None:

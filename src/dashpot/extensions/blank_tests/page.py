@@ -20,7 +20,7 @@ def page(fit: MachineFit) -> KindPage:
             Topic("Stop", {"stop_rigid", "stop_force_straight", "stop_force_returns",
                 "stop_follows_machine", "crosshead_creep_plausible"}),
             Topic("Spring", {"spring_force_straight", "spring_force_returns",
-                "spring_follows_machine", "gain_plausible"}),
+                "spring_follows_machine", "delay_determined", "gain_plausible"}),
             Topic("Together", {"stop_and_spring_creep_agree", "stop_and_spring_delay_agree"}),
             Topic("Empty run", {"empty_run_force_free_of_motion", "empty_run_plate_steady",
                 "empty_run_force_steady"}),
