@@ -139,10 +139,13 @@ STATED = {
     "x10": (FORCE, {"scale": "x10"}, {}, "scale = x10"),
     "multiply": (FORCE, {"multiply_by": 10.0}, {}, "multiply_by = 10"),
     "turned": (FORCE, {"polarity": "inverted"}, {}, "polarity = inverted"),
+    "formula": (FORCE / 10, {"calibration": "y = 10*x"}, {}, "calibration = y = 10"),
+    "words and a formula": (FORCE / 10, {"cal": "F = 10 N/V * U"}, {}, "cal = F = 10 N/V"),
 }
 UNCHANGED = {
     "full scale": {"full_scale": 50.0}, "polarity": {"polarity": "normal"},
-    "range": {"range": 20.0}, "sign": {"sign": 1.0},
+    "range": {"range": 20.0}, "sign": {"sign": 1.0}, "date": {"calibration": "2026-01-07"},
+    "certificate": {"calibration": "DKD-K-12345 of 07.01.2026"},
 }  # fmt: skip
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import struct
 from pathlib import Path
 
@@ -115,19 +114,10 @@ REFUSED = {
     "packed": (wav(bytes(30), kind=2), "coding 2"),
     "another RIFF": (b"RIFF\x10\0\0\0AVI " + bytes(16), "RIFF file of the kind b'AVI '"),
     "no samples": (wav(b"")[:36], "without samples"),
-    "FAMOS": (b"|CF,2,1,1;|CK,1,3,1,1;" + bytes(9), "imc FAMOS file .* TDMS, HDF5 or MDF 4"),
-    "catman": (struct.pack("<hI", 5012, 90) + bytes(90), "catman file .* MDF 4 or TDMS"),
-    "zs2": (gzip.compress(b"\xaf\xbe\xad\xde" + bytes(90)), "testXpert file .*zs2.* row of units"),
-    "Feather 1": (b"FEA1" + bytes(90), "Feather file of version 1, .* version 2 or as Parquet"),
-    "Wave64": (b"riff\x2e\x91\xcf\x11" + bytes(90), "Wave64 file .*save it as WAV"),
-    "FLAC": (b"fLaC" + bytes(90), "FLAC file.* save it as WAV"),
-    "NumPy": (b"\x93NUMPY\x01\0" + bytes(90), "array of NumPy .* give the arrays in Python"),
-    "SQLite": (b"SQLite format 3\0" + bytes(90), "database of SQLite.* export the table as text"),
-    "gzip": (gzip.compress(b"t [s],F [N]\n0,1\n"), "a packed file .gzip., .* unpack it"),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize(("data", "message"), REFUSED.values(), ids=REFUSED)
-def test_what_cannot_be_read_is_named(data: bytes, message: str) -> None:
+def test_a_wav_that_cannot_be_read_is_refused(data: bytes, message: str) -> None:
     with pytest.raises(ReadError, match=message):
         read_table(RawFile("a", None, data), ReadOptions())

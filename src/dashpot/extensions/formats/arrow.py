@@ -120,7 +120,7 @@ def _read_column(column: Any, stated: Mapping[str, Any], notes: list[str]) -> Na
             column -= column.min()
         seconds = column.dt.total_nanoseconds().cast(float) * 1e-9
         return NamedArray(name, seconds.to_numpy(), "s")
-    if not kind.is_numeric():
+    if not kind.is_numeric() and str(kind) != "Boolean":
         return None
     values = column.cast(float).to_numpy(allow_copy=True)
     values, factor = apply_attributes(name, values, stated, notes)

@@ -79,9 +79,14 @@ _FULL_SCALE = re.compile(
     re.IGNORECASE,
 )
 """Names of what the largest number means, and of what channel."""
+_EXPRESSION = re.compile(
+    r"=\s*[-+]?\.?\d|\d\s*[*·×]\s*[a-z(]|[a-z)]\s*[*·×]\s*[-+]?\.?\d", re.IGNORECASE
+)
+"""A formula such as ``y = 10 * x``, in place of a number."""
 _WORDS = re.compile(r"[a-zà-ÿ]+")
 _STATED = re.compile(
-    r"\A\s*[x×*]?\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*([^\d\s].{0,20})?\Z"
+    r"\A\s*[x×*]?\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)"
+    r"(?![-./]\d)\s*([^\d\s].{0,20})?\Z"
 )
 
 
@@ -127,20 +132,27 @@ def select_channel_words(name: str) -> list[str]:
     ]
 
 
+def _as_text(value: object) -> str:
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+
+
 def changes_numbers(name: str, value: object) -> bool:
     """Whether an attribute of this name and value states what would change the numbers beside it.
 
     >>> changes_numbers("gain", 10.0), changes_numbers("gain", 1), changes_numbers("full_scale", 5)
     (True, False, False)
+    >>> changes_numbers("calibration", "y = 10*x"), changes_numbers("calibration", "2026-01-12")
+    (True, False)
     """
     if not names_factor(name):
         return False
     # an offset of the scale is a summand, too
     neutral = 0.0 if set(words_of_name(name)) & _SHIFTS else 1.0
     stated = stated_numbers(value)
+    if not stated and isinstance(value, str | bytes) and _EXPRESSION.search(_as_text(value)):
+        return True
     if not stated and set(words_of_name(name)) & _SIGNS:
-        text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
-        return text.strip().casefold() in _TURNED
+        return _as_text(value).strip().casefold() in _TURNED
     return any(number != neutral for number in stated)
 
 

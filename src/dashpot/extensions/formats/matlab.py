@@ -1,4 +1,4 @@
-"""MATLAB files up to version 7, through SciPy.
+"""MATLAB files of versions 4 to 7, through SciPy.
 
 SciPy looks an element's type up in a table without a check: a damaged tag ends the process, not the
 call. The tags are therefore walked first. Layout: MathWorks, *MAT-File Format*, chapter 1.
@@ -48,6 +48,9 @@ _DIMENSIONS = range(8, 132, 4)  # two to 31 whole numbers
 _DEEPEST = 32
 _AT_ONCE = 1 << 16
 
+_VERSION_4 = bytes(4)
+"""A full matrix of doubles, the least significant byte first."""
+
 Take = Callable[[int], bytes]
 
 
@@ -56,6 +59,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     from scipy.io import loadmat
 
     with raw.open() as stream:
+        _require_version(stream)
         check_elements(stream)
         content: dict[str, Any] = loadmat(stream, simplify_cells=True)  # type: ignore[arg-type]
     arrays: list[NamedArray] = []
@@ -68,6 +72,25 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         if not arrays:
             raise ReadError(f"--file-part sheet={options.sheet}: there is no such variable")
     return gather(arrays, format_="MAT", notes=notes, rate=options.rate)
+
+
+def _require_version(stream: BinaryIO) -> None:
+    """Refuse a file that begins with zeros and is no MAT file of version 4.
+
+    There five whole numbers come first: type, rows, columns, whether it is complex, and the length
+    of the name.
+    """
+    head = stream.read(_HEADER)
+    stream.seek(0)
+    if head.startswith(_VERSION_4):
+        _, rows, columns, imaginary, length = struct.unpack("<5i", head[:20].ljust(20, b"\0"))
+        name = head[20 : 20 + length - 1]
+        possible = rows > 0 and columns > 0 and imaginary in {0, 1} and 1 < length < 64
+        if not (possible and name.isascii() and name.decode("ascii").isidentifier()):
+            raise ReadError(
+                "begins with zeros, and is no format that dashpot knows by its content; export it "
+                "as text (csv, txt)"
+            )
 
 
 def _flatten(

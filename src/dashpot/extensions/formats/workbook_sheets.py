@@ -12,6 +12,7 @@ from typing import Any, BinaryIO
 
 from dashpot.base.errors import ReadError
 from dashpot.extensions.formats.hidden_cells import hidden
+from dashpot.extensions.formats.unread import refuse_archive
 from dashpot.extensions.formats.workbook_formulas import scan_formulas
 from dashpot.reading.raw_file import RawFile, extra
 from dashpot.reading.read_options import ReadOptions
@@ -82,6 +83,9 @@ def _get_unpacked_size(stream: BinaryIO) -> int:
     if stream.read(2) == b"PK":
         with zipfile.ZipFile(stream) as packed:
             size = sum(entry.file_size for entry in packed.infolist())
+            names = packed.namelist()
+        if not any(name == "content.xml" or name.startswith("xl/") for name in names):
+            refuse_archive(names)
         if size > _LARGEST:
             raise ReadError(f"unpacks to {size / 1e9:.1f} GB; export it as text instead")
     else:

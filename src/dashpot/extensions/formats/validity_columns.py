@@ -1,0 +1,39 @@
+"""Columns that say which rows are valid: no format defines them, so their rows are noted."""
+
+from __future__ import annotations
+
+from dashpot.base import replace
+from dashpot.base.provenance import Caution
+from dashpot.reading.columns.vocabulary import has_word
+from dashpot.reading.table import FileTable
+
+_GOOD = (
+    "valid", "validity", "isvalid", "good", "gültig", "gueltig", "valide", "valido", "válido",
+    "有効", "有效",
+)  # fmt: skip
+"""Words of a column that is 0 where a row does not count."""
+_BAD = (
+    "invalid", "bad", "overload", "overloaded", "overrange", "overflow", "saturated", "clipped",
+    "error", "fault", "ungültig", "ungueltig", "überlast", "ueberlast", "übersteuert", "fehler",
+    "invalide", "surcharge", "無効", "无效",
+)  # fmt: skip
+"""Words of a column that is 1 there."""
+
+
+def note_invalid_rows(table: FileTable) -> FileTable:
+    """Return the table with a caution for each column of 0 and 1 that marks rows as not valid."""
+    notes = []
+    for index, column in enumerate(table.columns):
+        bad = has_word(column.name, _BAD)
+        if column.content != "number" or not (bad or has_word(column.name, _GOOD)):
+            continue
+        values = table.load([index]).values[:, 0]
+        if set(values.tolist()) == {0.0, 1.0}:
+            count = int((values == bad).sum())
+            notes.append(
+                Caution(
+                    f"'{column.name}' marks {count} of {len(values)} rows as not valid, and they "
+                    "were read; delete them, or write them as blanks"
+                )
+            )
+    return replace(table, notes=(*table.notes, *notes)) if notes else table
