@@ -34,12 +34,15 @@ _FOLDER_KINDS = (
 _MOTION_REASONS: Mapping[str, str] = MappingProxyType({
     "cld": "it goes in and back at one speed, and never rests",
     "cyclic": "it goes to and fro, and never rests",
+    "harmonic": "it goes to and fro, and never rests",
     "creep": "its force is held while its displacement goes on",
 })  # fmt: skip
-_KINDS_WITH_HOLD: Mapping[str, str] = MappingProxyType(
-    {"relaxation": "relaxation", "creep": "creep"}
-)
-"""Kinds whose fit needs a clock, by the loading that a record without one shows."""
+_REASONS_WITHOUT_CLOCK: Mapping[str, str] = MappingProxyType({
+    "relaxation": "its displacement is held; it has no clock",
+    "harmonic": "it goes to and fro; it has no clock",
+    "creep": "its force is held; it has no clock",
+})  # fmt: skip
+"""Of kinds whose fit needs a clock, by the loading that a record without one shows."""
 _LEAST_SAMPLES = 8
 """Fewest samples that show a motion."""
 _MATERIAL_ROLES: tuple[Role, ...] = ("strain", "stress")
@@ -128,19 +131,17 @@ def recognise_opened(file: OpenedFile) -> tuple[str, str]:
     kind, reason = detect_table_kind(file.table, file.options)
     if file.options.kind is not None:
         return kind, reason
-    if kind == "relaxation":
-        record = _load_motion(file, _PART_ROLES)
-        loading = classify_load_history(*record) if record else ""
-        if loading in _KINDS_WITH_HOLD and _moves_to_its_end(record[1]):
-            # turns of small cycles beside large ones look held
+    if kind in {"relaxation", "cld"}:
+        load = _load_motion if kind == "relaxation" else _load_signals_by_row
+        record = load(file, _PART_ROLES)
+        loading: str = classify_load_history(*record) if record else ""
+        if record and loading != "cld" and _moves_to_its_end(record[1]):
+            # turns of cycles of few samples, or of small ones beside large ones, look held
             is_harmonic = find_handler("record rule", "cyclic")
-            loading = "cyclic" if is_harmonic and is_harmonic(*record) else loading
-        return (loading, _MOTION_REASONS[loading]) if loading in _MOTION_REASONS else (kind, reason)
-    if kind == "cld":
-        signals = _load_signals_by_row(file, _PART_ROLES)
-        loading = classify_load_history(*signals) if signals else ""
-        if loading in _KINDS_WITH_HOLD:
-            return _KINDS_WITH_HOLD[loading], "its displacement or force is held; it has no clock"
+            loading = "harmonic" if is_harmonic and is_harmonic(*record) else loading
+        reasons = _MOTION_REASONS if kind == "relaxation" else _REASONS_WITHOUT_CLOCK
+        if loading in reasons:
+            return loading.replace("harmonic", "cyclic"), reasons[loading]
     if kind == "stress-strain":
         recognise_material = find_handler("record rule", kind)
         motions = _load_motion(file, _MATERIAL_ROLES), _load_signals_by_row(file, _MATERIAL_ROLES)

@@ -245,7 +245,7 @@ def _require_relaxation_kind(file: OpenedFile, besides: Sequence[FileKind] = ())
     """
     channels.expect(
         file,
-        ["relaxation", "cld", *besides],
+        ["relaxation", "cld", "cyclic", *besides],
         "a ramp and a hold is",
         named=["displacement", "force"],
     )

@@ -41,6 +41,8 @@ _COMMON = 0.95
 """Part of the least depth at which cycles are compared."""
 _BEYOND = 5e-3
 """Part of the depth by which a compression asked for may lie beyond the last reading."""
+_BACK = 0.2
+"""Part of the depth by which a release may go behind the start of a record without air."""
 _UNFINISHED = 0.9
 """A last loading that ends before this part of the depth, and is not unloaded, is left out."""
 
@@ -238,6 +240,8 @@ def _cycles(test: CLDTest) -> _RecordCycles:
     zero = zero_of(clock, x, force, pairs[0][0], resolution=resolution)
     x, force = x - zero.contact, force - zero.force
     depths = [float(x[stroke.last]) for stroke, _ in pairs]
+    if not zero.air:
+        _refuse_loops(float(-x.min()), max(depths), rated=test.time is not None)
     excess = max(resolution, 3 * zero.contact_se, _BEYOND * max(depths))
     if len(pairs) > 1 and pairs[-1][1] is None and depths[-1] < _UNFINISHED * max(depths):
         pairs, depths = pairs[:-1], depths[:-1]
@@ -253,6 +257,18 @@ def _cycles(test: CLDTest) -> _RecordCycles:
         )  # fmt: skip
         uneven.append(departure)
     return _RecordCycles(tuple(cycles), zero, excess, common, tuple(uneven), x, force)
+
+
+def _refuse_loops(behind: float, depth: float, *, rated: bool) -> None:
+    """Refuse cycles about a mean compression: their work and forces have no zero."""
+    if behind > _BACK * depth:
+        rate = "" if rated else " --rate 1000Hz"
+        raise DataError(
+            "the record begins in contact, and its release goes "
+            f"{format_quantity(behind, 'mm', '.3g')} back behind that: these are loops about a "
+            "mean compression; expected a seal that is pressed from its free height. Storage and "
+            f"loss of loops: dashpot fit FILE --kind cyclic{rate}"
+        )
 
 
 def _pairs(strokes: Sequence[Stroke]) -> list[tuple[Stroke, Stroke | None]]:
