@@ -197,7 +197,7 @@ class TestSweep:
             assert "cubic" not in found.law
 
     def test_too_few(self):
-        with pytest.raises(FitError, match="found 5 loops or lines"):
+        with pytest.raises(FitError, match="loops or lines found: 5"):
             fit_amplitude(sweep(5e6 * payne(X[:5]), X[:5]))
 
     @pytest.mark.parametrize("words", [{"unit": "mm"}, {"of": "mm"}])

@@ -36,6 +36,8 @@ from dashpot.fitting.nuisance_priors import Prior, compute_delay_errors
 
 _LEAST = 6
 """Samples: two numbers of a level, three of the law, one to spare."""
+_LEAST_OF_LEVEL = 2
+"""Loops at one amplitude, which have no law."""
 _WORDS = {
     "factor": "Kraus's law",
     "additive": "friction",
@@ -77,17 +79,18 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     FitError
         If there are too few samples, or not two for each frequency.
     """
-    if len(sweep.amplitude) < _LEAST:
-        raise FitError(
-            f"found {len(sweep.amplitude)} loops or lines; a law of amplitude needs {_LEAST}"
-        )
+    varied = _has_several_amplitudes(sweep)
+    least = _LEAST if varied else _LEAST_OF_LEVEL
+    if len(sweep.amplitude) < least:
+        what = "a law of amplitude needs" if varied else "at one amplitude the fit needs"
+        raise FitError(f"loops or lines found: {len(sweep.amplitude)}; {what} {least}")
     tones = len(np.unique(sweep.frequency))
     if 2 * tones > len(sweep.amplitude):
         raise FitError(
             f"{len(sweep.amplitude)} samples at {tones} frequencies; expected two amplitudes or "
             "more at each: the effects of frequency and of amplitude cannot be separated"
         )
-    back, varied = _way_back(sweep), _has_several_amplitudes(sweep)
+    back = _way_back(sweep)
     tried = _sort_candidate_laws(sweep, law)
     stray = _strays(sweep, tried[0].left) & varied
     if stray.any() and np.count_nonzero(~stray) >= _LEAST:

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 
 
 _MAIN = ("k_end_", "E_end_")
-_INSTEAD = ("cld_per_100mm", "cld_force", "indent_modulus", "restitution")
+_INSTEAD = ("cld_per_100mm", "cld_force", "loop_storage", "indent_modulus", "restitution")
 """Columns of load deflection and indentation tests."""
 ALIKE = 0.05
 """Largest relative difference of hold and depth of a test from the median of its lot."""
@@ -221,7 +221,8 @@ class Lot:
         """Quantities that are results of the tests and have values."""
         pattern = (
             r"[kE]_(end|0|inf)_|(storage|loss|loss_factor|k_end)_at_|frequency_|damping_ratio|"
-            r"cld_(per_100mm|force|slope|hysteresis|softening|set)|indent_modulus|restitution"
+            r"cld_(per_100mm|force|slope|hysteresis|softening|set)|indent_modulus|restitution|"
+            r"loop_(storage|loss|softening)"
         )
         names = self.table.select(polars().col(f"^({pattern}).*$")).columns
         wanted = [

@@ -26,6 +26,9 @@ _WORDS = {
     "cld_at": "nominal compression", "cld_force": "force at nominal",
     "cld_per_100mm": "force at nominal per 100 mm", "cld_slope": "slope at nominal",
     "cld_hysteresis": "hysteresis", "cld_softening": "softening", "cld_set": "set",
+    "loop_frequency": "frequency of the loops", "loop_amplitude": "largest amplitude of the loops",
+    "loop_storage": "storage of the loops", "loop_loss": "loss of the loops",
+    "loop_loss_factor": "loss factor of the loops", "loop_softening": "softening with amplitude",
     "indent_modulus": "modulus under the indenter", "restitution": "restitution",
 }  # fmt: skip
 _KINDS = {"storage": "storage stiffness", "loss": "loss stiffness", "loss_factor": "loss factor"}

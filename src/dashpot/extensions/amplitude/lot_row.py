@@ -1,0 +1,63 @@
+"""Lot row of recorded loops, and of an amplitude sweep."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.arrays import median
+from dashpot.base.units import column
+from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
+from dashpot.extensions.amplitude.fit_files import level_files
+from dashpot.extensions.amplitude.preprocess import sweep_of_loops
+from dashpot.registry import LotSpecimen
+
+_SAME = 1.05
+"""Amplitudes no farther apart than this factor are one."""
+
+
+def build_lot_row(
+    file: str | Path, lot_specimen: LotSpecimen
+) -> tuple[AmplitudeFit, dict[str, Any]]:
+    r"""Return the fit of loops or of a sweep, and its columns of a lot row.
+
+    They are medians at the largest amplitude and, of several frequencies there, the lowest. The
+    standard errors are of the scatter there and of the delay :math:`\delta` between the channels of
+    loops, :math:`\omega\delta K'` of the loss. The softening is the part of the storage at the
+    smallest amplitude of that frequency that is lost at the largest.
+
+    Raises
+    ------
+    ReadError, DataError, FitError
+        If it cannot be read or fitted.
+    """
+    result = level_files((file,), options=lot_specimen.options)
+    record: Any = result.records[0]
+    sweep = record if isinstance(record, AmplitudeSweep) else sweep_of_loops(record)
+    top = sweep.only(sweep.amplitude >= sweep.amplitude.max() / _SAME)
+    tone = float(top.frequency.min())
+    top, at_tone = top.only(top.frequency == tone), sweep.only(sweep.frequency == tone)
+    least = at_tone.only(at_tone.amplitude <= at_tone.amplitude.min() * _SAME)
+    storage, loss = median(top.storage), median(top.loss)
+    scatter = (
+        1.4826
+        * np.array([median(np.abs(values - median(values))) for values in (top.storage, top.loss)])
+        / np.sqrt(len(top.amplitude))
+    )
+    turn = 2 * np.pi * tone * sweep.delay_sd
+    several = sweep.amplitude.max() > _SAME * least.amplitude.max()
+    kelvin = sweep.specimen.temperature or lot_specimen.temperature
+    return result.fit, {  # type: ignore[return-value]  # of one sweep, not of FRFs
+        "samples": len(getattr(record, "time", sweep.amplitude)),
+        "temperature_K": kelvin,
+        "loop_frequency_Hz": tone,
+        column("loop_amplitude", "m" if sweep.of == "m" else ""): median(top.amplitude),
+        column("loop_storage", sweep.unit): storage,
+        column("loop_storage_se", sweep.unit): float(np.hypot(scatter[0], turn * abs(loss))),
+        column("loop_loss", sweep.unit): loss,
+        column("loop_loss_se", sweep.unit): float(np.hypot(scatter[1], turn * storage)),
+        "loop_loss_factor": loss / storage,
+        "loop_softening": 1 - storage / median(least.storage) if several else None,
+    }
