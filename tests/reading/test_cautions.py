@@ -27,6 +27,8 @@ DOUBTFUL = {
     "a gain in German": (f"Verstärkung: 10\n{PLAIN}", "Verst"),
     "a factor in German": (f"Skalierungsfaktor;0,1\n{PLAIN}", "Skalierungsfaktor;0,1"),
     "a slope": (f"Force slope = 0.1\n{PLAIN}", "slope = 0.1"),
+    "a calibration": (f"# Calibration: y = 10*x\n{PLAIN}", "y = 10*x"),
+    "a formula in German": (f"Kraft = Spannung * 2,5\n{PLAIN}", "Spannung * 2,5"),
     "a scale in a comment": (f"# scaling 0.5 applied by the amplifier\n{PLAIN}", "scaling 0.5"),
 }
 HARMLESS = {
@@ -34,6 +36,8 @@ HARMLESS = {
     "a gain of one": f"Gain: 1\n{PLAIN}",
     "a count of columns": f"1;2;3\n{PLAIN}",
     "a shape factor": f"Shape factor: 0.25\n{PLAIN}",
+    "a date of calibration": f"# Calibration: 2026-01-07, certificate = 4711\n{PLAIN}",
+    "a speed": f"# v = 10 mm/s, x = 8 mm\n{PLAIN}",
     "an operator": f"# operator: nobody\n{PLAIN}",
 }
 

@@ -58,7 +58,7 @@ _NOTHING_SAID = ReadOptions()
 _SAME = 0.25
 _LISTED = 12
 """Columns that a message names."""
-_COPIES = 64
+_COPIES = 8
 """Columns of which it is asked which is meant, whatever they hold: nobody writes one so often."""
 _ROUNDED = 1e-3
 """Part of their range by which columns that are written to a few digits may differ."""

@@ -278,7 +278,8 @@ _MEASURED = compile_on_use(r"\A[+-]?\d[\d.,]{0,40}\s?([^\W\d_]\S{0,9})\Z")
 _FACTOR = compile_on_use(
     r"\b(?<!loss )(?<!shape )(?<!form )(?<!safety )(?<!quality )(?<!power )(?<!crest )"
     r"(?:scal(?:e|ing)|gain|factor|\w{1,20}f[ae][ck]tor|faktor|skalierung|verstärkung|multiplier"
-    r"|slope|conversion|attenuat(?:ion|or)|divi(?:sor|der)|amplification)\b",
+    r"|slope|conversion|attenuat(?:ion|or)|divi(?:sor|der)|amplification)\b"
+    r"|=(?=\s{0,3}(?:\d[\d.,]{0,9}\s{0,3}[*×·]\s{0,3}[^\W\d]|[^\W\d]\w{0,20}\s{0,3}[*×·]\s{0,3}\d))",
     re.IGNORECASE,
 )
 _NUMBER = compile_on_use(r"\d{1,9}(?:[.,]\d{1,9})?")
