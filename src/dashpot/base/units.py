@@ -68,7 +68,7 @@ _SIZES: dict[Dimension, str] = {
     f"N/h {1 / 3600}, mN/h {1e-3 / 3600}",
     "strain": "1 1, % 1e-2, mm/mm 1, m/m 1, um/m 1e-6",
     "stress": f"Pa 1, kPa 1e3, MPa 1e6, GPa 1e9, psi 6894.757293168361, ksi {6894757.293168361}, "
-    "bar 1e5, mbar 100, hPa 100, kgf/cm^2 98066.5",
+    "bar 1e5, mbar 100, hPa 100, kgf/cm^2 98066.5, dyn/cm^2 0.1",
     "voltage": "V 1, mV 1e-3, uV 1e-6",
     "torque": "N*m 1, N*mm 1e-3, mN*m 1e-3, uN*m 1e-6",
     "angle": "rad 1, deg 0.017453292519943295, mrad 1e-3",
@@ -140,6 +140,7 @@ _SPELLINGS = {
     "um/m": "µm/m microstrain ustrain µstrain µε ue",
     "bar": "bars",
     "kgf/cm^2": "kgf/cm2 kgf/cm² kg/cm2 kg/cm²",
+    "dyn/cm^2": "dyn/cm2 dyn/cm² dyne/cm2 dyne/cm² dyne/cm^2 dynes/cm^2 dynes/cm2",
     "mrad": "milliradian milliradians",
     "ozf": "oz_f oz-f ounceforce ounce-force",
     "lb": "lbs pound pounds",

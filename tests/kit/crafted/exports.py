@@ -138,6 +138,7 @@ def _materials() -> list[Row]:
     )
     return [
         Row("primes that are none of the keyboard", sweep("ω [rad/s];G′ [Pa];G″ [Pa]", omega, STORAGE, LOSS), truth=SWEEP),
+        Row("dyn/cm2 of an older rheometer", sweep("Freq Hz;G' (dyn/cm2);G'' (dyne/cm^2)", F, 10 * STORAGE, 10 * LOSS), truth=SWEEP),
         Row("omega in 1/s", sweep("ω [1/s];G' [Pa];G'' [Pa]", omega, STORAGE, LOSS), truth=SWEEP),
         Row("an angular frequency in 1/s, beside the size", sweep("Angular frequency in 1/s;G* in MPa;tan δ", omega, size / 1e6, TANGENT), truth=SWEEP),
         Row("omega in Hz", sweep("omega [Hz];G' [Pa];G'' [Pa]", F, STORAGE, LOSS), "asked", ("angular frequency", '"frequency=rad/s"'), SWEEP, answer={"units": {"frequency": "Hz"}}),

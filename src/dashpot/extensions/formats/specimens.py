@@ -14,7 +14,6 @@ from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import FloatArray, IndexArray, slices
 from dashpot.base.errors import ReadError
 from dashpot.base.lazy import compile_on_use
-from dashpot.extensions.formats.validity_columns import note_invalid_rows
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.file_kinds import RECOGNISED
 from dashpot.reading.columns.header_units import split_unit
@@ -69,7 +68,10 @@ def adapt_table(table: FileTable, raw: RawFile, options: ReadOptions) -> FileTab
 
         table = convert_viscosities(table, options)
     _refuse_storage_alone(table, options)
-    table = note_invalid_rows(table)
+    if any(column.content == "number" and not column.unit for column in table.columns):
+        from dashpot.extensions.formats.validity_columns import note_invalid_rows
+
+        table = note_invalid_rows(table)
     return separate_specimens(table, raw, options)
 
 

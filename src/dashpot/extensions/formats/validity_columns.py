@@ -21,11 +21,14 @@ _BAD = (
 
 
 def note_invalid_rows(table: FileTable) -> FileTable:
-    """Return the table with a caution for each column of 0 and 1 that marks rows as not valid."""
+    """Return the table with a caution for each column of 0 and 1 that marks rows as not valid.
+
+    Such a column has no unit.
+    """
     notes = []
     for index, column in enumerate(table.columns):
         bad = has_word(column.name, _BAD)
-        if column.content != "number" or not (bad or has_word(column.name, _GOOD)):
+        if column.content != "number" or column.unit or not (bad or has_word(column.name, _GOOD)):
             continue
         values = table.load([index]).values[:, 0]
         if set(values.tolist()) == {0.0, 1.0}:
