@@ -179,12 +179,14 @@ def first_mode(path, **how):
     return dp.read(path, **how).modes()[0]
 
 
-@pytest.mark.parametrize("factor", ["1/s", "s", "end"])
-def test_dataset_1858_is_read_where_its_record_settles_the_unit(factor, tmp_path):
+@pytest.mark.parametrize(
+    ("factor", "before"), [("1/s", False), ("s", False), ("end", False), ("1/s", True)]
+)
+def test_dataset_1858_is_read_where_its_record_settles_the_unit(factor, before, tmp_path):
     window = {"1/s": 2.6, "s": 1.6, "end": 6 / np.log(100)}[factor]
     record = struck(3, Rig(window=window))
     value = {"1/s": 1 / window, "s": window, "end": 0.01}[factor]
-    path = as_uff(record, tmp_path, factor=value)
+    path = as_uff(record, tmp_path, factor=value, before=before)
     assert dp.read(path).shift == pytest.approx(1 / window, rel=1e-5)
     assert first_mode(path).damping_ratio == pytest.approx(damping(record), rel=0.03)
 

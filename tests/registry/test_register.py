@@ -77,6 +77,7 @@ OWN_ROWS = {
     "cld": LotSpecimen(ReadOptions()),
     "indentation": LotSpecimen(ReadOptions(), mass=5e-3, radius=5e-3),
     "csr": LotSpecimen(ReadOptions()),
+    "cyclic": LotSpecimen(ReadOptions()),
 }
 
 
@@ -184,7 +185,7 @@ def test_batch_row_of_a_kind_fills_its_columns(folder: Path, name: str) -> None:
     result, numbers = load_object(kind.lot_row)(folder / file, piece)
     assert set(kind.columns) <= set(numbers)
     assert result.verdict.use
-    assert row_of(result) is kind
+    assert row_of(result) is (None if name == "cyclic" else kind)  # as of an amplitude sweep
     assert isinstance(figure_of(result)(result), Picture)
 
 

@@ -51,14 +51,14 @@ def test_batch_row_of_every_kind_has_a_fit_or_a_reason(folder, name):
     kind = files()[name][1]
     found = row_of(Entry(str(folder / name)))
     assert found["kind"] == kind
-    others = {"cld", "csr", "cyclic", "strain-sweep"}
+    others = {"cld", "csr", "cyclic"}
     assert found["outcome"] == ("fitted" if kind in {*FITTED, *others} else "other")
     if kind == "cld":
         assert found["cld_force_N"] > 0
         assert found["cld_hysteresis"] > 0
         assert found["k_inf_N_per_m"] is None
-    elif kind in {"cyclic", "strain-sweep"}:
-        assert found["loop_storage_Pa" if kind == "strain-sweep" else "loop_storage_N_per_m"] > 0
+    elif kind == "cyclic":
+        assert found["loop_storage_N_per_m"] > 0
         assert found["loop_loss_factor"] > 0
     elif kind == "csr":
         assert found["csr_chemical_time_low_s"] > 0

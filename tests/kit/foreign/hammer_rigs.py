@@ -227,9 +227,9 @@ def windowed_lines(record: HammerRecord):
 
 def uff_58(
     frequency, value, *, directions=(3, 3), factor: float | None = None, window: int = 4,
-    exponent: str = "E", amplitude: bool = False,
+    exponent: str = "E", amplitude: bool = False, before: bool = False,
 ) -> str:  # fmt: skip
-    """Dataset 58 of an FRF, and dataset 1858 behind it where a window's `factor` is said."""
+    """Dataset 58 of an FRF, and dataset 1858 behind or `before` it where a `factor` is said."""
     step = frequency[1] - frequency[0]
     response, reference = directions
     kind = 2 if amplitude else 5
@@ -248,8 +248,9 @@ def uff_58(
     lines.append("    -1")
     if factor is not None:
         zeros = "".join(f"{0.0:15.7E}" for _ in range(5))
-        lines += ["    -1", "  1858", "".join(f"{n:12d}" for n in (1, 0, 1, 0, 0, 0)),
+        stated = ["    -1", "  1858", "".join(f"{n:12d}" for n in (1, 0, 1, 0, 0, 0)),
                   "".join(f"{n:6d}" for n in (0, window, *[0] * 10)), zeros,
                   "".join(f"{0.0:15.7E}" for _ in range(4)) + f"{factor:15.7E}", zeros,
                   "Z+    Z+", "NONE", "    -1"]  # fmt: skip
+        lines = [*stated, *lines] if before else [*lines, *stated]
     return "\n".join(lines) + "\n"

@@ -1,4 +1,4 @@
-"""Lot row of recorded loops, and of an amplitude sweep."""
+"""Lot row of recorded loops."""
 
 from __future__ import annotations
 
@@ -9,24 +9,25 @@ import numpy as np
 
 from dashpot.base.arrays import median
 from dashpot.base.units import column
-from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
-from dashpot.extensions.amplitude.fit_files import level_files
+from dashpot.extensions.amplitude.fit_files import AmplitudeResult, level_files
 from dashpot.extensions.amplitude.preprocess import sweep_of_loops
 from dashpot.registry import LotSpecimen
 
 _SAME = 1.05
 """Amplitudes no farther apart than this factor are one."""
+_UNITS = (("N/m", "m"), ("Pa", ""))
+"""Of storage and amplitude: of a part, and of a material."""
 
 
 def build_lot_row(
     file: str | Path, lot_specimen: LotSpecimen
-) -> tuple[AmplitudeFit, dict[str, Any]]:
-    r"""Return the fit of loops or of a sweep, and its columns of a lot row.
+) -> tuple[AmplitudeResult, dict[str, Any]]:
+    r"""Return the fit of loops, and its columns of a lot row.
 
     They are medians at the largest amplitude and, of several frequencies there, the lowest. The
-    standard errors are of the scatter there and of the delay :math:`\delta` between the channels of
-    loops, :math:`\omega\delta K'` of the loss. The softening is the part of the storage at the
-    smallest amplitude of that frequency that is lost at the largest.
+    standard errors are of the scatter there and of the delay :math:`\delta` between the channels,
+    :math:`\omega\delta K'` of the loss. The softening is the part of the storage at the smallest
+    amplitude of that frequency that is lost at the largest.
 
     Raises
     ------
@@ -35,7 +36,7 @@ def build_lot_row(
     """
     result = level_files((file,), options=lot_specimen.options)
     record: Any = result.records[0]
-    sweep = record if isinstance(record, AmplitudeSweep) else sweep_of_loops(record)
+    sweep = sweep_of_loops(record)
     top = sweep.only(sweep.amplitude >= sweep.amplitude.max() / _SAME)
     tone = float(top.frequency.min())
     top, at_tone = top.only(top.frequency == tone), sweep.only(sweep.frequency == tone)
@@ -49,8 +50,13 @@ def build_lot_row(
     turn = 2 * np.pi * tone * sweep.delay_sd
     several = sweep.amplitude.max() > _SAME * least.amplitude.max()
     kelvin = sweep.specimen.temperature or lot_specimen.temperature
-    return result.fit, {  # type: ignore[return-value]  # of one sweep, not of FRFs
-        "samples": len(getattr(record, "time", sweep.amplitude)),
+    values = {
+        column(f"loop_{name}", unit): None
+        for unit, _ in _UNITS
+        for name in ("storage", "storage_se", "loss", "loss_se")
+    } | {column("loop_amplitude", of): None for _, of in _UNITS}
+    return result, values | {
+        "samples": len(record.time),
         "temperature_K": kelvin,
         "loop_frequency_Hz": tone,
         column("loop_amplitude", "m" if sweep.of == "m" else ""): median(top.amplitude),

@@ -22,8 +22,7 @@ EXTENSION = Extension(
                     "dashpot.extensions.amplitude.fit_files:AmplitudeResult": "dashpot.extensions.amplitude.page:page",
                     "dashpot.extensions.amplitude.level_prediction:LevelPrediction": "dashpot.extensions.amplitude.page:prediction_page",
                 },
-                checks="dashpot.extensions.amplitude.checks",
-                lot_row="dashpot.extensions.amplitude.lot_row:build_lot_row", order=6,
+                checks="dashpot.extensions.amplitude.checks", order=6,
         ),
             KindOfTest(
                 "cyclic", "dashpot.extensions.amplitude.read:read_loops", "dashpot.extensions.amplitude.fit_files:level_files", app_section="level",

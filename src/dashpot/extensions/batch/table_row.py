@@ -185,9 +185,10 @@ def _build_kind_row(kind: KindOfTest, entry: Entry, specimen: LotSpecimen) -> di
         result, numbers = load_object(kind.lot_row)(entry.file, specimen)
     except DashpotError as error:
         return {"kind": kind.name, "outcome": "refused", "reason": str(error)}
-    source = result.source
+    sources = result.source if isinstance(result.source, tuple) else (result.source,)
     entries: dict[str, Any] = {
-        "kind": kind.name, "outcome": "fitted", "sha256": "" if source is None else source.sha256,
+        "kind": kind.name, "outcome": "fitted",
+        "sha256": sources[0].sha256 if any(sources) else "",
     }  # fmt: skip
     entries |= numbers
     return entries | _build_verdict_columns(result.verdict, result.checks)

@@ -97,14 +97,19 @@ def _readable_path(raw: RawFile) -> Iterator[Path]:
 
 
 def _with_windows(sets: Sequence[_Set]) -> list[_Set]:
-    """Return the datasets; each 58 with the 1858 that follows it under ``qualifiers``."""
+    """Return the datasets; each 58 with its 1858 under ``qualifiers``.
+
+    An 1858 follows its 58, but in files that begin with one: there it stands before.
+    """
+    types = [entry.get("type") for entry in sets if entry.get("type") in {58, 1858}]
+    stands_before = types[:1] == [1858]
     entries: list[_Set] = []
-    for entry in sets:
+    for entry in reversed(sets) if stands_before else sets:
         if entry.get("type") == 1858 and entries and entries[-1].get("type") == 58:
             entries[-1] = {**entries[-1], "qualifiers": entry}
         else:
             entries.append(entry)
-    return entries
+    return entries[::-1] if stands_before else entries
 
 
 def _direction_sign(*directions: int) -> float:
