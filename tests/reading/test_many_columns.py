@@ -203,7 +203,7 @@ def test_how_wide_a_line_may_be(sign: str) -> None:
     assert is_overlong("1" * (LONGEST + 1))
 
 
-@pytest.mark.parametrize(("copies", "asked"), [(64, False), (65, True)])
+@pytest.mark.parametrize(("copies", "asked"), [(8, False), (9, True)])
 def test_assign_asks_about_many_columns_before_loading(copies: int, *, asked: bool) -> None:
     loaded: list[int] = []
     same = wide(copies)
@@ -346,17 +346,17 @@ def test_assign_asks_once_about_columns_that_differ_by_a_number(
     assert len(judged) <= 14
 
 
-def test_many_alike_columns_are_compared_two_by_two() -> None:
-    """A file of 200 MB with 40 forces is not read whole to ask which is meant."""
+@pytest.mark.parametrize(("forces", "loads"), [(8, [2]), (40, [])])
+def test_many_alike_columns_are_compared_two_by_two(forces: int, loads: list[int]) -> None:
+    """A file of 200 MB with 40 forces is not read to ask which is meant, equal or not."""
     counts = []
-    values = np.random.default_rng(0).normal(size=(100, 40))
+    values = np.random.default_rng(0).normal(size=(100, forces))
 
     def load(indexes):
         counts.append(len(indexes))
         return make_loader(values)(indexes)
 
-    columns = tuple(Column(f"force {i}", "N") for i in range(40))
+    columns = tuple(Column(f"force {i}", "N") for i in range(forces))
     answer = assign(FileTable(format="MDF", columns=columns, load=load), "force", ReadOptions())
     assert isinstance(answer, Question)
-    assert max(counts) <= 2
-    assert len(counts) == 1
+    assert counts == loads
