@@ -183,7 +183,7 @@ STANDARD = (
         "dropped",
         (
             "extensions/projects/document_versions.py",
-            "reading/readers/detect_kind.py",
+            "reading/columns/file_kinds.py",
             "extensions/materials/table_rules.py",
             "extensions/materials/drop/prediction.py",
         ),
