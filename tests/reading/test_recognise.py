@@ -326,3 +326,20 @@ def test_a_load_in_a_unit_of_mass_is_proposed_as_a_weight(
     assert f'--column force="Load" --units "force={force}"' in suggest_relaxation_options(
         tmp_path / "a.csv"
     )
+
+
+@pytest.mark.parametrize(
+    ("header", "kind"),
+    [
+        ("Elongation [%],Tensile stress [MPa]", "stress-strain"),
+        ("Compression [%],Compressive stress [kPa]", "stress-strain"),
+        ("Allongement (%),Contrainte (MPa)", "stress-strain"),
+        ("Elongation [mm],Force [N]", "cld"),
+        ("Compression [mm],Load [N]", "cld"),
+    ],
+)
+def test_recognise_takes_an_elongation_by_its_unit(header: str, kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "pulled.csv"
+    rows = (f"{0.5 * row},{0.02 * row + 1e-4 * row**2:.5f}" for row in range(60))
+    path.write_text("\n".join((header, *rows)), encoding="utf-8")
+    assert recognise(path).kind == kind

@@ -100,7 +100,8 @@ _SECOND: dict[Role, str] = {
         lvdt encoder gap separation height depth hub course allongement enfoncement corsa uzama
         konum ход положение позиция wydłużenie położenie poloha pozíció posición posizione
         x z d l u s y length verformung deformation eindringtiefe lauf opening ekstensometr
-        extensometer ストローク ストロ 位置 伸长 行程量 스트로크""",
+        extensometer ストローク ストロ 位置 伸长 行程量 스트로크 elongation alargamiento
+        allungamento удлинение 伸び""",
     "force": """f fx fy fz charge effort last drucklast zuglast prüflast kompressionslast lastzelle
         loadcell druckkraft input hammer_force n""",
     "acceleration": "a response antwort réponse odpowiedź ответ 响应",
@@ -109,7 +110,8 @@ _SECOND: dict[Role, str] = {
     "loss": "gpp epp loss verlust",
     "temperature": "t kammer",
     "stress": "sigma σ tau τ pressure",
-    "strain": "epsilon ε gamma γ",
+    "strain": """epsilon ε gamma γ elongation allongement wydłużenie alargamiento allungamento
+        удлинение 伸び 伸长率 compression stauchung""",
     "creep_compliance": "j",
     "modulus": "g(t) e(t) g e",
 }  # fmt: skip
