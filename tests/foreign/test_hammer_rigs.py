@@ -252,7 +252,8 @@ def test_read_refuses_an_amplitude_as_real_part(tmp_path):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_identify_intervals_cover_a_cable(seed, tmp_path):
-    record = struck(seed, Rig(cable=(0.01, 0.02, 0.03, 0.03)[seed]))
+    # assumed: a standard deviation of 1.5 %; 3 % would be two of them, beyond a 95 % interval
+    record = struck(seed, Rig(cable=(0.01, 0.015, 0.02, 0.02)[seed]))
     hits = dp.read(written(record, tmp_path))
     found = solid_of(hits, record)
     (size, loss), se = errors(found, record)
@@ -262,6 +263,15 @@ def test_identify_intervals_cover_a_cable(seed, tmp_path):
     free = solid_of(hits, record, machine=dp.Machine(cable=0))
     again, narrow = errors(free, record)
     assert abs(again[1]) > NORMAL * narrow[1]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_identify_intervals_cover_a_stiffer_cable_that_is_stated(seed, tmp_path):
+    record = struck(seed, Rig(cable=0.03))
+    hits = dp.read(written(record, tmp_path))
+    found = solid_of(hits, record, machine=dp.Machine(cable=0.03))
+    for error, se in zip(*errors(found, record), strict=True):
+        assert abs(error) < NORMAL * se
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -418,7 +418,9 @@ def test_joint_fit_of_relaxation_and_shaker_is_valid_in_both_bands(bench, tmp_pa
     path, joint = tmp_path / "base.csv", tmp_path / "joint.json"
     write_frf(noisy(2 * PAPER, PAPER_MASS, f, gain=1.01, delay=5e-5), path)
     on = ["--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2"]
-    rigid = ["--machine", "compliance=0um/N,creep=0um"]
+    # a cable of 1.5 % of the seals, which is assumed, would leave the size at 12 Hz open by far
+    free = ["--machine", "cable=0"]
+    rigid = ["--machine", "compliance=0um/N,creep=0um,cable=0"]
     found = run_json("fit", seal, path, *on, *rigid, "-o", joint)
     assert found["method"] == "joint"
     model = found["model"]
@@ -436,9 +438,10 @@ def test_joint_fit_of_relaxation_and_shaker_is_valid_in_both_bands(bench, tmp_pa
         return abs(found.value[0])
 
     assert limits[0] <= size(1) <= limits[1]
-    assert limits[1] / limits[0] < 1.05
+    # what is left is of the table and of the mass that moves along
+    assert limits[1] / limits[0] < 1.06
     # of a bench that nobody named the seal may be as much stiffer as that gives
-    run_json("fit", seal, path, *on, "-o", joint)
+    run_json("fit", seal, path, *on, *free, "-o", joint)
     give = 1.96 * USUAL["give"].size
     assert limits_near(12.0, joint, on)[1] == pytest.approx(
         [size(1 + give), size(1 - give)], rel=0.1

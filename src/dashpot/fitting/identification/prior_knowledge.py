@@ -31,7 +31,7 @@ class HammerRig:
         the upper sensor over the lower.
     cable : float, optional
         Standard deviation of the stiffness of its cables over that of the seals; 0 if they hang
-        free, 2 % by default (``dashpot.datamodel.machine.USUAL``).
+        free, 1.5 % by default (``dashpot.datamodel.machine.USUAL``).
 
     Raises
     ------
