@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from dashpot.base import dataclass
 from dashpot.base.checks import HasChecks
@@ -109,7 +109,7 @@ class ReportedValue(Serialisable):
         unit: str = "",
         read: str = "",
         words: str = "",
-    ) -> ReportedValue:
+    ) -> Self:
         """A number with an interval of so many standard errors; none if the error is infinite.
 
         That of a positive one whose logarithm has the error, ``of_log``, is a factor either way.

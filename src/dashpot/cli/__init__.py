@@ -12,9 +12,18 @@ from typing import Any
 
 import click
 
+from dashpot.base.errors import DashpotError
 from dashpot.base.version import __version__
-from dashpot.registry import COMMANDS as ROWS
-from dashpot.registry import find_handler
+
+try:
+    from dashpot.registry import COMMANDS as ROWS
+    from dashpot.registry import find_handler
+except DashpotError as _error:
+    # no command is known without the rows
+    if "--traceback" in sys.argv:
+        raise
+    sys.stderr.write(f"dashpot: {_error}\n")
+    sys.exit(3)
 
 # the matrices are small: threads of BLAS beside the one that works wait for it at full load. Named
 # before NumPy is loaded; who names another number is heeded

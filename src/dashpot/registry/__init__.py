@@ -1,8 +1,9 @@
 """Registry: handlers of a task, found by type, kind of test or name.
 
-The core's own rows stand in `dashpot.registry.core`, those of an extension in its module `rows`. A
-row names functions by words, ``"package.module:name"``, which are imported when they are needed.
-What a table must hold to be of a kind stands in `dashpot.reading.columns.kind_detection`.
+The core's own rows stand in `dashpot.registry.core`, those of an extension in its module
+`registration`. A row names functions by words, ``"package.module:name"``, which are imported when
+they are needed. What a table must hold to be of a kind stands in
+`dashpot.reading.columns.kind_detection`.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from dashpot.base.errors import DashpotError
 from dashpot.registry.core import EXTENSION as CORE
 from dashpot.registry.row import (
     Command,
@@ -69,8 +71,35 @@ def _read_rows() -> Iterator[Extension]:
     yield CORE
     for folder in import_module(_PACKAGE).__path__:
         for name in sorted(os.listdir(folder)):
-            if os.path.exists(os.path.join(folder, name, "registration.py")):
-                yield import_module(f"{_PACKAGE}.{name}.registration").EXTENSION
+            path = os.path.join(folder, name, "registration.py")
+            if os.path.exists(path):
+                yield _read_registration(path, f"{_PACKAGE}.{name}.registration")
+
+
+def _read_registration(path: str, module: str) -> Extension:
+    """Return the rows of a registration file.
+
+    Raises
+    ------
+    DashpotError
+        If it has no rows, or cannot be imported, with the line that is to blame.
+    """
+    try:
+        extension: object = getattr(import_module(module), "EXTENSION", None)
+        if isinstance(extension, Extension):
+            return extension
+        found = f"EXTENSION is {extension!r}; expected EXTENSION = Extension(...)"
+    except Exception as error:  # noqa: BLE001 -- whatever an extension under work may raise
+        from traceback import extract_tb
+
+        lines = [frame.lineno for frame in extract_tb(error.__traceback__) if frame[0] == path]
+        # of what cannot be parsed no line was run
+        line = lines[-1] if lines else getattr(error, "lineno", "")
+        found, path = f"{type(error).__name__}: {error}", f"{path}:{line}"
+    raise DashpotError(
+        f"{path}: the rows of this extension cannot be read: {found}. Correct the file, or move "
+        "the folder of the extension elsewhere"
+    )
 
 
 def load_object(word: str) -> Any:

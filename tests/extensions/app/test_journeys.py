@@ -638,7 +638,10 @@ def test_nothing_is_cut_at_any_width(visit, files):
             page.still()
             assert page.at.evaluate(CUT) == [], (width, file)
             if width in (1366, 1920):
-                assert page.at.evaluate(SCROLLED) == [0, 0, 0], file
+                # the page of a hammer test has six panels, and only they scroll
+                left, panels, right = page.at.evaluate(SCROLLED)
+                assert (left, right) == (0, 0), file
+                assert panels == 0 or file == "hammer.csv"
             if width == 390 and file == "seal_8mm.csv":
                 assert page.at.evaluate("document.documentElement.scrollHeight") <= 1100
 

@@ -1,8 +1,11 @@
 """Request handlers: the same numbers as the command line, digit for digit."""
 
+import io
 import json
 import re
 import shlex
+import zipfile
+from base64 import b64decode
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -356,7 +359,7 @@ def test_tests_at_two_temperatures_share_one_model(store, at_home):
     assert len(told["temperature"]["shifts"]) == 2
     assert head["command"].startswith("dashpot report warm.csv cold.csv")
     with pytest.raises(
-        dp.DataError, match="--time-limits time_limits one relaxation test, and there are 2 here"
+        dp.DataError, match="--time-limits cuts one relaxation test, and there are 2 here"
     ):
         ask("settle", store, job=job | {"time_limits": {"hold_end": 20.0}})
 
@@ -509,12 +512,11 @@ def test_what_can_be_taken_away(store, page_job, what):
     assert len(told["text"]) > 20
 
 
-def test_menu_offers_every_solver_input_that_is_text():
-    """An FMU is an archive, which the command line writes."""
+def test_menu_offers_every_solver_input():
     script = Path(request_handlers.__file__).with_name("static") / "app.js"
     (table,) = re.findall(r"const DECKS = {(.*?)\n};", script.read_text("utf-8"), re.DOTALL)
     offered = set(re.findall(r"^  (\w+):", table, re.MULTILINE))
-    assert offered == set(SUFFIXES) - {"fmu"}
+    assert offered == set(SUFFIXES)
 
 
 def test_a_deck_is_refused_as_on_the_command_line_and_written_anyway(store, page_job):
@@ -555,6 +557,26 @@ def test_a_deck_is_that_of_the_command(store, page_job, at_home, more, words):
         ask("take", store, job=job, what="deck", target="csv", modulus="3MPa")
 
 
+def archived(taken: dict[str, str], name: str) -> str:
+    """Return a file of an archive that was taken away."""
+    with zipfile.ZipFile(io.BytesIO(b64decode(taken["base64"]))) as archive:
+        return archive.read(name).decode()
+
+
+def test_a_model_unit_is_that_of_the_command(store, page_job, at_home):
+    specimen = {"temperature": "23degC", "length": "100mm"}
+    job = page_job | {"joint": False, "impact": [], "mass": "", "specimen": specimen}
+    taken = ask("take", store, job=job, what="deck", target="fmu")
+    assert taken["name"] == "fmu.fmu"
+    (at_home / "fit.json").write_text(ask("take", store, job=job, what="fit")["text"])
+    ran("export", "fit.json", "--unit-system", "mm-t-s", "--to", "fmu", "-o", "seal.fmu")
+    with zipfile.ZipFile(at_home / "seal.fmu") as archive:
+        assert set(archive.namelist()) >= {"modelDescription.xml", "sources/model.h"}
+        for name in archive.namelist():
+            if name.endswith((".xml", ".h", ".c")):
+                assert archived(taken, name) == archive.read(name).decode(), name
+
+
 @pytest.mark.parametrize("joint", [True, False])
 def test_a_deck_is_of_the_solid_shown_and_no_calmer_than_the_page(store, page_job, joint):
     job = page_job | {"joint": joint}
@@ -565,7 +587,8 @@ def test_a_deck_is_of_the_solid_shown_and_no_calmer_than_the_page(store, page_jo
     for target in SUFFIXES:
         wanted = {"what": "deck", "target": target, "joint": joint, "anyway": True, "seals": 2}
         wanted |= {"modulus": "3MPa"} if target in {"radioss", "felupe"} else {}
-        deck = ask("take", store, job=job, solid=solid, **wanted)["text"]
+        taken = ask("take", store, job=job, solid=solid, **wanted)
+        deck = taken.get("text") or archived(taken, "sources/model.h")
         assert f"in parallel of fit {solid}" in deck, target
         assert len(re.findall(r"arm \d+: k =", deck)) == table.count('row">arm '), target
         assert ("DO NOT USE:" in deck) == (told["colour"] == "bad"), target

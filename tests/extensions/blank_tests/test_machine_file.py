@@ -29,6 +29,7 @@ from dashpot.datamodel.machine import Machine, MachineCalibration
 from dashpot.extensions.blank_tests.datamodel import BlankTest, MachineFit
 from dashpot.extensions.blank_tests.fit import fit_blank_tests
 from dashpot.extensions.blank_tests.machine_file import read_machine_file, render_machine_file
+from dashpot.workflow.json_archive import from_json, to_json
 
 SLOW = Rig(rate=200.0, hum_frequency=33.3)
 
@@ -61,6 +62,14 @@ def run(*words: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     result = CliRunner().invoke(main, words, catch_exceptions=False)
     assert result.exit_code == 0, result.output
     return result.output
+
+
+def test_a_document_keeps_the_errors_of_the_machine() -> None:
+    found = measure(SLOW, 1)
+    again = from_json(to_json(found))
+    assert again.machine == found.machine
+    assert again.found == found.found
+    assert again.verdict == found.verdict
 
 
 def test_fit_writes_a_machine_file_that_fit_reads(

@@ -19,7 +19,7 @@ from dashpot.extensions.amplitude.datamodel import (
     StressStrainLoops,
 )
 from dashpot.extensions.amplitude.fit_frfs import rows_at_level
-from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels
+from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels, predict_interval
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit
 from dashpot.extensions.amplitude.preprocess import HysteresisLoop, steady_cycles, sweep_of_loops
 from dashpot.extensions.amplitude.response import receptance_at_level
@@ -231,7 +231,7 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
         ("resonance, Hz", 1.0, f, levels.trend.stiffness_line, 0.5),
         ("damping ratio, %", 100.0, zeta, levels.trend.damping_line, 1.0),
     ):
-        ends = np.array([line.predict_interval(float(x)) for x in np.log2(dense)])
+        ends = np.array([predict_interval(line, float(x)) for x in np.log2(dense)])
         middle, lower, upper = (
             scale * np.exp(power * (ends[:, 0] + way * ends[:, 1])) for way in (0, -1, 1)
         )

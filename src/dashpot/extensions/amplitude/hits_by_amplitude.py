@@ -11,11 +11,12 @@ from dashpot.base.checks import Check, HasChecks
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.base.serialisation import Serialisable
+from dashpot.base.student_t import t_quantile
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.frf import FRF
 from dashpot.extensions.amplitude.checks import softening_detectable
-from dashpot.vibration.impact.amplitude_trend import RegressionLine, Trend, trend_of_hits
+from dashpot.vibration.impact.amplitude_trend import KNOWN, RegressionLine, Trend, trend_of_hits
 from dashpot.vibration.impact.checks import (
     amplitude_linear,
     high_frequency_mass_agrees,
@@ -23,6 +24,13 @@ from dashpot.vibration.impact.checks import (
 )
 
 _ROUNDS = 20
+
+
+def predict_interval(line: RegressionLine, x: float) -> tuple[float, float]:
+    """Return a regression line at x, and half its 95 % interval there."""
+    count = line.dof + 2
+    error = line.se * float(np.hypot(line.spread / np.sqrt(count), x - line.middle))
+    return line.value + line.slope * (x - line.middle), t_quantile(KNOWN, line.dof) * error
 
 
 class HitSummary(NamedTuple):
@@ -134,8 +142,8 @@ class HitLevels(HasChecks, Serialisable):
         def compute_resonance_at(
             x: float, stiffness: float = 0.0, damping: float = 0.0
         ) -> tuple[float, float]:
-            squared, off = trend.stiffness_line.predict_interval(x)
-            ratio, wide = trend.damping_line.predict_interval(x)
+            squared, off = predict_interval(trend.stiffness_line, x)
+            ratio, wide = predict_interval(trend.damping_line, x)
             # a whole decay is of no one amplitude: which, is known to a doubling
             off = float(np.hypot(off, trend.stiffness))
             wide = float(np.hypot(np.hypot(wide, trend.damping), 2 * trend.mass_se))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from base64 import b64encode
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -39,8 +40,13 @@ def download_file(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return a file to take away: a head with its name and kind, then its bytes."""
     job = job_of(request.get("job"), folder)
     what = word(request, "what")
+<<<<<<< HEAD
     makers: dict[str, Callable[[], tuple[str, str, str]]] = {
         "report": lambda: ("report.html", "text/html", _render_report(request, folder, job)),
+=======
+    makers: dict[str, Callable[[], tuple[str, str, str | bytes]]] = {
+        "report": lambda: ("report.html", "text/html", report_html(_compute_report_study(job))),
+>>>>>>> 65112b14 (registry: a broken registration file is one sentence with its line; app: FMU in the export menu, wide tables scroll in their column; blank tests: documents keep the errors of a machine; core: preview of a dragged fit and intervals of hit lines go to their extensions)
         "fit": lambda: ("fit.json", "application/json", to_json(_solid(request, job))),
         "joint": lambda: ("joint.json", "application/json", to_json(_joint(job))),
         "deck": lambda: _deck(request, job),
@@ -57,8 +63,11 @@ def download_file(request: Mapping[str, Any], folder: Path) -> bytes:
         raise DataError(
             f"'{what}' cannot be exported; expected one of {', '.join(map(str, makers))}"
         )
-    name, kind, text = makers[what]()
-    return wire_format.encode_message({"name": name, "kind": kind, "text": text})
+    name, kind, content = makers[what]()
+    held = (
+        {"text": content} if isinstance(content, str) else {"base64": b64encode(content).decode()}
+    )
+    return wire_format.encode_message({"name": name, "kind": kind, **held})
 
 
 def profile(request: Mapping[str, Any], folder: Path) -> bytes:  # noqa: ARG001
@@ -108,17 +117,18 @@ def _joint(job: Job) -> Fit:
     return fit
 
 
-def _deck(request: Mapping[str, Any], job: Job) -> tuple[str, str, str]:
+def _deck(request: Mapping[str, Any], job: Job) -> tuple[str, str, str | bytes]:
     target = str(request.get("target"))
     solid = add_verdict_checks(_solid(request, job), result_cache.study(job).verdict)
-    text = deck_for(
+    deck = deck_for(
         target,
         solid,
         units=request.get("units", "mm-t-s"),
         allow=("all",) if request.get("anyway") is True else (),
         **deck_choices(request),
     )
-    return f"{target}.{SUFFIXES[target]}", "text/plain", str(text)
+    kind = "text/plain" if deck.printable else "application/octet-stream"
+    return f"{target}.{SUFFIXES[target]}", kind, deck.file_content
 
 
 def _picture(job: Job) -> tuple[str, str, str]:

@@ -107,13 +107,19 @@ class BlankCurve(EqualByValue, Serialisable):
     fitted: FloatArray
 
 
+class MachineValue(ReportedValue):
+    """Property of a machine, whose document holds its standard error and display unit, too."""
+
+    _keys = (EVERY_FIELD,)  # type: ignore[assignment]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class MachineFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     """Testing machine by its blank tests.
 
     Attributes
     ----------
-    found : tuple of ReportedValue
+    found : tuple of MachineValue
         Compliance, creep, gain, delay, noise, drift and hum, each with its 95 % interval.
     records : tuple of BlankCurve
     spring_stiffness, spring_error : float or None
@@ -129,7 +135,7 @@ class MachineFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     schema = "dashpot/blank@1"
     _keys = ("verdict", EVERY_FIELD)
 
-    found: tuple[ReportedValue, ...]
+    found: tuple[MachineValue, ...]
     records: tuple[BlankCurve, ...]
     spring_stiffness: float | None = None
     spring_error: float | None = None
@@ -170,7 +176,7 @@ class MachineFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
             calibration=calibration,
         )
 
-    def get_value(self, name: str) -> ReportedValue | None:
+    def get_value(self, name: str) -> MachineValue | None:
         """Return one of the numbers found, by its name; None where no record gave it."""
         return next((value for value in self.found if value.name == name), None)
 

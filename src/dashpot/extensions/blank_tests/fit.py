@@ -10,12 +10,18 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import sources_of
-from dashpot.base.reported_values import NORMAL, ReportedValue
+from dashpot.base.reported_values import NORMAL
 from dashpot.base.student_t import t_quantile
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.checks import caution_checks
 from dashpot.extensions.blank_tests import checks
-from dashpot.extensions.blank_tests.datamodel import SPRING_ERROR, BlankCurve, BlankTest, MachineFit
+from dashpot.extensions.blank_tests.datamodel import (
+    SPRING_ERROR,
+    BlankCurve,
+    BlankTest,
+    MachineFit,
+    MachineValue,
+)
 from dashpot.extensions.blank_tests.estimation import (
     Blanks,
     EmptyRun,
@@ -153,7 +159,7 @@ def combine_estimates(estimates: Sequence[RigEstimate]) -> RigEstimate | None:
 
 def report_values(
     blanks: Blanks, stiffness: float | None, relative_error: float
-) -> tuple[ReportedValue, ...]:
+) -> tuple[MachineValue, ...]:
     """Return the numbers of the machine that these records give, each with its 95 % interval."""
     stop = combine_estimates([press.stiffness for press in blanks.stops])
     spring = combine_estimates([press.stiffness for press in blanks.springs])
@@ -176,7 +182,7 @@ def report_values(
     )  # fmt: skip
     return (
         *(
-            ReportedValue.from_error(name, *entry, unit=unit, read=read, words=name)
+            MachineValue.from_error(name, *entry, unit=unit, read=read, words=name)
             for name, entry, unit, read in rows
             if entry is not None
         ),
@@ -196,7 +202,7 @@ def _compute_gain(
     return RigEstimate(gain, gain * math.hypot(error, relative_error))
 
 
-def _report_hum(empties: Sequence[EmptyRun]) -> tuple[ReportedValue, ...]:
+def _report_hum(empties: Sequence[EmptyRun]) -> tuple[MachineValue, ...]:
     """Return amplitude and frequency of the strongest line; a bound where none stands out."""
     if not empties:
         return ()
@@ -204,10 +210,10 @@ def _report_hum(empties: Sequence[EmptyRun]) -> tuple[ReportedValue, ...]:
     value, error = strongest.hum
     if math.isnan(strongest.hum_frequency):
         bound = value + NORMAL * error
-        return (ReportedValue("hum", value, 0.0, bound, "N", error, "mN", "hum"),)
+        return (MachineValue("hum", value, 0.0, bound, "N", error, "mN", "hum"),)
     return (
-        ReportedValue.from_error("hum", value, error, unit="N", read="mN", words="hum"),
-        ReportedValue("hum_frequency", strongest.hum_frequency, unit="Hz", words="hum frequency"),
+        MachineValue.from_error("hum", value, error, unit="N", read="mN", words="hum"),
+        MachineValue("hum_frequency", strongest.hum_frequency, unit="Hz", words="hum frequency"),
     )
 
 

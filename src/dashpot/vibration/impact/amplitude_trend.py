@@ -55,12 +55,6 @@ class RegressionLine(Serialisable):
     spread: float
     dof: int
 
-    def predict_interval(self, x: float) -> tuple[float, float]:
-        """Return the line at x, and half its 95 % interval."""
-        count = self.dof + 2
-        error = self.se * float(np.hypot(self.spread / np.sqrt(count), x - self.middle))
-        return self.value + self.slope * (x - self.middle), t_quantile(KNOWN, self.dof) * error
-
 
 @dataclass(frozen=True)
 class Trend:

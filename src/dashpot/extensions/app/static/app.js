@@ -47,6 +47,7 @@ const DECKS = {
   optistruct: "OptiStruct",
   comsol: "COMSOL",
   modelica: "Modelica",
+  fmu: "FMU (FMI 2.0)",
   felupe: "FElupe",
   statespace: "State space",
   csv: "Table",

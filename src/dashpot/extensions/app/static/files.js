@@ -259,8 +259,11 @@ export async function profile() {
 
 // -- what is taken away ---------------------------------------------------------------------------
 
-function save(/** @type {{name: string, kind: string, text: string}} */ file) {
-  const href = URL.createObjectURL(new Blob([file.text], { type: file.kind }));
+/** Save a file: its text, or the bytes of an archive in base 64. */
+function save(/** @type {{name: string, kind: string, text?: string, base64?: string}} */ file) {
+  const { text, base64 = "" } = file;
+  const content = text ?? Uint8Array.from(atob(base64), (one) => one.charCodeAt(0));
+  const href = URL.createObjectURL(new Blob([content], { type: file.kind }));
   const link = made("a", { href, download: file.name });
   document.body.append(link);
   link.click();
