@@ -230,6 +230,7 @@ def _list_values_under_mass(
         ends = _contain(limits.peak_frequency, frequency)
     damping = max(peak.damping, 0.0) + 0.0  # of a spring, to rounding
     share = damping / loss.value if loss.value > 0 else 0.5
+    damped = _contain((share * loss.low, share * loss.high), damping)
     bound = stiffness.bound
     return (
         RecommendedValue(
@@ -238,7 +239,7 @@ def _list_values_under_mass(
             measured_se=None if c is None else c.measured_hz_se,
         ),
         RecommendedValue(
-            "damping", damping, share * loss.low, share * loss.high, bound=bound,
+            "damping", damping, damped[0], damped[1], bound=bound,
             measured=None if c is None else c.measured_damping,
             measured_se=None if c is None else c.measured_damping_se,
         ),
