@@ -73,6 +73,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
             "extensions/batch/statistics/variance_components.py": "a chart of pieces, not of residuals",
             "datamodel/parameter_estimate.py": "a fit's own intervals, of what it keeps of its estimate",
             "vibration/impact/amplitude_trend.py": "the power of a test of a slope",
+            "extensions/amplitude/hits_by_amplitude.py": "the interval of a line through hits",
             "extensions/blank_tests/fit.py": "a drift to come, by the few that were seen",
             "extensions/preload_map/fit.py": "lines and sweeps, each with degrees of freedom of its own",
             "extensions/preload_map/separability.py": "a limit of a departure, which is no parameter",

@@ -351,8 +351,8 @@ MISTAKES = (
     ("export fit.json", "Name the solver: --to nastran", f"{DECK} --allow not_identified"),
     ("export fit.json --unit-system SI", "give --temperature 23degC",
      f"{DECK} --allow not_identified"),
-    ("export fit.json --to csv", ("add --unit-system, one of SI, mm-t-s, mm-kg-ms. The test "
-     "temperature is not stated"), f"{DECK} --allow not_identified"),
+    ("export fit.json --to csv", ("add --unit-system, one of SI, mm-t-s, mm-kg-ms, in-lbf-s. "
+     "The test temperature is not stated"), f"{DECK} --allow not_identified"),
     ("export fit.json --to csv --temperature 23degC --length 100mm --allow all",
      "add --unit-system, one of SI", f"{DECK} --allow all"),
     (DECK, "--allow", f"{DECK} --allow not_identified"),

@@ -240,7 +240,9 @@ def test_a_prony_series_cannot_hold_a_dashpot(paper_seal, target, extra):
 @every_deck
 def test_bad_choices(paper_seal, target, form, extra):
     choices = {
-        "no unit system is given; add --unit-system, one of SI, mm-t-s, mm-kg-ms": {"units": None},
+        "no unit system is given; add --unit-system, one of SI, mm-t-s, mm-kg-ms, in-lbf-s": {
+            "units": None
+        },
         "'inch' is no unit system": {"units": "inch"},
         "'everything' is nothing that could be allowed": {"allow": ("everything",)},
         "has no form 'poem'; expected one of": {"form": "poem"},

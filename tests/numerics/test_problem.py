@@ -12,6 +12,7 @@ from kit.slopes import hold_slopes
 from scipy.optimize import least_squares, nnls
 
 from dashpot.base.errors import DataError, FitError
+from dashpot.extensions.materials.systematic_error import estimate_parameter_shift
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, score, white_noise
 from dashpot.numerics.least_squares import (
     Optimum,
@@ -338,7 +339,7 @@ def test_a_systematic_error_moves_as_the_refit_does() -> None:
     best = require_optimum(decay(y), [np.zeros(1)])
     known = estimate(best)
     refitted = require_optimum(decay(y + small), [best.theta])
-    by = known.estimate_parameter_shift(-small)
+    by = estimate_parameter_shift(known, -small)
     np.testing.assert_allclose(by, refitted.values - best.values, rtol=0.02, atol=1e-6)
     assert (known.add_parameter_error(by).standard_error > known.standard_error).all()
 

@@ -352,7 +352,7 @@ def export(
     /,
     *,
     to: To,
-    unit_system: Literal["SI", "mm-t-s", "mm-kg-ms"] | None = None,
+    unit_system: Literal["SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"] | None = None,
     temperature: Quantity | None = None,
     length: Quantity | None = None,
     seals: float = 1.0,
@@ -383,7 +383,7 @@ def export(
     to : str
         The solver: ``"nastran"``, ``"abaqus"``...
     unit_system : str
-        Of the deck: ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
+        Of the deck: ``"SI"``, ``"mm-t-s"``, ``"mm-kg-ms"`` or ``"in-lbf-s"``.
     temperature, length : float or str
         Of the seal, K or ``"23degC"``, and its length in contact, m or ``"50mm"``.
     specimen : Specimen, optional

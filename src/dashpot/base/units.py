@@ -53,7 +53,7 @@ _SIZES: dict[Dimension, str] = {
     "force": "N 1, mN 1e-3, uN 1e-6, nN 1e-9, pN 1e-12, kN 1e3, MN 1e6, cN 1e-2, daN 10, "
     f"lbf {_POUND_FORCE}, kgf {GRAVITY}, gf {GRAVITY * 1e-3}, kp {GRAVITY}, "
     f"ozf {_POUND_FORCE / 16}, dyn 1e-5, kip {1e3 * _POUND_FORCE}, tf {1e3 * GRAVITY}",
-    "mass": "kg 1, g 1e-3, mg 1e-6, t 1e3, lb 0.45359237",
+    "mass": f"kg 1, g 1e-3, mg 1e-6, t 1e3, lb 0.45359237, lbf*s^2/in {_POUND_FORCE / 0.0254}",
     "acceleration": f"m/s^2 1, mm/s^2 1e-3, g {GRAVITY}, gn {GRAVITY}, cm/s^2 1e-2, Gal 1e-2, "
     "ft/s^2 0.3048, in/s^2 0.0254",
     "velocity": f"m/s 1, mm/s 1e-3, mm/min {1e-3 / 60}, um/s 1e-6, cm/s 1e-2, in/s 0.0254, "

@@ -66,7 +66,7 @@ ALL = "all"
                 _SOLVERS, plugins="solver_inputs", synonyms=SOLVER_NAMES),
             metavar="SOLVER",
             help=f"{', '.join(_SOLVERS[:-1])} or {_SOLVERS[-1]}."),
-        opt("--unit-system", "units", metavar="SYSTEM", help="SI, mm-t-s or mm-kg-ms."),
+        opt("--unit-system", "units", metavar="SYSTEM", help="SI, mm-t-s, mm-kg-ms, in-lbf-s."),
         opt("--form", metavar="NAME", help=_FORMS),
         opt("--band", "frequency_range", type=Range("frequency"), metavar="RANGE",
             help="Frequencies of a table (the valid band)."),

@@ -142,7 +142,7 @@ def open_deck(
     forms : sequence of str
         Those that the target knows.
     units : str
-        ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
+        ``"SI"``, ``"mm-t-s"``, ``"mm-kg-ms"`` or ``"in-lbf-s"``.
     specimen : Specimen, optional
         Replaces what the fit knows of its specimen; its temperature, where the fit knows one,
         is that which the deck is asked for.

@@ -24,7 +24,7 @@ class UnitSystem:
     Attributes
     ----------
     name : str
-        ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
+        ``"SI"``, ``"mm-t-s"``, ``"mm-kg-ms"`` or ``"in-lbf-s"``.
     words : tuple of str
         Names of the units of length, mass, time, force and stress.
     """
@@ -93,6 +93,7 @@ UNIT_SYSTEMS = MappingProxyType(
         "SI": UnitSystem("SI", ("m", "kg", "s", "N", "Pa")),
         "mm-t-s": UnitSystem("mm-t-s", ("mm", "t", "s", "N", "MPa")),
         "mm-kg-ms": UnitSystem("mm-kg-ms", ("mm", "kg", "ms", "kN", "GPa")),
+        "in-lbf-s": UnitSystem("in-lbf-s", ("in", "lbf*s^2/in", "s", "lbf", "psi")),
     }
 )
 """The unit systems a deck can be written in."""

@@ -7,7 +7,8 @@ PDF.
 
 from __future__ import annotations
 
-from typing import Literal, TypeAlias
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
 
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
@@ -257,6 +258,10 @@ class Picture:
     def panels(self) -> tuple[Panel, ...]:
         """All panels, in order."""
         return tuple(panel for strip in self.strips for panel in strip)
+
+    def save(self, path: str | Path, **options: Any) -> None:
+        """Write the picture: :func:`dashpot.plot.save`."""
+        load_function("plot.figure_files", "save")(self, path, **options)
 
     def resize(self, size: FigureSize) -> Picture:
         """Return the same for a column of a journal, strips below each other, or for a slide.

@@ -8,6 +8,7 @@ from kit.shell import ran, run_json
 
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
+from dashpot.extensions.batch.columns import ALWAYS
 from dashpot.extensions.batch.comparison import compare_two_lots, open_lot, opened_both
 from dashpot.extensions.batch.quantities import make_natural_sort_key, quantity
 from dashpot.extensions.batch.summary import summary
@@ -145,7 +146,10 @@ def test_components_and_gauge_hold_the_truth_of_four_lots():
 def test_the_table_goes_to_pandas_and_the_charts_to_a_picture(tmp_path):
     lot = lot_of(scattered(lots=2, seals=3))
     frame = lot.to_pandas()
-    assert list(frame.columns) == lot.table.columns
+    assert list(frame.columns) == lot.written_table().columns
+    assert list(frame.columns)[:1] == ["file"]
+    assert len(frame.columns) < len(lot.table.columns)
+    assert all(frame[name].notna().any() for name in set(frame.columns) - set(ALWAYS))
     assert frame["k_end_N_per_m"].tolist() == lot.table["k_end_N_per_m"].to_list()
     dp.plot.save(lot.plot(), tmp_path / "lot.svg")
     assert "control limits of each lot" in (tmp_path / "lot.svg").read_text()

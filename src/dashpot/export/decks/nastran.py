@@ -50,7 +50,7 @@ def nastran(
     ----------
     solid : Solid or Fit
     units : str
-        ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
+        ``"SI"``, ``"mm-t-s"``, ``"mm-kg-ms"`` or ``"in-lbf-s"``.
     specimen, allow
         As in :func:`dashpot.export.deck_validation.open_deck`.
     form : str

@@ -40,13 +40,8 @@ def download_file(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return a file to take away: a head with its name and kind, then its bytes."""
     job = job_of(request.get("job"), folder)
     what = word(request, "what")
-<<<<<<< HEAD
-    makers: dict[str, Callable[[], tuple[str, str, str]]] = {
-        "report": lambda: ("report.html", "text/html", _render_report(request, folder, job)),
-=======
     makers: dict[str, Callable[[], tuple[str, str, str | bytes]]] = {
-        "report": lambda: ("report.html", "text/html", report_html(_compute_report_study(job))),
->>>>>>> 65112b14 (registry: a broken registration file is one sentence with its line; app: FMU in the export menu, wide tables scroll in their column; blank tests: documents keep the errors of a machine; core: preview of a dragged fit and intervals of hit lines go to their extensions)
+        "report": lambda: ("report.html", "text/html", _render_report(request, folder, job)),
         "fit": lambda: ("fit.json", "application/json", to_json(_solid(request, job))),
         "joint": lambda: ("joint.json", "application/json", to_json(_joint(job))),
         "deck": lambda: _deck(request, job),

@@ -391,16 +391,7 @@ class Lot:
 
         No text is one that a spreadsheet takes for a formula.
         """
-        rows = self.escape_formulas()
-        filled = [
-            name
-            for name in rows.columns
-            if name in ALWAYS or (rows[name].drop_nulls().cast(polars().String) != "").any()
-        ]
-        asked = [name for name in LEADING if name in filled]
-        values = [name for name in filled if name not in {*LEADING, *TRAILING}]
-        end = [name for name in TRAILING if name in filled]
-        return rows.select(*asked, *values, *end)
+        return _arrange_columns(self.escape_formulas())
 
     def escape_formulas(self) -> pl.DataFrame:
         """Return the table with texts escaped that a spreadsheet takes for formulas."""
@@ -412,14 +403,17 @@ class Lot:
         return self.table.with_columns(texts)
 
     def to_pandas(self) -> Any:
-        """Return the table as a :class:`pandas.DataFrame`; it needs no pyarrow.
+        """Return the table as a :class:`pandas.DataFrame`, its columns as in lot.csv.
+
+        Verdicts first, hashes last, no column without a value; `table` has every column. It needs
+        no pyarrow.
 
         Raises
         ------
         DataError
             If pandas is not installed.
         """
-        return library("pandas").DataFrame(self.table.to_dict(as_series=False))
+        return library("pandas").DataFrame(_arrange_columns(self.table).to_dict(as_series=False))
 
     def plot(self, name: str = "k_end") -> Picture:
         """Return the control charts of a quantity as a picture for :func:`dashpot.plot.save`."""
@@ -445,3 +439,16 @@ class Lot:
         names = [name for name in by if name in rows.columns]
         for _, group in rows.group_by(names, maintain_order=True):
             yield group
+
+
+def _arrange_columns(rows: pl.DataFrame) -> pl.DataFrame:
+    """Return a table with verdicts first and hashes last, and no column without a value."""
+    filled = [
+        name
+        for name in rows.columns
+        if name in ALWAYS or (rows[name].drop_nulls().cast(polars().String) != "").any()
+    ]
+    asked = [name for name in LEADING if name in filled]
+    values = [name for name in filled if name not in {*LEADING, *TRAILING}]
+    end = [name for name in TRAILING if name in filled]
+    return rows.select(*asked, *values, *end)

@@ -53,7 +53,7 @@ files.""",
         opt("--seals", type=float, default=1.0, metavar="N",
             help="Parts in parallel under the mass (1)."),
         opt("--unit-system", "unit_system", metavar="SYSTEM",
-            help="With .bdf or .inp: SI, mm-t-s or mm-kg-ms."),
+            help="With .bdf or .inp: SI, mm-t-s, mm-kg-ms, in-lbf-s."),
         mark_advanced(
             opt("--repeatability", type=WithUnit("strain"), metavar="SHARE",
                 help="Scatter of a setting reached anew, e.g. 0.3%."),
@@ -89,7 +89,8 @@ def command(
     suffix = Path(output or "").suffix.lower()
     if (suffix in _DECKS) is not (unit_system is not None):
         raise click.UsageError(
-            "a solver input needs its unit system: add --unit-system mm-t-s, SI or mm-kg-ms"
+            "a solver input needs its unit system: add --unit-system mm-t-s, SI, mm-kg-ms or "
+            "in-lbf-s"
             if suffix in _DECKS
             else "--unit-system is for a solver input: add -o FILE.bdf or FILE.inp"
         )

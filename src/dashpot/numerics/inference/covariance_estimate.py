@@ -105,14 +105,6 @@ class Estimate:
             G[:, i] = (what(up) - what(down)) / (up[i] - down[i])
         return DerivedQuantity(values, propagate_covariance(self.covariance, G), G)
 
-    def estimate_parameter_shift(self, change: FloatArray) -> FloatArray:
-        """By how much theta and beta follow a change of the model's rows, to first order."""
-        free, by = self.optimum.free, np.zeros(len(self.covariance))
-        J = self.optimum.jacobian[:, free]
-        size = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
-        by[free] = -np.linalg.lstsq(J / size, change, rcond=1e-12)[0] / size
-        return by
-
     def add_parameter_error(self, by: FloatArray) -> Estimate:
         """With one more error, that moves theta and beta by so much."""
         return replace(self, covariance=self.covariance + np.outer(by, by))

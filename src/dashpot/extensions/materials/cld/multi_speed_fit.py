@@ -33,6 +33,7 @@ from dashpot.extensions.materials.cld.equilibrium_curve import (
     mean_slope,
 )
 from dashpot.extensions.materials.cld.local_stiffness import taken_later
+from dashpot.extensions.materials.systematic_error import estimate_parameter_shift
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.fitting.nuisance_priors import Prior
@@ -325,7 +326,7 @@ def _build_fit(
         late = _taken_later(records[i], specimen, knots, delays[i].sd)
         for off in (by, weighed, late):
             uncertainty = uncertainty.add_parameter_error(
-                uncertainty.estimate_parameter_shift(_change(records, i, off, best))
+                estimate_parameter_shift(uncertainty, _change(records, i, off, best))
             )
     covariance = uncertainty.derive_quantity(partial(_seal, knots)).covariance
     rms = float(np.sqrt(best.sse / n))

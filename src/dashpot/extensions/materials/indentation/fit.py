@@ -45,6 +45,7 @@ from dashpot.extensions.materials.indentation.contact_law import (
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit, IndentationTest
 from dashpot.extensions.materials.indentation.indenter import ImpactLawAsked
 from dashpot.extensions.materials.indentation.preprocess import ContactInterval, largest_contact
+from dashpot.extensions.materials.systematic_error import estimate_parameter_shift
 from dashpot.numerics.inference.correlated_noise import noise_of
 from dashpot.numerics.inference.covariance_estimate import Estimate, ProfileSlice, estimate, score
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows
@@ -354,7 +355,7 @@ def _estimate_law_errors(
         at = int(np.argmin(np.abs(window.time[window.kept] - float(best.theta[-1]))))
         change = np.zeros(len(best.all_residuals))
         change[at] = _AT_TOUCH * window.test.step * seen.rate[at]
-        uncertainty = uncertainty.add_parameter_error(uncertainty.estimate_parameter_shift(change))
+        uncertainty = uncertainty.add_parameter_error(estimate_parameter_shift(uncertainty, change))
     return _LawOptimum(name, hit, model, uncertainty, tuple(optima))
 
 

@@ -30,7 +30,7 @@ goes to predict, compare, report and export as a fit does.
     click.Argument(["card"], type=click.Path(), metavar="FILE"),
     group(
         "Card",
-        opt("--unit-system", "units", metavar="SYSTEM", help="SI, mm-t-s or mm-kg-ms."),
+        opt("--unit-system", "units", metavar="SYSTEM", help="SI, mm-t-s, mm-kg-ms, in-lbf-s."),
         opt("--card", "name", metavar="NAME", help="Material or property, if there are several."),
         opt("--component", type=click.IntRange(1, 6), metavar="N", help="Component of a bush (1)."),
         opt("--modulus", type=WithUnit("stress"), metavar="STRESS",

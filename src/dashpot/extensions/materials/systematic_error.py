@@ -1,0 +1,17 @@
+"""Effect of a systematic error of a record on the parameters of its fit."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.numerics.inference.covariance_estimate import Estimate
+
+
+def estimate_parameter_shift(found: Estimate, change: FloatArray) -> FloatArray:
+    """Return by how much theta and beta follow a change of the model's rows, to first order."""
+    free, by = found.optimum.free, np.zeros(len(found.covariance))
+    J = found.optimum.jacobian[:, free]
+    size = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
+    by[free] = -np.linalg.lstsq(J / size, change, rcond=1e-12)[0] / size
+    return by
