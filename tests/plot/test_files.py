@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from kit import handmade
 
+import dashpot as dp
 from dashpot import plot
 from dashpot.base.errors import ExportError
 from dashpot.plot import style
@@ -125,6 +126,15 @@ def test_letters_and_curves_stand_out_in_both_themes(theme, word, paper, least):
     # WCAG 2.2: 4.5 for words, 3 for what is drawn
     a, b = sorted(luminance(style.COLOURS[name][theme]) for name in (word, paper))
     assert (b + 0.05) / (a + 0.05) >= least
+
+
+def test_a_picture_saves_itself_as_plot_save_does(tmp_path):
+    picture = dp.fit(dp.simulate("relaxation", hold="5s")).plot()
+    picture.save(tmp_path / "own.svg", size="column")
+    dp.plot.save(picture, tmp_path / "fit.svg", size="column")
+    assert (tmp_path / "own.svg").read_bytes() == (tmp_path / "fit.svg").read_bytes()
+    with pytest.raises(dp.ExportError, match=r"\.pdf, \.png or \.svg"):
+        picture.save(tmp_path / "fit.jpg")
 
 
 def test_save_refuses_an_unknown_suffix_and_lists_valid_ones(tmp_path, figure):
