@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 import pytest
+from kit.shell import ran
 
 from dashpot import workflow
 from dashpot.cli import main
@@ -16,7 +17,6 @@ from dashpot.cli._command import CommandOption, DashpotCommand
 from dashpot.report.first_screen import lights
 from dashpot.workflow.job import Job
 from dashpot.workflow.recommended_solid import recommend_solid
-from tests.kit.shell import ran
 
 RIG = ("--mass", "114.8g", "--seals", "2")
 JOBS: dict[str, tuple[str, ...]] = {

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kit.kinds import bench, csv, files, hammer, late, ramp_and_hold, response
 
 from dashpot.base.errors import ReadError
 from dashpot.datamodel.frf import Kind
@@ -32,7 +33,6 @@ from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.reading.table import Column, FileTable, make_loader
 from dashpot.workflow.inspections import inspect_files
-from tests.kit.kinds import bench, csv, files, hammer, late, ramp_and_hold, response
 
 FILES = files()
 

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kit.fits import a_fit
 from kit.foreign.files import press_and_hold
 from kit.foreign.files import written as table_of
+from kit.kinds import ARMS, CLOCK, answer, csv, ramp_and_hold
 
 from dashpot.base.errors import ReadError
 from dashpot.extensions.curves.creep.read import read_creep
@@ -24,8 +26,6 @@ from dashpot.signals.segments import LEAST_CREEP, MOST_HELD_CHANGE
 from dashpot.solids.demo_seals import PAPER
 from dashpot.workflow.example_files import FILES
 from dashpot.workflow.json_archive import to_json
-from tests.kit.fits import a_fit
-from tests.kit.kinds import ARMS, CLOCK, answer, csv, ramp_and_hold
 
 RAMP = ramp_and_hold()
 RAMPED = answer(CLOCK, RAMP)

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from kit.shell import ran
 
 from dashpot.extensions.batch import page
 from dashpot.extensions.batch.quantities import Quantity
 from dashpot.extensions.batch.statistics.control_chart import Chart, Signal
-from tests.kit.shell import ran
 
 
 def list_causes(values: list[float], broken: list[int]) -> list[dict[str, Any]]:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kit.kinds import csv
 
 from dashpot.base.errors import ReadError
 from dashpot.extensions.curves.creep.read import read_creep
@@ -14,7 +15,6 @@ from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.workflow.bench_tests import read_test
-from tests.kit.kinds import csv
 
 TIME = np.geomspace(0.02, 60.0, 40)
 COMPLIANCE = 2.0 + 3.0 * -np.expm1(-TIME / 5.0)  # 1/MPa

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kit.foreign.files import press_and_hold, written
+from kit.kinds import csv
 
 import dashpot as dp
 from dashpot.base.errors import ReadError
 from dashpot.extensions.materials.cld.read import read_cld
 from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
-from tests.kit.kinds import csv
 
 PULL = np.linspace(0, 50, 40)
 CLOCK = np.arange(40) / 4
