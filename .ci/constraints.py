@@ -16,7 +16,7 @@ HEAD = f"# What the gate tests on Python {PYTHON}: pip install -c constraints.tx
 OURS = {"dashpot", "pip", "setuptools", "wheel"}
 
 
-def installed() -> dict[str, str]:
+def list_versions() -> dict[str, str]:
     """Return the version of every package, by its name as PyPI normalises it."""
     found = {
         re.sub(r"[-_.]+", "-", one.metadata["Name"]).lower(): one.version for one in distributions()
@@ -26,7 +26,7 @@ def installed() -> dict[str, str]:
 
 def main() -> None:
     """Write the constraints, or hold what is installed to them."""
-    here = [f"{name}=={version}" for name, version in installed().items()]
+    here = [f"{name}=={version}" for name, version in list_versions().items()]
     if "--check" not in sys.argv:
         print("\n".join([HEAD, *here]))
         return

@@ -50,7 +50,7 @@ def lines() -> list[str]:
     return [line for line in COMMANDS.read_text("utf-8").splitlines() if line[:8] == "dashpot "]
 
 
-def wanted(pattern: str) -> list[str]:
+def select_lines(pattern: str) -> list[str]:
     """The lines that match, and those above that write what they read."""
     found: list[str] = []
     read: set[str] = set()
@@ -119,7 +119,7 @@ def run(place: Path | None, pattern: str) -> None:
         given = {file.name: read(file.read_text("utf-8")) for file in sorted(Path().iterdir())}
         digest = {name: hashlib.sha256(str(t).encode()).hexdigest() for name, t in given.items()}
         CliRunner().invoke(main, ["fit", "seal_8mm.csv", "-o", "fit.json"])  # the door's seal
-        for line in wanted(pattern):
+        for line in select_lines(pattern):
             before = {file: file.stat().st_mtime_ns for file in Path().iterdir()}
             start = time.process_time()
             told = CliRunner().invoke(main, shlex.split(line)[1:])
@@ -155,7 +155,7 @@ def differences(
                 yield from differences(here[key], there[key], relative, (*path, key), (*nest, a))
     elif number(a) and number(b):
         if not math.isclose(a, b, rel_tol=0.0, abs_tol=ROUNDING):
-            size, most, unit = measure(a, path, nest) or (_largest(a, nest[-1]), relative, "")
+            size, most, unit = measure(a, path, nest) or (_find_largest(a, nest[-1]), relative, "")
             moved = abs(a - b) / size if size else math.inf
             yield moved / most, moved, f"{where}: {a:.8g} -> {b:.8g} ({moved:.2g} {unit})"
     elif isinstance(a, str) and isinstance(b, str) and "\n" in a and a != b:
@@ -179,7 +179,7 @@ def number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
-def _largest(value: float, home: Any) -> float:
+def _find_largest(value: float, home: Any) -> float:
     return max(map(abs, filter(number, home))) if isinstance(home, list) else abs(value)
 
 
@@ -187,7 +187,7 @@ def measure(value: float, path: Place, nest: Place) -> tuple[float, float, str] 
     """The standard error of the number at a path, what it may move by in it, and its name."""
     home, names = nest[-1], [str(name) for name in path if isinstance(name, str)]
     if "covariance" in names:
-        return _largest(value, home), 2 * MOST, "of its row"
+        return _find_largest(value, home), 2 * MOST, "of its row"
     if names[-1] in {"bic", "orders"} or path[-2:-1] == ("orders",):
         return max(1.0, 1e-3 * abs(value)), MOST_BIC, "of BIC"
     if "standard_error" in names or {"se", "sd"} & set(names[-1].split("_")):
@@ -201,7 +201,7 @@ def measure(value: float, path: Place, nest: Place) -> tuple[float, float, str] 
         told = [(node.get(table), path[depth:]) for table in TABLES]
         told += [(node.get(table), tail) for table in TABLES if tail or key == "value"]
         bare = {key, key.removesuffix("_real").removesuffix("_imag")}
-        told += [(error, tail) for name, error in node.items() if _of(name) in bare]
+        told += [(error, tail) for name, error in node.items() if _find_quantity(name) in bare]
         if {"low", "high"} <= set(node) and key in {"value", "low", "high"}:
             told.append(([node["low"], node["high"]], ()))
         for table, inside in told:
@@ -210,7 +210,7 @@ def measure(value: float, path: Place, nest: Place) -> tuple[float, float, str] 
     return None
 
 
-def _of(name: str) -> str | None:
+def _find_quantity(name: str) -> str | None:
     """Of `storage_se` and `storage_interval`, `storage`; of `frequency_se_hz`, `frequency_hz`."""
     words = name.split("_")
     left = [word for word in words if word not in {"se", "sd", "interval"}]

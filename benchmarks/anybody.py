@@ -58,13 +58,13 @@ def spent_by(run: Callable[[], T]) -> tuple[T, float]:
     return found, min(spent)
 
 
-def optimum_alone(record: dp.RampHold, solid: dp.GeneralizedMaxwell, seed: int) -> None:
+def fit_plain_optimum(record: dp.RampHold, solid: dp.GeneralizedMaxwell, seed: int) -> None:
     """What SciPy takes for k_inf, k and tau of eq. 5 and nothing else."""
     since = record.time[record.settled_samples] - record.ramp_end
     force, ramp, depth = record.force[record.settled_samples], record.ramp_time, record.depth
     arms, truth = len(solid.k), np.array((solid.k_inf, *solid.k, *solid.tau))
 
-    def left(p: np.ndarray) -> np.ndarray:
+    def residual(p: np.ndarray) -> np.ndarray:
         k, tau = p[1 : arms + 1], p[arms + 1 :]
         found = p[0] - force / depth
         for one, own in zip(k, tau, strict=True):
@@ -72,10 +72,10 @@ def optimum_alone(record: dp.RampHold, solid: dp.GeneralizedMaxwell, seed: int) 
         return found
 
     start = truth * 2 ** np.random.default_rng(seed).uniform(-1, 1, len(truth))
-    least_squares(left, start, bounds=(0, np.inf), x_scale=start)
+    least_squares(residual, start, bounds=(0, np.inf), x_scale=start)
 
 
-def held(one: Record, found: dp.Fit, hold: float) -> dict[str, bool]:
+def hold_truth(one: Record, found: dp.Fit, hold: float) -> dict[str, bool]:
     """Which 95 % limits hold the truth; those of single arms where it has as many.
 
     `hold`, s, is the T of k(T) as the record was understood: a rounded ramp ends where one says.
@@ -151,7 +151,7 @@ class Doors:
                 door = f"{method}, {words}"
                 found = self.through(door, name, run)
                 if truth is not None and method == "hold" and arms == len(truth.seal.solid.k):
-                    alone = partial(optimum_alone, record, truth.seal.solid, len(record.time))
+                    alone = partial(fit_plain_optimum, record, truth.seal.solid, len(record.time))
                     self.through(f"{door}, SciPy's optimum alone", name, alone)
                 self.through(f"{door}, point", name, partial(run, intervals=False))
                 if found is None:
@@ -159,7 +159,7 @@ class Doors:
                 tally = self.tallies[door]
                 tally.uses[found.verdict.use] += 1
                 if truth is not None and arms == "auto":
-                    for bound, inside in held(truth, found, record.hold_time).items():
+                    for bound, inside in hold_truth(truth, found, record.hold_time).items():
                         tally.bounds.setdefault(bound, []).append(inside)
                 if (method, arms) == ("full", "auto"):
                     self.through(

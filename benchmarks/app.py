@@ -78,7 +78,7 @@ def main() -> None:
             rig = Rig(rate=10_000.0)
             made = simulate_relaxation(BROAD, hold_time=297.0, rig=rig, seed=1).test
             long.write_text(write_relaxation(made))
-        with one_core_at_work(options.busy), sync_playwright() as play:
+        with keep_core_busy(options.busy), sync_playwright() as play:
             browser = play.chromium.launch(executable_path=program, args=["--no-sandbox"])
             window = {"width": 1366, "height": 768}
             drive(browser.new_page(viewport=window), seal, hammer, options.moves, options.busy)
@@ -88,7 +88,7 @@ def main() -> None:
 
 
 @contextmanager
-def one_core_at_work(busy: bool) -> Iterator[None]:
+def keep_core_busy(busy: bool) -> Iterator[None]:
     """Keep a core at work until the end of the block, if asked to."""
     if not busy:
         yield
@@ -126,21 +126,21 @@ def drive(page: Page, seal: Path, hammer: Path, moves: int, busy: bool) -> None:
     page.locator("#pick").set_input_files(str(seal))
     page.locator('[data-panel="hold"] svg.figure').wait_for()
     say("file dropped to first plot", 1e3 * (time.perf_counter() - since), "ms", 500)
-    done(page)
+    wait_until_idle(page)
     page.keyboard.press("2")
-    settled(page, "--arms 2")
+    wait_for_command(page, "--arms 2")
     page.locator("#mass").fill("114.8")
     page.locator("#mass").press("Enter")
-    settled(page, "114.8g")
+    wait_for_command(page, "114.8g")
     page.evaluate(LISTEN)
     for name, by in (("ramp end", 1), ("contact", -1), ("hold end", -1)):
         with effort(page, server.pid, f"drag {name}", moves):
             drag(page, name, by, moves, 150 if busy else 100)
         page.get_by_role("slider", name=name).press("Home")
-        settled(page, "--mass")
+        wait_for_command(page, "--mass")
     with effort(page, server.pid, "mass", moves):
         slide(page, moves)
-    done(page)
+    wait_until_idle(page)
     with effort(page, server.pid, "settle and study", 6):
         settle(page)
     page.locator("#pick").set_input_files(str(hammer))
@@ -184,7 +184,7 @@ def loads(page: Page, seal: Path, count: int) -> None:
         page.locator("#pick").set_input_files(
             {"name": f"seal_{i}.csv", "mimeType": "text/csv", "buffer": text}
         )
-        done(page)
+        wait_until_idle(page)
         page.get_by_role("button", name=f"remove seal_{i}.csv", exact=True).click()
         page.locator("#files .file").first.wait_for(state="detached")
         if i in at:
@@ -220,7 +220,7 @@ def settle(page: Page) -> None:
         ).or_(page.get_by_role("status").filter(has_text="done in")).first.wait_for()
         times.append(page.evaluate("performance.getEntriesByType('resource').filter((one) => "
                                    "one.name.endsWith('/settle')).pop().duration"))  # fmt: skip
-        done(page)
+        wait_until_idle(page)
     say("settle, median", statistics.median(times), "ms", 200)
 
 
@@ -235,12 +235,12 @@ def large(page: Page, path: Path) -> None:
     page.locator("#pick").set_input_files(str(path))
     page.locator('[data-panel="hold"] svg.figure').wait_for()
     say("3 M rows: dropped to first plot", 1e3 * (time.perf_counter() - since), "ms", 4000)
-    done(page)
+    wait_until_idle(page)
     since = time.perf_counter()
     page.keyboard.press("2")
     page.locator("#command").filter(has_text="--arms 2").wait_for()
     say("3 M rows: refit", 1e3 * (time.perf_counter() - since), "ms", 2000)
-    done(page)
+    wait_until_idle(page)
     say("3 M rows: server and workers", memory(server.pid), "MB", 600)
     leave(server)
 
@@ -280,17 +280,17 @@ def family(process: int) -> list[str]:
     return [str(process), *Path(f"/proc/{process}/task/{process}/children").read_text().split()]
 
 
-def done(page: Page) -> None:
+def wait_until_idle(page: Page) -> None:
     """Wait until nothing is computed."""
     page.evaluate("new Promise((go) => requestAnimationFrame(() => requestAnimationFrame(go)))")
     page.locator("body:not([data-busy=true])").wait_for()
     page.get_by_role("status").filter(has_text="done in").wait_for()
 
 
-def settled(page: Page, words: str) -> None:
+def wait_for_command(page: Page, words: str) -> None:
     """Wait until the page shows a command with these words, and all of it."""
     page.locator("#command").filter(has_text=words).wait_for()
-    done(page)
+    wait_until_idle(page)
 
 
 def quantiles(page: Page, what: str, limit: float) -> None:

@@ -86,7 +86,7 @@ def main() -> None:
                 (whole / f"{made.stem}_{again}.csv").hardlink_to(made)
         costs = {name: cost(name, how, whole, part, repeats) for name, how in kinds.items()}
         own = memory(many, files)
-    counted(costs, own)
+    print_extrapolation(costs, own)
 
 
 def cost(name: str, how: dict[str, Any], whole: Path, part: Path, repeats: int) -> float:
@@ -132,7 +132,7 @@ def memory(folder: Path, most: int) -> float:
     return each
 
 
-def counted(costs: dict[str, float], own: float) -> None:
+def print_extrapolation(costs: dict[str, float], own: float) -> None:
     """Print what as many tests take: computed from the above, not measured."""
     print("\ncomputed   " + "".join(f"{name:>24}" for name in costs) + f"{'parent':>12}")
     for count in COUNTED:
@@ -150,7 +150,7 @@ def run(engine: str, folder: Path, how: dict[str, Any]) -> dict[str, float]:
     return found
 
 
-def measured(engine: str, folder: str, how: dict[str, Any]) -> dict[str, float]:
+def measure_engine(engine: str, folder: str, how: dict[str, Any]) -> dict[str, float]:
     """CPU time, s, and memory, MB, of this process and of those that it waited for."""
     began = time.perf_counter()
     count = (ENGINES | OTHERS)[engine](folder, how)
@@ -162,7 +162,7 @@ def measured(engine: str, folder: str, how: dict[str, Any]) -> dict[str, float]:
     }  # fmt: skip
 
 
-def in_a_loop(folder: str, how: dict[str, Any], share: slice = slice(None)) -> int:
+def run_loop(folder: str, how: dict[str, Any], share: slice = slice(None)) -> int:
     """Make the rows here, one after the other, and no table."""
     import msgspec  # noqa: F401 -- as in a worker
 
@@ -172,7 +172,7 @@ def in_a_loop(folder: str, how: dict[str, Any], share: slice = slice(None)) -> i
     return sum(row(one.entry, one.hashes, choices)["outcome"] == "fitted" for one in asked)
 
 
-def in_loops(folder: str, how: dict[str, Any]) -> int:
+def run_loops(folder: str, how: dict[str, Any]) -> int:
     """Make them in as many loops as processors, each on one of its own; no table, no engine."""
     count = processors()
     words = [sys.executable, __file__, "--share", folder, json.dumps(how), str(count)]
@@ -182,20 +182,20 @@ def in_loops(folder: str, how: dict[str, Any]) -> int:
     return sum(int(one.communicate()[0]) for one in loops)
 
 
-def in_its_loop(folder: str, how: str, count: str, i: str) -> None:
+def run_worker_loop(folder: str, how: str, count: str, i: str) -> None:
     """Be one of those loops."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {sorted(os.sched_getaffinity(0))[int(i)]})
-    print(in_a_loop(folder, json.loads(how), slice(int(i), None, int(count))))
+    print(run_loop(folder, json.loads(how), slice(int(i), None, int(count))))
 
 
-def by_processes(folder: str, how: dict[str, Any]) -> int:
+def run_processes(folder: str, how: dict[str, Any]) -> int:
     """Make them by processes of this machine, with their table."""
     with TemporaryDirectory() as output:
         return batch(folder, output=output, **how).outcomes["fitted"]
 
 
-def by_command(folder: str, _how: dict[str, Any]) -> int:
+def run_command(folder: str, _how: dict[str, Any]) -> int:
     """Make those of short records by the command, with its workbook and page."""
     from dashpot.cli import main as dashpot
 
@@ -208,15 +208,15 @@ def by_command(folder: str, _how: dict[str, Any]) -> int:
         return len(dp.Lot.read(output).table)
 
 
-def by_quiet_cluster(folder: str, how: dict[str, Any]) -> int:
+def run_quiet_cluster(folder: str, how: dict[str, Any]) -> int:
     """Make them by a cluster whose clocks are set as docs/howto/batch.md says."""
     import dask
 
     dask.config.set(QUIET)
-    return by_cluster(folder, how)
+    return run_cluster(folder, how)
 
 
-def by_cluster(folder: str, how: dict[str, Any]) -> int:
+def run_cluster(folder: str, how: dict[str, Any]) -> int:
     """Make them by the workers of a cluster as it comes, one a processor, with their table."""
     import warnings
 
@@ -229,23 +229,23 @@ def by_cluster(folder: str, how: dict[str, Any]) -> int:
         return lot.outcomes["fitted"]
 
 
-def fit_alone(path: Path, arms: Any) -> bool:
+def fit_file(path: Path, arms: Any) -> bool:
     """Read and fit one file through the functions of the API; its row, checks and all, is lost."""
     return bool(dp.fit(dp.read(path), arms=arms).model.arms)
 
 
-def by_joblib(folder: str, how: dict[str, Any]) -> int:
+def run_joblib(folder: str, how: dict[str, Any]) -> int:
     """Fit them by joblib's processes: no table, and what fails ends the run."""
     from joblib import Parallel, delayed
     from joblib.externals.loky import get_reusable_executor
 
     arms, paths = how.get("arms", "auto"), sorted(Path(folder).glob("*.csv"))
-    fitted = Parallel(processors())(delayed(fit_alone)(path, arms) for path in paths)
+    fitted = Parallel(processors())(delayed(fit_file)(path, arms) for path in paths)
     get_reusable_executor().shutdown(wait=True)  # whose CPU time then counts
     return sum(fitted)
 
 
-def by_dask_map(folder: str, how: dict[str, Any]) -> int:
+def run_dask_map(folder: str, how: dict[str, Any]) -> int:
     """Fit them by the workers of a cluster as it comes: no table, and what fails ends the run."""
     from distributed import Client, LocalCluster
 
@@ -253,29 +253,29 @@ def by_dask_map(folder: str, how: dict[str, Any]) -> int:
     with LocalCluster(**side, silence_logs=50) as cluster, Client(cluster) as client:
         paths = sorted(Path(folder).glob("*.csv"))
         return sum(
-            client.gather(client.map(fit_alone, paths, arms=how.get("arms", "auto"), pure=False))
+            client.gather(client.map(fit_file, paths, arms=how.get("arms", "auto"), pure=False))
         )
 
 
 ENGINES = {
-    "loop": in_a_loop,
-    "loops": in_loops,
-    "processes": by_processes,
-    "cluster": by_quiet_cluster,
-    "as it comes": by_cluster,
-    "dask map": by_dask_map,
+    "loop": run_loop,
+    "loops": run_loops,
+    "processes": run_processes,
+    "cluster": run_quiet_cluster,
+    "as it comes": run_cluster,
+    "dask map": run_dask_map,
 }
 if find_spec("joblib"):
-    ENGINES["joblib"] = by_joblib
+    ENGINES["joblib"] = run_joblib
 ALONE = {"dask map", "joblib"}
 """Fits alone, with neither rows nor a table."""
 
-OTHERS = {"command": by_command}
+OTHERS = {"command": run_command}
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--engine"]:
-        print(json.dumps(measured(*sys.argv[2:4], json.loads(sys.argv[4]))))
+        print(json.dumps(measure_engine(*sys.argv[2:4], json.loads(sys.argv[4]))))
     elif sys.argv[1:2] == ["--share"]:
-        in_its_loop(*sys.argv[2:])
+        run_worker_loop(*sys.argv[2:])
     else:
         main()

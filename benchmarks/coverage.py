@@ -29,7 +29,9 @@ STILL = Machine(sync=0.0, drift=0.0, compliance=0.0, creep=0.0)
 NAMES = ("k_inf", "k1", "k2", "tau1", "tau2")
 
 
-def covered(noise: Noise, seed: int, *, method: str = "hold", rate: float = 1000.0) -> np.ndarray:
+def check_intervals(
+    noise: Noise, seed: int, *, method: str = "hold", rate: float = 1000.0
+) -> np.ndarray:
     """Which of the five intervals of the noise alone hold the truth."""
     test = replace(record(SEAL, noise, seed, rate=rate), machine=STILL)
     nuisance = KNOWN_CLOCKS if method == "hold" else NUISANCE
@@ -52,7 +54,10 @@ def main() -> None:
     print(f"{'noise':10}" + "".join(f"{name:>8}" for name in NAMES) + f"{'ms/fit':>9}")
     for name in options.noise.split(","):
         start = time.process_time()
-        hits = [covered(NOISES[name], seed, method=options.method) for seed in range(options.seeds)]
+        hits = [
+            check_intervals(NOISES[name], seed, method=options.method)
+            for seed in range(options.seeds)
+        ]
         cost = 1e3 * (time.process_time() - start) / options.seeds
         share = np.mean(hits, axis=0)
         print(f"{name:10}" + "".join(f"{value:8.3f}" for value in share) + f"{cost:9.1f}")

@@ -35,7 +35,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from kit.foreign import kinds
 from kit.foreign.aging import Rubber, lot
-from kit.foreign.rigs import Protocol, noisy, pressed, sampled
+from kit.foreign.rigs import Protocol, noisy, press_seal, sample_record
 from kit.foreign.truths import TABLE_1, Seal
 
 Held = Iterator[tuple[str, bool]]
@@ -44,7 +44,7 @@ DEPTH = 6e-3
 """Of a load deflection test, m."""
 
 
-def within(name: str, true: float, value: float, error: float) -> tuple[str, bool]:
+def check_interval(name: str, true: float, value: float, error: float) -> tuple[str, bool]:
     return name, bool(abs(value - true) <= 1.96 * error)
 
 
@@ -59,7 +59,7 @@ def bends(law: dp.solids.ElasticLaw, seal: Seal) -> Held:
         at, step = part * law.depth, 1e-3 * law.depth
         true = float(np.diff(seal.elastic([at - step, at + step]))[0]) / (2 * step)
         name = f"tangent at {part:g} of the depth"
-        yield within(name, true, float(law.factor(at)), float(law.factor_se(at)))
+        yield check_interval(name, true, float(law.factor(at)), float(law.factor_se(at)))
 
 
 def pressed_once(seal: Seal, speed: float, seed: int, air: bool) -> CLD:
@@ -86,18 +86,18 @@ def figures(seed: int) -> Held:
         rows = slice(rows.start + 1, rows.stop - 1)  # between the turns the force is smooth
         true = CubicSpline(x[rows], pure[rows])
         one = found.nominal
-        yield within(f"force {name}", float(true(at)), one.loading, one.loading_se)
-        yield within(f"slope {name}", float(true(at, 1)), one.slope, one.slope_se)
+        yield check_interval(f"force {name}", float(true(at)), one.loading, one.loading_se)
+        yield check_interval(f"slope {name}", float(true(at, 1)), one.slope, one.slope_se)
 
 
 @cache
 def relaxation() -> dp.Fit:
     """Table 1's, known to rounding."""
-    one = sampled(pressed(Seal(TABLE_1), Protocol(rate=200.0)), None)
+    one = sample_record(press_seal(Seal(TABLE_1), Protocol(rate=200.0)), None)
     return fit(dp.RelaxationTest(one.time, one.displacement, one.force, units="SI"), arms=2)
 
 
-def relaxed(seed: int, air: bool) -> Held:
+def check_tangents(seed: int, air: bool) -> Held:
     """Tangents of the law under one cycle whose relaxation is known."""
     seal, speed = seal_of(seed), np.random.default_rng([seed, 2]).choice([1e-4, 5e-4, 2e-3])
     law = relaxed_law(pressed_once(seal, speed, seed, air), relaxation()).law
@@ -128,7 +128,7 @@ def depths(seed: int) -> Held:
     seal, random = Seal(TABLE_1, a=0.48), np.random.default_rng(seed)
     tests = []
     for depth in (4e-3, 6e-3, 8e-3):
-        one = sampled(pressed(seal, Protocol(depth=depth, rate=200.0)), random)
+        one = sample_record(press_seal(seal, Protocol(depth=depth, rate=200.0)), random)
         one = noisy(one, random, sd=4e-3)
         tests.append(prepare(dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")))
     found = fit_depths(tests, arms=2)
@@ -176,7 +176,8 @@ STUDIES = {
     "aging-ovens-unsaid": partial(aging, oven=0.0),
     "aging-chemical-only": partial(aging, rubber=replace(RUBBER, loss=0.0)),
     "figures": figures, "depths": depths, "indentation": indentation,
-    "relaxed": partial(relaxed, air=False), "relaxed-from-air": partial(relaxed, air=True),
+    "relaxed": partial(check_tangents, air=False),
+    "relaxed-from-air": partial(check_tangents, air=True),
     "speeds": partial(speeds, air=False), "speeds-from-air": partial(speeds, air=True),
 }  # fmt: skip
 

@@ -150,7 +150,7 @@ def batch() -> None:
         print(f"{'':44s} = {ours / plain:.1f} plain sums of its samples (target 15, {verdict})")
 
 
-def recorded() -> None:
+def compare_recorded_motion() -> None:
     seconds = np.arange(41_001) / 1000
     x = DEPTH * np.minimum(seconds, 1.0) + GENERATOR.normal(0, 1e-3, len(seconds))
     x[0] = 0.0
@@ -188,7 +188,7 @@ def leastsq_of_lmfit(residual: Callable[[np.ndarray], np.ndarray], start: np.nda
     return float(found.chisqr)
 
 
-def others(starts: int = 1 if ONCE else 20) -> None:
+def compare_other_solvers(starts: int = 1 if ONCE else 20) -> None:
     """What else people fit with, from blind starts: the optimum found, and the time it took."""
     seconds = np.arange(40_001) / 1000
     for arms in (2, 3):
@@ -200,12 +200,12 @@ def others(starts: int = 1 if ONCE else 20) -> None:
         def residual(p: np.ndarray, force: np.ndarray = force) -> np.ndarray:
             return hold(seconds, p) - force
 
-        def by_curve_fit(start: np.ndarray, force: np.ndarray = force) -> float:
+        def run_curve_fit(start: np.ndarray, force: np.ndarray = force) -> float:
             found = curve_fit(lambda s, *p: hold(s, np.array(p)), seconds, force, start)[0]
             return float(np.square(hold(seconds, found) - force).sum())
 
         methods = {
-            "curve_fit": by_curve_fit,
+            "curve_fit": run_curve_fit,
             "least_squares (trf, >= 0)": lambda start, residual=residual: float(
                 2 * least_squares(residual, start, bounds=(0, np.inf)).cost
             ),
@@ -241,11 +241,11 @@ def doors() -> None:
     rows, since = len(record.time), record.time - record.time[0]
     x = 1e3 * record.displacement
 
-    def whole(p: np.ndarray) -> np.ndarray:
+    def record_residual(p: np.ndarray) -> np.ndarray:
         q, _ = arm_columns(since, x, p[3:], derivative=False)
         return p[0] * x + q @ p[1:3] - record.force
 
-    theirs = rival(whole, 2, 3)
+    theirs = rival(record_residual, 2, 3)
     held = record.force[record.settled_samples]
     after = record.time[record.settled_samples] - record.ramp_end
     of_hold = rival(lambda p: hold(after, p) - held, 2, 5)
@@ -302,6 +302,6 @@ if __name__ == "__main__":
     print(f"{'':44s} {'ours ms':>8s} {'good ms':>9s} {'ratio':>7s} {'blind ms':>9s} {'ratio':>7s}")
     single_holds()
     batch()
-    recorded()
-    others()
+    compare_recorded_motion()
+    compare_other_solvers()
     doors()

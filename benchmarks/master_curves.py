@@ -47,7 +47,7 @@ from dashpot.solids.shift_laws import WLF
 DEFAULT = Path(__file__).resolve().parents[1] / "tests" / "data"
 
 
-def timed(work: Callable[[], Any], repeats: int = 9) -> tuple[Any, float]:
+def measure_time(work: Callable[[], Any], repeats: int = 9) -> tuple[Any, float]:
     """The result, and the median thread CPU time in ms."""
     spent = []
     for _ in range(repeats):
@@ -93,7 +93,7 @@ def over_time(folder: Path) -> None:
     print(f"{'':34s} arms   rms %   max %      ms")
     ours = {}
     for per_decade in (1, 2, 4):
-        found, spent = timed(lambda n=per_decade: master_curve(t, modulus, per_decade=n))
+        found, spent = measure_time(lambda n=per_decade: master_curve(t, modulus, per_decade=n))
         error = found.model.relaxation(t) / modulus - 1
         ours[per_decade] = spent
         name = f"dashpot, {per_decade} per decade"
@@ -119,7 +119,7 @@ def over_frequency(folder: Path) -> None:
     print(f"{'':34s} arms   rms %   max %  | E' rms, max %  |  E'' rms, max %  | E'(f_min)     ms")
     ours = 0.0
     for per_decade in (1, 4):
-        found, ours = timed(lambda n=per_decade: dynamic_master_curve(data, per_decade=n))
+        found, ours = measure_time(lambda n=per_decade: dynamic_master_curve(data, per_decade=n))
         value = found.model.complex_stiffness(omega=data.omega)
         row(f"dashpot, {per_decade} per decade", found.model.arms, data, value, ours)
     terms = terms_of(folder / "ansys-reference" / "freq_master.prony_terms.MPL")
@@ -155,7 +155,7 @@ def pyvisco_terms(file: Path, domain: str) -> tuple[float, np.ndarray, float] | 
         return None
     curve, _ = load.user_master(load.file(str(file)), domain, 0, "E")
     curve = master.smooth(curve, 1)
-    found, spent = timed(
+    found, spent = measure_time(
         lambda: quiet(lambda: prony.fit(prony.discretize(curve), curve)), repeats=3
     )
     table = found[0]["df_terms"]
@@ -165,7 +165,7 @@ def pyvisco_terms(file: Path, domain: str) -> tuple[float, np.ndarray, float] | 
 # -- known answers --------------------------------------------------------------------------------
 
 
-def known_answers(folder: Path) -> None:
+def compare_exact_answers(folder: Path) -> None:
     print("\npyReSpect's tests, fewest arms (its stated answers in brackets)")
     stated = {
         "test1": "tau 5, 50",
@@ -173,14 +173,14 @@ def known_answers(folder: Path) -> None:
     }
     for name, answer in stated.items():
         t, modulus = np.loadtxt(folder / f"{name}.dat", unpack=True)
-        found, spent = timed(lambda t=t, m=modulus: fit_modulus(t, m), repeats=3)
+        found, spent = measure_time(lambda t=t, m=modulus: fit_modulus(t, m), repeats=3)
         print(
             f"{name}: {listed_terms(found.model)}  [{answer}]  {found.status.name}, {spent:.0f} ms"
         )
         lmfit_modes(t, modulus, found.model)
     for name, plateau in (("test3", 0.0), ("test7", 10.0)):
         t, modulus = np.loadtxt(folder / f"{name}.dat", unpack=True)
-        found, spent = timed(lambda t=t, m=modulus: master_curve(t, m))
+        found, spent = measure_time(lambda t=t, m=modulus: master_curve(t, m))
         print(f"{name}: plateau {found.model.k_inf:.3f} [{plateau:g}], {found.model.arms} arms, "
               f"max error {found.max_error:.1e}, {spent:.1f} ms")  # fmt: skip
 
@@ -209,7 +209,7 @@ def lmfit_modes(t: np.ndarray, modulus: np.ndarray, model: GeneralizedMaxwell) -
             value = value + p[f"g{j}"] * np.exp(-t / np.exp(float(p[f"ln_tau{j}"])))
         return (value - modulus) / size
 
-    found, spent = timed(lambda: lmfit.minimize(residual, start), repeats=3)
+    found, spent = measure_time(lambda: lmfit.minimize(residual, start), repeats=3)
     tau = sorted(float(np.exp(found.params[f"ln_tau{j}"])) for j in range(1, model.arms + 1))
     times = ", ".join(f"{value:.5g}" for value in tau)
     print(f"  lmfit, told {model.arms} arms: tau {times}; "
@@ -228,9 +228,11 @@ def shift_factors(folder: Path) -> None:
     """Of 21 published temperatures, and of nine simulated ones whose truth is known."""
     curve = read_modulus(folder / "time_user_raw.csv", options=ReadOptions(modulus="E_relax"))
     published = read_shifts(folder / "time_user_raw__shift_factors.csv")
-    beside("published moduli, 21 temperatures; a step against the published ones", curve, published)
+    compare_shifts(
+        "published moduli, 21 temperatures; a step against the published ones", curve, published
+    )
     sweep = read_dynamic(folder / "freq_user_raw.csv")
-    beside("published storage and loss, 21 temperatures; as above", sweep, published)
+    compare_shifts("published storage and loss, 21 temperatures; as above", sweep, published)
 
 
 def simulated_shifts() -> None:
@@ -249,15 +251,17 @@ def simulated_shifts() -> None:
     moduli = np.concatenate(decay) * (1 + 0.01 * normal(len(warm)))
     known = [Shift(k, a, 0.0) for k, a in zip(kelvin, true, strict=True)]
     curve = RelaxationModulus(np.tile(t, 9), moduli, temperature=warm, units="SI")
-    beside("simulated moduli, 9 temperatures, 1 % noise; a step against the truth", curve, known)
+    compare_shifts(
+        "simulated moduli, 9 temperatures, 1 % noise; a step against the truth", curve, known
+    )
     data = DynamicTest(np.tile(f, 9), value.real, value.imag, warm, units="SI")
-    beside("simulated storage and loss; as above", data, known)
+    compare_shifts("simulated storage and loss; as above", data, known)
 
 
-def beside(title: str, data: DynamicTest | RelaxationModulus, known: Any) -> None:
+def compare_shifts(title: str, data: DynamicTest | RelaxationModulus, known: Any) -> None:
     """Shifts of each method: error of its steps, what they leave on one spectrum, time."""
     print(f"\n{title}\n{'':34s} rms, decades  largest  on one spectrum, rms %        ms")
-    found, spent = timed(lambda: superpose(data), repeats=3)
+    found, spent = measure_time(lambda: superpose(data), repeats=3)
     methods = [("known shifts", known, None), ("dashpot", found.temperatures.shifts, spent)]
     tested = np.array([one.temperature for one in found.temperatures.shifts])
     for name, peer in (("pyvisco", pyvisco_shifts), ("mastercurves", mastercurves_shifts)):
@@ -336,7 +340,7 @@ def mastercurves_shifts(data: DynamicTest | RelaxationModulus, tested: np.ndarra
 # -- a sweep and a hold together ------------------------------------------------------------------
 
 
-def together() -> None:
+def compare_joint_fits() -> None:
     from dashpot.datamodel.relaxation import RampHold
     from dashpot.fitting.relaxation import fit
 
@@ -358,7 +362,7 @@ def together() -> None:
         ("hold alone", lambda: fit(held)),
         ("together", lambda: fit_dynamic(data, tests=held)),
     ):
-        found, spent = timed(work, repeats=3)
+        found, spent = measure_time(work, repeats=3)
         error = found.model.loss(omega=omega) / BROAD.loss(omega=omega) - 1
         print(f"{name:34s} {found.model.arms:4d} arms, loss 0.004-50 Hz off by "
               f"{100 * np.abs(error).max():6.1f} % at most, {spent:.0f} ms")  # fmt: skip
@@ -369,12 +373,12 @@ def main() -> None:
     if data.is_dir():
         over_time(data / "pyvisco-master-curves")
         over_frequency(data / "pyvisco-master-curves")
-        known_answers(data / "pyrespect-time-tests")
+        compare_exact_answers(data / "pyrespect-time-tests")
         shift_factors(data / "pyvisco-master-curves")
     else:
         print(f"no real measurements at {data}; give their folder as the first argument")
     simulated_shifts()
-    together()
+    compare_joint_fits()
 
 
 if __name__ == "__main__":

@@ -44,14 +44,14 @@ def four_points(name: str, seed: int) -> FRFSet:
     return FRFSet(tuple(frfs))
 
 
-class Told(NamedTuple):
+class ModeEstimates(NamedTuple):
     """Modes as (frequency, damping ratio, shape), and the CPU time that they took, s."""
 
     modes: list[tuple[float, float, np.ndarray]]
     seconds: float
 
 
-def shapes_by_ema(points: FRFSet, near: list[float]) -> Told:
+def shapes_by_ema(points: FRFSet, near: list[float]) -> ModeEstimates:
     """LSCF; of its highest order the poles nearest to the truth, as a user picks on a good day."""
     from sdypy import EMA
 
@@ -71,7 +71,7 @@ def shapes_by_ema(points: FRFSet, near: list[float]) -> Told:
     start = process_time()
     hz, ratio, shape = quietly(run)
     seconds = process_time() - start
-    return Told([(hz[i], ratio[i], shape[:, i]) for i in range(len(hz))], seconds)
+    return ModeEstimates([(hz[i], ratio[i], shape[:, i]) for i in range(len(hz))], seconds)
 
 
 def pick(model: object, near: list[float]) -> None:
@@ -84,20 +84,20 @@ def pick(model: object, near: list[float]) -> None:
     model.nat_freq, model.nat_xi = hz[chosen], -poles[chosen].real / np.abs(poles[chosen])
 
 
-def shapes_by_dashpot(points: FRFSet) -> tuple[Told, tuple[ModeShape, ...]]:
+def shapes_by_dashpot(points: FRFSet) -> tuple[ModeEstimates, tuple[ModeShape, ...]]:
     start = process_time()
     found = points.modes(band=BAND)
     stabilisation(points, band=BAND)
     seconds = process_time() - start
     told = [(one.mode.frequency, one.mode.damping_ratio, one.normalised_residues) for one in found]
-    return Told(told, seconds), found
+    return ModeEstimates(told, seconds), found
 
 
 def rms(errors: list[float]) -> str:
     return f"{100 * float(np.sqrt(np.mean(np.square(errors)))):10.3g} %"
 
 
-def errors_of(told: Told, name: str, into: dict[str, list[float]]) -> None:
+def errors_of(told: ModeEstimates, name: str, into: dict[str, list[float]]) -> None:
     """Against the nearest mode told, each by its frequency, damping and shape."""
     if not told.modes:
         return

@@ -19,7 +19,7 @@ from scipy.optimize import curve_fit
 from dashpot.extensions.paper.exponential_sum import exponential_sum
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "numerics"))
-from test_sums import CERTIFIED, LANCZOS_X, MGH17, MGH17_X, digits, typed
+from test_sums import CERTIFIED, LANCZOS_X, MGH17, MGH17_X, digits, parse_values
 
 START = (0.5, 3.6, 4.0, 0.7, 4.2, 6.3)
 MGH17_VALUES = (1.9358469127e00, -1.4646871366e00, 1.2867534640e-02, 2.2122699662e-02)
@@ -37,7 +37,7 @@ def two(x: np.ndarray, *p: float) -> np.ndarray:
 def main() -> None:
     print(f"{'':10s} {'dashpot':>8s} {'ms':>7s} {'curve_fit':>10s}")
     for name, (table, amplitudes, rates, _, _) in CERTIFIED.items():
-        y = typed(table)
+        y = parse_values(table)
         start = time.perf_counter()
         found = exponential_sum(LANCZOS_X, y, terms=3)
         spent = time.perf_counter() - start
@@ -45,7 +45,7 @@ def main() -> None:
         rival = curve_fit(three, LANCZOS_X, y, START, maxfev=10_000)[0]
         theirs = digits(rival, (*amplitudes, *rates))
         print(f"{name:10s} {ours:8.1f} {spent * 1e3:7.2f} {theirs:10.1f}")
-    y = typed(MGH17)
+    y = parse_values(MGH17)
     start = time.perf_counter()
     found = exponential_sum(MGH17_X, y, terms=2, constant=True, signed=True)
     spent = time.perf_counter() - start

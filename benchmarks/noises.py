@@ -20,7 +20,7 @@ def white(rng: np.random.Generator, n: int, _rate: float) -> np.ndarray:
     return SPREAD * rng.standard_normal(n)
 
 
-def filtered(cutoff: float) -> Noise:
+def make_filtered_noise(cutoff: float) -> Noise:
     def noise(rng: np.random.Generator, n: int, rate: float) -> np.ndarray:
         """White noise under a second-order Butterworth magnitude, twice (zero phase)."""
         size = 2 * n
@@ -46,8 +46,8 @@ def autoregressive(correlation_time: float) -> Noise:
 
 NOISES: dict[str, Noise] = {
     "white": white,
-    "10hz": filtered(10.0),
-    "2hz": filtered(2.0),
+    "10hz": make_filtered_noise(10.0),
+    "2hz": make_filtered_noise(2.0),
     "ar20ms": autoregressive(0.02),
     "ar500ms": autoregressive(0.5),
 }

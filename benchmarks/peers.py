@@ -125,16 +125,16 @@ def holds() -> Iterator[Row]:
     def residual(p: np.ndarray) -> np.ndarray:
         return engine.hold(seconds, p) - force
 
-    def by_curve_fit(start: np.ndarray) -> float:
+    def run_curve_fit(start: np.ndarray) -> float:
         best = curve_fit(lambda s, *p: engine.hold(s, np.array(p)), seconds, force, start)[0]
         return float(np.square(residual(best)).sum())
 
-    def by_least_squares(start: np.ndarray) -> float:
+    def run_least_squares(start: np.ndarray) -> float:
         return float(2 * least_squares(residual, start, bounds=(0, np.inf)).cost)
 
     methods: dict[str, Callable[[np.ndarray], float]] = {
-        "scipy curve_fit": by_curve_fit,
-        "scipy least_squares": by_least_squares,
+        "scipy curve_fit": run_curve_fit,
+        "scipy least_squares": run_least_squares,
         "lmfit": lambda start: engine.leastsq_of_lmfit(residual, start),
     }
     for name, method in methods.items():
@@ -187,7 +187,7 @@ def intervals() -> Iterator[Row]:
         )  # fmt: skip
 
 
-def certified() -> Iterator[Row]:
+def compare_nist_sums() -> Iterator[Row]:
     """NIST's sums of exponentials; curve_fit from NIST's own near start."""
     for name in ("Lanczos1", "Lanczos2", "Lanczos3"):
         table, amplitudes, rates, _, _ = nist.CERTIFIED[name]
@@ -217,7 +217,9 @@ def curves() -> Iterator[Row]:
     terms = np.loadtxt(CURVES / "ansys-reference" / "prony_terms_KPf_MD.csv", delimiter=",")
     code = rms(1739.03 * master_curves.prony_time(t, terms) / modulus - 1)
     yield Row(job, "a commercial FE code", ours, None, "rms misfit", our_good, code)
-    theirs = hushed(lambda: master_curves.pyvisco_terms(CURVES / "time_user_master.csv", "time"))
+    theirs = run_quietly(
+        lambda: master_curves.pyvisco_terms(CURVES / "time_user_master.csv", "time")
+    )
     if theirs is not None:
         e_0, terms, ms = theirs
         misfit = rms(e_0 * master_curves.prony_time(t, terms) / modulus - 1)
@@ -225,7 +227,9 @@ def curves() -> Iterator[Row]:
     data = read_dynamic(CURVES / "freq_user_master.csv")
     found, ours = spent(lambda: dynamic_master_curve(data, per_decade=4), 5)
     value = found.model.complex_stiffness(omega=data.omega)
-    theirs = hushed(lambda: master_curves.pyvisco_terms(CURVES / "freq_user_master.csv", "freq"))
+    theirs = run_quietly(
+        lambda: master_curves.pyvisco_terms(CURVES / "freq_user_master.csv", "freq")
+    )
     if theirs is not None:
         e_0, terms, ms = theirs
         _, loss = master_curves.prony_frequency(data.omega, terms)
@@ -234,7 +238,7 @@ def curves() -> Iterator[Row]:
         yield Row(job, "pyvisco", ours, ms, "rms misfit of the loss", *good)
 
 
-def hushed(run: Callable[[], object]) -> object:
+def run_quietly(run: Callable[[], object]) -> object:
     return frf_peers.quietly(run)
 
 
@@ -326,7 +330,7 @@ def versions() -> str:
 
 
 def main() -> None:
-    jobs = (reading, holds, intervals, batches, certified, curves, hammers, shapes)
+    jobs = (reading, holds, intervals, batches, compare_nist_sums, curves, hammers, shapes)
     told = table([row for job in jobs for row in job()]) + f"\nOne run with {versions()}.\n"
     sys.stdout.write(told)
     if "--write" in sys.argv:

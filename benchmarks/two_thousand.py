@@ -64,7 +64,7 @@ def with_a_hole(frame: pl.DataFrame) -> str:
     return "\n".join(lines)
 
 
-def saturated(frame: pl.DataFrame) -> str:
+def format_saturated(frame: pl.DataFrame) -> str:
     return text(frame.with_columns(pl.col("force [N]").clip(upper_bound=1.5)))
 
 
@@ -89,14 +89,14 @@ SPOILT: dict[str, Callable[[pl.DataFrame], str | bytes]] = {
     "no force": lambda frame: text(frame.drop("force [N]")),
     "cut in the hold": cut,
     "NaN in the ramp": with_a_hole,
-    "saturated": saturated,
+    "saturated": format_saturated,
     "clock reset": clock_reset,
     "never touched": never_touched,
 }
 """Ten ways; each spoils as many files as the others."""
 
 
-def made(folder: Path, tests: int) -> tuple[dict[str, float], dict[str, str]]:
+def write_files(folder: Path, tests: int) -> tuple[dict[str, float], dict[str, str]]:
     """Write the files; return the scale of each sound one, and how each other is spoilt."""
     rng = np.random.default_rng(2026)
     seals = tests // (LOTS * REPEATS)
@@ -163,7 +163,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place) / "tests"
         folder.mkdir()
-        sound, spoilt = made(folder, how.tests)
+        sound, spoilt = write_files(folder, how.tests)
         size = sum(path.stat().st_size for path in folder.iterdir()) / 1e6
         began = time.perf_counter()
         lot = batch(folder, output=Path(place) / "lot", arms=2, by=BY, jobs=how.jobs)

@@ -71,10 +71,10 @@ from dashpot.vibration.impact.frf_estimation import estimate_frf
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from kit import curve_ends
-from kit.drop_relaxation import relaxed
+from kit.drop_relaxation import make_relaxation_fit
 from kit.foreign import conditioning, curves, forced_orders, gaps
 from kit.foreign.catalogue import protocol_of, verdict_records
-from kit.foreign.delayed_channels import cycle_of, delayed, over_displacement
+from kit.foreign.delayed_channels import cycle_of, make_delayed_sheet, over_displacement
 from kit.foreign.hammer_rigs import KINDS as HAMMERS
 from kit.foreign.hammer_rigs import HammerRecord, struck_rig
 from kit.foreign.kinds import Sheet, nominal, sheets
@@ -120,7 +120,7 @@ def limits_of(one: Record) -> tuple[dp.Fit, dict[str, tuple[float, float, float]
     return found, limits
 
 
-def judged(one: Record) -> dict[str, object]:
+def judge_record(one: Record) -> dict[str, object]:
     """One line of a relaxation record."""
     start = time.process_time()
     try:
@@ -129,13 +129,13 @@ def judged(one: Record) -> dict[str, object]:
         said: dict[str, object] = {"use": "refused", "reason": [str(error)]}
     else:
         said = {
-            **_said(found.verdict),
+            **_describe_verdict(found.verdict),
             "limits": {name: [float(v) for v in three] for name, three in limits.items()},
         }
     return {**said, "cpu": round(time.process_time() - start, 3)}
 
 
-def judged_conditioned(one: conditioning.Conditioned) -> dict[str, object]:
+def judge_conditioned(one: conditioning.ConditionedRecord) -> dict[str, object]:
     """One line of a seal that was pressed before its test."""
     start = time.process_time()
     try:
@@ -146,13 +146,13 @@ def judged_conditioned(one: conditioning.Conditioned) -> dict[str, object]:
     else:
         limits = conditioning.limits_of(one, found.stiffness_limits or {}, record.hold_time)
         said = {
-            **_said(found.verdict),
+            **_describe_verdict(found.verdict),
             "limits": {name: [float(v) for v in three] for name, three in limits.items()},
         }
     return {**said, "cpu": round(time.process_time() - start, 3)}
 
 
-def held(line: Mapping) -> bool:
+def holds_truth(line: Mapping) -> bool:
     """Whether every limit holds its truth; one that is not stated holds nothing."""
     if "limits" in line:
         return all(low <= truth <= high for low, truth, high in line["limits"].values())
@@ -200,7 +200,7 @@ class Row:
     def of(cls, name: str, lines: Iterable[Mapping]) -> Row:
         lines = list(lines)
         answered = [line for line in lines if line["use"] != "refused"]
-        right = [line for line in answered if held(line)]
+        right = [line for line in answered if holds_truth(line)]
         widths = {}
         if answered and "frf" in answered[0].get("limits", ()):
             widths = {w: float(np.median([half_width(o, w) for o in answered])) for w in WIDTHS}
@@ -240,7 +240,7 @@ def rows_of(lines: Iterable[Mapping]) -> list[Row]:
     return [Row.of(name, some) for name, some in groups.items()]
 
 
-def shown(rows: Iterable[Row], whole: Row) -> Iterator[str]:
+def format_table(rows: Iterable[Row], whole: Row) -> Iterator[str]:
     """As a table of Markdown: rates of the answered, and widths where they were asked."""
     wide = tuple(whole.widths)
     yield (
@@ -316,7 +316,7 @@ def report(lines: Iterable[Mapping]) -> Iterator[str]:
             continue
         rows, whole = rows_of(some), Row.of("all", some)
         yield f"\n{title}: {len(some)} records, {sum(line['cpu'] for line in some):.0f} CPU s\n"
-        yield from shown(rows, whole)
+        yield from format_table(rows, whole)
         yield ""
         if title == "relaxation":
             needless = [r.name for r in rows if r.doubted and most(r.held, r.answered) >= HELD]
@@ -339,17 +339,17 @@ def _error(found, truth) -> float:
     return float(np.max(np.abs(np.asarray(found) / np.asarray(truth) - 1)))
 
 
-def _of_hits(one: Sheet, path: Path) -> Answer:
+def _measure_hits(one: Sheet, path: Path) -> Answer:
     """K at the resonance, by the mass."""
-    return _on_mass(one, estimate_frf(read_impact(path)), one.truth["mass"])
+    return _measure_on_mass(one, estimate_frf(read_impact(path)), one.truth["mass"])
 
 
-def _of_frf(one: Sheet, path: Path) -> Answer:
+def _measure_frf(one: Sheet, path: Path) -> Answer:
     """K at the resonance, by the mass that the lab names."""
-    return _on_mass(one, read_frf(path), one.truth["stated"])
+    return _measure_on_mass(one, read_frf(path), one.truth["stated"])
 
 
-def _on_mass(one: Sheet, frf: dp.FRF, mass: float) -> Answer:
+def _measure_on_mass(one: Sheet, frf: dp.FRF, mass: float) -> Answer:
     found = identify(frf, mass=mass, seals=one.truth["seals"])
     seal = one.truth["seal"]
     there = 2 * np.pi * seal.peak(one.truth["mass"], one.truth["seals"])[0]
@@ -357,21 +357,21 @@ def _on_mass(one: Sheet, frf: dp.FRF, mass: float) -> Answer:
     return found.verdict, error
 
 
-def _of_creep(one: Sheet, path: Path) -> Answer:
+def _measure_creep(one: Sheet, path: Path) -> Answer:
     """k(t) at .1 s to the end of the record."""
     found = fit_creep(read_creep(path))
     t = np.geomspace(0.1, one["time"][-1] - 1, 20)
     return found.verdict, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
 
 
-def _of_modulus(one: Sheet, path: Path) -> Answer:
+def _measure_modulus(one: Sheet, path: Path) -> Answer:
     """E(t) from the first row to three times the last."""
     found = fit_modulus(read_modulus(path))
     t = np.geomspace(0.01, 3 * one.truth["end"], 40)
     return found.verdict, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
 
 
-def _of_dma(one: Sheet, path: Path) -> Answer:
+def _measure_dma(one: Sheet, path: Path) -> Answer:
     """E* over the lines, at 20 degC."""
     found = fit_dynamic(read_dynamic(path))
     if one.kind == "dma temperatures":
@@ -381,7 +381,7 @@ def _of_dma(one: Sheet, path: Path) -> Answer:
     return found.verdict, _error(found.solid.complex_stiffness(omega=omega), truth)
 
 
-def _of_amplitude(one: Sheet, _: Path) -> Answer:
+def _measure_amplitude(one: Sheet, _: Path) -> Answer:
     """G* over the amplitudes, at the first frequency, of what was tested, spoilt or not."""
     f, X = one["frequency"], one["strain"] / 100
     storage, loss = 1e6 * one["storage"], 1e6 * one["loss"]
@@ -402,7 +402,7 @@ def _command(*words: str | Path) -> dict:
     return document
 
 
-def _of_loops(one: Sheet, path: Path) -> Answer:
+def _measure_loops(one: Sheet, path: Path) -> Answer:
     """K of a vanishing loop: of the solid and of sliders that stick."""
     document = _command("fit", path)
     seal, hertz = one.truth["seal"], one.truth["frequency"]
@@ -412,7 +412,7 @@ def _of_loops(one: Sheet, path: Path) -> Answer:
     return document["verdict"], _error(first["storage"] + 1j * first["loss"], truth)
 
 
-def _of_cld(one: Sheet, path: Path) -> Answer:
+def _measure_cld(one: Sheet, path: Path) -> Answer:
     """Force of the pressing at .6 of the depth in the cycle that is told, read as it was."""
     at = 0.6 * one.truth["seal"].depth
     test = read_cld(path)
@@ -425,7 +425,7 @@ def _of_cld(one: Sheet, path: Path) -> Answer:
     return found.verdict, _error(found.nominal.loading, truth)
 
 
-def _of_rod(one: Sheet, path: Path) -> Answer:
+def _measure_rod(one: Sheet, path: Path) -> Answer:
     """E* at the line of the largest response: ends slide, for it is a rod's theory."""
     size = f"{one.truth['diameter']}m,{one.truth['length']}m"
     document = _command(
@@ -439,7 +439,7 @@ def _of_rod(one: Sheet, path: Path) -> Answer:
     return document["verdict"], _error(found, one.truth["solid"].stiffness(2 * np.pi * lines[line]))
 
 
-def _of_stretch(one: Sheet, _: Path) -> Answer:
+def _measure_stretch(one: Sheet, _: Path) -> Answer:
     """Stress in the three modes over what was stretched, in the largest of each."""
     law, constants = one.truth["law"], one.truth["constants"]
     modes, stretch = ("uniaxial", "equibiaxial", "planar"), 1 + one["strain"]
@@ -453,7 +453,7 @@ def _of_stretch(one: Sheet, _: Path) -> Answer:
     return found.verdict, worst
 
 
-def _of_indentation(one: Sheet, path: Path) -> Answer:
+def _measure_indentation(one: Sheet, path: Path) -> Answer:
     """The deepest point: of the ball's path, which Hertz and one arm give."""
     # as a lab knows it, by the height of its fall
     indenter = Indenter(mass=one.truth["mass"], impact_velocity=one.truth["speed"])
@@ -463,18 +463,18 @@ def _of_indentation(one: Sheet, path: Path) -> Answer:
 
 
 SHEETS: Mapping[str, Callable[[Sheet, Path], Answer]] = {
-    "impact": _of_hits,
-    "frf": _of_frf,
-    "rod": _of_rod,
-    "creep": _of_creep,
-    "modulus": _of_modulus,
-    "dma": _of_dma,
-    "dma temperatures": _of_dma,
-    "amplitude": _of_amplitude,
-    "loops": _of_loops,
-    "cld": _of_cld,
-    "stress strain": _of_stretch,
-    "indentation": _of_indentation,
+    "impact": _measure_hits,
+    "frf": _measure_frf,
+    "rod": _measure_rod,
+    "creep": _measure_creep,
+    "modulus": _measure_modulus,
+    "dma": _measure_dma,
+    "dma temperatures": _measure_dma,
+    "amplitude": _measure_amplitude,
+    "loops": _measure_loops,
+    "cld": _measure_cld,
+    "stress strain": _measure_stretch,
+    "indentation": _measure_indentation,
 }
 
 
@@ -516,7 +516,7 @@ def _late_drop(one: Sheet) -> Answer:
     specimen = one.truth["specimen"]
     test = dp.DropTest(one["time"], one["force"], one["acceleration"], units="SI")
     random = np.random.default_rng([77, *one.name.encode()])
-    found = dp.fit(test, mass=specimen.mass, relaxation=relaxed(specimen, random))
+    found = dp.fit(test, mass=specimen.mass, relaxation=make_relaxation_fit(specimen, random))
     loss = found.found[0]
     off = specimen.loss_factor(found.frequency) - loss.value
     return found.verdict, WITHIN * abs(off) / ((loss.high - loss.low) / 2)
@@ -527,7 +527,7 @@ DELAYED: Mapping[str, Callable[[Sheet], Answer]] = {
 }  # fmt: skip
 
 
-def judged_delayed(one: Sheet) -> dict[str, object]:
+def judge_delayed(one: Sheet) -> dict[str, object]:
     """One line of a record with a late channel."""
     start = time.process_time()
     try:
@@ -535,18 +535,18 @@ def judged_delayed(one: Sheet) -> dict[str, object]:
     except dp.DashpotError as refusal:
         said: dict[str, object] = {"use": "refused", "reason": [str(refusal)]}
     else:
-        said = {**_said(verdict), "error": float(error), "allowed": WITHIN}
+        said = {**_describe_verdict(verdict), "error": float(error), "allowed": WITHIN}
     return {**said, "cpu": round(time.process_time() - start, 3)}
 
 
-def _said(verdict: dp.Verdict | Mapping) -> dict[str, object]:
+def _describe_verdict(verdict: dp.Verdict | Mapping) -> dict[str, object]:
     """What a verdict says, and because of which checks."""
     if isinstance(verdict, Mapping):
         return {"use": verdict["verdict_grade"], "reason": verdict["failed_checks"]}
     return {"use": verdict.use, "reason": list(verdict.reasons)}
 
 
-def judged_sheet(one: Sheet) -> dict[str, object]:
+def judge_sheet(one: Sheet) -> dict[str, object]:
     """One line of a sheet, by its file."""
     start = time.process_time()
     with tempfile.TemporaryDirectory() as folder:
@@ -557,7 +557,7 @@ def judged_sheet(one: Sheet) -> dict[str, object]:
         except dp.DashpotError as refusal:
             said: dict[str, object] = {"use": "refused", "reason": [str(refusal)]}
         else:
-            said = {**_said(verdict), "error": error, "allowed": ALLOWED}
+            said = {**_describe_verdict(verdict), "error": error, "allowed": ALLOWED}
     return {**said, "cpu": round(time.process_time() - start, 3)}
 
 
@@ -566,7 +566,7 @@ NORMAL = 1.96
 """Standard errors of a 95 % limit."""
 
 
-def judged_hammer(one: HammerRecord, head: str) -> dict[str, object]:
+def judge_hammer(one: HammerRecord, head: str) -> dict[str, object]:
     """One line of a hammer test: how far its solid is off at the resonance, over its limits."""
     start = time.process_time()
     omega, truth = one.truth["omega"], one.truth["stiffness"]
@@ -584,7 +584,7 @@ def judged_hammer(one: HammerRecord, head: str) -> dict[str, object]:
                 _error(abs(truth), abs(K)) / (NORMAL * size),
                 _error(truth.imag / truth.real, K.imag / K.real) / (NORMAL * loss),
             )
-            said = {**_said(found.verdict), "error": max(off), "allowed": 1.0}
+            said = {**_describe_verdict(found.verdict), "error": max(off), "allowed": 1.0}
     return {**said, "cpu": round(time.process_time() - start, 3)}
 
 
@@ -597,13 +597,13 @@ def work_of_hammers(options: argparse.Namespace) -> Iterator[tuple[dict, Callabl
         for turn in range(options.hammers):
             seed = 1000 * options.seed + turn
             name = {"group": group, "rig": False, "name": f"{turn}", "seed": options.seed}
-            yield name, lambda kind=kind, seed=seed: judged_hammer(*struck_rig(kind, seed))
+            yield name, lambda kind=kind, seed=seed: judge_hammer(*struck_rig(kind, seed))
 
 
 # -- arms slower than a test -----------------------------------------------------------------------
 
 
-def judged_pair(pair: SlowPair, *, joint: bool) -> dict[str, object]:
+def judge_pair(pair: SlowPair, *, joint: bool) -> dict[str, object]:
     """One line of a fit of bench and hammer, or of the hammer alone: whether k_inf is held."""
     start = time.process_time()
     bench, truth = pair.bench, pair.hammer.truth
@@ -618,7 +618,7 @@ def judged_pair(pair: SlowPair, *, joint: bool) -> dict[str, object]:
         else:
             low, high = fit_.intervals()["k_inf"]
             said = {
-                **_said(fit_.verdict),
+                **_describe_verdict(fit_.verdict),
                 "limits": {"k_inf": [float(low), pair.seal.solid.k_inf, float(high)]},
             }
     return {**said, "cpu": round(time.process_time() - start, 3)}
@@ -631,7 +631,7 @@ def work_of_pairs(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[
             continue
         for pair in slow_pairs(options.pairs, options.seed):
             name = {"group": group, "rig": False, "name": pair.name, "seed": options.seed}
-            yield name, lambda pair=pair, joint=joint: judged_pair(pair, joint=joint)
+            yield name, lambda pair=pair, joint=joint: judge_pair(pair, joint=joint)
 
 
 # -- all of them -----------------------------------------------------------------------------------
@@ -660,7 +660,7 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
             name = {"group": rig, "rig": True, "name": TRUTHS[number].name, "seed": options.seed}
             yield (
                 name,
-                lambda number=number, rig=rig: judged(
+                lambda number=number, rig=rig: judge_record(
                     next(verdict_records([TRUTHS[number]], [rig], options.seed))
                 ),
             )
@@ -673,7 +673,7 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
             name = {"group": rig, "rig": True, "name": f"{turn} {truth.name}", "seed": options.seed}
             yield (
                 name,
-                lambda truth=truth, rig=rig, seed=seed: judged(
+                lambda truth=truth, rig=rig, seed=seed: judge_record(
                     read(Seal(truth), protocol_of(truth), CHANNELS[rig], seed=seed, name=rig)
                 ),
             )
@@ -682,32 +682,32 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
         name = {"group": SEVERAL, "rig": True, "name": f"{turn} {truth.name}", "seed": options.seed}
         yield (
             name,
-            lambda truth=truth, seed=seed: judged(
+            lambda truth=truth, seed=seed: judge_record(
                 read(Seal(truth), protocol_of(truth, seed), several(seed), seed=seed)
             ),
         )
     for number in range(options.conditioned):
         kind = conditioning.HISTORIES[number % len(conditioning.HISTORIES)]
         if wanted.search(f"conditioned, {kind}"):
-            one = conditioning.conditioned(number, options.seed)
+            one = conditioning.make_conditioned_record(number, options.seed)
             group = f"conditioned, {'sound' if one.sound else 'softens'}"
             name = {"group": group, "rig": False, "name": one.name, "seed": options.seed}
-            yield name, lambda one=one: judged_conditioned(one)
+            yield name, lambda one=one: judge_conditioned(one)
     for kind in SHEETS:
         for one in sheets(kind, options.kinds, options.seed) if wanted.search(kind) else ():
             group = f"{kind}, {one.spoilt or 'sound'}"
             name = {"group": group, "rig": False, "name": one.name, "seed": options.seed}
-            yield name, lambda one=one: judged_sheet(one)
+            yield name, lambda one=one: judge_sheet(one)
     yield from work_of_hammers(options)
     yield from work_of_pairs(options)
     for kind in DELAYED:
         group = f"delays in {kind}"
         for turn in range(options.kinds if wanted.search(group) else 0):
-            one = delayed(kind, options.seed + turn)
+            one = make_delayed_sheet(kind, options.seed + turn)
             name = {
                 "group": group, "rig": False, "name": f"{turn} {one.name}", "seed": options.seed,
             }  # fmt: skip
-            yield name, lambda one=one: judged_delayed(one)
+            yield name, lambda one=one: judge_delayed(one)
     yield from work_of_curves(options)
     yield from work_of_claims(options)
 
@@ -717,12 +717,14 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
 HEADLINES = ("none", "white 10 mN", "skew 2 ms", "drift .5 mN/s", "hum 50 Hz")
 
 
-def claimed(found: dp.Fit, solid: dp.GeneralizedMaxwell, truth: Solid | Seal) -> dict[str, object]:
+def evaluate_claim(
+    found: dp.Fit, solid: dp.GeneralizedMaxwell, truth: Solid | Seal
+) -> dict[str, object]:
     """The verdict, and the largest error over the band, over what is said of it."""
     lines = np.geomspace(*found.band, 60)
     errors = gaps.off(truth, lines, solid.complex_stiffness(omega=2 * np.pi * lines))
     error = max(e / c for e, c in zip(errors, found._error_in_band, strict=True))
-    return {**_said(found.verdict), "error": float(error), "allowed": 1.0}
+    return {**_describe_verdict(found.verdict), "error": float(error), "allowed": 1.0}
 
 
 def _curve(one: curves.Curve, arms: int | str = "auto") -> dp.Fit:
@@ -735,16 +737,16 @@ def _curve(one: curves.Curve, arms: int | str = "auto") -> dp.Fit:
 
 def _claim_of_curve(one: curves.Curve, arms: int | str = "auto") -> dict[str, object]:
     found = _curve(one, arms)
-    return claimed(found, found.model, one.solid)
+    return evaluate_claim(found, found.model, one.solid)
 
 
 def _claim_of_record(one: Record, arms: int | str = "auto") -> dict[str, object]:
     test = dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")
     found = fit(prepare(test, machine=dp.Machine(**one.told)), arms=arms)
-    return claimed(found, found.model_at(one.seal.depth), one.seal)
+    return evaluate_claim(found, found.model_at(one.seal.depth), one.seal)
 
 
-def judged_claim(claim: Callable[[], dict[str, object]]) -> dict[str, object]:
+def judge_claim(claim: Callable[[], dict[str, object]]) -> dict[str, object]:
     """One line of a claim; a refusal claims nothing."""
     start = time.process_time()
     try:
@@ -758,38 +760,42 @@ def work_of_claims(options: argparse.Namespace) -> Iterator[tuple[dict, Callable
     """Curves with gaps; orders that are forced, too few and enough; headlines of five rigs."""
     count, seed = options.claims, options.seed
 
-    def named(group: str, name: str) -> dict:
+    def make_key(group: str, name: str) -> dict:
         return {"group": group, "rig": False, "name": name, "seed": seed}
 
-    def wanted(group: str) -> bool:
+    def is_selected(group: str) -> bool:
         return bool(re.search(options.only, group))
 
     for kind in gaps.KINDS if count else ():
         for group, whole in ((f"gaps, {kind}", False), (f"gaps, {kind}, none", True)):
-            for one in gaps.gapped(kind, count, seed, whole=whole) if wanted(group) else ():
+            for one in (
+                gaps.generate_gapped_curves(kind, count, seed, whole=whole)
+                if is_selected(group)
+                else ()
+            ):
                 yield (
-                    named(group, one.name),
-                    lambda one=one: judged_claim(lambda: _claim_of_curve(one)),
+                    make_key(group, one.name),
+                    lambda one=one: judge_claim(lambda: _claim_of_curve(one)),
                 )
     for kind in forced_orders.KINDS if count else ():
         claim = _claim_of_record if kind == "ramp and hold" else _claim_of_curve
-        for one in forced_orders.forced(kind, count, seed):
+        for one in forced_orders.generate_forced_orders(kind, count, seed):
             for arms in range(1, one.arms + 1):
                 few = "enough" if arms == one.arms else "too few"
-                if wanted(group := f"forced, {kind}, {few}"):
+                if is_selected(group := f"forced, {kind}, {few}"):
                     yield (
-                        named(group, f"{one.test.name}, {arms} asked"),
-                        lambda one=one, arms=arms, claim=claim: judged_claim(
+                        make_key(group, f"{one.test.name}, {arms} asked"),
+                        lambda one=one, arms=arms, claim=claim: judge_claim(
                             lambda: claim(one.test, arms)
                         ),
                     )
     for rig in HEADLINES:
         order = np.random.default_rng([seed, 46, crc32(rig.encode())]).permutation(len(TRUTHS))
-        for number in order[:count].tolist() if wanted(group := f"headline, {rig}") else ():
+        for number in order[:count].tolist() if is_selected(group := f"headline, {rig}") else ():
             record = next(verdict_records([TRUTHS[number]], [rig], seed + 46))
             yield (
-                named(group, TRUTHS[number].name),
-                lambda record=record: judged_claim(lambda: _claim_of_record(record)),
+                make_key(group, TRUTHS[number].name),
+                lambda record=record: judge_claim(lambda: _claim_of_record(record)),
             )
 
 
@@ -813,10 +819,10 @@ def work_of_curves(options: argparse.Namespace) -> Iterator[tuple[dict, Callable
                 one = whole.cut() if cut else whole
                 if len(one.at) >= FEWEST:
                     name = {"group": group, "rig": False, "name": one.name, "seed": options.seed}
-                    yield name, lambda one=one: judged_curve(one)
+                    yield name, lambda one=one: judge_curve(one)
 
 
-def judged_curve(one: curves.Curve) -> dict[str, object]:
+def judge_curve(one: curves.Curve) -> dict[str, object]:
     """One line of a curve."""
     start = time.process_time()
     said = curve_ends.evaluate_curve(one)

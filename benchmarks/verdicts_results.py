@@ -50,7 +50,7 @@ from kit.fits import a_fit
 from kit.foreign.aging import Rubber, lot
 from kit.foreign.blank_rigs import draw_rig, make_empty, make_spring, make_stop
 from kit.foreign.door_files import render_hinged_door, render_leaking_door
-from kit.lots import lot_of, scattered
+from kit.lots import draw_rows, lot_of
 
 MISSED = 0.04
 """Goal: misses of all "use" at most."""
@@ -220,7 +220,7 @@ def judge_cars(seed: int, *, is_spoilt: bool) -> Answer:
     mean, sd = 200.0, 0.04
     seals = 5 if is_spoilt else 24
     table = lot_of(
-        scattered(
+        draw_rows(
             lots=1, seals=seals, repeats=2, sds=(0.0, sd, 0.01), mean=mean,
             seed=int(random.integers(2**31)),
         )

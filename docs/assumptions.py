@@ -28,15 +28,15 @@ def _section(assumption: Assumption) -> str:
         f"\n## {assumption.name.capitalize()}\n",
         f"{assumption.holds}\n",
         f"**If not.** {assumption.otherwise}\n",
-        f"**Tested by** {_listed(assumption.checks)}.\n",
+        f"**Tested by** {_format_list(assumption.checks)}.\n",
     ]
     if assumption.options:
-        lines.append(f"**Not needed with** {_listed(assumption.options)}.\n")
+        lines.append(f"**Not needed with** {_format_list(assumption.options)}.\n")
     lines.append(f"**On the bench.** {assumption.advice}\n")
     return "\n".join(lines)
 
 
-def _listed(names: tuple[str, ...]) -> str:
+def _format_list(names: tuple[str, ...]) -> str:
     return ", ".join(f"`{name}`" for name in names)
 
 

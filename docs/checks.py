@@ -96,7 +96,7 @@ def page() -> str:
         module = file.relative_to(sources).with_suffix("").parts
         if any(name.endswith("checks") for name in module):
             import_module(".".join(("dashpot", *module)))
-    parts = [HEAD, *map(_ended, reversed(Status))]
+    parts = [HEAD, *map(_format_ending, reversed(Status))]
     for stage, ours in groupby(sorted(REGISTER.values(), key=_file), key=_stage):
         parts.append(
             f"\n## {TITLES.get(stage, stage)}\n\n| check | passes if this is true | value | "
@@ -119,7 +119,7 @@ def _grade(asked: Criterion[...]) -> str:
     return ", or ".join(filter(None, (asked.grade, asked.other_grade)))
 
 
-def _ended(status: Status) -> str:
+def _format_ending(status: Status) -> str:
     names = dict.fromkeys(
         f"`{one.name}`" for _, one in sorted(REGISTER.items()) if one.fit_status is status
     )

@@ -98,7 +98,7 @@ def _section(title: str) -> nodes.section:
     return nodes.section("", nodes.title(text=title), ids=[nodes.make_id(name)], names=[name])
 
 
-def trimmed(_app: Sphinx, _name: str, text: list[str]) -> None:
+def trim_docstring(_app: Sphinx, _name: str, text: list[str]) -> None:
     """Take off the blank line that ends a session for doctest."""
     text[0] = text[0].replace("\n\n```\n", "\n```\n")
 
@@ -156,7 +156,7 @@ def setup(app: Sphinx) -> None:
     """Register the renderer, and draw the gallery before anything is read."""
     app.add_directive("commands", Commands)
     app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
-    app.connect("source-read", trimmed)
+    app.connect("source-read", trim_docstring)
     app.connect("doctree-read", part_commands)
     app.connect("doctree-read", shallow, priority=900)
     app.connect("autodoc-process-docstring", sentence, priority=100)

@@ -20,7 +20,7 @@ from dashpot import workflow
 BOOK = Path(__file__).resolve().parents[1] / "examples" / "main_job.ipynb"
 
 
-def executed(code: str, names: dict[str, Any]) -> tuple[str, Any]:
+def execute_cell(code: str, names: dict[str, Any]) -> tuple[str, Any]:
     """Return what a cell prints, and the value of its last line if that is an expression."""
     lines = ast.parse(code).body
     last = lines.pop() if isinstance(lines[-1], ast.Expr) else ast.Expr(ast.Constant(None))
@@ -34,10 +34,10 @@ def cells(book: dict[str, Any], names: dict[str, Any]) -> Iterator[tuple[dict[st
     """Run each cell of code; yield it, what it printed, and its value."""
     for cell in book["cells"]:
         if cell["cell_type"] == "code":
-            yield (cell, *executed("".join(cell["source"]), names))
+            yield (cell, *execute_cell("".join(cell["source"]), names))
 
 
-def kept(printed: str, value: Any, number: int) -> Iterator[dict[str, Any]]:
+def build_outputs(printed: str, value: Any, number: int) -> Iterator[dict[str, Any]]:
     """What a notebook keeps of a cell."""
     if printed:
         yield {"name": "stdout", "output_type": "stream", "text": printed.splitlines(keepends=True)}
@@ -56,7 +56,7 @@ def main() -> None:
             Path(name).write_text(workflow.EXAMPLES[name](), encoding="utf-8")
         for number, (cell, printed, value) in enumerate(cells(book, {}), start=1):
             cell["execution_count"] = number
-            cell["outputs"] = list(kept(printed, value, number))
+            cell["outputs"] = list(build_outputs(printed, value, number))
     text = json.dumps(book, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
     BOOK.write_text(text, encoding="utf-8", newline="\n")
 

@@ -86,7 +86,7 @@ def main() -> None:
     """Run the main job of the README on its files, and save its picture."""
     HERO.parent.mkdir(exist_ok=True)
     with TemporaryDirectory() as place, chdir(place):
-        _printed("demo --files")
+        _run_command("demo --files")
         test, hits = dp.read("seal_8mm.csv"), dp.read("hammer.csv")
         dp.plot.save(dp.report(test, hits, mass=workflow.MASS, seals=2).plot(), HERO, dpi=200)
 
@@ -98,17 +98,17 @@ def gallery() -> None:
         for name, made in workflow.EXAMPLES.items():
             Path(name).write_text(made(), encoding="utf-8")
         for line in COMMANDS.strip().splitlines():
-            _printed(line)
+            _run_command(line)
         for path in Path().glob("*.svg"):
             shutil.copy(path, GALLERY)
-        for name, picture in (_drawn() | {"lot": _lot()}).items():
+        for name, picture in (_draw_figures() | {"lot": _lot()}).items():
             dp.plot.save(picture, GALLERY / f"{name}.svg")
         for name, line in PRINTED.items():
-            shown = _in_a_shell(f"$ dashpot {line}\n{_printed(line)}")
+            shown = _draw_shell(f"$ dashpot {line}\n{_run_command(line)}")
             (GALLERY / f"{name}.svg").write_text(shown, encoding="utf-8")
 
 
-def _printed(line: str) -> str:
+def _run_command(line: str) -> str:
     """Run a command; return what it prints."""
     out = io.StringIO()
     with redirect_stdout(out), redirect_stderr(io.StringIO()):
@@ -124,7 +124,7 @@ def _on_its_seal() -> dp.plot.Picture:
     return dp.predict(alone, band=(0.5, 20.0)).plot()
 
 
-def _drawn() -> dict[str, dp.plot.Picture]:
+def _draw_figures() -> dict[str, dp.plot.Picture]:
     hits = dp.read("hammer.csv", kind="impact")
     frf = hits.frf(mass=workflow.MASS)
     test = dp.read("seal_8mm.csv", kind="relaxation")
@@ -168,11 +168,11 @@ def _lot() -> dp.plot.Picture:
             text = dp.files.write_relaxation(made.test, comments=dp.simulation.stamp(made.truth))
             (folder / f"lotA_seal{seal}_rep{repeat}.csv").write_text(text, encoding="utf-8")
     by = r"lot(\w+)_seal(\d+)_rep(\d+)"
-    _printed(f"batch {folder} -o lot --label-pattern '{by}' --arms 2 --jobs 1")
+    _run_command(f"batch {folder} -o lot --label-pattern '{by}' --arms 2 --jobs 1")
     return dp.Lot.read("lot").plot()
 
 
-def _in_a_shell(text: str) -> str:
+def _draw_shell(text: str) -> str:
     """Draw printed text as a shell shows it."""
     lines = text.rstrip().splitlines()
     wide, high = 8 * max(map(len, lines)) + 32, 18 * len(lines) + 32
@@ -207,7 +207,7 @@ def app() -> bool:
         try:
             with sync_playwright() as on:
                 browser = on.chromium.launch(executable_path=program, args=["--no-sandbox"])
-                _photographed(browser, server.stdout.readline().strip())
+                _photograph_app(browser, server.stdout.readline().strip())
         except Error as error:
             sys.stderr.write(f"the app is not shown: {error}\n")
             return False
@@ -216,7 +216,7 @@ def app() -> bool:
     return True
 
 
-def _photographed(browser: Browser, address: str) -> None:
+def _photograph_app(browser: Browser, address: str) -> None:
     page = browser.new_page(viewport=WINDOW)
     page.set_default_timeout(120_000)
     page.goto(address)
@@ -224,61 +224,61 @@ def _photographed(browser: Browser, address: str) -> None:
     page.get_by_role("button", name="Try the example").click()
     done = page.get_by_role("status").filter(has_text="done in")
 
-    def taken(name: str, **how: Any) -> None:
+    def take_screenshot(name: str, **how: Any) -> None:
         page.screenshot(path=GALLERY / f"{name}.png", **how)
 
-    def studied() -> None:
+    def wait_for_study() -> None:
         page.locator("#verdict:not(.open)").wait_for()
         done.wait_for()
 
-    studied()
-    _held(page)
-    taken("app_drag", clip=STATE)
+    wait_for_study()
+    _move_ramp_end(page)
+    take_screenshot("app_drag", clip=STATE)
     page.mouse.up()
     page.get_by_role("slider", name="ramp end").press("Home")
-    studied()
+    wait_for_study()
     page.get_by_role("tab", name="joint model").click()
-    studied()
-    taken("app")
+    wait_for_study()
+    take_screenshot("app")
     page.emulate_media(color_scheme="dark")
-    taken("app_dark")
+    take_screenshot("app_dark")
     page.emulate_media(color_scheme="light")
     page.get_by_role("tab", name="A | B").click()
     page.locator("#ab-table table").wait_for()
     done.wait_for()
-    taken("app_against")
+    take_screenshot("app_against")
     page.get_by_role("tab", name="joint model").click()
-    studied()
+    wait_for_study()
     page.set_viewport_size({"width": 390, "height": 844})
     # drawn anew, as wide as the window less its edges
     page.locator('[data-panel=frf] svg.figure[viewBox^="0 0 366"]').wait_for()
-    studied()
-    taken("app_phone")
+    wait_for_study()
+    take_screenshot("app_phone")
     page.set_viewport_size(WINDOW)
     page.locator("#files .file").filter(has_text="hammer.csv").click()
     page.locator("#hit-table .pulse").first.wait_for()
-    studied()
-    taken("app_hits")
+    wait_for_study()
+    take_screenshot("app_hits")
     for hit in page.locator("[data-hit]").all():
         hit.uncheck()
     page.get_by_role("button", name="Accept all that pass").wait_for()
     page.locator("#files .file").filter(has_text="seal_8mm.csv").click()
     page.get_by_role("button", name="Accept all that pass").wait_for()
-    taken("app_refused", clip=STATE)
+    take_screenshot("app_refused", clip=STATE)
     page.get_by_role("button", name="Accept all that pass").click()
     page.locator("#verdict.good").wait_for()
     page.get_by_role("tab", name="relaxation alone").click()
     page.locator("#mass").fill("120")
     page.locator("#mass").press("Enter")
     page.get_by_text("Mass 120 g. The hammer is compared.").wait_for()
-    taken("app_working", clip=STATE)
+    take_screenshot("app_working", clip=STATE)
     page.get_by_role("button", name="Cancel").click()
     page.get_by_role("button", name="Judge it").wait_for()
-    taken("app_cancelled", clip=STATE)
+    take_screenshot("app_cancelled", clip=STATE)
     browser.close()
 
 
-def _held(page: Page) -> None:
+def _move_ramp_end(page: Page) -> None:
     """Take the end of the ramp, and move it."""
     box = page.get_by_role("slider", name="ramp end").bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + 30

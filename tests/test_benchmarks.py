@@ -113,7 +113,7 @@ def test_what_has_rotted_is_seen():
 
 def rotten(tree: ast.Module) -> Iterator[str]:
     """Calls that dashpot would not take; of what is bound by `partial` the names alone are held."""
-    known, bound = imported(tree), {}
+    known, bound = resolve_imports(tree), {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute):
             meant(node, known)
@@ -137,7 +137,7 @@ def _is_partial(node: ast.expr) -> bool:
     return isinstance(node, ast.Call) and ast.unparse(node.func) == "partial"
 
 
-def imported(tree: ast.Module) -> dict[str, Any]:
+def resolve_imports(tree: ast.Module) -> dict[str, Any]:
     """What the names stand for that a script has from here, and gives no other meaning."""
     found: dict[str, Any] = {}
     others = set()

@@ -157,7 +157,7 @@ def pause(length: float) -> RampHold:
     return replace(RECORD, time=time, displacement=x, force=PAPER.force(time, x))
 
 
-def spiked(count: int) -> RampHold:
+def make_spiked_record(count: int) -> RampHold:
     force = RECORD.force + 1e-3 * np.random.default_rng(0).standard_normal(len(TIME))
     force[1000 : 1000 + 100 * count : 100] += 1.0
     return replace(RECORD, force=force)
@@ -214,11 +214,11 @@ def flat_top(samples: int) -> RampHold:
     return replace(RECORD, force=force)
 
 
-def counted(step: float) -> RampHold:
+def make_quantised_record(step: float) -> RampHold:
     return replace(RECORD, displacement=np.round(PLATE / step) * step)
 
 
-def sampled(count: int) -> RampHold:
+def make_sampled_record(count: int) -> RampHold:
     time = np.concatenate((np.linspace(0, 1, count), np.linspace(1.1, 41, 400)))
     x = DEPTH * np.clip(time, 0, 1)
     return RampHold(time, x, PAPER.force(time, x), 0.0, 1.0, 41.0, DEPTH)
@@ -249,7 +249,7 @@ def stuck_gauge(share: float) -> Check:
     return creep.displacement_samples_not_repeated(test, x)
 
 
-def quantised() -> np.ndarray:
+def draw_counts() -> np.ndarray:
     return np.random.default_rng(0).integers(0, 8, 500).astype(float)
 
 
@@ -277,13 +277,13 @@ def agreeing() -> Comparison:
     return compare(frf, frf, model=PAPER, mass=0.104, seals=2)
 
 
-def held(**changes: object) -> Comparison:
+def make_comparison(**changes: object) -> Comparison:
     return replace(agreeing(), **changes)
 
 
-def scaled(height: float) -> Comparison:
+def make_scaled_comparison(height: float) -> Comparison:
     frf = agreeing().measured
-    return held(measured=replace(frf, value=height * frf.value))
+    return make_comparison(measured=replace(frf, value=height * frf.value))
 
 
 def peak(lines: float) -> Peak:
@@ -299,7 +299,7 @@ MODE = Mode(10.0, 0.05, 1j)
 HITS = tuple(Hit(str(i), float(i), accepted=True) for i in (1, 2, 3))
 
 
-def measured(**changes: object) -> FRF:
+def make_measured_frf(**changes: object) -> FRF:
     frf = predict_frf(2 * PAPER, mass=0.104, frequency=LINES)
     return replace(frf, **{"averages": 3, "hits": HITS, "coherence": np.ones(150), **changes})
 
@@ -329,7 +329,7 @@ def spectra(*, level: float = 0.0, odd: float = 0.0) -> Spectra:
     return Spectra(LINES, force, response)
 
 
-def combined(*, left: float = 0.0, eccentric: float = 0.0) -> Combination:
+def make_combination(*, left: float = 0.0, eccentric: float = 0.0) -> Combination:
     return Combination((0.5, 0.5), 60j, 200j, left, left, (0.0, eccentric, 0.0))
 
 
@@ -370,7 +370,7 @@ def trend(**changes: float) -> impact.Trend:
     return impact.Trend(stiffer, damped, 0.1, 0.0, (1e-4, 4e-4), 4.0)
 
 
-def whole(judge: Callable[[int], Check]) -> Callable[[float], Check]:
+def judge_integer(judge: Callable[[int], Check]) -> Callable[[float], Check]:
     return lambda x: judge(int(x))
 
 
@@ -378,7 +378,7 @@ def baseline(x: int) -> Check:
     return preparation.baseline_recorded(Baseline(x, 1.0, 0.0, 1e-3, 0.0, 0.0, 0.0))
 
 
-def biased(x: float) -> Check:
+def judge_filter_bias(x: float) -> Check:
     changes = {"hold": {"k_inf": x}, "full": {"k_inf": 0.0}}
     return relaxation.filter_bias(parse_filter("lowpass:20Hz"), changes, 1.0)
 
@@ -419,7 +419,7 @@ def falling(share: float) -> RampHold:
 NOISY = replace(RECORD, force_noise=0.01)
 
 
-def missed(times: float) -> np.ndarray:
+def make_ramp_residual(times: float) -> np.ndarray:
     """A residual of so many times the noise, in the ramp alone."""
     return np.where((TIME > 0) & (TIME <= 1), times * NOISY.force_noise, 0.0)
 
@@ -440,14 +440,14 @@ def crept(left: float) -> Check:
     return creep.creep_finished(spectrum, lam)
 
 
-def slipped(times: float) -> Check:
+def judge_hold_residual(times: float) -> Check:
     """A residual of so many times the noise in the hold."""
     held = load()
     return creep.displacement_residual_small(held, np.full(len(held.time), 0.01 * times))
 
 
 PREPARATION = [
-    Case("baseline_recorded", whole(baseline), 5, 4),
+    Case("baseline_recorded", judge_integer(baseline), 5, 4),
     Case(
         "contact_found",
         lambda x: preparation.contact_found(Touch(0.0, 1e-3, DEPTH * x), DEPTH, provided=False),
@@ -458,7 +458,7 @@ PREPARATION = [
     Case("ramp_recorded", lambda x: preparation.ramp_recorded(-2.0, 2 * x), 1.0999, 1.1001),
     Case(
         "single_loading",
-        whole(lambda n: preparation.single_loading(0, loadings(n), requested=False)),
+        judge_integer(lambda n: preparation.single_loading(0, loadings(n), requested=False)),
         1,
         2,
     ),
@@ -487,7 +487,12 @@ PREPARATION = [
     ),
     Case("samples_unbroken", lambda x: preparation.samples_unbroken(pause(x)), 0.1999, 0.2001),
     Case("readings_not_repeated", stuck, 20 / 4001, 21 / 4001),
-    Case("spikes_absent", whole(lambda n: preparation.spikes_absent(spiked(n))), 0, 1),
+    Case(
+        "spikes_absent",
+        judge_integer(lambda n: preparation.spikes_absent(make_spiked_record(n))),
+        0,
+        1,
+    ),
     Case(
         "temperature_as_stated",
         lambda x: preparation.temperature_as_stated(
@@ -512,18 +517,28 @@ PREPARATION = [
     ),
     Case("clock_steady", lambda x: preparation.clock_steady(leaping(x)), 0.2499, 0.2501),
     Case("clock_steady", lambda x: preparation.clock_steady(leapt(x)), 0.000999, 0.001001),
-    Case("motion_measured", whole(lambda n: preparation.motion_measured(creeping(n))), 1, None),
+    Case(
+        "motion_measured",
+        judge_integer(lambda n: preparation.motion_measured(creeping(n))),
+        1,
+        None,
+    ),
     Case(
         "load_cell_range_used",
         lambda x: preparation.load_cell_range_used(70 * x, 70.0),
         0.0501,
         0.0499,
     ),
-    Case("force_not_clipped", whole(lambda n: preparation.force_not_clipped(flat_top(n))), 4, 5),
-    Case("force_resolved", lambda x: preparation.force_resolved(quantised(), x), 20.0, 19.99),
+    Case(
+        "force_not_clipped",
+        judge_integer(lambda n: preparation.force_not_clipped(flat_top(n))),
+        4,
+        5,
+    ),
+    Case("force_resolved", lambda x: preparation.force_resolved(draw_counts(), x), 20.0, 19.99),
     Case(
         "depth_resolved",
-        lambda x: preparation.depth_resolved(counted(x * np.sqrt(6) * DEPTH)),
+        lambda x: preparation.depth_resolved(make_quantised_record(x * np.sqrt(6) * DEPTH)),
         0.00249,
         0.00251,
     ),
@@ -541,7 +556,12 @@ PREPARATION = [
         10.01,
         9.99,
     ),
-    Case("ramp_sampled", whole(lambda n: preparation.ramp_sampled(sampled(n))), 10, 9),
+    Case(
+        "ramp_sampled",
+        judge_integer(lambda n: preparation.ramp_sampled(make_sampled_record(n))),
+        10,
+        9,
+    ),
     Case("force_relaxes", lambda x: preparation.force_relaxes(rising(x)), 0.00499, 0.00501),
     Case(
         "strain_small",
@@ -565,7 +585,7 @@ FITTING = [
     ),
     Case(
         "force_residual_small",
-        lambda x: relaxation.force_residual_small(NOISY, missed(x)),
+        lambda x: relaxation.force_residual_small(NOISY, make_ramp_residual(x)),
         1.749,
         1.751,
     ),
@@ -640,7 +660,7 @@ FITTING = [
         0.901,
     ),
     Case("residuals_steady", lambda x: relaxation.residuals_steady([wandering(x)]), 3.99, 4.01),
-    Case("order_agreed", whole(lambda n: solid.order_agreed(OrderChoice(1, 2, n))), 2, 1),
+    Case("order_agreed", judge_integer(lambda n: solid.order_agreed(OrderChoice(1, 2, n))), 2, 1),
     Case(
         "order_agreed",
         lambda x: solid.order_agreed(OrderChoice(2, 2, 2, capped=bool(x))),
@@ -682,7 +702,7 @@ FITTING = [
     ),
     Case(
         "arms_enough",
-        whole(
+        judge_integer(
             lambda n: solid.arms_enough(None if n < 2 else Shortage(1, n, 9e-3, 4e-3), 1, unit="N")
         ),
         1,
@@ -690,7 +710,7 @@ FITTING = [
     ),
     Case("samples_independent", lambda x: solid.samples_independent(x, 0, 20.0), 5.01, 4.99),
     Case("samples_independent", lambda x: solid.samples_independent(7.0, 6, x), 9.99, 10.01),
-    Case("filter_bias", biased, 0.00999, 0.01001),
+    Case("filter_bias", judge_filter_bias, 0.00999, 0.01001),
     Case("filter_bias", cut_off, 5.0, 4.99),
     Case(
         "depth_and_time_separable",
@@ -761,7 +781,7 @@ CURVES = [
         0.0099,
         0.0101,
     ),
-    Case("loss_positive", whole(lambda n: curves.loss_positive(sweep(negative=n))), 0, 1),
+    Case("loss_positive", judge_integer(lambda n: curves.loss_positive(sweep(negative=n))), 0, 1),
     Case("storage_rises", lambda x: curves.storage_rises(sweep(storage=2 - 2 * x)), 0.0499, 0.0501),
     Case("modulus_falls", lambda x: curves.modulus_falls(np.repeat([1.0, 1.1, x], 3)), 1.24, 1.26),
     Case("strain_not_small", lambda x: curves.strain_not_small(x, "%"), 0.0051, 0.0049),
@@ -777,7 +797,7 @@ CURVES = [
     Case("bands_overlap", lambda x: curves.bands_overlap((x, 100.0), (0.1, 1.0)), 9.99, 10.01),
 ]
 CREEP = [
-    Case("load_begins_at_rest", whole(lambda n: creep.load_begins_at_rest(load(n))), 5, 4),
+    Case("load_begins_at_rest", judge_integer(lambda n: creep.load_begins_at_rest(load(n))), 5, 4),
     Case("load_held", lambda x: creep.load_held(load(change=x / 0.89)), 0.0199, 0.0201),
     Case("displacement_samples_not_repeated", stuck_gauge, 19 / 3901, 20 / 3901),
     Case(
@@ -800,7 +820,7 @@ CREEP = [
         1.99,
         2.01,
     ),
-    Case("displacement_residual_small", slipped, 1.99, 2.01),
+    Case("displacement_residual_small", judge_hold_residual, 1.99, 2.01),
     Case(
         "compliance_residual_small", lambda x: creep.compliance_residual_small(x, 6), 0.0499, 0.0501
     ),
@@ -1082,7 +1102,7 @@ SEALS = [
     Case("line_closed", lambda x: seals.line_closed(4.0, x), 0.0, 0.001),
     Case("line_closed", lambda x: seals.line_closed(4.0, 0.0, (0.02, 0.1, x)), 0.99, 1.01),
     Case("lateral_restraint_present", lambda x: seals.lateral_restraint_present(x, 0.354), 0, 1),
-    Case("seals_suffice", whole(seals.seals_suffice), 10, 9),
+    Case("seals_suffice", judge_integer(seals.seals_suffice), 10, 9),
     Case(
         "scatter_exceeds_testing",
         lambda x: seals.scatter_exceeds_testing(1e-4, 1e-4 * x),
@@ -1102,7 +1122,7 @@ SEALS = [
         Case("masses_agree", lambda x, way=way: seals.masses_agree(25.0, 25 * x**way), 1.049, 1.051)
         for way in (1, -1)
     ),
-    Case("door_supported", whole(seals.door_supported), 0, 1),
+    Case("door_supported", judge_integer(seals.door_supported), 0, 1),
     Case(
         "closing_in_valid_band",
         lambda x: seals.closing_in_valid_band(
@@ -1119,7 +1139,7 @@ COMPARISON = [
         Case(
             "stiffness_agrees",
             lambda x, sign=sign: comparison.stiffness_agrees(
-                held(predicted_hz=(1 + sign * x) * agreeing().measured_hz)
+                make_comparison(predicted_hz=(1 + sign * x) * agreeing().measured_hz)
             ),
             0.0499,
             0.0501,
@@ -1130,7 +1150,7 @@ COMPARISON = [
         Case(
             "peak_agrees",
             lambda x: comparison.peak_agrees(
-                held(predicted_peak=10 ** (x / 20) * agreeing().measured_peak)
+                make_comparison(predicted_peak=10 ** (x / 20) * agreeing().measured_peak)
             ),
             sign * 2.99,
             sign * 3.01,
@@ -1141,7 +1161,7 @@ COMPARISON = [
         Case(
             "damping_agrees",
             lambda x: comparison.damping_agrees(
-                held(predicted_damping=0.01 * x, measured_damping=0.01), peak(10)
+                make_comparison(predicted_damping=0.01 * x, measured_damping=0.01), peak(10)
             ),
             1.249**sign,
             1.251**sign,
@@ -1152,15 +1172,25 @@ COMPARISON = [
         Case(
             "no_unit_error",
             lambda x: comparison.no_unit_error(
-                held(measured_hz=1.0, predicted_hz=1 / x, measured=agreeing().predicted)
+                make_comparison(measured_hz=1.0, predicted_hz=1 / x, measured=agreeing().predicted)
             ),
             passes * np.sqrt(1000),
             fails * np.sqrt(1000),
         )
         for passes, fails in ((1.101, 1.099), (1 / 1.101, 1 / 1.099))
     ),
-    Case("no_unit_error", lambda x: comparison.no_unit_error(scaled(x * GRAVITY)), 1.101, 1.099),
-    Case("no_unit_error", lambda x: comparison.no_unit_error(scaled(x * 1000)), 1.101, 1.099),
+    Case(
+        "no_unit_error",
+        lambda x: comparison.no_unit_error(make_scaled_comparison(x * GRAVITY)),
+        1.101,
+        1.099,
+    ),
+    Case(
+        "no_unit_error",
+        lambda x: comparison.no_unit_error(make_scaled_comparison(x * 1000)),
+        1.101,
+        1.099,
+    ),
     Case(
         "lines_resolve_the_peak",
         lambda x: comparison.lines_resolve_the_peak(peak(50), peak(x)),
@@ -1171,7 +1201,7 @@ COMPARISON = [
         Case(
             "inside_valid_band",
             lambda x, edge=edge, way=way: comparison.inside_valid_band(
-                held(measured_hz=edge * x**way), SEEN
+                make_comparison(measured_hz=edge * x**way), SEEN
             ),
             0.999,
             1.001,
@@ -1180,7 +1210,7 @@ COMPARISON = [
     ),
     Case(
         "damping_tested",
-        lambda x: comparison.damping_tested(held(measured_hz=x), SEEN),
+        lambda x: comparison.damping_tested(make_comparison(measured_hz=x), SEEN),
         2.0,
         2.001,
     ),
@@ -1209,7 +1239,7 @@ def shape(misfit: float) -> ModeShape:
     return ModeShape(MODE, np.array([MODE.residue]), np.zeros(1), misfit)
 
 
-def charted(orders: int) -> Stabilisation:
+def make_chart(orders: int) -> Stabilisation:
     """A chart of one point in which a mode is stable at so many orders."""
     count = np.arange(1, orders + 1)
     hz, ratio = (np.full(orders, x) for x in (MODE.frequency, MODE.damping_ratio))
@@ -1229,7 +1259,7 @@ MODAL = [
     Case("channels_not_clipped", lambda x: modal.channels_not_clipped(held_at(int(x))), 1, 2),
     Case(
         "segments_resolve",
-        lambda x: modal.segments_resolve(measured(), replace(MODE, damping_ratio=x / 200)),
+        lambda x: modal.segments_resolve(make_measured_frf(), replace(MODE, damping_ratio=x / 200)),
         6.01,
         5.99,
     ),
@@ -1239,7 +1269,12 @@ MODAL = [
         0.0,
         1e-6,
     ),
-    Case("modes_stable", whole(lambda n: modal.modes_stable([shape(1.0)], charted(n))), 5, 4),
+    Case(
+        "modes_stable",
+        judge_integer(lambda n: modal.modes_stable([shape(1.0)], make_chart(n))),
+        5,
+        4,
+    ),
     Case(
         "modes_explain_lines",
         lambda x: modal.modes_explain_lines([shape(0.5), shape(x)], certain=True),
@@ -1259,7 +1294,7 @@ MODAL = [
 ROD = [
     Case(
         "modulus_determined_near_resonance",
-        whole(lambda n: rod.modulus_determined_near_resonance(n, (10.0, 20.0))),
+        judge_integer(lambda n: rod.modulus_determined_near_resonance(n, (10.0, 20.0))),
         8,
         7,
     ),
@@ -1329,7 +1364,7 @@ CSR = [
         1.99,
         2.01,
     ),
-    Case("ovens_enough", whole(csr.ovens_enough), 3, 2),
+    Case("ovens_enough", judge_integer(csr.ovens_enough), 3, 2),
     Case(
         "activation_energy_plausible",
         lambda x: csr.activation_energy_plausible(9e4 * x),
@@ -1364,7 +1399,7 @@ CSR = [
     Case("temperature_near_ovens", lambda x: csr.temperature_near_ovens(x, 300.0), 29.9, 30.1),
     Case("stiffness_follows_force", csr.stiffness_follows_force, 0.0999, 0.1001),
     Case("life_sd_within_target", lambda x: csr.life_sd_within_target(0.2 * x, 0.2), 0.99, 1.01),
-    Case("end_point_reached", whole(lambda x: csr.end_point_reached(x, 0.5)), 1, 0),
+    Case("end_point_reached", judge_integer(lambda x: csr.end_point_reached(x, 0.5)), 1, 0),
     Case("time_near_readings", lambda x: csr.time_near_readings(x, 3.6e6), 1.99, 2.01),
 ]
 
@@ -1420,7 +1455,12 @@ DROP = [
 ]
 
 IMPACT = [
-    Case("hits_enough", whole(lambda n: impact.hits_enough(measured(averages=n))), 3, 2),
+    Case(
+        "hits_enough",
+        judge_integer(lambda n: impact.hits_enough(make_measured_frf(averages=n))),
+        3,
+        2,
+    ),
     Case(
         "frf_dissipates",
         lambda x: impact.frf_dissipates(np.sqrt(1 - x * x) + 1j * x, 12.0),
@@ -1432,7 +1472,7 @@ IMPACT = [
     Case("line_errors_stated", lambda _: impact.line_errors_stated(), None, 0),
     Case(
         "coherence",
-        lambda x: impact.coherence(measured(coherence=np.full(150, x)), 75),
+        lambda x: impact.coherence(make_measured_frf(coherence=np.full(150, x)), 75),
         0.9001,
         0.8999,
     ),
@@ -1452,10 +1492,12 @@ IMPACT = [
             ("stiffness_sure", 0.02, -1),
         )
     ),
-    Case("resonance", lambda x: impact.resonance(measured(), MODE if x else None), 10.0, 0),
+    Case(
+        "resonance", lambda x: impact.resonance(make_measured_frf(), MODE if x else None), 10.0, 0
+    ),
     Case(
         "record_long_enough",
-        lambda x: impact.record_long_enough(measured(record=x / MODE.decay), MODE),
+        lambda x: impact.record_long_enough(make_measured_frf(record=x / MODE.decay), MODE),
         6.001,
         5.999,
     ),
@@ -1469,31 +1511,35 @@ IMPACT = [
     ),
     Case(
         "lines_in_half_power_band",
-        lambda x: impact.lines_in_half_power_band(measured(), replace(MODE, damping_ratio=x / 200)),
+        lambda x: impact.lines_in_half_power_band(
+            make_measured_frf(), replace(MODE, damping_ratio=x / 200)
+        ),
         1.501,
         1.499,
     ),
     Case(
         "hammer_excites",
-        lambda x: impact.hammer_excites(measured(), spectra(level=x), MODE),
+        lambda x: impact.hammer_excites(make_measured_frf(), spectra(level=x), MODE),
         -9.99,
         -10.01,
     ),
     Case(
         "hits_agree",
-        lambda x: impact.hits_agree(measured(), spectra(odd=3 * x / (1 - x)), Estimator.H1, MODE),
+        lambda x: impact.hits_agree(
+            make_measured_frf(), spectra(odd=3 * x / (1 - x)), Estimator.H1, MODE
+        ),
         0.0999,
         0.1001,
     ),
     Case(
         "rocking_cancelled",
-        lambda x: impact.rocking_cancelled(measured(), combined(left=x)),
+        lambda x: impact.rocking_cancelled(make_measured_frf(), make_combination(left=x)),
         0.0499,
         0.0501,
     ),
     Case(
         "hits_centred",
-        lambda x: impact.hits_centred(measured(), combined(eccentric=-x)),
+        lambda x: impact.hits_centred(make_measured_frf(), make_combination(eccentric=-x)),
         0.249,
         0.251,
     ),
@@ -1517,7 +1563,7 @@ TEMPERATURE = [
     Case("stiffness_of_one_seal", lambda x: several.stiffness_of_one_seal(b_of(-x)), None, 0.1501),
     Case("temperature_steady", lambda x: several.temperature_steady([warming(x)]), 0.99, 1.01),
     Case("temperature_steady", lambda x: several.temperature_steady([warming(-x)]), None, 1.01),
-    Case("shifts_distinguished", whole(several.shifts_distinguished), 3, 2),
+    Case("shifts_distinguished", judge_integer(several.shifts_distinguished), 3, 2),
 ]
 
 
@@ -1541,7 +1587,7 @@ INDENTATION = [
     Case("contact_sampled", indentation.contact_sampled, 20.0, 19.9),
     Case("flights_recorded", lambda x: indentation.flights_recorded(x, 1.0), 0.101, 0.099),
     Case("flights_recorded", lambda x: indentation.flights_recorded(1.0, x), 0.101, -0.2),
-    Case("sensor_in_range", whole(indentation.sensor_in_range), 0, 1),
+    Case("sensor_in_range", judge_integer(indentation.sensor_in_range), 0, 1),
     Case("first_contact", lambda x: indentation.first_contact(int(x), 2), 0, 1),
     Case("law_residual_small", lambda x: indentation.law_residual_small(x, 0.01), 1.49, 1.51),
     Case("law_residual_small", lambda x: indentation.law_residual_small(2.0, x), 0.0019, 0.0021),
@@ -1603,7 +1649,9 @@ HYPERELASTIC = [
         0.0999,
         0.1001,
     ),
-    Case("modes_enough", whole(lambda n: hyper.modes_enough(n, both=False, foam=False)), 2, 1),
+    Case(
+        "modes_enough", judge_integer(lambda n: hyper.modes_enough(n, both=False, foam=False)), 2, 1
+    ),
     Case("modes_in_scale", lambda x: hyper.modes_in_scale(x, 0.05, "planar"), 1.099, 1.101),
     Case("use_range_measured", hyper.use_range_measured, 1.0, 1.001),
     Case("constants_determined", lambda x: hyper.constants_determined("C01", x), 0.249, 0.251),
@@ -1990,12 +2038,12 @@ PRELOAD_MAPS = [
     ),
     Case(
         "every_pair_tested",
-        whole(lambda n: maps.every_pair_tested(["compression and amplitude"][:n])), 0, 1,
+        judge_integer(lambda n: maps.every_pair_tested(["compression and amplitude"][:n])), 0, 1,
     ),
     Case("departure_excluded", lambda x: maps.departure_excluded(0.05 * x, 0.0), 0.99, 1.01),
     Case("departure_excluded", lambda x: maps.departure_excluded(0.0, 0.02 * x), 0.99, 1.01),
     Case("sweeps_followed", lambda x: maps.sweeps_followed(x, where="8 mm"), 0.099, 0.101),
-    Case("levels_enough", whole(lambda n: maps.levels_enough(n, of="compression")), 3, 2),
+    Case("levels_enough", judge_integer(lambda n: maps.levels_enough(n, of="compression")), 3, 2),
     Case("levels_dense", lambda x: maps.levels_dense(x, of="compression"), 0.049, 0.051),
     Case(
         "solid_follows_master_curve",
@@ -2021,7 +2069,7 @@ DRAWS = [
 RECORDS = [
     Case(
         "numbers_unambiguous",
-        whole(lambda n: records.numbers_unambiguous(("a gain of 10 is stated",)[:n])),
+        judge_integer(lambda n: records.numbers_unambiguous(("a gain of 10 is stated",)[:n])),
         0,
         1,
     ),
@@ -2438,11 +2486,11 @@ def test_every_check_just_passes_and_just_fails_at_its_limit(case: Case) -> None
 
 
 def test_ramps_and_holds_share_more_decades_than_sweeps() -> None:
-    def shared(decades: float) -> Check:
+    def judge_overlap(decades: float) -> Check:
         return checks.isotherms_overlap([decades, 2.0], [273.0, 283.0, 296.0], several.SHARED)
 
-    assert not shared(1.501).failed
-    assert shared(1.499).failed
+    assert not judge_overlap(1.501).failed
+    assert judge_overlap(1.499).failed
 
 
 def test_the_value_of_a_check_is_what_its_case_says() -> None:
@@ -2521,12 +2569,12 @@ def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set(
         ),
         pytest.param(lambda x: seals.masses_agree(25.0, 25 * x), 1.99, 2.01, id="masses_agree"),
         pytest.param(
-            lambda x: relaxation.force_residual_small(NOISY, missed(x)),
+            lambda x: relaxation.force_residual_small(NOISY, make_ramp_residual(x)),
             9.9,
             10.1,
             id="force_residual_small",
         ),
-        pytest.param(slipped, 9.9, 10.1, id="displacement_residual_small"),
+        pytest.param(judge_hold_residual, 9.9, 10.1, id="displacement_residual_small"),
         pytest.param(lambda x: curves.data_agree([x], ["loss"], [80]), 2.9, 3.1, id="data_agree"),
         pytest.param(
             lambda x: identification.lines_explained(x, known_sd=True), 19.9, 20.1, id="lines"
@@ -2545,7 +2593,7 @@ def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set(
         ),
         pytest.param(
             lambda x: comparison.stiffness_agrees(
-                held(predicted_hz=(1 + x) * agreeing().measured_hz)
+                make_comparison(predicted_hz=(1 + x) * agreeing().measured_hz)
             ),
             0.199,
             0.201,
@@ -2553,7 +2601,7 @@ def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set(
         ),
         pytest.param(
             lambda x: comparison.peak_agrees(
-                held(predicted_peak=10 ** (x / 20) * agreeing().measured_peak)
+                make_comparison(predicted_peak=10 ** (x / 20) * agreeing().measured_peak)
             ),
             11.9,
             12.1,
@@ -2561,7 +2609,7 @@ def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set(
         ),
         pytest.param(
             lambda x: comparison.damping_agrees(
-                held(predicted_damping=0.01 * 1.25**x, measured_damping=0.01), peak(10)
+                make_comparison(predicted_damping=0.01 * 1.25**x, measured_damping=0.01), peak(10)
             ),
             3.9,
             4.1,
@@ -2736,7 +2784,7 @@ def test_criterion_refuses_a_duplicate_name() -> None:
 
 def test_undecidable_check_neither_passes_nor_fails() -> None:
     spring = GeneralizedMaxwell(1.0)
-    unknown = held(measured_damping=None)
+    unknown = make_comparison(measured_damping=None)
     for found in (
         preparation.contact_found(Touch(0.0, 1e-3), DEPTH, provided=True),
         preparation.contact_found(Touch(0.0, 0.0), DEPTH, provided=False),
@@ -2766,9 +2814,9 @@ def test_undecidable_check_neither_passes_nor_fails() -> None:
         relaxation.depth_and_time_separable(None, 0.5),
         relaxation.filter_bias(None),
         comparison.damping_agrees(unknown, peak(1)),
-        comparison.damping_agrees(held(predicted_damping=None), peak(1)),
+        comparison.damping_agrees(make_comparison(predicted_damping=None), peak(1)),
         comparison.operating_point(OperatingPoint(1e-3, None)),
-        impact.coherence(measured(coherence=None), 75),
+        impact.coherence(make_measured_frf(coherence=None), 75),
         impact.high_frequency_mass_agrees(None, 1.0),
         curves.instrument_stiff(sweep()),
         modal.modes_explain_lines([shape(9.0)], certain=False),
@@ -2789,7 +2837,7 @@ def test_check_of_a_failed_search_fails_without_a_value() -> None:
 
 
 def test_where_the_peaks_agree_the_hammer_has_tested_the_extrapolation() -> None:
-    lone = held(measured_hz=20.0)
+    lone = make_comparison(measured_hz=20.0)
     for found in (
         comparison.inside_valid_band(lone, SEEN, borne_out=True),
         comparison.damping_tested(lone, SEEN, borne_out=True),
@@ -2845,23 +2893,23 @@ def test_what_the_method_bears_is_excused() -> None:
 
 
 def test_advice_follows_only_where_a_check_fails() -> None:
-    low = comparison.peak_agrees(held(predicted_peak=0.1 * agreeing().measured_peak))
+    low = comparison.peak_agrees(make_comparison(predicted_peak=0.1 * agreeing().measured_peak))
     assert low.message.endswith("(-20.0 dB). The model has too much damping there.")
-    high = comparison.peak_agrees(held(predicted_peak=10 * agreeing().measured_peak))
+    high = comparison.peak_agrees(make_comparison(predicted_peak=10 * agreeing().measured_peak))
     assert high.message.endswith("(+20.0 dB). The model has too little damping there.")
-    off = comparison.stiffness_agrees(held(predicted_hz=1.1 * agreeing().measured_hz))
+    off = comparison.stiffness_agrees(make_comparison(predicted_hz=1.1 * agreeing().measured_hz))
     assert off.message.endswith("differs by +21.0 %.")
     assert off.remedy is not None
     assert off.remedy.words.startswith("Check the mass, the number of seals")
     assert comparison.stiffness_agrees(agreeing()).message.endswith("differs by +0.0 %.")
     assert comparison.stiffness_agrees(agreeing()).remedy is None
     falling = replace(agreeing().predicted, value=1 / (1 + agreeing().predicted.frequency) + 0j)
-    away = held(predicted=falling, predicted_hz=0.5 * agreeing().measured_hz)
+    away = make_comparison(predicted=falling, predicted_hz=0.5 * agreeing().measured_hz)
     assert comparison.stiffness_agrees(away).message.startswith("The prediction has no peak from")
     assert comparison.stiffness_agrees(away).message_with_remedy.endswith("length and the preload.")
     assert "damping" not in comparison.peak_agrees(away).message
     assert "ratio 1.5" in comparison.damping_agrees(
-        held(predicted_damping=0.03, measured_damping=0.02), peak(10)
+        make_comparison(predicted_damping=0.03, measured_damping=0.02), peak(10)
     ).message  # fmt: skip
 
 

@@ -82,30 +82,32 @@ def find_other_test(name: str, words: list[str]) -> tuple[str, str] | None:
     return ELSEWHERE.get(f"{name} --watch" if "--watch" in words else name)
 
 
-class Typed(NamedTuple):
+class PageCommand(NamedTuple):
     """A command of a page, and what the page says it prints; None if it does not."""
 
     line: str
     prints: str | None
 
 
-def typed(text: str) -> list[Typed]:
+def list_commands(text: str) -> list[PageCommand]:
     """Every line of a page's shell blocks that calls dashpot."""
     found = []
     for kind, block in re.findall(r"^```(sh|console)\n(.*?)^```", text, flags=re.DOTALL | re.M):
         if kind == "sh":
             found += [
-                Typed(line, None) for line in block.splitlines() if line.startswith("dashpot ")
+                PageCommand(line, None)
+                for line in block.splitlines()
+                if line.startswith("dashpot ")
             ]
             continue
         for part in re.split(r"^\$ ", block, flags=re.M)[1:]:
             line, _, prints = part.partition("\n")
-            found.append(Typed(line, prints))
+            found.append(PageCommand(line, prints))
     return found
 
 
-def commands(page: str) -> list[Typed]:
-    return typed((ROOT / page).read_text("utf-8"))
+def commands(page: str) -> list[PageCommand]:
+    return list_commands((ROOT / page).read_text("utf-8"))
 
 
 @pytest.fixture(scope="session")
@@ -150,10 +152,10 @@ def agree(wanted: str, got: str) -> bool:
     found = re.fullmatch(pattern, got.strip(), flags=re.DOTALL)
     if found is None:
         return False
-    return all(map(_near, DECIMAL.findall(wanted), found.groups()))
+    return all(map(_is_near, DECIMAL.findall(wanted), found.groups()))
 
 
-def _near(said: str, printed: str) -> bool:
+def _is_near(said: str, printed: str) -> bool:
     last = 10.0 ** -len(said.partition("e")[0].partition(".")[2])
     return abs(float(printed) - float(said)) <= max(0.05 * float(said), 2.001 * last)
 
@@ -215,7 +217,10 @@ def test_typed_finds_commands_and_agree_compares_output():
     page = (
         "```sh\ndashpot fit a # b\npip install x\n```\n```console\n$ dashpot plan\nuse: x\n...\n```"
     )
-    assert typed(page) == [Typed("dashpot fit a # b", None), Typed("dashpot plan", "use: x\n...\n")]
+    assert list_commands(page) == [
+        PageCommand("dashpot fit a # b", None),
+        PageCommand("dashpot plan", "use: x\n...\n"),
+    ]
     assert agree("use: 1.19  N\n...", "use: 1.2 N\nand more")
     assert agree("a\n... 3 of 5\n", "a\nb\nc 3 of 5")
     assert agree("use: 1.0 N", "use: 1.2 N")
@@ -284,7 +289,7 @@ def test_completion_is_made_as_the_page_says(shell):
     assert "_DASHPOT_COMPLETE" in done.output
 
 
-def completed(*words):
+def list_completions(*words):
     """What the shell offers after those words."""
     env = {
         "_DASHPOT_COMPLETE": "bash_complete",
@@ -295,14 +300,14 @@ def completed(*words):
 
 
 def test_commands_options_and_files_are_completed():
-    assert completed("rep") == ["plain,report"]
-    assert "plain,--strict" in completed("fit", "--st")
+    assert list_completions("rep") == ["plain,report"]
+    assert "plain,--strict" in list_completions("fit", "--st")
     for words in (("fit", "seal"), ("predict", "f"), ("report", "s"), ("compare", "fit.json", "h"),
                   ("fit", "seal.csv", "-o", "f"), ("fit", "a.csv", "--plot", "p"),
                   ("report", "a.csv", "h"), ("predict", "f.json", "--record", "s"),
                   ("fit", "a.csv", "--profile", "l"), ("verify", "d"),
                   ("report", "a.csv", "--project", "d"), ("demo", "-o", "d")):  # fmt: skip
-        offered = completed(*words)
+        offered = list_completions(*words)
         assert offered
         assert {one.split(",")[0] for one in offered} <= {"file", "dir"}, words
 
@@ -328,7 +333,7 @@ def test_readme_has_two_setup_lines_and_the_gate_runs_the_second():
 
 def test_readme_prints_what_the_main_job_prints(bench):
     """Number by number, to one of its last digit: the digits are those of this very run."""
-    (job,) = (one for one in typed(README) if one.prints and "Peak at" in one.prints)
+    (job,) = (one for one in list_commands(README) if one.prints and "Peak at" in one.prints)
     _, name, *words = shlex.split(job.line)
     printed = CliRunner().invoke(main, [name, *words]).output.splitlines()
     rows = [" ".join(row.split()) for row in job.prints.splitlines()]

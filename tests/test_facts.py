@@ -14,7 +14,7 @@ from html import unescape
 import numpy as np
 import pytest
 from kit import handmade
-from kit.lots import lot_of, scattered
+from kit.lots import draw_rows, lot_of
 from kit.shell import ran
 
 from dashpot import workflow
@@ -137,7 +137,7 @@ def table(lines):
     return found
 
 
-def held(facts_, rows, *, value=0, unit=-1, name=lambda fact: fact.label):
+def require_shown(facts_, rows, *, value=0, unit=-1, name=lambda fact: fact.label):
     for fact in facts_:
         assert name(fact) in rows, f"{fact.name} is missing"
         cells = rows[name(fact)]
@@ -160,14 +160,14 @@ def test_a_fit_tells_every_parameter_and_the_end_of_its_hold(fit):
         assert names[-4:] == ["k_inf", "k_0", "tau from", "tau to"]
 
 
-def in_the_terminal(fit):
+def format_for_terminal(fit):
     """What `-v` prints of a fit, every parameter first."""
     told = results.fit(fit)
     return table([*told.details, *told.lines])
 
 
 def test_the_text_has_every_fact(fit):
-    held(list_known_values(fit), in_the_terminal(fit))
+    require_shown(list_known_values(fit), format_for_terminal(fit))
 
 
 def test_text_row_of_an_arm_equals_its_reported_values(fit):
@@ -184,11 +184,11 @@ def test_text_row_of_an_arm_equals_its_reported_values(fit):
 
 def test_the_page_has_every_fact(fit):
     rows = {name: cells for name, *cells in tables.coefficients(fit, None).rows}
-    held(list_known_values(fit), rows, name=lambda fact: fact.symbol)
+    require_shown(list_known_values(fit), rows, name=lambda fact: fact.symbol)
 
 
 def test_page_and_terminal_print_the_same_cells(fit):
-    terminal = in_the_terminal(fit)
+    terminal = format_for_terminal(fit)
     for (_, value, between, unit), fact in zip(
         tables.coefficients(fit, None).rows, list_known_values(fit), strict=True
     ):
@@ -204,11 +204,11 @@ def test_the_app_has_every_fact_but_the_dashpots_of_arms(fit):
     shown = [fact for fact in list_known_values(fit) if fact.name[:2] != "b_"]
     rows = {one.name: (one.value, one.unit) for one in view_models.terms(fit)}
     assert len(rows) == len(shown)
-    held(shown, rows, name=lambda fact: fact.symbol)
+    require_shown(shown, rows, name=lambda fact: fact.symbol)
     beside = {
         name: (value, unit) for name, value, _, unit in view_models.make_parameter_rows(fit, None)
     }
-    held([one for one in shown if one.name not in {"b", "k_end"}], beside,
+    require_shown([one for one in shown if one.name not in {"b", "k_end"}], beside,
          name=lambda fact: fact.symbol)  # fmt: skip
 
 
@@ -315,7 +315,7 @@ def test_a_contact_says_the_same_in_text_document_and_lot(bench):
     indenter = Indenter(mass=0.005, radius=0.005)
     ball = indent_file(bench / "hit.csv", indenter=indenter)
     plain = ball.to_dict()
-    held(ball.found, table(indentation_text.indentation(ball).lines))
+    require_shown(ball.found, table(indentation_text.indentation(ball).lines))
     piece = LotSpecimen(ReadOptions(), mass=indenter.mass, radius=indenter.radius)
     _, row_of = indentation_row(bench / "hit.csv", piece)
     modulus = ball["modulus"]
@@ -334,7 +334,7 @@ def test_a_law_of_rubber_says_the_same_in_text_and_document(bench):
     found = hyperelastic_files(
         {"uniaxial": [str(bench / "tension.csv")], "biaxial": [str(bench / "biaxial.csv")]}
     )
-    held(found.found, table(facts(found.found)))
+    require_shown(found.found, table(facts(found.found)))
     kept = {one["name"]: one for one in to_document(found)["values"]}
     for fact in found.found:
         assert kept[fact.name] == {
@@ -361,8 +361,8 @@ def test_levels_say_the_same_on_page_and_in_app(bench, files, asked):
     (shown,) = kind_page(found).groups
     rows = {one.name: (one.value, one.unit) for one in shown.rows}
     app = {one.name: (one.value, one.unit) for one in map(view_models.term, told)}
-    held(told, rows, name=lambda fact: fact.symbol)
-    held(told, app, name=lambda fact: fact.symbol)
+    require_shown(told, rows, name=lambda fact: fact.symbol)
+    require_shown(told, app, name=lambda fact: fact.symbol)
 
 
 def test_a_peak_at_a_level_says_the_same_in_text_and_page(bench):
@@ -411,7 +411,7 @@ def test_the_answers_of_a_study_are_its_numbers():
 
 
 def test_the_page_and_the_shell_of_a_lot_print_the_same_numbers(tmp_path):
-    lot = lot_of(scattered(3, 6, 4, operators=("A", "B")))
+    lot = lot_of(draw_rows(3, 6, 4, operators=("A", "B")))
     path = tmp_path / "limits.toml"
     path.write_text('[k_end]\nlower = "170 N/m"\nupper = "230 N/m"\n')
     asked = read_limits(path, lot.table.columns)

@@ -108,7 +108,7 @@ ASKED_OTHERWISE = {
 """What of a job stands in no field of the page, and why."""
 
 
-def declared(cls: type, names: tuple[str, ...]) -> list[Field[Any]]:
+def list_fields(cls: type, names: tuple[str, ...]) -> list[Field[Any]]:
     return [one for one in iterate_option_fields(cls) if not names or one.name in names]
 
 
@@ -118,7 +118,7 @@ def declared(cls: type, names: tuple[str, ...]) -> list[Field[Any]]:
         pytest.param(command, cls, one, id=f"{command}{flag_of(one)}")
         for command, instances in FACES.items()
         for cls, names in instances.items()
-        for one in declared(cls, names)
+        for one in list_fields(cls, names)
     ],
 )
 def test_an_input_is_an_option_of_its_commands(command: str, cls: type, one: Field[Any]) -> None:
@@ -241,13 +241,13 @@ def test_form_defaults_make_the_default_job(tmp_path: Path) -> None:
     store = Store()
     try:
         file = store.put("a.csv", b"")
-        found = job_of(_listed(get_job_defaults()) | {"relaxation": file}, store.folder)
+        found = job_of(_convert_to_json(get_job_defaults()) | {"relaxation": file}, store.folder)
         assert replace(found, relaxation="a.csv") == Job("a.csv")
     finally:
         store.remove()
 
 
-def _listed(said: dict[str, Any]) -> dict[str, Any]:
+def _convert_to_json(said: dict[str, Any]) -> dict[str, Any]:
     """As JSON brings it."""
     return {key: list(one) if isinstance(one, tuple) else one for key, one in said.items()}
 
@@ -320,14 +320,14 @@ def instances(cls: Any, *names: str) -> st.SearchStrategy[Any]:
     return st.fixed_dictionaries(given, optional=rest).map(lambda said: cls(**said))
 
 
-def of_one_reading(said: BatchOptions) -> BatchOptions:
+def make_shared_reading(said: BatchOptions) -> BatchOptions:
     """A batch has one set of reading options: what is said of the hammer's files by theirs."""
     bench = said.reading.drop_fields(OF_HAMMER_ALONE)
     impact = replace(said.reading_impact.select_fields(OF_HAMMER), frequency=bench.frequency)
     return replace(said, reading=bench, reading_impact=replace(impact, units=dict(bench.units)))
 
 
-def of_its_files(job: Job) -> Job:
+def drop_unused_options(job: Job) -> Job:
     """Nothing is said of a hammer's file where there is none, nor of hits in a bench's."""
     bench = job.reading.drop_fields(OF_HAMMER)
     impact = job.reading_impact if job.impact else bench.select_fields(("units",))
@@ -355,12 +355,12 @@ def heard(place: Any, name: str, typed: str, kind: str = "") -> _HeardError:
     def work(*told: Any, **named: Any) -> None:
         raise _HeardError(*told, **named)
 
-    def seen(path: str, _: ReadOptions) -> Recognised:
+    def recognise_by_name(path: str, _: ReadOptions) -> Recognised:
         return Recognised(kind or ("impact" if "hits" in path else "relaxation"), "it is said so")
 
     with (
         patch.object(place, name, work),
-        patch.object(detect_kind, "recognise", seen),
+        patch.object(detect_kind, "recognise", recognise_by_name),
         pytest.raises(_HeardError) as found,
     ):
         main.main(shlex.split(typed)[1:], standalone_mode=False)
@@ -368,13 +368,13 @@ def heard(place: Any, name: str, typed: str, kind: str = "") -> _HeardError:
 
 
 @pytest.fixture(autouse=True, scope="module")
-def _in_an_empty_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+def _empty_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as at:
         at.chdir(tmp_path_factory.mktemp("lines"))
         yield
 
 
-@given(instances(Job).map(of_its_files))
+@given(instances(Job).map(drop_unused_options))
 def test_a_report_is_typed_as_the_job_that_it_is(job: Job) -> None:
     told = heard(workflow, "run", line("report", job))
     assert told.heard == (job,)
@@ -422,7 +422,7 @@ def batch_choices(draw: st.DrawFn) -> BatchOptions:
     arms = draw(st.integers(0, 6)) if quick else draw(st.just("auto") | st.integers(0, 6))
     rest = [one.name for one in fields(BatchOptions) if one.name not in ("quick", "arms", "joint")]
     said = draw(instances(BatchOptions, *rest))
-    return of_one_reading(replace(said, quick=quick, arms=arms))
+    return make_shared_reading(replace(said, quick=quick, arms=arms))
 
 
 @given(batch_choices())
@@ -445,7 +445,7 @@ def test_a_page_says_a_job_back(job: Job) -> None:
         )  # fmt: skip
         head = page_of(at_hand)
         said = head.pop("job") | head | {"relaxation": file}
-        found = job_of(_listed(said), store.folder)
+        found = job_of(_convert_to_json(said), store.folder)
         assert replace(found, relaxation=file) == at_hand
     finally:
         store.remove()
@@ -454,4 +454,6 @@ def test_a_page_says_a_job_back(job: Job) -> None:
 @given(st.sampled_from([LevelJob, ModesJob]).flatmap(instances))
 def test_a_page_says_levels_and_modes_back(job: Any) -> None:
     asked = replace(job, files=(), options=replace(job.options, calibration=None))
-    assert build_from_request(type(job), _listed(convert_to_request(asked)), Path()) == asked
+    assert (
+        build_from_request(type(job), _convert_to_json(convert_to_request(asked)), Path()) == asked
+    )

@@ -139,20 +139,20 @@ def test_fast_ramp_is_a_step(solid):
 
 
 @st.composite
-def carried(draw):
+def draw_carried_mass(draw):
     """A solid and a mass that presses it no farther than any seal is."""
     solid = draw(solids())
     return solid, draw(st.floats(1e-6, min(1e3, 0.199 * solid.k_inf / GRAVITY)))
 
 
-@given(carried())
+@given(draw_carried_mass())
 def test_a_mass_makes_a_passive_receptance(part):
     solid, mass = part
     frf = predict_frf(solid, mass=mass, frequency=np.geomspace(1e-3, 1e3, 50), kind="receptance")
     assert (frf.value.imag <= 1e-12 * np.abs(frf.value)).all()
 
 
-@given(carried(), st.floats(0, 5))
+@given(draw_carried_mass(), st.floats(0, 5))
 def test_kinds_convert_and_return(part, shift):
     solid, mass = part
     frf = predict_frf(solid, mass=mass, frequency=np.geomspace(0.1, 1e2, 20), shift=shift)

@@ -53,7 +53,7 @@ _ONE = '{"numbers": [{"name": "a", "value": 3.0}], '
 
 
 @pytest.fixture
-def installed(
+def install_package(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Callable[[str, dict[str, str], dict[str, str]], None]:
     """Install a package with a row and modules, here and in the children of this process."""
@@ -188,7 +188,7 @@ def test_a_deck_says_whose_it_is() -> None:
 @pytest.mark.parametrize("body", MISBEHAVING)
 def test_plugin_format_fault_is_reported_in_a_sentence(
     body: str,
-    installed: Callable[..., None],
+    install_package: Callable[..., None],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -197,7 +197,7 @@ def test_plugin_format_fault_is_reported_in_a_sentence(
         raw_file, "compute_time_allowed", lambda _: 1.0 if body == "loops" else 30.0
     )
     module = f"API = 1\nprint('read me')\ndef read(raw, *, name):\n    {code}\n"
-    installed("bad", {"badly": module}, {"formats": "odd = badly"})
+    install_package("bad", {"badly": module}, {"formats": "odd = badly"})
     file = tmp_path / "seal.odd"
     file.write_bytes(b"anything")
     done = ran("inspect", file, "--file-part", "format=odd")
@@ -209,9 +209,9 @@ def test_plugin_format_fault_is_reported_in_a_sentence(
 
 
 def test_plugin_format_units_and_blanks_are_checked(
-    installed: Callable[..., None], tmp_path: Path
+    install_package: Callable[..., None], tmp_path: Path
 ) -> None:
-    installed(
+    install_package(
         "odd",
         {"oddly": GOOD.replace('"unit": "N"', '"unit": "furlong"')},
         {"formats": "odd = oddly"},
@@ -250,10 +250,10 @@ def test_plugin_format_units_and_blanks_are_checked(
     ],
 )
 def test_plugin_kind_fault_is_reported_in_a_sentence(
-    found: str, message: str, installed: Callable[..., None], tmp_path: Path
+    found: str, message: str, install_package: Callable[..., None], tmp_path: Path
 ) -> None:
     module = f"def fit(columns, options):\n    return {found}\n"
-    installed("odd", {f"oddly_{abs(hash(found))}": module}, {
+    install_package("odd", {f"oddly_{abs(hash(found))}": module}, {
         "kinds": f"odd = oddly_{abs(hash(found))}:fit"
     })  # fmt: skip
     file = tmp_path / "seal.csv"
@@ -264,10 +264,12 @@ def test_plugin_kind_fault_is_reported_in_a_sentence(
     assert "odd 0.1.0" in done.stderr
 
 
-def test_plugin_cannot_take_built_in_names(installed: Callable[..., None], tmp_path: Path) -> None:
+def test_plugin_cannot_take_built_in_names(
+    install_package: Callable[..., None], tmp_path: Path
+) -> None:
     stolen = "def nastran(solid, *, units, name):\n    raise SystemExit('stolen')\n"
     kind = "def fit(columns, options):\n    raise SystemExit('stolen')\n"
-    installed(
+    install_package(
         "thief",
         {"thief_deck": stolen, "thief_kind": kind},
         {"solver_inputs": "nastran = thief_deck", "kinds": "relaxation = thief_kind:fit"},
@@ -283,10 +285,10 @@ def test_plugin_cannot_take_built_in_names(installed: Callable[..., None], tmp_p
 
 
 def test_plugin_name_of_two_packages_is_refused(
-    installed: Callable[..., None], tmp_path: Path
+    install_package: Callable[..., None], tmp_path: Path
 ) -> None:
     for name in ("one", "two"):
-        installed(name, {f"of_{name}": GOOD}, {"formats": f"odd = of_{name}"})
+        install_package(name, {f"of_{name}": GOOD}, {"formats": f"odd = of_{name}"})
     file = tmp_path / "seal.odd"
     file.write_bytes(b"anything")
     done = ran("inspect", file, "--file-part", "format=odd")
@@ -310,10 +312,10 @@ def test_plugin_name_of_two_packages_is_refused(
     ],
 )
 def test_invalid_plugin_row_is_reported_in_a_sentence(
-    row: str, message: str, installed: Callable[..., None], tmp_path: Path
+    row: str, message: str, install_package: Callable[..., None], tmp_path: Path
 ) -> None:
-    installed("good", {"goodly": GOOD}, {"formats": "good = goodly"})
-    installed("bad", {}, row)
+    install_package("good", {"goodly": GOOD}, {"formats": "good = goodly"})
+    install_package("bad", {}, row)
     found = run_json("inspect", "--plugins")
     assert [plugin["name"] for plugin in found["plugins"]] == ["good"]
     (sentence,) = found["refused"]
@@ -330,18 +332,18 @@ def test_invalid_plugin_row_is_reported_in_a_sentence(
 
 
 def test_missing_plugin_row_is_reported_in_a_sentence(
-    installed: Callable[..., None], tmp_path: Path
+    install_package: Callable[..., None], tmp_path: Path
 ) -> None:
-    installed("bad", {}, "")
+    install_package("bad", {}, "")
     (tmp_path / "site" / "bad" / plugins.ROW).unlink()
     (sentence,) = run_json("inspect", "--plugins")["refused"]
     assert "its entry point says 'bad', where no dashpot_extension.toml is" in sentence
 
 
 def test_none_is_used_where_they_are_off(
-    installed: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    install_package: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    installed("good", {"goodly": GOOD}, {"formats": "good = goodly"})
+    install_package("good", {"goodly": GOOD}, {"formats": "good = goodly"})
     file = tmp_path / "seal.good"
     file.write_bytes(b"anything")
     assert ran("inspect", file, "--file-part", "format=good").exit_code == 0
@@ -399,9 +401,9 @@ def test_check_format_reports_a_fault_to_authors(code: str, message: str, tmp_pa
 
 
 def test_first_plugin_on_the_path_is_used(
-    installed: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    install_package: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    installed("twice", {}, {"formats": "rig = later_on_the_path"})
+    install_package("twice", {}, {"formats": "rig = later_on_the_path"})
     first = tmp_path / "first" / "twice-0.1.0.dist-info"
     first.mkdir(parents=True)
     (first / "METADATA").write_text("Metadata-Version: 2.1\nName: twice\nVersion: 0.2.0\n")

@@ -90,7 +90,7 @@ def test_a_type_checker_knows_the_results():
         assert refused or re.search(rf'type is "[\w.]*\.{what}"', said[i]), said[i]
 
 
-def documented(name: str) -> bool:
+def is_documented(name: str) -> bool:
     thing = getattr(dp, name)
     if isinstance(thing, str):
         return f"`dashpot.{name}`" in API
@@ -105,7 +105,7 @@ def documented(name: str) -> bool:
 
 @pytest.mark.parametrize("name", dp.__all__)
 def test_every_public_name_is_in_the_documents(name):
-    assert documented(name), f"docs/api lacks dashpot.{name}"
+    assert is_documented(name), f"docs/api lacks dashpot.{name}"
 
 
 def test_python_m_dashpot_is_the_command_line():

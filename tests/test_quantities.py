@@ -31,12 +31,18 @@ SOLID = PAPER.complex_stiffness
 CALLS = {
     "predict": lambda m, x, f: dp.systems.predict_frf(handmade.two_arms(), mass=m, compression=x),
     "compare": lambda m, x, f: compare(
-        handmade.study().prediction, handmade.measured(), fit=handmade.two_arms(), mass=m, band=f
+        handmade.study().prediction,
+        handmade.make_measured_frf(),
+        fit=handmade.two_arms(),
+        mass=m,
+        band=f,
     ),
     "identify": lambda m, x, f: (
-        identify(handmade.measured(), mass=m, seals=2, arms=1, band=f).model
+        identify(handmade.make_measured_frf(), mass=m, seals=2, arms=1, band=f).model
     ),
-    "stiffness": lambda m, x, f: dynamic_stiffness(handmade.measured(), m, band=f).storage[0],
+    "stiffness": lambda m, x, f: dynamic_stiffness(handmade.make_measured_frf(), m, band=f).storage[
+        0
+    ],
     "model_at": lambda m, x, f: handmade.two_arms().model_at(x),
     "body": lambda m, x, f: (
         dp.systems.point_mass("block", m),
@@ -89,7 +95,10 @@ def test_a_bench_and_a_machine_in_their_words():
         (lambda: dp.systems.predict_frf(PAPER, mass="104"), "has no unit"),
         (lambda: dp.systems.predict_frf(PAPER, mass="104mm"), "is a unit of length"),
         (lambda: Bench(depth="8s"), "of time"),
-        (lambda: compare(handmade.measured(), handmade.measured(), band="5Hz"), "low:high"),
+        (
+            lambda: compare(handmade.make_measured_frf(), handmade.make_measured_frf(), band="5Hz"),
+            "low:high",
+        ),
         (lambda: dp.Specimen(length="long"), "length|number"),
     ],
 )

@@ -27,27 +27,27 @@ ASKED = [
 
 
 @pytest.fixture(scope="module")
-def pinned():
+def pins_by_name():
     lines = (ROOT / "constraints.txt").read_text("utf-8").splitlines()
     pins = [Requirement(line) for line in lines if not line.startswith("#")]
     return {canonicalize_name(pin.name): pin.specifier for pin in pins}
 
 
 @pytest.mark.parametrize("asked", ASKED, ids=str)
-def test_pinned_versions_satisfy_the_requirements(pinned, asked):
-    (pin,) = pinned[canonicalize_name(asked.name)]
+def test_pinned_versions_satisfy_the_requirements(pins_by_name, asked):
+    (pin,) = pins_by_name[canonicalize_name(asked.name)]
     assert pin.operator == "=="
     assert asked.specifier.contains(pin.version, prereleases=True)
 
 
-def test_every_file_that_a_user_installs_is_pinned_with_its_hash(pinned):
+def test_every_file_that_a_user_installs_is_pinned_with_its_hash(pins_by_name):
     """All that the extra `all` asks for, at the versions that the gate tests."""
     text = (ROOT / "requirements.txt").read_text("utf-8")
     held = dict(re.findall(r"^([\w-]+)==([^ ]+) .*\\\n +--hash=sha256:[0-9a-f]{64}\b", text, re.M))
     assert len(held) == text.count("==")
     for name, version in held.items():
-        if name in pinned:
-            assert pinned[name].contains(version, prereleases=True), name
+        if name in pins_by_name:
+            assert pins_by_name[name].contains(version, prereleases=True), name
     extras = PROJECT["optional-dependencies"]
     of_all = re.search(r"\[([\w,]+)\]", extras["all"][0])[1].split(",")
     for group in (PROJECT["dependencies"], *(extras[one] for one in of_all)):

@@ -58,7 +58,7 @@ def test_what_counts_as_code(said: str, plain: bool) -> None:
     assert bool(CODE.search(said)) is not plain
 
 
-def of_cases() -> Iterator[Check]:
+def iterate_cases() -> Iterator[Check]:
     """Every registered check that a page can show, passed and failed."""
     for stage, cases in STAGES.items():
         # of a project's files and lines; and what a reader refuses, with the option that answers
@@ -67,14 +67,14 @@ def of_cases() -> Iterator[Check]:
                 yield from (case.judge(x) for x in (case.passes, case.fails) if x is not None)
 
 
-def of_readers() -> Iterator[Check]:
+def iterate_reader_checks() -> Iterator[Check]:
     """The checks that a reader or a project makes."""
     for stage in ("workflow", "extensions/projects", "reading/readers"):
         for case in STAGES[stage]:
             yield from (case.judge(x) for x in (case.passes, case.fails) if x is not None)
 
 
-def of_fit(test: dp.RelaxationTest) -> Iterator[str]:
+def iterate_fit_sentences(test: dp.RelaxationTest) -> Iterator[str]:
     try:
         found = fit(prepare(test))
     except DashpotError:
@@ -120,7 +120,7 @@ def style(text: str) -> list[str]:
 
 
 def test_every_check_is_plain_english_with_a_remedy_that_begins_with_its_verb() -> None:
-    faults, checks = [], [*of_cases(), *of_readers()]
+    faults, checks = [], [*iterate_cases(), *iterate_reader_checks()]
     for check in checks:
         faults += [f"{check.name}: {one}" for one in style(check.message)]
         if check.failed and check.remedy is None:
@@ -135,7 +135,7 @@ def test_every_check_is_plain_english_with_a_remedy_that_begins_with_its_verb() 
 
 def test_every_check_that_could_lead_a_verdict_says_it_in_35_words_with_a_number() -> None:
     faults = []
-    for check in of_cases():
+    for check in iterate_cases():
         if check.failed and check.grade != "note":
             line = str(verdict([check, replace(check, name="another")]))
             if count_words(line) > MAX_WORDS or not re.search(r"\d", line):
@@ -295,11 +295,11 @@ def test_verdict_on_every_example_is_a_line_with_a_number(
         (tmp_path / month / f"{seed}.csv").write_text(test)
     judged: list[Verdict | None] = []
 
-    def noted(text: Text, found: Verdict | None, *rest: Any, **how: Any) -> list[str]:
+    def note_text(text: Text, found: Verdict | None, *rest: Any, **how: Any) -> list[str]:
         judged.append(found)
         return format_for_screen(text, found, *rest, **how)
 
-    monkeypatch.setattr("dashpot.text_output.layout.format_for_screen", noted)
+    monkeypatch.setattr("dashpot.text_output.layout.format_for_screen", note_text)
     faults = []
     for command in EXAMPLES:
         judged.clear()
@@ -319,19 +319,23 @@ def test_verdict_on_every_example_is_a_line_with_a_number(
 
 
 def test_every_check_speaks_in_words_passed_or_failed() -> None:
-    assert not wrong(check.message for check in of_cases())
+    assert not wrong(check.message for check in iterate_cases())
 
 
 @pytest.mark.parametrize("solid", sorted({kind.solid for kind in KINDS}))
 def test_every_simulated_kind_is_answered_in_words(solid: str) -> None:
     tests = [trial(kind, seed=2) for kind in KINDS if kind.solid == solid]
-    assert not wrong(message for one in tests for message in of_fit(relaxation_test(one)))
+    assert not wrong(
+        message for one in tests for message in iterate_fit_sentences(relaxation_test(one))
+    )
 
 
 def test_a_disturbed_record_is_answered_in_words() -> None:
     tests = [trial(KINDS[1], seed=3, bench=bench) for bench in DISTURBANCES.values()]
     tests += [trial(KINDS[1], seed=3, law=law) for law in LAWS]
-    assert not wrong(message for one in tests for message in of_fit(relaxation_test(one)))
+    assert not wrong(
+        message for one in tests for message in iterate_fit_sentences(relaxation_test(one))
+    )
 
 
 @pytest.mark.parametrize(("stiffer", "mass"), [(1.15, BROAD_MASS), (1.0, 1.1 * BROAD_MASS)])

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from kit import handmade
-from kit.fits import altered
+from kit.fits import replace_fields
 from kit.trials import DISTURBANCES, KINDS, LAWS, trial
 from kit.verdicts import evaluate_record, failures, table
 
@@ -95,7 +95,7 @@ def test_a_noise_free_perfect_pair_fails_nothing(seal: dp.GeneralizedMaxwell, ma
 # -- what must not --------------------------------------------------------------------------------
 
 
-def prepared(force: np.ndarray, *, hold: float = 40.0, noise: float = 1e-3) -> dp.RampHold:
+def make_ramp_hold(force: np.ndarray, *, hold: float = 40.0, noise: float = 1e-3) -> dp.RampHold:
     random = np.random.default_rng(5)
     time = np.linspace(-1.0, 1.0 + hold, len(force))
     record = dp.RelaxationTest(
@@ -115,7 +115,7 @@ def answer(solid: dp.GeneralizedMaxwell, *, hold: float = 40.0) -> np.ndarray:
 def test_a_residual_of_500_noise_sd_is_not_to_be_used() -> None:
     clean = answer(PAPER)
     wave = 0.7 * np.sin(np.linspace(0, 60, len(clean))) * (np.arange(len(clean)) > 200)
-    found = fit_tests(prepared(clean + wave), arms=2)
+    found = fit_tests(make_ramp_hold(clean + wave), arms=2)
     assert found.estimate.residual.rms > 0.4
     assert found.verdict.use == "do not use"
     assert "force_residual_small" in {check.name for check in found.verdict.failed_checks}
@@ -125,7 +125,7 @@ def test_a_residual_of_500_noise_sd_is_not_to_be_used() -> None:
 def test_a_hold_that_ends_early_tells_its_end_and_no_equilibrium_stiffness() -> None:
     """What is used is the stiffness at the end of the hold; k_inf is at most so much."""
     flowing = dp.GeneralizedMaxwell(30.0, (150.0,), (60.0,))
-    found = fit_tests(prepared(answer(flowing, hold=4.0), hold=4.0, noise=5e-3))
+    found = fit_tests(make_ramp_hold(answer(flowing, hold=4.0), hold=4.0, noise=5e-3))
     low, high = found.intervals()["k_inf"]
     assert low == 0
     assert high > 93
@@ -145,7 +145,7 @@ def test_a_hold_that_ends_early_tells_its_end_and_no_equilibrium_stiffness() -> 
 
 def test_no_arms_on_a_force_that_relaxes_is_not_to_be_used() -> None:
     falling = dp.GeneralizedMaxwell(90.0, (120.0,), (5.0,))
-    found = fit_tests(prepared(answer(falling)), arms=0)
+    found = fit_tests(make_ramp_hold(answer(falling)), arms=0)
     assert found.verdict.use == "do not use"
     assert "arms_where_force_relaxes" in {check.name for check in found.verdict.failed_checks}
     assert not found.ok
@@ -167,7 +167,7 @@ def test_tests_that_disagree_have_not_converged() -> None:
 
 def test_study_verdict_is_that_of_its_final_model() -> None:
     study = handmade.study()
-    spoilt = replace(study, joint=altered(study.joint, checks=(STOP,)))
+    spoilt = replace(study, joint=replace_fields(study.joint, checks=(STOP,)))
     assert spoilt.verdict.use == "do not use"
     assert STOP in spoilt.verdict.failed_checks
     # what the relaxation test alone missed, the joint fit has mended
@@ -196,7 +196,7 @@ def test_strict_heeds_what_limits_the_use(check: Check, code: int) -> None:
 
 
 def test_the_first_line_of_a_fit_is_its_verdict_and_the_optimiser_stands_below() -> None:
-    fit = altered(handmade.study().fit, checks=(STOP, OPEN, NOTE))
+    fit = replace_fields(handmade.study().fit, checks=(STOP, OPEN, NOTE))
     printed = format_for_screen(results.fit(fit), fit.verdict, fit.checks, verbose=True)
     lines = click.unstyle("\n".join(printed)).splitlines()
     assert lines[0] == "Do not use: a stop. Do that."

@@ -136,7 +136,7 @@ class Base:
 
 
 @dataclass(frozen=True)
-class Derived(Base):
+class DerivedValue(Base):
     """A value of a class that inherits."""
 
     second: int = 2
@@ -145,23 +145,23 @@ class Derived(Base):
         return super().double() + self.second
 
 
-class Plain(Derived):
+class PlainSubclass(DerivedValue):
     """A subclass that is no dataclass may have more."""
 
 
 def test_inherited_fields_come_first():
-    value = Derived(1)
+    value = DerivedValue(1)
     assert (value.first, value.second, value.double()) == (1, 2, 4)
     assert value == copy.deepcopy(value) == replace(value)
     assert Base(1) != value
     assert str(Base(1)) == "Base(first=1)"
-    plain = Plain(1)
+    plain = PlainSubclass(1)
     plain.more = 3
     with pytest.raises(FrozenInstanceError):
         plain.first = 2
     del plain.more
-    assert plain == Plain(1)
-    assert "__init__" not in vars(Plain)
+    assert plain == PlainSubclass(1)
+    assert "__init__" not in vars(PlainSubclass)
 
 
 SOURCE = Path(__file__).resolve().parents[2] / "src" / "dashpot"

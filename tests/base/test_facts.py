@@ -96,7 +96,7 @@ def test_a_document_is_a_list_of_attributes() -> None:
 
 
 @dataclass(frozen=True)
-class Whole(Serialisable):
+class WholeValue(Serialisable):
     _keys = (
         EVERY_FIELD,
         Key("high", "part.length", nonfinite_as_null=True),
@@ -115,7 +115,7 @@ class Whole(Serialisable):
 
 
 def test_document_writes_null_for_nan_and_omits_missing_fields() -> None:
-    found = Whole(Part(math.nan)).to_dict()
+    found = WholeValue(Part(math.nan)).to_dict()
     seal = found.pop(DIGEST)
     assert found == {
         "part": {"length": "NaN", "inside": None}, "result": None, "high": None,
@@ -126,16 +126,18 @@ def test_document_writes_null_for_nan_and_omits_missing_fields() -> None:
 
 
 @dataclass(frozen=True)
-class Taken(Serialisable):
+class TakenValue(Serialisable):
     _keys = (Key("whole", flatten=True), "more")
 
-    whole: Whole
+    whole: WholeValue
     more: float = 2.0
 
 
 def test_what_takes_in_a_sealed_document_is_sealed_as_a_whole() -> None:
-    found = Taken(Whole(Part(1.0))).to_dict()
-    assert found[DIGEST] == compute_document_digest(found) != Whole(Part(1.0)).to_dict()[DIGEST]
+    found = TakenValue(WholeValue(Part(1.0))).to_dict()
+    assert (
+        found[DIGEST] == compute_document_digest(found) != WholeValue(Part(1.0)).to_dict()[DIGEST]
+    )
 
 
 def test_the_fields_go_back_the_way_they_came() -> None:

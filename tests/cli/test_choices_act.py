@@ -103,7 +103,7 @@ def test_every_choice_is_tried(verb: str) -> None:
     assert {one.flag for one in options_of(verb)} <= CHOICES.keys()
 
 
-def untouched(job: str) -> Iterator[str]:
+def list_idle_options(job: str) -> Iterator[str]:
     """The options of a job that are neither refused nor change its document."""
     words = JOBS[job]
     usual = ran(*words, "--json", "--overwrite")
@@ -124,7 +124,7 @@ def test_an_option_acts_or_is_refused(
     job: str, place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(place)
-    assert list(untouched(job)) == []
+    assert list(list_idle_options(job)) == []
 
 
 @pytest.mark.parametrize(

@@ -86,10 +86,10 @@ def test_a_file_called_json_asks_for_no_document(broken):
 
 
 def test_interrupted_is_no_failed_check(broken, monkeypatch):
-    def stopped(*_, **__):
+    def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(workflow, "fit_files", stopped)
+    monkeypatch.setattr(workflow, "fit_files", interrupt)
     result = ran("fit", broken)
     assert result.exit_code == 130
     assert "interrupted" in result.stderr

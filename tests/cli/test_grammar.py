@@ -62,12 +62,12 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def at_lab(lab: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def lab_folder(lab: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(lab)
     return lab
 
 
-def refused(*typed: object) -> str:
+def get_refusal(*typed: object) -> str:
     """The one sentence by which a line is refused."""
     done = ran(*typed)
     assert done.exit_code == 2, done.output
@@ -232,7 +232,7 @@ def test_a_column_whose_name_has_a_colon_keeps_its_unit(tmp_path: Path) -> None:
     assert found["preparation"]["ramp_time"] == pytest.approx(1, abs=0.05)
 
 
-@pytest.mark.usefixtures("at_lab")
+@pytest.mark.usefixtures("lab_folder")
 def test_an_answer_is_for_the_files_that_its_pattern_matches() -> None:
     asked = ("--kind", "c*.csv:relaxation", "--column", "s*.csv:force=2,displacement=3")
     found = run_json("inspect", "creep.csv", "triangle.csv", "seal.csv", *asked)["files"]
@@ -242,11 +242,11 @@ def test_an_answer_is_for_the_files_that_its_pattern_matches() -> None:
     assert roles[2] == ["time", "force", "displacement"]
 
 
-@pytest.mark.usefixtures("at_lab")
+@pytest.mark.usefixtures("lab_folder")
 @pytest.mark.parametrize("flag", ["--column", "--kind", "--units"])
 def test_a_pattern_that_matches_no_file_is_refused(flag: str) -> None:
     value = {"--column": "force=3", "--kind": "cld", "--units": "force=N"}[flag]
-    said = refused("fit", "seal.csv", flag, f"seel*.csv:{value}")
+    said = get_refusal("fit", "seal.csv", flag, f"seel*.csv:{value}")
     assert "'seel*.csv:' matches none of the files seal.csv" in said
 
 
@@ -259,7 +259,7 @@ def test_read_options_apply_per_file_overrides() -> None:
 # -- what a file is, and what suits it ------------------------------------------------------------
 
 
-@pytest.mark.usefixtures("at_lab")
+@pytest.mark.usefixtures("lab_folder")
 def test_fit_states_the_recognised_kind_and_accepts_another() -> None:
     assert ran("fit", "triangle.csv").stderr.startswith("recognised triangle.csv: a compression")
     for said in ("relaxation", "triangle.csv:relaxation", "*.csv:relaxation"):
@@ -294,13 +294,13 @@ SUITS = (
 )
 
 
-@pytest.mark.usefixtures("at_lab")
+@pytest.mark.usefixtures("lab_folder")
 @pytest.mark.parametrize(("typed", "file", "message"), SUITS)
 def test_an_option_of_another_kind_is_refused_by_name(typed: str, file: str, message: str) -> None:
-    assert message in refused("fit", file, *typed.split())
+    assert message in get_refusal("fit", file, *typed.split())
 
 
-@pytest.mark.usefixtures("at_lab")
+@pytest.mark.usefixtures("lab_folder")
 @pytest.mark.parametrize(
     ("typed", "message"),
     [
@@ -331,7 +331,7 @@ def test_an_option_of_another_kind_is_refused_by_name(typed: str, file: str, mes
     ],
 )  # fmt: skip
 def test_a_word_that_is_misspelt_is_answered_with_the_nearest(typed: str, message: str) -> None:
-    assert message in refused(*typed.split())
+    assert message in get_refusal(*typed.split())
 
 
 def test_the_nearest_word_is_named_or_all_are() -> None:

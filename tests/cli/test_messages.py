@@ -196,7 +196,7 @@ class Message(NamedTuple):
     text: str
 
 
-def _typed(call: ast.Call) -> ast.Constant:
+def _format_command(call: ast.Call) -> ast.Constant:
     """The words of another command, each with its name before it."""
     words = [one.value for one in call.args if isinstance(one, ast.Constant)]
     line = " ".join(f"dashpot {words[0]} {word}" for word in words[1:]) if words else ""
@@ -213,7 +213,7 @@ def _texts(node: ast.AST, function: str = "") -> Iterator[tuple[str, ast.expr]]:
         if name.endswith(("option", "argument")):
             continue
         if name == "typed":
-            yield function, _typed(child)
+            yield function, _format_command(child)
             continue
         if isinstance(child, ast.JoinedStr | ast.Constant):
             yield function, child
@@ -240,7 +240,7 @@ def messages() -> tuple[Message, ...]:
 
 
 @cache
-def declared(command: str) -> tuple[click.Option, ...]:
+def list_options(command: str) -> tuple[click.Option, ...]:
     found = main.get_command(click.Context(main), command)
     assert found is not None
     return tuple(one for one in found.params if isinstance(one, click.Option))
@@ -248,13 +248,15 @@ def declared(command: str) -> tuple[click.Option, ...]:
 
 @cache
 def options(command: str) -> frozenset[str]:
-    return frozenset(word for one in declared(command) for word in one.opts)
+    return frozenset(word for one in list_options(command) for word in one.opts)
 
 
 @cache
 def keys() -> frozenset[str]:
     """What is typed before an equals sign on a command line: roles, and keys of options."""
-    every = [one.type for name in COMMANDS for one in declared(name) if isinstance(one.type, Keyed)]
+    every = [
+        one.type for name in COMMANDS for one in list_options(name) if isinstance(one.type, Keyed)
+    ]
     return frozenset(key for kind in every for key in kind.fields) | {"role"}
 
 
@@ -338,7 +340,7 @@ def test_hints_for_python_name_real_arguments() -> None:
 def test_an_assumption_names_options_that_exist(one) -> None:
     for said in one.options:
         flag, _, value = said.partition(" ")
-        found = [each for name in COMMANDS for each in declared(name) if flag in each.opts]
+        found = [each for name in COMMANDS for each in list_options(name) if flag in each.opts]
         assert found
         if value.endswith("="):
             assert any(value[:-1] in getattr(each.type, "fields", ()) for each in found)
@@ -355,6 +357,6 @@ def test_every_reading_command_has_every_role() -> None:
     assert set(roles.split()) < keys()
     for command in (*READING, "batch"):
         assert set(words.split()) <= options(command)
-        (column,) = [one for one in declared(command) if "--column" in one.opts]
+        (column,) = [one for one in list_options(command) if "--column" in one.opts]
         assert isinstance(column.type, Keyed)
         assert set(roles.split()) <= column.type.fields.keys()

@@ -43,7 +43,7 @@ def _pot(monkeypatch):
     monkeypatch.setitem(KEYED, "--pot", ("KEY=VALUE", "time or leaf."))
 
 
-def brewed(*words):
+def run_brew(*words):
     got = []
 
     @verb("brew", "Brew it.", build_options(Tea, into="tea"))
@@ -55,22 +55,22 @@ def brewed(*words):
 
 
 def test_options_of_no_field_make_the_default_value():
-    assert brewed()[1] == [Tea()]
+    assert run_brew()[1] == [Tea()]
 
 
 def test_every_kind_of_option_fills_its_field():
     words = "--kind black --water 80degC --infusions 3 --with- milk --with- sugar --cups 2 --cups 3"
-    _, (tea,) = brewed(*words.split(), "--pot", "time=180s,leaf=whole")
+    _, (tea,) = run_brew(*words.split(), "--pot", "time=180s,leaf=whole")
     assert tea == Tea("black", pytest.approx(353.15), 3, ("milk", "sugar"), (2, 3), 180.0, "whole")
 
 
 def test_key_value_option_may_be_repeated():
-    _, (tea,) = brewed("--pot", "leaf=whole, with stalks", "--pot", "time=3min")
+    _, (tea,) = run_brew("--pot", "leaf=whole, with stalks", "--pot", "time=3min")
     assert (tea.steep, tea.leaf) == (180.0, "whole, with stalks")
 
 
 def test_help_tells_what_the_field_says():
-    text = brewed("--help")[0].output
+    text = run_brew("--help")[0].output
     assert "What leaves (green)." in text
     assert "--kind green|black" in text
     assert "--pot KEY=VALUE" in text
@@ -90,7 +90,7 @@ def test_help_tells_what_the_field_says():
     ],
 )
 def test_what_cannot_be_is_refused(words, message):
-    result, got = brewed(*words)
+    result, got = run_brew(*words)
     assert result.exit_code == 2
     assert message in " ".join(result.output.split())
     assert not got

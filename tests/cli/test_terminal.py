@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 from kit import handmade
-from kit.fits import a_fit, altered
+from kit.fits import a_fit, replace_fields
 from kit.shell import ran
 
 import dashpot as dp
@@ -44,7 +44,7 @@ NOTE = Check("a_note", False, "A note.", grade="note")
 NARROW = ScreenSize(80, 20)
 
 
-def bare(lines):
+def strip_styles(lines):
     return [click.unstyle(line) for line in lines]
 
 
@@ -57,7 +57,7 @@ def bare(lines):
 )
 def test_screen_output_fits_and_begins_with_the_verdict(lines, checks):
     found = verdict(checks)
-    printed = bare(format_for_screen(Text(lines, ["more"]), found, checks, verbose=False))
+    printed = strip_styles(format_for_screen(Text(lines, ["more"]), found, checks, verbose=False))
     assert len(printed) <= LINES
     assert printed[0].startswith(f"{found.use.capitalize()}:")
     assert all(len(line) <= COLUMNS or " " not in line.strip() for line in printed)
@@ -118,19 +118,19 @@ def test_an_inspection_says_nothing_of_the_rows_of_a_file_that_has_none(tmp_path
 def test_failed_checks_outlast_the_numbers_on_a_short_screen():
     checks = (STOP, *(replace(LONG, name=f"long_{i}") for i in range(4)), NOTE)
     numbers = [f"row {i}" for i in range(80)]
-    short = bare(format_for_screen(Text(numbers), verdict(checks), checks, verbose=False))
+    short = strip_styles(format_for_screen(Text(numbers), verdict(checks), checks, verbose=False))
     assert sum(line.startswith("  ! ") for line in short) == 4
     assert sum(line.endswith(" ...") for line in short) == 5  # and where the numbers are cut
     assert "row 0" in short
     assert "row 79" not in short
     assert not any("a_note" in line for line in short)
     assert "  checks      5 failed, 1 note" in short
-    long = bare(format_for_screen(Text(numbers), verdict(checks), checks, verbose=True))
+    long = strip_styles(format_for_screen(Text(numbers), verdict(checks), checks, verbose=True))
     assert "row 79" in long
     assert long[-1] == "  - A note. a_note"
     said = " ".join(line.strip() for line in long)
     assert said.count(LONG.message.strip()) == 4
-    alone = bare(format_for_screen(Text(["row"]), None, checks, verbose=False))
+    alone = strip_styles(format_for_screen(Text(["row"]), None, checks, verbose=False))
     assert sum(line.startswith("  ! ") for line in alone) == 4  # of weight, without a verdict, too
     assert not any("a_note" in line for line in alone)
 
@@ -164,10 +164,10 @@ def test_every_story_fits_a_screen():
         (results.fit(study.fit), study.fit.verdict, study.fit.checks),
         (results.fit(study.joint), study.joint.verdict, study.joint.checks),
     ):
-        short = bare(format_for_screen(text, found, checks, verbose=False))
+        short = strip_styles(format_for_screen(text, found, checks, verbose=False))
         assert len(short) <= LINES
         assert max(map(len, short)) <= COLUMNS
-        long = bare(format_for_screen(text, found, checks, verbose=True))
+        long = strip_styles(format_for_screen(text, found, checks, verbose=True))
         assert max(map(len, long)) <= COLUMNS
         assert any(line.split()[:1] == ["optimiser"] for line in long)
         assert not any(line.split()[:1] == ["optimiser"] for line in short)
@@ -179,7 +179,7 @@ def test_an_arm_that_is_not_identified_prints_no_interval():
     for name in ("k_1", "ln_tau_1"):
         row = fit.estimate.parameters.index(name)
         wide[row, row] *= 1e8
-    text = results.fit(altered(fit, covariance=wide, profiles=()))
+    text = results.fit(replace_fields(fit, covariance=wide, profiles=()))
     rows = {line.split()[0]: line for line in text.lines if line.strip()}
     # an arm is a row, and what is not known of it stands in the place of its error
     assert rows["1"].count("not identified") == 3
@@ -194,7 +194,9 @@ def test_an_arm_that_is_not_identified_prints_no_interval():
 def test_the_arms_of_a_study_stand_on_the_first_screen():
     """Of 24 lines of 80 columns: an arm is a row, beside what was predicted and measured."""
     study = handmade.study()
-    lines = bare(format_for_screen(results.study(study), study.verdict, study.checks, size=NARROW))
+    lines = strip_styles(
+        format_for_screen(results.study(study), study.verdict, study.checks, size=NARROW)
+    )
     assert max(map(len, lines)) <= NARROW.columns
     assert len(lines) <= NARROW.lines
     solid = study.fit if study.joint is None else study.joint
@@ -302,7 +304,7 @@ class Terminal(io.StringIO):
         return True
 
 
-def worked(monkeypatch, stream, *, patience):
+def draw_progress(monkeypatch, stream, *, patience):
     monkeypatch.setattr(sys, "stderr", stream)
     monkeypatch.setattr(_terminal, "PATIENCE", patience)
     monkeypatch.setattr(_terminal, "BEAT", 0.001)
@@ -315,11 +317,11 @@ def worked(monkeypatch, stream, *, patience):
 
 
 def test_progress_is_for_terminals_and_for_what_takes_long(monkeypatch):
-    slow = worked(monkeypatch, Terminal(), patience=0)
+    slow = draw_progress(monkeypatch, Terminal(), patience=0)
     assert "fitting ... " in slow
     assert slow.endswith("\r\x1b[K")  # wiped
-    assert worked(monkeypatch, Terminal(), patience=60) == ""
-    assert worked(monkeypatch, io.StringIO(), patience=0) == ""
+    assert draw_progress(monkeypatch, Terminal(), patience=60) == ""
+    assert draw_progress(monkeypatch, io.StringIO(), patience=0) == ""
 
 
 def test_nobody_listens_by_default(capfd):
@@ -334,7 +336,7 @@ def test_nobody_listens_by_default(capfd):
 def fit_file(tmp_path_factory):
     path = tmp_path_factory.mktemp("fit") / "fit.json"
     # a band that reaches the peak of 104 g on two of these seals, at about 12.7 Hz
-    path.write_text(to_json(altered(handmade.two_arms(), band=(0.004, 30.0), checks=())))
+    path.write_text(to_json(replace_fields(handmade.two_arms(), band=(0.004, 30.0), checks=())))
     return path
 
 
@@ -342,17 +344,17 @@ def strict(*words):
     return ran(*words, "--strict")
 
 
-def narrowed(path, band):
+def write_narrow_band(path, band):
     fit = from_json(path.read_text())
     beside = path.with_name(f"narrow{band[1]:g}.json")
-    beside.write_text(to_json(altered(fit, band=band)))
+    beside.write_text(to_json(replace_fields(fit, band=band)))
     return beside
 
 
 def test_strict_predict_heeds_extrapolation(fit_file):
     words = ("--mass", "104g", "--seals", 2)
     assert strict("predict", fit_file, *words).exit_code == 0
-    outside = strict("predict", narrowed(fit_file, (0.004, 0.32)), *words)
+    outside = strict("predict", write_narrow_band(fit_file, (0.004, 0.32)), *words)
     assert outside.exit_code == 1
     assert outside.stdout.startswith("Use with care: the damping at 12.9 Hz is not known.")
     assert "prediction_in_valid_band" in outside.stdout
@@ -361,7 +363,7 @@ def test_strict_predict_heeds_extrapolation(fit_file):
 def test_strict_predict_heeds_the_fit_behind_it(fit_file):
     fit = from_json(fit_file.read_text())
     spoilt = fit_file.with_name("spoilt.json")
-    spoilt.write_text(to_json(altered(fit, checks=(STOP,))))
+    spoilt.write_text(to_json(replace_fields(fit, checks=(STOP,))))
     found = strict("predict", spoilt, "--mass", "104g", "--seals", 2)
     assert found.exit_code == 1
     assert found.stdout.startswith("Do not use: a stop; do that.")
@@ -374,7 +376,9 @@ def test_strict_export_heeds_rows_that_the_test_does_not_inform(fit_file, tmp_pa
     assert inside.exit_code == 0, inside.output
     deck = (tmp_path / "deck.bdf").read_text()
     assert deck.splitlines()[1].startswith("$ USE: ")
-    outside = strict("export", narrowed(fit_file, (0.004, 0.32)), *words, "--band", "1:30Hz")
+    outside = strict(
+        "export", write_narrow_band(fit_file, (0.004, 0.32)), *words, "--band", "1:30Hz"
+    )
     assert outside.exit_code == 1
     assert outside.stdout.startswith("Use with care: ")
     deck = (tmp_path / "deck.bdf").read_text()
@@ -384,7 +388,7 @@ def test_strict_export_heeds_rows_that_the_test_does_not_inform(fit_file, tmp_pa
 
 
 def test_the_arms_of_a_spoilt_fit_say_so_in_their_deck(fit_file):
-    spoilt = altered(from_json(fit_file.read_text()), checks=(STOP,))
+    spoilt = replace_fields(from_json(fit_file.read_text()), checks=(STOP,))
     specimen = dp.Specimen(temperature=296.15, length=0.1)
     deck = TARGETS["csv"](spoilt, units="mm-t-s", form="arms", specimen=specimen)
     assert deck.splitlines()[1] == "# DO NOT USE: A stop; do that."

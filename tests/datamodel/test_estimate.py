@@ -18,13 +18,13 @@ SEAL = GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5, 16.4))
 MOVED = np.array([[1.0, 0.0], [2.0, 3.0], [0.5, 0.0], [0.0, 0.04], [0.01, -0.02]])
 
 
-def doubted(**given):
+def make_fit_with_rig_errors(**given):
     fit = a_fit(SEAL, **given)
     return a_fit(SEAL, estimate=fit.estimate.with_rig(MOVED))
 
 
 def test_standard_error_includes_rig_and_noise():
-    fit, quiet = doubted(), a_fit(SEAL)
+    fit, quiet = make_fit_with_rig_errors(), a_fit(SEAL)
     error, noise = fit.standard_error, quiet.standard_error
     assert error["k"][0] == pytest.approx(np.sqrt(1.175**2 + 2**2 + 3**2))
     assert error["tau"][1] == pytest.approx(16.4 * np.sqrt(0.01**2 + 0.01**2 + 0.02**2))
@@ -43,7 +43,7 @@ def test_either_side_of_a_profile_grows_by_what_the_rig_may_have_done():
     # twice as steep below the optimum as above
     away = value - SEAL.k[0]
     profile = Profile("k_1", value, np.where(away < 0, 2 * away, away) ** 2)
-    fit = doubted(profiles=(profile,))
+    fit = make_fit_with_rig_errors(profiles=(profile,))
     ends = fit.estimate.confidence_limits(SEAL, 0.95)["k_1"]
     q, by = fit.estimate.quantile(0.95), np.hypot(2.0, 3.0)
     assert SEAL.k[0] - ends[0] == pytest.approx(q * np.hypot(0.5, by), rel=1e-3)
@@ -51,12 +51,15 @@ def test_either_side_of_a_profile_grows_by_what_the_rig_may_have_done():
     # an end that the data leave open stays open
     open_above = Profile("k_1", value, np.where(away < 0, away**2, 0.1 * (away > 0)))
     assert (
-        doubted(profiles=(open_above,)).estimate.confidence_limits(SEAL, 0.95)["k_1"][1] == np.inf
+        make_fit_with_rig_errors(profiles=(open_above,)).estimate.confidence_limits(SEAL, 0.95)[
+            "k_1"
+        ][1]
+        == np.inf
     )
 
 
 def test_what_scales_a_fit_scales_both():
-    fit = doubted()
+    fit = make_fit_with_rig_errors()
     twice = fit.in_parallel(2)
     assert twice.standard_error["k"] == pytest.approx(2 * np.array(fit.standard_error["k"]))
     assert twice.standard_error["tau"] == pytest.approx(fit.standard_error["tau"])
@@ -71,7 +74,7 @@ def test_what_scales_a_fit_scales_both():
 
 
 def test_a_document_keeps_both():
-    fit = doubted()
+    fit = make_fit_with_rig_errors()
     again = from_json(to_json(fit))
     assert again == fit
     assert again.estimate.noise_only == fit.estimate.noise_only

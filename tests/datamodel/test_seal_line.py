@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from kit.fits import a_fit, altered
+from kit.fits import a_fit, replace_fields
 
 from dashpot.base.errors import DataError
 from dashpot.datamodel.seal_line import SealSection, Shear
@@ -114,7 +114,7 @@ def test_separate_shear_stiffness_acts_wherever_the_seal_touches():
 def test_a_section_is_what_was_tested_over_its_length():
     """Force and tangent of a metre are those of the piece over its length, at any compression."""
     law = ElasticLaw((0.0, 0.004, 0.008), (0.5, 0.9, 1.7), 200.0)
-    fit = altered(a_fit(BROAD), elastic_law=law, specimen=Specimen(length=0.1))
+    fit = replace_fields(a_fit(BROAD), elastic_law=law, specimen=Specimen(length=0.1))
     section = SealSection.from_fit(fit)
     x = np.array([0.0, 0.002, 0.006, 0.008])
     assert section.solid.k_inf == pytest.approx(10 * fit.solid.k_inf)
@@ -126,7 +126,7 @@ def test_a_section_is_what_was_tested_over_its_length():
     slope = (section.force(x + 1e-7) - section.force(x - 1e-7))[1:3] / 2e-7
     assert slope == pytest.approx(section.solid.k_inf * section.factor(x[1:3]), rel=1e-6)
     with pytest.raises(DataError, match="specimen of seal is not known"):
-        SealSection.from_fit(altered(fit, specimen=Specimen()))
+        SealSection.from_fit(replace_fields(fit, specimen=Specimen()))
 
 
 @pytest.mark.parametrize(

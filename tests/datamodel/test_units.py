@@ -52,11 +52,11 @@ def test_arrays_are_in_si_within(cls, arrays, units, factors):
     if units in FOLLOWS and hasattr(made, "unit"):
         assert made.unit == FOLLOWS[units]
     inside = {name: getattr(made, name) for name in arrays}
-    assert cls(**inside, **_of(made), units="SI") == made
+    assert cls(**inside, **_get_unit(made), units="SI") == made
     assert replace(made) == made
 
 
-def _of(made):
+def _get_unit(made):
     return {"unit": made.unit} if "unit" in vars(made) else {}
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from kit.fits import a_fit, altered
+from kit.fits import a_fit, replace_fields
 from kit.fractional import SEAL
 from kit.levels import a_level_fit
 
@@ -97,7 +97,7 @@ def test_deck_of_bare_model_states_missing_information(paper_seal, target, form,
 
 @every_deck
 def test_simulated_tests_are_stamped(fit, target, form, extra):
-    simulated = altered(fit, source=(Source(file="rig.csv", sha256=SHA, simulated=True),))
+    simulated = replace_fields(fit, source=(Source(file="rig.csv", sha256=SHA, simulated=True),))
     assert "SIMULATED" in write(target, simulated, form=form, **extra)
 
 
@@ -122,7 +122,7 @@ def test_only_what_a_solver_here_runs_claims_to_be_solver_verified(fit):
 
 @pytest.mark.parametrize("sign", ["\n", "\r\n*NODE", "\x00", "é", "\u2028"])
 def test_a_file_name_cannot_break_out_of_its_comment(fit, sign):
-    odd = altered(fit, source=(Source(file=f"seal{sign}99, 1.csv", sha256=SHA),))
+    odd = replace_fields(fit, source=(Source(file=f"seal{sign}99, 1.csv", sha256=SHA),))
     for target, form, extra in DECKS:
         plain, broken = (write(target, each, form=form, **extra) for each in (fit, odd))
         assert len(plain.splitlines()) == len(broken.splitlines())
@@ -130,7 +130,7 @@ def test_a_file_name_cannot_break_out_of_its_comment(fit, sign):
 
 
 def test_extrapolated_rows_are_marked(fit):
-    wide = altered(fit, band=(2.0, 20.0))
+    wide = replace_fields(fit, band=(2.0, 20.0))
     asked = {"units": "mm-t-s", "frequency_range": (1.0, 100.0)}
     table = TARGETS["nastran"](wide, **asked)
     assert re.search(r"\$ EXTRAPOLATED: \d+ of \d+ rows, from 1 to 100 Hz", table)
@@ -149,7 +149,7 @@ def test_extrapolated_rows_are_marked(fit):
 
 
 def test_an_arm_outside_the_band_is_marked(fit):
-    slow = altered(fit, band=(0.1, 1.0))
+    slow = replace_fields(fit, band=(0.1, 1.0))
     assert "[0.009695 Hz lies outside the valid band]" in write("ansys", slow)
 
 
@@ -164,7 +164,7 @@ def test_a_fit_without_its_conditions_is_refused(fit, target, form, extra, missi
         "length": "the contact length is not stated",
     }
     name, sentence = missing, message[missing]
-    bare = altered(fit, specimen=replace(SPECIMEN, **{missing: None}))
+    bare = replace_fields(fit, specimen=replace(SPECIMEN, **{missing: None}))
     with pytest.raises(ExportError, match=sentence) as refused:
         write(target, bare, form=form, **extra)
     assert f"'{name}'" in str(refused.value)
@@ -188,7 +188,7 @@ def test_an_unidentified_fit_is_refused(fit, target, form, extra):
         "arm 1 has k": {"covariance": np.diag([0.1, np.inf, 0.05, 1e-3, 1e-3])},
     }
     for sentence, changes in doubtful.items():
-        each = altered(fit, checks=(*fit.checks, DOUBT), **changes)
+        each = replace_fields(fit, checks=(*fit.checks, DOUBT), **changes)
         with pytest.raises(ExportError, match="do not determine every parameter") as refused:
             write(target, each, form=form, **extra)
         assert sentence in str(refused.value)
@@ -199,20 +199,20 @@ def test_an_unidentified_fit_is_refused(fit, target, form, extra):
 def test_export_lists_everything_missing_at_once(fit):
     doubtful = {"status": Status.TAU_AT_BOUND, "checks": (*fit.checks, DOUBT)}
     with pytest.raises(ExportError) as refused:
-        write("nastran", altered(fit, specimen=Specimen(), **doubtful))
+        write("nastran", replace_fields(fit, specimen=Specimen(), **doubtful))
     for words in ("temperature", "contact length", "determine every parameter", "--length 100mm"):
         assert words in str(refused.value)
 
 
 def test_failed_checks_travel_with_the_deck(fit):
     checks = (Check("hold_long_enough", False, "the hold is short."), Check("fine", True, "good."))
-    deck = write("ansys", altered(fit, checks=checks))
+    deck = write("ansys", replace_fields(fit, checks=checks))
     assert "! CHECK FAILED: the hold is short." in deck
     assert "good." not in deck
 
 
 def test_export_accepts_fewer_arms_than_requested(fit):
-    assert write("nastran", altered(fit, status=Status.FEWER_ARMS))
+    assert write("nastran", replace_fields(fit, status=Status.FEWER_ARMS))
 
 
 PRONY = [(target, extra) for target, form, extra in DECKS if form == "prony"]

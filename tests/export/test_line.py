@@ -23,11 +23,11 @@ from kit.doors import (
     MASS,
     NORMAL_ONLY,
     SHEARED,
-    closed,
+    close_outline,
     compute_largest_difference,
     leaning,
+    parse_matrix,
     six_by_six,
-    stated,
 )
 from kit.solvers import needs_ccx, run_ccx
 
@@ -55,7 +55,7 @@ AT = {
 
 
 def deck(target: str, units: str, shear: Shear | None = SHEAR, pitch=0.05, **more) -> str:
-    stations = SealLine(closed(), normal=leaning()).stations(pitch)
+    stations = SealLine(close_outline(), normal=leaning()).stations(pitch)
     return TARGETS[target](
         PAPER, units=units, specimen=Specimen(length=0.05), line=stations, shear=shear,
         **(AT[target] if more.get("form") != "arms" else {}) | more,
@@ -94,7 +94,7 @@ def nodes_and_frames(cards):
     return nodes, frames
 
 
-def of_calculix(text: str, hertz: float):
+def sum_calculix(text: str, hertz: float):
     cards = cards_of(text, "**")
     nodes, frames = nodes_and_frames(cards)
     elements = {said["ELSET"]: rows for name, said, rows in cards if name == "ELEMENT"}
@@ -108,7 +108,7 @@ def of_calculix(text: str, hertz: float):
                 yield nodes[a], frames[said["ORIENTATION"]][int(way) - 1], float(k)
 
 
-def of_abaqus(text: str, hertz: float):
+def sum_abaqus(text: str, hertz: float):
     cards = cards_of(text, "**")
     nodes, frames = nodes_and_frames(cards)
     elements = {said["ELSET"]: rows for name, said, rows in cards if name == "ELEMENT"}
@@ -131,7 +131,7 @@ def of_abaqus(text: str, hertz: float):
                         yield nodes[a], frames[rows[1][0]][int(way) - 1], k * (1 + 1j * eta)
 
 
-def of_nastran(text: str, hertz: float):
+def sum_nastran(text: str, hertz: float):
     cards = read_cards(text)
     grids = {f[0]: np.array([real(one) for one in f[2:5]]) for name, f in cards if name == "GRID"}
     frames = {"0": np.eye(3)}
@@ -172,7 +172,7 @@ def turn(axis: int, degrees: float) -> np.ndarray:
     return R
 
 
-def of_ansys(text: str, hertz: float):
+def sum_ansys(text: str, hertz: float):
     rows = [line.split(",") for line in text.splitlines() if line and line[0] != "!"]
     places, axes, tables, constants, ways = {}, {}, {}, {}, {}
     kind = constant = ""
@@ -208,7 +208,7 @@ def of_ansys(text: str, hertz: float):
     assert all(np.isfinite(one).all() for one in tables.values())
 
 
-def of_lsdyna(text: str, hertz: float):
+def sum_lsdyna(text: str, hertz: float):
     blocks: list[tuple[str, list[str]]] = []
     for line in text.splitlines():
         if line.startswith("*"):
@@ -247,12 +247,12 @@ def of_lsdyna(text: str, hertz: float):
 
 
 READERS = {
-    "nastran": of_nastran, "abaqus": of_abaqus, "ansys": of_ansys, "calculix": of_calculix,
-    "lsdyna": of_lsdyna,
+    "nastran": sum_nastran, "abaqus": sum_abaqus, "ansys": sum_ansys, "calculix": sum_calculix,
+    "lsdyna": sum_lsdyna,
 }  # fmt: skip
 
 
-def summed(target: str, text: str, units: str) -> np.ndarray:
+def sum_deck(target: str, text: str, units: str) -> np.ndarray:
     metre, stiffness, hertz = UNITS[units]
     place, way, k = zip(*READERS[target](text, HERTZ / hertz), strict=True)
     return six_by_six(metre * np.array(place), np.array(way), stiffness * np.array(k))
@@ -264,8 +264,8 @@ def summed(target: str, text: str, units: str) -> np.ndarray:
 @pytest.mark.parametrize("units", list(UNITS))
 @pytest.mark.parametrize("target", list(READERS))
 def test_a_deck_says_the_stiffness_of_the_line(target, units):
-    K = summed(target, deck(target, units), units)
-    assert compute_largest_difference(K.real, stated(SHEARED)) < 1e-5
+    K = sum_deck(target, deck(target, units), units)
+    assert compute_largest_difference(K.real, parse_matrix(SHEARED)) < 1e-5
     if target != "calculix":  # which knows no loss
         eta = complex(PAPER.complex_stiffness(omega=2 * np.pi * HERTZ))
         assert np.diag(K.imag / K.real) == pytest.approx(eta.imag / eta.real, rel=2e-3)
@@ -275,7 +275,8 @@ def test_a_deck_says_the_stiffness_of_the_line(target, units):
 def test_without_shear_a_deck_says_that_nothing_holds_sideways(target):
     text = deck(target, "mm-t-s", None, pitch=0.5)
     assert (
-        compute_largest_difference(summed(target, text, "mm-t-s").real, stated(NORMAL_ONLY)) < 1e-5
+        compute_largest_difference(sum_deck(target, text, "mm-t-s").real, parse_matrix(NORMAL_ONLY))
+        < 1e-5
     )
     assert "no shear is given: the line holds nothing sideways" in text
     assert "across it: 0.35 of it; along it: 0.15 of it" in deck(target, "SI", pitch=0.5)
@@ -290,8 +291,8 @@ def test_line_deck_accepts_a_separate_lateral_stiffness(target):
         PAPER.complex_stiffness(omega=omega)
     )
     text = deck(target, "SI", Shear(20 * ACROSS * own, ALONG), pitch=0.5)
-    K, plain = (summed(target, one, "SI") for one in (text, deck(target, "SI", pitch=0.5)))
-    alone = summed(target, deck(target, "SI", Shear(0.0, ALONG), pitch=0.5), "SI")
+    K, plain = (sum_deck(target, one, "SI") for one in (text, deck(target, "SI", pitch=0.5)))
+    alone = sum_deck(target, deck(target, "SI", Shear(0.0, ALONG), pitch=0.5), "SI")
     assert (K - alone).real == pytest.approx((plain - alone).real * ratio.real, rel=2e-3, abs=0.5)
     assert "across it: a stiffness of its own" in text
 
@@ -301,7 +302,9 @@ def test_line_deck_numbers_from_the_first_id(target):
     """Nodes, elements and whatever else has a number stay out of the way of the user's own."""
     text = deck(target, "SI", pitch=0.5, first_id=90001)
     assert "nodes 90001 to 90020" in text or target == "nastran"
-    assert compute_largest_difference(summed(target, text, "SI").real, stated(SHEARED)) < 1e-5
+    assert (
+        compute_largest_difference(sum_deck(target, text, "SI").real, parse_matrix(SHEARED)) < 1e-5
+    )
     for line in text.splitlines():
         way = re.fullmatch(r"([123]), \1", line)  # of a spring of CalculiX
         number = None if way else re.match(r"\s*(\d+)(?=[\s,]|$)", line)
@@ -390,7 +393,7 @@ def test_a_frame_along_the_x_axis_is_needed_where_something_acts_sideways():
 
 
 def test_what_is_not_pressed_as_stated_is_the_secant_of_the_test():
-    stations = SealLine(closed(), normal=leaning()).stations(0.05)
+    stations = SealLine(close_outline(), normal=leaning()).stations(0.05)
     unstated = replace(stations, compression=None)
     law = ElasticLaw((0.0, 4e-3, 8e-3), (0.5, 0.9, 1.7), PAPER.k_inf)
     bent, straight = (

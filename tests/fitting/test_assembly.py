@@ -38,12 +38,12 @@ COLUMNS = ("k_inf", "offset@0", "drift@0", "offset@1", "warming@1", "b")
 VALUES = {name: float(i) for i, name in enumerate(COLUMNS)}
 
 
-def of(*names: str, **more: object) -> tuple[Nuisance, ...]:
+def make_nuisances(*names: str, **more: object) -> tuple[Nuisance, ...]:
     return nuisances(names, VALUES.__getitem__, lambda name: 10 * VALUES[name], **more)  # type: ignore[arg-type]
 
 
 def test_nuisances_of_several_tests_are_named_by_their_number():
-    assert of(*COLUMNS, known={"drift@0": 0.5}) == (
+    assert make_nuisances(*COLUMNS, known={"drift@0": 0.5}) == (
         Nuisance("offset of test 1", 1.0, 10.0, "N"),
         Nuisance("drift of test 1", 2.0, 20.0, "N/s", 0.5),
         Nuisance("offset of test 2", 3.0, 30.0, "N"),
@@ -52,13 +52,13 @@ def test_nuisances_of_several_tests_are_named_by_their_number():
 
 
 def test_nuisance_parameters_of_one_test_have_no_number():
-    assert [(one.name, one.unit) for one in of("offset@0", "drift@0")] == [
+    assert [(one.name, one.unit) for one in make_nuisances("offset@0", "drift@0")] == [
         ("offset", "N"),
         ("drift", "N/s"),
     ]
     VALUES["offset"] = VALUES["drift"] = 1.0
-    assert [one.unit for one in of("k_inf", "offset", "drift", of="m")] == ["m", "m/s"]
-    assert of("k_inf", "b") == ()
+    assert [one.unit for one in make_nuisances("k_inf", "offset", "drift", of="m")] == ["m", "m/s"]
+    assert make_nuisances("k_inf", "b") == ()
 
 
 def test_a_point_estimate_knows_no_error_of_any_parameter():

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.fits import altered
+from kit.fits import replace_fields
 
 from dashpot.base.errors import DataError, FitError
 from dashpot.datamodel.fit import Fit
@@ -306,7 +306,7 @@ def test_the_bands_cover_over_seeds(solid: GeneralizedMaxwell, late: int) -> Non
 
 
 def test_a_seal_that_may_bear_nothing_has_a_loss_factor_all_the_same(broad_fit: Fit) -> None:
-    lost = altered(broad_fit, covariance=np.full_like(broad_fit.covariance, np.inf))
+    lost = replace_fields(broad_fit, covariance=np.full_like(broad_fit.covariance, np.inf))
     band, own = parameter_band(lost, AT, level=0.99), lost.solid.loss_factor(omega=2 * np.pi * AT)
     assert (band.storage[0] == 0).all()
     low, high = band.loss_factor
@@ -320,7 +320,7 @@ def test_what_cannot_be_is_refused(broad_fit: Fit, broad_test: RampHold) -> None
     with pytest.raises(DataError, match="expected a coverage between 0 and 1"):
         parameter_band(broad_fit, [1.0], level=95)
     with pytest.raises(DataError, match="the fit of that test"):
-        unseen_arm_band(altered(broad_fit, method="joint"), broad_test, [1.0])
+        unseen_arm_band(replace_fields(broad_fit, method="joint"), broad_test, [1.0])
     with pytest.raises(DataError, match="no relaxation test"):
         unseen_arm_band(broad_fit, [], [1.0])
     with pytest.raises(DataError, match="mass = 0"):

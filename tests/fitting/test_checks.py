@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.fits import of_noise
+from kit.fits import restrict_to_noise
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import Status
@@ -45,7 +45,7 @@ def test(paper_seal: GeneralizedMaxwell) -> RampHold:
     return record_of(paper_seal)
 
 
-def named(found: Fit, name: str) -> Check:
+def get_check(found: Fit, name: str) -> Check:
     return next(check for check in found.checks if check.name == name)
 
 
@@ -62,7 +62,7 @@ def test_fit_passes_all_checks_for_a_valid_test(test: RampHold) -> None:
 
 def test_a_clipped_force(test: RampHold) -> None:
     found = fit(replace(test, force=np.minimum(test.force, 1.9)), arms=2)
-    check = named(found, "force_not_clipped")
+    check = get_check(found, "force_not_clipped")
     assert check.failed
     assert "is clipped at 1.9 N" in check.message
     assert "Use a larger range of the sensor" in check.message_with_remedy
@@ -76,7 +76,7 @@ def test_a_clipped_force(test: RampHold) -> None:
 
 def test_a_force_below_the_resolution(test: RampHold) -> None:
     coarse = replace(test, force=np.round(test.force / 0.2) * 0.2)
-    check = named(fit(coarse, arms=1), "force_resolved")
+    check = get_check(fit(coarse, arms=1), "force_resolved")
     assert check.failed
     assert check.value is not None
     assert check.value < 20
@@ -89,10 +89,12 @@ def test_a_force_below_the_resolution(test: RampHold) -> None:
 def test_a_coarse_encoder_widens_the_intervals(paper_seal: GeneralizedMaxwell) -> None:
     test = record_of(paper_seal, rate=500.0)
     coarse = replace(test, displacement=np.round(test.displacement / 2e-4) * 2e-4)
-    check = named(fit(coarse, arms=2), "depth_resolved")
+    check = get_check(fit(coarse, arms=2), "depth_resolved")
     assert check.failed
     assert "Use a finer encoder" in check.message_with_remedy
-    sharp, blunt = (np.sqrt(of_noise(fit(one, arms=2)).covariance[0, 0]) for one in (test, coarse))
+    sharp, blunt = (
+        np.sqrt(restrict_to_noise(fit(one, arms=2)).covariance[0, 0]) for one in (test, coarse)
+    )
     assert blunt > 2 * sharp
     assert blunt == pytest.approx(
         1.36,
@@ -104,30 +106,30 @@ def test_a_coarse_encoder_widens_the_intervals(paper_seal: GeneralizedMaxwell) -
 
 def test_a_plate_that_creeps(test: RampHold) -> None:
     creeping = replace(test, displacement=test.displacement * (1 + 1e-3 * test.time.clip(0)))
-    check = named(fit(creeping, arms=2), "hold_is_still")
+    check = get_check(fit(creeping, arms=2), "hold_is_still")
     assert check.passed  # the recorded motion is fitted
     assert "The fit uses the recorded motion" in check.message
     assert record_checks.hold_is_still(creeping, method="hold").failed
 
 
 def test_a_hold_too_short_for_the_ramp(paper_seal: GeneralizedMaxwell) -> None:
-    check = named(fit(record_of(paper_seal, hold=6.0), arms=1), "hold_outlasts_ramp")
+    check = get_check(fit(record_of(paper_seal, hold=6.0), arms=1), "hold_outlasts_ramp")
     assert check.failed
     assert "Hold longer, or ramp faster." in check.message_with_remedy
 
 
 def test_a_hold_too_short_for_the_slowest_arm(paper_seal: GeneralizedMaxwell) -> None:
     """Judged by how the force may still fall, not by the arms that the fit has."""
-    check = named(fit(record_of(paper_seal, hold=15.0)), "hold_long_enough")
+    check = get_check(fit(record_of(paper_seal, hold=15.0)), "hold_long_enough")
     assert check.failed
     # 17.8 N/m at 16.4 s fall by 1/e of it per factor e of time, and a drift may add to it
     assert 17.8 * np.exp(-1) / 203 < check.value < 0.05
     assert "k_inf is extrapolated" in check.message
-    assert named(fit(record_of(paper_seal, hold=15.0), arms=1), "hold_long_enough").failed
+    assert get_check(fit(record_of(paper_seal, hold=15.0), arms=1), "hold_long_enough").failed
 
 
 def test_a_ramp_with_too_few_samples(paper_seal: GeneralizedMaxwell) -> None:
-    check = named(fit(record_of(paper_seal, rate=5.0), arms=1), "ramp_sampled")
+    check = get_check(fit(record_of(paper_seal, rate=5.0), arms=1), "ramp_sampled")
     assert check.failed
     assert "An arm as fast as the ramp cannot be seen. Sample faster." in check.message_with_remedy
 
@@ -138,18 +140,18 @@ def test_a_force_that_rises_is_not_fitted_silently(test: RampHold) -> None:
         found = fit(swelling, method=method)  # type: ignore[arg-type]
         assert found.status is Status.FORCE_RISES
         assert not found.ok
-        assert "No relaxing part does that" in named(found, "force_relaxes").message
+        assert "No relaxing part does that" in get_check(found, "force_relaxes").message
         assert "a relaxing seal cannot do that" in found.status.value
 
 
 def test_a_drift_of_the_rig_is_no_rise(test: RampHold) -> None:
     drifting = replace(test, force=test.force + 2e-4 * test.time)
-    assert named(fit(drifting), "force_relaxes").passed
+    assert get_check(fit(drifting), "force_relaxes").passed
 
 
 def test_strain_check_fails_over_a_fifth_of_the_height(test: RampHold) -> None:
     deep = replace(test, specimen=Specimen(height=0.02))
-    check = named(fit(deep, arms=2), "strain_small")
+    check = get_check(fit(deep, arms=2), "strain_small")
     assert check.failed
     assert check.value == pytest.approx(0.4)
     assert "k_inf is a secant stiffness" in check.message
@@ -161,7 +163,7 @@ def test_arms_that_merge() -> None:
     close = GeneralizedMaxwell(196.5, (60.0, 60.0), (2.0, 2.6))
     found = fit(record_of(close, noise=1e-6, rate=200.0), arms=2)
     assert found.model.arms == 2
-    check = named(found, "arms_distinct")
+    check = get_check(found, "arms_distinct")
     assert check.failed
     assert "cannot separate two arms. Use 1 arm." in check.message_with_remedy
 
@@ -169,7 +171,7 @@ def test_arms_that_merge() -> None:
 def test_more_arms_than_the_data_support(test: RampHold) -> None:
     found = fit(test, arms=4)
     assert found.status is not Status.CONVERGED
-    check = named(found, "arms_supported")
+    check = get_check(found, "arms_supported")
     if found.model.arms > 2:
         assert check.failed
         assert "cannot be separated from noise" in check.message
@@ -180,7 +182,7 @@ def test_an_arm_slower_than_the_hold() -> None:
     slow = GeneralizedMaxwell(100.0, (80.0,), (90.0,))
     found = fit(record_of(slow, noise=1e-4), arms=1)
     assert found.status is Status.TAU_AT_BOUND
-    check = named(found, "tau_inside_window")
+    check = get_check(found, "tau_inside_window")
     assert check.failed
     assert "outside what the record can show" in check.message
 
@@ -188,33 +190,33 @@ def test_an_arm_slower_than_the_hold() -> None:
 def test_a_seal_that_flows_has_no_equilibrium() -> None:
     fluid = GeneralizedMaxwell(0.0, (200.0,), (20.0,))
     found = fit(record_of(fluid), arms=1)
-    check = named(found, "k_inf_positive")
+    check = get_check(found, "k_inf_positive")
     assert check.failed
     assert "It may be zero" in check.message
     assert found.status is not Status.CONVERGED
 
 
 def test_residuals_check_detects_a_remaining_curve(test: RampHold) -> None:
-    check = named(fit(test, arms=1), "residuals_white")
+    check = get_check(fit(test, arms=1), "residuals_white")
     assert check.failed
     assert "The model misses part of the curve" in check.message
     smooth = np.convolve(np.random.default_rng(1).standard_normal(len(test.time) + 80), np.ones(81))
     filtered = replace(test, force=test.force + 1e-3 * smooth[80:-80], force_noise=1e-2)
-    assert "was filtered, or drifts" in named(fit(filtered, arms=2), "residuals_white").message
+    assert "was filtered, or drifts" in get_check(fit(filtered, arms=2), "residuals_white").message
 
 
 def test_residuals_check_detects_slow_wandering(test: RampHold) -> None:
     random = np.random.default_rng(5)
     walk = np.cumsum(random.standard_normal(len(test.time)))
     found = fit(replace(test, force=test.force + 1e-3 * walk), arms=2)
-    check = named(found, "residuals_steady")
+    check = get_check(found, "residuals_steady")
     assert check.failed
     assert "The force wanders slowly" in check.message
-    assert named(fit(test, arms=2), "residuals_steady").passed
+    assert get_check(fit(test, arms=2), "residuals_steady").passed
 
 
 def test_what_a_step_would_have_made_of_the_ramp(paper_seal: GeneralizedMaxwell) -> None:
-    check = named(fit(record_of(paper_seal, noise=0.0), arms=2), "ramp_accounted_for")
+    check = get_check(fit(record_of(paper_seal, noise=0.0), arms=2), "ramp_accounted_for")
     assert check.passed
     assert check.value == pytest.approx(-0.5664, abs=1e-4)
     assert "k_1 by -57 %, k_2 by -3 %" in check.message
@@ -222,7 +224,7 @@ def test_what_a_step_would_have_made_of_the_ramp(paper_seal: GeneralizedMaxwell)
 
 def test_an_arm_lost_in_the_ramp() -> None:
     quick = GeneralizedMaxwell(196.5, (150.0, 20.0), (0.03, 5.0))
-    check = named(fit(record_of(quick, rate=1000.0, noise=1e-3), arms=2), "fast_arm_visible")
+    check = get_check(fit(record_of(quick, rate=1000.0, noise=1e-3), arms=2), "fast_arm_visible")
     assert check.failed
     assert "Only the product b = k tau is known" in check.message
 
@@ -230,13 +232,13 @@ def test_an_arm_lost_in_the_ramp() -> None:
 def test_drift_that_hides_a_slow_arm() -> None:
     slow = GeneralizedMaxwell(180.0, (15.0,), (35.0,))
     loose = replace(record_of(slow, noise=2e-2), machine=Machine(drift=1.0))
-    check = named(fit(loose, arms=1), "drift_distinguished_from_arm")
+    check = get_check(fit(loose, arms=1), "drift_distinguished_from_arm")
     assert check.failed
     assert "Record a longer baseline before contact" in check.message_with_remedy
     # eq. 5 has no ramp to tell them apart either
-    assert named(fit(loose, arms=1, method="hold"), "drift_distinguished_from_arm").failed
+    assert get_check(fit(loose, arms=1, method="hold"), "drift_distinguished_from_arm").failed
     alone = fit(record_of(slow), arms=1, method="hold", nuisance=())
-    without = named(alone, "drift_distinguished_from_arm")
+    without = get_check(alone, "drift_distinguished_from_arm")
     assert without.passed is None
     assert "No drift is fitted" in without.message
 
@@ -251,10 +253,10 @@ def test_rules_that_disagree_say_so() -> None:
 
 
 def test_a_choice_at_the_end_of_what_was_tried_says_so(test: RampHold) -> None:
-    check = named(fit(test, max_arms=1), "order_agreed")
+    check = get_check(fit(test, max_arms=1), "order_agreed")
     assert check.failed
     assert "That is the most that was tried. Ask for more than 1 arms." in check.message_with_remedy
-    assert named(fit(test), "order_agreed").passed
+    assert get_check(fit(test), "order_agreed").passed
 
 
 def test_eq_5_and_the_recorded_motion_disagree(test: RampHold) -> None:
@@ -263,17 +265,17 @@ def test_eq_5_and_the_recorded_motion_disagree(test: RampHold) -> None:
     eased = 8e-3 * s**4
     seal = GeneralizedMaxwell(196.5, (117.5, 17.8), (0.502, 16.4))
     found = fit(replace(test, displacement=eased, force=seal.force(test.time, eased)), arms=2)
-    check = named(found, "hold_and_full_agree")
+    check = get_check(found, "hold_and_full_agree")
     assert check.failed
     assert "Use the fit of ramp and hold" in check.message_with_remedy
     assert found.model.k[0] == pytest.approx(117.5, rel=1e-5)
-    assert named(fit(test, arms=2), "hold_and_full_agree").passed
+    assert get_check(fit(test, arms=2), "hold_and_full_agree").passed
 
 
 def test_the_worst_of_several_tests_speaks(test: RampHold, paper_seal: GeneralizedMaxwell) -> None:
     again = record_of(paper_seal, seed=1)
     clipped = replace(again, force=np.minimum(again.force, 1.9))
-    check = named(fit([test, clipped], arms=2), "force_not_clipped")
+    check = get_check(fit([test, clipped], arms=2), "force_not_clipped")
     assert check.failed
     assert check.message.startswith("In test 2 of 2, the force is clipped")
 
@@ -281,12 +283,12 @@ def test_the_worst_of_several_tests_speaks(test: RampHold, paper_seal: Generaliz
 def test_a_test_of_nothing_but_noise_informs_no_frequency(test: RampHold) -> None:
     noise = np.random.default_rng(3).standard_normal(len(test.time))
     found = fit(replace(test, force=noise, force_noise=1.0))
-    check = named(found, "valid_band_exists")
+    check = get_check(found, "valid_band_exists")
     assert check.failed
     assert "Reduce the noise, press deeper, or hold longer." in check.message_with_remedy
     assert found.band[0] == found.band[1]
     whole = fit(test)
     assert (
         f"The valid band of this test is {whole.band[0]:.2g} to 0.32 Hz"
-        in named(whole, "valid_band_exists").message
+        in get_check(whole, "valid_band_exists").message
     )

@@ -33,7 +33,7 @@ LINES = np.arange(4.0, 40.0, 0.1)
 
 
 @cache
-def pressed(seed: int) -> RampHold:
+def make_relaxation(seed: int) -> RampHold:
     """A ramp and hold of Table 1 in closed form: 1 s to 8 mm, 40 s, with white noise of 5 mN."""
     time = np.arange(-1.0, 41.0, 0.005)
     rate, t = 8e-3, time[:, None]
@@ -53,11 +53,11 @@ def pressed(seed: int) -> RampHold:
 
 @cache
 def fit_relaxation(seed: int) -> Fit:
-    return fit(pressed(seed), arms=2)
+    return fit(make_relaxation(seed), arms=2)
 
 
 def hammer(seed: int, *, scale: float = 1.0, mass: float = MASS, gain: float = 1.0) -> FRF:
-    value, sd = hardening.hammered(
+    value, sd = hardening.simulate_accelerance(
         LINES, mass=mass, seals=SEALS, scale=scale, noise=0.01, seed=1000 + seed
     )
     return FRF(LINES, gain * value, sd=gain * sd, averages=4, units="SI")
@@ -65,7 +65,11 @@ def hammer(seed: int, *, scale: float = 1.0, mass: float = MASS, gain: float = 1
 
 def joint(seed: int, **hit: float) -> Fit:
     return identify(
-        hammer(seed, **hit), tests=pressed(seed), fit=fit_relaxation(seed), mass=MASS, seals=2
+        hammer(seed, **hit),
+        tests=make_relaxation(seed),
+        fit=fit_relaxation(seed),
+        mass=MASS,
+        seals=2,
     )
 
 
@@ -73,7 +77,9 @@ def joint(seed: int, **hit: float) -> Fit:
 def stiffer() -> Fit:
     """Seals that are stiffer under the hammer, fitted with the arms that are there."""
     frf = hammer(1, scale=1.15)
-    return identify(frf, tests=pressed(1), fit=fit_relaxation(1), mass=MASS, seals=2, arms=2)
+    return identify(
+        frf, tests=make_relaxation(1), fit=fit_relaxation(1), mass=MASS, seals=2, arms=2
+    )
 
 
 def get_agreement_sentence(found: Fit) -> str:
@@ -91,7 +97,9 @@ def test_tests_that_agree_need_no_explanation() -> None:
 
 
 def test_what_is_free_anyway_explains_nothing_more() -> None:
-    found = identify(hammer(1, scale=1.15), tests=pressed(1), fit=fit_relaxation(1), seals=2)
+    found = identify(
+        hammer(1, scale=1.15), tests=make_relaxation(1), fit=fit_relaxation(1), seals=2
+    )
     assert "mass" not in {one.name for one in found.evidence.explanations}
 
 
@@ -205,7 +213,7 @@ def test_another_mode_in_the_frf_is_no_disagreement() -> None:
     other = 0.02 / 0.1 * s**2 / (s**2 + 0.04 * omega * s + omega**2)
     found = identify(
         replace(frf, value=frf.value + other),
-        tests=pressed(1),
+        tests=make_relaxation(1),
         fit=fit_relaxation(1),
         mass=MASS,
         seals=2,
@@ -233,7 +241,7 @@ def test_explanations_detect_fifteen_per_cent_over_many_seeds() -> None:
 # -- at the compression of the mass -------------------------------------------------------------
 
 
-def hardened(seed: int, se: float = 0.01) -> Fit:
+def harden_fit(seed: int, se: float = 0.01) -> Fit:
     knots, shape = hardening.law()
     law = ElasticLaw(
         tuple(knots), tuple(shape), fit_relaxation(seed).model.k_inf, (se,) * len(knots)
@@ -248,7 +256,7 @@ def factor(compression: float) -> float:
 def test_explanations_are_empty_for_hardening_seals_at_their_compression() -> None:
     at = hardening.resting(MASS, SEALS)
     frf = hammer(1, scale=factor(at))
-    found = identify(frf, tests=pressed(1), fit=hardened(1), mass=MASS, seals=2)
+    found = identify(frf, tests=make_relaxation(1), fit=harden_fit(1), mass=MASS, seals=2)
     assert found.evidence.explanations == ()
     nuisance = {item.name: item for item in found.estimate.nuisance}["stiffness_factor"]
     assert nuisance.value == pytest.approx(factor(at), abs=3 * nuisance.standard_error)
@@ -261,10 +269,12 @@ def test_explanations_are_empty_for_hardening_seals_at_their_compression() -> No
 
 def test_another_compression_is_named() -> None:
     frf = hammer(1, scale=factor(5e-3))
-    found = identify(frf, tests=pressed(1), fit=hardened(1), mass=MASS, seals=2)
+    found = identify(frf, tests=make_relaxation(1), fit=harden_fit(1), mass=MASS, seals=2)
     assert found.evidence.explanations[0].name == "stiffness"
     assert re.search(r"gives this at (4\.9\d|5) mm, not 3\.24 mm", get_agreement_sentence(found))
-    agreed = identify(frf, tests=pressed(1), fit=hardened(1), mass=MASS, seals=2, compression=5e-3)
+    agreed = identify(
+        frf, tests=make_relaxation(1), fit=harden_fit(1), mass=MASS, seals=2, compression=5e-3
+    )
     assert agreed.evidence.explanations == ()
 
 

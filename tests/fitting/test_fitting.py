@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from kit.fits import formal_errors, of_noise
+from kit.fits import formal_errors, restrict_to_noise
 
 from dashpot.base.errors import DataError, FitError, Status
 from dashpot.datamodel.fit import Fit
@@ -59,7 +59,7 @@ def five(model: GeneralizedMaxwell) -> tuple[float, ...]:
 
 def five_errors(found: Fit) -> np.ndarray:
     """Of the noise alone."""
-    error = formal_errors(of_noise(found))
+    error = formal_errors(restrict_to_noise(found))
     return np.array([error["k_inf"], *error["k"], *error["tau"]])
 
 
@@ -109,8 +109,8 @@ def test_fit_returns_every_order_for_comparison(paper_seal: GeneralizedMaxwell) 
 
 def test_the_full_history_knows_fast_arms_twice_as_well(paper_seal: GeneralizedMaxwell) -> None:
     test = ideal(paper_seal, noise=5e-3, seed=3)
-    full = formal_errors(of_noise(fit(test, arms=2, nuisance=())))
-    hold = formal_errors(of_noise(fit(test, arms=2, method="hold", nuisance=())))
+    full = formal_errors(restrict_to_noise(fit(test, arms=2, nuisance=())))
+    hold = formal_errors(restrict_to_noise(fit(test, arms=2, method="hold", nuisance=())))
     assert 100 * hold["k"][0] / 117.5 == pytest.approx(0.65, abs=0.05)
     assert 100 * full["k"][0] / 117.5 == pytest.approx(0.28, abs=0.05)
     assert 100 * hold["tau"][0] / 0.502 == pytest.approx(0.60, abs=0.05)
@@ -195,14 +195,14 @@ def test_a_noise_free_seal_comes_back(k_inf: float, k: float, tau: float, depth:
 @settings(max_examples=8, deadline=None)
 @given(st.floats(0.1, 10.0), st.floats(0.01, 100.0))
 def test_units_of_force_and_time_scale_through(force: float, slow: float) -> None:
-    test, scaled = in_other_units(force, slow)
+    test, scaled = convert_units(force, slow)
     one, other = fit(test, arms=2), fit(scaled, arms=2)
     np.testing.assert_allclose(other.model.k, force * np.array(one.model.k), rtol=1e-5)
     np.testing.assert_allclose(other.model.tau, slow * np.array(one.model.tau), rtol=1e-5)
     np.testing.assert_allclose(five_errors(other)[1:3], force * five_errors(one)[1:3], rtol=1e-3)
 
 
-def in_other_units(force: float, slow: float) -> tuple[RampHold, RampHold]:
+def convert_units(force: float, slow: float) -> tuple[RampHold, RampHold]:
     seal = GeneralizedMaxwell(196.5, (117.5, 17.8), TRUTH[3:])
     test = ideal(seal, noise=5e-3, rate=20.0)
     return test, replace(
@@ -218,9 +218,7 @@ def in_other_units(force: float, slow: float) -> tuple[RampHold, RampHold]:
 def test_rig_errors_scale_with_the_units() -> None:
     """The usual cell warms in 120 s, and usual clocks are 5 ms apart, in any unit of time."""
     still = Machine(sync=0.0, drift=0.0, compliance=0.0, creep=0.0, rest=1e9)
-    one, other = (
-        fit(replace(each, machine=still), arms=2) for each in in_other_units(4.4482, 60.0)
-    )
+    one, other = (fit(replace(each, machine=still), arms=2) for each in convert_units(4.4482, 60.0))
     here, there = formal_errors(one), formal_errors(other)
     # laid out in some hundred samples
     np.testing.assert_allclose(there["k"], 4.4482 * np.array(here["k"]), rtol=1e-2)

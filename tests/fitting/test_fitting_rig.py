@@ -11,7 +11,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from kit.fits import formal_errors, of_noise
+from kit.fits import formal_errors, restrict_to_noise
 from scipy.signal import lfilter
 
 from dashpot.base.errors import Status
@@ -106,7 +106,7 @@ def test_a_profile_counts_the_noise_that_it_meets_on_its_way(seed: int) -> None:
     low, high = found.estimate.noise_only.intervals(found.model, 0.95)["k_inf"]
     assert low < coverage.SEAL.k_inf < high
     # the standard error at the optimum knows nothing of that
-    error = np.sqrt(of_noise(found).covariance[0, 0])
+    error = np.sqrt(restrict_to_noise(found).covariance[0, 0])
     assert found.model.k_inf - 2.0 * error > coverage.SEAL.k_inf
 
 
@@ -117,7 +117,7 @@ def test_naive_intervals_would_not_cover() -> None:
     for seed in range(15):
         record = coverage.record(coverage.SEAL, noise, seed, rate=200.0)
         found = fit(record, arms=2, method="hold", nuisance=coverage.KNOWN_CLOCKS)
-        value, error = estimates(of_noise(found))
+        value, error = estimates(restrict_to_noise(found))
         hits.append(
             np.abs(value - TRUTH)
             < 1.96 * error / np.sqrt(found.estimate.residual.variance_inflation)
@@ -238,8 +238,8 @@ def test_contact_error_widens_the_intervals(seed: int) -> None:
     made = simulate_relaxation(PAPER, rig=Rig(gap=0.5e-3), seed=seed)
     prepared = prepare(made.test)
     assert prepared.contact_error > 0
-    found = of_noise(fit(prepared, arms=2))
-    sure = of_noise(fit(replace(prepared, contact_error=0.0), arms=2))
+    found = restrict_to_noise(fit(prepared, arms=2))
+    sure = restrict_to_noise(fit(replace(prepared, contact_error=0.0), arms=2))
     error = formal_errors(found)
     assert error["k"][0] > 1.25 * sure.standard_error["k"][0]
     assert abs(found.model.k[0] - PAPER.k[0]) < 3.5 * error["k"][0]

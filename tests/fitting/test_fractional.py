@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from kit.fits import of_noise, solid_errors, solid_intervals
+from kit.fits import restrict_to_noise, solid_errors, solid_intervals
 from kit.slopes import hold_slopes
 from kit.trials import (
     DISTURBANCES,
@@ -79,20 +79,20 @@ def seals_of_arms(count: int):
 NAMED = dp.Machine(sync=0.0, drift=0.0, compliance=0.0, creep=0.0)
 
 
-def pressed(
+def press_seal(
     seal: Seal, *, seed: int = 1, bench=SOUND, law: str = "linear", machine=None
 ) -> dp.RampHold:
     return prepare(relaxation_test(record(seal, bench, seed=seed, law=law)), machine=machine)
 
 
 @cache
-def fitted(truth: tuple[float, float, float, float]) -> dp.Fit:
-    return fit(pressed(Seal.fractional(*truth)), family="auto")
+def fit_fractional(truth: tuple[float, float, float, float]) -> dp.Fit:
+    return fit(press_seal(Seal.fractional(*truth)), family="auto")
 
 
 @pytest.mark.parametrize("truth", TRUTHS)
 def test_fractional_fit_recovers_the_loss_at_resonance(truth) -> None:
-    found = fitted(truth)
+    found = fit_fractional(truth)
     assert found.family == "fractional"
     K = complex(found.solid.complex_stiffness(omega=RESONANCE))
     true = complex(Seal.fractional(*truth).stiffness(np.array([RESONANCE]))[0])
@@ -105,7 +105,7 @@ def test_fractional_fit_recovers_the_loss_at_resonance(truth) -> None:
 
 @pytest.mark.parametrize("truth", TRUTHS)
 def test_the_arms_that_explain_the_same_record_are_not_hidden(truth) -> None:
-    found = fitted(truth)
+    found = fit_fractional(truth)
     other = found.evidence.alternative
     assert other is not None
     assert (other.family, other.is_sufficient) == ("maxwell", True)
@@ -123,7 +123,7 @@ def test_the_arms_that_explain_the_same_record_are_not_hidden(truth) -> None:
 
 @pytest.mark.parametrize("seal", [PAPER, BROAD, *seals_of_arms(5)])
 def test_a_seal_of_arms_keeps_them(seal) -> None:
-    found = fit(pressed(Seal.of_arms(*seal)), family="auto")
+    found = fit(press_seal(Seal.of_arms(*seal)), family="auto")
     assert found.family == "maxwell"
     assert found.evidence.alternative.family == "fractional"
     assert not found.evidence.alternative.is_sufficient
@@ -132,7 +132,7 @@ def test_a_seal_of_arms_keeps_them(seal) -> None:
 
 @pytest.mark.parametrize("law", [name for name in LAWS if name != "linear"])
 def test_a_seal_that_is_not_linear_is_not_called_fractional(law: str) -> None:
-    found = fit(pressed(Seal.of_arms(*PAPER), law=law), family="auto")
+    found = fit(press_seal(Seal.of_arms(*PAPER), law=law), family="auto")
     assert found.family == "maxwell"
     assert found.elastic_law.kind == "piecewise"
     assert not found.evidence.alternative.is_sufficient
@@ -140,7 +140,7 @@ def test_a_seal_that_is_not_linear_is_not_called_fractional(law: str) -> None:
 
 def test_fractional_fit_with_coloured_noise_reports_the_maxwell_alternative() -> None:
     bench = DISTURBANCES["coloured noise"]
-    found = fit(pressed(Seal.fractional(*TRUTHS[0]), bench=bench), family="auto")
+    found = fit(press_seal(Seal.fractional(*TRUTHS[0]), bench=bench), family="auto")
     assert found.family == "fractional"
     true = Seal.fractional(*TRUTHS[0]).stiffness(np.array([RESONANCE]))[0]
     assert found.solid.loss(omega=RESONANCE) == pytest.approx(true.imag, rel=0.15)
@@ -154,14 +154,14 @@ def test_fractional_fit_with_coloured_noise_reports_the_maxwell_alternative() ->
 
 @pytest.mark.parametrize("name", ["late 1 ms", "late 5 ms", "hum", "drift", "compliance"])
 def test_family_selection_is_robust_to_bench_faults(name: str) -> None:
-    found = fit(pressed(Seal.fractional(*TRUTHS[0]), bench=DISTURBANCES[name]), family="auto")
+    found = fit(press_seal(Seal.fractional(*TRUTHS[0]), bench=DISTURBANCES[name]), family="auto")
     assert found.family == "fractional"
     true = Seal.fractional(*TRUTHS[0]).stiffness(np.array([RESONANCE]))[0]
     assert found.solid.loss(omega=RESONANCE) == pytest.approx(true.imag, rel=0.05)
 
 
 def test_a_fractional_solid_that_arms_contradict_says_so() -> None:
-    found = fit(pressed(Seal.of_arms(*PAPER)), family="fractional")
+    found = fit(press_seal(Seal.of_arms(*PAPER)), family="fractional")
     assert found.family == "fractional"
     assert found.verdict.use == "do not use"
     failed = {one.name for one in found.checks if one.failed}
@@ -170,7 +170,7 @@ def test_a_fractional_solid_that_arms_contradict_says_so() -> None:
 
 
 def test_arms_stay_the_default() -> None:
-    test = pressed(Seal.fractional(*TRUTHS[0]))
+    test = press_seal(Seal.fractional(*TRUTHS[0]))
     found = fit(test)
     assert found.family == "maxwell"
     assert found.evidence.alternative is None
@@ -193,7 +193,7 @@ def test_fractional_element_is_recovered_from_any_noise_free_test() -> None:
 
 def test_a_trial_is_differentiated() -> None:
     columns = ArmColumns(
-        data_of([pressed(Seal.fractional(*TRUTHS[0]))], FitSetup("full")).bound().rows
+        data_of([press_seal(Seal.fractional(*TRUTHS[0]))], FitSetup("full")).bound().rows
     )
     theta = np.array([np.log(0.07), 0.55])
     here = columns.problem.solve_linear(theta)
@@ -204,7 +204,7 @@ def test_a_trial_is_differentiated() -> None:
 
 
 def test_half_a_fit_is_half_of_everything_but_its_shape() -> None:
-    found = fitted(TRUTHS[0])
+    found = fit_fractional(TRUTHS[0])
     half = found.in_parallel(0.5)
     for name, error in solid_errors(found).items():
         factor = 1.0 if name in {"tau", "alpha"} else 0.5
@@ -216,7 +216,7 @@ def test_half_a_fit_is_half_of_everything_but_its_shape() -> None:
 
 
 def test_errors_of_fractional_arms_follow_from_its_parameters() -> None:
-    found = fitted(TRUTHS[0])
+    found = fit_fractional(TRUTHS[0])
     error, own = found.standard_error, solid_errors(found)
     assert np.isnan([error["k_inf"], own["k_inf"]]).all()
     assert error["tau"] == pytest.approx(np.array(found.model.tau) * own["tau"] / found.solid.tau)
@@ -224,7 +224,7 @@ def test_errors_of_fractional_arms_follow_from_its_parameters() -> None:
 
 
 def test_its_formal_band_is_that_of_its_four_parameters() -> None:
-    found = fitted(TRUTHS[0])
+    found = fit_fractional(TRUTHS[0])
     band = parameter_band(found, [1.0, 12.71])
     true = Seal.fractional(*TRUTHS[0]).stiffness(2 * np.pi * band.frequency)
     for limits, value in ((band.storage, true.real), (band.loss, true.imag)):
@@ -232,7 +232,7 @@ def test_its_formal_band_is_that_of_its_four_parameters() -> None:
         assert (value <= limits[1]).all()
     loud, quiet = (
         (one.loss[1] - one.loss[0]) / true.imag
-        for one in (band, parameter_band(of_noise(found), [1.0, 12.71]))
+        for one in (band, parameter_band(restrict_to_noise(found), [1.0, 12.71]))
     )
     assert 0.02 < quiet[0] < quiet[1] < 0.3
     assert (quiet < loud).all()
@@ -240,8 +240,8 @@ def test_its_formal_band_is_that_of_its_four_parameters() -> None:
 
 
 def test_it_is_bounded_over_every_spectrum_as_arms_are() -> None:
-    found, truth = fitted(TRUTHS[0]), TRUTHS[0]
-    test = pressed(Seal.fractional(*truth))
+    found, truth = fit_fractional(TRUTHS[0]), TRUTHS[0]
+    test = press_seal(Seal.fractional(*truth))
     bounds = unseen_arm_band(found, test, [0.1, 1.0])
     true = Seal.fractional(*truth).stiffness(2 * np.pi * bounds.frequency)
     for limits, value in ((bounds.storage, true.real), (bounds.loss, true.imag)):
@@ -252,7 +252,7 @@ def test_it_is_bounded_over_every_spectrum_as_arms_are() -> None:
 
 
 def test_fractional_fit_is_archived_with_its_parameters() -> None:
-    found = fitted(TRUTHS[0])
+    found = fit_fractional(TRUTHS[0])
     text = to_json(found)
     assert from_json(text) == found
     document = json.loads(text)
@@ -273,7 +273,7 @@ def test_fractional_fit_is_archived_with_its_parameters() -> None:
 )
 def test_what_makes_no_sense_is_refused(choices, message: str) -> None:
     with pytest.raises(FitError, match=message):
-        fit(pressed(Seal.of_arms(*PAPER)), **choices)
+        fit(press_seal(Seal.of_arms(*PAPER)), **choices)
 
 
 def test_divergence_frequency_marks_where_two_models_differ() -> None:
@@ -289,7 +289,7 @@ def test_divergence_frequency_marks_where_two_models_differ() -> None:
 
 
 def test_the_report_shows_what_both_families_make_of_the_resonance() -> None:
-    found, held = fitted(TRUTHS[0]), pressed(Seal.fractional(*TRUTHS[0]))
+    found, held = fit_fractional(TRUTHS[0]), press_seal(Seal.fractional(*TRUTHS[0]))
     rests = find_static_equilibrium(found, MassOnSeals(0.114, 2))
     study = Study(
         test=relaxation_test(record(Seal.fractional(*TRUTHS[0]), seed=1)), prepared=held,
@@ -354,7 +354,7 @@ def test_a_sweep_of_arms_keeps_them() -> None:
 
 def test_joint_fit_of_sweep_and_hold_is_one_fractional_model() -> None:
     truth = dp.solids.FractionalZener(500.0, 200.0, 0.05, 0.5)
-    test = pressed(Seal.fractional(200.0, 300.0, 0.05, 0.5))
+    test = press_seal(Seal.fractional(200.0, 300.0, 0.05, 0.5))
     both = fit_dynamic(sweep(truth, noise=0.01, unit="N/m"), tests=test, family="fractional")
     alone = fit_dynamic(sweep(truth, noise=0.01, unit="N/m"), family="fractional")
     assert both.solid.alpha == pytest.approx(0.5, abs=3 * solid_errors(both)["alpha"])
@@ -382,11 +382,11 @@ RIG = {"mass": MASS, "seals": 2}
 
 
 @cache
-def hammered(seed: int = 2) -> dp.FRF:
+def simulate_hammer_frf(seed: int = 2) -> dp.FRF:
     return estimate_frf(impact_test(strike(Seal.fractional(*TRUTHS[0]), seed=seed, **RIG)))
 
 
-def inside(found: dp.Fit, truth=TRUTHS[0]) -> bool:
+def holds_truth(found: dp.Fit, truth=TRUTHS[0]) -> bool:
     known = {"k_inf": truth[0], "k_0": truth[0] + truth[1], "tau": truth[2], "alpha": truth[3]}
     ends = solid_intervals(found)
     return all(ends[name][0] <= value <= ends[name][1] for name, value in known.items())
@@ -394,9 +394,9 @@ def inside(found: dp.Fit, truth=TRUTHS[0]) -> bool:
 
 @pytest.mark.once
 def test_identify_distinguishes_fractional_from_arms_by_hammer_test() -> None:
-    found = identify(hammered(), family="auto", **RIG)
+    found = identify(simulate_hammer_frf(), family="auto", **RIG)
     assert (found.family, found.method) == ("fractional", "frf")
-    assert inside(found)
+    assert holds_truth(found)
     # three arms follow the lines as well, and put the stiffness at rest elsewhere
     other = found.evidence.alternative
     assert (other.family, other.is_sufficient) == ("maxwell", True)
@@ -420,15 +420,15 @@ def test_identify_finds_the_optimum_along_a_narrow_valley() -> None:
     assert held.solid.k_inf == pytest.approx(solid.k_inf, abs=0.02)
     # the whole valley is at hand, so nothing on it is better
     assert found.estimate.residual.sse <= held.estimate.residual.sse
-    assert inside(found, (solid.k_inf, solid.k_0 - solid.k_inf, solid.tau, solid.alpha))
+    assert holds_truth(found, (solid.k_inf, solid.k_0 - solid.k_inf, solid.tau, solid.alpha))
 
 
 @pytest.mark.once
 def test_joint_fit_of_hammer_and_relaxation_is_one_fractional_model() -> None:
-    test, alone = pressed(Seal.fractional(*TRUTHS[0])), fitted(TRUTHS[0])
-    joint = identify(hammered(), tests=test, fit=alone, arms=6, family="auto", **RIG)
+    test, alone = press_seal(Seal.fractional(*TRUTHS[0])), fit_fractional(TRUTHS[0])
+    joint = identify(simulate_hammer_frf(), tests=test, fit=alone, arms=6, family="auto", **RIG)
     assert (joint.family, joint.method) == ("fractional", "joint")
-    assert inside(joint)
+    assert holds_truth(joint)
     assert joint.evidence.alternative.bic > 50
     error, before = solid_errors(joint), solid_errors(alone)
     # neither bounds k_inf from below, which has no error
@@ -436,17 +436,17 @@ def test_joint_fit_of_hammer_and_relaxation_is_one_fractional_model() -> None:
     assert all(error[name] < before[name] for name in before if name != "k_inf")
     # what the rig may have given counts with either; one that is named, with cables that hang free,
     # leaves what the hammer determined
-    known = pressed(Seal.fractional(*TRUTHS[0]), machine=NAMED)
+    known = press_seal(Seal.fractional(*TRUTHS[0]), machine=NAMED)
     rig = HammerRig(cable=0.0)
-    sure = identify(hammered(), tests=known, family="fractional", rig=rig, **RIG)
-    assert inside(sure)
+    sure = identify(simulate_hammer_frf(), tests=known, family="fractional", rig=rig, **RIG)
+    assert holds_truth(sure)
     told = solid_errors(fit(known, family="fractional"))
     assert solid_errors(sure)["k_0"] < 0.15 * told["k_0"]
     assert solid_errors(sure)["k_0"] < 0.15 * error["k_0"]
     moved = {one.name: one for one in joint.evidence.parameter_changes}
     assert set(moved) == {"k_inf", "k_0", "tau", "alpha"}
     assert moved["tau"].before == alone.solid.tau
-    assert moved["tau"].after_se == solid_errors(of_noise(joint))["tau"]
+    assert moved["tau"].after_se == solid_errors(restrict_to_noise(joint))["tau"]
     assert {name for name, one in moved.items() if one.shift is None} == {"k_inf"}
     assert all(abs(one.shift) < 3 for name, one in moved.items() if name != "k_inf")
     true = Seal.fractional(*TRUTHS[0]).stiffness(np.array([RESONANCE]))[0]
@@ -455,13 +455,15 @@ def test_joint_fit_of_hammer_and_relaxation_is_one_fractional_model() -> None:
 
 
 def test_earlier_fractional_fit_is_a_prior_of_its_family() -> None:
-    found = identify(hammered(), fit=fitted(TRUTHS[0]), family="fractional", **RIG)
-    assert inside(found)
+    found = identify(
+        simulate_hammer_frf(), fit=fit_fractional(TRUTHS[0]), family="fractional", **RIG
+    )
+    assert holds_truth(found)
     assert found.evidence.alternative is None
-    assert np.sqrt(found.covariance[0, 0]) < np.sqrt(fitted(TRUTHS[0]).covariance[0, 0])
+    assert np.sqrt(found.covariance[0, 0]) < np.sqrt(fit_fractional(TRUTHS[0]).covariance[0, 0])
     for family in ("maxwell", "auto"):
         with pytest.raises(FitError, match="ask for its own \\(--model fractional\\)"):
-            identify(hammered(), fit=fitted(TRUTHS[0]), family=family, **RIG)
+            identify(simulate_hammer_frf(), fit=fit_fractional(TRUTHS[0]), family=family, **RIG)
 
 
 def test_identify_recovers_a_dashpot_parallel_to_a_fractional_element() -> None:
@@ -479,15 +481,15 @@ def test_identify_recovers_a_dashpot_parallel_to_a_fractional_element() -> None:
 def test_a_seal_of_arms_keeps_them_under_the_hammer() -> None:
     seal = Seal.of_arms(*BROAD)
     frf = estimate_frf(impact_test(strike(seal, seed=3, **RIG)))
-    found = identify(frf, tests=pressed(seal), family="auto", arms=4, **RIG)
+    found = identify(frf, tests=press_seal(seal), family="auto", arms=4, **RIG)
     assert found.family == "maxwell"
     assert not found.evidence.alternative.is_sufficient
 
 
 @pytest.mark.slow
 def test_a_wrong_mass_does_not_hide_the_true_family() -> None:
-    test = pressed(Seal.fractional(*TRUTHS[0]))
-    found = identify(hammered(), tests=test, family="auto", mass=1.03 * MASS, seals=2)
+    test = press_seal(Seal.fractional(*TRUTHS[0]))
+    found = identify(simulate_hammer_frf(), tests=test, family="auto", mass=1.03 * MASS, seals=2)
     assert found.verdict.use != "use"
     assert any(one.name == "tests_agree" and one.failed for one in found.checks)
     other = found.evidence.alternative
@@ -499,28 +501,30 @@ def test_a_wrong_mass_does_not_hide_the_true_family() -> None:
 def test_tests_at_several_temperatures_have_arms_under_the_hammer_too() -> None:
     tests = [
         replace(
-            pressed(Seal.fractional(*TRUTHS[0]), seed=seed),
+            press_seal(Seal.fractional(*TRUTHS[0]), seed=seed),
             specimen=dp.Specimen(temperature=kelvin),
         )
         for seed, kelvin in ((1, 273.15), (2, 296.15))
     ]
     with pytest.raises(FitError, match="a solid with arms alone is fitted at several"):
-        identify(hammered(), tests=tests, family="auto", **RIG)
+        identify(simulate_hammer_frf(), tests=tests, family="auto", **RIG)
 
 
 @pytest.mark.slow
 def test_an_element_that_the_hammer_contradicts_says_so() -> None:
     seal = Seal.of_arms(*BROAD)
     frf = estimate_frf(impact_test(strike(seal, seed=3, **RIG)))
-    forced = identify(frf, tests=pressed(seal), family="fractional", **RIG)
+    forced = identify(frf, tests=press_seal(seal), family="fractional", **RIG)
     assert forced.verdict.use == "do not use"
     assert any(one.name == "fractional_model_suffices" and one.failed for one in forced.checks)
     assert forced.evidence.alternative.is_sufficient
 
 
 def test_the_jacobian_of_an_element_is_the_slope_of_the_residual() -> None:
-    relaxation = build_relaxation_data(pressed(Seal.fractional(*TRUTHS[0])), fitted(TRUTHS[0]))
-    lines = frf_data_of(hammered(), seals=2, band=None)
+    relaxation = build_relaxation_data(
+        press_seal(Seal.fractional(*TRUTHS[0])), fit_fractional(TRUTHS[0])
+    )
+    lines = frf_data_of(simulate_hammer_frf(), seals=2, band=None)
     priors = NuisancePriors(Prior(MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4))
     element = FractionalElement.from_relaxations([relaxation])
     problem = IdentificationProblem(
@@ -537,9 +541,9 @@ def test_the_jacobian_of_an_element_is_the_slope_of_the_residual() -> None:
 @pytest.mark.parametrize(
     "fitted_by",
     [
-        lambda: fit(pressed(Seal.of_arms(*PAPER)), arms=2, family="fractional"),
+        lambda: fit(press_seal(Seal.of_arms(*PAPER)), arms=2, family="fractional"),
         lambda: fit_dynamic(sweep(RUBBER, noise=0.01), arms=2, family="fractional"),
-        lambda: identify(hammered(), arms=2, family="fractional", **RIG),
+        lambda: identify(simulate_hammer_frf(), arms=2, family="fractional", **RIG),
     ],
 )
 def test_a_number_of_arms_is_refused_where_there_are_none(fitted_by) -> None:
@@ -553,7 +557,7 @@ def coverage(seeds: int) -> dict[str, float]:
     bench = replace(SOUND, encoder=0.0, rate=500.0)
     inside = dict.fromkeys(truth, 0)
     for seed in range(seeds):
-        test = pressed(Seal.fractional(200.0, 300.0, 0.05, 0.5), bench=bench, seed=seed)
+        test = press_seal(Seal.fractional(200.0, 300.0, 0.05, 0.5), bench=bench, seed=seed)
         found = element(data_of([test], FitSetup("full")).bound())
         known = ParameterEstimate(
             found.parameters, found.covariance, found.estimate.dof, Residual(1, 1.0, 1.0)

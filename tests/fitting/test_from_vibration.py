@@ -325,7 +325,7 @@ def test_order_selection_ignores_an_optimum_worse_than_fewer_arms(monkeypatch, w
     class FakeProblem:
         sought: object = None
 
-    def ended(problem, start, **_):
+    def make_descent(problem, start, **_):
         number = problem.sought.number
         sought = SimpleNamespace(is_complete=lambda model: True)
         return SimpleNamespace(
@@ -336,6 +336,6 @@ def test_order_selection_ignores_an_optimum_worse_than_fewer_arms(monkeypatch, w
     monkeypatch.setattr(identify_room, "Arms", lambda number: SimpleNamespace(number=number))
     monkeypatch.setattr(identify_room, "_linear", lambda problem, most: [])
     monkeypatch.setattr(identify_room, "_spread", lambda problem, before: [None])
-    monkeypatch.setattr(identify_room, "descend", ended)
+    monkeypatch.setattr(identify_room, "descend", make_descent)
     monkeypatch.setattr(FakeProblem, "pack", lambda self, start: start, raising=False)
     assert [one.number for one in identify_room._candidates(FakeProblem(), [1, 2], None)] == found

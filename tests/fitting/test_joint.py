@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.fits import formal_errors, of_noise
+from kit.fits import formal_errors, restrict_to_noise
 from kit.foreign.catalogue import protocol_of, verdict_records
 from kit.foreign.rigs import RIGS, read
 from kit.foreign.truths import TRUTHS, Seal
@@ -131,7 +131,7 @@ def test_joint_fit_recovers_the_true_arm_of_a_simple_pair() -> None:
         frf, tests=held, mass=0.11, seals=2, arms=3, rig=HammerRig(0.0, 0.0, 0.0),
         band=(4, 40),
     )  # fmt: skip
-    se = formal_errors(of_noise(found))
+    se = formal_errors(restrict_to_noise(found))
     assert found.model.k[0] == pytest.approx(50.0, abs=4 * se["k"][0])
     assert found.model.tau[0] == pytest.approx(0.0125, abs=4 * se["tau"][0])
     # the reference: 0.3 and 1.6 % at 1 kHz; here 200 Hz

@@ -26,7 +26,7 @@ def with_slow_arm(tau: float) -> GeneralizedMaxwell:
     return GeneralizedMaxwell(176.5, (*PAPER.k, 20.0), (*PAPER.tau, tau))
 
 
-def pressed(solid: GeneralizedMaxwell, *, hold: float = 40.0, seed: int = 0) -> RampHold:
+def press_seal(solid: GeneralizedMaxwell, *, hold: float = 40.0, seed: int = 0) -> RampHold:
     # a drift of a third of what is taken for possible where nothing is known of it
     rig = replace(Rig(), drift=2e-3 * 1.5 / hold)
     return prepare(simulate_relaxation(solid, seed=seed, hold_time=hold, rig=rig).test)
@@ -36,7 +36,7 @@ def pressed(solid: GeneralizedMaxwell, *, hold: float = 40.0, seed: int = 0) -> 
 @pytest.mark.parametrize("method", ["full", "hold"])
 def test_limits_contain_an_arm_slower_than_the_hold(tau: float, hold: float, method: str) -> None:
     """The fit's own k_inf misses the truth; what is left open holds it."""
-    solid, test = with_slow_arm(tau), pressed(with_slow_arm(tau), hold=hold)
+    solid, test = with_slow_arm(tau), press_seal(with_slow_arm(tau), hold=hold)
     found = fit(test, method=method)
     assert found.model.k_inf > 1.005 * solid.k_inf
     left, T = found.stiffness_limits, test.hold_time
@@ -50,13 +50,13 @@ def test_limits_contain_an_arm_slower_than_the_hold(tau: float, hold: float, met
 
 
 def test_a_hold_that_is_long_enough_passes() -> None:
-    found = fit(pressed(PAPER, hold=120.0))
+    found = fit(press_seal(PAPER, hold=120.0))
     assert next(c for c in found.checks if c.name == "hold_long_enough").passed
 
 
 def test_stated_drift_narrows_the_end_of_the_hold() -> None:
     """A free drift is what hides the end: the data sheet's narrows it."""
-    test = pressed(PAPER)
+    test = press_seal(PAPER)
     rigid = {"compliance": 0.0, "creep": 0.0, "rest": 1e5}
     free = fit(replace(test, machine=Machine(**rigid))).stiffness_limits
     known = fit(replace(test, machine=Machine(drift=1e-5, **rigid))).stiffness_limits
@@ -70,14 +70,14 @@ def test_no_weight_of_the_best_at_k_inf_is_no_limit_of_zero() -> None:
     """A power law flows on: the best spectrum has no spring, yet one may be there."""
     tau = np.geomspace(1e-3, 1e4, 40)
     solid = GeneralizedMaxwell(0.0, tuple(30 * tau**-0.15), tuple(tau))
-    left = fit(pressed(solid)).stiffness_limits
+    left = fit(press_seal(solid)).stiffness_limits
     assert left is not None
     assert left["k_inf"][1] > 0.3 * left["k_end"][1]
     assert left["k_end"][0] < solid.relaxation(40.0) < left["k_end"][1]
 
 
 def test_several_tests_share_what_they_know() -> None:
-    one, two = (pressed(BROAD, seed=seed) for seed in (1, 2))
+    one, two = (press_seal(BROAD, seed=seed) for seed in (1, 2))
     alone, both = fit(one).stiffness_limits, fit([one, two]).stiffness_limits
     assert alone is not None
     assert both is not None

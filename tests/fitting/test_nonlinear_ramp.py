@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kit import ramps
-from kit.ramps import DEPTH, LAWS, Bench, cubic, foam_block, linear, motion, qlv, recorded, tape
+from kit.ramps import DEPTH, LAWS, Bench, cubic, foam_block, linear, motion, qlv, record_force, tape
 from kit.slopes import hold_slopes
 
 from dashpot.base.errors import FitError
@@ -51,7 +51,7 @@ def off(found: RampLaw, truth: float = 196.5) -> float:
     return 100 * (found.model.k_inf / truth - 1)
 
 
-def failed(tests: Sequence[RampHold], found: RampLaw) -> set[str]:
+def list_failed_checks(tests: Sequence[RampHold], found: RampLaw) -> set[str]:
     return {check.name for check in ramp_checks(tests, found, None) if check.failed}
 
 
@@ -239,8 +239,8 @@ def test_second_ramp_rate_detects_separate_laws_of_arms() -> None:
     alone = select_elastic_law(tests[:1])
     # one ramp is followed to the noise by a tangent that is wrong
     assert alone.discrepancy[0] < 2
-    assert failed(tests[:1], alone) == {"tangent_determined"}
-    assert "ramp_residual_small" in failed(tests, select_elastic_law(tests))
+    assert list_failed_checks(tests[:1], alone) == {"tangent_determined"}
+    assert "ramp_residual_small" in list_failed_checks(tests, select_elastic_law(tests))
 
 
 def test_two_lots_do_not_share_a_seal() -> None:
@@ -270,7 +270,7 @@ def broken(kind: str, seed: int) -> RampHold:
         force = np.interp(t - 0.15, t, force)
     elif kind == "clipped":
         force = np.minimum(force, 0.93 * force.max())
-    return recorded(t, x, force, bench, depth=DEPTH, seed=seed)
+    return record_force(t, x, force, bench, depth=DEPTH, seed=seed)
 
 
 @pytest.mark.parametrize("kind", ["drops", "spike", "late", "stops late", "clipped"])
@@ -353,7 +353,7 @@ def test_a_law_is_taken_where_it_moves_the_path_by_half_a_thousandth(
     assert not found.sound
     assert found.law.kind == kind
     # a small bend that has its law doubts nothing
-    assert (failed([test], found) == {"tangent_determined"}) == (kind == "piecewise")
+    assert (list_failed_checks([test], found) == {"tangent_determined"}) == (kind == "piecewise")
 
 
 def test_select_elastic_law_refuses_a_record_without_a_single_ramp() -> None:
@@ -437,7 +437,7 @@ CONDITIONS = {
 
 
 @pytest.fixture(autouse=True)
-def remembered(monkeypatch: pytest.MonkeyPatch) -> None:
+def force_cache(monkeypatch: pytest.MonkeyPatch) -> None:
     """The force without noise is the same for every seed."""
     forces: dict[tuple[float, ...], np.ndarray] = {}
     slow = ramps.memory

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.fits import of_noise
+from kit.fits import restrict_to_noise
 
 import dashpot as dp
 from dashpot.datamodel.relaxation import RampHold
@@ -144,7 +144,7 @@ def test_single_reading_error_includes_slow_noise(hertz: float | None) -> None:
     x = 8e-3 * np.clip(t, 0, 1)
     test = RampHold(t, x, clean + noise, 0.0, 1.0, 41.0, 8e-3, machine=dp.Machine(drift=0.0))
     assert build_load_cell_priors(test).offset.sd == pytest.approx(size, rel=0.25)
-    found = of_noise(fit(test, arms=2))
+    found = restrict_to_noise(fit(test, arms=2))
     assert abs(found.model.k_inf - PAPER.k_inf) < 3 * np.sqrt(found.covariance[0, 0])
 
 
@@ -164,7 +164,7 @@ def test_stated_drift_narrows_k_inf_as_a_longer_hold_does() -> None:
     test = prepare(simulate_relaxation(PAPER, seed=5, rig=Rig(drift=0.0)).test)
     unknown, known = fit(test), fit(replace(test, machine=dp.Machine(drift=1e-6)))
     assert np.sqrt(known.covariance[0, 0]) < np.sqrt(unknown.covariance[0, 0])
-    unknown, known = of_noise(unknown), of_noise(known)
+    unknown, known = restrict_to_noise(unknown), restrict_to_noise(known)
     assert np.sqrt(known.covariance[0, 0]) < 0.9 * np.sqrt(unknown.covariance[0, 0])
     assert abs(known.model.k_inf - PAPER.k_inf) < 3 * np.sqrt(known.covariance[0, 0]) + 0.3
 

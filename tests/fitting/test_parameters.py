@@ -23,11 +23,11 @@ def test_no_library_chooses_the_sign(of, covariance, monkeypatch):
     np.testing.assert_allclose(here.T @ here, covariance, atol=1e-12 * covariance.max())
     plain = np.linalg.eigh
 
-    def flipped(matrix):
+    def flip_eigenvectors(matrix):
         size, turn = plain(matrix)
         return size, turn * np.where(np.arange(len(size)) % 2, 1, -1)
 
-    monkeypatch.setattr(np.linalg, "eigh", flipped)
+    monkeypatch.setattr(np.linalg, "eigh", flip_eigenvectors)
     np.testing.assert_array_equal(of(covariance), here)
 
 

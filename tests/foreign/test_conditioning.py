@@ -11,10 +11,10 @@ from kit.foreign.conditioning import (
     HISTORIES,
     RIGS,
     Arms,
-    Conditioned,
-    conditioned,
+    ConditionedRecord,
     limits_of,
-    pressed,
+    make_conditioned_record,
+    press_solid,
 )
 
 import dashpot as dp
@@ -25,16 +25,16 @@ from dashpot.preprocessing.prepare import prepare
 THREE = Arms("three arms", 200.0, (40.0, 30.0, 50.0), (0.3, 6.0, 40.0))
 
 
-def read(one: Conditioned) -> dp.RelaxationTest:
+def read(one: ConditionedRecord) -> dp.RelaxationTest:
     return dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")
 
 
-def fitted(one: Conditioned, **how: object) -> tuple[RampHold, Fit]:
+def fit_record(one: ConditionedRecord, **how: object) -> tuple[RampHold, Fit]:
     ready = prepare(read(one), **how)
     return ready, dp.fit(ready)
 
 
-def missed(one: Conditioned, found: Fit, hold: float) -> list[str]:
+def list_missed_limits(one: ConditionedRecord, found: Fit, hold: float) -> list[str]:
     """The limits that do not hold the truth."""
     return [
         name
@@ -50,12 +50,12 @@ def checks_of(ready: RampHold) -> Mapping[str, dp.Check]:
 @pytest.mark.parametrize("bonded", [False, True])
 @pytest.mark.parametrize("kind", HISTORIES)
 def test_a_seal_with_a_history_is_called_use_and_is_right(kind: str, bonded: bool) -> None:
-    one = conditioned(
+    one = make_conditioned_record(
         0, 7, kind=kind, bonded=bonded, mullins=0.0, truth=THREE, rest=2.0, rate=100.0
     )
-    ready, found = fitted(one)
+    ready, found = fit_record(one)
     assert found.verdict.use == "use"
-    assert not missed(one, found, ready.hold_time)
+    assert not list_missed_limits(one, found, ready.hold_time)
     assert found.model.relaxation(one.hold) == pytest.approx(THREE.relaxation(one.hold), rel=0.01)
     # the zero of compression is the first contact of the first loading
     assert ready.depth == pytest.approx(one.depth, rel=1e-3)
@@ -65,14 +65,16 @@ def test_a_seal_with_a_history_is_called_use_and_is_right(kind: str, bonded: boo
 
 @pytest.mark.parametrize("rig", RIGS)
 def test_a_history_on_another_bench_holds_too(rig: str) -> None:
-    one = conditioned(3, 5, kind="cycles", mullins=0.0, truth=THREE, rest=2.0, rig=rig)
-    ready, found = fitted(one)
+    one = make_conditioned_record(3, 5, kind="cycles", mullins=0.0, truth=THREE, rest=2.0, rig=rig)
+    ready, found = fit_record(one)
     assert found.verdict.use == "use"
-    assert not missed(one, found, ready.hold_time)
+    assert not list_missed_limits(one, found, ready.hold_time)
 
 
 def test_the_face_is_that_of_the_truth() -> None:
-    one = conditioned(0, 7, kind="cycles", bonded=False, mullins=0.0, truth=THREE, rest=2.0)
+    one = make_conditioned_record(
+        0, 7, kind="cycles", bonded=False, mullins=0.0, truth=THREE, rest=2.0
+    )
     ready = prepare(read(one))
     at = int(np.searchsorted(ready.time, ready.onset))
     assert ready.plate is not None
@@ -84,15 +86,19 @@ def test_the_face_is_that_of_the_truth() -> None:
 
 def test_a_seal_that_softens_is_not_called_use() -> None:
     for number, kind in enumerate(HISTORIES):
-        one = conditioned(number, 3, kind=kind, mullins=0.15, truth=THREE, rest=2.0, rate=100.0)
-        ready, found = fitted(one)
-        assert found.verdict.use != "use" or not missed(one, found, ready.hold_time)
+        one = make_conditioned_record(
+            number, 3, kind=kind, mullins=0.15, truth=THREE, rest=2.0, rate=100.0
+        )
+        ready, found = fit_record(one)
+        assert found.verdict.use != "use" or not list_missed_limits(one, found, ready.hold_time)
         if kind in {"cycles", "cycles with holds", "other speeds"}:
             assert checks_of(ready)["history_explained"].failed
 
 
 def test_fit_reports_missing_rows_of_the_history() -> None:
-    one = conditioned(0, 7, kind="cycles", mullins=0.0, truth=THREE, rest=5.0, rate=100.0)
+    one = make_conditioned_record(
+        0, 7, kind="cycles", mullins=0.0, truth=THREE, rest=5.0, rate=100.0
+    )
     moves = np.flatnonzero(np.abs(np.diff(one.displacement)) > 1e-5)
     gone = slice(int(moves[20]), int(moves[20]) + 120)
     time, x, force = (np.delete(part, gone) for part in (one.time, one.displacement, one.force))
@@ -101,24 +107,28 @@ def test_fit_reports_missing_rows_of_the_history() -> None:
 
 
 def test_a_record_that_begins_pressed_is_not_called_use() -> None:
-    one = conditioned(0, 7, kind="cycles", bonded=False, mullins=0.0, truth=THREE, rest=5.0)
+    one = make_conditioned_record(
+        0, 7, kind="cycles", bonded=False, mullins=0.0, truth=THREE, rest=5.0
+    )
     top = int(np.argmax(one.displacement > 0.99 * one.depth))
     late = dp.RelaxationTest(one.time[top:], one.displacement[top:], one.force[top:], units="SI")
     assert dp.fit(late).verdict.use != "use"
 
 
 def test_a_rest_that_is_stated_narrows_the_limits() -> None:
-    one = conditioned(0, 7, kind="cycles", bonded=False, mullins=0.0, truth=THREE, shown=False)
+    one = make_conditioned_record(
+        0, 7, kind="cycles", bonded=False, mullins=0.0, truth=THREE, shown=False
+    )
     ends = []
     for rest in (None, "1min", "1h"):
-        _, found = fitted(one, machine=dp.Machine(rest=rest, compliance=0.0, creep=0.0))
+        _, found = fit_record(one, machine=dp.Machine(rest=rest, compliance=0.0, creep=0.0))
         assert found.stiffness_limits is not None
         ends.append(float(np.ptp(found.stiffness_limits["k_end"])))
     assert ends[0] > ends[1] > ends[2]
 
 
 def test_hold_fit_refuses_earlier_loadings() -> None:
-    one = conditioned(0, 7, kind="cycles", mullins=0.0, truth=THREE, rest=2.0)
+    one = make_conditioned_record(0, 7, kind="cycles", mullins=0.0, truth=THREE, rest=2.0)
     with pytest.raises(dp.FitError, match="earlier loadings"):
         dp.fit(prepare(read(one)), method="hold")
 
@@ -128,14 +138,17 @@ def test_verdict_use_is_reliable_for_conditioned_seals() -> None:
     """Of 140: "use" holds k(T), k(3T) and k_inf in 94 %, sound ones are "use" in 70 %."""
     used = held = sound = sound_used = 0
     for number in range(140):
-        one = conditioned(number, 20)
+        one = make_conditioned_record(number, 20)
         try:
-            ready, found = fitted(one)
+            ready, found = fit_record(one)
         except dp.DashpotError:
             sound += one.sound
             continue
         use = found.verdict.use == "use"
-        used, held = used + use, held + (use and not missed(one, found, ready.hold_time))
+        used, held = (
+            used + use,
+            held + (use and not list_missed_limits(one, found, ready.hold_time)),
+        )
         sound, sound_used = sound + one.sound, sound_used + (one.sound and use)
     assert used >= 50
     assert held >= 0.94 * used
@@ -148,7 +161,7 @@ def test_second_depth_of_a_record_is_a_separate_depth(rest: float) -> None:
     levels = 4e-3 * np.array([0, 0, 1, 1, 0, 0, 2, 2])
     time = np.arange(0.0, corners[-1], 0.02)
     plate = np.interp(time, corners, levels)
-    _, force = pressed(THREE, 0.02, plate, bonded=False)
+    _, force = press_solid(THREE, 0.02, plate, bonded=False)
     force += np.random.default_rng(3).normal(0.0, 2e-3, len(time))
     found = dp.fit(dp.RelaxationTest(time, plate, force, units="SI"), elastic="by-depth")
     assert [at.depth for at in found.evidence.stiffness_by_depth] == pytest.approx(
@@ -172,7 +185,9 @@ def test_second_depth_of_a_record_is_a_separate_depth(rest: float) -> None:
     ],
 )
 def test_a_header_may_state_the_rest(line: str, seconds: float | None, tmp_path: Path) -> None:
-    one = conditioned(0, 7, kind="cycles", mullins=0.0, truth=THREE, shown=False, rate=50.0)
+    one = make_conditioned_record(
+        0, 7, kind="cycles", mullins=0.0, truth=THREE, shown=False, rate=50.0
+    )
     rows = np.column_stack((one.time, 1e3 * one.displacement, one.force))
     text = "\n".join(",".join(f"{value:.7g}" for value in row) for row in rows)
     path = tmp_path / "seal.csv"

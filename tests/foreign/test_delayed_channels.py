@@ -17,9 +17,9 @@ from kit.foreign.delayed_channels import (
     LATE,
     RATES,
     cycle_of,
-    delayed,
     drop,
     late_by,
+    make_delayed_sheet,
     over_displacement,
 )
 from kit.foreign.kinds import Sheet
@@ -69,7 +69,9 @@ def crept(one: Sheet, sync: float | None = None) -> dp.Fit:
 @cache
 def late_creep() -> tuple[tuple[Sheet, dp.Fit], ...]:
     # by sevens, so that each delay meets each rate and each number of arms in turn
-    return tuple((one, crept(one)) for one in (delayed("creep", 7 * i) for i in range(EVERY)))
+    return tuple(
+        (one, crept(one)) for one in (make_delayed_sheet("creep", 7 * i) for i in range(EVERY))
+    )
 
 
 @pytest.mark.slow
@@ -87,7 +89,9 @@ def test_the_limits_of_a_creep_test_hold_whichever_channel_is_late():
 @pytest.mark.slow
 def test_a_creep_test_with_late_channels_stays_usable_and_says_the_delay():
     fits = late_creep()
-    in_step = [crept(delayed("creep", 7 * i, 0.0)).verdict.use == "use" for i in range(EVERY)]
+    in_step = [
+        crept(make_delayed_sheet("creep", 7 * i, 0.0)).verdict.use == "use" for i in range(EVERY)
+    ]
     used = [fit.verdict.use == "use" for _, fit in fits]
     assert np.mean([one for one, sound in zip(used, in_step, strict=True) if sound]) >= 0.8
     for one, fit in fits:
@@ -103,7 +107,7 @@ def test_a_creep_test_with_late_channels_stays_usable_and_says_the_delay():
 @pytest.mark.parametrize("late", LATE)
 def test_creep_fit_tolerates_a_delay_of_one_sample(late):
     """The fault: half a sample at 50 Hz made k of the fast arms up to 24 % wrong, and was "use"."""
-    one = delayed("creep", 5, late, 50.0)
+    one = make_delayed_sheet("creep", 5, late, 50.0)
     fit, solid = crept(one), one.truth["solid"]
     t = np.geomspace(0.04, one.truth["hold"], 20)
     assert fit.verdict.use == "use"
@@ -139,7 +143,7 @@ def test_a_load_of_two_samples_claims_no_loss_between_samples(late):
 
 
 def test_creep_fit_uses_the_stated_clock_error():
-    one = delayed("creep", 5, -1.0, 50.0)
+    one = make_delayed_sheet("creep", 5, -1.0, 50.0)
     sure, usual = crept(one, 0.0), crept(one)
     errors = [
         next(part for part in fit.estimate.nuisance if part.name == "delay")
@@ -148,14 +152,14 @@ def test_creep_fit_uses_the_stated_clock_error():
     # an operator who is wrong is held to it, and the verdict tells
     assert errors[0].prior_sd == pytest.approx(2e-4)
     assert errors[0].value != errors[1].value
-    still = delayed("creep", 5, 0.0, 50.0)
+    still = make_delayed_sheet("creep", 5, 0.0, 50.0)
     fits = [crept(still, sync) for sync in (0.0, None)]
     fast = [fit.standard_error["k"][0] / fit.model.k[0] for fit in fits]
     assert fast[0] < fast[1]
 
 
 def test_a_creep_test_takes_nothing_else_of_a_machine():
-    one = delayed("creep", 5, 0.0, 50.0)
+    one = make_delayed_sheet("creep", 5, 0.0, 50.0)
     test = dp.CreepTest(one["time"], 1e-3 * one["displacement"], one["force"], units="SI")
     with pytest.raises(dp.DashpotError, match=r"drift= does not suit a creep test.*takes sync"):
         dp.fit(test, machine=dp.Machine(drift=1e-3))
@@ -164,7 +168,7 @@ def test_a_creep_test_takes_nothing_else_of_a_machine():
 # -- loops -----------------------------------------------------------------------------------------
 
 
-def looped(one: Sheet, sync: float | None = None) -> AmplitudeFit:
+def fit_loops(one: Sheet, sync: float | None = None) -> AmplitudeFit:
     test = dp.RelaxationTest(one["time"], 1e-3 * one["displacement"], one["force"], units="SI")
     found = fit_amplitude_record(test, machine=machine(sync)).fit
     assert isinstance(found, AmplitudeFit)
@@ -181,14 +185,14 @@ def loss_of(one: Sheet, found: AmplitudeFit) -> Claim:
 def test_loss_of_delayed_loops_is_within_its_error():
     claims = []
     for seed in range(EVERY):
-        one = delayed("loops", seed)
-        claims.append(loss_of(one, looped(one)))
+        one = make_delayed_sheet("loops", seed)
+        claims.append(loss_of(one, fit_loops(one)))
     assert share(claims) >= HOLD, [one for one in claims if not one.holds]
 
 
 def test_stated_clocks_narrow_the_loss_of_loops():
-    one = delayed("loops", 13, 0.0)
-    usual, sure = looped(one), looped(one, 0.0)
+    one = make_delayed_sheet("loops", 13, 0.0)
+    usual, sure = fit_loops(one), fit_loops(one, 0.0)
     step = float(np.median(np.diff(one["time"])))
     assert (usual.delay_sd, sure.delay_sd) == pytest.approx((max(step, 5e-3), 0.01 * step))
     assert sure.lines[0].loss_se < 0.3 * usual.lines[0].loss_se
@@ -197,14 +201,14 @@ def test_stated_clocks_narrow_the_loss_of_loops():
     assert usual.lines[0].loss_se == pytest.approx(
         usual.lines[0].storage * np.sin(omega_x_delay), rel=0.15
     )
-    stated = looped(one, 4 * usual.delay_sd)
+    stated = fit_loops(one, 4 * usual.delay_sd)
     assert stated.lines[0].loss_se > 3 * usual.lines[0].loss_se
 
 
 # -- pressed and released --------------------------------------------------------------------------
 
 
-def pressed(one: Sheet, sync: float | None = None) -> dp.CLD:
+def fit_cld(one: Sheet, sync: float | None = None) -> dp.CLD:
     test = dp.CLDTest(
         1e-3 * one["displacement"], one["force"], one["time"], dp.Specimen(length=0.1), units="SI"
     )
@@ -227,16 +231,16 @@ def claims_of(one: Sheet, found: dp.CLD) -> list[Claim]:
 
 
 def test_force_and_work_of_delayed_cld_are_within_their_errors():
-    records = [delayed("cld", seed) for seed in range(2 * EVERY)]
-    found = [(one, pressed(one)) for one in records]
+    records = [make_delayed_sheet("cld", seed) for seed in range(2 * EVERY)]
+    found = [(one, fit_cld(one)) for one in records]
     claims = [claim for one, each in found for claim in claims_of(one, each)]
     assert share(claims) >= HOLD, [one for one in claims if not one.holds]
     assert np.mean([each.verdict.use == "use" for _, each in found]) >= 0.8
 
 
 def test_stated_clocks_narrow_the_dissipated_work_of_a_cld():
-    one = delayed("cld", 7, 0.0, 50.0)
-    usual, sure = pressed(one), pressed(one, 0.0)
+    one = make_delayed_sheet("cld", 7, 0.0, 50.0)
+    usual, sure = fit_cld(one), fit_cld(one, 0.0)
     assert sure.cycle.hysteresis_se < 0.05 * usual.cycle.hysteresis_se
     assert sure.nominal.unloading_se < 0.5 * usual.nominal.unloading_se
     assert all(claim.holds for claim in claims_of(one, usual))
@@ -246,9 +250,9 @@ def test_stated_clocks_narrow_the_dissipated_work_of_a_cld():
 
 
 def test_without_a_clock_a_delay_is_of_samples_and_cannot_be_stated():
-    one = delayed("cld", 7, 0.0, 50.0)
+    one = make_delayed_sheet("cld", 7, 0.0, 50.0)
     test = dp.CLDTest(1e-3 * one["displacement"], one["force"], units="SI")
-    timed = pressed(one)
+    timed = fit_cld(one)
     assert cld(test).delay_sd == 1.0
     assert cld(test).cycle.hysteresis_se == pytest.approx(timed.cycle.hysteresis_se, rel=0.05)
     with pytest.raises(dp.DashpotError, match="has no clock"):

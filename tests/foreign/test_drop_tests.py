@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from kit.drop_relaxation import cubic, relaxed
+from kit.drop_relaxation import cubic, make_relaxation_fit
 from kit.foreign.drop_tests import OTHER, WAYS, DropSet, Specimen, drop_set, impact_force
 from kit.foreign.truths import Solid
 
@@ -14,14 +14,14 @@ from dashpot.extensions.materials.drop.elastic_law import ElasticLawPrior
 from dashpot.extensions.materials.drop.fit import fit_drop_tests
 
 
-def fitted(of: DropSet, seed: int, *, known: bool) -> DropFit:
+def fit_impacts(of: DropSet, seed: int, *, known: bool) -> DropFit:
     """The fit of three impacts, of a law that is free or known to 1 %."""
     random, specimen = np.random.default_rng([seed, 77]), of.specimen
     tests = [
         dp.DropTest(time, force=force, units="s, N")
         for time, force in zip(of.time, of.force, strict=True)
     ]
-    relaxation, law = relaxed(specimen, random), ElasticLawPrior.free()
+    relaxation, law = make_relaxation_fit(specimen, random), ElasticLawPrior.free()
     if known:
         c = np.array(specimen.c)
         sd = np.maximum(0.01 * c, 0.003 * c[0] / specimen.depth ** np.arange(3))
@@ -53,7 +53,7 @@ SHAPES = {
             for one in ("", *SHAPES)]
 )  # fmt: skip
 def test_unmodelled_force_of_specimen_or_sensor_is_marked(way: str) -> None:
-    found = fitted(drop_set(way, 2), 2, known=False)
+    found = fit_impacts(drop_set(way, 2), 2, known=False)
     (check,) = [one for one in found.checks if one.name == "impact_residual_structureless"]
     assert check.passed is (way == "")
     assert (found.verdict.use == "use") is (way == "")
@@ -68,7 +68,7 @@ def test_usable_drop_fits_cover_simulated_loss_factor() -> None:
     for way in (*WAYS, "fractional"):
         for seed in range(100, 112):
             of = drop_set(way, seed)
-            found = fitted(of, seed, known=bool(seed % 2))
+            found = fit_impacts(of, seed, known=bool(seed % 2))
             if found.verdict.use != "use":
                 continue
             loss, peak = (

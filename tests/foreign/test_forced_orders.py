@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from kit.foreign.curves import Curve
-from kit.foreign.forced_orders import KINDS, Forced, forced
+from kit.foreign.forced_orders import KINDS, ForcedOrder, generate_forced_orders
 
 import dashpot as dp
 from dashpot.extensions.curves.creep.fit import fit_creep
@@ -12,7 +12,7 @@ from dashpot.extensions.curves.dynamic.fit import fit_dynamic
 from dashpot.extensions.curves.modulus.fit import fit_modulus
 
 
-def fitted(one: Forced, arms: int) -> dp.Fit:
+def fit_order(one: ForcedOrder, arms: int) -> dp.Fit:
     """The fit of a test by so many arms."""
     test = one.test
     if not isinstance(test, Curve):
@@ -26,25 +26,25 @@ def fitted(one: Forced, arms: int) -> dp.Fit:
     return fit_dynamic(dp.DynamicTest(test.at, *test.values, unit="Pa", units="SI"), arms=arms)
 
 
-def failed(found: dp.Fit) -> set[str]:
+def list_failed_checks(found: dp.Fit) -> set[str]:
     return {check.name for check in found.checks if check.failed}
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_fewer_arms_than_the_truth_are_no_use_and_as_many_are(kind: str) -> None:
-    for one in forced(kind, 3, seed=5):
+    for one in generate_forced_orders(kind, 3, seed=5):
         for arms in range(1, one.arms):
-            found = fitted(one, arms)
+            found = fit_order(one, arms)
             assert found.verdict.use != "use", (one.arms, arms)
-            assert "arms_enough" in failed(found)
-        enough = fitted(one, one.arms)
+            assert "arms_enough" in list_failed_checks(found)
+        enough = fit_order(one, one.arms)
         assert enough.verdict.use == "use", enough.verdict
-        assert "arms_enough" not in failed(enough)
+        assert "arms_enough" not in list_failed_checks(enough)
 
 
 def test_the_check_says_what_either_number_leaves_and_which_to_take() -> None:
-    one = next(forced("ramp and hold", 1, seed=6))
-    check = next(check for check in fitted(one, 1).checks if check.name == "arms_enough")
+    one = next(generate_forced_orders("ramp and hold", 1, seed=6))
+    check = next(check for check in fit_order(one, 1).checks if check.name == "arms_enough")
     assert check.message.startswith("1 arm leaves ")
     assert "2 arms leave " in check.message
     assert check.remedy is not None
@@ -55,5 +55,5 @@ def test_a_misfit_that_leaves_few_independent_samples_is_no_noise() -> None:
     """Of one arm for two without any noise the residuals are equal to a handful of samples."""
     test = dp.simulate("relaxation", hold="40s", noise_free=True)
     found = dp.fit(test, arms=1)
-    assert {"arms_enough", "samples_independent"} <= failed(found)
+    assert {"arms_enough", "samples_independent"} <= list_failed_checks(found)
     assert found.verdict.use != "use"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from kit.curve_ends import fitted
+from kit.curve_ends import fit_curve
 from kit.foreign.curves import Curve
-from kit.foreign.gaps import KINDS, gapped, measured, off
+from kit.foreign.gaps import KINDS, generate_gapped_curves, measure_curve, off
 from kit.foreign.truths import Solid
 
 import dashpot as dp
@@ -26,8 +26,8 @@ def off_its_claim(found: dp.Fit, one: Curve) -> float:
 def test_no_curve_with_a_gap_is_used_with_the_truth_outside(kind: str) -> None:
     used = [
         (one.name, off_its_claim(found, one))
-        for one in gapped(kind, 8, seed=43)
-        for found in [fitted(one)]
+        for one in generate_gapped_curves(kind, 8, seed=43)
+        for found in [fit_curve(one)]
         if found.verdict.use == "use"
     ]
     assert len(used) >= 4
@@ -36,7 +36,7 @@ def test_no_curve_with_a_gap_is_used_with_the_truth_outside(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_whole_curve_stays_in_use(kind: str) -> None:
-    every = [(fitted(one), one) for one in gapped(kind, 4, seed=44, whole=True)]
+    every = [(fit_curve(one), one) for one in generate_gapped_curves(kind, 4, seed=44, whole=True)]
     # of creep any record may hide a slow flow
     assert sum(found.verdict.use == "use" for found, _ in every) >= 3
     assert all(off_its_claim(*pair) <= CLAIMED for pair in every)
@@ -47,8 +47,10 @@ def test_the_band_of_a_modulus_ends_at_a_gap_that_hides_an_arm() -> None:
     solid = Solid.arms("three", 10e6, (30e6, 40e6, 20e6), (0.02, 0.4, 6.0))
     random = np.random.default_rng(1)
     every = np.concatenate((np.linspace(2e-3, 10e-3, 30), np.geomspace(3.0, 60.0, 100)))
-    found = fitted(measured("curve", "hole", solid, every, random))
-    whole = fitted(measured("curve", "no hole", solid, np.geomspace(2e-3, 60.0, 130), random))
+    found = fit_curve(measure_curve("curve", "hole", solid, every, random))
+    whole = fit_curve(
+        measure_curve("curve", "no hole", solid, np.geomspace(2e-3, 60.0, 130), random)
+    )
     assert found.band[1] < 0.16 or found.band[0] > 5.0
     assert whole.band[0] < 0.01
     assert whole.band[1] > 10
@@ -60,8 +62,8 @@ def test_the_band_of_a_modulus_ends_at_a_gap_that_hides_an_arm() -> None:
 def test_of_many_curves_with_gaps_few_miss(kind: str) -> None:
     errors = [
         off_its_claim(found, one)
-        for one in gapped(kind, 60, seed=45)
-        for found in [fitted(one)]
+        for one in generate_gapped_curves(kind, 60, seed=45)
+        for found in [fit_curve(one)]
         if found.verdict.use == "use"
     ]
     assert len(errors) >= 30

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kit.foreign.hammer_rigs import Rig, cable_arms, struck, uff_58, windowed_lines
+from kit.foreign.hammer_rigs import Rig, cable_arms, strike_block, uff_58, windowed_lines
 
 import dashpot as dp
 
 NORMAL = 1.96
 
 
-def written(record, folder: Path, head: str = "") -> Path:
+def write_record(record, folder: Path, head: str = "") -> Path:
     path = folder / "hits.csv"
     path.write_text(record.text(head))
     return path
@@ -74,8 +74,8 @@ def test_a_cable_is_as_stiff_and_lossy_as_it_says():
     ids=["0.2 s", "0.8 s", "2 s", "offset", "256 Hz", "force window too"],
 )
 def test_the_noise_shows_an_exponential_window(seed, rig, tmp_path):
-    record = struck(seed, rig)
-    hits = dp.read(written(record, tmp_path))
+    record = strike_block(seed, rig)
+    hits = dp.read(write_record(record, tmp_path))
     frf = hits.frf()
     assert frf.shift_sd < 0.06 / rig.window
     assert frf.shift == pytest.approx(1 / rig.window, abs=4 * frf.shift_sd)
@@ -96,15 +96,15 @@ def test_the_noise_shows_an_exponential_window(seed, rig, tmp_path):
 )
 @pytest.mark.parametrize("seed", range(2))
 def test_honest_channels_have_none(seed, rig, tmp_path):
-    frf = dp.read(written(struck(seed, rig), tmp_path)).frf()
+    frf = dp.read(write_record(strike_block(seed, rig), tmp_path)).frf()
     assert frf.shift == 0
     assert "window_decay_determined" not in {check.name for check in frf.checks if check.failed}
 
 
 @pytest.mark.parametrize("step", [0.5, 1.0])
 def test_a_window_whose_noise_rounds_to_nothing_is_no_use(step, tmp_path):
-    record = struck(3, Rig(window=0.8, step=step))
-    hits = dp.read(written(record, tmp_path))
+    record = strike_block(3, Rig(window=0.8, step=step))
+    hits = dp.read(write_record(record, tmp_path))
     found = solid_of(hits, record)
     assert found.verdict.use != "use"
     assert dp.fit(hits).verdict.use != "use"
@@ -114,8 +114,8 @@ def test_a_window_whose_noise_rounds_to_nothing_is_no_use(step, tmp_path):
 
 
 def test_frf_corrects_a_window_on_the_responses_only(tmp_path):
-    record = struck(3, Rig(window=0.8, on_force=False, pretrigger=0.02))
-    frf = dp.read(written(record, tmp_path)).frf()
+    record = strike_block(3, Rig(window=0.8, on_force=False, pretrigger=0.02))
+    frf = dp.read(write_record(record, tmp_path)).frf()
     mode = frf.modes()[0]
     assert mode.damping_ratio == pytest.approx(damping(record), rel=0.02)
 
@@ -124,10 +124,10 @@ def test_frf_corrects_a_window_on_the_responses_only(tmp_path):
 
 
 def test_what_is_stated_is_taken_and_what_the_noise_contradicts_is_no_use(tmp_path):
-    record = struck(3, Rig(window=0.8))
-    stated = dp.read(written(record, tmp_path, "# Exponential window: 0.8 s\n")).frf()
+    record = strike_block(3, Rig(window=0.8))
+    stated = dp.read(write_record(record, tmp_path, "# Exponential window: 0.8 s\n")).frf()
     assert (stated.shift, stated.shift_sd) == (1.25, 0.0)
-    path = written(record, tmp_path)
+    path = write_record(record, tmp_path)
     assert dp.read(path, window_decay="0.8s").frf().shift == 1.25
     for wrong in ("2s", "0s"):
         found = dp.fit(dp.read(path, window_decay=wrong))
@@ -137,15 +137,15 @@ def test_what_is_stated_is_taken_and_what_the_noise_contradicts_is_no_use(tmp_pa
 
 def test_frf_estimates_an_unstated_window_decay_from_the_noise(tmp_path):
     head = "# Window: Exponential\n"
-    frf = dp.read(written(struck(3, Rig(window=0.8)), tmp_path, head)).frf()
+    frf = dp.read(write_record(strike_block(3, Rig(window=0.8)), tmp_path, head)).frf()
     assert frf.shift == pytest.approx(1.25, rel=0.03)
-    honest = dp.fit(dp.read(written(struck(3), tmp_path, head)))
+    honest = dp.fit(dp.read(write_record(strike_block(3), tmp_path, head)))
     assert honest.verdict.use != "use"
 
 
 def test_a_tdms_file_and_a_mat_file_state_a_window(tmp_path):
     nptdms, io = pytest.importorskip("nptdms"), pytest.importorskip("scipy.io")
-    record = struck(3, Rig(window=0.8))
+    record = strike_block(3, Rig(window=0.8))
     first = record.time < 5.9
     columns = {
         "time": (record.time, "s"), "hammer": (record.hammer, "N"),
@@ -184,7 +184,7 @@ def first_mode(path, **how):
 )
 def test_dataset_1858_is_read_where_its_record_settles_the_unit(factor, before, tmp_path):
     window = {"1/s": 2.6, "s": 1.6, "end": 6 / np.log(100)}[factor]
-    record = struck(3, Rig(window=window))
+    record = strike_block(3, Rig(window=window))
     value = {"1/s": 1 / window, "s": window, "end": 0.01}[factor]
     path = as_uff(record, tmp_path, factor=value, before=before)
     assert dp.read(path).shift == pytest.approx(1 / window, rel=1e-5)
@@ -192,7 +192,7 @@ def test_dataset_1858_is_read_where_its_record_settles_the_unit(factor, before, 
 
 
 def test_dataset_1858_asks_for_an_unstated_window_decay(tmp_path):
-    record = struck(3, Rig(window=2.0))
+    record = strike_block(3, Rig(window=2.0))
     path = as_uff(record, tmp_path, factor=0.9)
     with pytest.raises(dp.ReadError, match=r"dataset 1858 .* --window-decay 2s"):
         dp.read(path)
@@ -205,7 +205,7 @@ def test_dataset_1858_asks_for_an_unstated_window_decay(tmp_path):
 
 
 def test_text_frf_asks_for_an_unknown_window_decay(tmp_path):
-    record = struck(3, Rig(window=0.8))
+    record = strike_block(3, Rig(window=0.8))
     frequency, value, coherence = windowed_lines(record)
     rows = zip(frequency, value.real, value.imag, coherence, strict=True)
     table = "frequency [Hz],real [(m/s^2)/N],imaginary [(m/s^2)/N],coherence\n" + "".join(
@@ -225,7 +225,7 @@ def test_text_frf_asks_for_an_unknown_window_decay(tmp_path):
 
 @pytest.mark.parametrize("directions", [(-3, 3), (3, -3), (-3, -3), (3, 3), (-1, 4), (2, -6)])
 def test_directions_of_dataset_58_are_applied(directions, tmp_path):
-    record = struck(1)
+    record = strike_block(1)
     frequency, value, _ = windowed_lines(record)
     sign = np.sign(directions[0]) * np.sign(directions[1])
     path = tmp_path / "point.uff"
@@ -235,14 +235,14 @@ def test_directions_of_dataset_58_are_applied(directions, tmp_path):
 
 
 def test_d_exponents_are_legal(tmp_path):
-    record = struck(1)
+    record = strike_block(1)
     plain, other = as_uff(record, tmp_path), tmp_path / "d.uff"
     other.write_text(uff_58(*windowed_lines(record)[:2], exponent="D"))
     np.testing.assert_array_equal(dp.read(other).value, dp.read(plain).value)
 
 
 def test_read_refuses_an_amplitude_as_real_part(tmp_path):
-    path = as_uff(struck(1), tmp_path, amplitude=True)
+    path = as_uff(strike_block(1), tmp_path, amplitude=True)
     with pytest.raises(dp.ReadError, match=r"real values alone.*Export the FRF as complex"):
         dp.read(path)
 
@@ -253,8 +253,8 @@ def test_read_refuses_an_amplitude_as_real_part(tmp_path):
 @pytest.mark.parametrize("seed", range(4))
 def test_identify_intervals_cover_a_cable(seed, tmp_path):
     # assumed: a standard deviation of 1.5 %; 3 % would be two of them, beyond a 95 % interval
-    record = struck(seed, Rig(cable=(0.01, 0.015, 0.02, 0.02)[seed]))
-    hits = dp.read(written(record, tmp_path))
+    record = strike_block(seed, Rig(cable=(0.01, 0.015, 0.02, 0.02)[seed]))
+    hits = dp.read(write_record(record, tmp_path))
     found = solid_of(hits, record)
     (size, loss), se = errors(found, record)
     assert abs(size) < NORMAL * se[0]
@@ -267,17 +267,17 @@ def test_identify_intervals_cover_a_cable(seed, tmp_path):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_identify_intervals_cover_a_stiffer_cable_that_is_stated(seed, tmp_path):
-    record = struck(seed, Rig(cable=0.03))
-    hits = dp.read(written(record, tmp_path))
-    found = solid_of(hits, record, machine=dp.Machine(cable=0.03))
-    for error, se in zip(*errors(found, record), strict=True):
+    record = strike_block(seed, Rig(cable=0.03))
+    hits = dp.read(write_record(record, tmp_path))
+    result = solid_of(hits, record, machine=dp.Machine(cable=0.03))
+    for error, se in zip(*errors(result, record), strict=True):
         assert abs(error) < NORMAL * se
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_identify_of_a_valid_rig_has_verdict_use_and_its_numbers(seed, tmp_path):
-    record = struck(seed)
-    found = solid_of(dp.read(written(record, tmp_path)), record)
+    record = strike_block(seed)
+    found = solid_of(dp.read(write_record(record, tmp_path)), record)
     (size, loss), se = errors(found, record)
     assert found.verdict.use == "use"
     assert abs(size) < 0.005
@@ -289,8 +289,8 @@ def test_identify_of_a_valid_rig_has_verdict_use_and_its_numbers(seed, tmp_path)
 
 
 def test_fit_reports_an_unstated_number_of_seals(tmp_path):
-    record = struck(3)
-    hits = dp.read(written(record, tmp_path))
+    record = strike_block(3)
+    hits = dp.read(write_record(record, tmp_path))
     alone = dp.fit(hits, mass=record.truth["mass"])
     (check,) = [one for one in alone.checks if one.name == "seals_counted"]
     assert "1 seal is assumed" in check.message

@@ -8,10 +8,10 @@ from kit.foreign.kinds import (
     KINDS,
     jenkins,
     nominal,
-    responded,
     rod_response,
     sheets,
-    struck,
+    simulate_impact,
+    simulate_response,
     wlf,
 )
 from kit.foreign.truths import Seal, Solid
@@ -71,7 +71,9 @@ def test_a_system_answers_by_its_modes():
     """Two decays and an oscillation against closed forms, under a ramp and a hold."""
     t = np.arange(2001) / 100
     u = np.minimum(t, 1.0)
-    one = responded((np.diag([-2.0, -1e-9]), np.array([1.0, 3.0]), np.ones(2), 0.5), u, 0.01)
+    one = simulate_response(
+        (np.diag([-2.0, -1e-9]), np.array([1.0, 3.0]), np.ones(2), 0.5), u, 0.01
+    )
     first = np.where(
         t < 1, t / 2 - (1 - np.exp(-2 * t)) / 4,
         0.5 + np.exp(-2 * t) * (1 - np.exp(2.0)) / 4,
@@ -132,12 +134,14 @@ def test_ogdens_law_of_2_is_neo_hookes():
 def test_foreign_ball_follows_hertz_and_loses_energy_on_rubber():
     mass, speed, k = 5e-3, 1.3, 2e5
     deep = (1.25 * mass * speed**2 / k) ** 0.4
-    t, x, force = struck(Solid("", k, (), ()), mass, speed, 1e-6)
+    t, x, force = simulate_impact(Solid("", k, (), ()), mass, speed, 1e-6)
     assert x.max() == pytest.approx(deep, rel=1e-6)
     assert t[-1] == pytest.approx(2.94326 * deep / speed, abs=3e-6)
     np.testing.assert_allclose(force, k * np.maximum(x, 0) ** 1.5, atol=1e-5 * force.max())
     rubber = Solid.arms("", k / 2, [k / 2], [1e-3])
-    (t, _, coarse), (fine_t, _, fine) = (struck(rubber, mass, speed, h) for h in (2e-6, 1e-6))
+    (t, _, coarse), (fine_t, _, fine) = (
+        simulate_impact(rubber, mass, speed, h) for h in (2e-6, 1e-6)
+    )
     np.testing.assert_allclose(np.interp(t, fine_t, fine, right=0), coarse, atol=1e-5 * fine.max())
     # it comes back slower than it came
     assert 0.5 < np.sum(fine) * 1e-6 / mass / speed - 1 < 0.95

@@ -14,7 +14,7 @@ from kit.foreign.lying_channels import (
     PICKED_UP,
     STAIRS,
     freezes,
-    stepped,
+    press_steps,
 )
 from kit.foreign.rigs import Record, Rig, read
 from kit.foreign.truths import TABLE_1, TRUTHS, Seal
@@ -27,7 +27,7 @@ _SOME = (TABLE_1, TRUTHS[10], TRUTHS[24])
 
 
 @cache
-def fitted(rig: str, truth: int = 0, seed: int = 0) -> tuple[Record, dp.Fit]:
+def fit_rig(rig: str, truth: int = 0, seed: int = 0) -> tuple[Record, dp.Fit]:
     solid = _SOME[truth]
     rigs = {**HONEST, **LYING, **HUNTING, **PICKED_UP}
     made = read(Seal(solid), protocol_of(solid), rigs[rig], seed=seed, name=rig)
@@ -39,7 +39,7 @@ def fit_of(made: Record) -> dp.Fit:
     return fit(prepare(test, machine=dp.Machine(**made.told)))
 
 
-def checked(found: dp.Fit, name: str):
+def get_check(found: dp.Fit, name: str):
     return next(one for one in found.checks if one.name == name)
 
 
@@ -54,7 +54,7 @@ def limits_hold(made: Record, found: dp.Fit, hold: float) -> bool:
 
 @pytest.mark.parametrize("rig", [name for name in LYING if name != "force repeated at 5 Hz"])
 def test_a_frozen_channel_is_no_use(rig):
-    _, found = fitted(rig)
+    _, found = fit_rig(rig)
     assert found.verdict.use != "use"
 
 
@@ -62,7 +62,7 @@ def test_a_force_that_is_renewed_at_a_slow_rate_is_no_use():
     words = []
     for truth in range(3):
         try:
-            words.append(fitted("force repeated at 5 Hz", truth)[1].verdict.use)
+            words.append(fit_rig("force repeated at 5 Hz", truth)[1].verdict.use)
         except dp.DashpotError as error:
             words.append(str(error))
     assert len(words) == 3
@@ -71,7 +71,7 @@ def test_a_force_that_is_renewed_at_a_slow_rate_is_no_use():
 
 @pytest.mark.parametrize("rig", [name for name in LYING if "frozen" in name and "ramp" not in name])
 def test_the_check_names_the_channel(rig):
-    check = checked(fitted(rig)[1], "readings_not_repeated")
+    check = get_check(fit_rig(rig)[1], "readings_not_repeated")
     assert check.failed
     channel = "displacement" if rig.startswith("displacement") else "force"
     assert check.message.startswith(f"The {channel} has one and the same value for ")
@@ -80,8 +80,8 @@ def test_the_check_names_the_channel(rig):
 @pytest.mark.parametrize("truth", range(3))
 @pytest.mark.parametrize("rig", HONEST)
 def test_readings_check_accepts_coarse_and_noiseless_records(rig, truth):
-    made, found = fitted(rig, truth)
-    assert checked(found, "readings_not_repeated").value == 0
+    made, found = fit_rig(rig, truth)
+    assert get_check(found, "readings_not_repeated").value == 0
     assert found.verdict.use == "use"
     # limits count noise: of a record that has none they are of the order of what arms may miss
     assert rig == "without noise" or limits_hold(made, found, found.evidence.end_of_hold.end_time)
@@ -98,7 +98,7 @@ def test_readings_check_detects_freezes_of_any_length(noise, rate, seconds):
     )
     made = read(Seal(TABLE_1), protocol_of(TABLE_1), rig, seed=1, name="frozen")
     test = dp.RelaxationTest(made.time, made.displacement, made.force, units="SI")
-    check = checked(prepare(test), "readings_not_repeated")
+    check = get_check(prepare(test), "readings_not_repeated")
     assert check.failed
     # from .3 of the hold of 40 s on, which begins at 2 s
     first = float(check.message.partition("from ")[2].split()[0])
@@ -108,7 +108,7 @@ def test_readings_check_detects_freezes_of_any_length(noise, rate, seconds):
 @pytest.mark.parametrize("truth", range(3))
 @pytest.mark.parametrize("rig", HUNTING)
 def test_a_servo_that_hunts_on_record_is_answered_by_the_seal(rig, truth):
-    made, found = fitted(rig, truth)
+    made, found = fit_rig(rig, truth)
     assert not any("hum" in step.message for step in found.steps)
     assert found.verdict.use == "use"
     assert limits_hold(made, found, found.evidence.end_of_hold.end_time)
@@ -116,7 +116,7 @@ def test_a_servo_that_hunts_on_record_is_answered_by_the_seal(rig, truth):
 
 @pytest.mark.parametrize("rig", PICKED_UP)
 def test_the_mains_in_both_channels_are_hum(rig):
-    made, found = fitted(rig)
+    made, found = fit_rig(rig)
     assert any("50.02 Hz" in step.message for step in found.steps)
     assert found.verdict.use == "use"
     assert limits_hold(made, found, found.evidence.end_of_hold.end_time)
@@ -127,20 +127,20 @@ def test_the_mains_in_both_channels_are_hum(rig):
 def test_fit_accepts_sent_staircases(levels, rate):
     """After an unloading the force recovers, and a path that was sent is no coarse encoder."""
     way = STAIRS[levels]
-    made = stepped(Seal(TABLE_1, depth=max(way)), way, rate=rate, seed=2)
+    made = press_steps(Seal(TABLE_1, depth=max(way)), way, rate=rate, seed=2)
     found = fit_of(made)
-    assert checked(found, "force_relaxes").passed
-    assert checked(found, "depth_resolved").passed
+    assert get_check(found, "force_relaxes").passed
+    assert get_check(found, "depth_resolved").passed
     assert found.verdict.use == "use"
     assert limits_hold(made, found, found.evidence.end_of_hold.end_time)
 
 
 @pytest.mark.parametrize("rate", [2e-3, 5e-3, 2e-2])
 def test_a_force_that_swells_after_an_unloading_is_not_explained(rate):
-    made = stepped(Seal(TABLE_1, depth=8e-3), STAIRS["eased by a quarter"], seed=3)
+    made = press_steps(Seal(TABLE_1, depth=8e-3), STAIRS["eased by a quarter"], seed=3)
     swollen = made.force + rate * np.maximum(made.time - 13, 0)
     test = dp.RelaxationTest(made.time, made.displacement, swollen, units="SI")
     found = fit(prepare(test))
     assert found.verdict.use != "use"
     if rate > 2e-3:
-        assert checked(found, "force_relaxes").failed
+        assert get_check(found, "force_relaxes").failed

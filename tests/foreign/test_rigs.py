@@ -12,17 +12,17 @@ import numpy as np
 import pytest
 from kit.foreign import rigs
 from kit.foreign.catalogue import NOISES, RATES, protocol_of, relaxation_records, verdict_records
-from kit.foreign.rigs import RIGS, Protocol, Rig, pressed, read
-from kit.foreign.truths import TABLE_1, TRUTHS, Seal, drawn
+from kit.foreign.rigs import RIGS, Protocol, Rig, press_seal, read
+from kit.foreign.truths import TABLE_1, TRUTHS, Seal, draw_truth
 
 SEAL, SENT = Seal(TABLE_1), Protocol(hold=12.0, rate=250.0)
 DRY = Rig(noise=0.0, count=0.0, bias=0.0, encoder=0.0)
 RANDOM = np.random.default_rng(0)
 
 
-def done(step, **words):
+def apply_step(step, **words):
     """What one step does to the ideal record, and that record."""
-    before = pressed(SEAL, SENT)
+    before = press_seal(SEAL, SENT)
     return step(before, np.random.default_rng(1), **words), before
 
 
@@ -53,7 +53,7 @@ def test_a_rig_keeps_its_truth_and_repeats_to_the_byte(name):
     assert one.k(3) == pytest.approx(
         float(TABLE_1.relaxation(36.0)) + one.seal.friction / one.seal.depth
     )
-    assert one.done[-1][0] == "counted"
+    assert one.done[-1][0] == "quantise_record"
 
 
 def test_foreign_record_is_the_truth_plus_noise():
@@ -81,16 +81,16 @@ def test_a_ramp_is_where_it_is_sent():
 
 
 def test_a_machine_that_gives_is_a_spring_in_series():
-    one, before = done(rigs.gives, compliance=50e-6)
+    one, before = apply_step(rigs.gives, compliance=50e-6)
     np.testing.assert_allclose(one.compression + 50e-6 * one.pure, before.displacement, atol=2e-15)
     np.testing.assert_array_equal(one.displacement, before.displacement)
     with pytest.raises(ValueError, match="too large"):
-        done(rigs.gives, compliance=1.0)
+        apply_step(rigs.gives, compliance=1.0)
 
 
 def test_foreign_crosshead_creep_is_recorded_or_not():
     for seen in (False, True):
-        one, before = done(rigs.creeps, by=20e-6, seen=seen)
+        one, before = apply_step(rigs.creeps, by=20e-6, seen=seen)
         crept = 20e-6 * np.log(13.0)
         assert one.compression[-1] - before.compression[-1] == pytest.approx(crept)
         assert one.displacement[-1] - before.displacement[-1] == pytest.approx(crept * seen)
@@ -99,8 +99,8 @@ def test_foreign_crosshead_creep_is_recorded_or_not():
 
 
 def test_a_seal_that_warms_relaxes_by_its_reduced_time():
-    one, before = done(rigs.warms, decades=0.12)
-    np.testing.assert_allclose(done(rigs.warms, decades=1e-9)[0].pure, before.pure, atol=1e-9)
+    one, before = apply_step(rigs.warms, decades=0.12)
+    np.testing.assert_allclose(apply_step(rigs.warms, decades=1e-9)[0].pure, before.pure, atol=1e-9)
     # arm by arm: dq/dt = dx/dt - q a(t)/tau, its decay exact in each step
     rate = 0.12 * np.log(10) / before.time[-1]
     reduced = np.expm1(rate * before.time) / rate
@@ -114,7 +114,7 @@ def test_a_seal_that_warms_relaxes_by_its_reduced_time():
 
 
 def test_a_chain_lags_and_filters_by_its_response():
-    late, before = done(rigs.late, by=5.25e-3)
+    late, before = apply_step(rigs.late, by=5.25e-3)
     expected = np.interp(before.time - 5.25e-3, before.time, before.force)
     np.testing.assert_array_equal(late.force, expected)
     t = before.time
@@ -152,17 +152,17 @@ def test_noise_has_its_size_and_memory():
 
 
 def test_hum_drift_and_wave_have_their_sizes():
-    def added(step, **words):
-        one, before = done(step, **words)
+    def compute_added_force(step, **words):
+        one, before = apply_step(step, **words)
         return before.time, one.force - before.force
 
-    t, hum = added(rigs.hums, size=5e-3, hertz=50.0, overtones=2)
+    t, hum = compute_added_force(rigs.hums, size=5e-3, hertz=50.0, overtones=2)
     for n, size in [(1, 5e-3), (3, 5e-3 / 3), (5, 5e-3 / 9)]:
         turn = np.exp(2j * np.pi * 50 * n * t[:-1])
         assert abs(2 * np.mean(hum[:-1] * turn)) == pytest.approx(size, rel=1e-6)
-    t, drift = added(rigs.drifts, rate=5e-4)
+    t, drift = compute_added_force(rigs.drifts, rate=5e-4)
     np.testing.assert_allclose(drift, 5e-4 * t, atol=1e-15)
-    t, wave = added(rigs.waves, size=20e-3, period=6.0)
+    t, wave = compute_added_force(rigs.waves, size=20e-3, period=6.0)
     assert np.ptp(wave) == pytest.approx(40e-3, rel=1e-5)
 
 
@@ -206,7 +206,7 @@ def test_foreign_friction_is_a_share_of_the_equilibrium_force():
 def test_a_laws_force_at_rest_is_its_secants():
     for name in ("law +8 %", "law +48 %", "law cubic", "law softens 20 %"):
         bent = read(SEAL, replace(SENT, depth=6e-3), replace(DRY, seal=RIGS[name].seal))
-        slow = Seal(drawn("1 arm", 0), 6e-3, **RIGS[name].seal)
+        slow = Seal(draw_truth("1 arm", 0), 6e-3, **RIGS[name].seal)
         assert bent.seal.depth == 6e-3
         assert slow.elastic(6e-3) == pytest.approx(6e-3)
 
@@ -236,4 +236,6 @@ def test_foreign_rig_accepts_a_custom_step():
     twice = Rig(reading=(partial(rigs.drifts, rate=1e-3), partial(rigs.drifts, rate=-1e-3)))
     one = read(SEAL, SENT, replace(twice, noise=0.0, count=0.0, bias=0.0))
     np.testing.assert_allclose(one.force, one.pure, atol=1e-15)
-    assert [name for name, _ in one.done] == ["sampled", "noisy", "drifts", "drifts", "counted"]
+    assert [name for name, _ in one.done] == [
+        "sample_record", "noisy", "drifts", "drifts", "quantise_record"
+    ]  # fmt: skip

@@ -7,16 +7,16 @@ from math import gamma
 import numpy as np
 import pytest
 from kit.foreign.rigs import Protocol
-from kit.foreign.truths import FAMILIES, TABLE_1, TRUTHS, Seal, Solid, drawn, slider
+from kit.foreign.truths import FAMILIES, TABLE_1, TRUTHS, Seal, Solid, draw_truth, slider
 from scipy.integrate import quad
 from scipy.special import erfcx
 
 T = np.geomspace(1e-4, 3e3, 60)
 OMEGA = np.geomspace(1e-3, 1e4, 60)
-EACH = [drawn(family, 3) for family in FAMILIES]
+EACH = [draw_truth(family, 3) for family in FAMILIES]
 
 
-def named(solids):
+def make_cases(solids):
     return {"argvalues": solids, "ids": [one.name for one in solids]}
 
 
@@ -50,7 +50,7 @@ def test_foreign_power_law_and_its_stiffness_agree():
         assert found == pytest.approx(100 + 50 * whole, rel=1e-7)
 
 
-@pytest.mark.parametrize("solid", **named(TRUTHS))
+@pytest.mark.parametrize("solid", **make_cases(TRUTHS))
 def test_every_truth_is_passive_and_ends_where_it_says(solid):
     t = np.geomspace(1e-5, 1e4, 200)
     k, K = solid.relaxation(t), solid.stiffness(1 / t)
@@ -68,12 +68,12 @@ def test_every_truth_is_passive_and_ends_where_it_says(solid):
 
 def test_truths_are_42_others_by_another_seed_and_in_a_seals_range():
     assert len({one.name for one in TRUTHS}) == len(TRUTHS) == 42
-    assert drawn("3 arms", 1) == drawn("3 arms", 1) != drawn("3 arms", 2)
+    assert draw_truth("3 arms", 1) == draw_truth("3 arms", 1) != draw_truth("3 arms", 2)
     for one in TRUTHS:
         assert 50 < one.relaxation(40.0) < 2000
 
 
-def by_recursion(solid, x, step):
+def compute_by_recursion(solid, x, step):
     """The exact recursion, in 80 bits."""
     k, tau = np.array(solid.k, np.longdouble), np.array(solid.tau, np.longdouble)
     decay, mean = np.exp(-step / tau), -np.expm1(-step / tau) * tau / step
@@ -84,11 +84,11 @@ def by_recursion(solid, x, step):
     return np.asarray(force + np.longdouble(solid.k_inf) * x, float)
 
 
-@pytest.mark.parametrize("solid", **named(EACH))
+@pytest.mark.parametrize("solid", **make_cases(EACH))
 def test_the_force_is_that_of_the_exact_recursion(solid):
     x = np.cumsum(np.random.default_rng(5).standard_normal(2500)) * 1e-4
     x -= x[0]
-    expected = by_recursion(solid, x, 1e-3)
+    expected = compute_by_recursion(solid, x, 1e-3)
     np.testing.assert_allclose(
         solid.force(x, 1e-3), expected, atol=3e-14 * np.abs(expected).max(), rtol=0
     )
@@ -116,7 +116,7 @@ def test_a_ramp_of_a_springpot_and_of_a_power_law_is_exact():
     np.testing.assert_allclose(law[1:], expected[1:], rtol=1e-6)
 
 
-@pytest.mark.parametrize("solid", **named(EACH))
+@pytest.mark.parametrize("solid", **make_cases(EACH))
 def test_foreign_force_of_smooth_motion_converges(solid):
     """What a motion does between instants: against a clock four times as fine."""
     sent = Protocol(ramp=0.5, hold=1.5, rate=250.0, servo=(8.0, 0.5))
@@ -126,7 +126,7 @@ def test_foreign_force_of_smooth_motion_converges(solid):
     assert np.max(np.abs(solid.force(coarse, 1 / 2000) - force)) < 1e-5 * force.max()
 
 
-@pytest.mark.parametrize("solid", **named(EACH))
+@pytest.mark.parametrize("solid", **make_cases(EACH))
 def test_the_stiffness_is_that_of_a_steady_vibration(solid):
     omega = 2 * np.pi * 5.0
     t = np.arange(60 * 2000) / 2000
@@ -143,7 +143,7 @@ def test_the_stiffness_is_that_of_a_steady_vibration(solid):
     assert seen == pytest.approx(1, abs=1e-4)
 
 
-@pytest.mark.parametrize("solid", **named(EACH))
+@pytest.mark.parametrize("solid", **make_cases(EACH))
 def test_forces_superpose_and_wait(solid):
     random = np.random.default_rng(0)
     one, two = 1e-3 * random.standard_normal((2, 900))

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.fits import of_noise
+from kit.fits import restrict_to_noise
 from kit.foreign.rigs import SOUND, Protocol, read
-from kit.foreign.truths import BROAD, FAMILIES, Seal, Solid, drawn
+from kit.foreign.truths import BROAD, FAMILIES, Seal, Solid, draw_truth
 
 import dashpot as dp
 from dashpot.fitting.prediction_bounds import parameter_band
@@ -19,7 +19,7 @@ OMEGA = 2 * np.pi * HERTZ
 HIDDEN = Solid.arms("hidden", 196.5, (117.5, 17.8, 50.0), (59 / 117.5, 292.2 / 17.8, 0.0125))
 
 
-def at(solid: Solid, kelvin: float, part: float = 1.0) -> Solid:
+def shift_solid(solid: Solid, kelvin: float, part: float = 1.0) -> Solid:
     """Where it is colder: WLF, b_T = T/T_0; arms below .1 s shift `part` as far."""
     above = kelvin - ROOM
     a_t, b_t = 10 ** (-6.9437 * above / (129.6 + above)), kelvin / ROOM
@@ -31,7 +31,10 @@ def pair(solid: Solid, seed: int, **apart: float) -> dp.Fit:
     tests = []
     for kelvin in (ROOM, FRIDGE):
         one = read(
-            Seal(at(solid, kelvin, **apart)), Protocol(hold=40.0), SOUND, seed=seed + round(kelvin)
+            Seal(shift_solid(solid, kelvin, **apart)),
+            Protocol(hold=40.0),
+            SOUND,
+            seed=seed + round(kelvin),
         )
         warm = dp.Specimen(temperature=kelvin)
         tests.append(
@@ -64,14 +67,14 @@ def test_two_temperatures_tell_the_loss_factor_of_arms() -> None:
 
     Their own intervals hold all but one in twenty, and those of the noise as many as they say.
     """
-    solids = [HIDDEN, BROAD, *(drawn(FAMILIES[1 + i % 4], 100 + i) for i in range(2, 20))]
+    solids = [HIDDEN, BROAD, *(draw_truth(FAMILIES[1 + i % 4], 100 + i) for i in range(2, 20))]
     close, inside, by_noise = [], [], []
     for seed, solid in enumerate(solids):
         true = solid.stiffness(OMEGA)
         for again in range(5):
             found = pair(solid, seed + 1000 * again)
             close.append(off(found, solid) < 0.03)
-            for held, one in ((inside, found), (by_noise, of_noise(found))):
+            for held, one in ((inside, found), (by_noise, restrict_to_noise(found))):
                 low, high = parameter_band(one, [HERTZ]).loss_factor[:, 0]
                 held.append(low <= true.imag / true.real <= high)
             # what the noise does not tell to 3 % may be off by more, nothing else
@@ -85,6 +88,6 @@ def test_two_temperatures_tell_the_loss_factor_of_arms() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("family", ["fractional", "springpot", "power law"])
 def test_a_power_law_that_shows_is_used_with_care(family: str) -> None:
-    solid = drawn(family, 200)
+    solid = draw_truth(family, 200)
     found = pair(solid, 0)
     assert found.verdict.use == "use with care"

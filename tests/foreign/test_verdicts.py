@@ -102,16 +102,16 @@ def test_goals_of_a_disturbance(verdicts, counts, said):
 
 
 def test_goals_of_all(verdicts):
-    def met(lines):
+    def list_goals(lines):
         rows = verdicts.rows_of(lines)
         return [good for _, good in verdicts.goals(rows, verdicts.Row.of("all", lines))]
 
     # 6 of 100 that are used; .80 of the sound; widths of .1 are over that of k(T) alone
-    assert met(some(94, 100, 23, 23)) == [True, True, True, True, True, False, True, True]
-    assert met(some(94, 101, 23, 23))[:2] == [False, True]
-    assert met(some(94, 100, 24, 24))[:2] == [True, False]
+    assert list_goals(some(94, 100, 23, 23)) == [True, True, True, True, True, False, True, True]
+    assert list_goals(some(94, 101, 23, 23))[:2] == [False, True]
+    assert list_goals(some(94, 100, 24, 24))[:2] == [True, False]
     spoilt = some(2, 12, 0, 0, group="drift")
-    assert met([*some(94, 94), *spoilt])[2:4] == [False, False]
+    assert list_goals([*some(94, 94), *spoilt])[2:4] == [False, False]
 
 
 def test_the_report_tells_rigs_from_kinds(verdicts):

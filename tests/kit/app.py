@@ -34,7 +34,7 @@ def serving(*files: str) -> Iterator[tuple[str, int]]:
 
 
 @contextmanager
-def served(*files: str) -> Iterator[str]:
+def serve_app(*files: str) -> Iterator[str]:
     """Its address alone."""
     with serving(*files) as (address, _):
         yield address

@@ -68,7 +68,7 @@ def h5_of_zeros(path: Path) -> None:
                 data.id.write_direct_chunk((at << 20,), chunk)
 
 
-def h5_of_one_huge_chunk(path: Path) -> None:
+def write_h5_with_huge_chunk(path: Path) -> None:
     """A chunk that inflates to far more than it should."""
     with h5py.File(path, "w") as file:
         data = file.create_dataset("x", (1000,), "f8", chunks=(1000,), compression=9)
@@ -92,7 +92,7 @@ def h5_of_a_deep_chain(path: Path) -> None:
             group = group.create_group("a")
 
 
-def xlsx_of_one_far_cell(path: Path) -> None:
+def write_xlsx_with_far_cell(path: Path) -> None:
     workbook(path, {"One": []}, body='<row r="1048576"><c r="A1"><v>1</v></c>'
              '<c r="XFD1048576"><v>1</v></c></row>')  # fmt: skip
 
@@ -100,17 +100,17 @@ def xlsx_of_one_far_cell(path: Path) -> None:
 def xlsx_of_many_cells(path: Path) -> None:
     row = b"<row>" + b"<c><v>1</v></c>" * 1000 + b"</row>"
     workbook(path, {"One": []}, body="HERE")
-    _unfolded(path, row * 100, 250)
+    _repeat_block(path, row * 100, 250)
 
 
-def xlsx_of_one_long_string(path: Path) -> None:
+def write_xlsx_with_long_string(path: Path) -> None:
     workbook(path, {"One": []}, strings="<si><t>HERE</t></si>")
-    _unfolded(path, b"x" * (1 << 20), 1024)
+    _repeat_block(path, b"x" * (1 << 20), 1024)
 
 
 def xlsx_that_lies_about_its_size(path: Path) -> None:
     workbook(path, {"One": []}, body="HERE")
-    _unfolded(path, b" " * (1 << 20), 3 << 10, lie=True)
+    _repeat_block(path, b" " * (1 << 20), 3 << 10, lie=True)
 
 
 def ods_of_repeated_cells(path: Path) -> None:
@@ -121,10 +121,10 @@ def ods_of_repeated_cells(path: Path) -> None:
 
 def ods_of_blanks(path: Path) -> None:
     ods(path, "HERE")
-    _unfolded(path, b" " * (1 << 20), 1024)
+    _repeat_block(path, b" " * (1 << 20), 1024)
 
 
-def _unfolded(path: Path, block: bytes, times: int, *, lie: bool = False) -> None:
+def _repeat_block(path: Path, block: bytes, times: int, *, lie: bool = False) -> None:
     """Put a block so many times where a zipped workbook says HERE: its bytes are packed once."""
     with zipfile.ZipFile(path) as file:
         parts = {name: file.read(name) for name in file.namelist()}
@@ -149,7 +149,7 @@ def _unfolded(path: Path, block: bytes, times: int, *, lie: bool = False) -> Non
     path.write_bytes(out + folder + b"PK\x05\x06" + end)
 
 
-def xls_of_one_far_cell(path: Path) -> None:
+def write_xls_with_far_cell(path: Path) -> None:
     xls(path, [[1.0]], more=struct.pack("<HHHHHd", 0x203, 14, 65535, 65535, 0, 1.0))
 
 
@@ -210,19 +210,19 @@ BOMBS: dict[Callable[[Path], None], str] = {
     mat_of_more_than_it_claims: "a broken or unknown variety of matlab",
     h5_never_written: "no numeric channels found",
     h5_of_zeros: "the datasets hold 1073741824 numbers in all",
-    h5_of_one_huge_chunk: "cannot be read: OSError",
+    write_h5_with_huge_chunk: "cannot be read: OSError",
     h5_of_groups_linked_twice: "no numeric channels found",
     h5_of_a_deep_chain: "a broken or unknown variety of hdf5: RecursionError",
-    xlsx_of_one_far_cell: "the reader of workbook files ended with SIGABRT",
+    write_xlsx_with_far_cell: "the reader of workbook files ended with SIGABRT",
     xlsx_of_many_cells: "the reader of workbook files ended with SIGABRT",
-    xlsx_of_one_long_string: "the reader of workbook files ended with SIGABRT",
+    write_xlsx_with_long_string: "the reader of workbook files ended with SIGABRT",
     xlsx_that_lies_about_its_size: (
         "File is larger than its declared uncompressed size | damaged, or unpacks to more | "
         "Bad CRC-32"
     ),
     ods_of_repeated_cells: "the reader of workbook files ended with SIGABRT",
     ods_of_blanks: "the reader of workbook files ended with SIGABRT",
-    xls_of_one_far_cell: "the reader of workbook files ended with SIGABRT",
+    write_xls_with_far_cell: "the reader of workbook files ended with SIGABRT",
     trios_of_short_rows: "a data set holds 480000000 numbers in all",
     trios_of_brackets: "takes more than 1 GiB of memory to read as trios",
     tdms_of_claims: "",

@@ -59,7 +59,7 @@ class Truth:
         return path
 
 
-def answered(
+def compute_relaxed_force(
     wanted: Array, met: Array, arms: tuple[tuple[float, float], ...], step: float
 ) -> Array:
     """The force of relaxed forces with relaxation; a seal that would pull is left, and recovers."""
@@ -77,7 +77,7 @@ def answered(
     return force
 
 
-def pressed(
+def press_cycles(
     law: Callable[[Array], Array] = stiffening,
     *,
     depth: float | tuple[float, ...] = 8e-3,
@@ -126,7 +126,7 @@ def pressed(
     soft = 1 - softening * (1 - np.exp(-n / 1.5))
     lost = set_ * (1 - np.exp(-n))
     wanted = soft * law(np.maximum(x - lost, 0.0))
-    clean = scale * answered(wanted, x > lost, arms, 1 / rate)
+    clean = scale * compute_relaxed_force(wanted, x > lost, arms, 1 / rate)
     draw = np.random.default_rng(seed).standard_normal(len(x))
     read = clean + bias + drift * time + noise * draw
     counted = np.round(x / count) * count if count else x

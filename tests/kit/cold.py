@@ -30,7 +30,7 @@ def log10_a(temperature: float) -> float:
     return -C1 * above / (C2 + above)
 
 
-def together(tau: float) -> float:
+def shift_uniformly(tau: float) -> float:
     """Every arm shifts as the law says."""
     return 1.0
 
@@ -40,7 +40,7 @@ def fast_arms_less(tau: float) -> float:
     return 0.8 if tau < 0.1 else 1.0
 
 
-def further_when_slow(slope: float) -> Callable[[float], float]:
+def make_growing_shift(slope: float) -> Callable[[float], float]:
     """Every decade of tau shifts by so much more."""
     return lambda tau: 1 + slope * np.log10(tau / 0.5)
 
@@ -62,7 +62,7 @@ class Bench:
     late: float = 1e-3
     count: float = 1 / 1280
     encoder: float = 0.0
-    apart: Callable[[float], float] = together
+    apart: Callable[[float], float] = shift_uniformly
     stiffer: float = 1.0  # b over T/T_r
     warms: float = 0.0  # K over the record
 

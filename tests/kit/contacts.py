@@ -52,7 +52,9 @@ def ting(k, g, tau, mass, speed, *, steps=1200, end=3e-3):
     raise AssertionError("still in contact")
 
 
-def recorded(rows, mass, rate, *, of="acceleration", before=1.0, after=1.0, phase=0.3, pull=0.0):
+def record_sensor(
+    rows, mass, rate, *, of="acceleration", before=1.0, after=1.0, phase=0.3, pull=0.0
+):
     """Time and what a sensor records of a march, with flights to either side; touch at 0."""
     T, X, V, F = rows
     end = T[-1]

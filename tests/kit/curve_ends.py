@@ -23,7 +23,7 @@ OFF = 0.1
 NAMES = {"k_end": 1.0, "k_3end": 3.0, "k_10end": 10.0, "k_inf": np.inf}
 
 
-def fitted(one: Curve) -> dp.Fit:
+def fit_curve(one: Curve) -> dp.Fit:
     """The fit of a curve, of no stated error."""
     if one.kind == "curve":
         return fit_modulus(dp.RelaxationModulus(one.at, one.values, units="SI"))
@@ -34,7 +34,7 @@ def fitted(one: Curve) -> dp.Fit:
 
 def evaluate_curve(one: Curve) -> dict[str, object]:
     """The verdict, every limit with its truth, and how the plateau of the fit lies to the true."""
-    found = fitted(one)
+    found = fit_curve(one)
     end = found.evidence.end_of_hold
     limits = {}
     if end is not None:
@@ -69,7 +69,7 @@ class Score:
         used = [line for line in lines if line["use"] == "use"]
         sound = [line for line in lines if line["settled"] and not line["off"]]
         held = {
-            name: float(np.mean([_within(*limits[name]) for limits in asked])) if asked else 1.0
+            name: float(np.mean([_is_within(*limits[name]) for limits in asked])) if asked else 1.0
             for name in NAMES
         }
         return cls(
@@ -78,7 +78,7 @@ class Score:
         )  # fmt: skip
 
 
-def _within(low: float, truth: float, high: float) -> bool:
+def _is_within(low: float, truth: float, high: float) -> bool:
     """But for rounding: curves without scatter are known to it."""
     slack = 1e-9 * truth
     return bool(low - slack <= truth <= high + slack)

@@ -32,7 +32,7 @@ ALONE = [2.4908481, 2.7042687, 3.0077182, 4.9698162, 6.1584210, 6.7308732]
 _MOTIONS = "xyzabc"
 
 
-def stated(words: str) -> np.ndarray:
+def parse_matrix(words: str) -> np.ndarray:
     """The matrix of such words."""
     K = np.zeros((6, 6))
     said = words.split()
@@ -42,14 +42,14 @@ def stated(words: str) -> np.ndarray:
     return K
 
 
-def closed() -> np.ndarray:
+def close_outline() -> np.ndarray:
     """Its corners, the first again at the end."""
     return np.array([*CORNERS, CORNERS[0]])
 
 
 def leaning() -> np.ndarray:
     """The way in which each piece is pressed."""
-    points = closed()
+    points = close_outline()
     runs = np.diff(points, axis=0)
     out = np.cross(runs, (0, 1, 0)) / np.linalg.norm(runs, axis=1)[:, None]
     away = (points[1:] + points[:-1]) / 2 - np.mean(CORNERS, axis=0)

@@ -25,7 +25,7 @@ def cubic(c: np.ndarray, depth: float) -> ElasticLaw:
     return ElasticLaw(tuple(x.tolist()), tuple((slope / secant).tolist()), secant)
 
 
-def relaxed(specimen: Specimen, random: np.random.Generator) -> Fit:
+def make_relaxation_fit(specimen: Specimen, random: np.random.Generator) -> Fit:
     """A relaxation test that knows the slow arms to 1 %, and is off by as much."""
     g, tau = np.array(specimen.solid.k), np.array(specimen.solid.tau)
     if len(g) > 3:  # a broad spectrum, of which a test shows five

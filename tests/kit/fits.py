@@ -23,7 +23,7 @@ from dashpot.solids.maxwell import Solid
 PARTS = {"estimate": ParameterEstimate, "evidence": Evidence, "provenance": Provenance}
 
 
-def failed(found: Any) -> set[str]:
+def list_failed_checks(found: Any) -> set[str]:
     """The names of its checks that failed, notes too."""
     return {check.name for check in found.checks if check.failed}
 
@@ -43,15 +43,15 @@ def a_fit(solid: Solid, *, relative: float = 0.01, **given: object) -> Fit:
         Evidence((0.004, 0.32)),
         Provenance("full"),
     )
-    return altered(usual, **given)
+    return replace_fields(usual, **given)
 
 
-def of_noise(fit: Fit) -> Fit:
+def restrict_to_noise(fit: Fit) -> Fit:
     """The fit with the errors of its residuals alone, as if its rig had done nothing unseen."""
     return replace(fit, estimate=fit.estimate.noise_only)
 
 
-def altered(fit: Fit, **given: object) -> Fit:
+def replace_fields(fit: Fit, **given: object) -> Fit:
     """The fit with some fields of its own or of its parts replaced."""
     for part, kind in PARTS.items():
         own = {one.name: given.pop(one.name) for one in fields(kind) if one.name in given}

@@ -41,24 +41,24 @@ def main() -> None:
     corpus, found = folder / "corpus", folder / "found"
     for one in (corpus, found):
         one.mkdir(parents=True, exist_ok=True)
-    seeds = planted(corpus)
+    seeds = plant_corpus(corpus)
     until = time.monotonic() + 60 * minutes
     while (left := until - time.monotonic()) > 1:
         # a reader that breaks ends the fuzzer, which begins again from what it has found
-        fuzzed(corpus, f"-max_total_time={left:.0f}", f"-artifact_prefix={found}/")
+        run_fuzzer(corpus, f"-max_total_time={left:.0f}", f"-artifact_prefix={found}/")
     small = folder / "small"
     shutil.rmtree(small, ignore_errors=True)
     small.mkdir()
     for name in seeds:  # they are made anew each time: what reaches no more than they is let go
         shutil.copy(corpus / name, small)
-    fuzzed(small, str(corpus), "-merge=1")
+    run_fuzzer(small, str(corpus), "-merge=1")
     shutil.rmtree(corpus)
     small.rename(corpus)
     save_corpus(corpus, seeds)
     sys.exit(broken(found))
 
 
-def fuzzed(*words: str | Path) -> None:
+def run_fuzzer(*words: str | Path) -> None:
     """One run of the fuzzer."""
     how = (f"-max_len={LONGEST}", f"-timeout={SLOWEST}", f"-rss_limit_mb={MEMORY}", "-verbosity=1")
     with tempfile.TemporaryDirectory() as place:
@@ -70,27 +70,27 @@ def fuzzed(*words: str | Path) -> None:
         subprocess.run([itself, *map(str, words), *how], check=False, env=named)
 
 
-def planted(corpus: Path) -> set[str]:
+def plant_corpus(corpus: Path) -> set[str]:
     """Put what is kept and the good files of the tests into a corpus; return the names of those."""
     from dashpot.reading.read_options import ReadOptions, dump_profile
     from dashpot.workflow.json_archive import to_document
     from kit.crafted import TABLE
     from kit.handmade import two_arms
-    from kit.instruments import one_of_each
+    from kit.instruments import write_format_examples
 
     with tempfile.TemporaryDirectory() as place:
-        good = [*one_of_each(Path(place)).values()]
+        good = [*write_format_examples(Path(place)).values()]
     seeds = [(0, one) for one in (*good, *(one.content for one in TABLE))]
     seeds.append((1, b"<FTSensor><Calibration></Calibration></FTSensor>"))
     seeds.append((2, dump_profile(ReadOptions(time="t", units={"force": "N"}, rate=1e3)).encode()))
     seeds.append((3, json.dumps(to_document(two_arms())).encode()))
-    given = {named(one): one for one in (bytes([which]) + one for which, one in seeds)}
-    for name, one in {**given, **{named(one): one for one in read(KEPT)}}.items():
+    given = {name_content(one): one for one in (bytes([which]) + one for which, one in seeds)}
+    for name, one in {**given, **{name_content(one): one for one in read(KEPT)}}.items():
         (corpus / name).write_bytes(one)
     return set(given)
 
 
-def named(content: bytes) -> str:
+def name_content(content: bytes) -> str:
     """What a file of a corpus is called."""
     return sha256(content).hexdigest()[:16]
 
@@ -146,14 +146,14 @@ def fuzz() -> None:
     )
     path = Path(tempfile.mkdtemp()) / "fuzz"
 
-    def one(content: bytes) -> None:
+    def fuzz_content(content: bytes) -> None:
         if not content:
             return
         path.write_bytes(content[1:])
         parsers.kept.clear()
         TASKS[task_of(content)](path)
 
-    atheris.Setup([os.environ[ITSELF], *sys.argv[1:]], one)
+    atheris.Setup([os.environ[ITSELF], *sys.argv[1:]], fuzz_content)
     atheris.Fuzz()
 
 

@@ -29,7 +29,7 @@ from dashpot.vibration.mass_on_seals import MassOnSeals, predict_frf
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
 from dashpot.workflow.stiffness_under_mass import find_static_equilibrium
 from dashpot.workflow.study import STIFFNESS_LINES, Study
-from kit.fits import a_fit, altered
+from kit.fits import a_fit, replace_fields
 
 BAND = (0.004, 0.32)
 SHA = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
@@ -53,7 +53,7 @@ def raw_test() -> RelaxationTest:
 
 
 @cache
-def prepared() -> RampHold:
+def make_ramp_hold() -> RampHold:
     """The test with its segments known."""
     test = raw_test()
     return RampHold(
@@ -75,7 +75,7 @@ def prepared() -> RampHold:
 
 def fit_at(tau: tuple[float, ...]) -> Fit:
     """Stiffnesses by least squares at given relaxation times, with the force's offset."""
-    record = prepared()
+    record = make_ramp_hold()
     columns = [
         record.displacement,
         *(arm_response(record.time, record.displacement, t) for t in tau),
@@ -110,7 +110,7 @@ def fit_at(tau: tuple[float, ...]) -> Fit:
 
 
 @cache
-def one_arm() -> Fit:
+def make_single_arm_fit() -> Fit:
     """N = 1."""
     return fit_at((0.986,))
 
@@ -118,7 +118,7 @@ def one_arm() -> Fit:
 @cache
 def two_arms() -> Fit:
     """N = 2, the chosen one, with the table of orders."""
-    two, one = fit_at((0.46, 15.9)), one_arm()
+    two, one = fit_at((0.46, 15.9)), make_single_arm_fit()
     orders = tuple(
         OrderScore(
             fit.model.arms,
@@ -129,7 +129,7 @@ def two_arms() -> Fit:
         )
         for fit in (one, two)
     )
-    return altered(two, orders=orders)
+    return replace_fields(two, orders=orders)
 
 
 @cache
@@ -145,7 +145,7 @@ def joint() -> Fit:
 
 
 @cache
-def measured() -> FRF:
+def make_measured_frf() -> FRF:
     """The true FRF of the block on two broad seals with 1 % noise and ten hits, one rejected."""
     random = np.random.default_rng(3)
     frequency = np.arange(2.0, 50.0, 0.125)
@@ -193,7 +193,7 @@ def unresolved_arm_band() -> StiffnessBounds:
 @cache
 def frf_limits() -> FRFBounds:
     """Limits of the accelerance, narrow by the standard errors and wide by unseen arms."""
-    frequency = measured().frequency
+    frequency = make_measured_frf().frequency
     size = np.abs(predict_frf(2 * two_arms().model, mass=BROAD_MASS, frequency=frequency).value)
     near = np.abs(predict_frf(2 * BROAD, mass=BROAD_MASS, frequency=frequency).value)
     return FRFBounds(
@@ -208,15 +208,15 @@ def frf_limits() -> FRFBounds:
 @cache
 def study() -> Study:
     """The whole story of the broad seal."""
-    fit, target = two_arms(), measured()
+    fit, target = two_arms(), make_measured_frf()
     predicted = predict_frf(2 * fit.model, mass=BROAD_MASS, frequency=target.frequency)
     after = predict_frf(2 * joint().model, mass=BROAD_MASS, frequency=target.frequency)
     return Study(
         test=raw_test(),
-        prepared=prepared(),
+        prepared=make_ramp_hold(),
         fit=fit,
-        alternatives=(one_arm(), fit),
-        hold_fit=altered(fit, method="hold", nuisance=()),
+        alternatives=(make_single_arm_fit(), fit),
+        hold_fit=replace_fields(fit, method="hold", nuisance=()),
         seals=2.0,
         mass=BROAD_MASS,
         mass_inferred=False,

@@ -34,7 +34,9 @@ def stiffness(omega, scale: float):
     return scale * (K_INF + sum(k * s * tau / (1 + s * tau) for k, tau in ARMS))
 
 
-def hammered(frequency, *, mass: float, seals: float, scale: float, noise: float, seed: int):
+def simulate_accelerance(
+    frequency, *, mass: float, seals: float, scale: float, noise: float, seed: int
+):
     """Accelerance with noise, and the noise's standard deviation: 4 equal averages."""
     omega = 2 * np.pi * frequency
     value = -(omega**2) / (seals * stiffness(omega, scale) - mass * omega**2)

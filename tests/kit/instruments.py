@@ -257,7 +257,7 @@ def frf(kind: Kind = Kind.ACCELERANCE, *, measured: bool = True, n: int = 40) ->
     )
 
 
-def one_of_each(folder: Path) -> dict[str, bytes]:
+def write_format_examples(folder: Path) -> dict[str, bytes]:
     """One small file of each format that is not delimited text."""
     import h5py
     import polars as pl

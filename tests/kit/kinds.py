@@ -32,7 +32,7 @@ def csv(head: str, *columns: Array) -> str:
     return f"{head}\n{rows}\n"
 
 
-def saved(path: Path, head: str, *columns: Array) -> Path:
+def save_table(path: Path, head: str, *columns: Array) -> Path:
     """The file of a table, to the last digit."""
     np.savetxt(path, np.column_stack(columns), delimiter=",", header=head, comments="")
     return path

@@ -76,7 +76,7 @@ def frfs():
     ]
 
 
-def followed():
+def make_ideal_fit():
     """The fit of those FRFs as it would be, were it perfect but for one draw."""
     other = (1.01 * SEAL, (Jenkins(99.0, 0.05),))
     draws = ((SEAL, (SLIDER,)), other)

@@ -25,7 +25,7 @@ def lot_of(rows):
     return dp.Lot(pl.DataFrame(made, infer_schema_length=None).sort("file"), 0)
 
 
-def scattered(
+def draw_rows(
     lots=4, seals=25, repeats=4, *, sds=(0.02, 0.03, 0.01), mean=200.0, seed=0, operators=("",)
 ):
     """Return rows of tests that scatter, relative, between lots, seals and repeats."""

@@ -226,7 +226,7 @@ def _columns(arrays: Arrays, strain: float = 100.0, stress: float = 1.0) -> Arra
     return arrays[0], strain * arrays[1], stress * arrays[2]
 
 
-def _plain(arrays: Arrays, strain: float = 100.0, stress: float = 1.0) -> Any:
+def _format_table(arrays: Arrays, strain: float = 100.0, stress: float = 1.0) -> Any:
     return _text(HEAD, *_columns(arrays, strain, stress))
 
 
@@ -237,7 +237,7 @@ def _containers(name: str, kind: str, arrays: Arrays) -> list[History]:
     even = bool(np.ptp(np.diff(t)) < 1e-6)
     si = {"time": (t, {"units": "s"}), "strain": (e, {"units": "1"})}
     made = [
-        ("text", _plain(arrays)),
+        ("text", _format_table(arrays)),
         ("text in German", _text(("Zeit [s]", "Dehnung [%]", "Spannung [N/mm²]"), t, 100 * e, s, comma=True)),
         ("workbook", _workbook((("Time", "Strain", "Stress"), ("s", "%", "kPa"), _columns(arrays, stress=1e3)))),
         ("Parquet", _parquet(time_s=t, strain_pct=100 * e, stress_MPa=s)),
@@ -258,16 +258,16 @@ HISTORIES: tuple[History, ...] = (
     *_containers("relaxation", "modulus", RAMP),
     *_containers("creep", "creep", CREEP),
     *_containers("loops", "cyclic", LOOPS),
-    History("three holds", _plain(STEPS), "modulus", STEPS),
-    History("holds up and down", _plain(STAIRS), "modulus", STAIRS),
-    History("hold and recovery", _plain(RECOVERY), "modulus", RECOVERY),
-    History("cycles, a rest and a hold", _plain(CONDITIONED), "modulus", CONDITIONED),
-    History("creep and recovery", _plain(CREEP_RECOVERY), "creep", CREEP_RECOVERY),
-    History("creep in steps", _plain(CREEP_STEPS), "creep", CREEP_STEPS),
-    History("loops at three frequencies", _plain(TONES), "cyclic", TONES),
-    History("loops from large to small", _plain(DESCENDING), "cyclic", DESCENDING),
-    History("pressed, both below zero", _plain(RAMP, -100, -1), "modulus", RAMP, sign=(-1, -1)),
-    History("pressed, one below zero", _plain(LOOPS, -100), "cyclic", LOOPS, sign=(-1, 1)),
+    History("three holds", _format_table(STEPS), "modulus", STEPS),
+    History("holds up and down", _format_table(STAIRS), "modulus", STAIRS),
+    History("hold and recovery", _format_table(RECOVERY), "modulus", RECOVERY),
+    History("cycles, a rest and a hold", _format_table(CONDITIONED), "modulus", CONDITIONED),
+    History("creep and recovery", _format_table(CREEP_RECOVERY), "creep", CREEP_RECOVERY),
+    History("creep in steps", _format_table(CREEP_STEPS), "creep", CREEP_STEPS),
+    History("loops at three frequencies", _format_table(TONES), "cyclic", TONES),
+    History("loops from large to small", _format_table(DESCENDING), "cyclic", DESCENDING),
+    History("pressed, both below zero", _format_table(RAMP, -100, -1), "modulus", RAMP, sign=(-1, -1)),
+    History("pressed, one below zero", _format_table(LOOPS, -100), "cyclic", LOOPS, sign=(-1, 1)),
     History("Greek names", _text(("t [s]", "ε [-]", "σ [MPa]"), _T, _E, _S), "modulus", RAMP),
     History("shear", _text(("t [s]", "γ [%]", "τ [kPa]"), _T, 100 * _E, 1e3 * _S), "modulus", RAMP),
     History("loops with Greek names", _text(("t [s]", "ε [-]", "σ [MPa]"), _LT, _LE, _LS), "cyclic", LOOPS),
@@ -276,11 +276,11 @@ HISTORIES: tuple[History, ...] = (
     History("minutes and psi", _text(("Time (min)", "Strain (in/in)", "Stress (psi)"), _T / 60, _E, _S * 145.037738), "modulus", RAMP),
     History("hours and bar", _text(("time/h", "strain/%", "stress/bar"), _T / 3600, 100 * _E, 10 * _S), "modulus", RAMP),
     History("a stop-watch in a workbook", _workbook((("Time", "Strain [%]", "Stress [MPa]"), (), (_T / 86400, 100 * _E, _S)), form="[h]:mm:ss.000"), "modulus", RAMP),
-    History("a fraction under %", _plain(RAMP, 1), "modulus", RAMP, "--units strain=1", {"units": {"strain": "1"}}),
+    History("a fraction under %", _format_table(RAMP, 1), "modulus", RAMP, "--units strain=1", {"units": {"strain": "1"}}),
     History("per cent under mm/mm", _text(("Time [s]", "Strain [mm/mm]", "Stress [MPa]"), *_columns(RAMP)), "modulus", RAMP, "--units strain=%", {"units": {"strain": "%"}}),
-    History("kilopascal under MPa", _plain(RAMP, stress=1e3), "modulus", RAMP, "--units stress=MPa", {"units": {"stress": "kPa"}}),
-    History("loops in kilopascal under MPa", _plain(LOOPS, stress=1e3), "cyclic", LOOPS, "--units stress=MPa", {"units": {"stress": "kPa"}}),
-    History("creep in kilopascal under MPa", _plain(CREEP, stress=1e3), "creep", CREEP, "--units stress=MPa", {"units": {"stress": "kPa"}}),
+    History("kilopascal under MPa", _format_table(RAMP, stress=1e3), "modulus", RAMP, "--units stress=MPa", {"units": {"stress": "kPa"}}),
+    History("loops in kilopascal under MPa", _format_table(LOOPS, stress=1e3), "cyclic", LOOPS, "--units stress=MPa", {"units": {"stress": "kPa"}}),
+    History("creep in kilopascal under MPa", _format_table(CREEP, stress=1e3), "creep", CREEP, "--units stress=MPa", {"units": {"stress": "kPa"}}),
     History("no units", _text(("Time", "Strain", "Stress"), *_columns(RAMP)), "", RAMP, "has no unit", {"units": {"time": "s", "strain": "%", "stress": "MPa"}}),
     History("a hold without a clock", _text(HEAD[1:], 100 * _E, _S), "modulus", RAMP, "--rate", {"rate": 10.0}),
     History("loops without a clock", _text(HEAD[1:], 100 * _LE, _LS), "cyclic", LOOPS, "--rate", {"rate": 50.0}),

@@ -100,7 +100,7 @@ def _group(file: Writer, group: Group, following: int) -> int:
     return file.block("CG", [following, after, file.text(group.name), 0, 0, 0], data)
 
 
-def packed(
+def pack_block(
     data: bytes, *, columns: int = 0, message: int | None = None, original: bytes = b"DT"
 ) -> bytes:
     """The data of a DZ block; `columns` transposes it."""
@@ -131,7 +131,7 @@ def mdf4(
         following = 0
         for group in reversed(groups):
             following = _group(file, group, following)
-        data = _stored(_mixed(groups, id_size, order), how, file)
+        data = _store_data(_interleave_groups(groups, id_size, order), how, file)
         first = file.block("DG", [first, following, data, 0], struct.pack("<B7x", id_size))
     struct.pack_into("<Q", file.data, 64 + 24, first)
     struct.pack_into("<Q", file.data, 64 + 24 + 40, note)
@@ -139,7 +139,7 @@ def mdf4(
     return bytes(file.data)
 
 
-def _mixed(groups: Sequence[Group], id_size: int, order: Sequence[int]) -> bytes:
+def _interleave_groups(groups: Sequence[Group], id_size: int, order: Sequence[int]) -> bytes:
     waiting = [list(group.records) for group in groups]
     if not order:
         order = [
@@ -155,15 +155,15 @@ def _mixed(groups: Sequence[Group], id_size: int, order: Sequence[int]) -> bytes
     return b"".join(parts)
 
 
-def _stored(data: bytes, how: str, file: Writer) -> int:
+def _store_data(data: bytes, how: str, file: Writer) -> int:
     if how == "DT":
         return file.block("DT", [], data)
     if how in {"DZ", "DZT"}:
-        return file.block("DZ", [], packed(data, columns=17 if how == "DZT" else 0))
+        return file.block("DZ", [], pack_block(data, columns=17 if how == "DZT" else 0))
     size = max(1, len(data) // 5 + 3)
     pieces = [data[k : k + size] for k in range(0, len(data), size)]
     blocks = [
-        file.block("DZ", [], packed(piece)) if how == "HL" else file.block("DT", [], piece)
+        file.block("DZ", [], pack_block(piece)) if how == "HL" else file.block("DT", [], piece)
         for piece in pieces
     ]
     half = len(blocks) // 2

@@ -53,6 +53,6 @@ def hammer(*order: int, head: Sequence[str] = HAMMER) -> str:
     return table(head, ([row[i] for i in order] if order else row for row in found))
 
 
-def quoted(text: str) -> str:
+def quote_lines(text: str) -> str:
     """Every line as one quoted cell."""
     return "".join(f'"{line}"\n' for line in text.splitlines())

@@ -61,7 +61,7 @@ def texts(draw: st.DrawFn) -> bytes:
 
 
 @st.composite
-def wounded(draw: st.DrawFn, content: bytes) -> bytes:
+def draw_damaged_bytes(draw: st.DrawFn, content: bytes) -> bytes:
     """A good file with bytes changed, cut out or doubled."""
     out = bytearray(content)
     for _ in range(draw(st.integers(1, 6))):
@@ -87,7 +87,7 @@ def wounded(draw: st.DrawFn, content: bytes) -> bytes:
 
 
 @st.composite
-def repacked(draw: st.DrawFn, content: bytes) -> bytes:
+def draw_damaged_zip(draw: st.DrawFn, content: bytes) -> bytes:
     """A zip file whose parts are wounded before they are packed."""
     out = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(content)) as old, zipfile.ZipFile(out, "w") as new:
@@ -95,12 +95,12 @@ def repacked(draw: st.DrawFn, content: bytes) -> bytes:
         chosen = draw(st.sampled_from(names))
         for name in names:
             part = old.read(name)
-            new.writestr(name, draw(wounded(part)) if name == chosen else part)
+            new.writestr(name, draw(draw_damaged_bytes(part)) if name == chosen else part)
     return Mutant(out.getvalue())
 
 
 @st.composite
-def altered(draw: st.DrawFn, document: object) -> bytes:
+def draw_damaged_json(draw: st.DrawFn, document: object) -> bytes:
     """A JSON document of which some parts are other ones, gone or doubled."""
     whole = json.loads(json.dumps({"root": document}))
     for _ in range(draw(st.integers(1, 3))):

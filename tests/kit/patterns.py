@@ -30,13 +30,13 @@ FILLS = (
 )  # fmt: skip
 
 
-def _held(value: object) -> Iterator[re.Pattern]:
+def _find_patterns(value: object) -> Iterator[re.Pattern]:
     """The patterns in a value of a module."""
     if isinstance(value, compile_on_use):
         yield re.compile(value.pattern, value.flags)
     elif isinstance(value, dict | tuple):
         for entry in value.values() if isinstance(value, dict) else value:
-            yield from _held(entry)
+            yield from _find_patterns(entry)
 
 
 def _inline(tree: ast.AST) -> Iterator[re.Pattern]:
@@ -53,14 +53,14 @@ def _inline(tree: ast.AST) -> Iterator[re.Pattern]:
 def patterns() -> dict[str, re.Pattern]:
     """Every pattern by its own text."""
     root = Path(dashpot.reading.__file__).parent
-    found = [*_held(PlainRows(Dialect(";", ".", ("number",)), (0,)).blank)]
+    found = [*_find_patterns(PlainRows(Dialect(";", ".", ("number",)), (0,)).blank)]
     for path in sorted(root.rglob("*.py")):
         parts = path.relative_to(root).with_suffix("").parts
         module = importlib.import_module(
             ".".join(("dashpot.reading", *parts)).removesuffix(".__init__")
         )
         for value in vars(module).values():
-            found += _held(value)
+            found += _find_patterns(value)
         found += _inline(ast.parse(path.read_text(encoding="utf-8")))
     return {str(pattern.pattern): pattern for pattern in found}
 

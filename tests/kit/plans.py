@@ -12,7 +12,7 @@ from dashpot.planning.plan_options import HammerPlan
 from dashpot.planning.planned_ramp_hold import Bench
 
 
-def planned(**words: Any) -> Plan:
+def make_bench_plan(**words: Any) -> Plan:
     """The plan of the usual test at 12.71 Hz, with changes to bench, machine, seal and hammer.
 
     With ``force_alone`` there is no machine: nothing but the noise of the force.

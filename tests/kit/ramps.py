@@ -98,10 +98,10 @@ def qlv(law: Law, bench: Bench, *, depth: float = DEPTH, seed: int = 0,
     force = law(x)
     for one, weight, t in zip(laws, k, tau, strict=True):
         force = force + weight * memory(time, one(x), t)
-    return recorded(time, x, force, bench, depth=depth, seed=seed)
+    return record_force(time, x, force, bench, depth=depth, seed=seed)
 
 
-def recorded(
+def record_force(
     time: np.ndarray, x: np.ndarray, force: np.ndarray, bench: Bench, *, depth: float, seed: int
 ) -> RampHold:
     """What the bench makes of a force: late, humming, drifting, noisy."""
@@ -130,7 +130,7 @@ def tape(stretch: float = 0.16, *, seed: int = 0) -> RampHold:
     force = law(x)
     for one, k in zip(tau, 0.8 * tau**-0.12, strict=True):
         force = force + k * memory(time, law(x), float(one))
-    return recorded(time, x, force, bench, depth=float(x[time > 20].mean()), seed=seed)
+    return record_force(time, x, force, bench, depth=float(x[time > 20].mean()), seed=seed)
 
 
 def foam_block(*, seed: int = 0) -> RampHold:

@@ -13,7 +13,7 @@ FOAM = Hyperelastic("hyperfoam", (0.2e6,), (8.0,), 0.0)
 RELAXATION = PAPER * (1 / PAPER.k_inf)
 
 
-def loaded(law, mode, span=(1.0, 2.0), *, rows=40, noise=0.0, seed=0, **words):
+def simulate_loading(law, mode, span=(1.0, 2.0), *, rows=40, noise=0.0, seed=0, **words):
     """One loading of a law, its noise a part of the largest stress."""
     x = np.linspace(*span, rows)
     stress = law.nominal(mode, x)
@@ -21,7 +21,7 @@ def loaded(law, mode, span=(1.0, 2.0), *, rows=40, noise=0.0, seed=0, **words):
     return StressStrainTest(mode, x, stress + error, **words, units="SI")
 
 
-def at_rate(law, mode, rate, *, high=2.0, rows=2000, noise=0.0, seed=0):
+def simulate_loading_at_rate(law, mode, rate, *, high=2.0, rows=2000, noise=0.0, seed=0):
     """The same at an engineering rate, 1/s: its true stress with the relaxation, by quadrature.
 
     sigma = s_e + sum g_j int e^{-(t-u)/tau_j} ds_e(u), Simpson within each sample, exact in e^-t.

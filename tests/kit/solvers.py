@@ -27,7 +27,7 @@ def run_ccx(deck: str, folder: Path) -> str:
     return (folder / "deck.dat").read_text()
 
 
-def printed(dat: str, block: str, node: int) -> np.ndarray:
+def read_printed(dat: str, block: str, node: int) -> np.ndarray:
     """First components of a node in the blocks of one kind."""
     found, wanted = [], False
     for line in dat.splitlines():

@@ -275,7 +275,7 @@ def record(
     clock = step * np.arange(round((bench.baseline + bench.ramp + bench.hold) / step) + 1)
     plate = _plate(clock, bench)
     true, force = _answer(seal, LAWS[law], plate, clock, bench)
-    shown = np.interp(clock - bench.late, clock, _filtered(force, step, bench.force_filter))
+    shown = np.interp(clock - bench.late, clock, _filter_force(force, step, bench.force_filter))
     time, read = clock[::FINE], shown[::FINE]
     read = read + bench.bias + bench.drift * time + _hum(time, bench, random)
     read = read + _noise(len(time), bench, random)
@@ -283,7 +283,7 @@ def record(
         read = np.minimum(read, bench.clip * read.max())
     return Trial(
         name, seal, law, bench, seed, time,
-        _in_steps(plate[::FINE], bench.encoder), _in_steps(read, bench.count),
+        _quantise(plate[::FINE], bench.encoder), _quantise(read, bench.count),
         true[::FINE], force[::FINE],
     )  # fmt: skip
 
@@ -329,7 +329,7 @@ def _stuck(x, bench: Bench):
     return bench.friction * (np.clip(drawn, -reach, reach) / reach).mean(axis=1)
 
 
-def _filtered(force, step: float, cut: float | None):
+def _filter_force(force, step: float, cut: float | None):
     if cut is None:
         return force
     # exact for a force that is straight between instants
@@ -356,7 +356,7 @@ def _noise(count: int, bench: Bench, random):
     return bench.noise * lfilter([np.sqrt(1 - keep**2)], [1.0, -keep], white)
 
 
-def _in_steps(values, count: float):
+def _quantise(values, count: float):
     return np.round(values / count) * count if count else values
 
 

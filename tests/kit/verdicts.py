@@ -56,7 +56,7 @@ def evaluate_record(one: Trial, *, bounds: bool = False) -> Outcome:
     except DashpotError as error:
         return Outcome(one.name, "do not use", ((type(error).__name__, "stop"),), {})
     failed = tuple((check.name, check.grade) for check in fit.checks if check.failed)
-    inside = _inside(one, fit, record) if bounds else None
+    inside = _is_inside(one, fit, record) if bounds else None
     return Outcome(one.name, fit.verdict.use, failed, _errors(one, fit), inside)
 
 
@@ -90,7 +90,7 @@ def _error(fit: dp.Fit, of_k, of_ln_tau):
     return np.sqrt(np.einsum("im,ij,jm->m", slopes.conj(), covariance, slopes).real)
 
 
-def _inside(one: Trial, fit: dp.Fit, record: dp.RampHold) -> bool:
+def _is_inside(one: Trial, fit: dp.Fit, record: dp.RampHold) -> bool:
     from dashpot.fitting.prediction_bounds import unseen_arm_band
 
     band = unseen_arm_band(fit, record, LINES)

@@ -33,7 +33,7 @@ ARMS = {
 }
 
 
-def held(time: np.ndarray, k_inf: float, k: np.ndarray, tau: np.ndarray) -> np.ndarray:
+def compute_hold(time: np.ndarray, k_inf: float, k: np.ndarray, tau: np.ndarray) -> np.ndarray:
     """The hold as paper eq. 5 says it, arms summed one by one."""
     force = np.full(len(time), k_inf)
     for stiffness, t in zip(k, tau, strict=True):
@@ -43,7 +43,7 @@ def held(time: np.ndarray, k_inf: float, k: np.ndarray, tau: np.ndarray) -> np.n
 
 def noisy(time: np.ndarray, arms: int, sd: np.ndarray | float = 0.01) -> np.ndarray:
     k, tau = ARMS[arms]
-    return held(time, 196.5, np.array(k), np.array(tau)) + sd * np.random.default_rng(
+    return compute_hold(time, 196.5, np.array(k), np.array(tau)) + sd * np.random.default_rng(
         arms
     ).standard_normal(len(time))
 
@@ -55,7 +55,7 @@ def dense(time: np.ndarray, force: np.ndarray, sd: np.ndarray | float, start: np
     arms = (len(start) - 1) // 2
 
     def residual(p: np.ndarray) -> np.ndarray:
-        return (held(time, p[0], p[1 : arms + 1], np.exp(p[arms + 1 :])) - force) / sd
+        return (compute_hold(time, p[0], p[1 : arms + 1], np.exp(p[arms + 1 :])) - force) / sd
 
     found = least_squares(
         residual, start, jac="3-point", x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15

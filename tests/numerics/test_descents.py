@@ -96,7 +96,7 @@ def test_profile_with_too_few_arms_equals_brute_force_refit(
     ((value, deviance),) = profiles(Stack([block]), found, [asked], limit=20.0)
     c, k, ln_tau = *found.beta, found.log_tau[0]
 
-    def refitted(at: float) -> float:
+    def compute_refit_cost(at: float) -> float:
         def residual(q: np.ndarray) -> np.ndarray:
             solid = {"c": (at, *q), "k": (q[0], at, q[1]), "ln b": (q[0], np.exp(at - q[1]), q[1])}
             level, stiffness, arm = solid[held]
@@ -110,7 +110,7 @@ def test_profile_with_too_few_arms_equals_brute_force_refit(
 
     rises = deviance < 16.0
     assert rises.sum() > 8
-    expected = [(refitted(at) - found.sse) / scale for at in value[rises]]
+    expected = [(compute_refit_cost(at) - found.sse) / scale for at in value[rises]]
     assert deviance[rises] == pytest.approx(np.array(expected), abs=2e-3, rel=1e-3)
 
 

@@ -209,7 +209,7 @@ def test_any_grid_and_weights_take_the_recursion() -> None:
     assert orders[2].sse == pytest.approx(found.sse, rel=1e-9)
 
 
-def jittered(count: int, history: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def make_jittered_record(count: int, history: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A long record on a clock of its own, its displacement, and weights."""
     time = np.sort(GENERATOR.uniform(0, 40, count))
     x = np.interp(time, TIME, HISTORIES[history]) + 1e-3
@@ -219,7 +219,7 @@ def jittered(count: int, history: str) -> tuple[np.ndarray, np.ndarray, np.ndarr
 @pytest.mark.parametrize("history", HISTORIES)
 @pytest.mark.parametrize("arms", [1, 2, 3, 4])
 def test_reduced_optimum_is_the_full_optimum(history: str, arms: int) -> None:
-    time, x, weights = jittered(5000, history)
+    time, x, weights = make_jittered_record(5000, history)
     force = force_of(x, arms, sd=0.0, time=time) + GENERATOR.standard_normal(5000) / weights
     block = recorded_block(time, x, force, offset="offset", weights=weights, window=slice(40, 4900))
     assert len(block.evaluate(np.zeros(1)).target) < 120
@@ -286,7 +286,7 @@ def test_arms_far_slower_than_the_window_are_reduced() -> None:
 @given(log_tau=st.lists(st.floats(np.log(0.02), np.log(300)), min_size=2, max_size=2, unique=True))
 @settings(max_examples=15, deadline=None)
 def test_reduced_columns_are_those_of_every_sample(log_tau: list[float]) -> None:
-    time, x, weights = jittered(3000, "steps and chirp")
+    time, x, weights = make_jittered_record(3000, "steps and chirp")
     block = recorded_block(time, x, force_of(x, 2, time=time), weights=weights)
 
     def gram(rows: Evaluation, floor: float) -> np.ndarray:
@@ -353,10 +353,10 @@ def test_what_the_correlations_lose_to_rounding_comes_from_every_sample(
     at = np.log(np.geomspace(1.0, 100.0, 4))
     closed = block.evaluate(at, derivative)
 
-    def lost(gram: np.ndarray) -> np.ndarray:
+    def fail_rounding(gram: np.ndarray) -> np.ndarray:
         raise FitError("rounding")
 
-    monkeypatch.setattr(displacement_correlation, "upper_factor", lost)
+    monkeypatch.setattr(displacement_correlation, "upper_factor", fail_rounding)
     sampled = block.evaluate(at, derivative)
     assert len(sampled.target) == len(closed.target)
     one, two = (

@@ -56,7 +56,7 @@ CERTIFIED = {  # amplitudes, rates, their standard deviations, SSE
 }
 
 
-def typed(table: str) -> np.ndarray:
+def parse_values(table: str) -> np.ndarray:
     return np.array(table.split(), dtype=float)
 
 
@@ -69,7 +69,7 @@ def digits(found: np.ndarray, certified: tuple[float, ...]) -> float:
 @pytest.mark.parametrize("name", CERTIFIED)
 def test_lanczos_without_a_start(name: str) -> None:
     table, amplitudes, rates, rate_errors, sse = CERTIFIED[name]
-    found = exponential_sum(LANCZOS_X, typed(table), terms=3)
+    found = exponential_sum(LANCZOS_X, parse_values(table), terms=3)
     assert found.converged
     assert min(digits(found.rates, rates), digits(found.amplitudes, amplitudes)) >= 10
     if sse is not None:
@@ -78,7 +78,7 @@ def test_lanczos_without_a_start(name: str) -> None:
 
 
 def test_mgh17_without_a_start_needs_a_negative_amplitude() -> None:
-    found = exponential_sum(MGH17_X, typed(MGH17), terms=2, constant=True, signed=True)
+    found = exponential_sum(MGH17_X, parse_values(MGH17), terms=2, constant=True, signed=True)
     assert digits(found.rates, (1.2867534640e-02, 2.2122699662e-02)) >= 10
     assert digits(found.amplitudes, (1.9358469127e00, -1.4646871366e00)) >= 10
     assert digits(np.array([found.constant]), (3.7541005211e-01,)) >= 10

@@ -38,7 +38,7 @@ def test_a_factor_by_pieces_is_a_factor(rows: int) -> None:
     np.testing.assert_allclose(basis.T @ basis, np.eye(min(rows, 7)), atol=1e-12)
 
 
-def held(noise: np.ndarray | float = 0.0) -> DataBlock:
+def make_hold_block(noise: np.ndarray | float = 0.0) -> DataBlock:
     """Eq. 5 on a hold of 12 s, every sample a row."""
     mean = TAU / RAMP * -np.expm1(-RAMP / TAU)
     force = DEPTH * (200.0 + np.exp(-TIME[:, None] / TAU) @ (K * mean))
@@ -64,7 +64,7 @@ def white(variance: float = 1e-4) -> Noise:
     return Noise(len(TIME), np.array([variance]), 1.0, 2.0)
 
 
-@pytest.mark.parametrize("make", [held, make_recorded_block])
+@pytest.mark.parametrize("make", [make_hold_block, make_recorded_block])
 def test_in_the_metric_of_white_noise_the_fit_is_least_squares(
     make: Callable[[np.ndarray], DataBlock],
 ) -> None:
@@ -92,7 +92,7 @@ def test_the_columns_are_those_of_the_record_at_any_relaxation_time() -> None:
     np.testing.assert_allclose(mine.target @ mine.arms, theirs.target @ theirs.arms, rtol=1e-6)
 
 
-@pytest.mark.parametrize(("make", "better"), [(held, 1.5), (make_recorded_block, 1.0)])
+@pytest.mark.parametrize(("make", "better"), [(make_hold_block, 1.5), (make_recorded_block, 1.0)])
 def test_whitened_block_has_the_errors_of_generalised_least_squares(
     make: Callable[[], DataBlock], better: float
 ) -> None:
@@ -116,7 +116,7 @@ def test_whitened_block_has_the_errors_of_generalised_least_squares(
 
 def test_averaging_length_follows_the_noise_of_each_record() -> None:
     """Against the dense form, under slow noise and beside it white: means of 4 and of 1."""
-    records, noises = [held(), make_recorded_block()], [slow(8.0), white()]
+    records, noises = [make_hold_block(), make_recorded_block()], [slow(8.0), white()]
     assert [compute_averaging_length(one) for one in noises] == [4, 1]
     solution = solve(records, 2)
     gain = NoiseGain(records, noises, solution)
@@ -131,7 +131,7 @@ def test_averaging_length_follows_the_noise_of_each_record() -> None:
         assert gain.compute_step_gain(step) == pytest.approx(met / (change @ change), rel=0.05)
 
 
-@pytest.mark.parametrize("make", [held, make_recorded_block])
+@pytest.mark.parametrize("make", [make_hold_block, make_recorded_block])
 @pytest.mark.parametrize(("correlation", "few", "most"), [(0.5, 1, 1.0), (2, 2, 1.02), (8, 4, 1.3)])
 def test_averaging_of_neighbours_loses_little_information(
     make: Callable[[], DataBlock],
@@ -164,7 +164,7 @@ def test_no_direction_is_trusted_better_than_under_white_noise(
     """However little a filter left above its cut-off, and whatever hum there is below."""
     lag = STEP * np.arange(len(TIME))
     gamma = 1e-4 * np.exp(-0.5 * (lag / correlation) ** 2) * np.cos(ripple * lag)
-    exact = held()
+    exact = make_hold_block()
     block = whitened_block(exact, Noise(len(TIME), gamma, 1.0, 2.0))
     at = np.log(np.array([0.05, 0.4, 3.0, 20.0]))
     mine = block.evaluate(at, derivative=False).arms
@@ -173,7 +173,7 @@ def test_no_direction_is_trusted_better_than_under_white_noise(
     assert excess.max() <= 1e-6 * np.sum(theirs**2) / 1e-4
 
 
-@pytest.mark.parametrize("make", [held, make_recorded_block])
+@pytest.mark.parametrize("make", [make_hold_block, make_recorded_block])
 def test_the_noise_that_meets_a_change_is_its_dense_quadratic_form(
     make: Callable[[], DataBlock],
 ) -> None:
@@ -201,7 +201,7 @@ def test_the_noise_that_meets_a_change_is_its_dense_quadratic_form(
 
 
 def test_white_noise_meets_every_change_alike() -> None:
-    exact = held(1e-2 * np.random.default_rng(1).standard_normal(len(TIME)))
+    exact = make_hold_block(1e-2 * np.random.default_rng(1).standard_normal(len(TIME)))
     solution = solve([exact], 2)
     noise_gain = NoiseGain([exact], [white(0.3)], solution)
     assert noise_gain.compute_step_gain(np.array([1.0, -2.0, 0.3, 0.1, 0.7])) == pytest.approx(0.3)
@@ -218,7 +218,7 @@ def test_the_fall_of_the_deviance_under_slow_noise_is_chance() -> None:
         drawn[0] /= np.sqrt(1 - rho**2)
         for i in range(1, len(TIME)):
             drawn[i] += rho * drawn[i - 1]
-        block = whitened_block(held(1e-2 * drawn), slow(0.5))
+        block = whitened_block(make_hold_block(1e-2 * drawn), slow(0.5))
         falls.append(solve([block], 2).sse - solve([block], 3).sse)
     assert np.median(falls) < 1.0
     assert max(falls) < 11.83

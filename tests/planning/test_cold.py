@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from kit.plans import planned
+from kit.plans import make_bench_plan
 
 from dashpot.base.errors import DataError
 from dashpot.datamodel.machine import Machine
@@ -40,7 +40,7 @@ def loss_factor_sd(solid: GeneralizedMaxwell, rows: np.ndarray) -> float:
     return float(np.linalg.norm(half)) / loss_factor(p)
 
 
-def usual(method: str = "full", machine: Machine | None = None) -> Bench:
+def make_bench(method: str = "full", machine: Machine | None = None) -> Bench:
     return Bench(8e-3, 1.0, 40.0, 1000.0, 5e-3, method, 1.0, machine)
 
 
@@ -56,7 +56,9 @@ def places(*celsius: float, b_t: float | None = None) -> list[Repeat]:
 def test_planned_cold_test_reproduces_the_reference_table(cold, hold, full):
     """By the force alone, b_T free about 1, every arm shifting alike; two digits at most."""
     for method, expected in (("hold", hold), ("full", full)):
-        rows = build_planned_rows(HIDDEN, usual(method), places(*cold, b_t=1.0), slope_sd=0.0).rows
+        rows = build_planned_rows(
+            HIDDEN, make_bench(method), places(*cold, b_t=1.0), slope_sd=0.0
+        ).rows
         assert loss_factor_sd(HIDDEN, rows) == pytest.approx(expected, rel=0.05)
 
 
@@ -139,13 +141,13 @@ def test_the_sensitivities_are_slopes_of_both_forces():
 
 
 def test_unknown_shift_slope_widens_the_error():
-    rows = [build_planned_rows(HIDDEN, usual(), places(0), sd).rows for sd in (0.0, 0.03, 0.3)]
+    rows = [build_planned_rows(HIDDEN, make_bench(), places(0), sd).rows for sd in (0.0, 0.03, 0.3)]
     known, usual_doubt, unknown = (loss_factor_sd(HIDDEN, each) for each in rows)
     assert known < usual_doubt < unknown
 
 
 def make_plan(**changes: object) -> Plan:
-    return planned(**({"at": AT, "model": HIDDEN} | changes))
+    return make_bench_plan(**({"at": AT, "model": HIDDEN} | changes))
 
 
 def test_the_plan_puts_the_cold_test_into_its_table():
@@ -157,10 +159,10 @@ def test_the_plan_puts_the_cold_test_into_its_table():
     alone = make_plan().expected.loss_factor_sd
     assert told.alternatives[0].loss_factor_sd == alone
     # what the rig may do unseen, in the cold and at room temperature, is as much as the noise again
-    rows = build_planned_rows(HIDDEN, usual(machine=Machine()), places(0)).rows
+    rows = build_planned_rows(HIDDEN, make_bench(machine=Machine()), places(0)).rows
     assert told.expected.loss_factor_sd > 1.5 * loss_factor_sd(HIDDEN, rows)
     quiet = make_plan(cold="0degC", force_alone=True).expected.loss_factor_sd
-    bare = loss_factor_sd(HIDDEN, build_planned_rows(HIDDEN, usual(), places(0)).rows)
+    bare = loss_factor_sd(HIDDEN, build_planned_rows(HIDDEN, make_bench(), places(0)).rows)
     assert quiet == pytest.approx(bare, rel=1e-4)
     assert told.advice[0] == (
         "Repeat it at 0 degC and fit all together. The loss factor at 12.71 Hz is then known to "

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from kit.fits import of_noise
+from kit.fits import restrict_to_noise
 from kit.foreign.rigs import Protocol, read
 from kit.foreign.truths import TABLE_1
 from kit.foreign.truths import Seal as ForeignSeal
-from kit.plans import planned
+from kit.plans import make_bench_plan
 from kit.trials import Bench as TrialBench
 from kit.trials import Seal, record, relaxation_test
 
@@ -86,8 +86,8 @@ def test_the_table_of_vibration_4b(
 ) -> None:
     """Relative SD of a hidden arm of 3 and 10 % of the glassy stiffness, hold-only fit."""
     options = {"method": "hold", "noise": noise, "rate": rate, "force_alone": True}
-    weak = planned(arm=(0.03 * PAPER.k_0, 0.0125), **options).expected
-    strong = planned(arm=(0.10 * PAPER.k_0, 0.0125), **options).expected
+    weak = make_bench_plan(arm=(0.03 * PAPER.k_0, 0.0125), **options).expected
+    strong = make_bench_plan(arm=(0.10 * PAPER.k_0, 0.0125), **options).expected
     assert weak.arm_sd == pytest.approx(three, rel=0.015)
     assert strong.arm_sd == pytest.approx(ten, rel=0.015)
     assert strong.loss_factor_sd == pytest.approx(loss_factor, rel=0.02)
@@ -97,7 +97,9 @@ def test_a_faster_ramp_mends_it() -> None:
     """3 % arm, 1 LSB: 97, 29, 9.7, 2.7, 1.0 %."""
     arm = (0.03 * PAPER.k_0, 0.0125)
     told = [
-        planned(method="hold", noise=LSB, arm=arm, ramp_time=c, force_alone=True).expected.arm_sd
+        make_bench_plan(
+            method="hold", noise=LSB, arm=arm, ramp_time=c, force_alone=True
+        ).expected.arm_sd
         for c in (1.0, 0.3, 0.1, 0.03, 0.01)
     ]
     assert told == pytest.approx([0.97, 0.29, 0.097, 0.027, 0.0105], rel=0.015)
@@ -168,7 +170,7 @@ def test_the_bound_is_what_a_fit_finds() -> None:
     x = 8e-3 * np.clip(t / 0.2, 0, 1)
     force = truth.force(t, x) + 1e-3 * np.random.default_rng(4).standard_normal(len(t))
     held = RampHold(t, x, force, 0.0, 0.2, float(t[-1]), 8e-3)
-    found = of_noise(fit(held, arms=3, nuisance=()))
+    found = restrict_to_noise(fit(held, arms=3, nuisance=()))
     told = expected_force_error(arm, ramp_time=0.2, hold_time=20.8, rate=500.0, noise=1e-3, at=3.0)
     assert told.arm_sd is not None
     assert found.standard_error["k"][0] / arm[0] == pytest.approx(told.arm_sd, rel=0.1)
@@ -187,18 +189,22 @@ def test_noise_scales_the_bound_and_samples_its_root(factor: float, at: float) -
 
 def test_what_the_fit_must_find_costs_something() -> None:
     arm = (0.1 * PAPER.k_0, 1 / (2 * np.pi * 12.71))
-    assert planned().expected.loss_factor_sd > 1.5 * expected_force_error(arm).loss_factor_sd
-    late = planned(sync=8e-3).expected
-    assert late.loss_factor_sd > planned().expected.loss_factor_sd
+    assert (
+        make_bench_plan().expected.loss_factor_sd > 1.5 * expected_force_error(arm).loss_factor_sd
+    )
+    late = make_bench_plan(sync=8e-3).expected
+    assert late.loss_factor_sd > make_bench_plan().expected.loss_factor_sd
     lost, usual, told = (
-        planned(**of).arms[1].half_tau for of in ({"drift": 5e-3}, {}, {"drift": 1e-5})
+        make_bench_plan(**of).arms[1].half_tau for of in ({"drift": 5e-3}, {}, {"drift": 1e-5})
     )
     assert lost > usual > 2 * told
 
 
 def test_plan_with_a_hammer_test_determines_the_arm() -> None:
     """Vibration reference 4b: jointly the 10 % arm is known to 1.1 %, the loss factor to 0.92 %."""
-    told = planned(noise=LSB, method="hold", arm=(0.10 * PAPER.k_0, 0.0125), force_alone=True)
+    told = make_bench_plan(
+        noise=LSB, method="hold", arm=(0.10 * PAPER.k_0, 0.0125), force_alone=True
+    )
     joint = told.alternatives[-1]
     assert joint.method == "joint"
     assert joint.arm_sd == pytest.approx(0.011, rel=0.1)
@@ -226,10 +232,10 @@ def test_the_hammers_sensitivities_are_slopes_of_the_response() -> None:
 
 
 def test_a_model_with_an_arm_there_needs_no_other() -> None:
-    told = planned(model=PAPER + GeneralizedMaxwell(0.0, (20.0,), (0.016,)))
+    told = make_bench_plan(model=PAPER + GeneralizedMaxwell(0.0, (20.0,), (0.016,)))
     assert told.arm is None
     assert told.expected.arm_sd is None
-    assert planned().arm == pytest.approx((0.1 * PAPER.k_0, 1 / (2 * np.pi * 12.71)))
+    assert make_bench_plan().arm == pytest.approx((0.1 * PAPER.k_0, 1 / (2 * np.pi * 12.71)))
 
 
 # -- the hammer -------------------------------------------------------------------------------
@@ -247,13 +253,13 @@ def test_the_record_for_table_1() -> None:
 
 def test_the_record_is_for_the_solid_that_is_supposed() -> None:
     """An arm that is supposed damps, so the mass rings for less long."""
-    told = planned()
+    told = make_bench_plan()
     assert told.record.for_lines == pytest.approx(6.86, abs=0.01)
     assert (
         "Record each hit for 6.86 s (44.4 s if no arm of the seal adds damping there)"
         in told.advice[1]
     )
-    assert planned(model=told.model).record.for_lines == pytest.approx(6.86, abs=0.01)
+    assert make_bench_plan(model=told.model).record.for_lines == pytest.approx(6.86, abs=0.01)
 
 
 def test_short_records_hide_the_peak() -> None:
@@ -300,7 +306,7 @@ def test_the_spectrum_of_a_half_sine(duration: float, part: float) -> None:
 
 def test_user_story_4() -> None:
     """ "I need the loss factor at 12.71 Hz to 10 %": ramp in 0.1 s or hit a block."""
-    told = planned(record=4.0, pulse=0.015)
+    told = make_bench_plan(record=4.0, pulse=0.015)
     words = " ".join(told.advice)
     assert "Ramp in 33.3 ms" in words
     assert "fit both together" in words
@@ -317,26 +323,26 @@ def test_user_story_4() -> None:
 
 
 def test_plan_gives_no_advice_for_a_good_test() -> None:
-    told = planned(ramp_time=0.03, record=60.0, pulse=0.01, noise=1e-3)
+    told = make_bench_plan(ramp_time=0.03, record=60.0, pulse=0.01, noise=1e-3)
     assert told.expected.loss_factor_sd < 0.1
     assert len(told.advice) == 1
     assert told.advice[0].startswith("This test determines the loss factor")
 
 
 def test_fit_the_ramp_too() -> None:
-    told = planned(ramp_time=0.1, method="hold")
+    told = make_bench_plan(ramp_time=0.1, method="hold")
     assert "fit ramp and hold together" in told.advice[0]
 
 
 def test_plan_states_the_gain_of_naming_the_machine() -> None:
     """A baseline of 10 s, and a machine whose give and creep are known."""
-    told = planned()
+    told = make_bench_plan()
     assert told.end.time == 40.0
     assert told.end.stiffness == pytest.approx(float(told.model.relaxation(40.0)))
     assert told.end.if_machine_named < 0.5 * told.end.half_width
     assert told.end.message in str(told)
     assert "Record a baseline of 10 s" in told.end.message
-    known = planned(baseline=10.0, compliance=0.0, creep=0.0).end
+    known = make_bench_plan(baseline=10.0, compliance=0.0, creep=0.0).end
     assert known.half_width == pytest.approx(told.end.if_machine_named)
     assert known.message == (
         f"At the end of the hold the stiffness k(40.0 s) would be known to about "
@@ -344,9 +350,9 @@ def test_plan_states_the_gain_of_naming_the_machine() -> None:
     )
     # each alone gives a part of it
     for one in ({"baseline": 10.0}, {"compliance": 0.0}, {"creep": 0.0}, {"drift": 1e-5}):
-        assert known.half_width < planned(**one).end.half_width < told.end.half_width
+        assert known.half_width < make_bench_plan(**one).end.half_width < told.end.half_width
     # by eq. 5 as by ramp and hold: what hides the end is in both
-    assert planned(method="hold").end == told.end
+    assert make_bench_plan(method="hold").end == told.end
 
 
 @pytest.mark.parametrize(
@@ -359,7 +365,7 @@ def test_planned_end_of_hold_error_agrees_with_a_fit(
     end = fit(prepare(a_foreign_record(baseline), machine=Machine(**machine))).evidence.end_of_hold
     assert end is not None
     half = (end.k_end[1] - end.k_end[0]) / sum(end.k_end)
-    foretold = planned(rate=250.0, noise=2e-3, baseline=baseline, **machine).end.half_width
+    foretold = make_bench_plan(rate=250.0, noise=2e-3, baseline=baseline, **machine).end.half_width
     assert foretold == pytest.approx(half, rel=0.5)
 
 
@@ -374,7 +380,9 @@ def test_planned_arm_errors_agree_with_a_fit(
     """A record of another rig: what its fit prints of every arm is what was foretold."""
     record = prepare(a_foreign_record(baseline), machine=Machine(**machine))
     found = fit(record, arms=2, method=method)
-    foretold = planned(rate=250.0, noise=2e-3, baseline=baseline, method=method, **machine).arms
+    foretold = make_bench_plan(
+        rate=250.0, noise=2e-3, baseline=baseline, method=method, **machine
+    ).arms
     known = {fact.name: fact for fact in list_known_values(found)}
     for j, arm in enumerate(foretold, start=1):
         for name in ("k", "tau", "b"):
@@ -385,15 +393,18 @@ def test_planned_arm_errors_agree_with_a_fit(
 
 def test_naming_the_machine_narrows_each_arm() -> None:
     """By the drift the slow arm, by the compliance the size of both; both sides of what is said."""
-    usual, named = planned(), planned(baseline=10.0, compliance=0.0, creep=0.0, sync=0.0)
+    usual, named = (
+        make_bench_plan(),
+        make_bench_plan(baseline=10.0, compliance=0.0, creep=0.0, sync=0.0),
+    )
     for one, other in zip(usual.arms, named.arms, strict=True):
         for name in ("k", "tau", "b"):
             left = getattr(one, f"named_{name}")
             assert left == pytest.approx(getattr(other, f"half_{name}"))
             # what is left of a fast arm's time is the room's doing
             assert left < 0.95 * getattr(one, f"half_{name}")
-    assert planned(drift=2e-5).arms[1].half_tau < 0.4 * usual.arms[1].half_tau
-    assert planned(compliance=0.0).arms[0].half_k < 0.2 * usual.arms[0].half_k
+    assert make_bench_plan(drift=2e-5).arms[1].half_tau < 0.4 * usual.arms[1].half_tau
+    assert make_bench_plan(compliance=0.0).arms[0].half_k < 0.2 * usual.arms[0].half_k
     lines = str(usual).splitlines()
     (head,) = [i for i, line in enumerate(lines) if line.startswith("half width of the 95 %")]
     assert "after a baseline of 10 s" in lines[head + 2 + len(usual.arms)]
@@ -406,17 +417,17 @@ def _percents(arm: ExpectedArm) -> list[str]:
 
 
 def test_no_ramp_will_do() -> None:
-    told = planned(noise=1.0)
+    told = make_bench_plan(noise=1.0)
     assert "No faster ramp that was tried gives ±10 %" in told.advice[0]
 
 
 def test_a_tip_that_is_too_soft() -> None:
-    told = planned(pulse=0.2)
+    told = make_bench_plan(pulse=0.2)
     assert any("Use a harder tip" in line and "80.2 ms" in line for line in told.advice)
 
 
 def test_the_band_is_that_of_hold_and_ramp() -> None:
-    assert planned().band == pytest.approx((1 / (2 * np.pi * 40), 1 / np.pi))
+    assert make_bench_plan().band == pytest.approx((1 / (2 * np.pi * 40), 1 / np.pi))
 
 
 @pytest.mark.parametrize(
@@ -432,4 +443,4 @@ def test_the_band_is_that_of_hold_and_ramp() -> None:
 )
 def test_what_cannot_be_is_refused(changes: dict[str, object], words: str) -> None:
     with pytest.raises(DataError, match=words):
-        planned(**changes)
+        make_bench_plan(**changes)

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kit import handmade, levels
-from kit.fits import a_fit, altered
+from kit.fits import a_fit, replace_fields
 from kit.fractional import SEAL
 from kit.pictures import first, lines, marks
 
@@ -67,19 +67,19 @@ DRAW = {
     "hits": lambda: plot.hits(S.impact, S.measured),
     "hero": lambda: plot.hero(S),
     "hero without hammer": lambda: plot.hero(handmade.bench_only()),
-    "modulus": lambda: plot.modulus(*of_a_modulus()),
+    "modulus": lambda: plot.modulus(*make_modulus_fit()),
     "loops": lambda: plot.level(levels.law_of_loops(), [levels.loops()]),
     "loops alone": lambda: plot.loops(levels.loops()),
     "amplitude sweep": lambda: plot.level(levels.law_of_sweep(), [levels.sweep()]),
     "amplitude sweep alone": lambda: plot.amplitude_sweep(levels.sweep()),
-    "levels": lambda: plot.level(levels.followed(), levels.frfs()),
+    "levels": lambda: plot.level(levels.make_ideal_fit(), levels.frfs()),
     "dynamic": lambda: plot.stiffness(fit_dynamic(sweep()), data=sweep()),
 }
 
 UNIT = re.compile(r", (s|ms|mm|N|mN|N/mm|MPa|N·s/m|Hz|°|1|%|m/s²|1/kg|\(mm/s\)/N|mm/N|dB re 0 Hz)$")
 
 
-def of_a_modulus():
+def make_modulus_fit():
     """The fit of a relaxation modulus, and what it was fitted to."""
     data = RelaxationModulus(CURVE, 1e6 * (1 + 2 * np.exp(-CURVE / 0.1)), units="SI")
     return fit_modulus(data.time, data.modulus), data
@@ -93,25 +93,25 @@ def sweep() -> DynamicTest:
 
 
 @pytest.fixture(scope="module")
-def drawn():
+def pictures():
     return {name: draw() for name, draw in DRAW.items()}
 
 
 @pytest.mark.parametrize("name", DRAW)
-def test_every_axis_names_its_quantity_and_unit(drawn, name):
-    assert drawn[name].panels
-    for panel in drawn[name].panels:
+def test_every_axis_names_its_quantity_and_unit(pictures, name):
+    assert pictures[name].panels
+    for panel in pictures[name].panels:
         assert UNIT.search(panel.x.label), panel.x.label
         assert UNIT.search(panel.y.label), panel.y.label
 
 
 @pytest.mark.parametrize("name", DRAW)
-def test_figures_can_be_read_on_paper_and_on_a_phone(drawn, name):
+def test_figures_can_be_read_on_paper_and_on_a_phone(pictures, name):
     """No letters below 12 px, every axis with two numbers or more, none of them on another."""
     from dashpot.plot.layout import lay_out, text_width
 
     for width in (360.0, 660.0):
-        for strip in drawn[name].strips:
+        for strip in pictures[name].strips:
             for frame in lay_out(strip, width).frames:
                 assert min(word.size for word in (*frame.ticks, *frame.words)) >= 12
                 upright = [word for word in frame.ticks if word.anchor == "end"]
@@ -125,9 +125,9 @@ def test_figures_can_be_read_on_paper_and_on_a_phone(drawn, name):
 
 
 @pytest.mark.parametrize("name", ["segments", "fit", "spectrum", "stiffness", "comparison", "hits"])
-def test_every_figure_says_where_it_comes_from(drawn, name):
-    assert drawn[name].stamp.startswith("SIMULATED")
-    assert ".csv" in drawn[name].stamp
+def test_every_figure_says_where_it_comes_from(pictures, name):
+    assert pictures[name].stamp.startswith("SIMULATED")
+    assert ".csv" in pictures[name].stamp
 
 
 def test_stamp_states_available_specimen_data():
@@ -208,7 +208,7 @@ def test_log_time_starts_within_the_ramp_even_if_sampling_slows_down_in_the_hold
 
 
 def test_fitted_force_without_offset_starts_at_zero():
-    bare = altered(S.fit, nuisance=())
+    bare = replace_fields(S.fit, nuisance=())
     _, with_offset = fitted_force(S.fit, S.prepared)
     _, without = fitted_force(bare, S.prepared)
     assert without[0] == 0.0
@@ -223,10 +223,10 @@ def test_fitted_force_of_several_depths_uses_each_stiffness():
         k=S.fit.model.k,
         k_se=(0.1, 0.1),
     )
-    several = altered(S.fit, stiffness_by_depth=(replace(at, depth=4e-3, k_inf=100.0), at))
+    several = replace_fields(S.fit, stiffness_by_depth=(replace(at, depth=4e-3, k_inf=100.0), at))
     assert np.array_equal(fitted_force(several, S.prepared)[1], fitted_force(S.fit, S.prepared)[1])
     shallow = replace(S.prepared, depth=4.2e-3)
-    without_offset = altered(several, nuisance=())
+    without_offset = replace_fields(several, nuisance=())
     assert fitted_force(without_offset, shallow)[1].max() < 0.9 * S.prepared.force.max()
 
 
@@ -263,9 +263,9 @@ def test_the_residual_is_drawn_with_its_range_its_mean_and_the_noise():
 # -- the solid --------------------------------------------------------------------------------
 
 
-def test_stiffness_figure_is_solid_in_the_band_and_dashed_outside(drawn):
+def test_stiffness_figure_is_solid_in_the_band_and_dashed_outside(pictures):
     low, high = S.fit.band
-    for panel in drawn["stiffness"].panels:
+    for panel in pictures["stiffness"].panels:
         solid, dashed = first(panel, "relaxation fit"), first(panel, "relaxation fit, extrapolated")
         assert np.array_equal(np.isfinite(solid.y), (solid.x >= low) & (solid.x <= high))
         assert not solid.pen.dashes
@@ -295,8 +295,8 @@ def test_axes_hold_what_is_finite():
     assert np.isfinite(compute_padded_limits(np.array([np.inf, np.nan]))).all()
 
 
-def test_stiffness_shows_newtons_per_millimetre(drawn):
-    curve = first(drawn["stiffness"].panels[0], "joint model")
+def test_stiffness_shows_newtons_per_millimetre(pictures):
+    curve = first(pictures["stiffness"].panels[0], "joint model")
     assert curve.y == pytest.approx(1e-3 * S.joint.model.storage(omega=2 * np.pi * curve.x))
 
 
@@ -322,7 +322,7 @@ def test_stiffness_figure_of_a_fractional_model_draws_it_with_its_arms():
 
 
 def test_a_material_is_drawn_in_megapascals():
-    found, _ = of_a_modulus()
+    found, _ = make_modulus_fit()
     panel = plot.stiffness(found).panels[0]
     assert panel.y.label == "storage modulus E′, MPa"
     assert max(np.nanmax(line.y) for line in lines(panel)) == pytest.approx(3.0, 0.01)
@@ -331,23 +331,23 @@ def test_a_material_is_drawn_in_megapascals():
     assert stems.y.limits[1] == pytest.approx(2.4, 0.1)
 
 
-def test_a_modulus_and_a_sweep_are_drawn_with_what_was_measured(drawn):
-    upper, lower = drawn["modulus"].panels
+def test_a_modulus_and_a_sweep_are_drawn_with_what_was_measured(pictures):
+    upper, lower = pictures["modulus"].panels
     points = first(upper, "measured")
     assert points.y == pytest.approx(1 + 2 * np.exp(-CURVE / 0.1))
     left = marks(lower, Dots)[0]
     assert np.abs(left.y).max() < 0.1  # per cent: the data have no noise
     data = sweep()
-    for panel, name in zip(drawn["dynamic"].panels, ("storage", "loss"), strict=False):
+    for panel, name in zip(pictures["dynamic"].panels, ("storage", "loss"), strict=False):
         points = first(panel, "measured")
         assert np.array_equal(points.x, data.frequency)
         assert points.y == pytest.approx(1e-3 * getattr(data, name))
-    last = first(drawn["dynamic"].panels[2], "measured")
+    last = first(pictures["dynamic"].panels[2], "measured")
     assert last.y == pytest.approx(data.loss / data.storage)
 
 
 def test_a_very_wide_axis_has_few_numbers():
-    wide = altered(S.fit, band=(1e-15, 1e3), parameters=(), covariance=np.zeros((0, 0)))
+    wide = replace_fields(S.fit, band=(1e-15, 1e3), parameters=(), covariance=np.zeros((0, 0)))
     axis = plot.spectrum(wide).panels[0].x
     assert 2 <= len(numbers(axis, 300.0, 46)) <= 8
 
@@ -386,8 +386,8 @@ def test_averaging_lines_shrinks_scatter_and_leaves_the_errors_of_phase_and_mass
     assert np.sqrt(np.mean(((mean.value - truth) / mean.random) ** 2)) < 2.0
 
 
-def test_spectrum_figure_has_a_stem_per_arm_and_hatches_outside_the_band(drawn):
-    panel = drawn["spectrum"].panels[0]
+def test_spectrum_figure_has_a_stem_per_arm_and_hatches_outside_the_band(pictures):
+    panel = pictures["spectrum"].panels[0]
     tips = marks(panel, Dots)
     assert [len(dots.x) for dots in tips] == [S.joint.model.arms, S.fit.model.arms]
     below, above = marks(panel, Span)
@@ -402,8 +402,8 @@ def test_spectrum_figure_has_a_stem_per_arm_and_hatches_outside_the_band(drawn):
 
 
 @pytest.mark.parametrize("name", ["comparison", "resonance", "hero"])
-def test_the_peaks_are_marked_where_they_are_and_named(drawn, name):
-    panel = next(one for one in drawn[name].panels if one.y.label.startswith("accelerance"))
+def test_the_peaks_are_marked_where_they_are_and_named(pictures, name):
+    panel = next(one for one in pictures[name].panels if one.y.label.startswith("accelerance"))
     c = S.comparison
     measured, predicted, joint = marks(panel, Tag)
     assert (measured.x, measured.y, measured.dot) == (c.measured_hz, c.measured_peak, "filled")
@@ -417,8 +417,8 @@ def test_the_peaks_are_marked_where_they_are_and_named(drawn, name):
 
 
 @pytest.mark.parametrize("name", ["comparison", "resonance", "hero"])
-def test_a_joint_solid_shows_on_both_sides_of_the_measured_line_that_it_lies_under(drawn, name):
-    panel = next(one for one in drawn[name].panels if one.y.label.startswith("accelerance"))
+def test_a_joint_solid_shows_on_both_sides_of_the_measured_line_that_it_lies_under(pictures, name):
+    panel = next(one for one in pictures[name].panels if one.y.label.startswith("accelerance"))
     order = [line.label for line in lines(panel) if line.label]
     assert order == ["joint model", "predicted from relaxation", "measured"]
     joint, measured = first(panel, "joint model"), first(panel, "measured")
@@ -433,8 +433,8 @@ def test_a_joint_fit_that_failed_lies_over_the_prediction_and_has_no_peak():
 
 
 @pytest.mark.parametrize("name", ["comparison", "resonance", "hero", "prediction"])
-def test_predicted_curve_lies_inside_its_bounds(drawn, name):
-    panel = next(one for one in drawn[name].panels if one.y.label.startswith("accelerance"))
+def test_predicted_curve_lies_inside_its_bounds(pictures, name):
+    panel = next(one for one in pictures[name].panels if one.y.label.startswith("accelerance"))
     bound = first(panel, "95 % bounds over all spectra")
     assert bound.hatched
     curve = next(line for line in lines(panel) if line.pen.dashes)
@@ -471,7 +471,7 @@ def test_a_joint_fit_that_fails_looks_failed():
     assert first(sound, "joint model").pen.colour == "joint"
     told = plot.comparison(S.comparison, joint=S.joint_comparison, failed=True).panels[0]
     assert first(told, "joint model, failed").pen.colour == "bad"
-    lame = altered(S.joint, checks=(bad,))
+    lame = replace_fields(S.joint, checks=(bad,))
     for picture in (
         plot.spectrum(S.fit, joint=lame),
         plot.stiffness(S.fit, joint=lame),
@@ -533,8 +533,8 @@ def test_phase_axis_over_a_base_spans_180_degrees():
     assert np.abs(np.diff(degrees)).max() < 180
 
 
-def test_phase_does_not_wrap_through_the_noise_of_an_accelerance(drawn):
-    assert drawn["frf"].panels[1].y.limits == (-15, 195)
+def test_phase_does_not_wrap_through_the_noise_of_an_accelerance(pictures):
+    assert pictures["frf"].panels[1].y.limits == (-15, 195)
     lowest, _ = phase_axis(S.measured.value)
     assert np.abs(np.diff(wrap_phase(S.measured.value, lowest))).max() < 90
 
@@ -571,10 +571,10 @@ def test_half_power_rings_give_the_damping():
     assert high - low == pytest.approx(0.112747, rel=0.01)
 
 
-def test_nyquist_axes_are_equal(drawn):
+def test_nyquist_axes_are_equal(pictures):
     from dashpot.plot.layout import lay_out
 
-    (frame,) = lay_out(drawn["nyquist"].strips[0], 400.0).frames
+    (frame,) = lay_out(pictures["nyquist"].strips[0], 400.0).frames
     x, y = frame.panel.x.limits, frame.panel.y.limits
     assert (x[1] - x[0]) / frame.box.width == pytest.approx((y[1] - y[0]) / frame.box.height)
 
@@ -594,8 +594,8 @@ def test_the_force_spectrum_is_that_of_a_half_sine(width, expected):
     assert np.interp(12.71, frequency, level) == pytest.approx(expected, abs=0.01)
 
 
-def test_rejected_hits_are_seen_and_named(drawn):
-    pulses = drawn["hits"].panels[0]
+def test_rejected_hits_are_seen_and_named(pictures):
+    pulses = pictures["hits"].panels[0]
     (rejected,) = [line for line in lines(pulses) if line.pen.colour == "bad"]
     assert rejected.label == "hit 3, rejected"
     assert rejected.pen.dashes

@@ -14,7 +14,7 @@ import dashpot as dp
 from dashpot.plot.picture import FIT, Line, Panel, Picture, Scale
 
 
-def drawn(size: str | None, columns: int = 1) -> tuple[float, str]:
+def draw_figure(size: str | None, columns: int = 1) -> tuple[float, str]:
     ends = np.array([0.0, 1.0])
     axes = Scale("time, s", (0, 1)), Scale("force, N", (0, 1))
     panel = Panel(*axes, (Line(ends, ends, FIT),))
@@ -25,12 +25,16 @@ def drawn(size: str | None, columns: int = 1) -> tuple[float, str]:
 
 def test_column_figure_is_85_mm_wide() -> None:
     for columns in (1, 3):
-        width, _ = drawn("column", columns)
+        width, _ = draw_figure("column", columns)
         assert width / 96 * 25.4 == pytest.approx(85, abs=0.2)
 
 
 def test_strips_of_a_slide_stand_side_by_side() -> None:
-    assert (drawn("slide")[0], drawn("slide", 3)[0], drawn(None)[0]) == (640, 900, 680)
+    assert (draw_figure("slide")[0], draw_figure("slide", 3)[0], draw_figure(None)[0]) == (
+        640,
+        900,
+        680,
+    )
 
 
 def test_column_layout_pairs_drawings_and_separates_figures() -> None:
@@ -48,7 +52,7 @@ def test_column_layout_pairs_drawings_and_separates_figures() -> None:
 
 def test_letters_keep_their_size() -> None:
     letters = [
-        set(re.findall(r'font-size="([\d.]+)"', drawn(size)[1])) for size in (None, "column")
+        set(re.findall(r'font-size="([\d.]+)"', draw_figure(size)[1])) for size in (None, "column")
     ]
     assert letters[0] == letters[1] != set()
 

@@ -24,7 +24,7 @@ OMEGA = 2 * np.pi * 12.7
 RATE = 250.0
 
 
-def fitted(bench: Bench, machine: dp.Machine | None = None, seed: int = 0) -> dp.Fit:
+def fit_bench(bench: Bench, machine: dp.Machine | None = None, seed: int = 0) -> dp.Fit:
     test = relaxation_test(record(PAPER, bench, seed=seed))
     return fit_tests(prepare(test, machine=machine), arms=2)
 
@@ -59,9 +59,9 @@ def test_a_rig_that_is_not_described_changes_nothing():
 
 
 def test_compliance_correction_restores_the_stiffness():
-    sound = fitted(Bench(rate=RATE))
+    sound = fit_bench(Bench(rate=RATE))
     bench = Bench(compliance=50e-6, rate=RATE)
-    silent, known = fitted(bench), fitted(bench, dp.Machine(compliance=50e-6))
+    silent, known = fit_bench(bench), fit_bench(bench, dp.Machine(compliance=50e-6))
     assert silent.model.k_inf / sound.model.k_inf - 1 == pytest.approx(-0.0098, abs=0.001)
     assert known.model.k_inf / sound.model.k_inf == pytest.approx(1, abs=1e-3)
     np.testing.assert_allclose(known.model.k, sound.model.k, rtol=2e-3)
@@ -72,9 +72,9 @@ def test_force_filter_is_detected_as_delay_and_corrected_by_name():
         return float(fit.model.loss(omega=OMEGA))
 
     # K'' is a hundredth of K' here: 1 % of it is a delay of 1.3 us
-    sound = loss(fitted(Bench()))
+    sound = loss(fit_bench(Bench()))
     bench = Bench(force_filter=10.0)
-    unnamed = fitted(bench)
+    unnamed = fit_bench(bench)
     (late,) = [one.value for one in unnamed.estimate.nuisance if one.name == "delay"]
     assert late == pytest.approx(1 / (2 * np.pi * 10.0), rel=0.02)
     (message,) = [step.message for step in unnamed.provenance.steps if step.name == "lag"]
@@ -83,7 +83,9 @@ def test_force_filter_is_detected_as_delay_and_corrected_by_name():
     )
     assert "clocks_agree" in [check.name for check in unnamed.checks if check.failed]
     assert loss(unnamed) / sound == pytest.approx(1, abs=0.005)
-    assert loss(fitted(bench, dp.Machine(force_filter=10.0))) / sound == pytest.approx(1, abs=0.01)
+    assert loss(fit_bench(bench, dp.Machine(force_filter=10.0))) / sound == pytest.approx(
+        1, abs=0.01
+    )
 
 
 def test_a_machine_that_gives_more_than_it_moves_is_a_wrong_unit():

@@ -28,20 +28,20 @@ QUANTUM = 0.02e-3
 
 
 @pytest.fixture(scope="module")
-def made() -> SimulatedRelaxation:
+def simulation() -> SimulatedRelaxation:
     return simulate_relaxation(PAPER)
 
 
 @pytest.fixture(scope="module")
-def raw(made: SimulatedRelaxation) -> RelaxationTest:
-    return made.test
+def raw(simulation: SimulatedRelaxation) -> RelaxationTest:
+    return simulation.test
 
 
 def check(prepared: RampHold, name: str) -> Check:
     return next(found for found in prepared.checks if found.name == name)
 
 
-def failed(prepared: RampHold) -> list[str]:
+def list_failed_checks(prepared: RampHold) -> list[str]:
     return [found.name for found in prepared.checks if found.failed]
 
 
@@ -90,7 +90,7 @@ def test_onset_ramp_depth_and_hold_of_the_virtual_rig(model, rig: Rig, seed: int
     held = truth.displacement[-1] - truth.contact
     assert found.depth == pytest.approx(held, abs=QUANTUM)
     assert found.hold_time == pytest.approx(made.test.time[-1] - truth.ramp_end, abs=0.01)
-    assert failed(found) == []
+    assert list_failed_checks(found) == []
 
 
 def test_the_compression_is_zero_before_contact_and_as_recorded_after(raw: RelaxationTest):
@@ -266,7 +266,7 @@ def test_prepare_distinguishes_a_preload_from_a_small_offset(raw: RelaxationTest
     assert prepare(raw).preload == 0.0
     found = prepare(replace(raw, force=raw.force + 0.3))
     assert found.preload == pytest.approx(0.35, abs=1e-3)
-    assert failed(found) == ["preload_absent"]
+    assert list_failed_checks(found) == ["preload_absent"]
     assert "the stiffnesses are those about that preload" in check(found, "preload_absent").message
 
 
@@ -281,7 +281,7 @@ def test_a_record_that_starts_on_the_ramp_has_no_tare():
             units="SI",
         )
     )
-    assert failed(found) == ["baseline_recorded", "preload_absent"]
+    assert list_failed_checks(found) == ["baseline_recorded", "preload_absent"]
     assert "The record has 1 sample before contact" in check(found, "baseline_recorded").message
     assert step(found, "tare").startswith("no tare: the record starts on the ramp")
     assert found.onset == pytest.approx(1.5, abs=1e-6)
@@ -344,7 +344,7 @@ def test_an_approach_through_air_is_no_ramp(gap: float):
     assert found.ramp_end == pytest.approx(1.5 + 7.0625 + lag, abs=5e-3)
     assert found.depth == pytest.approx(truth[-1] - gap, abs=QUANTUM)
     assert "ramps. The fit" not in check(found, "single_loading").message
-    assert failed(found) == []
+    assert list_failed_checks(found) == []
     np.testing.assert_array_equal(prepare(replace(test, force=-test.force)).force, found.force)
 
 
@@ -359,7 +359,7 @@ def test_prepare_excludes_an_unloading_after_the_hold():
     assert found.hold_end == pytest.approx(32.5, abs=0.02)
     assert found.time[-1] == found.hold_end
     assert found.displacement[-1] == pytest.approx(8e-3, abs=QUANTUM)
-    assert failed(found) == []
+    assert list_failed_checks(found) == []
 
 
 @pytest.fixture(scope="module")
@@ -377,14 +377,14 @@ def test_of_several_loadings_the_longest_hold_is_used_and_the_choice_listed(
     found = prepare(cycles)
     assert found.onset == pytest.approx(15.526, abs=3e-3)
     assert found.hold_time == pytest.approx(20.0, abs=0.05)
-    assert failed(found) == ["single_loading"]
+    assert list_failed_checks(found) == ["single_loading"]
     message = check(found, "single_loading").message
     assert "The record has 3 loadings with a hold; cycle 3 is fitted" in message
     assert "2 moves towards the seal before it" in message
     assert "cycle 3 is fitted, because its hold is the longest" in message
     second = prepare(cycles, cycle=2)
     assert second.onset == pytest.approx(7.526, abs=3e-3)
-    assert failed(second) == []
+    assert list_failed_checks(second) == []
     with pytest.raises(DataError, match=r"cycle 4 was asked for, but the record holds 3 loadings"):
         prepare(cycles, cycle=4)
 
@@ -412,7 +412,7 @@ def test_the_error_names_the_file(raw: RelaxationTest):
 
 def test_swapped_columns_are_noticed(raw: RelaxationTest):
     found = prepare(replace(raw, displacement=1e-3 * raw.force, force=1e3 * raw.displacement))
-    assert "columns_plausible" in failed(found)
+    assert "columns_plausible" in list_failed_checks(found)
     assert "Force and displacement look swapped" in check(found, "columns_plausible").message
 
 
@@ -482,7 +482,7 @@ def test_an_elastic_or_a_coarse_force_is_not_called_saturated():
     elastic = prepare(ideal(force=lambda t, x: 200 * x))
     assert elastic.force.max() == pytest.approx(1.6)
     coarse = prepare(ideal(force=lambda t, x: np.round(PAPER.force(t, x) / 0.05) * 0.05))
-    assert failed(coarse) == []
+    assert list_failed_checks(coarse) == []
 
 
 def test_a_force_of_few_quanta_is_refused(raw: RelaxationTest):
@@ -498,9 +498,9 @@ def test_a_force_that_does_not_answer_is_refused(raw: RelaxationTest):
 
 def test_prepare_reports_an_oversized_load_cell(raw: RelaxationTest):
     found = prepare(raw, force_range=70.0)
-    assert failed(found) == ["load_cell_range_used"]
+    assert list_failed_checks(found) == ["load_cell_range_used"]
     assert "3 % of the load cell's 70 N" in check(found, "load_cell_range_used").message
-    assert failed(prepare(raw, force_range=10.0)) == []
+    assert list_failed_checks(prepare(raw, force_range=10.0)) == []
     with pytest.raises(DataError, match=r"force_range = 0.*expected a number > 0"):
         prepare(raw, force_range=0.0)
 
@@ -516,7 +516,7 @@ def some(raw: RelaxationTest, kept) -> RelaxationTest:
 
 def test_prepare_reports_a_gap_in_the_ramp(raw: RelaxationTest):
     found = prepare(some(raw, (raw.time < 1.7) | (raw.time > 2.3)))
-    assert failed(found) == ["samples_unbroken", "clock_steady"]
+    assert list_failed_checks(found) == ["samples_unbroken", "clock_steady"]
     assert (
         "The longest pause between samples, up to one ramp time after the ramp, is 0.6"
         in check(found, "samples_unbroken").message
@@ -573,7 +573,7 @@ def test_prepare_ignores_and_reports_single_spikes(raw: RelaxationTest):
     force[[700, 1900, 9000]] += 5.0
     x[[2000, 9500]] += 5e-3
     found = prepare(replace(raw, force=force, displacement=x))
-    assert failed(found) == ["spikes_absent"]
+    assert list_failed_checks(found) == ["spikes_absent"]
     assert "3 are of the force, 2 of the displacement" in check(found, "spikes_absent").message
     assert found.onset == pytest.approx(expected.onset, abs=1e-3)
     assert found.ramp_end == pytest.approx(expected.ramp_end, abs=1e-3)
@@ -612,7 +612,7 @@ def test_the_muscle_records_start_on_their_ramp(real_data: Path, kind: str, ramp
     assert found.ramp_time == pytest.approx(ramp, rel=2e-3)
     assert found.depth == pytest.approx(1.1754 - 0.9498, abs=5e-4)
     assert found.hold_end == rows[-1, 0]
-    assert "baseline_recorded" in failed(found)
+    assert "baseline_recorded" in list_failed_checks(found)
 
 
 def test_prepare_of_the_afm_record_excludes_its_retraction(shared_data: Path):
@@ -644,7 +644,7 @@ def test_the_tiny_record_of_101_rows(real_data: Path):
     assert found.onset == pytest.approx(1.0, abs=1e-9)
     assert found.ramp_end == pytest.approx(3.0, abs=1e-9)
     assert found.depth == pytest.approx(2e-3)
-    assert failed(found) == []
+    assert list_failed_checks(found) == []
 
 
 @pytest.mark.parametrize(

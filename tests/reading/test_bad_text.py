@@ -28,7 +28,7 @@ def read(tmp_path: Path, text: str | bytes, **options):
     return read_relaxation(path, options=ReadOptions(**options))
 
 
-def refused(tmp_path: Path, text: str | bytes, *words: str, **options) -> str:
+def get_refusal(tmp_path: Path, text: str | bytes, *words: str, **options) -> str:
     """The sentence, which holds each of the words."""
     with pytest.raises(ReadError) as caught:
         read(tmp_path, text, **options)
@@ -50,7 +50,9 @@ def lines(**changed: str) -> str:
 # row 1: decimal marks
 def test_read_asks_whether_a_comma_is_decimal(tmp_path: Path) -> None:
     rows = "".join(f"{i};1,{i:03d};2,{i:03d}\n" for i in range(100, 130))
-    refused(tmp_path, HEAD + rows, "'1,100' can mean 1.100 or 1100", '--text-format decimal=","')
+    get_refusal(
+        tmp_path, HEAD + rows, "'1,100' can mean 1.100 or 1100", '--text-format decimal=","'
+    )
     as_decimal = read(tmp_path, HEAD + rows, decimal=",")
     assert as_decimal.displacement[0] == pytest.approx(1.1e-3)
     as_thousand = read(tmp_path, HEAD + rows, decimal=".")
@@ -93,7 +95,7 @@ def test_implausible_rate_is_noted(tmp_path: Path, step: float, noted: bool) -> 
 
 def test_clock_reset_names_the_line(tmp_path: Path) -> None:
     rows = table(";").splitlines()
-    message = refused(
+    message = get_refusal(
         tmp_path, HEAD + "\n".join(rows + rows) + "\n", "time falls from 5.9 s to 0 s"
     )
     assert f"line {ROWS + 2}" in message
@@ -103,10 +105,12 @@ def test_clock_reset_names_the_line(tmp_path: Path) -> None:
 
 def test_read_asks_which_of_several_segments(tmp_path: Path) -> None:
     text = HEAD + table(";") + "\nSegment: two\n" + HEAD + table(";")
-    refused(tmp_path, text, "2 segments (1, 2 two)", "clock starts again", "--file-part segment=1")
+    get_refusal(
+        tmp_path, text, "2 segments (1, 2 two)", "clock starts again", "--file-part segment=1"
+    )
     test = read(tmp_path, text, segment=2)
     assert len(test.time) == ROWS
-    refused(tmp_path, text, "--file-part segment=3, but the file has 2 segments", segment=3)
+    get_refusal(tmp_path, text, "--file-part segment=3, but the file has 2 segments", segment=3)
 
 
 def test_single_remark_does_not_split_a_record(tmp_path: Path) -> None:
@@ -124,7 +128,7 @@ def test_single_remark_does_not_split_a_record(tmp_path: Path) -> None:
 def test_swapped_columns_are_refused_unless_they_are_named(tmp_path: Path) -> None:
     time, moved, force = truth()
     text = HEAD + table(";", columns=(time, force, moved))
-    refused(tmp_path, text, "look swapped", "--column displacement=", "--column force=")
+    get_refusal(tmp_path, text, "look swapped", "--column displacement=", "--column force=")
     read(tmp_path, text, force="Force")
 
 
@@ -137,12 +141,12 @@ def test_no_file_and_a_folder(tmp_path: Path) -> None:
 
 # what is what
 def test_no_header_asks_for_every_column(tmp_path: Path) -> None:
-    message = refused(
+    message = get_refusal(
         tmp_path, table(","), '--column time="1"', '--column displacement="2"', "--rate 1000Hz"
     )
     assert "1 (no name), 2 (no name), 3 (no name)" in message
     named = {"time": "1", "displacement": "2", "force": "3"}
-    refused(tmp_path, table(","), "'column 1' (time) has no unit", **named)
+    get_refusal(tmp_path, table(","), "'column 1' (time) has no unit", **named)
     units = {"time": "s", "displacement": "mm", "force": "N"}
     assert read(tmp_path, table(","), units=units, **named).displacement[-1] == 8e-3
 
@@ -152,7 +156,7 @@ def test_read_asks_which_of_two_displacements(tmp_path: Path) -> None:
     text = "Zeit [s];Traversenweg absolut [mm];Standardweg [mm];Kraft [N]\n" + table(
         ";", columns=(time, moved, moved + 1, force)
     )
-    refused(tmp_path, text, "'Traversenweg absolut [mm]' and 'Standardweg [mm]' could each be")
+    get_refusal(tmp_path, text, "'Traversenweg absolut [mm]' and 'Standardweg [mm]' could each be")
     test = read(tmp_path, text, displacement="Standardweg")
     assert test.displacement[0] == pytest.approx(1e-3)
     with pytest.raises(ReadError, match="there is no such column; the columns are 1 'Zeit"):
@@ -163,11 +167,11 @@ def test_read_asks_by_number_which_of_two_specimens(tmp_path: Path) -> None:
     head = ";".join(("Time [s]", "Weg [mm]", "Kraft [N]") * 2) + "\n"
     time, moved, force = truth()
     text = head + table(";", columns=(time, moved, force, time + 1, moved + 1, 2 * force))
-    refused(tmp_path, text, "2 sets of columns could each be the test", "--file-part segment=1")
+    get_refusal(tmp_path, text, "2 sets of columns could each be the test", "--file-part segment=1")
     test = read(tmp_path, text, segment=2)
     np.testing.assert_allclose(test.time - test.time[0], time - time[0], atol=1e-9)
     np.testing.assert_allclose(test.force, 2 * force, atol=1e-6)
-    refused(tmp_path, text, "columns 1 and 4 have that name; give the number", time="Time")
+    get_refusal(tmp_path, text, "columns 1 and 4 have that name; give the number", time="Time")
     named = {"time": "4", "displacement": "5", "force": "6"}
     assert len(read(tmp_path, text, **named).time) == ROWS
 
@@ -181,7 +185,7 @@ def test_a_column_that_stands_twice_is_no_question(
     again[-1] += apart * np.ptp(force)
     text = "t [s];z [mm];F1 [N];F2 [mN]\n" + table(";", columns=(time, moved, force, 1e3 * again))
     if asks:
-        refused(
+        get_refusal(
             tmp_path, text, "'F1 [N]' and 'F2 [mN]' could each be the force", '--column force="F1"'
         )
         return
@@ -192,8 +196,8 @@ def test_a_column_that_stands_twice_is_no_question(
 def test_no_clock_asks_for_the_rate(tmp_path: Path) -> None:
     _, moved, force = truth()
     text = "Kraft_N;Position_mm\n" + table(";", columns=(force, moved), decimal=",")
-    refused(tmp_path, text, "looks like time", "--rate 1000Hz")
-    refused(tmp_path, "Sampling rate: 10 Hz\n" + text, "header says", "--rate 10Hz")
+    get_refusal(tmp_path, text, "looks like time", "--rate 1000Hz")
+    get_refusal(tmp_path, "Sampling rate: 10 Hz\n" + text, "header says", "--rate 10Hz")
     test = read(tmp_path, text, rate=10.0)
     np.testing.assert_allclose(test.time, truth()[0], atol=1e-9)
     assert any("counted from the rows at 10 Hz" in note for note in test.source.notes)
@@ -201,7 +205,7 @@ def test_no_clock_asks_for_the_rate(tmp_path: Path) -> None:
 
 def test_wrong_encoding_names_the_option(tmp_path: Path) -> None:
     content = ("Zeit (s);Weg (mm);Kräfte (N)\n" + table(";")).encode("cp1252")
-    refused(tmp_path, content, "--text-format encoding=cp1252", encoding="utf-8")
+    get_refusal(tmp_path, content, "--text-format encoding=cp1252", encoding="utf-8")
 
 
 @pytest.mark.parametrize("word", ["klingon", "zlib", "rot13", "undefined", "idna", "punycode"])
@@ -227,7 +231,7 @@ def test_a_stray_byte_far_down_is_no_obstacle(tmp_path: Path) -> None:
 
 
 def test_lost_line_ends_are_refused(tmp_path: Path) -> None:
-    refused(tmp_path, HEAD + table(";") + "1;" * (5 << 20), "a line of more than 8 million")
+    get_refusal(tmp_path, HEAD + table(";") + "1;" * (5 << 20), "a line of more than 8 million")
 
 
 def test_an_impact_with_a_hole_is_refused(tmp_path: Path) -> None:

@@ -91,7 +91,7 @@ def external_file(tmp_path: Path) -> Path:
     return path
 
 
-def linked(file: h5py.File, kind: str, other: Path) -> None:
+def add_link(file: h5py.File, kind: str, other: Path) -> None:
     if kind == "link":
         file["force_N"] = h5py.ExternalLink(other.name, "/force_N")
     elif kind == "group":
@@ -122,7 +122,7 @@ def test_data_of_another_file_is_refused(
     time, moved, _ = truth()
     with h5py.File(path, "w") as file:
         file["time_s"], file["displacement_mm"] = time, moved
-        linked(file, kind, external_file)
+        add_link(file, kind, external_file)
     with pytest.raises(ReadError, match=message):
         read_relaxation(path)
     if kind == "group":

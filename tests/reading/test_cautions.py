@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kit.foreign.files import press_and_hold, written
+from kit.foreign.files import format_table, press_and_hold
 from kit.shell import did, run_json
 
 import dashpot as dp
@@ -53,7 +53,7 @@ def test_what_can_change_a_number_caps_the_verdict_and_is_printed(
     tmp_path: Path, head: str, words: str
 ) -> None:
     path = tmp_path / "seal.csv"
-    path.write_text(written(head, (TIME, MOVED, FORCE)))
+    path.write_text(format_table(head, (TIME, MOVED, FORCE)))
     fitted = dp.fit(dp.read(path))
     assert fitted.verdict.use == "use with care"
     assert "numbers_unambiguous" in fitted.verdict.reasons
@@ -69,7 +69,7 @@ def test_what_can_change_a_number_caps_the_verdict_and_is_printed(
 @pytest.mark.parametrize("head", HARMLESS.values(), ids=HARMLESS.keys())
 def test_what_changes_no_number_costs_nothing(tmp_path: Path, head: str) -> None:
     path = tmp_path / "seal.csv"
-    path.write_text(written(head, (TIME, MOVED, FORCE)))
+    path.write_text(format_table(head, (TIME, MOVED, FORCE)))
     fitted = dp.fit(dp.read(path))
     assert fitted.verdict.use == "use"
     assert not any(one.name == "numbers_unambiguous" for one in fitted.checks)
@@ -79,23 +79,23 @@ def test_what_changes_no_number_costs_nothing(tmp_path: Path, head: str) -> None
 def test_seconds_under_min_are_noted_at_any_rate(tmp_path: Path, rate: float) -> None:
     path = tmp_path / "seal.csv"
     columns = press_and_hold(rate, hold=20.0)
-    path.write_text(written(PLAIN.replace("[s]", "[min]"), columns))
+    path.write_text(format_table(PLAIN.replace("[s]", "[min]"), columns))
     assert dp.read(path).source.cautions
     time, *others = columns
-    path.write_text(written(PLAIN.replace("[s]", "[min]"), (time / 60, *others)))
+    path.write_text(format_table(PLAIN.replace("[s]", "[min]"), (time / 60, *others)))
     assert not dp.read(path).source.cautions
 
 
 def test_units_that_are_stated_do_not_tell_what_a_factor_is_of(tmp_path: Path) -> None:
     path = tmp_path / "seal.csv"
-    path.write_text(written(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))
+    path.write_text(format_table(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))
     fitted = dp.fit(dp.read(path, units={"force": "N"}))
     assert {check.name for check in fitted.verdict.failed_checks} == {"numbers_unambiguous"}
 
 
 def test_page_and_lot_have_the_check(tmp_path: Path) -> None:
     path = tmp_path / "seal.csv"
-    path.write_text(written(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))
+    path.write_text(format_table(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))
     page = tmp_path / "fit.html"
     did("fit", path, "-o", page)
     assert "Gain: 10" in page.read_text(encoding="utf-8")
@@ -107,11 +107,11 @@ def test_page_and_lot_have_the_check(tmp_path: Path) -> None:
 def test_saved_record_keeps_its_cautions(tmp_path: Path) -> None:
     """As JSON, by which the app keeps what it has read."""
     path = tmp_path / "seal.csv"
-    path.write_text(written(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))
+    path.write_text(format_table(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))
     record = dp.read(path)
     assert from_json(to_json(record)).source == record.source
     plain = tmp_path / "plain.csv"
-    plain.write_text(written(PLAIN, (TIME, MOVED, FORCE)))
+    plain.write_text(format_table(PLAIN, (TIME, MOVED, FORCE)))
     assert "cautions" not in to_json(dp.read(plain))
     (tmp_path / "files" / "one").mkdir(parents=True)
     place = tmp_path / "files" / "one" / "seal.csv"
@@ -126,14 +126,14 @@ def test_every_kind_of_result_is_capped(tmp_path: Path) -> None:
     time = np.geomspace(1e-2, 1e3, 60)
     modulus = 1 + 0.4 * np.exp(-time / 0.3) + 0.3 * np.exp(-time / 30)
     path = tmp_path / "modulus.csv"
-    path.write_text(written("Gain: 10\ntime [s];relaxation modulus [MPa]", (time, modulus)))
+    path.write_text(format_table("Gain: 10\ntime [s];relaxation modulus [MPa]", (time, modulus)))
     assert "numbers_unambiguous" in [one.name for one in dp.fit(dp.read(path)).checks]
     hits = np.arange(0, 1, 1e-3)
     ring = np.exp(-10 * hits) * np.sin(80 * hits)
     pulse = 20 * np.exp(-(((hits - 0.05) / 0.002) ** 2))
     path = tmp_path / "hammer.csv"
     path.write_text(
-        written("Gain: 10\ntime [s];force [N];acceleration [m/s^2]", (hits, pulse, ring))
+        format_table("Gain: 10\ntime [s];force [N];acceleration [m/s^2]", (hits, pulse, ring))
     )
     assert "numbers_unambiguous" in [one.name for one in dp.fit(dp.read(path)).checks]
     assert "Gain: 10" in did("inspect", path).output

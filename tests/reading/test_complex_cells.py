@@ -20,19 +20,19 @@ def comma(text: str) -> str:
     return text.replace(".", ",")
 
 
-def signed(value: float) -> str:
+def format_signed(value: float) -> str:
     return f"{value:+.6g}"
 
 
 WRITTEN: dict[str, tuple[str, Callable[[complex], str]]] = {
-    "Python": (",", lambda z: f"({z.real:.6g}{signed(z.imag)}j)"),
-    "Python, quoted": (",", lambda z: f'"({z.real:.6g}{signed(z.imag)}j)"'),
+    "Python": (",", lambda z: f"({z.real:.6g}{format_signed(z.imag)}j)"),
+    "Python, quoted": (",", lambda z: f'"({z.real:.6g}{format_signed(z.imag)}j)"'),
     "MATLAB": (",", lambda z: f"{z.real:.6g} {'-' if z.imag < 0 else '+'} {abs(z.imag):.6g}i"),
-    "MATLAB, closed up": (";", lambda z: f"{z.real:.6g}{signed(z.imag)}i"),
+    "MATLAB, closed up": (";", lambda z: f"{z.real:.6g}{format_signed(z.imag)}i"),
     "NumPy": (" ", lambda z: f"({z.real:.8e}{z.imag:+.8e}j)"),
     "NumPy, of old": (" ", lambda z: f"({z.real:.8e}+{z.imag:.8e}j)"),
     "an analyser": ("\t", lambda z: f"{z.real:.6g}{'-' if z.imag < 0 else '+'}j{abs(z.imag):.6g}"),
-    "Excel": (";", lambda z: comma(f"{z.real:.6g}{signed(z.imag)}i")),
+    "Excel": (";", lambda z: comma(f"{z.real:.6g}{format_signed(z.imag)}i")),
     "capitals": ("\t", lambda z: f"{z.real:.6E}{z.imag:+.6E}*I"),
 }  # fmt: skip
 HEADS = {

@@ -8,7 +8,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from kit.foreign.files import press_and_hold, written
+from kit.foreign.files import format_table, press_and_hold
 from nptdms import ChannelObject, RootObject, TdmsWriter
 from scipy.io import savemat
 
@@ -40,7 +40,7 @@ def hdf5(path: Path, *, leave: tuple[str, ...] = (), of_file: dict[str, Any] | N
 # the CF conventions
 
 
-def packed(scale: float, offset: float, kind: str) -> np.ndarray:
+def pack_force(scale: float, offset: float, kind: str) -> np.ndarray:
     return np.round((FORCE - offset) / scale).astype(kind)
 
 
@@ -50,7 +50,7 @@ def test_scale_and_offset_of_cf_are_applied(
     tmp_path: Path, kind: str, scale: float, offset: float
 ) -> None:
     said = {"scale_factor": scale, **({"add_offset": offset} if offset else {})}
-    path = hdf5(tmp_path / "a.h5", stored=packed(scale, offset, kind), force=said)
+    path = hdf5(tmp_path / "a.h5", stored=pack_force(scale, offset, kind), force=said)
     test = read_relaxation(path)
     np.testing.assert_allclose(test.force, FORCE, atol=0.51 * scale)
     assert not test.source.cautions  # a rule of the format: nothing is in doubt
@@ -59,12 +59,16 @@ def test_scale_and_offset_of_cf_are_applied(
 
 @pytest.mark.parametrize("scale", ["0.001", b"1e-3"])
 def test_a_scale_that_is_written_as_text_is_applied(tmp_path: Path, scale: str | bytes) -> None:
-    path = hdf5(tmp_path / "a.h5", stored=packed(1e-3, 0.0, "i4"), force={"scale_factor": scale})
+    path = hdf5(
+        tmp_path / "a.h5", stored=pack_force(1e-3, 0.0, "i4"), force={"scale_factor": scale}
+    )
     np.testing.assert_allclose(read_relaxation(path).force, FORCE, atol=0.51e-3)
 
 
 def test_a_scale_that_is_no_number_is_refused(tmp_path: Path) -> None:
-    path = hdf5(tmp_path / "a.h5", stored=packed(1e-3, 0.0, "i4"), force={"scale_factor": "x10"})
+    path = hdf5(
+        tmp_path / "a.h5", stored=pack_force(1e-3, 0.0, "i4"), force={"scale_factor": "x10"}
+    )
     with pytest.raises(ReadError, match="'x10', which is no number"):
         read_relaxation(path)
 
@@ -89,7 +93,7 @@ def test_a_scale_of_named_fields_is_refused(tmp_path: Path) -> None:
 )  # fmt: skip
 def test_fill_values_are_no_numbers(tmp_path: Path, said: dict[str, Any]) -> None:
     scale = 1e-3
-    stored = packed(scale, 0.0, "i4")
+    stored = pack_force(scale, 0.0, "i4")
     gaps = [700, 710, 711]
     stored[gaps] = -9990
     path = hdf5(tmp_path / "a.h5", stored=stored, force={"scale_factor": scale, **said})
@@ -286,7 +290,7 @@ TEXTS = {
 @pytest.mark.parametrize("head", TEXTS.values(), ids=TEXTS.keys())
 def test_a_hold_without_a_clock_is_no_cld(tmp_path: Path, head: str) -> None:
     path = tmp_path / "a.csv"
-    path.write_text(written(head, (MOVED, FORCE)))
+    path.write_text(format_table(head, (MOVED, FORCE)))
     assert recognise(path).kind == "relaxation"
     asked = "--rate 1000Hz" if head == TEXTS["nothing"] else f"--rate {RATE:g}Hz"
     with pytest.raises(ReadError, match=asked):
@@ -295,7 +299,7 @@ def test_a_hold_without_a_clock_is_no_cld(tmp_path: Path, head: str) -> None:
 
 def test_read_asks_about_a_time_in_metres(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
-    path.write_text(written("Time (m);displacement [mm];force [N]", (TIME / 60, MOVED, FORCE)))
+    path.write_text(format_table("Time (m);displacement [mm];force [N]", (TIME / 60, MOVED, FORCE)))
     assert recognise(path).kind == "relaxation"
     with pytest.raises(ReadError, match="'Time' is labelled 'm'"):
         read_relaxation(path)
@@ -304,7 +308,7 @@ def test_read_asks_about_a_time_in_metres(tmp_path: Path) -> None:
 def test_a_press_and_release_without_a_clock_is_a_cld(tmp_path: Path) -> None:
     x = np.concatenate([np.linspace(0, 8, 200), np.linspace(8, 0, 200)])
     path = tmp_path / "a.csv"
-    path.write_text(written("displacement [mm];force [N]", (x, x + 0.1 * x**2)))
+    path.write_text(format_table("displacement [mm];force [N]", (x, x + 0.1 * x**2)))
     assert recognise(path).kind == "cld"
 
 

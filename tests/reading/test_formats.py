@@ -12,7 +12,17 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from kit.instruments import lvm, ods, ods_rows, one_of_each, sheet, tdms, uff, workbook, xls
+from kit.instruments import (
+    lvm,
+    ods,
+    ods_rows,
+    sheet,
+    tdms,
+    uff,
+    workbook,
+    write_format_examples,
+    xls,
+)
 from kit.look_alikes import ROWS, table, truth
 from scipy.io import savemat
 
@@ -463,7 +473,7 @@ def test_what_unpacks_to_too_much_is_passed_over(tmp_path: Path) -> None:
 
 def test_every_format_is_recognised_by_its_bytes(tmp_path: Path) -> None:
     """Of a file of each: one whose mark is never met would be read as text."""
-    made = one_of_each(tmp_path) | {
+    made = write_format_examples(tmp_path) | {
         "trios": b'[{"Results": []}]',
         "text": b"t [s],F [N]\n0,1\n1,2\n",
         "unfinished": b"UnFinMF 4.10    ",
@@ -478,7 +488,7 @@ def test_every_format_is_recognised_by_its_bytes(tmp_path: Path) -> None:
         for path in folder.parent.glob("*.py")
         if re.search(r"^def read\(", path.read_text("utf-8"), re.MULTILINE)
     }
-    assert found == modules, "add a file to `one_of_each` of tests/kit/instruments"
+    assert found == modules, "add a file to `write_format_examples` of tests/kit/instruments"
     heads = [content[:40].removeprefix(b"\xef\xbb\xbf") for content in made.values()]
     rest = {mark for mark, _ in formats._MAGIC if not any(head.startswith(mark) for head in heads)}
     assert rest == {b"MATLAB 7.3 MAT-file"}  # an HDF5 file under another head

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from kit import guided
 from kit.crafted.dialects import DIALECTS
 from kit.fuzzing import Fuzzer
-from kit.instruments import one_of_each
-from kit.mutants import altered, repacked, texts, tries, wounded
+from kit.instruments import write_format_examples
+from kit.mutants import draw_damaged_bytes, draw_damaged_json, draw_damaged_zip, texts, tries
 
 pytestmark = [pytest.mark.fuzz, pytest.mark.usefixtures("mutants")]
 
@@ -30,7 +30,7 @@ TRIOS = {"Properties": {"Name": "a"}, "Results": [
 
 @pytest.fixture(scope="module")
 def good(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    found = one_of_each(tmp_path_factory.mktemp("good"))
+    found = write_format_examples(tmp_path_factory.mktemp("good"))
     assert set(found) == set(FORMATS)
     return found
 
@@ -58,7 +58,7 @@ def test_any_text(fuzzer: Fuzzer, content: bytes) -> None:
 
 
 @tries(400)
-@given(content=st.sampled_from(DIALECTS).flatmap(lambda one: wounded(one.content)))
+@given(content=st.sampled_from(DIALECTS).flatmap(lambda one: draw_damaged_bytes(one.content)))
 def test_wounded_text(fuzzer: Fuzzer, content: bytes) -> None:
     fuzzer.survives("read_all", content)
 
@@ -73,7 +73,7 @@ def test_readers_survive_the_saved_fuzz_corpus(fuzzer: Fuzzer) -> None:
 @pytest.mark.parametrize("name", FORMATS)
 def test_wounded_instruments(fuzzer: Fuzzer, good: dict[str, bytes], name: str) -> None:
     @tries(300)
-    @given(content=wounded(good[name]))
+    @given(content=draw_damaged_bytes(good[name]))
     def mutants(content: bytes) -> None:
         fuzzer.survives("read_all", content)
 
@@ -83,7 +83,7 @@ def test_wounded_instruments(fuzzer: Fuzzer, good: dict[str, bytes], name: str) 
 @pytest.mark.parametrize("name", ["xlsx", "ods"])
 def test_workbooks_of_wounded_parts(fuzzer: Fuzzer, good: dict[str, bytes], name: str) -> None:
     @tries(300)
-    @given(content=repacked(good[name]))
+    @given(content=draw_damaged_zip(good[name]))
     def mutants(content: bytes) -> None:
         fuzzer.survives("read_all", content)
 
@@ -91,7 +91,7 @@ def test_workbooks_of_wounded_parts(fuzzer: Fuzzer, good: dict[str, bytes], name
 
 
 @tries(300)
-@given(content=altered(TRIOS) | wounded(json.dumps(TRIOS).encode()))
+@given(content=draw_damaged_json(TRIOS) | draw_damaged_bytes(json.dumps(TRIOS).encode()))
 def test_any_trios(fuzzer: Fuzzer, content: bytes) -> None:
     fuzzer.survives("read_all", content)
 

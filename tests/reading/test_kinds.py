@@ -55,7 +55,7 @@ READERS = {
 }
 
 
-def written(folder: Path, name: str) -> Path:
+def write_kind(folder: Path, name: str) -> Path:
     path = folder / name
     path.write_text(FILES[name][0], encoding="utf-8")
     return path
@@ -64,7 +64,7 @@ def written(folder: Path, name: str) -> Path:
 @pytest.mark.parametrize("name", FILES)
 def test_each_kind_is_named(tmp_path: Path, name: str) -> None:
     kind = FILES[name][1]
-    (found,) = inspect_files([written(tmp_path, name)]).files
+    (found,) = inspect_files([write_kind(tmp_path, name)]).files
     assert found.kind == kind
     assert found.use == RECOGNISED[kind].use
     assert not found.questions
@@ -81,7 +81,7 @@ def test_a_reader_takes_its_kind_and_says_of_others_what_they_are(
     tmp_path: Path, read, name: str
 ) -> None:
     kind = FILES[name][1]
-    path = written(tmp_path, name)
+    path = write_kind(tmp_path, name)
     by_numbers = name == "creep.csv" and read in {read_relaxation, read_cld}  # prepare() tells it
     if name == "unclocked.csv" and read in {read_relaxation, read_creep}:
         with pytest.raises(ReadError, match="--rate"):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kit.crafted.treacherous import joined, three
+from kit.crafted.treacherous import join_rows, three
 from kit.look_alikes import truth
 
 from dashpot.base.errors import ReadError
@@ -34,7 +34,7 @@ def is_the_truth(path: Path) -> tuple[str, ...]:
 @pytest.mark.parametrize("row", [["0", "8", "1.6"], ["5.9", "8", "1.5"]])
 def test_single_odd_row_at_the_end_is_no_padding(tmp_path: Path, row: list[str]) -> None:
     path = tmp_path / "odd.csv"
-    path.write_text(joined([*three(), row]))
+    path.write_text(join_rows([*three(), row]))
     if row[0] == "0":
         with pytest.raises(ReadError, match=r"time falls from 5\.9 s to 0 s at line 62"):
             read_relaxation(path)
@@ -45,7 +45,7 @@ def test_single_odd_row_at_the_end_is_no_padding(tmp_path: Path, row: list[str])
 def test_padding_of_a_hammer_record_is_removed(tmp_path: Path) -> None:
     path = tmp_path / "hit.csv"
     head = "time [s];hammer [N];acceleration 1 [m/s^2]"
-    path.write_text(joined([*three(), *[["0"] * 3] * 4], head))
+    path.write_text(join_rows([*three(), *[["0"] * 3] * 4], head))
     test = read_impact(path, options=ReadOptions(units={"time": "s"}))
     assert (len(test.time), test.starts) == (len(TIME), (0,))
 
@@ -57,7 +57,7 @@ def pairs(clock: np.ndarray, moved: np.ndarray, unit: str = "s") -> str:
         left = [f"{clock[i]:.6f}", f"{moved[i]:.6f}"] if i < len(clock) else ["", ""]
         right = [f"{TIME[i]:.5f}", f"{FORCE[i]:.5f}"] if i < len(TIME) else ["", ""]
         rows.append([*left, *right])
-    return joined(rows, f"Time ({unit});Position (mm);Time (s);Load (N)")
+    return join_rows(rows, f"Time ({unit});Position (mm);Time (s);Load (N)")
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("s", 1.0), ("ms", 1e3), ("min", 1 / 60)])
@@ -108,7 +108,7 @@ def test_twenty_thousand_columns_are_read(tmp_path: Path) -> None:
     head = [*["Time [s]", "Position [mm]", "Load [N]"], *(f"gauge {i} [V]" for i in more)]
     rows = [[*row, *(f"{i % 97}.5" for i in more)] for row in three()]
     path = tmp_path / "wide.csv"
-    path.write_text(joined(rows, ";".join(head)))
+    path.write_text(join_rows(rows, ";".join(head)))
     begun = time.process_time()
     is_the_truth(path)
     assert time.process_time() - begun < 30.0

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kit.mistakes import BENCH, bench, comma, hammer, quoted, rows, table
+from kit.mistakes import BENCH, bench, comma, hammer, quote_lines, rows, table
 
 from dashpot.base.errors import ReadError
 from dashpot.reading.read_options import ReadOptions, parse_units
@@ -45,7 +45,7 @@ HITS = {
 SWAPPED_BENCH = ("time [s]", "force [N]", "displacement [mm]")
 
 
-def under(heading: str, head: tuple[str, ...]) -> list[str]:
+def replace_heading(heading: str, head: tuple[str, ...]) -> list[str]:
     """A head with one heading changed."""
     word = heading.partition(" ")[0]
     return [heading if word and one.startswith(word) else one for one in head]
@@ -74,7 +74,9 @@ def test_a_large_force_is_a_note(
 ) -> None:
     path = tmp_path / "seal.csv"
     path.write_text(
-        bench(*factors, head=under(heading, ("time [s]", "displacement [mm]", "force [N]")))
+        bench(
+            *factors, head=replace_heading(heading, ("time [s]", "displacement [mm]", "force [N]"))
+        )
     )
     source = read_relaxation(path).source
     assert source is not None
@@ -90,7 +92,9 @@ def test_read_relaxation_asks_about_an_implausible_unit(
 ) -> None:
     path = tmp_path / "seal.csv"
     path.write_text(
-        bench(*factors, head=under(heading, ("time [s]", "displacement [mm]", "force [N]")))
+        bench(
+            *factors, head=replace_heading(heading, ("time [s]", "displacement [mm]", "force [N]"))
+        )
     )
     with pytest.raises(ReadError, match=f"--units {meant}"):
         read_relaxation(path)
@@ -127,7 +131,7 @@ def test_answered_question_leads_to_no_other(tmp_path: Path, one: str, other: st
     """Two columns in wrong units: what is asked together is answered together."""
     path = tmp_path / "seal.csv"
     factors = tuple(a * b for a, b in zip(UNITS[one][0], UNITS[other][0], strict=True))
-    head = under(UNITS[other][1], tuple(under(UNITS[one][1], BENCH)))
+    head = replace_heading(UNITS[other][1], tuple(replace_heading(UNITS[one][1], BENCH)))
     path.write_text(bench(*factors, head=tuple(head)))
     try:
         read_relaxation(path)
@@ -161,7 +165,7 @@ def test_read_impact_asks_about_an_implausible_unit(
     tmp_path: Path, heading: str, meant: str
 ) -> None:
     path = tmp_path / "hammer.csv"
-    head = under(
+    head = replace_heading(
         heading, ("time [s]", "hammer [N]", "acceleration 1 [m/s^2]", "acceleration 2 [m/s^2]")
     )
     path.write_text(hammer(head=head))
@@ -235,7 +239,7 @@ def test_numbers_cut_in_two_at_their_comma_are_seen(tmp_path: Path) -> None:
 
 def test_lines_in_quotes_are_seen(tmp_path: Path) -> None:
     path = tmp_path / "seal.csv"
-    path.write_text(quoted(bench()))
+    path.write_text(quote_lines(bench()))
     with pytest.raises(ReadError, match="every line stands in quotes as one cell"):
         read_relaxation(path)
 

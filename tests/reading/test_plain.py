@@ -31,7 +31,7 @@ def halfway(low: float) -> str:
     return str((Decimal(low) + Decimal(float(np.nextafter(low, np.inf)))) / 2).replace("E", "e")
 
 
-def printed(digits: int, value: float) -> str:
+def format_value(digits: int, value: float) -> str:
     return f"{value:.{digits}e}"
 
 
@@ -39,7 +39,7 @@ plain_numerals = st.one_of(
     doubles.map(repr),
     st.floats(max_value=2.3e-308, min_value=0).map(repr),  # subnormal
     st.one_of(doubles, st.floats(min_value=0, max_value=1e-307)).map(halfway),
-    st.builds(printed, st.integers(0, 40), doubles),
+    st.builds(format_value, st.integers(0, 40), doubles),
     st.from_regex(r"[1-9][0-9]{0,25}(\.[0-9]{1,25})?([eE][+-]?[0-9]{1,2})?", fullmatch=True),
     st.sampled_from(["0", "0.0", "0e0", "1e-400", "9007199254740993", "1.000", "1e22", "1e23"]),
 )

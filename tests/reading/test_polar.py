@@ -22,7 +22,7 @@ STORAGE, LOSS = SIZE * np.cos(DELTA), SIZE * np.sin(DELTA)
 ANGLES = {"deg": np.degrees(DELTA), "rad": DELTA}
 
 
-def written(folder: Path, header: str, *columns: np.ndarray) -> Path:
+def write_columns(folder: Path, header: str, *columns: np.ndarray) -> Path:
     path = folder / "sweep.csv"
     rows = zip(*(column.tolist() for column in columns), strict=True)
     path.write_text("\n".join([header, *(",".join(map(repr, row)) for row in rows)]) + "\n")
@@ -49,12 +49,12 @@ def test_size_and_angle_are_storage_and_loss(tmp_path: Path, size: str, angle: s
     second = next((v for unit, v in ANGLES.items() if unit in angle[-5:-1]), np.tan(DELTA))
     unit = 1e6 if "MPa" in size else 1e3
     header = f"{size},{angle}"
-    path = written(tmp_path, f"Frequency (Hz),{header}", F, base, second)
+    path = write_columns(tmp_path, f"Frequency (Hz),{header}", F, base, second)
     assert inspect_file(path).kind == "dma"
     assert not inspect_file(path).questions
     swept = read_dynamic(path)
     tone = np.full(12, 10.0)
-    path = written(tmp_path, f"Frequency (Hz),Amplitude (mm),{header}", tone, F, base, second)
+    path = write_columns(tmp_path, f"Frequency (Hz),Amplitude (mm),{header}", tone, F, base, second)
     assert inspect_file(path).kind == "strain-sweep"
     for test in (swept, read_amplitude(path)):
         np.testing.assert_allclose(test.storage, unit * STORAGE, rtol=1e-12)
@@ -63,7 +63,9 @@ def test_size_and_angle_are_storage_and_loss(tmp_path: Path, size: str, angle: s
 
 
 def test_read_dynamic_asks_about_an_ambiguous_stiffness(tmp_path: Path) -> None:
-    path = written(tmp_path, "Frequency (Hz),Stiffness (N/mm),tan delta", F, SIZE, np.tan(DELTA))
+    path = write_columns(
+        tmp_path, "Frequency (Hz),Stiffness (N/mm),tan delta", F, SIZE, np.tan(DELTA)
+    )
     with pytest.raises(
         ReadError, match='say which: --column storage="Stiffness" or --column magnitude='
     ):
@@ -86,14 +88,14 @@ def test_read_dynamic_asks_about_an_ambiguous_stiffness(tmp_path: Path) -> None:
 def test_what_is_no_loss_angle_is_refused(
     tmp_path: Path, unit: str, angle: np.ndarray, message: str
 ) -> None:
-    path = written(tmp_path, f"Frequency (Hz),|K*| (N/mm),Phase ({unit})", F, SIZE, angle)
+    path = write_columns(tmp_path, f"Frequency (Hz),|K*| (N/mm),Phase ({unit})", F, SIZE, angle)
     with pytest.raises(ReadError, match=message):
         read_dynamic(path)
 
 
 @pytest.mark.parametrize("size", ["Magnitude (N/mm)", "Amplitude ((m/s^2)/N)", "Mag (g/N)"])
 def test_a_magnitude_and_a_phase_stay_an_frf(tmp_path: Path, size: str) -> None:
-    path = written(tmp_path, f"Frequency (Hz),{size},Phase (deg)", F, SIZE, ANGLES["deg"])
+    path = write_columns(tmp_path, f"Frequency (Hz),{size},Phase (deg)", F, SIZE, ANGLES["deg"])
     assert inspect_file(path).kind == "frf"
     named = ReadOptions(magnitude="2", phase="3")
     assert inspect_file(path, options=named).kind == "frf"

@@ -139,18 +139,18 @@ def test_a_workbook_of_a_dma(shared_data: Path) -> None:
     assert eplexor.temperature[0] == pytest.approx(273.15 - 50.0363)
 
 
-def refused(path: Path, reason: str) -> None:
+def require_refusal(path: Path, reason: str) -> None:
     assert inspect_file(path).kind == "not-a-test"
     with pytest.raises(ReadError, match=f"is not a test: .*{reason}"):
         read_relaxation(path)
 
 
 def test_a_flow_curve_is_refused(shared_data: Path) -> None:
-    refused(shared_data / "formats" / "rheometer_dma" / "flow_ramp.txt", "flow curve")
+    require_refusal(shared_data / "formats" / "rheometer_dma" / "flow_ramp.txt", "flow curve")
 
 
 def test_a_power_spectral_density_is_refused(real_data: Path) -> None:
-    refused(real_data / "pyuff" / "sample_dataset58_psd.uff", "power spectral density")
+    require_refusal(real_data / "pyuff" / "sample_dataset58_psd.uff", "power spectral density")
 
 
 def sent_on(path: Path, reason: str) -> None:

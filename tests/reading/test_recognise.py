@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kit.fits import a_fit
+from kit.foreign.files import format_table as table_of
 from kit.foreign.files import press_and_hold
-from kit.foreign.files import written as table_of
 from kit.kinds import ARMS, CLOCK, answer, csv, ramp_and_hold
 
 from dashpot.base.errors import ReadError
@@ -34,13 +34,13 @@ BOTH = "f [Hz],K' [N/mm],K'' [N/mm],time [s],displacement [mm],force [N]"
 """What a machine that sweeps and records writes into one table."""
 
 
-def written(folder: Path, content: str, name: str = "a.csv") -> Path:
+def write_content(folder: Path, content: str, name: str = "a.csv") -> Path:
     path = folder / name
     path.write_text(content, encoding="utf-8")
     return path
 
 
-def both(*, swept: float = 1.0, frequency: np.ndarray = SPREAD) -> str:
+def format_both_moduli(*, swept: float = 1.0, frequency: np.ndarray = SPREAD) -> str:
     return csv(
         BOTH, swept * frequency, swept * (1 + SPREAD), swept * SPREAD / 9, CLOCK, 1e3 * RAMP, RAMPED
     )
@@ -48,7 +48,7 @@ def both(*, swept: float = 1.0, frequency: np.ndarray = SPREAD) -> str:
 
 @pytest.mark.parametrize("name", FILES)
 def test_every_example_is_its_kind_to_whoever_asks(tmp_path: Path, name: str) -> None:
-    path = written(tmp_path, FILES[name].write(), name)
+    path = write_content(tmp_path, FILES[name].write(), name)
     found = recognise(path)
     # a blank test has the columns of a relaxation test: the user says that it is one
     kind = "relaxation" if name.startswith("rig_") else FILES[name].kind
@@ -75,23 +75,23 @@ def test_every_example_is_its_kind_to_whoever_asks(tmp_path: Path, name: str) ->
 def test_of_a_sweep_with_its_record_the_columns_named_decide(
     tmp_path: Path, options: dict[str, str], kind: str
 ) -> None:
-    path, asked = written(tmp_path, both()), ReadOptions(**options)
+    path, asked = write_content(tmp_path, format_both_moduli()), ReadOptions(**options)
     assert recognise(path, asked).kind == inspect_file(path, options=asked).kind == kind
 
 
 def test_both_are_read_by_who_takes_them(tmp_path: Path) -> None:
-    path = written(tmp_path, both())
+    path = write_content(tmp_path, format_both_moduli())
     assert len(read_dynamic(path).frequency) == len(CLOCK)
     assert len(read_relaxation(path, options=ReadOptions(force="force")).time) == len(CLOCK)
 
 
 @pytest.mark.parametrize(("swept", "kind"), [(1.0, "dma"), (0.0, "relaxation")])
 def test_empty_columns_of_a_sweep_make_none(tmp_path: Path, swept: float, kind: str) -> None:
-    assert recognise(written(tmp_path, both(swept=swept))).kind == kind
+    assert recognise(write_content(tmp_path, format_both_moduli(swept=swept))).kind == kind
 
 
 def test_a_displacement_that_is_named_may_be_the_amplitude(tmp_path: Path) -> None:
-    path = written(tmp_path, both(frequency=np.full(len(CLOCK), 5.0)))
+    path = write_content(tmp_path, format_both_moduli(frequency=np.full(len(CLOCK), 5.0)))
     assert recognise(path, ReadOptions(displacement="displacement")).kind == "strain-sweep"
 
 
@@ -113,7 +113,7 @@ def crept(part: float, *, header: str = "time [s],displacement [mm],force [N]") 
 def test_creep_is_a_force_that_is_held_while_the_displacement_goes_on(
     tmp_path: Path, part: float, kind: str
 ) -> None:
-    assert recognise(written(tmp_path, crept(part))).kind == kind
+    assert recognise(write_content(tmp_path, crept(part))).kind == kind
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def test_creep_is_a_force_that_is_held_while_the_displacement_goes_on(
 def test_so_is_a_stress_under_which_a_strain_goes_on(
     tmp_path: Path, part: float, kind: str
 ) -> None:
-    path = written(tmp_path, crept(part, header="time [s],strain [%],stress [MPa]"))
+    path = write_content(tmp_path, crept(part, header="time [s],strain [%],stress [MPa]"))
     assert recognise(path).kind == kind
     if kind == "creep":
         assert read_creep(path).unit == "Pa"
@@ -139,7 +139,7 @@ def test_a_stress_that_was_on_from_the_first_sample_makes_it_creep(
     stress = 1 - part / 2 + part * CLOCK / CLOCK[-1]
     stress[::2] += 0.04  # however much the samples scatter
     going_on = csv("time [s],strain [%],stress [MPa]", CLOCK, 1 + np.sqrt(CLOCK), stress)
-    assert recognise(written(tmp_path, going_on)).kind == kind
+    assert recognise(write_content(tmp_path, going_on)).kind == kind
 
 
 @pytest.mark.parametrize(
@@ -155,7 +155,7 @@ def test_so_does_a_force_where_the_displacement_goes_on(
     """Of a plate that only shakes no load is held."""
     force = 1 - part / 2 + part * CLOCK / CLOCK[-1]
     moved = 3 + onward * np.sqrt(CLOCK) + 1e-3 * np.sin(40 * CLOCK)
-    path = written(tmp_path, csv("time [s],displacement [mm],force [N]", CLOCK, moved, force))
+    path = write_content(tmp_path, csv("time [s],displacement [mm],force [N]", CLOCK, moved, force))
     assert recognise(path).kind == kind
 
 
@@ -166,13 +166,13 @@ def test_a_base_that_shakes_is_not_called_a_hammer_file(
     tmp_path: Path, base: str | None, what: str
 ) -> None:
     motion = np.sin(30 * CLOCK)
-    path = written(tmp_path, csv("time [s],a0 [m/s^2],a1 [m/s^2]", CLOCK, motion, 2 * motion))
+    path = write_content(tmp_path, csv("time [s],a0 [m/s^2],a1 [m/s^2]", CLOCK, motion, 2 * motion))
     assert recognise(path, ReadOptions(base_acceleration=base)).kind_title == what
 
 
 def test_a_tension_test_with_a_clock_is_none(tmp_path: Path) -> None:
     pulled = csv("time [s],strain [%],stress [MPa]", CLOCK, 2 * CLOCK, np.sqrt(CLOCK))
-    assert recognise(written(tmp_path, pulled)).kind == "stress-strain"
+    assert recognise(write_content(tmp_path, pulled)).kind == "stress-strain"
 
 
 @pytest.mark.parametrize(("word", "kind"), [("creep", "creep"), ("creep and relax", "relaxation")])
@@ -180,7 +180,7 @@ def test_a_header_that_says_creep_is_believed_until_columns_are_named(
     tmp_path: Path, word: str, kind: str
 ) -> None:
     ramp = csv("time [s],displacement [mm],force [N]", CLOCK, 1e3 * RAMP, RAMPED)
-    path = written(tmp_path, f"Procedure: {word}\n{ramp}")
+    path = write_content(tmp_path, f"Procedure: {word}\n{ramp}")
     assert recognise(path).kind == kind
     assert recognise(path, ReadOptions(force="force")).kind == "relaxation"
 
@@ -188,7 +188,7 @@ def test_a_header_that_says_creep_is_believed_until_columns_are_named(
 @pytest.mark.parametrize("content", [",0.0,0.0", "0.0,,0.0"])
 def test_a_column_that_is_named_may_be_empty(tmp_path: Path, content: str) -> None:
     named = ReadOptions(time="1", displacement="2", force="3")
-    assert inspect_file(written(tmp_path, content), options=named).kind == "relaxation"
+    assert inspect_file(write_content(tmp_path, content), options=named).kind == "relaxation"
 
 
 # -- who names a column, or a kind -----------------------------------------------------------------
@@ -198,7 +198,7 @@ def test_recognise_takes_a_modulus_column_only_if_named(tmp_path: Path) -> None:
     time = 1 + CLOCK
     modulus = 0.2 + sum(k / 1e3 * np.exp(-time / tau) for k, tau in ARMS)
     head = "time [s],displacement [mm],force [N],E(t) [MPa]"
-    path = written(tmp_path, csv(head, time, 1e3 * RAMP, RAMPED, modulus))
+    path = write_content(tmp_path, csv(head, time, 1e3 * RAMP, RAMPED, modulus))
     assert recognise(path).kind == "relaxation"
     named = ReadOptions(modulus="E(t)")
     assert recognise(path, named).kind == "modulus"
@@ -206,7 +206,7 @@ def test_recognise_takes_a_modulus_column_only_if_named(tmp_path: Path) -> None:
 
 
 def test_recognise_accepts_a_requested_kind(tmp_path: Path) -> None:
-    path = written(tmp_path, FILES["cld_1.csv"].write())
+    path = write_content(tmp_path, FILES["cld_1.csv"].write())
     assert recognise(path).kind == "cld"
     found = recognise(path, kind="relaxation")
     assert (found.kind, found.reason) == ("relaxation", "as was said")
@@ -221,23 +221,23 @@ def test_a_kind_that_there_is_not_is_answered_with_the_nearest(
     tmp_path: Path, word: str, message: str
 ) -> None:
     with pytest.raises(ReadError, match=message):
-        recognise(written(tmp_path, both()), kind=word)
+        recognise(write_content(tmp_path, format_both_moduli()), kind=word)
 
 
 # -- what is no table ------------------------------------------------------------------------------
 
 
 def test_recognise_identifies_documents_by_schema(tmp_path: Path) -> None:
-    path = written(tmp_path, to_json(a_fit(PAPER)), "fit.json")
+    path = write_content(tmp_path, to_json(a_fit(PAPER)), "fit.json")
     found = recognise(path)
     assert (found.kind, found.stored, found.kind_title) == ("fit", True, "a fit")
     assert inspect_file(path).sha256
-    other = written(tmp_path, '{\n"schema" : "dashpot/hyperelastic@2"}', "law.json")
+    other = write_content(tmp_path, '{\n"schema" : "dashpot/hyperelastic@2"}', "law.json")
     assert recognise(other).kind == "hyperelastic"
 
 
 def test_json_of_others_is_read_as_a_table(tmp_path: Path) -> None:
-    path = written(tmp_path, '{"schema": "other/fit@1"}', "other.json")
+    path = write_content(tmp_path, '{"schema": "other/fit@1"}', "other.json")
     with pytest.raises(ReadError):
         recognise(path)
 
@@ -252,7 +252,7 @@ def test_json_of_others_is_read_as_a_table(tmp_path: Path) -> None:
     ],
 )
 def test_toml_is_a_door_or_a_profile(tmp_path: Path, content: str, kind: str) -> None:
-    path = written(tmp_path, content, "a.toml")
+    path = write_content(tmp_path, content, "a.toml")
     assert recognise(path).kind == inspect_file(path).kind == kind
 
 
@@ -273,46 +273,48 @@ def test_recognise_identifies_a_folder_by_its_content(tmp_path: Path, name: str,
 
 
 @pytest.fixture
-def parsed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+def parsed_files(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The names of the text files that were parsed, each time."""
     names: list[str] = []
     plain = text.read
 
-    def counted(raw, options):
+    def count_parse(raw, options):
         names.append(raw.name)
         return plain(raw, options)
 
-    monkeypatch.setattr(text, "read", counted)
+    monkeypatch.setattr(text, "read", count_parse)
     return names
 
 
-def test_recognise_and_read_parse_a_file_once(tmp_path: Path, parsed: list[str]) -> None:
-    path = written(tmp_path, FILES["seal_8mm.csv"].write())
+def test_recognise_and_read_parse_a_file_once(tmp_path: Path, parsed_files: list[str]) -> None:
+    path = write_content(tmp_path, FILES["seal_8mm.csv"].write())
     assert recognise(path).kind == recognise(path).kind == "relaxation"
     first = read_relaxation(path)
-    assert parsed == ["a.csv"]
+    assert parsed_files == ["a.csv"]
     second = read_relaxation(path)
-    assert parsed == ["a.csv", "a.csv"]
+    assert parsed_files == ["a.csv", "a.csv"]
     assert first == second
 
 
-def test_what_is_read_with_other_answers_is_parsed_again(tmp_path: Path, parsed: list[str]) -> None:
-    path = written(tmp_path, FILES["seal_8mm.csv"].write())
+def test_what_is_read_with_other_answers_is_parsed_again(
+    tmp_path: Path, parsed_files: list[str]
+) -> None:
+    path = write_content(tmp_path, FILES["seal_8mm.csv"].write())
     recognise(path)
     read_relaxation(path, options=ReadOptions(skip_rows=1))
-    assert len(parsed) == 2
+    assert len(parsed_files) == 2
 
 
 def test_a_file_that_was_written_to_is_read_as_it_is(tmp_path: Path) -> None:
-    path = written(tmp_path, both())
+    path = write_content(tmp_path, format_both_moduli())
     recognise(path)
-    written(tmp_path, FILES["seal_8mm.csv"].write())
+    write_content(tmp_path, FILES["seal_8mm.csv"].write())
     assert recognise(path).kind == "relaxation"
 
 
 def test_recognise_caches_few_files(tmp_path: Path) -> None:
     for number in range(channels._MOST + 3):
-        recognise(written(tmp_path, both(), f"{number}.csv"))
+        recognise(write_content(tmp_path, format_both_moduli(), f"{number}.csv"))
     assert len(channels._LEFT_OPEN) == channels._MOST
 
 

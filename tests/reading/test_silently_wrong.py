@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kit.crafted.treacherous import THREE, joined, put, three
+from kit.crafted.treacherous import THREE, join_rows, put, three
 from kit.instruments import workbook
 from kit.look_alikes import truth
 
@@ -25,7 +25,7 @@ def with_force(tmp_path: Path, *force: str) -> Path:
     """A file of the truth with these forces in its first rows."""
     path = tmp_path / "force.csv"
     rows = [[*row[:2], force[i] if i < len(force) else "1.00000"] for i, row in enumerate(three())]
-    path.write_text(joined(rows))
+    path.write_text(join_rows(rows))
     return path
 
 
@@ -49,7 +49,7 @@ def test_midnight_is_a_fall_of_a_day_less_a_minute(
 ) -> None:
     path = tmp_path / "night.csv"
     clock = [f"23:59:{i:02d}.0" for i in range(21, 31)] + [f"00:00:{second}"]
-    path.write_text(joined([[c, *row[1:]] for c, row in zip(clock, three(), strict=False)]))
+    path.write_text(join_rows([[c, *row[1:]] for c, row in zip(clock, three(), strict=False)]))
     if joined_up:
         assert np.diff(read_relaxation(path).time)[-1] == 60.0
     else:
@@ -111,7 +111,7 @@ def test_first_row_in_another_format_is_noted(
 ) -> None:
     path = tmp_path / "first.csv"
     later = ([f"{float(row[0]) + 2:.5f}", *row[1:]] for row in three())
-    path.write_text(joined([first, *later]))
+    path.write_text(join_rows([first, *later]))
     notes = read_relaxation(path).source.notes
     assert any("line 2, the first row, is printed otherwise" in note for note in notes) is noted
 
@@ -126,8 +126,8 @@ def test_a_quote_in_a_workbook_cell_is_no_quotation(tmp_path: Path) -> None:
 @pytest.mark.parametrize("unit", ["millimeter", "Millimeter", "mm", "m"])
 def test_a_second_header_may_spell_a_unit_otherwise(tmp_path: Path, unit: str) -> None:
     path = tmp_path / "again.csv"
-    again = joined(three()[30:], f"Time (sec);Position ({unit});Load (Newton)")
-    path.write_text(joined(three()[:30]) + again)
+    again = join_rows(three()[30:], f"Time (sec);Position ({unit});Load (Newton)")
+    path.write_text(join_rows(three()[:30]) + again)
     if unit == "m":
         with pytest.raises(ReadError, match=r"'Position \[m\]' where the first says"):
             read_relaxation(path)
@@ -169,9 +169,9 @@ def test_curves_are_counted_as_records_are(
 ) -> None:
     path = tmp_path / "curve.csv"
     rows = [[f"{i}.5", "10.0", "1.0"] for i in range(60)]
-    path.write_text(joined(rows, head))
+    path.write_text(join_rows(rows, head))
     read(path)
-    path.write_text(put(joined(rows, head), 32, odd))
+    path.write_text(put(join_rows(rows, head), 32, odd))
     with pytest.raises(ReadError, match=words):
         read(path)
 
@@ -179,7 +179,9 @@ def test_curves_are_counted_as_records_are(
 @pytest.mark.parametrize("head", ["log E' (MPa);log E'' (MPa)", "lg(E') (MPa);lg(E'') (MPa)"])
 def test_logarithms_are_no_moduli(tmp_path: Path, head: str) -> None:
     path = tmp_path / "log.csv"
-    path.write_text(joined([[f"{i}.5", "1.0", "0.1"] for i in range(20)], f"Frequency (Hz);{head}"))
+    path.write_text(
+        join_rows([[f"{i}.5", "1.0", "0.1"] for i in range(20)], f"Frequency (Hz);{head}")
+    )
     with pytest.raises(ReadError, match="looks like storage or loss"):
         read_dynamic(path)
 
@@ -187,7 +189,7 @@ def test_logarithms_are_no_moduli(tmp_path: Path, head: str) -> None:
 def test_read_frf_refuses_parts_in_different_units(tmp_path: Path) -> None:
     path = tmp_path / "frf.csv"
     rows = [[f"{i + 1}.0", "1.0", "0.1"] for i in range(20)]
-    path.write_text(joined(rows, "Frequency (Hz);Real (g/N);Imag ((m/s^2)/N)"))
+    path.write_text(join_rows(rows, "Frequency (Hz);Real (g/N);Imag ((m/s^2)/N)"))
     with pytest.raises(ReadError, match="the real part is in 'g/N', the imaginary part in"):
         read_frf(path)
     said = read_frf(path, options=ReadOptions(units={"real": "(m/s^2)/N"}))
@@ -198,7 +200,7 @@ def test_a_second_header_holds_until_the_next(tmp_path: Path) -> None:
     """Segments: N, kN, kN after a pause without a header, N again."""
     milli, rows = THREE.replace("(N)", "(kN)"), three()
     heads = ("", milli, "Pause", THREE)
-    parts = [joined(rows[15 * k : 15 * k + 15], head) for k, head in enumerate(heads)]
+    parts = [join_rows(rows[15 * k : 15 * k + 15], head) for k, head in enumerate(heads)]
     path = tmp_path / "parts.csv"
     path.write_text(THREE + "".join(parts))
     for segment in (1, 4):
@@ -219,6 +221,6 @@ def test_clock_notes_report_a_long_last_step(step: float, noted: bool) -> None:
 def test_labels_are_words_not_dates(tmp_path: Path, last: str, noted: bool) -> None:
     path = tmp_path / "labels.csv"
     rows = [[*row, "run 1"] for row in three()]
-    path.write_text(joined([*rows[:-1], [*rows[-1][:-1], last]], THREE + ";Note"))
+    path.write_text(join_rows([*rows[:-1], [*rows[-1][:-1], last]], THREE + ";Note"))
     notes = read_relaxation(path).source.notes
     assert any("begins with 'run 1' and ends with" in note for note in notes) is noted

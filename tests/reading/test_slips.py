@@ -20,7 +20,9 @@ from dashpot.solids.demo_seals import PAPER
 TIME = np.linspace(0.0, 41.0, 411)
 
 
-def pressed(*, travel: float = 8e-3, force: float = 1.5, clock: float = 1.0) -> dp.RelaxationTest:
+def press_seal(
+    *, travel: float = 8e-3, force: float = 1.5, clock: float = 1.0
+) -> dp.RelaxationTest:
     """1 s to 8 mm and 40 s held, with what is said of it times too much."""
     rise = np.clip(TIME, 0.0, 1.0)
     x = travel * rise
@@ -36,11 +38,11 @@ def door(tmp_path: Path) -> object:
 
 
 SLIPS = {
-    "mm as m": lambda _: pressed(travel=8.0),
-    "um as mm": lambda _: pressed(travel=0.8),
-    "N as kN, twice": lambda _: pressed(force=1.5e6),
-    "ms as s": lambda _: prepare(pressed(clock=1e3)),
-    "s as Ms": lambda _: pressed(clock=1e6),
+    "mm as m": lambda _: press_seal(travel=8.0),
+    "um as mm": lambda _: press_seal(travel=0.8),
+    "N as kN, twice": lambda _: press_seal(force=1.5e6),
+    "ms as s": lambda _: prepare(press_seal(clock=1e3)),
+    "s as Ms": lambda _: press_seal(clock=1e6),
     "a length in mm": lambda _: dp.Specimen(length=100.0),
     "a height in mm": lambda _: dp.Specimen(height=20.0),
     "g as kg on two seals": lambda _: dp.systems.predict_frf(
@@ -72,7 +74,7 @@ MUSCLES = [
 ]
 
 
-def named(columns: tuple[str, str, str]) -> ReadOptions:
+def make_options(columns: tuple[str, str, str]) -> ReadOptions:
     time, force, displacement = columns
     return ReadOptions(time=time, force=force, displacement=displacement, units=UNITS)
 
@@ -81,13 +83,16 @@ def real(folder: Path) -> list[tuple[Path, ReadOptions]]:
     """Every relaxation record that we may read, its units stated as the source says them."""
     muscle = ReadOptions(units={"time": "s", "displacement": "um", "force": "mN"})
     return [
-        *((folder / "oca-cyclic-shear-relaxation" / one, named(c)) for one, c in ADHESIVES.items()),
+        *(
+            (folder / "oca-cyclic-shear-relaxation" / one, make_options(c))
+            for one, c in ADHESIVES.items()
+        ),
         *((folder / "titin-ramp-hold" / one, muscle) for one in MUSCLES),
-        (folder / "rheos-data-time" / "data_time.csv", named(("1", "3", "2"))),
+        (folder / "rheos-data-time" / "data_time.csv", make_options(("1", "3", "2"))),
     ]
 
 
-def unasked(path: Path, options: ReadOptions) -> None:
+def require_reading(path: Path, options: ReadOptions) -> None:
     assert len(read_relaxation(path, options=options).time) > 90, path
 
 
@@ -97,7 +102,7 @@ def test_readers_accept_every_real_record(real_data: Path) -> None:
     records = real(real_data)
     assert len(records) == 18
     for path, options in records:
-        unasked(path, options)
+        require_reading(path, options)
     hits = read_impact(
         real_data / "lvm-read" / "long_single_header_multi_ch.lvm",
         options=ReadOptions(units={"force": "N"}),
@@ -108,5 +113,5 @@ def test_readers_accept_every_real_record(real_data: Path) -> None:
 @pytest.mark.slow
 def test_readers_accept_large_records(shared_data: Path) -> None:
     (machine,) = (shared_data / "formats" / "zwick").glob("*.TXT")
-    unasked(machine, ReadOptions(displacement="Standardweg", rate=10.0))
-    unasked(shared_data / "rheosafm-jpk-relaxation" / "AFM_relaxation.txt", ReadOptions())
+    require_reading(machine, ReadOptions(displacement="Standardweg", rate=10.0))
+    require_reading(shared_data / "rheosafm-jpk-relaxation" / "AFM_relaxation.txt", ReadOptions())

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import h5py
 import numpy as np
 import pytest
-from kit.foreign.files import press_and_hold, written
+from kit.foreign.files import format_table, press_and_hold
 from kit.mdf_files import Channel, Group, mdf3, mdf4
 from nptdms import ChannelObject, TdmsWriter
 from scipy.io import savemat
@@ -158,7 +158,7 @@ def test_impedance_and_apparent_mass_are_a_dynamic_stiffness(
     value = stiffness / s**power / (1e3 if unit.endswith("mm") else 1.0)
     columns = [frequency, value.real, value.imag]
     head = f"Frequency [Hz];Real [{unit}];Imaginary [{unit}]"
-    (tmp_path / "a").write_text(written(head, columns), "utf-8")
+    (tmp_path / "a").write_text(format_table(head, columns), "utf-8")
     frf = read_frf(tmp_path / "a")
     assert frf.quantity.value == "dynamic_stiffness"
     np.testing.assert_allclose(frf.value, stiffness, rtol=1e-5)

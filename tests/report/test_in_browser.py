@@ -12,7 +12,7 @@ import pytest
 from kit import handmade
 from kit.app import chromium
 from kit.browser import needs_browser, probe
-from kit.fits import altered
+from kit.fits import replace_fields
 from pypdf import PdfReader
 
 from dashpot.base.checks import Check
@@ -197,7 +197,7 @@ def test_the_first_sheet_is_a_certificate_however_many_checks_failed(browser):
     said = " ".join(["the storage stiffness of the seal is off"] * 5)
     every = tuple(Check(f"no_{i}", False, f"{i} {said}") for i in range(8))
     who = replace(S.prepared.specimen, name="Door seal 4711-B", lot="L24-117", operator="J. Ruiz")
-    study = replace(S, joint=altered(S.joint, checks=every),
+    study = replace(S, joint=replace_fields(S.joint, checks=every),
                     prepared=replace(S.prepared, specimen=who))  # fmt: skip
     first, second, *_ = sheets(browser, html(study))
     for part in ("Use with care", "Peak frequency", "Valid band", " more ",

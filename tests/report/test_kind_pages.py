@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kit import handmade
-from kit.fits import altered
+from kit.fits import replace_fields
 from kit.shell import ran
 
 import dashpot as dp
@@ -43,7 +43,7 @@ pytestmark = pytest.mark.once
 S = handmade.study()
 
 
-def pressed(scale: float = 1.0) -> dp.CLDTest:
+def press_specimen(scale: float = 1.0) -> dp.CLDTest:
     """One specimen, pressed and released."""
     t = np.linspace(0, 20, 800)
     x = 8 * np.sin(np.pi * t / 20)
@@ -53,8 +53,10 @@ def pressed(scale: float = 1.0) -> dp.CLDTest:
 RESULTS = {
     "fit": lambda: S.fit,
     "prediction": lambda: dp.predict(S.fit, mass="114.8g", seals=2),
-    "one specimen": lambda: dp.fit(pressed(), compression="6mm"),
-    "pieces": lambda: dp.fit(pressed(), pressed(1.04), pressed(0.97), compression="6mm"),
+    "one specimen": lambda: dp.fit(press_specimen(), compression="6mm"),
+    "pieces": lambda: dp.fit(
+        press_specimen(), press_specimen(1.04), press_specimen(0.97), compression="6mm"
+    ),
     "modes": lambda: dp.fit(dp.simulate("impact", hits=3)),
 }
 
@@ -109,7 +111,7 @@ def test_page_row_shows_only_available_limits():
 
 
 def test_pieces_are_named_at_the_end_of_their_lines():
-    found = dp.fit(pressed(), pressed(1.04), pressed(0.97), compression="6mm")
+    found = dp.fit(press_specimen(), press_specimen(1.04), press_specimen(0.97), compression="6mm")
     picture = cld_figure(found.specimens, limits=(1.4, 1.6))
     tags = [one for one in picture.panels[0].marks if isinstance(one, Tag) and one.end]
     assert len({one.colour for one in tags}) == 3
@@ -138,10 +140,11 @@ def specimen_at(speed: float) -> CLD:
 
 def test_a_fit_goes_to_a_page(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    test = press_specimen()
     Path("piece.csv").write_text(
         "time [s], displacement [mm], force [N]\n"
         + "\n".join(f"{t:.4f},{x:.6f},{x / 4:.6f}"
-                    for t, x in zip(pressed().time, 1e3 * pressed().displacement, strict=True)),
+                    for t, x in zip(test.time, 1e3 * test.displacement, strict=True)),
         encoding="utf-8",
     )  # fmt: skip
     done = ran("fit", "piece.csv", "-o", "page.html")
@@ -158,7 +161,7 @@ def test_page_lists_each_finding_and_file_once():
     bad = Check("of_the_file", False, "It is not.", grade="stop")
     noted = Check("aside", False, "It is odd.", grade="note")
     checks = (*S.fit.checks, bad, noted, noted)
-    found = altered(S.fit, checks=checks, source=(source, source))
+    found = replace_fields(S.fit, checks=checks, source=(source, source))
     told = build_page_contents(found)
     weighty = list(told["weighty"])
     assert weighty.count(bad) == weighty.count(noted) == 1
@@ -176,21 +179,21 @@ def held_in(page: str) -> dict[str, str]:
 DENSE = Check("few_arms_sufficient", False, "No number of arms up to 6 follows.", grade="note")
 EXPORTED = {
     "a seal": (lambda: S.fit, ["fit.json", "model.bdf", "model.inp"]),
-    "a material": (lambda: altered(S.fit, unit="Pa"), ["fit.json", "model.inp"]),
+    "a material": (lambda: replace_fields(S.fit, unit="Pa"), ["fit.json", "model.inp"]),
     "a table of arms": (
-        lambda: altered(S.fit, unit="Pa", status=Status.NOT_IDENTIFIED,
+        lambda: replace_fields(S.fit, unit="Pa", status=Status.NOT_IDENTIFIED,
                         checks=(*S.fit.checks, DENSE)),
         ["fit.json", "model.inp"],
     ),
     "what is not identified": (
-        lambda: altered(S.fit, unit="Pa", status=Status.NOT_IDENTIFIED,
+        lambda: replace_fields(S.fit, unit="Pa", status=Status.NOT_IDENTIFIED,
                         checks=(
                             *S.fit.checks, replace(DENSE, name="arms_supported", grade="limit")
                         )),
         ["fit.json"],
     ),
     "what must not be used": (
-        lambda: altered(S.fit, checks=(replace(DENSE, name="strain_small", grade="stop"),)),
+        lambda: replace_fields(S.fit, checks=(replace(DENSE, name="strain_small", grade="stop"),)),
         ["fit.json"],
     ),
 }  # fmt: skip
@@ -235,7 +238,7 @@ def test_constant_of_a_shift_law_shows_interval_or_noise_error():
         (S.fit.estimate.covariance, "WLF about 23 °C (± noise)", ("C1", "7.00 ± 0.10", "", "")),
     ):
         estimate = replace(S.fit.estimate, noise_covariance=noise)
-        shown = kind_page(altered(S.fit, temperatures=moved, estimate=estimate))
+        shown = kind_page(replace_fields(S.fit, temperatures=moved, estimate=estimate))
         (one,) = [group for group in shown.groups if group.title == title]
         assert one.rows[0][:4] == row_
 

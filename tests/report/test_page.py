@@ -16,7 +16,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 from kit import handmade
-from kit.fits import a_fit, altered
+from kit.fits import a_fit, replace_fields
 from kit.fractional import SEAL
 from kit.shell import ran
 from test_sentences import CODE
@@ -87,7 +87,7 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def whole() -> str:
+def whole_page() -> str:
     return html(S)
 
 
@@ -115,9 +115,9 @@ def sketch(monkeypatch):
     "part", ["test", "fit", "frequency", "hammer", "joint", "hits", "checks", "assumptions",
              "provenance", "method"],
 )  # fmt: skip
-def test_report_has_every_section_folded(whole, part):
-    assert whole.count(f'<details id="{part}">') == 1
-    body = whole[whole.index(f'<details id="{part}">') :]
+def test_report_has_every_section_folded(whole_page, part):
+    assert whole_page.count(f'<details id="{part}">') == 1
+    body = whole_page[whole_page.index(f'<details id="{part}">') :]
     assert body.index("<summary><h2>") < body.index('<div class="body">') < body.index("</details>")
 
 
@@ -125,8 +125,8 @@ def test_report_has_every_section_folded(whole, part):
     "name", ["lead", "segments", "fit", "spectrum", "stiffness", "comparison", "nyquist", "direct",
              "hits"],
 )  # fmt: skip
-def test_every_figure_is_there_wide_and_narrow_with_a_caption_and_a_label(whole, name):
-    figure = re.search(rf'<figure[^>]*id="figure-{name}">(.*?)</figure>', whole, re.DOTALL)
+def test_every_figure_is_there_wide_and_narrow_with_a_caption_and_a_label(whole_page, name):
+    figure = re.search(rf'<figure[^>]*id="figure-{name}">(.*?)</figure>', whole_page, re.DOTALL)
     assert figure
     assert figure[1].count('<svg class="wide"') == figure[1].count('<svg class="narrow"') > 0
     caption = re.search(r"<figcaption>(.*?)</figcaption>", figure[1])[1]
@@ -137,8 +137,8 @@ def test_every_figure_is_there_wide_and_narrow_with_a_caption_and_a_label(whole,
     assert "114.8 g on 2 seals" in caption
 
 
-def test_the_tags_are_in_balance_and_ids_unique(whole, bench):
-    for text in (whole, bench):
+def test_the_tags_are_in_balance_and_ids_unique(whole_page, bench):
+    for text in (whole_page, bench):
         page = Page(text)
         assert page.open == []
         assert [name for name, n in Counter(page.ids).items() if n > 1] == []
@@ -146,28 +146,28 @@ def test_the_tags_are_in_balance_and_ids_unique(whole, bench):
         assert {a or b for a, b in used} <= set(page.ids)
 
 
-def test_the_page_needs_nothing_but_itself(whole):
-    assert set(re.findall(r"https?://[^\"'\s<>)]+", whole)) <= {"http://www.w3.org/2000/svg"}
-    page = Page(whole)
+def test_the_page_needs_nothing_but_itself(whole_page):
+    assert set(re.findall(r"https?://[^\"'\s<>)]+", whole_page)) <= {"http://www.w3.org/2000/svg"}
+    page = Page(whole_page)
     assert page.tags["script"] == page.tags["style"] == 1
     assert not {"link", "img", "iframe", "object", "form", "base"} & set(page.tags)
     assert not [a for a in page.attributes if a[1] in {"src", "style"} or a[1].startswith("on")]
-    assert "@import" not in whole
-    assert "@page" in whole
+    assert "@import" not in whole_page
+    assert "@page" in whole_page
 
 
-def test_report_policy_allows_its_script_and_style_by_hash(whole):
-    policy = unescape(re.search(r'Content-Security-Policy" content="([^"]*)"', whole)[1])
+def test_report_policy_allows_its_script_and_style_by_hash(whole_page):
+    policy = unescape(re.search(r'Content-Security-Policy" content="([^"]*)"', whole_page)[1])
     allowed = dict(part.split(" ", 1) for part in policy.split("; "))
     assert allowed.pop("default-src") == "'none'"
     for kind in ("script", "style"):
-        (content,) = re.findall(rf"<{kind}[^>]*>(.*?)</{kind}>", whole, re.DOTALL)
+        (content,) = re.findall(rf"<{kind}[^>]*>(.*?)</{kind}>", whole_page, re.DOTALL)
         digest = base64.b64encode(hashlib.sha256(content.encode()).digest()).decode()
         assert allowed.pop(f"{kind}-src") == f"'sha256-{digest}'"
     assert allowed == {"img-src": "data:", "base-uri": "'none'", "form-action": "'none'"}
 
 
-def unfolded(text: str) -> int:
+def count_visible_words(text: str) -> int:
     """How many words stand on a page before anything is opened."""
     rest = re.sub(r'<div class="body">.*?</details>', "</details>", text, flags=re.DOTALL)
     return len(Page(rest).text.split())
@@ -175,21 +175,23 @@ def unfolded(text: str) -> int:
 
 def test_words_are_counted_that_stand_unfolded():
     said = '<p>one two</p><details><summary>three</summary><div class="body">no</div></details>'
-    assert unfolded(said) == 3
+    assert count_visible_words(said) == 3
 
 
-@pytest.mark.parametrize("page", ["whole", "bench"])
+@pytest.mark.parametrize("page", ["whole_page", "bench"])
 def test_the_page_is_short_and_small(page, request):
     text = request.getfixturevalue(page)
-    assert 100 < unfolded(text) <= 1500
+    assert 100 < count_visible_words(text) <= 1500
     assert len(text.encode()) <= 900_000
 
 
-def test_the_page_has_dark_colours_and_paper_keeps_the_light_ones(whole):
-    dark = re.search(r"@media screen and \(prefers-color-scheme:dark\)\{:root\{(.*?)\}", whole)[1]
+def test_the_page_has_dark_colours_and_paper_keeps_the_light_ones(whole_page):
+    dark = re.search(
+        r"@media screen and \(prefers-color-scheme:dark\)\{:root\{(.*?)\}", whole_page
+    )[1]
     for name, (_, colour) in style.COLOURS.items():
         assert f"--{name}:{colour};" in dark
-    figure = re.search(r'<figure[^>]*id="figure-lead">(.*?)</figure>', whole, re.DOTALL)[1]
+    figure = re.search(r'<figure[^>]*id="figure-lead">(.*?)</figure>', whole_page, re.DOTALL)[1]
     assert not re.search(r'(?:fill|stroke)="#', figure)
 
 
@@ -200,10 +202,10 @@ def test_the_same_study_gives_the_same_page(bench):
 # -- the first screen -------------------------------------------------------------------------
 
 
-def test_the_answer_comes_first(whole):
+def test_the_answer_comes_first(whole_page):
     """Who, verdict, figure, solid, files: in this order, before all else."""
     places = [
-        whole.index(part)
+        whole_page.index(part)
         for part in ('<dl class="who">', 'class="verdict', 'id="figure-lead"',
                      "Recommended: joint model", 'class="button main"',
                      '<section id="weighty">', '<section id="summary">', "<details")
@@ -234,7 +236,7 @@ def test_a_title_and_a_logo_are_set_on_the_page():
 )
 def test_the_verdict_leads_in_words_in_colour_and_in_form(grade, colour, words):
     failed = Check("strain_small", False, "The strain is 0.3.", grade=grade)
-    study = replace(handmade.bench_only(), fit=altered(S.fit, checks=(failed,)), checks=())
+    study = replace(handmade.bench_only(), fit=replace_fields(S.fit, checks=(failed,)), checks=())
     page = html(study)
     bar = page[page.index('<div class="verdict') : page.index('<div class="first">')]
     assert bar.startswith(f'<div class="verdict {colour}"')
@@ -251,7 +253,7 @@ def test_the_verdict_leads_in_words_in_colour_and_in_form(grade, colour, words):
 )  # fmt: skip
 def test_what_must_not_be_used_is_not_offered(sketch, grade, heading, names):
     failed = Check("strain_small", False, "The strain is 0.3.", grade=grade)
-    study = replace(handmade.bench_only(), fit=altered(S.fit, checks=(failed,)), checks=())
+    study = replace(handmade.bench_only(), fit=replace_fields(S.fit, checks=(failed,)), checks=())
     text = sketch(study)
     assert heading in text
     assert re.findall(r'download="([^"]*)"', html(study)) == names
@@ -259,9 +261,9 @@ def test_what_must_not_be_used_is_not_offered(sketch, grade, heading, names):
     assert ("DO NOT USE" in text) == (grade == "stop")
 
 
-def test_the_lights_say_what_the_hammer_bears_out(whole, bench):
+def test_the_lights_say_what_the_hammer_bears_out(whole_page, bench):
     after = S.joint_comparison
-    text = Page(whole).text
+    text = Page(whole_page).text
     assert re.search(r"Stiffness agrees, K\N{PRIME}\s[\d.]+, hammer [\d.]+\sN/mm", text)
     assert f"Damping agrees, {decibels(after.ratio_db)}" in text
     assert Page(bench).text.count("no hammer test") >= 2
@@ -269,7 +271,7 @@ def test_the_lights_say_what_the_hammer_bears_out(whole, bench):
 
 def test_a_joint_fit_that_fails_looks_failed():
     bad = Check("tests_agree", False, "The tests are 70 % apart.", grade="stop")
-    failed = replace(S, joint=altered(S.joint, checks=(bad,)))
+    failed = replace(S, joint=replace_fields(S.joint, checks=(bad,)))
     page = html(failed)
     text = Page(page).text
     assert "Do not use The tests are 70" in text
@@ -283,28 +285,34 @@ def test_a_joint_fit_that_fails_looks_failed():
         assert "joint model" not in figure.replace("joint model, failed", "")
 
 
-def test_what_the_joint_fit_mends_does_not_fail_the_page(whole):
+def test_what_the_joint_fit_mends_does_not_fail_the_page(whole_page):
     """The prediction from relaxation alone misses; the joint model does not, and the page tells."""
     missed = [check for check in S.comparison.checks if check.failed]
     assert missed
     assert S.verdict.use == "use with care"
     assert not set(missed) & set(S.verdict_checks)
-    assert Page(whole).text.count("failed: corrected by the joint model") == len(missed)
-    body = whole[whole.index('<section id="weighty">') : whole.index('<section id="summary">')]
+    assert Page(whole_page).text.count("failed: corrected by the joint model") == len(missed)
+    body = whole_page[
+        whole_page.index('<section id="weighty">') : whole_page.index('<section id="summary">')
+    ]
     assert not any(check.message in unescape(body) for check in missed)
 
 
-def test_report_counts_checks_consistently(whole):
+def test_report_counts_checks_consistently(whole_page):
     counted = [check for check in S.verdict_checks if check.passed is not None]
     passed = sum(bool(check.passed) for check in counted)
-    heading = whole[whole.index('<details id="checks"') :].partition("</summary>")[0]
+    heading = whole_page[whole_page.index('<details id="checks"') :].partition("</summary>")[0]
     assert f"{passed} of {len(counted)}" in heading
-    assert {int(one) for one in re.findall(r"\b[Aa]ll (\d+)", Page(whole).text)} <= {len(counted)}
+    assert {int(one) for one in re.findall(r"\b[Aa]ll (\d+)", Page(whole_page).text)} <= {
+        len(counted)
+    }
 
 
-def test_the_numbers_of_the_first_table_are_those_of_the_recommendation(whole):
+def test_the_numbers_of_the_first_table_are_those_of_the_recommendation(whole_page):
     found = recommend_solid(S)
-    table = whole[whole.index('<table class="answer">') : whole.index("From and to are the 95")]
+    table = whole_page[
+        whole_page.index('<table class="answer">') : whole_page.index("From and to are the 95")
+    ]
     cells = [re.findall(r"<td[^>]*>([^<]*)</td>", row) for row in table.split("<tr>")[1:]]
     numbers = [row for row in cells if row]
     answers = (*found.under_mass, *found.one_seal)
@@ -327,11 +335,11 @@ def test_report_table_and_figure_show_the_same_peak():
     assert tag == pytest.approx(frequency, abs=0.006)
 
 
-def test_report_and_terminal_show_the_same_shift(whole):
+def test_report_and_terminal_show_the_same_shift(whole_page):
     """By how many standard errors before a parameter moved, and which way."""
     down = ParameterChange("k_inf", 197.5, 0.5, 196.5, 0.4, "N/m")
     assert down.shift == -2.0
-    joint = altered(S.joint, parameter_changes=(down,))
+    joint = replace_fields(S.joint, parameter_changes=(down,))
     page = Page(html(replace(S, joint=joint))).text
     assert re.search(r"k∞, N/mm 0\.19750 ± \S+ 0\.19650 ± \S+ −0\.51 % −2\.0", page)
     (line,) = [
@@ -379,7 +387,7 @@ def test_a_deck_of_the_page_is_that_of_the_command_line(tmp_path, known):
 
 def test_a_solid_that_is_not_identified_has_no_deck_and_the_page_says_so():
     edge = Check("arms_identified", False, "Arm 1 lies at the edge.", grade="limit")
-    lost = altered(S.fit, status=Status.TAU_AT_BOUND, checks=(edge,))
+    lost = replace_fields(S.fit, status=Status.TAU_AT_BOUND, checks=(edge,))
     page = html(replace(handmade.bench_only(), fit=lost))
     assert decks(page) == {}
     assert (
@@ -399,9 +407,9 @@ def test_a_seal_that_hardens_has_the_deck_of_what_the_mass_feels():
     assert "--compression" in page
 
 
-def test_report_shows_the_recommended_model(whole, sketch):
+def test_report_shows_the_recommended_model(whole_page, sketch):
     """Table, sentence and checks speak of the solid of both tests, and say so."""
-    text = Page(whole).text
+    text = Page(whole_page).text
     assert "The recommended joint model, one seal" in text
     k, tau = S.joint.model.k[3], S.joint.model.tau[3]
     part = text[text.index("The recommended joint model") : text.index("Everything else")]
@@ -417,7 +425,7 @@ def test_report_shows_the_recommended_model(whole, sketch):
 def test_note_on_a_rejected_model_appears_only_in_the_list(sketch):
     note = Check("fast_arm_visible", False, "The fastest arm is too fast.", grade="note")
     limit = Check("k_end_determined", False, "The plateau is not known.")
-    study = replace(S, fit=altered(S.fit, checks=(*S.fit.checks, note, limit)))
+    study = replace(S, fit=replace_fields(S.fit, checks=(*S.fit.checks, note, limit)))
 
     def first(of) -> str:
         text = sketch(of)
@@ -425,7 +433,7 @@ def test_note_on_a_rejected_model_appears_only_in_the_list(sketch):
 
     assert "fastest arm is too fast" not in first(study)
     quoted = Check("strain_small", False, "The strain is 0.3.")
-    earlier = altered(study.fit, checks=(quoted, *study.fit.checks))
+    earlier = replace_fields(study.fit, checks=(quoted, *study.fit.checks))
     assert "Fit of the relaxation test. The plateau is not known." in first(
         replace(study, fit=earlier)
     )
@@ -436,7 +444,7 @@ def test_note_on_a_rejected_model_appears_only_in_the_list(sketch):
 
 def test_report_shows_as_many_checks_as_fit(sketch):
     every = tuple(Check(f"no_{i}", False, " ".join(["word"] * 30)) for i in range(7))
-    study = replace(handmade.bench_only(), fit=altered(S.fit, checks=every), checks=())
+    study = replace(handmade.bench_only(), fit=replace_fields(S.fit, checks=every), checks=())
     text = sketch(study)
     shown = text[: text.index("The test and its fit")].count("word " * 28)
     assert shown == 1 + MOST_WORDS // 30
@@ -446,8 +454,8 @@ def test_report_shows_as_many_checks_as_fit(sketch):
 # -- true to the study ------------------------------------------------------------------------
 
 
-def test_the_sentences_name_the_cause(whole):
-    text = Page(whole).text
+def test_the_sentences_name_the_cause(whole_page):
+    text = Page(whole_page).text
     assert "The relaxation test does not cover" in text
     assert "The joint model matches the hammer" in text
     # the frequency and the height that the joint fit misses by, as the comparison has them
@@ -456,8 +464,8 @@ def test_the_sentences_name_the_cause(whole):
     assert f"{abs(after.ratio_db):.1f} dB at the peak" in text
 
 
-def test_numbers_are_in_newtons_per_millimetre_rounded_to_their_error(whole):
-    text = Page(whole).text
+def test_numbers_are_in_newtons_per_millimetre_rounded_to_their_error(whole_page):
+    text = Page(whole_page).text
     most = S.fit.facts[0].cells
     assert most.interval.startswith("at most ")
     assert f"{most.value} {most.interval}" in re.sub(r"[, ]+", " ", text)
@@ -465,8 +473,8 @@ def test_numbers_are_in_newtons_per_millimetre_rounded_to_their_error(whole):
     assert "extrapolated ×40" in text
 
 
-def test_report_states_values_per_100_mm_only_with_a_length(whole, sketch):
-    assert "per 100 mm" in Page(whole).text
+def test_report_states_values_per_100_mm_only_with_a_length(whole_page, sketch):
+    assert "per 100 mm" in Page(whole_page).text
     bare = replace(S, prepared=replace(S.prepared, specimen=Specimen()), joint=None,
                    joint_comparison=None)  # fmt: skip
     assert "per 100 mm" not in sketch(bare)
@@ -478,8 +486,10 @@ def test_per_100_mm_scales_with_the_length(sketch):
     assert f"{2e-3 * S.fit.model.k_inf:.5f}" in text
 
 
-def test_failed_checks_come_first(whole):
-    body = whole[whole.index('<details id="checks">') : whole.index('<details id="assumptions">')]
+def test_failed_checks_come_first(whole_page):
+    body = whole_page[
+        whole_page.index('<details id="checks">') : whole_page.index('<details id="assumptions">')
+    ]
     states = re.findall(r'<tr class="[a-z]*"><td>([^<]*)</td>', body)
     order = ["failed: do not use", "failed: use with care", "failed: a note",
              "failed: corrected by the joint model", "not applicable", "passed"]  # fmt: skip
@@ -487,8 +497,10 @@ def test_failed_checks_come_first(whole):
     assert {"failed: corrected by the joint model", "passed"} <= set(states)
 
 
-def test_what_is_assumed_stands_folded_with_what_the_study_says_of_it(whole):
-    body = whole[whole.index('<details id="assumptions">') : whole.index('<details id="provenance')]
+def test_what_is_assumed_stands_folded_with_what_the_study_says_of_it(whole_page):
+    body = whole_page[
+        whole_page.index('<details id="assumptions">') : whole_page.index('<details id="provenance')
+    ]
     assert body.count("<tr") == 1 + len(ASSUMPTIONS)
     # the mass of this study sags 2.9 mm, and the test held 8 mm
     assert re.search(r'<tr class="bad"><td>elastic law</td>.*<td>contradicted</td>', body)
@@ -501,14 +513,14 @@ def test_report_shows_a_shared_check_only_at_one_place(sketch):
         assert text.count(format_typographic(check.message)) == 1
 
 
-def test_simulated_records_are_stamped_loudly(whole, sketch):
-    page = Page(whole).text
+def test_simulated_records_are_stamped_loudly(whole_page, sketch):
+    page = Page(whole_page).text
     assert "SIMULATED" in page[:300]
     real = replace(
         handmade.bench_only(),
         test=replace(S.test, source=replace(S.test.source, simulated=False)),
         prepared=replace(S.prepared, source=None),
-        fit=altered(S.fit, source=()),
+        fit=replace_fields(S.fit, source=()),
     )
     assert "simulated" not in sketch(real).lower()
 
@@ -519,21 +531,21 @@ def test_simulated_records_in_memory_are_stamped_too(sketch):
         handmade.bench_only(),
         test=replace(S.test, source=None),
         prepared=replace(S.prepared, source=None, specimen=rig),
-        fit=altered(S.fit, source=()),
+        fit=replace_fields(S.fit, source=()),
     )
     assert "SIMULATED" in sketch(made)
 
 
-def test_provenance_names_files_hashes_and_steps(whole):
-    text = Page(whole).text
+def test_provenance_names_files_hashes_and_steps(whole_page):
+    text = Page(whole_page).text
     assert handmade.SHA in text
     assert "impact.csv" in text
     assert "took 1.2 mN off the force" in text
     assert "estimator = H1" in text
 
 
-def test_hits_are_listed_with_the_reason_of_a_rejection(whole):
-    assert "a second hit of 40 % struck 60 ms after the first" in Page(whole).text
+def test_hits_are_listed_with_the_reason_of_a_rejection(whole_page):
+    assert "a second hit of 40 % struck 60 ms after the first" in Page(whole_page).text
 
 
 def test_report_lists_parameters_changed_by_the_hammer_test(sketch):
@@ -542,16 +554,18 @@ def test_report_lists_parameters_changed_by_the_hammer_test(sketch):
         ParameterChange("tau_1", None, None, 0.0117, 0.0003, "s"),
         ParameterChange("b", 1.0, None, 2.0, 0.1, "N s/m"),
     )
-    text = sketch(replace(S, joint=altered(S.joint, parameter_changes=moved)))
+    text = sketch(replace(S, joint=replace_fields(S.joint, parameter_changes=moved)))
     assert "What the hammer test changed" in text
     assert "+0.51 % +2.0" in text
     assert "τ₁, s 0.01170 ± 0.00030 new" in text
 
 
-def test_the_numbers_can_be_taken_along_in_full_precision(whole):
+def test_the_numbers_can_be_taken_along_in_full_precision(whole_page):
     files = {
         name: base64.b64decode(data).decode()
-        for name, data in re.findall(r'download="([^"]+)" href="data:[^,]+;base64,([^"]+)"', whole)
+        for name, data in re.findall(
+            r'download="([^"]+)" href="data:[^,]+;base64,([^"]+)"', whole_page
+        )
     }
     assert from_json(files["fit.json"]) == S.fit
     assert from_json(files["joint.json"]) == S.joint
@@ -566,8 +580,8 @@ def test_the_numbers_can_be_taken_along_in_full_precision(whole):
     assert numbers[1] + 1j * numbers[2] == pytest.approx(measured.value[0], rel=1e-6)
 
 
-def test_the_resonance_is_read_in_every_way_the_record_supports(whole):
-    text = Page(whole).text
+def test_the_resonance_is_read_in_every_way_the_record_supports(whole_page):
+    text = Page(whole_page).text
     for way in ("circle fit", "half-power width", "logarithmic decrement", "rational-fraction fit"):
         assert f"measured: {way}" in text
     for mode in S.measured.modes(method="circle"):
@@ -618,7 +632,7 @@ def test_an_inferred_mass_is_called_inferred(sketch):
 
 def test_a_fit_in_trouble_says_so_at_the_top(sketch):
     bad = Check("force_residual_small", False, "The model misses the force.", grade="stop")
-    lame = altered(S.fit, status=Status.TAU_AT_BOUND, checks=(bad,))
+    lame = replace_fields(S.fit, status=Status.TAU_AT_BOUND, checks=(bad,))
     text = sketch(replace(handmade.bench_only(), fit=lame))
     told = text.index("Do not use The model misses the force.")
     assert told < text.index("One seal behaves as a spring")
@@ -628,7 +642,7 @@ def test_a_fit_in_trouble_says_so_at_the_top(sketch):
 def test_orders_that_were_not_compared_have_no_empty_columns(sketch):
     assert "every arm significant" in sketch(handmade.bench_only())
     assert "every arm significant" not in sketch(
-        replace(handmade.bench_only(), fit=altered(S.fit, orders=()))
+        replace(handmade.bench_only(), fit=replace_fields(S.fit, orders=()))
     )
 
 
@@ -636,7 +650,7 @@ def test_a_spring_without_arms_and_a_seal_without_source_are_reported():
     spring = handmade.fit_at(())
     bare = replace(
         handmade.bench_only(),
-        fit=altered(spring, source=(), steps=()),
+        fit=replace_fields(spring, source=(), steps=()),
         alternatives=(),
         test=replace(S.test, source=None),
         prepared=replace(S.prepared, source=None, steps=(), preload=0.3),
@@ -655,15 +669,15 @@ def test_report_of_a_fractional_model_shows_its_stiffness(sketch):
     assert "with a springpot of slope 0.600 beside it" in text
 
 
-def test_no_word_of_code_stands_on_the_page(whole, bench):
+def test_no_word_of_code_stands_on_the_page(whole_page, bench):
     """Up to the assumptions and the provenance, which name options and files."""
     lead = Explanation("k_inf", 1.2, 0.01, "1", 0.2, 90.0, True, "k_inf is 20 +- 1 % larger")
     check = Check(
         "lines_explained", False, "It leaves 2.5e-07.", remedy=Remedy("Narrow the band.", "band")
     )
-    joint = altered(S.joint, explanations=(lead,), checks=(check,))
+    joint = replace_fields(S.joint, explanations=(lead,), checks=(check,))
     bare = replace(S, joint=joint, prepared=replace(S.prepared, source=None))
-    for page in (whole, bench, html(bare)):
+    for page in (whole_page, bench, html(bare)):
         part = page[: page.index('<details id="assumptions">')]
         part = re.sub(r'<span class="mono">.*?</span>', "", part, flags=re.DOTALL)
         text = Page(part).text.replace("seal_8mm.csv", "").replace("dashpot/", "")
@@ -685,7 +699,7 @@ def test_whatever_came_from_a_file_is_escaped(sketch):
         S,
         test=replace(S.test, source=source),
         prepared=replace(S.prepared, source=source, specimen=Specimen(notes=EVIL), checks=(check,)),
-        fit=altered(
+        fit=replace_fields(
             S.fit, steps=(step,), certificate=replace(S.fit.evidence.certificate, message=EVIL)
         ),
         measured=replace(S.measured, hits=(hit,), source=(source,), steps=(step,)),
@@ -716,7 +730,7 @@ def test_two_tests_that_disagree_do_not_read_like_a_success():
     )
     rival = replace(told, name="k_inf", is_sufficient=False, message="k_inf is 24 % larger")
     needed = (Nuisance("stiffness_factor", 1.15, 0.01, "1"),)
-    joint = altered(S.joint, explanations=(told, rival), nuisance=needed)
+    joint = replace_fields(S.joint, explanations=(told, rival), nuisance=needed)
     text = Page(html(replace(S, joint=joint))).text
     assert "k∞ is 24" in text
     assert "stiffness factor 1.150" in text
@@ -731,7 +745,7 @@ def test_what_does_not_bring_two_tests_closer_is_not_called_closer():
     lead = Explanation("mass", 0.115, 0.001, "kg", 0.1, 1067.0, True, "the mass is 115 g")
     near = replace(lead, is_sufficient=False, deviance_fall=0.5)
     tried = (lead, near, replace(near, deviance_fall=-251.1))
-    lines = results.fit(altered(S.joint, explanations=tried)).lines
+    lines = results.fit(replace_fields(S.joint, explanations=tried)).lines
     ends = [line.partition(" (")[2] for line in lines if line.startswith("  tried  ")]
     assert ends == [
         "a match; chi-square falls by 1067)",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from kit.foreign.conditioning import Arms, pressed
+from kit.foreign.conditioning import Arms, press_solid
 
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.moving_plate import face_under_plate
@@ -27,7 +27,7 @@ def cycles(step: float, *, low: float = 0.0, rest: float = 5.0) -> tuple[np.ndar
 def test_a_face_is_that_of_a_fine_recursion(low: float) -> None:
     time, plate = cycles(0.01, low=low)
     face, force = face_under_plate(SOLID, time, plate)
-    fine, finer = pressed(SEAL, 0.01, plate, bonded=False, fine=20)
+    fine, finer = press_solid(SEAL, 0.01, plate, bonded=False, fine=20)
     np.testing.assert_allclose(face, fine, atol=3e-4 * 8e-3)
     np.testing.assert_allclose(force, finer, atol=1e-3 * finer.max())
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from kit.fits import a_fit, altered
+from kit.fits import a_fit, replace_fields
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
@@ -27,7 +27,7 @@ MASS = 0.114829829
 LINES = np.arange(0.125, 60.0, 0.125)
 
 
-def predicted(model: GeneralizedMaxwell, mass: float = MASS, **other: float) -> FRF:
+def predict_frf_of_model(model: GeneralizedMaxwell, mass: float = MASS, **other: float) -> FRF:
     return predict_frf(2 * model, mass=mass, frequency=LINES, **other)
 
 
@@ -62,7 +62,7 @@ def test_a_curve_agrees_with_itself(mass: float, loss: float, kind: Kind) -> Non
 
 
 def test_frac_ignores_gain_and_decibels_report_it() -> None:
-    frf = predicted(BROAD)
+    frf = predict_frf_of_model(BROAD)
     double = compare(replace(frf, value=2 * frf.value), frf)
     assert double.frac == pytest.approx(1, abs=1e-12)
     assert double.rms_db == pytest.approx(20 * np.log10(2), abs=1e-9)
@@ -70,13 +70,13 @@ def test_frac_ignores_gain_and_decibels_report_it() -> None:
 
 
 def test_compare_z_is_unity_for_the_true_model() -> None:
-    truth = predicted(BROAD)
+    truth = predict_frf_of_model(BROAD)
     held = compare(truth, noisy(truth, 0.01), model=BROAD, seals=2, mass=MASS)
     assert held.z_rms == pytest.approx(1, abs=0.1)
 
 
 def test_compare_takes_scatter_from_coherence_without_sd() -> None:
-    truth = predicted(BROAD)
+    truth = predict_frf_of_model(BROAD)
     measured = noisy(truth, 0.01)
     coherence = np.full(len(LINES), 1 / (1 + 0.01**2 * 5))
     by_coherence = replace(measured, sd=None, coherence=coherence, averages=5)
@@ -99,7 +99,9 @@ def test_table_1_against_itself_says_12_71_hz_and_its_damping() -> None:
 
 def test_the_broad_seal_shows_the_papers_damping_miss() -> None:
     """Domain reference: -4.3 % and 5.82 times too high, with the hold fit; here Table 1 itself."""
-    story = compare(predicted(PAPER), predicted(BROAD), fit=a_fit(PAPER), seals=2)
+    story = compare(
+        predict_frf_of_model(PAPER), predict_frf_of_model(BROAD), fit=a_fit(PAPER), seals=2
+    )
     assert story.measured_hz == pytest.approx(12.71, abs=1e-4)
     assert story.measured_peak == pytest.approx(155.227, rel=1e-5)
     assert story.measured_damping == pytest.approx(0.0285575, rel=0.01)
@@ -122,7 +124,7 @@ def test_the_share_of_the_arms_in_the_loss() -> None:
 
 
 def test_an_arm_is_seen_only_if_its_errors_say_so() -> None:
-    frf = predicted(PAPER)
+    frf = predict_frf_of_model(PAPER)
     vague = compare(frf, frf, fit=a_fit(PAPER, relative=0.6), seals=2)
     assert not any(arm.seen_by_relaxation for arm in vague.arms)
     joint = a_fit(
@@ -135,14 +137,16 @@ def test_an_arm_is_seen_only_if_its_errors_say_so() -> None:
 
 
 def test_without_a_covariance_the_band_decides() -> None:
-    frf = predicted(PAPER)
-    bare = altered(a_fit(PAPER), parameters=(), covariance=np.zeros((0, 0)), band=(0.004, 0.1))
+    frf = predict_frf_of_model(PAPER)
+    bare = replace_fields(
+        a_fit(PAPER), parameters=(), covariance=np.zeros((0, 0)), band=(0.004, 0.1)
+    )
     told = compare(frf, frf, fit=bare, seals=2)
     assert [arm.seen_by_relaxation for arm in told.arms] == [False, True]
 
 
 def test_with_two_curves_only_there_are_no_arms() -> None:
-    bare = compare(predicted(PAPER), predicted(BROAD))
+    bare = compare(predict_frf_of_model(PAPER), predict_frf_of_model(BROAD))
     assert bare.arms == ()
     assert bare.message.startswith("Damping ratio 0.")
     assert "The frequency agrees (-4.8 %)" in bare.message
@@ -181,8 +185,8 @@ def test_a_frequency_that_agrees_bears_out_the_other_operating_point() -> None:
 
 
 def test_the_prediction_is_made_anew_for_a_window() -> None:
-    measured = predicted(PAPER, shift=2.3)
-    held = compare(predicted(PAPER), measured, model=PAPER, seals=2)
+    measured = predict_frf_of_model(PAPER, shift=2.3)
+    held = compare(predict_frf_of_model(PAPER), measured, model=PAPER, seals=2)
     assert held.frac == pytest.approx(1, abs=1e-12)
     assert held.measured_damping == pytest.approx(held.predicted_damping, rel=0.02)
 
@@ -219,7 +223,7 @@ def test_compare_takes_an_unresolved_predicted_peak_from_the_model() -> None:
 
 def test_a_window_without_a_solid_is_refused_in_words() -> None:
     with pytest.raises(DataError, match=r"predict with shift=measured\.shift"):
-        compare(predicted(PAPER), predicted(PAPER, shift=2.3))
+        compare(predict_frf_of_model(PAPER), predict_frf_of_model(PAPER, shift=2.3))
 
 
 # -- what the user sees -----------------------------------------------------------------------
@@ -228,19 +232,19 @@ def test_a_window_without_a_solid_is_refused_in_words() -> None:
 def test_compare_refuses_other_lines_and_suggests_a_remedy() -> None:
     other = predict_frf(2 * PAPER, mass=MASS, frequency=LINES + 0.03)
     with pytest.raises(DataError, match=r"predict at measured\.frequency"):
-        compare(other, predicted(BROAD))
+        compare(other, predict_frf_of_model(BROAD))
 
 
 def test_a_prediction_on_more_lines_is_taken_where_they_meet() -> None:
     fine = predict_frf(2 * PAPER, mass=MASS, frequency=np.arange(1, 4800) * 0.0125)
-    assert compare(fine, predicted(BROAD)).ratio_db == pytest.approx(
-        compare(predicted(PAPER), predicted(BROAD)).ratio_db
+    assert compare(fine, predict_frf_of_model(BROAD)).ratio_db == pytest.approx(
+        compare(predict_frf_of_model(PAPER), predict_frf_of_model(BROAD)).ratio_db
     )
 
 
 def test_a_solid_that_did_not_make_the_prediction_is_noticed() -> None:
     with pytest.raises(DataError, match="not made with this solid"):
-        compare(predicted(BROAD), predicted(BROAD), model=PAPER)
+        compare(predict_frf_of_model(BROAD), predict_frf_of_model(BROAD), model=PAPER)
 
 
 def test_grams_for_kilograms_are_noticed() -> None:
@@ -255,7 +259,7 @@ def test_grams_for_kilograms_are_noticed() -> None:
 
 
 def test_acceleration_in_g_is_noticed() -> None:
-    frf = predicted(BROAD)
+    frf = predict_frf_of_model(BROAD)
     slip = compare(frf, replace(frf, value=frf.value / 9.80665))
     assert "acceleration in g" in check(slip, "no_unit_error").message
     assert slip.message.startswith("A unit looks wrong")
@@ -269,13 +273,13 @@ def test_compare_reports_a_peak_between_lines() -> None:
 
 
 def test_too_few_lines_are_refused() -> None:
-    frf = predicted(PAPER)
+    frf = predict_frf_of_model(PAPER)
     with pytest.raises(DataError, match="a peak needs at least 5"):
         compare(frf, frf, band=(12.0, 12.4))
 
 
 def test_noise_lines_are_passed_over() -> None:
-    truth = predicted(BROAD)
+    truth = predict_frf_of_model(BROAD)
     sd = np.where(LINES > 40, 1e3, 1e-3 * np.abs(truth.value))
     wild = np.where(LINES > 40, 300.0, truth.value)
     held = compare(truth, replace(truth, value=wild, sd=sd))
@@ -284,7 +288,9 @@ def test_noise_lines_are_passed_over() -> None:
 
 
 def test_it_prints_as_a_table() -> None:
-    text = str(compare(predicted(PAPER), predicted(BROAD), fit=a_fit(PAPER), seals=2))
+    text = str(
+        compare(predict_frf_of_model(PAPER), predict_frf_of_model(BROAD), fit=a_fit(PAPER), seals=2)
+    )
     assert "peak frequency, Hz" in text
     assert "-4.81 %" in text
     assert "arm tau = 0.5021 s: 99.5 % of the model's loss" in text

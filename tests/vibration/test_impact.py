@@ -45,13 +45,13 @@ def test_a_long_record_returns_equation_7(paper_seal, seed):
 
 
 def test_without_an_anti_alias_filter_the_edges_of_the_pulse_alias(strike, paper_seal):
-    def sampled(rate):
+    def compute_error_at_rate(rate):
         test = strike(record=32.0, rate=rate, before=0.1, on_sample=True)
         return error(estimate_frf(test), 2 * paper_seal)
 
-    assert sampled(1000) == pytest.approx(0.023, rel=0.05)
-    assert sampled(2048) < 3e-3
-    assert sampled(4096) < 4e-4
+    assert compute_error_at_rate(1000) == pytest.approx(0.023, rel=0.05)
+    assert compute_error_at_rate(2048) < 3e-3
+    assert compute_error_at_rate(4096) < 4e-4
 
 
 @pytest.mark.parametrize(("end", "most"), [("1e-6", 2e-4), ("1e-4", 2e-3)])
@@ -465,7 +465,7 @@ def test_trend_of_hits_has_the_published_error():
     for count, wide, published in ((5, 4.0, 0.0054), (8, 2.5, 0.0055)):
         sizes = np.geomspace(1.0, wide, count)
 
-        def tested(change, count=count, sizes=sizes):
+        def compute_trend(change, count=count, sizes=sizes):
             f = 12.7 * sizes ** (change / np.log(4)) * (1 + 1e-3 * rng.normal(size=count))
             return trend_of_hits(
                 [
@@ -474,7 +474,7 @@ def test_trend_of_hits_has_the_published_error():
                 ]
             )
 
-        every = [tested(published) for _ in range(400)]
+        every = [compute_trend(published) for _ in range(400)]
         assert np.sqrt(
             np.mean([one.detectable_stiffness_change**2 for one in every])
         ) == pytest.approx(published, rel=0.06)

@@ -236,7 +236,7 @@ def test_from_sweeps_to_two_discs_on_a_shaker():
         ),
     )
 
-    def at_level(base):
+    def find_peaks_at_level(base):
         f = np.linspace(0.5 * real[1][0], 1.2 * real[1][0], 200)
         got = (
             response_at_level(
@@ -249,17 +249,17 @@ def test_from_sweeps_to_two_discs_on_a_shaker():
             w = 2 * np.pi * hz
             K = true.complex_stiffness(omega=w)
 
-            def over(u, w=w, K=K):
+            def compute_log_excess(u, w=w, K=K):
                 X = np.exp(u)
                 return np.log(abs(K * phi(X) - masses[1] * w**2) * X / (masses[1] * w**2 * base))
 
-            X = np.exp(brentq(over, np.log(1e-12), 0.0))
+            X = np.exp(brentq(compute_log_excess, np.log(1e-12), 0.0))
             relative = masses[1] * w**2 * base / (K * phi(X) - masses[1] * w**2)
             want.append(abs(1 + relative / base))
         want = np.array(want)
         return f[got.argmax()], got.max(), f[want.argmax()], want.max()
 
-    low, high = at_level(1e-6), at_level(1e-5)
+    low, high = find_peaks_at_level(1e-6), find_peaks_at_level(1e-5)
     assert high[0] / low[0] == pytest.approx(high[2] / low[2], rel=0.015)
     assert high[2] < 0.97 * low[2]
     assert high[0] == pytest.approx(high[2], rel=0.03)

@@ -34,7 +34,7 @@ def over_base(f, kind=RELATIVE):
     return dp.systems.predict_frf(2 * PAPER, mass=PAPER_MASS, frequency=f, kind=kind)
 
 
-def exported(path, frf, over, under, *, header=None):
+def write_export(path, frf, over, under, *, header=None):
     """As a lab writes it: each motion by its own derivative, in its own unit."""
     (up, a), (down, b) = SIZES[over], SIZES[under]
     value = frf.value * frf.s ** (up - down) * b / a
@@ -50,7 +50,7 @@ def exported(path, frf, over, under, *, header=None):
 @pytest.mark.parametrize("kind", ["transmissibility", RELATIVE])
 def test_a_motion_over_a_motion_of_any_derivative(tmp_path, over, under, kind):
     known = over_base(np.arange(2.0, 40.0, 1.0), kind)
-    read = read_frf(exported(tmp_path / "t.csv", known, over, under))
+    read = read_frf(write_export(tmp_path / "t.csv", known, over, under))
     assert read.value == pytest.approx(known.value, rel=1e-12)
     assert read.quantity == "transmissibility"  # whose motion it is a unit does not tell
 
@@ -110,7 +110,7 @@ def test_fit_reports_missing_data_of_a_transmissibility(tmp_path, head, message)
 
 def test_square_seconds_are_a_displacement_over_an_acceleration(tmp_path):
     known = over_base(np.arange(2.0, 40.0, 1.0))
-    read = read_frf(exported(tmp_path / "t.csv", known, "m", "m/s^2", header="s^2"))
+    read = read_frf(write_export(tmp_path / "t.csv", known, "m", "m/s^2", header="s^2"))
     assert read.value == pytest.approx(known.value, rel=1e-12)
 
 
@@ -176,7 +176,7 @@ RATE = 256.0
 
 
 @pytest.fixture(scope="module")
-def recorded():
+def relative_record():
     """The base's acceleration and the displacement of the mass relative to it, m."""
     rng, n = np.random.default_rng(0), int(60 * RATE)
     f = np.fft.rfftfreq(2 * n, 1 / RATE)
@@ -189,7 +189,7 @@ def recorded():
     return ShakenTest(RATE, base, gap, order=0, relative=True)
 
 
-def written(path, test, *, sign=1, more=""):
+def write_test(path, test, *, sign=1, more=""):
     t = np.arange(len(test.base)) / RATE
     rows = np.column_stack((t, test.base / 9.80665, sign * 1e3 * test.mass, 0.1 * test.base))
     header = "time [s],table [g],laser [mm],drive [V]"
@@ -197,36 +197,38 @@ def written(path, test, *, sign=1, more=""):
     return path
 
 
-def test_relative_displacement_is_accepted_with_base_acceleration(recorded, tmp_path):
-    frf = estimate_transmissibility(recorded, segment=8.0)
+def test_relative_displacement_is_accepted_with_base_acceleration(relative_record, tmp_path):
+    frf = estimate_transmissibility(relative_record, segment=8.0)
     near = (frf.frequency > 5) & (frf.frequency < 30)
     T = dp.systems.predict_frf(
         2 * BROAD, mass=BROAD_MASS, frequency=frf.frequency[near], kind="transmissibility"
     )
     assert frf.quantity == RELATIVE
     assert np.median(np.abs((1 + frf.value[near]) / T.value - 1)) < 0.01
-    path = written(tmp_path / "laser.csv", recorded)
+    path = write_test(tmp_path / "laser.csv", relative_record)
     read = read_shaken([path], ReadOptions(base_acceleration="table"))
     assert read.order == 0
-    assert read.mass == pytest.approx(recorded.mass, abs=1e-12)
+    assert read.mass == pytest.approx(relative_record.mass, abs=1e-12)
 
 
-def test_transmissibility_omits_lines_of_noise(recorded):
+def test_transmissibility_omits_lines_of_noise(relative_record):
     """The base moves to 80 Hz; beyond, noise over noise times the square of the frequency is a
     peak."""
-    rng, n = np.random.default_rng(3), len(recorded.base)
-    noisy = recorded.base + 2e-3 * recorded.base.std() * rng.normal(size=n)
-    frf = estimate_transmissibility(replace(recorded, base=noisy))
+    rng, n = np.random.default_rng(3), len(relative_record.base)
+    noisy = relative_record.base + 2e-3 * relative_record.base.std() * rng.normal(size=n)
+    frf = estimate_transmissibility(replace(relative_record, base=noisy))
     assert frf.frequency[-1] < 85
     assert frf.frequency[np.abs(frf.value).argmax()] == pytest.approx(12.6, abs=0.4)
-    apart = replace(recorded, mass=rng.normal(size=n))
+    apart = replace(relative_record, mass=rng.normal(size=n))
     with pytest.raises(DataError, match="does not answer the base"):
         estimate_transmissibility(apart)
 
 
-def test_the_mass_is_the_motion_that_is_named(recorded, tmp_path):
-    path, t = tmp_path / "both.csv", np.arange(len(recorded.base)) / RATE
-    rows = np.column_stack((t, recorded.base, recorded.mass, recorded.base[::-1]))
+def test_the_mass_is_the_motion_that_is_named(relative_record, tmp_path):
+    path, t = tmp_path / "both.csv", np.arange(len(relative_record.base)) / RATE
+    rows = np.column_stack(
+        (t, relative_record.base, relative_record.mass, relative_record.base[::-1])
+    )
     np.savetxt(
         path, rows, delimiter=",", comments="", header="t [s],table [m/s^2],gap [m],block [m/s^2]"
     )
@@ -237,8 +239,8 @@ def test_the_mass_is_the_motion_that_is_named(recorded, tmp_path):
     assert read.order == 2
 
 
-def test_the_command_line_takes_it(recorded, tmp_path):
-    path, out = written(tmp_path / "laser.csv", recorded), tmp_path / "r.csv"
+def test_the_command_line_takes_it(relative_record, tmp_path):
+    path, out = write_test(tmp_path / "laser.csv", relative_record), tmp_path / "r.csv"
     mass = ["--mass", f"{1e3 * BROAD_MASS}g"]
     words = ["--column", "base-acceleration=table", "--relative", *mass]
     assert "displacement  the only column" in ran("inspect", path, *words[:2]).output
@@ -248,7 +250,7 @@ def test_the_command_line_takes_it(recorded, tmp_path):
     found = run_json("fit", out, *mass, "--seals", 2, "--arms", 2)
     near = np.interp([9.0, 18.0], found["direct"]["frequency_hz"], found["direct"]["stiffness"])
     assert near == pytest.approx(BROAD.storage(omega=2 * np.pi * np.array([9.0, 18.0])), rel=0.03)
-    turned = written(tmp_path / "turned.csv", recorded, sign=-1)
+    turned = write_test(tmp_path / "turned.csv", relative_record, sign=-1)
     said = " ".join(ran("fit", turned, *words).stdout.split())
     assert said.startswith("Do not use: ")
     assert "the relative motion has the opposite sign" in said
@@ -267,7 +269,7 @@ def test_the_command_line_takes_it(recorded, tmp_path):
 )
 def test_what_a_file_of_a_relative_motion_gets_wrong(tmp_path, over, header, motion, message):
     path = tmp_path / "t.csv"
-    exported(path, over_base(np.arange(3.0, 30.0, 0.1)), over, "m/s^2", header=header or "x")
+    write_export(path, over_base(np.arange(3.0, 30.0, 0.1)), over, "m/s^2", header=header or "x")
     path.write_text(path.read_text().replace(" [x]", ""))
     fit = tmp_path / "fit.json"
     arms = [{"k": k, "tau": t} for k, t in zip(PAPER.k, PAPER.tau, strict=True)]

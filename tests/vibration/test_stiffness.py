@@ -20,17 +20,17 @@ LINES = np.array([1.0, 2.0, 5.0, 8.0, 10.0, 12.0, 12.71, 13.0, 15.0, 20.0, 30.0,
 MASS = 0.05202
 
 
-def at(values: np.ndarray, *frequencies: float) -> list[float]:
+def select_values(values: np.ndarray, *frequencies: float) -> list[float]:
     return [float(values[list(LINES).index(f)]) for f in frequencies]
 
 
 def test_lins_numbers_for_table_1() -> None:
     """Domain reference, row [6]."""
     found = dynamic_stiffness(predict_frf(PAPER, mass=MASS, frequency=LINES), MASS)
-    assert at(found.storage, 1, 5, 12.71, 50) == pytest.approx(
+    assert select_values(found.storage, 1, 5, 12.71, 50) == pytest.approx(
         [321.071, 331.330, 331.727, 331.795], abs=6e-4
     )
-    assert at(found.damping, 1, 5, 12.71, 50) == pytest.approx(
+    assert select_values(found.damping, 1, 5, 12.71, 50) == pytest.approx(
         [5.41373, 0.237246, 0.0368393, 0.00238185], rel=3e-6
     )
 
@@ -48,7 +48,7 @@ def test_dynamic_stiffness_error_of_a_per_cent_of_mass() -> None:
     """0.155, 1.00 and 15.5 % of the stiffness at 5, 12.71 and 50 Hz."""
     found = dynamic_stiffness(predict_frf(PAPER, mass=MASS, frequency=LINES), MASS)
     bars = found.storage_mass / found.storage
-    assert at(bars, 5, 12.71, 50) == pytest.approx([0.00155, 0.0100, 0.155], rel=5e-3)
+    assert select_values(bars, 5, 12.71, 50) == pytest.approx([0.00155, 0.0100, 0.155], rel=5e-3)
     # the bar is what a wrong mass does
     wrong = dynamic_stiffness(predict_frf(PAPER, mass=MASS, frequency=LINES), 1.01 * MASS)
     assert wrong.storage - found.storage == pytest.approx(found.storage_mass, rel=1e-6)
@@ -60,11 +60,13 @@ def test_dynamic_stiffness_error_of_a_degree_of_phase() -> None:
     frf = predict_frf(solid, mass=0.0547, frequency=LINES)
     found = dynamic_stiffness(frf, 0.0547)
     bars = found.loss_phase / found.loss
-    assert at(bars, 5, 20) == pytest.approx([0.26, 0.48], rel=0.1)
-    assert at(bars, 12.71)[0] < 0.03
+    assert select_values(bars, 5, 20) == pytest.approx([0.26, 0.48], rel=0.1)
+    assert select_values(bars, 12.71)[0] < 0.03
     turned = replace(frf, value=frf.value * np.exp(-1j * np.pi / 180))
     off = dynamic_stiffness(turned, 0.0547).loss - found.loss
-    assert at(np.abs(off), 5, 20, 30) == pytest.approx(at(found.loss_phase, 5, 20, 30), rel=0.05)
+    assert select_values(np.abs(off), 5, 20, 30) == pytest.approx(
+        select_values(found.loss_phase, 5, 20, 30), rel=0.05
+    )
 
 
 def test_the_band_is_narrower_for_damping(broad_frf: FRF) -> None:

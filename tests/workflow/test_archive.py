@@ -213,15 +213,19 @@ def test_a_fit_that_was_edited_is_noticed(before, after):
 
 
 def test_a_fit_printed_by_another_program_is_that_fit():
-    def plain(value):
+    def convert_to_integer(value):
         return int(value) if isinstance(value, float) and value == int(value) else value
 
-    def walked(value):
+    def convert_integers(value):
         if isinstance(value, dict):
-            return {key: walked(item) for key, item in reversed(value.items())}
-        return list(map(walked, value)) if isinstance(value, list) else plain(value)
+            return {key: convert_integers(item) for key, item in reversed(value.items())}
+        return (
+            list(map(convert_integers, value))
+            if isinstance(value, list)
+            else convert_to_integer(value)
+        )
 
-    assert from_json(json.dumps(walked(json.loads(to_json(FIT))))) == FIT
+    assert from_json(json.dumps(convert_integers(json.loads(to_json(FIT))))) == FIT
 
 
 def test_a_text_for_a_number_is_named():

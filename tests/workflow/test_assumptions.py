@@ -27,14 +27,18 @@ def test_every_check_and_option_named_exists(one: Assumption) -> None:
     context = click.Context(main)
     commands = [main.get_command(context, name) for name in COMMANDS]
     options = {
-        way for command in commands if command for each in command.params for way in typed(each)
+        way
+        for command in commands
+        if command
+        for each in command.params
+        for way in iterate_spellings(each)
     }
     assert set(one.checks) <= {name for _, name in REGISTER}
     assert set(one.options) <= options
     assert one.checks
 
 
-def typed(option: click.Parameter) -> Iterator[str]:
+def iterate_spellings(option: click.Parameter) -> Iterator[str]:
     """An option as it may be named: alone, with a word that it takes, or with a key."""
     for word in option.opts:
         yield word

@@ -253,7 +253,7 @@ def test_limits_carry_the_doubt_of_the_tangent():
     """A seal whose tangent is 1.5 standard errors off has its peak inside, and only then."""
     f = np.linspace(8.0, 18.0, 801)
 
-    def inside(se):
+    def check_limits(se):
         found = predict_files(hard(se), block=BlockOnSeals(0.104, 2), band=(8.0, 18.0), lines=801)
         scale = found.at_rest.point.factor * (1 + 1.5 * 0.02)
         omega = 2 * np.pi * f
@@ -265,14 +265,14 @@ def test_limits_carry_the_doubt_of_the_tangent():
             (np.interp(f, lines, low) <= 1.02 * truth) & (truth <= 1.02 * np.interp(f, lines, high))
         ).mean()
 
-    assert inside(0.02) > 0.97
-    assert inside(0.0) < 0.6
+    assert check_limits(0.02) > 0.97
+    assert check_limits(0.0) < 0.6
 
 
 def test_a_mass_and_the_stiffness_under_it_find_each_other():
     at = hardening.resting(0.104, 2)
     f = np.arange(4.0, 40.0, 0.05)
-    value, sd = hardening.hammered(
+    value, sd = hardening.simulate_accelerance(
         f, mass=0.104, seals=2, scale=hardening.tangent(at) / hardening.K_INF, noise=1e-3, seed=1
     )
     frf = FRF(f, value, sd=sd, averages=4, units="SI")

@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from kit import handmade
 from kit.fuzzing import Fuzzer
-from kit.mutants import Mutant, altered, tries, wounded
+from kit.mutants import Mutant, draw_damaged_bytes, draw_damaged_json, tries
 
 from dashpot.extensions.projects import history, project
 from dashpot.reading.read_options import ReadOptions, dump_profile
@@ -35,13 +35,17 @@ def documents() -> list[dict[str, object]]:
 
 
 @tries(400)
-@given(content=st.sampled_from(documents()).flatmap(altered))
+@given(content=st.sampled_from(documents()).flatmap(draw_damaged_json))
 def test_altered_documents(fuzzer: Fuzzer, content: bytes) -> None:
     fuzzer.survives("unpack", content)
 
 
 @tries(100)
-@given(content=st.sampled_from(documents()).flatmap(lambda one: wounded(json.dumps(one).encode())))
+@given(
+    content=st.sampled_from(documents()).flatmap(
+        lambda one: draw_damaged_bytes(json.dumps(one).encode())
+    )
+)
 def test_wounded_documents(fuzzer: Fuzzer, content: bytes) -> None:
     fuzzer.survives("unpack", content)
 
@@ -55,7 +59,7 @@ PROFILE = dump_profile(
 
 
 @tries(200)
-@given(content=wounded(PROFILE.encode()))
+@given(content=draw_damaged_bytes(PROFILE.encode()))
 def test_wounded_profiles(fuzzer: Fuzzer, content: bytes) -> None:
     fuzzer.survives("profile", content)
 
@@ -81,11 +85,11 @@ def projects(draw: st.DrawFn) -> bytes:
     files = dict(project_files())
     name = draw(st.sampled_from(["history.jsonl", *files]))
     if name != "history.jsonl" or draw(st.booleans()):
-        files[name] = draw(wounded(files[name]))
+        files[name] = draw(draw_damaged_bytes(files[name]))
     else:
         lines = [json.loads(line) for line in files[name].splitlines()]
         at = draw(st.integers(0, len(lines) - 1))
-        lines[at] = json.loads(draw(altered(lines[at])))
+        lines[at] = json.loads(draw(draw_damaged_json(lines[at])))
         before, sealed = history.GENESIS, draw(st.booleans())
         texts = []
         for line in lines:

@@ -51,10 +51,10 @@ def test_read_test_opens_a_file_a_single_time(
     opened = []
     plain = Path.open
 
-    def counted(self: Path, *args: object, **kwargs: object) -> object:
+    def count_reads(self: Path, *args: object, **kwargs: object) -> object:
         opened.append(self)
         return plain(self, *args, **kwargs)
 
-    monkeypatch.setattr(Path, "open", counted)
+    monkeypatch.setattr(Path, "open", count_reads)
     read_test(path)
     assert opened == [path]

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from kit import handmade
-from kit.fits import altered
+from kit.fits import replace_fields
 
 from dashpot.base.checks import Check
 from dashpot.datamodel.bounds import EndOfHold
@@ -21,7 +21,7 @@ ALONE = replace(S, joint=None, joint_prediction=None, joint_comparison=None)
 STOP = Check("force_residual_small", False, "The model misses the force.", grade="stop")
 
 
-def by_name(answers):
+def index_by_name(answers):
     return {one.quantity: one for one in answers}
 
 
@@ -39,7 +39,7 @@ def test_without_a_joint_fit_it_is_that_of_the_relaxation_test():
 
 
 def test_nothing_is_recommended_where_the_verdict_says_do_not_use():
-    failed = replace(S, joint=altered(S.joint, checks=(STOP,)))
+    failed = replace(S, joint=replace_fields(S.joint, checks=(STOP,)))
     found = recommend_solid(failed)
     assert (found.recommended, found.joint) == (False, False)
     assert found.solid is S.fit
@@ -50,7 +50,7 @@ def test_the_frequency_is_that_of_the_peak_and_the_damping_that_of_the_pole():
     found = recommend_solid(S)
     mass = next((n.value for n in S.joint.estimate.nuisance if n.name == "mass"), S.mass)
     (mode,) = model_modes(S.seals * S.joint.model, mass)
-    under = by_name(found.under_mass)
+    under = index_by_name(found.under_mass)
     zeta = mode.damping_ratio
     assert under["damping"].value == pytest.approx(zeta)
     assert under["frequency"].value == pytest.approx(
@@ -71,13 +71,15 @@ def highest(solid, mass, near):
 def test_the_height_of_the_peak_is_that_of_the_solid_and_goes_against_the_damping():
     mass = next((n.value for n in S.joint.estimate.nuisance if n.name == "mass"), S.mass)
     for study, rel in ((S, 1e-2), (replace(S, joint_comparison=None), 1e-4)):
-        under = by_name(recommend_solid(study).under_mass)
+        under = index_by_name(recommend_solid(study).under_mass)
         zeta, height = under["damping"], under["peak"]
         there = highest(S.seals * S.joint.model, mass, under["frequency"].value)
         assert height.value == pytest.approx(there, rel=rel)  # of a hammer's on its lines
         assert height.low * zeta.high == pytest.approx(height.value * zeta.value)
         assert height.high * zeta.low == pytest.approx(height.value * zeta.value)
-    assert by_name(recommend_solid(S).under_mass)["peak"].measured == S.comparison.measured_peak
+    assert (
+        index_by_name(recommend_solid(S).under_mass)["peak"].measured == S.comparison.measured_peak
+    )
 
 
 @pytest.mark.parametrize("study", [S, ALONE], ids=["joint", "relaxation"])
@@ -91,7 +93,7 @@ def test_recommendation_bounds_contain_unresolved_arms():
     """The broad seal's fast arms are out of its reach: the bound knows, an interval does not."""
     found = recommend_solid(ALONE)
     (truth,) = model_modes(2 * BROAD, BROAD_MASS)
-    under, seal = by_name(found.under_mass), by_name(found.one_seal)
+    under, seal = index_by_name(found.under_mass), index_by_name(found.one_seal)
     omega = 2 * np.pi * under["frequency"].value
     for one, value in (
         (under["damping"], truth.damping_ratio),
@@ -106,22 +108,24 @@ def test_recommendation_bounds_contain_unresolved_arms():
 
 def test_the_stiffness_at_the_end_of_the_hold_is_that_of_the_test():
     end = EndOfHold(40.0, (190.0, 210.0), (180.0, 210.0), (0.0, 211.0), 1.0)
-    known = replace(ALONE, fit=altered(S.fit, end_of_hold=end))
-    one = by_name(recommend_solid(known).one_seal)["end of hold"]
+    known = replace(ALONE, fit=replace_fields(S.fit, end_of_hold=end))
+    one = index_by_name(recommend_solid(known).one_seal)["end of hold"]
     assert one.value == pytest.approx(S.fit.model.relaxation(40.0))
     assert (one.low, one.high, one.at, one.bound) == (190.0, 210.0, 40.0, True)
-    assert "end of hold" not in by_name(recommend_solid(ALONE).one_seal)
+    assert "end of hold" not in index_by_name(recommend_solid(ALONE).one_seal)
 
 
 def test_a_peak_that_nothing_limits_has_no_upper_end():
     open_ended = replace(S.frf_band, peak_frequency=(12.0, math.inf))
-    one = by_name(recommend_solid(replace(ALONE, frf_band=open_ended)).under_mass)["frequency"]
+    one = index_by_name(recommend_solid(replace(ALONE, frf_band=open_ended)).under_mass)[
+        "frequency"
+    ]
     assert (one.low, one.high) == (12.0, math.inf)
 
 
 def test_without_a_mass_the_answers_are_those_of_the_seal_at_the_edge_of_its_band():
     found = recommend_solid(handmade.bench_only())
     assert found.under_mass == ()
-    one = by_name(found.one_seal)["dynamic stiffness"]
+    one = index_by_name(found.one_seal)["dynamic stiffness"]
     assert one.at == S.fit.band[1]
     assert one.value == pytest.approx(S.fit.model.storage(omega=2 * np.pi * S.fit.band[1]))

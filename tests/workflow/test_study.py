@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from kit import handmade
-from kit.fits import of_noise
+from kit.fits import restrict_to_noise
 
 import dashpot as dp
 from dashpot.datamodel.relaxation import RampHold
@@ -96,7 +96,7 @@ def test_standard_errors_exclude_unresolved_arms():
     formal = parameter_band(fit, [12.71]).loss_factor[:, 0]
     bound = unseen_arm_band(fit, prepared, [12.71]).loss_factor[:, 0]
     assert formal[1] / formal[0] - 1 < 0.1
-    quiet = parameter_band(of_noise(fit), [12.71]).loss_factor[:, 0]
+    quiet = parameter_band(restrict_to_noise(fit), [12.71]).loss_factor[:, 0]
     assert quiet[1] / quiet[0] - 1 < 0.05
     assert bound[1] > 5 * formal[1]
     assert bound[0] <= PAPER.loss_factor(omega=2 * np.pi * 12.71) <= bound[1]

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 from kit import shell
-from kit.kinds import saved
+from kit.kinds import save_table
 
 import dashpot as dp
 from dashpot.extensions.amplitude.fit_files import level_files
@@ -44,7 +44,9 @@ def payne(X):
 def test_a_sweep_is_read_as_a_sweep_of_amplitude(tmp_path, header, scale):
     X = np.geomspace(1e-4, 0.05, 16) * (1 if "Strain" in header else 1e-1)
     K = 1e3 * payne(X * (1 if "Strain" in header else 10)) * scale[1]
-    path = saved(tmp_path / "sweep.csv", header, np.full(16, 10.0), X * scale[0], K.real, K.imag)
+    path = save_table(
+        tmp_path / "sweep.csv", header, np.full(16, 10.0), X * scale[0], K.real, K.imag
+    )
     assert inspect_file(path).kind == "strain-sweep"
     found = ran(path)
     half = 0.004 * (1 if "Strain" in header else 1e-1)
@@ -58,7 +60,7 @@ def test_a_sweep_is_read_as_a_sweep_of_amplitude(tmp_path, header, scale):
 GRID = np.geomspace(1e-4, 0.05, 12)
 
 
-def crossed(
+def write_crossed_sweep(
     path, header, *, order=slice(None), jitter=0.0, warm=lambda n, X: 20 + 0 * X, scale=100
 ):
     """Three frequencies by twelve strains: frequency, amplitude, MPa, degC."""
@@ -66,7 +68,9 @@ def crossed(
     K = 1e3 * hz**0.06 * payne(X)
     T = warm(np.repeat([0, 1, 2], len(GRID)), X)
     hz = hz * (1 + jitter * np.random.default_rng(2).normal(size=len(X)))
-    return saved(path, header, *(c[order] for c in (hz, scale * X, K.real / 1e3, K.imag / 1e3, T)))
+    return save_table(
+        path, header, *(c[order] for c in (hz, scale * X, K.real / 1e3, K.imag / 1e3, T))
+    )
 
 
 @pytest.mark.parametrize(
@@ -85,7 +89,7 @@ def crossed(
 def test_what_is_over_the_whole_cycle_is_turned_into_the_amplitude(tmp_path, column, over):
     K, name = 1e3 * payne(GRID), tmp_path / "sweep.csv"
     header = f"Frequency [Hz],Static strain [%],{column},E' [MPa],E'' [MPa]"
-    saved(name, header, 10 + 0 * GRID, 5 + 0 * GRID, 100 * over * GRID, K.real, K.imag)
+    save_table(name, header, 10 + 0 * GRID, 5 + 0 * GRID, 100 * over * GRID, K.real, K.imag)
     assert ran(name)["half_way"] == pytest.approx(0.004, rel=1e-3)
     told = shell.ran("fit", name).stdout
     assert ("it is the amplitude" in told) is (over != 1.0)
@@ -94,7 +98,7 @@ def test_what_is_over_the_whole_cycle_is_turned_into_the_amplitude(tmp_path, col
 def test_fit_asks_which_of_two_strain_columns(tmp_path):
     name = tmp_path / "two.csv"
     header = "Frequency [Hz],Strain 1 [%],Strain 2 [%],E' [MPa],E'' [MPa]"
-    saved(name, header, 10 + 0 * GRID, 100 * GRID, 80 * GRID, 2 - GRID, 1 + 0 * GRID)
+    save_table(name, header, 10 + 0 * GRID, 100 * GRID, 80 * GRID, 2 - GRID, 1 + 0 * GRID)
     stderr = " ".join(shell.ran("fit", name).stderr.split())
     assert "could each be the strain; say which" in stderr
     assert ran(name, "--column", "strain=Strain 2")["amplitudes"][1] == pytest.approx(
@@ -116,7 +120,9 @@ MODULI = "E' [MPa],E'' [MPa],Temperature [degC]"
     ],
 )
 def test_strains_at_several_frequencies_are_no_sweep_of_frequency(tmp_path, amplitude, words):
-    path = crossed(tmp_path / "grid.csv", f"Frequency [Hz],{amplitude},{MODULI}", **words)
+    path = write_crossed_sweep(
+        tmp_path / "grid.csv", f"Frequency [Hz],{amplitude},{MODULI}", **words
+    )
     assert inspect_file(path).kind == "strain-sweep"
     found = ran(path)
     assert [one["frequency_hz"] for one in found["linear"]] == pytest.approx([1, 10, 100], rel=0.01)
@@ -130,7 +136,7 @@ def test_frequency_sweep_with_varying_amplitude_remains_a_frequency_sweep(tmp_pa
     path = tmp_path / "warming.csv"
     header = f"Frequency [Hz],Strain [%],{MODULI}"
     K = 1e6 * np.exp(-T / 20)
-    saved(path, header, hz, 0.1 * np.exp(T / 20) * hz**0.01, K, 0.1 * K, T)
+    save_table(path, header, hz, 0.1 * np.exp(T / 20) * hz**0.01, K, 0.1 * K, T)
     assert inspect_file(path).kind == "dma"
 
 
@@ -148,7 +154,7 @@ def test_a_sensor_between_mass_and_base_tells_the_same_levels(tmp_path):
             )  # fmt: skip
             value = found.motion / found.level - less
             header = "frequency [Hz],real [m/m],imaginary [m/m]"
-            saved(tmp_path / f"{motion}_{one}.csv", header, hz, value.real, value.imag)
+            save_table(tmp_path / f"{motion}_{one}.csv", header, hz, value.real, value.imag)
     files = {m: [tmp_path / f"{m}_{one}.csv" for one in base] for m in ("absolute", "relative")}
     told = ran(*files["absolute"], *words)
     same = ran(*files["relative"], *words, "--relative")
@@ -156,7 +162,7 @@ def test_a_sensor_between_mass_and_base_tells_the_same_levels(tmp_path):
     assert same["verdict"]["verdict_grade"] == told["verdict"]["verdict_grade"] == "use"
     assert ran(*files["relative"], *words)["verdict"]["verdict_grade"] == "do not use"
     columns = 10 + 0 * GRID, 100 * GRID, 2 - GRID, 1 + 0 * GRID, 20 + 0 * GRID
-    sweep = saved(tmp_path / "sweep.csv", f"Frequency [Hz],Strain [%],{MODULI}", *columns)
+    sweep = save_table(tmp_path / "sweep.csv", f"Frequency [Hz],Strain [%],{MODULI}", *columns)
     assert "--relative is for" in ran(sweep, "--relative", code=2)
 
 
@@ -170,13 +176,15 @@ def test_a_grid_of_strains_is_no_sweep_of_frequency_whoever_names_its_columns(
     path = tmp_path / "grid.csv"
     hz, strain = (each.ravel() for each in np.meshgrid(tones, GRID))
     K = payne(strain) * hz**0.05
-    saved(path, "f [Hz],Dehnung [%],Speicher [MPa],Verlust [MPa]", hz, 100 * strain, K.real, K.imag)
+    save_table(
+        path, "f [Hz],Dehnung [%],Speicher [MPa],Verlust [MPa]", hz, 100 * strain, K.real, K.imag
+    )
     assert inspect_file(path).kind == "strain-sweep"
     assert ran(path, *named)["law"] in {"factor", "additive"}
 
 
 def test_the_same_strains_at_several_temperatures_are_refused(tmp_path):
-    path = crossed(
+    path = write_crossed_sweep(
         tmp_path / "warm.csv",
         f"Frequency [Hz],Strain [%],{MODULI}",
         warm=lambda n, X: 20 + 15 * (np.arange(len(X)) % 12 % 2),
@@ -198,7 +206,9 @@ def test_the_same_strains_at_several_temperatures_are_refused(tmp_path):
 )
 def test_strain_sweep_refuses_one_column_for_storage_and_loss(tmp_path, name, message):
     header = f"Frequency [Hz],Strain [%],{name} [N/mm],Coherence"
-    path = saved(tmp_path / "one.csv", header, 10 + 0 * GRID, 100 * GRID, 100 - GRID, 1 + 0 * GRID)
+    path = save_table(
+        tmp_path / "one.csv", header, 10 + 0 * GRID, 100 * GRID, 100 - GRID, 1 + 0 * GRID
+    )
     result = shell.ran("fit", path, "--kind", "strain-sweep")
     assert result.exit_code == 2
     assert message in " ".join(result.stderr.split())
@@ -215,7 +225,9 @@ def test_recorded_loops_tell_the_same(tmp_path, noise, drift):
     x[0] = 0.0
     force = (SEAL + SLIDER).path_force(t, x)
     x += drift * t + noise * np.random.default_rng(3).normal(size=len(t))
-    path = saved(tmp_path / "loops.csv", "time [s],displacement [mm],force [N]", t, 1e3 * x, force)
+    path = save_table(
+        tmp_path / "loops.csv", "time [s],displacement [mm],force [N]", t, 1e3 * x, force
+    )
     found = ran(path, "--plot", tmp_path / "loops.svg")
     assert "fitted loop" in (tmp_path / "loops.svg").read_text()
     assert found["unit"] == "N/m"
@@ -239,7 +251,7 @@ def test_fit_reports_the_effect_of_channel_delay_on_loops(tmp_path):
     x = sizes[np.minimum((t * hz / per).astype(int), len(sizes) - 1)] * np.sin(2 * np.pi * hz * t)
     late = np.concatenate([[0.0], x[:-1]])
     columns = (t, 1e3 * late, 400.0 * x)
-    path = saved(tmp_path / "loops.csv", "time [s],displacement [mm],force [N]", *columns)
+    path = save_table(tmp_path / "loops.csv", "time [s],displacement [mm],force [N]", *columns)
     found = ran(path)
     linear = found["linear"][0]
     assert linear["loss"] / linear["storage"] == pytest.approx(
@@ -315,13 +327,13 @@ def test_fit_refuses_impossible_amplitude_data(tmp_path, monkeypatch, words, mes
     X = np.geomspace(1e-3, 5, 12)
     tones, K = np.full(12, 10.0), payne(X / 100)
     header = "frequency [Hz],strain [%],storage [MPa],loss [MPa]"
-    saved("sweep.csv", header, tones, X, K.real, K.imag)
-    saved("flat.csv", header, tones, np.ones(12), K.real, K.imag)
-    saved("bare.csv", "frequency [Hz],storage [MPa],loss [MPa]", tones, K.real, K.imag)
+    save_table("sweep.csv", header, tones, X, K.real, K.imag)
+    save_table("flat.csv", header, tones, np.ones(12), K.real, K.imag)
+    save_table("bare.csv", "frequency [Hz],storage [MPa],loss [MPa]", tones, K.real, K.imag)
     assert message in ran(*words, code=2)
 
 
-def struck(path, heights):
+def write_hits(path, heights):
     """Hits of these heights, N, on a linear seal, one after the other, with noise."""
     w, zeta, dt, every = 2 * np.pi * 12.7, 0.03, 1 / 2560, 5
     x, v, rows = np.zeros(len(heights)), np.zeros(len(heights)), []
@@ -340,12 +352,12 @@ def struck(path, heights):
     time = every * dt * np.arange(len(force))
     header = "time [s],hammer [N],acceleration 1 [m/s^2]"
     force += 0.002 * rng.normal(size=len(a))
-    return saved(path, header, time, force, a)
+    return save_table(path, header, time, force, a)
 
 
 def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
     """Six hits of 1 to 8 in height: no trend, and how small a one was sought."""
-    path = struck(tmp_path / "hits.csv", np.geomspace(0.5, 4.0, 6))
+    path = write_hits(tmp_path / "hits.csv", np.geomspace(0.5, 4.0, 6))
     found = ran(
         path,
         "--resonance-amplitude",
@@ -383,8 +395,8 @@ def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
 
 def test_fit_compares_stated_levels_with_the_hits(tmp_path):
     """The soft hits are a twentieth of the hard ones, which would hide them in one record."""
-    soft = struck(tmp_path / "soft.csv", [0.1, 0.11, 0.12])
-    hard = struck(tmp_path / "hard.csv", [2.0, 2.2, 2.4])
+    soft = write_hits(tmp_path / "soft.csv", [0.1, 0.11, 0.12])
+    hard = write_hits(tmp_path / "hard.csv", [2.0, 2.2, 2.4])
 
     plain = ran(soft, hard, "--resonance-amplitude", "0.02N")
     assert len(plain["hits"]) == 6
@@ -404,7 +416,7 @@ def test_fit_compares_stated_levels_with_the_hits(tmp_path):
 
 
 def test_an_frf_of_hits_is_of_no_level(tmp_path):
-    hits = struck(tmp_path / "hits.csv", [1.0, 1.1, 1.2])
+    hits = write_hits(tmp_path / "hits.csv", [1.0, 1.1, 1.2])
     paths, _ = frfs(tmp_path, (0.05, 0.5))
     of_hits = tmp_path / "of_hits.csv"
     write_frf(estimate_frf(read_impact(hits), band="8:20Hz"), of_hits)

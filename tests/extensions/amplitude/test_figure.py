@@ -62,7 +62,7 @@ def test_a_law_is_dashed_where_it_was_not_measured():
 
 
 def test_level_figure_draws_data_model_and_backbone():
-    found, frfs = levels.followed(), levels.frfs()
+    found, frfs = levels.make_ideal_fit(), levels.frfs()
     sizes, storage, loss = plot.level(found, frfs).panels
     dots, fits = marks(sizes, Dots), [one for one in lines(sizes) if one.pen.colour == "fit"]
     # each is named at its peak
@@ -95,7 +95,7 @@ def test_level_figure_draws_data_model_and_backbone():
 
 
 def test_transmissibility_has_its_backbone_too():
-    found = levels.followed()
+    found = levels.make_ideal_fit()
     base = [one.to("transmissibility", mass=levels.MASS) for one in levels.frfs()]
     sizes = plot.frfs_at_levels(found, base).panels[0]
     assert sizes.y.label == "transmissibility, m/m"

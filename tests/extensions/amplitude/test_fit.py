@@ -239,7 +239,7 @@ def arms(w):
     return 393 + 235 * s * 0.502 / (1 + s * 0.502) + 35.6 * s * 0.012 / (1 + s * 0.012)
 
 
-def marched(f, level, k3, per=128, cycles=90):
+def integrate_cubic_response(f, level, k3, per=128, cycles=90):
     """First harmonic over the force of a mass on arms and a cubic spring, by leapfrog."""
     k, tau = np.array([[235.0], [200.0]]), np.array([[0.502], [0.012]])
     dt = 1 / f / per
@@ -255,17 +255,17 @@ def marched(f, level, k3, per=128, cycles=90):
     return 2 * X / (8 * per) / level
 
 
-def measured(level, f, friction=jenkins, *, noise=0.01, seed=0, kind=Kind.ACCELERANCE):
+def simulate_response(level, f, friction=jenkins, *, noise=0.01, seed=0, kind=Kind.ACCELERANCE):
     """One balance a line, by a root of our own, and noise."""
     rng = np.random.default_rng(seed)
     w, out = 2 * np.pi * f, []
     for one in w:
 
-        def over(u, one=one):
+        def compute_log_excess(u, one=one):
             X = np.exp(u)
             return np.log(abs(arms(one) + friction(X) - MASS * one**2) * X / level)
 
-        X = np.exp(brentq(over, np.log(1e-9), np.log(1)))
+        X = np.exp(brentq(compute_log_excess, np.log(1e-9), np.log(1)))
         out.append(1 / (arms(one) + friction(X) - MASS * one**2))
     H = np.array(out)
     H = H * (1 + noise / np.sqrt(2) * (rng.normal(size=len(f)) + 1j * rng.normal(size=len(f))))
@@ -308,11 +308,12 @@ LEVELS = (0.005, 0.05, 0.5)
 
 def three(friction=jenkins, seed=0, levels=LEVELS, **words):
     return [
-        measured(level, F, friction, seed=10 * seed + i, **words) for i, level in enumerate(levels)
+        simulate_response(level, F, friction, seed=10 * seed + i, **words)
+        for i, level in enumerate(levels)
     ]
 
 
-def worst(found, friction=jenkins, at=(2e-4, 1e-3, 4e-3)):
+def compute_largest_error(found, friction=jenkins, at=(2e-4, 1e-3, 4e-3)):
     w = 2 * np.pi * 13.0
     return max(
         abs(complex(found.stiffness(omega=w, amplitude=X)) / (arms(w) + friction(X)) - 1)
@@ -325,7 +326,7 @@ class TestLevels:
     @pytest.mark.parametrize("seed", range(6))
     def test_stiffness_and_loss_at_every_amplitude(self, seed):
         found = fit_levels(three(seed=seed), LEVELS, mass=MASS)
-        assert worst(found) < 0.01
+        assert compute_largest_error(found) < 0.01
         assert found.k3 == 0
         assert found.verdict.use == "use"
         assert found.residual < 0.012
@@ -369,7 +370,7 @@ class TestLevels:
             sd = part * np.abs(one.value) if said else None
             noisy.append(FRF(F, one.value * (1 + off), one.quantity, sd=sd, units="SI"))
         found = fit_levels(noisy, LEVELS, mass=MASS)
-        assert bool(worst(found) < 0.002) is said
+        assert bool(compute_largest_error(found) < 0.002) is said
         assert found.verdict.use == use
 
     def test_fit_levels_accepts_excess_noise_off_resonance(self):
@@ -387,10 +388,11 @@ class TestLevels:
     def test_transmissibility_says_the_same(self):
         w0 = 2 * np.pi * 13
         base = [
-            measured(level, F, seed=i, kind=Kind.TRANSMISSIBILITY) for i, level in enumerate(LEVELS)
+            simulate_response(level, F, seed=i, kind=Kind.TRANSMISSIBILITY)
+            for i, level in enumerate(LEVELS)
         ]
         found = fit_levels(base, [level / MASS for level in LEVELS], mass=MASS)
-        assert worst(found) < 0.01
+        assert compute_largest_error(found) < 0.01
         assert found.stiffness(omega=w0, amplitude=1e-3).shape == ()
 
     @pytest.mark.parametrize(
@@ -424,14 +426,14 @@ class TestLevels:
     @pytest.mark.parametrize("k3", [4e5, -4e5, 8e5])
     @pytest.mark.parametrize("slips", [True, False])
     def test_fit_levels_distinguishes_a_hardening_spring_from_friction(self, k3, slips):
-        def both(X):
+        def compute_added_stiffness(X):
             return 0.75 * k3 * X**2 + (jenkins(X) if slips else 0)
 
         for seed in range(2):
-            found = fit_levels(three(both, seed=seed), LEVELS, mass=MASS)
+            found = fit_levels(three(compute_added_stiffness, seed=seed), LEVELS, mass=MASS)
             assert bool(found.sliders) == slips, seed
             assert found.k3 == pytest.approx(k3, rel=0.05)
-            assert worst(found, both) < 0.01
+            assert compute_largest_error(found, compute_added_stiffness) < 0.01
             assert found.verdict.use == "use"
             assert ("stiffens" in repr(found)) == (k3 > 0)
 
@@ -439,7 +441,7 @@ class TestLevels:
         """Marched in time, so that the motion is what it is."""
         k3, levels = 3e6, (0.05, 0.6)
         f = np.linspace(9, 17, 33)
-        frfs = [marched(f, level, k3) for level in levels]
+        frfs = [integrate_cubic_response(f, level, k3) for level in levels]
         rng, held = np.random.default_rng(3), 0
         for _ in range(4):
             noise = 1 + 0.001 * (rng.normal(size=(2, 33)) + 1j * rng.normal(size=(2, 33)))
@@ -457,7 +459,7 @@ class TestLevels:
         peaks = [resonance_at_level(found, level) for level in (0.05, 0.2, 0.6)]
         assert np.all(np.diff([hz for hz, _ in peaks]) > 0)
         hz, X = peaks[-1]
-        swept = np.abs(marched(np.linspace(hz - 0.3, hz + 0.3, 13), 0.6, k3)) * 0.6
+        swept = np.abs(integrate_cubic_response(np.linspace(hz - 0.3, hz + 0.3, 13), 0.6, k3)) * 0.6
         assert swept.max() == pytest.approx(X, rel=0.01)
 
     def test_its_intervals_hold_the_truth(self):
@@ -477,7 +479,7 @@ class TestLevels:
 
     def test_fit_levels_reports_a_single_amplitude(self):
         far = np.linspace(30, 40, 30)  # above resonance the amplitude hardly moves
-        found = fit_levels([measured(0.05, far)], [0.05], mass=MASS)
+        found = fit_levels([simulate_response(0.05, far)], [0.05], mass=MASS)
         assert any(c.name == "amplitudes_spread" and c.failed for c in found.checks)
 
     def test_what_does_not_belong_together(self):

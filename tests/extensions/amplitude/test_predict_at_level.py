@@ -87,7 +87,7 @@ def predict(place, *words):
     return ran(*asked, "--band", "60:160Hz", "--points", "101", *words)
 
 
-def answered(place, *words):
+def run_predict(place, *words):
     told = predict(place, "--sweep", str(place / "strain.csv"), *words)
     assert told.exit_code == 0, told.output
     return json.loads(told.stdout)
@@ -98,7 +98,7 @@ BASE = ("--base", "--amplitude", f"{LOW}m/s^2", "--amplitude", f"{HIGH}m/s^2")
 
 
 def test_a_shaken_base_at_ten_times_the_level(place):
-    low, high = answered(place, *DISC, *BASE, "--strain-factor", "1")["levels"]
+    low, high = run_predict(place, *DISC, *BASE, "--strain-factor", "1")["levels"]
     for one, level in ((low, LOW), (high, HIGH)):
         hz, height = peak(level)
         assert one["peak"]["frequency_hz"] == pytest.approx(hz, rel=3e-3)
@@ -112,12 +112,12 @@ def test_a_shaken_base_at_ten_times_the_level(place):
 
 def test_what_the_strain_measure_leaves_open_holds_either(place):
     """A part in shear beside a sweep in tension is strained by X/h over the root of three."""
-    (one,) = answered(place, *DISC, "--amplitude", "1N")["levels"]
+    (one,) = run_predict(place, *DISC, "--amplitude", "1N")["levels"]
     low, high = one["frequency_between_hz"]
     for factor in (1.0, 1 / np.sqrt(3)):
         hz, height = peak(1.0, factor, base=False)
         assert low * (1 - 3e-3) < hz < high * (1 + 3e-3)
-        known = answered(place, *DISC, "--amplitude", "1N", "--strain-factor", str(factor))
+        known = run_predict(place, *DISC, "--amplitude", "1N", "--strain-factor", str(factor))
         (same,) = known["levels"]
         assert same["peak"]["frequency_hz"] == pytest.approx(hz, rel=3e-3)
         assert same["peak"]["value"] == pytest.approx(height, rel=0.02)
@@ -127,7 +127,7 @@ def test_what_the_strain_measure_leaves_open_holds_either(place):
 def test_predict_uses_a_resonance_measured_at_another_level(place):
     """One peak, measured where the rubber had softened, gives that of another level."""
     measured = ("--resonance", f"{peak(HIGH)[0]:.5g}Hz", "--resonance-mass", "400g")
-    told = answered(
+    told = run_predict(
         place, *measured, "--resonance-amplitude", f"{HIGH}m/s^2", "--height", "12mm", *BASE,
         "--strain-factor", "1",
     )  # fmt: skip
@@ -148,7 +148,7 @@ def test_a_modulus_measured_at_a_strain_is_taken_back_to_none(place, tmp_path):
     found = {}
     part = "--height", "12mm", "--resonance", f"{peak(1e-6)[0]}Hz", "--resonance-mass", "400g"
     for fitted_at in ((), ("--reference-strain", "0.2%")):
-        told = answered(softened, *part, *BASE, "--strain-factor", "1", *fitted_at)
+        told = run_predict(softened, *part, *BASE, "--strain-factor", "1", *fitted_at)
         found[bool(fitted_at)] = told["levels"][1]["peak"]
     hz, height = peak(HIGH)
     assert found[True]["frequency_hz"] == pytest.approx(hz, rel=0.02)
@@ -161,7 +161,7 @@ def test_predict_states_that_a_shear_sweep_may_not_apply(place, tmp_path, letter
     (tmp_path / "m.json").write_bytes((place / "m.json").read_bytes())
     text = (place / "strain.csv").read_text().replace("E'", f"{letter}'")
     (tmp_path / "strain.csv").write_text(text)
-    told = answered(tmp_path, *DISC, *BASE)
+    told = run_predict(tmp_path, *DISC, *BASE)
     assert told["sweep"]["strain_factors"] == pytest.approx([1.0, factor])
 
 
@@ -185,7 +185,7 @@ def test_element_parallel_to_a_solid_is_the_change_since_its_amplitude(law, sinc
 
 @pytest.mark.parametrize(("level", "passes"), [("2m/s^2", True), ("200m/s^2", False)])
 def test_predict_states_first_that_a_level_is_outside_the_sweep(place, level, passes):
-    told = answered(place, *DISC, "--base", "--amplitude", level)
+    told = run_predict(place, *DISC, "--base", "--amplitude", level)
     assert ("amplitude_in_tested_range" in str(told["verdict"])) is not passes
     assert told["verdict"]["message"].startswith("At 200 m/s^2") is not passes
 
@@ -261,7 +261,7 @@ def test_limits_at_a_level_count_what_the_law_leaves(place, tmp_path):
 
 
 def test_limits_at_a_level_hold_the_truth(place):
-    for one, level in zip(answered(place, *DISC, *BASE)["levels"], (LOW, HIGH), strict=True):
+    for one, level in zip(run_predict(place, *DISC, *BASE)["levels"], (LOW, HIGH), strict=True):
         hz, height = peak(level)
         low, high = one["frequency_between_hz"]
         assert low < hz < high

@@ -30,19 +30,21 @@ def straight():
 
 
 @pytest.fixture(scope="module")
-def bent(straight):
+def nonlinear_fit(straight):
     return apply_elastic_law(straight, LAW)
 
 
 @pytest.fixture(scope="module")
-def bent_prediction(bent):
-    return dp.predict(bent, mass=MASS, seals=2, level="0.3N", lines=31)
+def bent_prediction(nonlinear_fit):
+    return dp.predict(nonlinear_fit, mass=MASS, seals=2, level="0.3N", lines=31)
 
 
-def test_the_document_tells_harmonics_shift_and_whether_it_lasts(bent_prediction, bent):
+def test_the_document_tells_harmonics_shift_and_whether_it_lasts(bent_prediction, nonlinear_fit):
     (level,) = bent_prediction.to_dict()["levels"]
-    hz, law = level["peak"]["frequency_hz"], bent.elastic_law
-    (alone,) = PreloadedMass(MASS, 2 * law, bent.solid).sweep(level=0.3, frequency=np.array([hz]))
+    hz, law = level["peak"]["frequency_hz"], nonlinear_fit.elastic_law
+    (alone,) = PreloadedMass(MASS, 2 * law, nonlinear_fit.solid).sweep(
+        level=0.3, frequency=np.array([hz])
+    )
     rest = 2 * law.force(level["rest"])
     assert rest == pytest.approx(MASS * 9.80665)
     assert level["mean_shift"] == pytest.approx(level["harmonics"][0] - level["rest"])
@@ -64,7 +66,7 @@ def test_the_text_says_that_the_seal_opens(bent_prediction):
     assert f"at 0.3 N the seal opens by {shift:.2g} mm on average" in said
 
 
-def peaked(law, solid, level, about):
+def find_peak_frequency(law, solid, level, about):
     """Frequency of the top, by many lines."""
     of = PreloadedMass(MASS, 2 * law, solid)
     lines = np.linspace(0.995 * about, 1.005 * about, 21)
@@ -76,19 +78,19 @@ def peaked(law, solid, level, about):
     return lines[top] - 0.5 * slope / bend
 
 
-def test_prediction_interval_agrees_with_laws_one_error_off(bent):
+def test_prediction_interval_agrees_with_laws_one_error_off(nonlinear_fit):
     """Only the law is in doubt: its tangent at rest by 1 %, at 8 mm by 2 %, its mean kept."""
-    sure = replace(bent.estimate, covariance=0 * bent.covariance)
-    known = replace(bent, estimate=sure)
+    sure = replace(nonlinear_fit.estimate, covariance=0 * nonlinear_fit.covariance)
+    known = replace(nonlinear_fit, estimate=sure)
     (one,) = dp.predict(known, mass=MASS, seals=2, level="0.0005N", lines=31).preloaded
     assert one.jumps == ()
-    own = peaked(bent.elastic_law, bent.solid, 0.0005, one.frequency)
+    own = find_peak_frequency(nonlinear_fit.elastic_law, nonlinear_fit.solid, 0.0005, one.frequency)
     off = []
     for by in ((0.01, 0.0, 0.0), (0.0, 0.0, 0.02)):
         ratio = np.array(LAW.ratio) + by
         ratio /= (ratio[0] / 2 + ratio[1] + ratio[2] / 2) / 2
-        law = ElasticLaw(LAW.knots, tuple(ratio), bent.elastic_law.stiffness)
-        off.append(peaked(law, bent.solid, 0.0005, one.frequency) - own)
+        law = ElasticLaw(LAW.knots, tuple(ratio), nonlinear_fit.elastic_law.stiffness)
+        off.append(find_peak_frequency(law, nonlinear_fit.solid, 0.0005, one.frequency) - own)
     half = 1.96 * np.linalg.norm(off)
     known = one.interval
     assert np.diff(known.frequency)[0] / 2 == pytest.approx(half, rel=0.1)
@@ -118,8 +120,8 @@ def test_prediction_reports_the_frequency_range_with_two_solutions(bent_predicti
     assert np.shape(response["magnitude_between"]) == (2, len(response["frequency_hz"]))
 
 
-def test_a_vanishing_level_over_a_base_is_the_linear_answer(bent):
-    found = dp.predict(bent, mass=MASS, seals=2, base=True, level="1e-5m/s^2", lines=31)
+def test_a_vanishing_level_over_a_base_is_the_linear_answer(nonlinear_fit):
+    found = dp.predict(nonlinear_fit, mass=MASS, seals=2, base=True, level="1e-5m/s^2", lines=31)
     (small,) = found.preloaded
     assert (small.unit, small.frf.quantity.value) == ("m/s^2", "transmissibility")
     assert small.value == pytest.approx(found.peak[1], rel=1e-2)
@@ -131,9 +133,11 @@ def test_a_vanishing_level_over_a_base_is_the_linear_answer(bent):
 
 
 @pytest.mark.parametrize(("depth", "passes"), [(1.001, True), (0.999, False)])
-def test_prediction_reports_a_swing_deeper_than_tested(bent_prediction, bent, depth, passes):
+def test_prediction_reports_a_swing_deeper_than_tested(
+    bent_prediction, nonlinear_fit, depth, passes
+):
     deepest = bent_prediction.preloaded[0].compression
-    law = bent.elastic_law
+    law = nonlinear_fit.elastic_law
     from dashpot.vibration.checks import compression_tested
 
     assert any(
@@ -157,23 +161,23 @@ def test_a_straight_law_takes_no_level(straight):
         ({"level": "1uN", "mass": "10mg"}, r"so slight a contact was not tested"),
     ],
 )
-def test_predict_refuses_a_mass_that_hardly_preloads(bent, how, message):
+def test_predict_refuses_a_mass_that_hardly_preloads(nonlinear_fit, how, message):
     with pytest.raises(DataError, match=message):
-        dp.predict(bent, **{"mass": MASS, "seals": 2, "lines": 31, **how})
+        dp.predict(nonlinear_fit, **{"mass": MASS, "seals": 2, "lines": 31, **how})
 
 
-def test_a_sweep_that_would_follow_every_line_from_rest_ends(bent, monkeypatch):
+def test_a_sweep_that_would_follow_every_line_from_rest_ends(nonlinear_fit, monkeypatch):
     monkeypatch.setattr("dashpot.extensions.amplitude.preloaded_mass._STEPS_OF_SWEEP", 20)
-    of = PreloadedMass(0.01, 2 * bent.elastic_law, bent.solid)
+    of = PreloadedMass(0.01, 2 * nonlinear_fit.elastic_law, nonlinear_fit.solid)
     with pytest.raises(DataError, match="bounces on the seal: up to"):
         of.sweep(level=0.95 * of.static_force, frequency=np.linspace(5, 60, 40))
 
 
-def test_an_error_as_large_as_the_number_is_no_interval(bent):
+def test_an_error_as_large_as_the_number_is_no_interval(nonlinear_fit):
     """The damping is off by a factor: no height is reported, but its frequency."""
-    scale = np.diag([1.0, *[WIDER] * (len(bent.covariance) - 1)])
-    doubted = replace(bent.estimate, covariance=scale @ bent.covariance @ scale)
-    wide = replace(bent, estimate=doubted)
+    scale = np.diag([1.0, *[WIDER] * (len(nonlinear_fit.covariance) - 1)])
+    doubted = replace(nonlinear_fit.estimate, covariance=scale @ nonlinear_fit.covariance @ scale)
+    wide = replace(nonlinear_fit, estimate=doubted)
     told = dp.predict(wide, mass=MASS, seals=2, level="0.0005N", lines=31)
     (one,) = told.preloaded
     assert one.interval.value is None

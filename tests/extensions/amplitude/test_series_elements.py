@@ -62,7 +62,7 @@ class TestSeries:
         pair = InSeries(solid, Coulomb(0.05))
         for ratio in (0.99, 1.0005, 1.2, 5.0):
             X = ratio * yields
-            F = marched(solid, 0.05, t, X * np.sin(w * t))[-n - 1 :]
+            F = integrate_force(solid, 0.05, t, X * np.sin(w * t))[-n - 1 :]
             K = 1j * np.trapezoid(F * np.exp(-1j * w * last), last) * w / np.pi / X
             assert abs(K - complex(pair.equivalent(w, X))) < 2e-3 * abs(K)
 
@@ -96,7 +96,7 @@ class TestSeries:
         assert np.abs(found - large).max() < 1e-9 * np.abs(large).max()
 
 
-def marched(solid, slip, t, x):
+def integrate_force(solid, slip, t, x):
     """Force of arms and a dashpot before a slider, along a path."""
     k, tau, dt = np.array(solid.k), np.array(solid.tau), t[1]
     keeps, gains = np.exp(-dt / tau), tau / dt * -np.expm1(-dt / tau)

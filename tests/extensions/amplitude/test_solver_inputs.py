@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from kit.levels import ARMS, MASS, SLIDERS, STIFFENS, a_level_fit
-from kit.solvers import PULSE, needs_ccx, printed, run_ccx, run_opensees
+from kit.solvers import PULSE, needs_ccx, read_printed, run_ccx, run_opensees
 
 from dashpot import workflow
 from dashpot.base.checks import Check
@@ -140,7 +140,7 @@ def ccx_path(network, units, x, dt, *, procedure, folder):
         "*NODE PRINT, NSET=SHOWN", "U, RF", "*END STEP", "",
     ]  # fmt: skip
     dat = run_ccx(network + "\n".join(rows), folder)
-    return printed(dat, "disp", 2) * unit.length, printed(dat, "forces", 9) * unit.force
+    return read_printed(dat, "disp", 2) * unit.length, read_printed(dat, "forces", 9) * unit.force
 
 
 @needs_ccx

@@ -19,16 +19,16 @@ def desk():
 
 
 @pytest.fixture
-def guarded(desk):
+def guard(desk):
     return Guard(application(desk), port=PORT, token=COOKIE[1])
 
 
 @pytest.fixture
-def page(guarded):
-    return Client(guarded, HOST)
+def page(guard):
+    return Client(guard, HOST)
 
 
-def admitted(guarded):
+def make_admitted_client(guarded):
     return Client(guarded, HOST, dict([COOKIE]))
 
 
@@ -52,8 +52,8 @@ def test_the_token_is_good_for_a_cookie_that_scripts_cannot_read(page):
     assert page.get("/").status_code == 200
 
 
-def test_a_name_that_was_rebound_and_another_page_are_refused(guarded):
-    page = admitted(guarded)
+def test_a_name_that_was_rebound_and_another_page_are_refused(guard):
+    page = make_admitted_client(guard)
     assert page.get("/").status_code == 200
     assert page.get("/", headers={"host": f"evil.example:{PORT}"}).status_code == 403
     assert page.get("/", headers={"host": "127.0.0.1:9"}).status_code == 403
@@ -65,8 +65,8 @@ def test_a_name_that_was_rebound_and_another_page_are_refused(guarded):
     )
 
 
-def test_every_answer_carries_the_policy(guarded):
-    page = admitted(guarded)
+def test_every_answer_carries_the_policy(guard):
+    page = make_admitted_client(guard)
     for path in ("/", "/static/app.js", "/api/state", "/nowhere"):
         headers = page.get(path).headers
         assert headers["content-security-policy"] == POLICY
@@ -78,13 +78,13 @@ def test_every_answer_carries_the_policy(guarded):
     "path", ["/static/../server.py", "/static/%2e%2e/server.py", "/static/..%2fserver.py",
              "/static/none.js", "/static/app.py"],
 )  # fmt: skip
-def test_server_serves_nothing_but_the_page(guarded, path):
-    assert admitted(guarded).get(path).status_code == 404
+def test_server_serves_nothing_but_the_page(guard, path):
+    assert make_admitted_client(guard).get(path).status_code == 404
 
 
 @pytest.mark.parametrize("body", [b"", b"{", b"[]", b"[" * 100_000, b"\xff\xfe"])
-def test_server_reports_a_body_that_is_no_json_object(guarded, body):
-    answer = admitted(guarded).request("PUT", "/api/state", body)
+def test_server_reports_a_body_that_is_no_json_object(guard, body):
+    answer = make_admitted_client(guard).request("PUT", "/api/state", body)
     assert answer.status_code == 422
     assert "JSON" in answer.json()["error"]
 
@@ -92,34 +92,34 @@ def test_server_reports_a_body_that_is_no_json_object(guarded, body):
 @pytest.mark.parametrize(
     "body", ['{"files": 3}', '{"open": [1]}', '{"folders": [{}]}', '{"open": {"a": []}}']
 )
-def test_server_reports_a_state_of_wrong_types(guarded, body):
-    answer = admitted(guarded).request("PUT", "/api/state", body.encode())
+def test_server_reports_a_state_of_wrong_types(guard, body):
+    answer = make_admitted_client(guard).request("PUT", "/api/state", body.encode())
     assert answer.status_code == 422
     assert "no list of" in answer.json()["error"]
 
 
-def test_a_request_that_no_page_sends_is_cut_short(guarded):
-    answer = admitted(guarded).request("POST", "/api/settle", b" " * ((1 << 20) + 1))
+def test_a_request_that_no_page_sends_is_cut_short(guard):
+    answer = make_admitted_client(guard).request("POST", "/api/settle", b" " * ((1 << 20) + 1))
     assert answer.status_code == 413
 
 
 @pytest.mark.parametrize("verb", ["settle", "live", "inspect", "study", "take", "predict"])
-def test_server_reports_a_request_that_is_no_json(guarded, verb):
+def test_server_reports_a_request_that_is_no_json(guard, verb):
     for body in (b"", b"{'a': 1}", b'{"job":', b"null"):
-        answer = admitted(guarded).request("POST", f"/api/{verb}", body)
+        answer = make_admitted_client(guard).request("POST", f"/api/{verb}", body)
         assert answer.status_code == 422
         assert "JSON" in answer.json()["error"]
 
 
-def test_server_reports_the_kind_of_a_fault_without_data(guarded, desk, monkeypatch):
+def test_server_reports_the_kind_of_a_fault_without_data(guard, desk, monkeypatch):
     monkeypatch.setattr(desk, "answer", lambda *_: {}["the customer's words"])
-    answer = admitted(guarded).request("POST", "/api/settle", b"{}")
+    answer = make_admitted_client(guard).request("POST", "/api/settle", b"{}")
     assert answer.status_code == 500
     assert answer.json()["error"].startswith("internal error of dashpot: KeyError")
 
 
-def test_a_verb_that_is_none(guarded):
-    assert admitted(guarded).request("POST", "/api/eval", b"{}").status_code == 404
+def test_a_verb_that_is_none(guard):
+    assert make_admitted_client(guard).request("POST", "/api/eval", b"{}").status_code == 404
 
 
 def test_upload_over_the_limit_is_refused_during_transfer(desk, monkeypatch):

@@ -27,7 +27,7 @@ def frf(hertz=12.0, *, top=80.0, scatter=0.0, hits=(), seed=0):
     return FRF(lines, noisy, Kind.ACCELERANCE, hits=tuple(hits), units="SI")
 
 
-def named(*accepted, rejected=()):
+def make_hits(*accepted, rejected=()):
     def make(name, good):
         return Hit(name=name, peak=1.0, duration=0.01, accepted=good, reasons=(), time=0.0)
 
@@ -37,7 +37,7 @@ def named(*accepted, rejected=()):
 def test_hit_of_another_mode_is_rejected():
     single = {name: frf(scatter=0.01, seed=int(name)) for name in "12345"}
     single["3"] = frf(hertz=12.6, scatter=0.01)
-    found = propose_hits(frf(hits=named(*"12345")), single)
+    found = propose_hits(frf(hits=make_hits(*"12345")), single)
     assert found.drop == ("3",)
     assert found.keep == ("1", "2", "4", "5")
     assert found.message.startswith("Keep 1, 2, 4, 5")
@@ -51,24 +51,24 @@ def test_hit_of_another_mode_is_rejected():
 def test_hits_with_equal_scatter_are_all_accepted():
     for seed in range(20):
         single = {name: frf(scatter=0.05, seed=10 * seed + int(name)) for name in "123456"}
-        assert propose_hits(frf(hits=named(*"123456")), single).drop == ()
+        assert propose_hits(frf(hits=make_hits(*"123456")), single).drop == ()
 
 
 def test_at_least_three_hits_remain():
     for third in (12.0, 14.0, 20.0):
         single = {name: frf(hertz=12.0) for name in "12"}
         single |= {"3": frf(hertz=third), "4": frf(hertz=25.0)}
-        assert len(propose_hits(frf(hits=named(*"1234")), single).keep) >= 3
+        assert len(propose_hits(frf(hits=make_hits(*"1234")), single).keep) >= 3
 
 
 def test_what_was_rejected_for_its_pulse_is_not_proposed():
     single = {name: frf(scatter=0.01, seed=int(name)) for name in "12345"}
-    found = propose_hits(frf(hits=named(*"1235", rejected="4")), single)
+    found = propose_hits(frf(hits=make_hits(*"1235", rejected="4")), single)
     assert found.keep == ("1", "2", "3", "5")
 
 
 def test_two_hits_are_not_compared():
-    found = propose_hits(frf(hits=named(*"12")), {name: frf() for name in "12"})
+    found = propose_hits(frf(hits=make_hits(*"12")), {name: frf() for name in "12"})
     assert not found.deviations
     assert "at least three" in found.message
 
@@ -76,7 +76,7 @@ def test_two_hits_are_not_compared():
 def test_a_softer_blow_that_reaches_less_far_is_compared_where_it_does():
     single = {name: frf(scatter=0.01, seed=int(name)) for name in "1234"}
     single["2"] = frf(scatter=0.01, top=20.0, seed=2)
-    assert propose_hits(frf(hits=named(*"1234")), single).drop == ()
+    assert propose_hits(frf(hits=make_hits(*"1234")), single).drop == ()
 
 
 def test_simulated_hits_are_accepted_and_each_has_an_frf():

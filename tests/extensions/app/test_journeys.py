@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from kit.app import Page, chromium, served, serving
+from kit.app import Page, chromium, serve_app, serving
 from kit.browser import needs_browser
 from kit.processes import ON_LINUX, children
 from kit.shell import ran
@@ -65,14 +65,14 @@ def visit(browser, address, window):
     """Open the app as new, drop files on it; nothing may have gone wrong when it is left."""
     left = []
 
-    def opened(*paths, **how):
+    def open_page(*paths, **how):
         page = Page(browser, address, **how) if how else window.anew()
         left.append(page)
         if paths:
             page.at.locator("#pick").set_input_files([str(path) for path in paths])
         return page
 
-    yield opened
+    yield open_page
     for page in left:
         page.leave() if page is window else page.close()
 
@@ -356,7 +356,7 @@ def test_a_long_computation_is_cancelled(visit, files, server):
             os.kill(one, signal.SIGSTOP)
         route.continue_()
 
-    def cancelled():
+    def is_cancelled():
         page.at.wait_for_function(
             "async () => (await (await fetch('/api/working')).json()).seconds !== null"
         )
@@ -368,7 +368,7 @@ def test_a_long_computation_is_cancelled(visit, files, server):
     page.at.route("**/api/study", stand_still, times=1)
     page.at.locator("#mass").fill("117.3")
     page.at.locator("#mass").press("Enter")
-    cancelled()
+    is_cancelled()
     verdict = page.at.get_by_role("region", name="Verdict")
     skipped = r"The fit stands: k after 40 s [\d.]+ N/mm\. The hammer test was not compared\."
     verdict.get_by_text(re.compile(skipped)).wait_for()
@@ -378,7 +378,7 @@ def test_a_long_computation_is_cancelled(visit, files, server):
     page.at.route("**/api/take", stand_still, times=1)
     page.at.get_by_role("button", name="Report").click()
     status.filter(has_text="making report").wait_for()
-    cancelled()
+    is_cancelled()
     cancel.wait_for(state="hidden")
     page.remove("hammer.csv")
     page.at.keyboard.press("2")
@@ -472,7 +472,7 @@ def test_a_lot_is_opened_and_a_test_of_it(visit, lot):
 
 @pytest.mark.slow  # a server and two pages of its own; test_folders.py opens a project
 def test_page_opens_a_lot_and_saves_one_test_as_project(browser, lot):
-    with served(str(lot)) as address:
+    with serve_app(str(lot)) as address:
         page = Page(browser, address, fresh=False)
         open_row(page)
         shown = page.at.locator("#solid").inner_text()
@@ -1029,7 +1029,7 @@ def test_a_newcomer_goes_from_files_by_a_wrong_mass_to_a_deck_without_a_wrong_gr
     page.at.evaluate(WATCH)
     verdict = page.at.get_by_role("region", name="Verdict")
 
-    def shown():
+    def read_colours():
         """Every colour that the verdict had since the last look."""
         frames = page.at.evaluate("window.seen.frames.splice(0)")
         return {colour.removeprefix("verdict").strip() for colour, _ in frames}
@@ -1041,15 +1041,15 @@ def test_a_newcomer_goes_from_files_by_a_wrong_mass_to_a_deck_without_a_wrong_gr
     page.at.locator("#mass").press("Enter")
     cure = verdict.get_by_role("button", name=re.compile(r"^Set 11[45]\.\d+ g$"))
     cure.wait_for()
-    assert shown() <= {"", "open", "bad"}
+    assert read_colours() <= {"", "open", "bad"}
     cure.click()
     page.done()
     verdict.get_by_text("Do not use", exact=True).wait_for()
-    assert shown() <= {"open", "bad"}  # damping is not known of one test
+    assert read_colours() <= {"open", "bad"}  # damping is not known of one test
     page.at.get_by_role("tab", name="joint model").click()
     verdict.get_by_text("Use", exact=True).wait_for()
     page.done()
-    assert shown() == {"bad", "open", "good"}
+    assert read_colours() == {"bad", "open", "good"}
     page.at.get_by_role("button", name="Export").click()
     with page.at.expect_download() as taken:
         page.at.get_by_role("button", name="Nastran bush, PBUSHT").click()

@@ -7,7 +7,7 @@ import shlex
 import numpy as np
 import pytest
 from kit import levels
-from kit.app import Page, chromium, served
+from kit.app import Page, chromium, serve_app
 from kit.browser import needs_browser
 from kit.shell import ran
 
@@ -59,7 +59,7 @@ def ids(store, home):
 
 
 @pytest.fixture
-def at_home(home, monkeypatch):
+def working_folder(home, monkeypatch):
     """The working folder is that of the files."""
     monkeypatch.chdir(home)
 
@@ -68,7 +68,7 @@ def ask(verb, store, **request):
     return wire_format.decode_message(VERBS[verb](request, store.folder))[0]
 
 
-@pytest.mark.usefixtures("at_home")
+@pytest.mark.usefixtures("working_folder")
 @pytest.mark.parametrize(
     ("names", "more", "shown"),
     [
@@ -118,26 +118,26 @@ def test_what_cannot_be_fitted_says_so(store, ids, names, more, message):
 @needs_browser
 def test_levels_in_the_browser(home):
     pytest.importorskip("playwright", reason="Playwright drives the browser")
-    with chromium() as browser, served() as address:
+    with chromium() as browser, serve_app() as address:
         page = Page(browser, address)
         command, table = page.at.locator("#command"), page.at.locator("#solid")
 
-        def typed(what, text):
+        def type_text(what, text):
             page.at.get_by_label(what).fill(text)
             page.at.get_by_label(what).press("Enter")
 
         page.at.locator("#pick").set_input_files([str(home / f"frf{i}.csv") for i in range(2)])
         page.at.get_by_role("button", name="several amplitudes").click()
         page.at.get_by_role("heading", name="At which amplitude?").wait_for()
-        typed("Amplitude of this FRF", "0.02")
+        type_text("Amplitude of this FRF", "0.02")
         page.at.get_by_role("alert").filter(has_text="no mass is given").wait_for()
         page.at.get_by_role("textbox", name="Mass").fill("104")
         page.at.get_by_role("textbox", name="Mass").press("Enter")
         page.file("frf1.csv").click()
-        typed("Amplitude of this FRF", "0,5")
+        type_text("Amplitude of this FRF", "0,5")
         command.filter(has_text="--amplitude 0.02N --amplitude 0.5N --mass 104g").wait_for()
         page.done()
-        typed("Resonance at amplitude", "0,1 0.2")
+        type_text("Resonance at amplitude", "0,1 0.2")
         command.filter(has_text="--resonance-amplitude 0.1N --resonance-amplitude 0.2N").wait_for()
         page.done()
         assert "peak at 0.2 N" in table.inner_text()

@@ -5,7 +5,7 @@ import shlex
 
 import numpy as np
 import pytest
-from kit.app import Page, chromium, served
+from kit.app import Page, chromium, serve_app
 from kit.browser import needs_browser
 from kit.shell import ran
 
@@ -96,11 +96,11 @@ def test_modes_ask_for_a_missing_mass(store, home):
 @needs_browser
 def test_modes_in_the_browser(home):
     pytest.importorskip("playwright", reason="Playwright drives the browser")
-    with chromium() as browser, served() as address:
+    with chromium() as browser, serve_app() as address:
         page = Page(browser, address)
         command, table = page.at.locator("#command"), page.at.locator("#solid")
 
-        def typed(what, text):
+        def type_text(what, text):
             page.at.get_by_label(what).fill(text)
             page.at.get_by_label(what).press("Enter")
 
@@ -109,7 +109,7 @@ def test_modes_in_the_browser(home):
         page.done()
         shown = page.at.get_by_role("region", name="Fit of this file")
         assert shown.get_by_text("Stabilisation chart").is_visible()
-        typed("Band of modes", "5 to 50")
+        type_text("Band of modes", "5 to 50")
         command.filter(has_text="--band 5.0:50Hz").wait_for()
         page.at.locator("#pick").set_input_files(str(home / "point1.csv"))
         page.at.get_by_text("Modal assurance criterion").wait_for()
@@ -131,7 +131,7 @@ def test_modes_in_the_browser(home):
         page.at.get_by_role("button", name="several masses").click()
         for mass in MASSES:
             page.file(f"{mass}.csv").click()
-            typed("Mass in this FRF", mass)
+            type_text("Mass in this FRF", mass)
         command.filter(has_text="--mass 104g --mass 250g").wait_for()
         page.done()
         assert page.at.locator("#bench-page svg.figure").count() == 3

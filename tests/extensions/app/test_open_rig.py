@@ -75,7 +75,7 @@ def pick(page, *paths):
     page.at.locator("#pick").set_input_files([str(path) for path in paths])
 
 
-def scaled(text, factor):
+def scale_force(text, factor):
     """The same relaxation test, every force so many times as large."""
     lines = []
     for line in text.splitlines():
@@ -102,7 +102,7 @@ def test_a_file_that_changes_is_read_again_and_the_old_one_is_never_green(browse
         page.at.locator("#files .stamp").wait_for()
         before, old = end_of_hold(page), page.at.locator("#files .stamp").inner_text()[:8]
         page.at.evaluate(RECORDER)
-        path.write_text(scaled(texts["seal_8mm.csv"], 1.1))
+        path.write_text(scale_force(texts["seal_8mm.csv"], 1.1))
         page.at.locator("#files .stamp").filter(has_text="read again").wait_for()
         page.done()
         page.at.locator("#verdict.good, #verdict.care, #verdict.bad").wait_for()
@@ -122,7 +122,7 @@ def test_a_file_overwritten_while_it_is_computed_ends_as_the_command_says(browse
     with serving(str(path)) as (address, _):
         page = Page(browser, address, fresh=False)
         about = path.stat()
-        path.write_text(scaled(texts["seal_8mm.csv"], 2.0))
+        path.write_text(scale_force(texts["seal_8mm.csv"], 2.0))
         os.utime(path, ns=(about.st_atime_ns, about.st_mtime_ns))
         page.at.locator("#files .stamp").filter(has_text="read again").wait_for()
         page.done()
@@ -143,7 +143,7 @@ def test_a_file_that_was_chosen_and_changed_is_opened_again(page, files, texts):
     path = files / "seal_8mm.csv"
     pick(page, path)
     page.done()
-    path.write_text(scaled(texts["seal_8mm.csv"], 1.2))
+    path.write_text(scale_force(texts["seal_8mm.csv"], 1.2))
     verdict = page.at.get_by_role("region", name="Verdict")
     verdict.get_by_role("button", name="Open it again").wait_for()
     assert page.at.get_by_role("button", name="Report").is_disabled()
@@ -213,7 +213,7 @@ def test_page_of_a_hammer_test_finds_modes_by_a_click(page, files):
 def test_every_test_lies_over_the_others_with_its_number(page, files, texts):
     factors = (0.97, 1.0, 1.02, 1.09)
     for i, factor in enumerate(factors):
-        (files / f"seal_{i}.csv").write_text(scaled(texts["seal_8mm.csv"], factor))
+        (files / f"seal_{i}.csv").write_text(scale_force(texts["seal_8mm.csv"], factor))
     pick(page, *(files / f"seal_{i}.csv" for i in range(len(factors))))
     page.done()
     page.at.get_by_role("tab", name="all 4 tests").click()

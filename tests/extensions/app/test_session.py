@@ -72,11 +72,11 @@ def test_only_an_empty_server_offers_it(store, tmp_path):
     session.keep(state(store.put("a.csv", b"1\n")), store)
     (tmp_path / "own.csv").write_text("1\n")
 
-    async def of(*files):
+    async def open_session(*files):
         desk = AppContext(files)
         found = json.loads(json.dumps(desk.state))
         await desk.close()
         return found
 
-    assert asyncio.run(of())["left"]["files"] == ["seal.csv"]
-    assert "left" not in asyncio.run(of(tmp_path / "own.csv"))
+    assert asyncio.run(open_session())["left"]["files"] == ["seal.csv"]
+    assert "left" not in asyncio.run(open_session(tmp_path / "own.csv"))

@@ -39,7 +39,7 @@ def file(tmp_path):
     return path
 
 
-def seen(watch, name):
+def look_twice(watch, name):
     """What two looks say: one that is still written is left alone at the first."""
     watch.look([name])
     return watch.look([name])[name]
@@ -57,7 +57,7 @@ def test_a_file_of_the_same_size_and_time_is_seen_to_have_changed(store, file):
     file.write_text(ROWS.replace("1,2", "1,3"))
     os.utime(file, ns=(about.st_atime_ns, about.st_mtime_ns))
     assert (file.stat().st_size, file.stat().st_mtime_ns) == (about.st_size, about.st_mtime_ns)
-    row = seen(FileWatch(store), name)
+    row = look_twice(FileWatch(store), name)
     assert row["state"] == "changed"
     assert path_in(store.folder, row["new"]["id"]).read_text() == file.read_text()
     assert path_in(store.folder, name).read_text() == ROWS  # what was shown stays what it was
@@ -68,7 +68,7 @@ def test_a_file_that_another_one_replaced_is_read_again(store, file, tmp_path):
     other = tmp_path / "other.csv"
     other.write_text(ROWS.replace("0,1", "0,7"))
     other.replace(file)
-    assert seen(FileWatch(store), name)["state"] == "changed"
+    assert look_twice(FileWatch(store), name)["state"] == "changed"
 
 
 def test_a_file_is_read_again_once_it_rests(store, file):
@@ -86,7 +86,7 @@ def test_a_file_that_was_touched_is_the_same(store, file):
     name = store.put_file(file)
     os.utime(file)
     watch = FileWatch(store)
-    assert seen(watch, name)["state"] == ""
+    assert look_twice(watch, name)["state"] == ""
     assert watch.look([name])[name]["state"] == ""
 
 

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from kit import handmade, shell
-from kit.fits import altered
+from kit.fits import replace_fields
 from kit.shell import ran
 
 import dashpot as dp
@@ -82,7 +82,7 @@ def ask(verb, store, **request):
 
 
 @pytest.fixture
-def at_home(store, files, tmp_path, monkeypatch):
+def working_folder(store, files, tmp_path, monkeypatch):
     """A folder with the files under their own names."""
     for name, identity in files.items():
         (tmp_path / name).write_bytes((store.folder / identity / name).read_bytes())
@@ -90,22 +90,22 @@ def at_home(store, files, tmp_path, monkeypatch):
     return tmp_path
 
 
-def typed(command, *more):
+def run_command(command, *more):
     found = ran(*shlex.split(command)[1:], *more)
     assert found.exit_code == 0, found.output
     return json.loads(found.stdout)
 
 
-def test_the_fit_is_that_of_the_command_digit_for_digit(store, page_job, at_home):
+def test_the_fit_is_that_of_the_command_digit_for_digit(store, page_job, working_folder):
     told = json.loads(ask("take", store, job=page_job, what="fit")["text"])
     words = ("--arms", "2", "--time-limits", "ramp-end=2.6s", "--temperature", "23degC")
     assert told == shell.run_json("fit", "seal_8mm.csv", *words)
 
 
 @pytest.mark.parametrize("joint", [False, True])
-def test_the_command_line_gives_the_pages_numbers(store, page_job, at_home, joint):
+def test_the_command_line_gives_the_pages_numbers(store, page_job, working_folder, joint):
     head = ask("study", store, job=page_job | {"joint": joint})
-    study = typed(head["command"], "-o", "r.html", "--json")
+    study = run_command(head["command"], "-o", "r.html", "--json")
     page = result_cache.study(job_of(page_job | {"joint": joint}, store.folder))
     mine = json.loads(to_json(page))
     for part in ("fit", "joint", "comparison"):
@@ -303,12 +303,12 @@ def test_a_response_follows_the_mass(store, page_job):
 
 
 @pytest.mark.parametrize("joint", [False, True])
-def test_a_base_that_moves_is_predicted_as_by_the_command(store, page_job, at_home, joint):
+def test_a_base_that_moves_is_predicted_as_by_the_command(store, page_job, working_folder, joint):
     job = page_job | {"joint": joint}
     head = ask("study", store, job=job, base=True)
     fit = "joint" if joint else "fit"
-    (at_home / f"{fit}.json").write_text(ask("take", store, job=job, what=fit)["text"])
-    shell = typed(head["command"].splitlines()[1], "--json")
+    (working_folder / f"{fit}.json").write_text(ask("take", store, job=job, what=fit)["text"])
+    shell = run_command(head["command"].splitlines()[1], "--json")
     assert json.loads(ask("take", store, job=job, what="base-json")["text"]) == shell
     assert f"above {shell['isolation_hz']:.2f} Hz" in head["frf"]
     assert f"{shell['peak']['frequency_hz']:.2f} Hz, {shell['peak']['value']:.3g}" in head["frf"]
@@ -331,7 +331,7 @@ def test_a_sweep_or_a_modulus_is_fitted_as_by_the_command(store, tmp_path, monke
     identity = store.put(name, text.encode())
     assert ask("inspect", store, file=identity)["mark"] == "good"
     head = ask("bench", store, file=identity, **more)
-    shell = typed(head["command"], "--json")
+    shell = run_command(head["command"], "--json")
     assert json.loads(ask("take-bench", store, file=identity, **more)["text"]) == shell
     scale, unit = (1e-3, "N/mm") if name == "sweep.csv" else (1e-6, "MPa")
     assert unit in head["solid"]
@@ -344,12 +344,12 @@ def test_a_sweep_or_a_modulus_is_fitted_as_by_the_command(store, tmp_path, monke
     assert head["figures"]
 
 
-def test_tests_at_two_temperatures_share_one_model(store, at_home):
+def test_tests_at_two_temperatures_share_one_model(store, working_folder):
     ids = []
     for name, temperature in (("warm.csv", 296.15), ("cold.csv", 273.15)):
         rig = replace(Rig(), rate=200.0)
         text = write_relaxation(simulate_relaxation(AT[temperature], rig=rig, seed=len(ids)).test)
-        (at_home / name).write_text(text)
+        (working_folder / name).write_text(text)
         ids.append(store.put(name, text.encode()))
     job = {"relaxation": ids[0], "other_tests": [ids[1]], "temperatures": ["23degC", "0degC"]}
     head = ask("settle", store, job=job)
@@ -380,7 +380,7 @@ def test_a_hammer_without_a_mass_is_no_verdict_yet(store, page_job):
 )  # fmt: skip
 def test_a_mass_is_offered_where_it_explains_both_tests(name, explains, told):
     best = Explanation(name, 0.1153, 2e-4, "kg", 0.04, 900.0, explains, "so")
-    study = replace(handmade.study(), joint=altered(handmade.joint(), explanations=(best,)))
+    study = replace(handmade.study(), joint=replace_fields(handmade.joint(), explanations=(best,)))
     assert view_models.mass_that_explains(study) == told
 
 
@@ -545,12 +545,12 @@ def test_a_deck_is_refused_as_on_the_command_line_and_written_anyway(store, page
         ({"target": "radioss", "modulus": "3MPa"}, ("--to", "radioss", "--modulus", "3MPa")),
     ],
 )  # fmt: skip
-def test_a_deck_is_that_of_the_command(store, page_job, at_home, more, words):
+def test_a_deck_is_that_of_the_command(store, page_job, working_folder, more, words):
     specimen = {"temperature": "23degC", "length": "100mm"}
     # of the bench alone: what the page holds against it under a mass is in its header, too
     job = page_job | {"joint": False, "impact": [], "mass": "", "specimen": specimen}
     deck = ask("take", store, job=job, what="deck", **more)["text"]
-    (at_home / "fit.json").write_text(ask("take", store, job=job, what="fit")["text"])
+    (working_folder / "fit.json").write_text(ask("take", store, job=job, what="fit")["text"])
     typed = ("export", "fit.json", "--unit-system", "mm-t-s", *words)
     assert ran(*typed).stdout == deck
     with pytest.raises(dp.ExportError, match="take no --modulus"):

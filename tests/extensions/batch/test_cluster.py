@@ -54,18 +54,18 @@ def test_a_cluster_makes_the_same_table_though_a_worker_is_killed(folder, tmp_pa
     monkeypatch.setattr(batch_run, "CHUNK", 1)
     killed = []
 
-    def kill_one(by):
-        def computed(chunks, choices):
+    def kill_worker(by):
+        def compute_chunks(chunks, choices):
             for found in by.computed(chunks, choices):
                 if not killed:
                     killed.append(next(iter(cluster.workers.values())).pid)
                     os.kill(killed[0], signal.SIGKILL)
                 yield found
 
-        return by._replace(computed=computed)
+        return by._replace(computed=compute_chunks)
 
     compute = batch_run._compute
-    monkeypatch.setattr(batch_run, "_compute", lambda *of: compute(*of[:-1], kill_one(of[-1])))
+    monkeypatch.setattr(batch_run, "_compute", lambda *of: compute(*of[:-1], kill_worker(of[-1])))
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
     ) as cluster:

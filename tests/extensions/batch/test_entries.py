@@ -17,7 +17,7 @@ from dashpot.extensions.batch.table_row import row
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
+def working_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("a/lotX_1.csv", "a/deep/lotY_2.csv", "b.csv", "a/.hidden", "lot/part-1.parquet",
                  ".cache/x.csv"):  # fmt: skip
@@ -32,16 +32,16 @@ def files(*paths, **how):
     return [Path(one.file).as_posix() for one in find_entries(paths, without=Path("lot"), **how)]
 
 
-def test_find_entries_takes_each_file_once(here):
+def test_find_entries_takes_each_file_once(working_folder):
     everything = ["a/deep/lotY_2.csv", "a/lotX_1.csv", "a/seal.csv", "b.csv"]
     assert files(".") == everything
-    assert files("a", "b.csv", here / "a" / "lotX_1.csv", "**/*.csv") == everything
+    assert files("a", "b.csv", working_folder / "a" / "lotX_1.csv", "**/*.csv") == everything
     assert files("a/lot*") == ["a/lotX_1.csv"]
     Path("a[1].csv").write_text("x")
     assert files("a[1].csv") == ["a[1].csv"]
 
 
-def test_labels_come_from_the_path_by_place_or_by_name(here):
+def test_labels_come_from_the_path_by_place_or_by_name(working_folder):
     first, second, *_ = find_entries(["a"], by=r"lot(\w)_(\d)", without=Path("lot"))
     assert (first.lot, first.seal, first.repeat) == ("Y", "2", "")
     assert (second.lot, second.seal) == ("X", "1")
@@ -62,7 +62,7 @@ TOML = (
 @pytest.mark.parametrize(
     ("name", "text"), [("m.csv", CSV), ("m.toml", TOML), ("n.csv", "\ufeff" + CSV)]
 )
-def test_a_manifest_adds_its_files_and_its_labels_win(here, monkeypatch, name, text):
+def test_a_manifest_adds_its_files_and_its_labels_win(working_folder, monkeypatch, name, text):
     Path(name).write_text(text, encoding="utf-8")
     first, second = find_entries([], manifest=name, by="(b)", without=Path("lot"))
     assert first == Entry(
@@ -89,20 +89,20 @@ def test_a_manifest_adds_its_files_and_its_labels_win(here, monkeypatch, name, t
         ("file,mass\nb.csv,104mm\n", "test 1: mass:"),
     ],
 )
-def test_a_manifest_that_is_none_says_where_and_what(here, text, message):
+def test_a_manifest_that_is_none_says_where_and_what(working_folder, text, message):
     Path("m.csv").write_text(text)
     with pytest.raises(ReadError, match=re.escape(message)):
         find_entries([], manifest="m.csv", without=Path("lot"))
 
 
 @pytest.mark.parametrize("text", ["= x", "test = 3\n", "test = [1]\n", "\x00"])
-def test_a_toml_that_is_none_is_refused(here, text):
+def test_a_toml_that_is_none_is_refused(working_folder, text):
     Path("m.toml").write_text(text)
     with pytest.raises(ReadError, match=r"m\.toml"):
         find_entries([], manifest="m.toml", without=Path("lot"))
 
 
-def test_a_listed_file_that_is_missing_stays_listed(here):
+def test_a_listed_file_that_is_missing_stays_listed(working_folder):
     Path("m.csv").write_text("file\ngone.csv\n")
     (one,) = find_entries([], manifest="m.csv", without=Path("lot"))
     assert (one.file, one.hashes()) == ("gone.csv", ("",))
@@ -205,7 +205,7 @@ def test_find_entries_reports_a_name_that_is_no_utf8(tmp_path):
         find_entries([tmp_path], without=Path("lot"))
 
 
-def test_find_entries_reports_an_unreadable_folder(here, monkeypatch):
+def test_find_entries_reports_an_unreadable_folder(working_folder, monkeypatch):
     def walk(folder, onerror):
         onerror(FileNotFoundError(2, "gone", "a/gone"))
         onerror(PermissionError(13, "Permission denied", "a/deep"))
@@ -254,7 +254,7 @@ def test_find_entries_reports_links_outside_and_pipes_unread(tmp_path):
     assert not named.aside
 
 
-def test_a_manifest_that_is_nested_too_deep_is_no_manifest(here: Path) -> None:
+def test_a_manifest_that_is_nested_too_deep_is_no_manifest(working_folder: Path) -> None:
     Path("m.toml").write_text("test = " + "[" * 10_000 + "]" * 10_000)
     with pytest.raises(ReadError, match=r"m.toml: not a manifest: not TOML that a person wrote"):
-        find_entries(["b.csv"], without=here / "lot", manifest="m.toml")
+        find_entries(["b.csv"], without=working_folder / "lot", manifest="m.toml")

@@ -56,7 +56,7 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def whole(folder):
+def complete_table(folder):
     """The table of a run that nothing stopped."""
     return batch(folder, jobs=2, **QUICK).table
 
@@ -71,19 +71,19 @@ def row_of(table, name):
     return next(one for one in table.to_dicts() if one["file"].endswith(name))
 
 
-def test_batch_has_a_row_for_every_file(whole):
-    assert whole["file"].to_list() == sorted(whole["file"])
-    assert whole["outcome"].value_counts(sort=True).rows() == [
+def test_batch_has_a_row_for_every_file(complete_table):
+    assert complete_table["file"].to_list() == sorted(complete_table["file"])
+    assert complete_table["outcome"].value_counts(sort=True).rows() == [
         ("fitted", 8), ("refused", 2), ("other", 1)
     ]  # fmt: skip
-    hammer = row_of(whole, "hammer.csv")
+    hammer = row_of(complete_table, "hammer.csv")
     assert "it is a hammer test: say of which test" in hammer["reason"]
     assert (hammer["measured_Hz"], hammer["k_inf_N_per_m"]) == (pytest.approx(12.7, abs=0.1), None)
-    assert "is empty (0 bytes)" in row_of(whole, "empty.csv")["reason"]
-    assert "no numbers under the header" in row_of(whole, "junk.csv")["reason"]
-    one = row_of(whole, "lotA_seal3_rep1.csv")
+    assert "is empty (0 bytes)" in row_of(complete_table, "empty.csv")["reason"]
+    assert "no numbers under the header" in row_of(complete_table, "junk.csv")["reason"]
+    one = row_of(complete_table, "lotA_seal3_rep1.csv")
     assert (one["lot"], one["seal"], one["repeat"]) == ("A", "3", "1")
-    assert row_of(whole, "junk.csv")["lot"] == ""
+    assert row_of(complete_table, "junk.csv")["lot"] == ""
 
 
 def test_the_numbers_are_those_of_a_fit_to_the_last_digit(folder):
@@ -130,7 +130,7 @@ def test_batch_row_has_the_requested_stiffness_and_loss(folder):
         batch(path, at=-1.0, **QUICK)
 
 
-def test_batch_refits_only_a_changed_file(folder, whole, tmp_path):
+def test_batch_refits_only_a_changed_file(folder, complete_table, tmp_path):
     tests = tmp_path / "tests"
     tests.mkdir()
     for name in ("lotA_seal0_rep0.csv", "lotA_seal1_rep0.csv", "junk.csv"):
@@ -154,18 +154,18 @@ def test_batch_refits_only_a_changed_file(folder, whole, tmp_path):
     assert other.table["k_2_N_per_m"].drop_nulls().len() > 0
 
 
-def test_batch_rebuilds_a_damaged_part_file(folder, whole, tmp_path):
+def test_batch_rebuilds_a_damaged_part_file(folder, complete_table, tmp_path):
     batch(folder, output=tmp_path, jobs=2, **QUICK)
     victim = sorted(tmp_path.glob("part-*.parquet"))[0]
     victim.write_bytes(victim.read_bytes()[:100])
     (tmp_path / ".0.part").write_text("half of a part")
     again = batch(folder, output=tmp_path, jobs=2, **QUICK)
     assert 0 < again.computed < 11
-    assert as_bytes(again.table) == as_bytes(whole)
+    assert as_bytes(again.table) == as_bytes(complete_table)
     assert not list(tmp_path.glob(".*.part"))
 
 
-def made(rows):
+def make_lot(rows):
     """A lot of rows that were never fitted."""
     every = {
         "outcome": "fitted",
@@ -193,19 +193,19 @@ def test_the_scatter_of_a_lot_is_that_of_its_lots_seals_repeats_and_fits():
             ]
     rows.append({**rows[0], "k_inf_N_per_m": 1e6, "verdict": "do not use"})
     rows.append({**rows[0], "k_inf_N_per_m": 1e6, "outcome": "refused"})
-    found = {one.source: one for one in made(rows).components()}
+    found = {one.source: one for one in make_lot(rows).components()}
     assert list(found) == ["lot", "seal", "repeat", "fit"]
     for source, sd in (("lot", 4), ("seal", 6), ("repeat", np.sqrt(2**2 - 0.5**2))):
         low, high = found[source].interval
         assert low <= sd**2 <= high
     assert found["fit"].variance == pytest.approx(0.25)
     # one lot: no level of lots; no repeats: seals, in which their tests are hidden
-    one = made(rows[:100])
+    one = make_lot(rows[:100])
     assert [c.source for c in one.components()] == ["seal", "repeat", "fit"]
-    first = made(rows[:600:4])
+    first = make_lot(rows[:600:4])
     assert [c.source for c in first.components()] == ["lot", "seal", "fit"]
     with pytest.raises(DataError, match="no sources to separate"):
-        made(rows[:4]).components()
+        make_lot(rows[:4]).components()
     for name in ("file", "k_9"):
         with pytest.raises(DataError, match="no column of numbers"):
             one.components(name)
@@ -220,25 +220,25 @@ def test_what_stands_out_of_its_lot_and_what_was_held_short_is_named():
     rows[3] |= {"k_end_N_per_m": 109.0, "hold_s": 37.9}
     rows[25] |= {"k_end_N_per_m": 185.0}
     rows[26] |= {"hold_s": 38.1}
-    lot = made(rows)
+    lot = make_lot(rows)
     # what was held short is another quantity: neither among the others nor one of them
     assert [(file, away < 0) for file, away in lot.outliers()] == [("25.csv", True)]
     assert lot.short_holds == ("3.csv",)
     assert lot.dissimilar == {"3.csv": "held for 37.9 s, its lot 40 s"}
     few = [{"k_end_N_per_m": value} for value in (1.0, 1.1, 0.9, 1.2, 1.6)]
-    assert made(few).outliers() == ()
+    assert make_lot(few).outliers() == ()
 
 
 def test_the_table_goes_to_a_spreadsheet_without_formulas():
     rows = [{"file": name, "k_end_N_per_m": -1.5} for name in ("=1+1", "-2", "@a", "+b", "a=b")]
-    byline, *lines = made(rows).csv().splitlines()
+    byline, *lines = make_lot(rows).csv().splitlines()
     assert is_ours(byline.encode())
     place = lines[0].split(",").index("file")
     assert [line.split(",")[place] for line in lines[1:]] == ["'=1+1", "'-2", "'@a", "'+b", "a=b"]
     assert "-1.5" in lines[1].split(",")
 
 
-def in_chunks_of_one(folder, out):
+def format_single_chunks(folder, out):
     """The words that run a batch so, in Python."""
     code = (
         "import sys, dashpot as dp, dashpot.extensions.batch.batch_run as batches;batches.CHUNK=1;"
@@ -251,7 +251,7 @@ def in_chunks_of_one(folder, out):
 def lasts(folder, tmp_path_factory):
     """Seconds of a batch that nobody stops."""
     began = time.monotonic()
-    words = in_chunks_of_one(folder, tmp_path_factory.mktemp("lot"))
+    words = format_single_chunks(folder, tmp_path_factory.mktemp("lot"))
     subprocess.run(words, check=True, capture_output=True)
     return time.monotonic() - began
 
@@ -266,7 +266,7 @@ def run_and_kill(folder, out, chance, lasts, *, parent):
     """Run a batch; kill it, or its workers, at random."""
     seen = []
     how = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    with subprocess.Popen(in_chunks_of_one(folder, out), **how) as running:
+    with subprocess.Popen(format_single_chunks(folder, out), **how) as running:
         delay = chance.uniform(0.0, lasts)
         while running.poll() is None:
             time.sleep(delay)
@@ -300,8 +300,10 @@ def killed_and_completed(folder, whole, out, seed, lasts):
 @ON_LINUX
 @pytest.mark.once
 @pytest.mark.parametrize("seed", range(2))
-def test_killed_at_random_and_run_again_the_table_is_the_same(folder, whole, tmp_path, seed, lasts):
-    killed_and_completed(folder, whole, tmp_path, seed, lasts)
+def test_killed_at_random_and_run_again_the_table_is_the_same(
+    folder, complete_table, tmp_path, seed, lasts
+):
+    killed_and_completed(folder, complete_table, tmp_path, seed, lasts)
 
 
 @ON_LINUX
@@ -337,7 +339,7 @@ def test_batch_reports_saved_rows_when_the_disk_is_full(folder, tmp_path, monkey
         batch(folder, output=tmp_path / "lot", jobs=1, **QUICK)
 
 
-def test_interrupted_batch_reports_saved_rows_and_resumes(folder, whole, tmp_path):
+def test_interrupted_batch_reports_saved_rows_and_resumes(folder, complete_table, tmp_path):
     """As a terminal does it: all its processes get the signal."""
     code = (
         "import sys, dashpot.extensions.batch.batch_run as batches; from dashpot.cli import main;"
@@ -359,15 +361,15 @@ def test_interrupted_batch_reports_saved_rows_and_resumes(folder, whole, tmp_pat
     )
     again = batch(folder, output=tmp_path, jobs=1, **QUICK)
     assert again.computed == 11 - kept
-    assert as_bytes(again.table) == as_bytes(whole)
+    assert as_bytes(again.table) == as_bytes(complete_table)
 
 
 @ON_LINUX
 @pytest.mark.slow
 @pytest.mark.usefixtures("kill")
 @pytest.mark.parametrize("seed", range(100, 150))
-def test_killed_fifty_times_the_table_is_the_same(folder, whole, tmp_path, seed, lasts):
-    killed_and_completed(folder, whole, tmp_path, seed, lasts)
+def test_killed_fifty_times_the_table_is_the_same(folder, complete_table, tmp_path, seed, lasts):
+    killed_and_completed(folder, complete_table, tmp_path, seed, lasts)
 
 
 def test_the_results_may_lie_among_the_tests(folder, tmp_path):
@@ -388,7 +390,9 @@ def test_batch_reports_a_read_only_folder_before_computing(folder, tmp_path, mon
 
 
 @ON_LINUX
-def test_batch_has_a_row_for_a_file_that_kills_workers_and_retries_it(folder, whole, tmp_path):
+def test_batch_has_a_row_for_a_file_that_kills_workers_and_retries_it(
+    folder, complete_table, tmp_path
+):
     """The worker is made to leave at one file, as one would that ran out of memory."""
     deadly = tmp_path / "site"
     deadly.mkdir()
@@ -413,7 +417,7 @@ def test_batch_has_a_row_for_a_file_that_kills_workers_and_retries_it(folder, wh
     assert sum(found["outcome"] == "fitted") == 7
     again = batch(folder, output=out, jobs=1, **QUICK)
     assert again.computed == 1
-    assert as_bytes(again.table) == as_bytes(whole)
+    assert as_bytes(again.table) == as_bytes(complete_table)
 
 
 def test_the_command_prints_logs_and_judges(folder, tmp_path):

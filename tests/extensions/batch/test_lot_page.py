@@ -12,7 +12,7 @@ import polars as pl
 import pytest
 from kit.app import chromium
 from kit.browser import needs_browser, probe
-from kit.lots import lot_of, scattered
+from kit.lots import draw_rows, lot_of
 
 from dashpot.extensions.batch import page as page_of_lots
 from dashpot.extensions.batch.batch_run import batch
@@ -109,7 +109,7 @@ def test_what_comes_from_a_file_is_escaped_and_nothing_is_loaded(lot):
 
 def many(**asked):
     """Return a lot of 500 seals in 20 lots, and what it says."""
-    large = lot_of(scattered(lots=20, seals=25, repeats=2, **asked))
+    large = lot_of(draw_rows(lots=20, seals=25, repeats=2, **asked))
     limits = [Limits(large.quantity("k_end"), 150.0, 250.0, 1.33)]
     return large, summary(large, limits=limits)
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.cld import pressed
+from kit.cld import press_cycles
 from kit.kinds import ARMS, MASS, STIFFNESS, files
 
 import dashpot as dp
@@ -95,7 +95,7 @@ def test_batch_row_states_whether_its_file_is_simulated(folder, tmp_path, name):
 
 
 def test_batch_row_of_load_deflection_equals_its_command(tmp_path):
-    path = pressed(softening=0.05).write(tmp_path / "p1.csv")
+    path = press_cycles(softening=0.05).write(tmp_path / "p1.csv")
     choices = BatchOptions(compression=(6e-3,), length=0.05)
     found = row_of(Entry(str(path)), choices)
     alone = cld(read_cld(path, specimen=dp.Specimen(length="50mm")), at="6mm")
@@ -112,18 +112,18 @@ def test_batch_row_of_load_deflection_equals_its_command(tmp_path):
 
 def test_lot_of_load_deflection_pieces_is_evaluated_by_force(tmp_path):
     for number, scale in enumerate((1.0, 1.04, 0.97), start=1):
-        truth = pressed(scale=scale, seed=number, softening=0.05, cycles=2)
+        truth = press_cycles(scale=scale, seed=number, softening=0.05, cycles=2)
         truth.write(tmp_path / f"p{number}.csv")
     lot = batch(tmp_path, length="50mm", compression="6mm", jobs=1)
     assert lot.main == "cld_per_100mm"
     forces = [float(one.mean) for one in lot.seals(lot.main)]
     assert forces[1] / forces[0] == pytest.approx(1.04, abs=0.01)
-    (limits,) = read_limits(stated(tmp_path), lot.table.columns)
+    (limits,) = read_limits(write_specimen(tmp_path), lot.table.columns)
     found = summary(lot, quantity=lot.main, limits=[limits])
     assert found.main.lowest[1].cpk > 0
 
 
-def stated(folder):
+def write_specimen(folder):
     path = folder / "limits.toml"
     path.write_text('[cld_per_100mm]\nlower = "2N"\nupper = "3N"\n')
     return path

@@ -3,7 +3,7 @@
 import numpy as np
 import polars as pl
 import pytest
-from kit.lots import lot_of, scattered
+from kit.lots import draw_rows, lot_of
 from kit.shell import ran, run_json
 
 import dashpot as dp
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.once
 
 
 def test_seals_stand_in_the_order_in_which_people_count():
-    lot = lot_of(scattered(lots=2, seals=11, repeats=1))
+    lot = lot_of(draw_rows(lots=2, seals=11, repeats=1))
     assert [one.name for one in lot.seals()][:11] == [f"{i}" for i in range(1, 12)]
     counted = ["9", "10", "b", "seal 9", "seal 10"]
     shuffled = ["seal 10", "b", "10", "9", "seal 9"]
@@ -50,7 +50,7 @@ def test_quantity_is_resolved_by_column_with_or_without_unit():
 )
 def test_lot_excludes_a_test_with_other_conditions(column, keeps, breaks, message):
     for value, left in ((keeps, {}), (breaks, {"L1/1_1.csv": message})):
-        rows = scattered(lots=1, seals=3)
+        rows = draw_rows(lots=1, seals=3)
         rows[0][column] = value
         lot = lot_of(rows)
         assert lot.dissimilar == left
@@ -60,7 +60,7 @@ def test_lot_excludes_a_test_with_other_conditions(column, keeps, breaks, messag
 
 
 def test_lot_names_duplicate_records_and_refuses_comparison_with_itself():
-    rows = [row | {"sha256": f"{i}"} for i, row in enumerate(scattered(lots=1, seals=3, repeats=2))]
+    rows = [row | {"sha256": f"{i}"} for i, row in enumerate(draw_rows(lots=1, seals=3, repeats=2))]
     sound = lot_of(rows)
     assert sound.copies == {}
     both = compare_two_lots(("may", sound), ("june", sound), ["k_end"])
@@ -91,14 +91,14 @@ def test_lot_names_duplicate_records_and_refuses_comparison_with_itself():
 
 
 def test_lot_uses_the_depth_of_the_first_tests():
-    rows = scattered(lots=1, seals=4, repeats=1)
+    rows = draw_rows(lots=1, seals=4, repeats=1)
     for row in rows[2:]:
         row["depth_m"] = 0.006
     assert lot_of(rows).rows_in_statistics["file"].to_list() == ["L1/3_1.csv", "L1/4_1.csv"]
 
 
 def test_what_was_not_fitted_or_may_not_be_used_does_not_enter_and_what_needs_care_does():
-    rows = scattered(lots=1, seals=3, repeats=2)
+    rows = draw_rows(lots=1, seals=3, repeats=2)
     rows[0] |= {"outcome": "refused", "k_end_N_per_m": 1e6}
     rows[1] |= {"verdict": "do not use", "k_end_N_per_m": 1e6}
     rows[2] |= {"verdict": "use with care"}
@@ -109,26 +109,26 @@ def test_what_was_not_fitted_or_may_not_be_used_does_not_enter_and_what_needs_ca
 
 def test_the_chart_of_seals_knows_how_seals_differ_and_that_of_repeats_how_repeats_do():
     """Limits from the repeats, ten times closer, would accuse nearly every seal."""
-    lot = lot_of(scattered(lots=1, seals=60, sds=(0, 0.03, 0.003), seed=3))
+    lot = lot_of(draw_rows(lots=1, seals=60, sds=(0, 0.03, 0.003), seed=3))
     (charts,) = lot.charts().values()
     assert (charts.means.upper[0] - charts.means.centre) / 200 == pytest.approx(0.09, rel=0.25)
     assert charts.repeats.centre / 200 == pytest.approx(0.003 * 0.921, rel=0.1)  # c_4 of four
     assert len([one for one in charts.means.signals if "beyond" in one.rule]) <= 1
-    alone = lot_of(scattered(lots=1, seals=5, repeats=1)).charts()["L1"]
+    alone = lot_of(draw_rows(lots=1, seals=5, repeats=1)).charts()["L1"]
     assert alone.repeats is None
-    assert lot_of(scattered(lots=1, seals=1)).charts() == {}
+    assert lot_of(draw_rows(lots=1, seals=1)).charts() == {}
 
 
 def test_lots_have_a_chart_whose_groups_are_their_seals():
-    names, means, deviations = lot_of(scattered(lots=5, sds=(0, 0.03, 0.01))).lot_chart()
+    names, means, deviations = lot_of(draw_rows(lots=5, sds=(0, 0.03, 0.01))).lot_chart()
     assert names == ("L1", "L2", "L3", "L4", "L5")
     assert means.upper[0] - means.centre == pytest.approx(3 * 200 * 0.0304 / 5, rel=0.2)
     assert deviations.centre == pytest.approx(200 * 0.0304, rel=0.2)
-    assert lot_of(scattered(lots=1)).lot_chart() is None
+    assert lot_of(draw_rows(lots=1)).lot_chart() is None
 
 
 def test_components_and_gauge_hold_the_truth_of_four_lots():
-    lot = lot_of(scattered(seed=2, operators=("Kim", "Lee")))
+    lot = lot_of(draw_rows(seed=2, operators=("Kim", "Lee")))
     found = {one.source: one for one in lot.components("k_end")}
     for source, sd in (("lot", 4), ("seal", 6), ("repeat", 2)):
         low, high = found[source].interval
@@ -144,7 +144,7 @@ def test_components_and_gauge_hold_the_truth_of_four_lots():
 
 
 def test_the_table_goes_to_pandas_and_the_charts_to_a_picture(tmp_path):
-    lot = lot_of(scattered(lots=2, seals=3))
+    lot = lot_of(draw_rows(lots=2, seals=3))
     frame = lot.to_pandas()
     assert list(frame.columns) == lot.written_table().columns
     assert list(frame.columns)[:1] == ["file"]
@@ -158,7 +158,7 @@ def test_the_table_goes_to_pandas_and_the_charts_to_a_picture(tmp_path):
 # -- two lots -------------------------------------------------------------------------------------
 
 
-def in_folder(place, lot):
+def save_lot(place, lot):
     place.mkdir()
     lot.table.with_columns(key=pl.col("file")).write_parquet(place / "part-0.parquet")
     return str(place)
@@ -166,7 +166,7 @@ def in_folder(place, lot):
 
 def test_two_lots_that_differ_and_two_that_do_not(tmp_path):
     same, apart = (
-        lot_of(scattered(lots=1, sds=(0, 0.03, 0.01), mean=mean, seed=seed))
+        lot_of(draw_rows(lots=1, sds=(0, 0.03, 0.01), mean=mean, seed=seed))
         for mean, seed in ((200, 1), (210, 2))
     )
     found = compare_two_lots(("A", same), ("B", apart), ["k_end"]).differences[0]
@@ -175,14 +175,14 @@ def test_two_lots_that_differ_and_two_that_do_not(tmp_path):
     assert low < 10 < high
     assert found.difference.counts == (25, 25)
     alike = compare_two_lots(
-        ("A", same), ("C", lot_of(scattered(lots=1, sds=(0, 0.03, 0.01), seed=5)))
+        ("A", same), ("C", lot_of(draw_rows(lots=1, sds=(0, 0.03, 0.01), seed=5)))
     )
     assert [one.quantity.name for one in alike.differences] == ["k_end", "k_0"]
     assert not any(one.different for one in alike.differences)
     # 25 seals of 3 % find 2.4 %: 2.86 standard errors of 3.04 % times the root of 2/25
     assert alike.differences[0].difference.detectable / 200 == pytest.approx(0.0246, rel=0.3)
 
-    folders = [in_folder(tmp_path / name, one) for name, one in (("may", same), ("june", apart))]
+    folders = [save_lot(tmp_path / name, one) for name, one in (("may", same), ("june", apart))]
     document = run_json("compare", *folders)
     assert document["schema"] == "dashpot/lot-comparison@2"
     assert document["lots"] == ["may", "june"]
@@ -190,12 +190,12 @@ def test_two_lots_that_differ_and_two_that_do_not(tmp_path):
     said = ran("compare", *folders, "--quantity", "k_end").stdout
     assert "stiffness at the end of the hold: different" in said
     assert "with a power of 80 %; alike within" in said
-    of_one_name = [in_folder(tmp_path / when / "lot", same) for when in ("may", "june")]
+    of_one_name = [save_lot(tmp_path / when / "lot", same) for when in ("may", "june")]
     assert [name for name, _ in opened_both(of_one_name)] == of_one_name
 
 
 def test_lots_tested_otherwise_are_not_called_the_same_test():
-    one, other = scattered(lots=1), scattered(lots=1, seed=1)
+    one, other = draw_rows(lots=1), draw_rows(lots=1, seed=1)
     for row in other:
         row["depth_m"] = 0.006
     found = compare_two_lots(("A", lot_of(one)), ("B", lot_of(other)))
@@ -208,7 +208,7 @@ def test_lots_tested_otherwise_are_not_called_the_same_test():
 
 
 def test_compare_two_lots_counts_a_test_without_seal_as_one_seal():
-    rows = scattered(lots=1, seals=4, repeats=2)
+    rows = draw_rows(lots=1, seals=4, repeats=2)
     for row in rows:
         row["seal"] = ""
     found = compare_two_lots(("A", lot_of(rows)), ("B", lot_of(rows)))
@@ -218,7 +218,7 @@ def test_compare_two_lots_counts_a_test_without_seal_as_one_seal():
 
 
 def test_open_lot_asks_which_of_several_lots(tmp_path):
-    folder = in_folder(tmp_path / "all", lot_of(scattered(lots=3, seals=2)))
+    folder = save_lot(tmp_path / "all", lot_of(draw_rows(lots=3, seals=2)))
     assert open_lot(f"{folder}:L2")[1].table.height == 8
     for named, error, words in (
         (folder, DataError, "holds 3 lots: L1, L2, L3; say which"),
@@ -227,7 +227,7 @@ def test_open_lot_asks_which_of_several_lots(tmp_path):
     ):
         with pytest.raises(error, match=words):
             open_lot(named)
-    one = lot_of(scattered(lots=1, seals=1))
+    one = lot_of(draw_rows(lots=1, seals=1))
     with pytest.raises(DataError, match="lots of 1 and 1 seals"):
         compare_two_lots(("A", one), ("B", one))
     assert np.isfinite(one.seals()[0].mean)

@@ -7,7 +7,7 @@ from io import BytesIO
 import numpy as np
 import openpyxl
 import pytest
-from kit.lots import lot_of, scattered
+from kit.lots import draw_rows, lot_of
 from kit.shell import ran
 
 from dashpot.base.errors import ReadError
@@ -66,7 +66,7 @@ def test_limits_that_make_no_sense_are_refused(tmp_path, text, words):
         limits(tmp_path, text)
 
 
-def repeated(*means, spread=1.0):
+def make_repeated_lot(*means, spread=1.0):
     """One lot of seals with four repeats each, at their mean -1, -1, 1, 1 times the spread."""
     return [
         {"lot": "A", "seal": f"{i}", "k_end_N_per_m": mean + spread * side,
@@ -80,7 +80,7 @@ def test_a_seal_passes_where_its_uncertainty_leaves_no_doubt(tmp_path):
     """Repeats of one lot: s = sqrt(4/3), 12 degrees of freedom, t_0.95 = 1.7823 (any table)."""
     guard = 1.7823 * math.sqrt(4 / 3) / 2
     means = (110.0, 100 + 1.001 * guard, 100 + 0.999 * guard, 99.99)
-    rows = repeated(*means)
+    rows = make_repeated_lot(*means)
     rows.append({"lot": "A", "seal": "lost", "file": "z.csv", "outcome": "refused"})
     (asked,) = limits(tmp_path, '[k_end]\nlower = "100N/m"')
     found = check_lot_acceptance(lot_of(rows), asked)
@@ -108,7 +108,7 @@ def test_a_guard_band_keeps_its_promise(tmp_path):
 
 def test_a_limit_of_a_modulus_is_not_held_against_a_stiffness(tmp_path):
     part, material = "storage_at_5Hz_N_per_m", "storage_at_5Hz_Pa"
-    rows = [row | {part: 200.0, material: None} for row in scattered(1, 2, 1)]
+    rows = [row | {part: 200.0, material: None} for row in draw_rows(1, 2, 1)]
     rows += [{"lot": "L1", "seal": f"m{i}", part: None, material: 5e6 + i} for i in range(2)]
     asked = limits(tmp_path, '[storage_at_5Hz_Pa]\nupper = "6MPa"', (part, material))
     (found,) = summary(lot_of(rows), limits=asked).others
@@ -119,7 +119,7 @@ def test_a_limit_of_a_modulus_is_not_held_against_a_stiffness(tmp_path):
 
 
 def test_what_operators_add_widens_the_guard_band(tmp_path):
-    rows = scattered(lots=1, seals=10, sds=(0, 0.03, 0.005), operators=("a", "b"), seed=1)
+    rows = draw_rows(lots=1, seals=10, sds=(0, 0.03, 0.005), operators=("a", "b"), seed=1)
     (asked,) = limits(tmp_path, '[k_end]\nlower = "100N/m"')
     one = check_lot_acceptance(lot_of(rows), asked)[0].guard
     for row in rows:
@@ -149,23 +149,23 @@ def test_what_stands_out_is_named_and_what_does_not_is_not():
 
 
 HOSTILE = {
-    "one test": scattered(1, 1, 1),
-    "one seal": scattered(1, 1, 4),
-    "one repeat": scattered(1, 6, 1),
-    "two lots of one seal": scattered(2, 1, 1),
-    "all identical": scattered(2, 3, 2, sds=(0, 0, 0)),
-    "repeats identical": scattered(2, 5, 3, sds=(0.02, 0.03, 0)),
-    "an outlier": [*scattered(1, 8, 2), {"lot": "L1", "seal": "x", "k_end_N_per_m": 2e4,
+    "one test": draw_rows(1, 1, 1),
+    "one seal": draw_rows(1, 1, 4),
+    "one repeat": draw_rows(1, 6, 1),
+    "two lots of one seal": draw_rows(2, 1, 1),
+    "all identical": draw_rows(2, 3, 2, sds=(0, 0, 0)),
+    "repeats identical": draw_rows(2, 5, 3, sds=(0.02, 0.03, 0)),
+    "an outlier": [*draw_rows(1, 8, 2), {"lot": "L1", "seal": "x", "k_end_N_per_m": 2e4,
                                          "k_inf_N_per_m": 2e4, "k_1_N_per_m": 1.0}],
     "mixed depths": [row | {"depth_m": 0.006 + 0.001 * (i % 3)}
-                     for i, row in enumerate(scattered(1, 6, 2))],
-    "nothing fitted": [row | {"outcome": "refused", "verdict": ""} for row in scattered(1, 2, 2)],
-    "nothing to use": [row | {"verdict": "do not use"} for row in scattered(1, 2, 2)],
+                     for i, row in enumerate(draw_rows(1, 6, 2))],
+    "nothing fitted": [row | {"outcome": "refused", "verdict": ""} for row in draw_rows(1, 2, 2)],
+    "nothing to use": [row | {"verdict": "do not use"} for row in draw_rows(1, 2, 2)],
     "names that are code": [row | {"lot": "=1+1", "seal": "<i>" + row["seal"],
                                    "operator": "https://a.b"}
-                            for row in scattered(1, 3, 2)],
+                            for row in draw_rows(1, 3, 2)],
     "skewed": [row | {"k_end_N_per_m": 100 + np.exp(i % 7)}
-               for i, row in enumerate(scattered(1, 14, 1))],
+               for i, row in enumerate(draw_rows(1, 14, 1))],
 }  # fmt: skip
 
 
@@ -188,7 +188,7 @@ def test_any_lot_has_a_page_a_document_and_a_workbook(rows, tmp_path):
 
 
 def test_workbook_is_recognised_and_reproducible():
-    found = summary(lot_of(scattered(2, 3, 2)))
+    found = summary(lot_of(draw_rows(2, 3, 2)))
     made = workbook(found)
     assert is_ours(made[:4096])
     assert workbook(found) == made
@@ -198,7 +198,7 @@ def test_workbook_is_recognised_and_reproducible():
 
 
 def test_workbook_refers_tests_over_the_sheet_limit_to_the_table(monkeypatch):
-    found = summary(lot_of(scattered(1, 3, 2)))
+    found = summary(lot_of(draw_rows(1, 3, 2)))
     for rows, width in ((6, found.lot.written_table().width), (5, 1)):
         monkeypatch.setattr(workbooks, "_SHEET_ROWS", rows)
         book = openpyxl.load_workbook(BytesIO(workbook(found)))
@@ -208,7 +208,7 @@ def test_workbook_refers_tests_over_the_sheet_limit_to_the_table(monkeypatch):
 
 
 def test_lot_page_leads_with_a_missed_capability(tmp_path):
-    lot = lot_of(scattered(2, 25, 2, seed=4))
+    lot = lot_of(draw_rows(2, 25, 2, seed=4))
     asked = limits(tmp_path, '[k_end]\nlower = "150N/m"\nupper = "250N/m"\ncpk = 3\n')
     found = summary(lot, limits=asked)
     page = html(lot, found=found)
@@ -222,10 +222,10 @@ def test_lot_page_leads_with_a_missed_capability(tmp_path):
 @pytest.mark.parametrize(
     ("rows", "unknown"),
     [
-        (scattered(1, 1, 4), True),
-        (scattered(1, 4, 1, sds=(0, 0, 0)), True),
-        ([*scattered(1, 5, 2), {"lot": "B", "seal": "1", "outcome": "refused"}], True),
-        (scattered(2, 5, 2), False),
+        (draw_rows(1, 1, 4), True),
+        (draw_rows(1, 4, 1, sds=(0, 0, 0)), True),
+        ([*draw_rows(1, 5, 2), {"lot": "B", "seal": "1", "outcome": "refused"}], True),
+        (draw_rows(2, 5, 2), False),
     ],
     ids=["one seal", "all equal", "a lot without a seal that is used", "known"],
 )
@@ -238,7 +238,7 @@ def test_required_capability_that_is_undetermined_fails(tmp_path, rows, unknown)
 
 
 def test_a_test_that_lacks_the_quantity_of_a_limit_has_no_result(tmp_path):
-    rows = [row | {"seal": "", "frequency_Hz": None} for row in scattered(1, 3, 1)]
+    rows = [row | {"seal": "", "frequency_Hz": None} for row in draw_rows(1, 3, 1)]
     rows[0]["frequency_Hz"] = 12.0
     rows.append({"lot": "L1", "file": "notes.txt", "outcome": "refused"})
     (asked,) = limits(tmp_path, '[frequency]\nlower = "10Hz"\n', ("frequency_Hz",))
@@ -253,15 +253,15 @@ def test_a_test_that_lacks_the_quantity_of_a_limit_has_no_result(tmp_path):
     [((0.0, 0.03, 0.005), "good", "use"), ((0.0, 0.02, 0.02), "bad", "do not use")],
 )
 def test_summary_does_not_release_a_lot_with_an_inadequate_gauge(sds, mark, use):
-    found = summary(lot_of(scattered(lots=2, seals=25, repeats=4, sds=sds)))
+    found = summary(lot_of(draw_rows(lots=2, seals=25, repeats=4, sds=sds)))
     lights = {one.name: one.mark for one in found.lights}
     assert lights["measuring"] == mark
     assert (found.verdict.use == "do not use") == (use == "do not use")
 
 
 def test_lots_that_shift_are_no_chance_and_a_lot_like_the_others_is():
-    still = summary(lot_of(scattered(lots=12, seals=25, repeats=1, sds=(0.0, 0.03, 0.0))))
-    moved = summary(lot_of(scattered(lots=12, seals=25, repeats=1, sds=(0.02, 0.03, 0.0))))
+    still = summary(lot_of(draw_rows(lots=12, seals=25, repeats=1, sds=(0.0, 0.03, 0.0))))
+    moved = summary(lot_of(draw_rows(lots=12, seals=25, repeats=1, sds=(0.02, 0.03, 0.0))))
     marks = [{one.name: one.mark for one in each.lights}["control"] for each in (still, moved)]
     assert marks[0] in {"good", "note"}
     assert marks[1] == "care"
@@ -275,14 +275,14 @@ def test_lots_that_shift_are_no_chance_and_a_lot_like_the_others_is():
 def test_the_verdict_is_as_bad_as_the_worst_light():
     worst = {"use": {"good", "note"}, "use with care": {"care"}, "do not use": {"bad"}}
     for sds in ((0.0, 0.03, 0.005), (0.0, 0.03, 0.012), (0.02, 0.03, 0.005), (0.0, 0.02, 0.02)):
-        found = summary(lot_of(scattered(lots=6, seals=12, repeats=3, sds=sds)))
+        found = summary(lot_of(draw_rows(lots=6, seals=12, repeats=3, sds=sds)))
         mark = max((one.mark for one in found.lights), key=ORDER.index)
         assert mark in worst[found.verdict.use]
         assert [one.name for one in found.lights] == ["files", "measuring", "control", "limits"]
 
 
 def test_a_copy_is_counted_and_says_nothing():
-    rows = scattered(lots=1, seals=12, repeats=3)
+    rows = draw_rows(lots=1, seals=12, repeats=3)
     for i, one in enumerate(rows):
         one["sha256"] = f"{i:064}"
     alone = summary(lot_of(rows))
@@ -304,7 +304,7 @@ def test_a_copy_is_counted_and_says_nothing():
     ],
 )
 def test_a_capability_that_the_interval_rules_out_is_a_stop(of, by, grade):
-    lot = lot_of(scattered(lots=1, seals=30, repeats=1, sds=(0.0, 0.02, 0.0)))
+    lot = lot_of(draw_rows(lots=1, seals=30, repeats=1, sds=(0.0, 0.02, 0.0)))
     (able,) = lot.capability("k_end", 176.0, 224.0).values()
     asked = {"cpk": able.cpk, "high": able.cpk_interval[1]}[of] + by
     limits = [Limits(lot.quantity("k_end"), 176.0, 224.0, asked)]
@@ -315,7 +315,7 @@ def test_a_capability_that_the_interval_rules_out_is_a_stop(of, by, grade):
 
 def test_summary_reports_frequencies_outside_the_band():
     rows = [row | {"loss_factor_at_12.7Hz": 0.03, "loss_factor_at_0.1Hz": 0.03}
-            for row in scattered(1, 3, 1)]  # fmt: skip
+            for row in draw_rows(1, 3, 1)]  # fmt: skip
     (check,) = [one for one in summary(lot_of(rows)).checks if one.name == "frequencies_in_band"]
     assert check.value == 3
     assert "12.7 Hz lies outside" in check.message

@@ -33,20 +33,20 @@ TEXT = bench(ramp_and_hold())
 def rig(tmp_path, monkeypatch):
     """An empty folder, and rows that are made in this process."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(batch_run, "open_executor", lambda *_: here())
+    monkeypatch.setattr(batch_run, "open_executor", lambda *_: make_executor())
     folder = Path("rig")
     folder.mkdir()
     return folder
 
 
 @contextmanager
-def here():
-    def computed(chunks, choices):
+def make_executor():
+    def compute_chunks(chunks, choices):
         for chunk in chunks:
             rows = [row(one.entry, one.hashes, choices) | {KEY: one.key} for one in chunk]
             yield chunk, rows
 
-    yield Executor(1, 1, computed)
+    yield Executor(1, 1, compute_chunks)
 
 
 class Story:
@@ -127,12 +127,12 @@ def test_watch_retries_an_unreadable_file(rig, monkeypatch):
     (rig / "a.csv").write_text(TEXT)
     opened, locked = Path.open, [True]
 
-    def refused(path, *how, **more):
+    def refuse_open(path, *how, **more):
         if locked and path.name == "a.csv":
             raise PermissionError(13, "Permission denied")
         return opened(path, *how, **more)
 
-    monkeypatch.setattr(Path, "open", refused)
+    monkeypatch.setattr(Path, "open", refuse_open)
     story = Story((4.0, locked.clear), until(6.0))
     assert story.tables == [(2.0, {"a": "refused"}), (4.0, {"a": "fitted"})]
 
@@ -144,12 +144,12 @@ def test_a_file_that_changes_under_the_fit_is_fitted_when_it_is_still(rig, monke
     made = batch_run.row
 
     @contextmanager
-    def meddled(*_):
+    def interfere(*_):
         next(answers, lambda: None)()
-        with here() as engine:
+        with make_executor() as engine:
             yield engine
 
-    monkeypatch.setattr(batch_run, "open_executor", meddled)
+    monkeypatch.setattr(batch_run, "open_executor", interfere)
     assert made is row
     story = Story(until(9.0))
     assert [found["a"] for _, found in story.tables][-1] == "fitted"
@@ -184,7 +184,7 @@ def test_watch_merges_many_single_tests_into_few_parts(rig):
 
 
 @pytest.fixture
-def counted(monkeypatch):
+def search_count(monkeypatch):
     """How often the tests in the folder were sought."""
     calls, sought = [], BatchJob.entries
     monkeypatch.setattr(
@@ -193,14 +193,14 @@ def counted(monkeypatch):
     return calls
 
 
-def test_an_idle_folder_is_only_scanned(rig, counted):
+def test_an_idle_folder_is_only_scanned(rig, search_count):
     (rig / "a.csv").write_text(TEXT)
     Story(until(STILL + BEAT))
-    before = len(counted)
-    counted.clear()
+    before = len(search_count)
+    search_count.clear()
     story = Story(write("b.csv", at=40.0), write("a_hammer.csv", at=80.0), until(120.0),
                   pair="{stem}_hammer*.csv")  # fmt: skip
-    assert len(counted) <= 3 * before
+    assert len(search_count) <= 3 * before
     assert [set(found) for _, found in story.tables] == [{"a"}, {*"ab"}, {"b"}, {*"ab"}]
     assert [at for at, _ in story.tables] == [2.0, 42.0, 80.0, 82.0]
 
@@ -224,7 +224,7 @@ def test_an_idle_folder_notices_what_a_link_leads_to(rig, tmp_path):
     ]  # fmt: skip
 
 
-def test_a_calibration_that_changes_is_followed(rig, counted):
+def test_a_calibration_that_changes_is_followed(rig, search_count):
     (rig / "a.csv").write_text(TEXT)
     table = '[force]\nscale = "{} N/N"\nsource = "certificate"\n'
     Path("cell.toml").write_text(table.format("1.0"))
@@ -238,11 +238,11 @@ def test_a_calibration_that_changes_is_followed(rig, counted):
 
 
 @pytest.mark.parametrize("words", [{"pair": "../hammers/{stem}.csv"}, {"pair": "{lot}*.csv"}])
-def test_a_folder_whose_hammers_may_be_anywhere_is_sought_each_time(rig, counted, words):
+def test_a_folder_whose_hammers_may_be_anywhere_is_sought_each_time(rig, search_count, words):
     (rig / "a.csv").write_text(TEXT)
     by = r"(?P<lot>a)\.csv"
     Story(until(10.0), by=by, **words)
-    assert len(counted) >= 20
+    assert len(search_count) >= 20
 
 
 def test_what_makes_no_sense_is_refused_before_anything_comes(rig):

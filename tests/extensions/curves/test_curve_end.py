@@ -129,7 +129,7 @@ def test_fit_modulus_of_few_values_has_no_end_limits() -> None:
 # -- how often ------------------------------------------------------------------------------------
 
 
-def met(score: Score, *, sound: float = 0.6) -> None:
+def require_score(score: Score, *, sound: float = 0.6) -> None:
     assert min(score.held.values()) >= 0.95, score
     assert score.used_off <= 0.05 * score.used, score
     assert score.sound_used >= sound * score.sound, score
@@ -142,7 +142,7 @@ def test_limits_hold_on_a_few_curves_of_every_kind() -> None:
         for i, one in enumerate(make(10))
         if i in chosen
     ]
-    met(Score.of(some), sound=0.5)
+    require_score(Score.of(some), sound=0.5)
     assert any(line["use"] == "use" for line in some)
     assert any("plateau_determined" in line["reason"] for line in some)
 
@@ -150,7 +150,7 @@ def test_limits_hold_on_a_few_curves_of_every_kind() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("make", "count"), [(moduli, 300), (compliances, 100), (sweeps, 100)])
 def test_limits_hold_and_use_is_right(make, count) -> None:
-    met(Score.of(map(evaluate_curve, make(count, 1))))
+    require_score(Score.of(map(evaluate_curve, make(count, 1))))
 
 
 @pytest.mark.slow

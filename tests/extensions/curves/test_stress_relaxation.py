@@ -45,7 +45,7 @@ def write_record(path, head="Time [s];Strain [%];Stress [MPa]", strain=100.0, st
     return path
 
 
-def fit_one(path, options=None):
+def fit_file(path, options=None):
     return fit_files((path,), options=options)[0]
 
 
@@ -76,16 +76,16 @@ def test_fit_of_strain_and_stress_gives_moduli(tmp_path, head, strain, stress) -
 def test_fit_of_strain_and_stress_is_that_of_a_specimen(tmp_path) -> None:
     """Of 20 mm by 50 mm²: k = E A / L."""
     path = write_record(tmp_path / "relax.csv")
-    material = fit_one(path)
+    material = fit_file(path)
     units = {"displacement": "0.2mm", "force": "50N"}
-    part = fit_one(path, ReadOptions(displacement="Strain", force="Stress", units=units))
+    part = fit_file(path, ReadOptions(displacement="Strain", force="Stress", units=units))
     assert part.unit == "N/m"
     assert part.model.k_inf == pytest.approx(material.model.k_inf * 50e-6 / 20e-3, rel=2e-3)
 
 
 @pytest.mark.parametrize("solver", ["abaqus", "ansys"])
 def test_export_of_strain_and_stress_writes_a_material(tmp_path, solver) -> None:
-    fit = fit_one(write_record(tmp_path / "relax.csv"))
+    fit = fit_file(write_record(tmp_path / "relax.csv"))
     fit.save(tmp_path / "fit.json")
     assert json.loads((tmp_path / "fit.json").read_text())["unit"] == "Pa"
     with pytest.raises(SystemExit) as ended:
@@ -117,7 +117,7 @@ def test_read_asks_about_a_strain_in_the_wrong_unit(tmp_path) -> None:
     path = write_record(tmp_path / "relax.csv", strain=1.0)  # fractions under %
     with pytest.raises(ReadError, match="--units strain=1"):
         read_modulus(path)
-    fit = fit_one(path, ReadOptions(units={"strain": "1"}))
+    fit = fit_file(path, ReadOptions(units={"strain": "1"}))
     assert fit.model.k_inf == pytest.approx(1e6 * E_INF, rel=5e-3)
 
 
@@ -160,7 +160,7 @@ def test_relaxation_in_several_holds_is_one_model(tmp_path, corners) -> None:
     """The strain is followed from its first sample on."""
     path = write_motion(tmp_path / "holds.csv", corners, corners[-1][0])
     assert inspect_file(path).kind == "modulus"
-    fit = fit_one(path)
+    fit = fit_file(path)
     t = np.array([1.0, 5.0, 20.0, 50.0])
     truth = E_INF + sum(m * np.exp(-t / tau) for m, tau in ARMS)
     np.testing.assert_allclose(fit.model.relaxation(t), 1e6 * truth, rtol=0.01)
@@ -180,16 +180,16 @@ def test_stress_next_to_a_strain_is_no_modulus(tmp_path, head) -> None:
     rows = slice(25, None)
     path = write_columns(tmp_path / "relax.csv", head, TIME[rows], STRAIN[rows], STRESS[rows])
     assert isinstance(read_modulus(path), StressRelaxationTest)
-    assert fit_one(path).verdict.use != "use"
+    assert fit_file(path).verdict.use != "use"
     whole = write_columns(tmp_path / "whole.csv", head, TIME, STRAIN, STRESS)
-    assert fit_one(whole).model.k_inf == pytest.approx(1e6 * E_INF, rel=5e-3)
+    assert fit_file(whole).model.k_inf == pytest.approx(1e6 * E_INF, rel=5e-3)
 
 
 def test_hold_without_a_clock_needs_its_rate(tmp_path) -> None:
     path = write_columns(tmp_path / "relax.csv", "Strain [%];Stress [MPa]", 100 * STRAIN, STRESS)
     with pytest.raises(ReadError, match="--rate"):
-        fit_one(path)
-    fit = fit_one(path, ReadOptions(rate=10.0))
+        fit_file(path)
+    fit = fit_file(path, ReadOptions(rate=10.0))
     assert fit.model.k_inf == pytest.approx(1e6 * E_INF, rel=5e-3)
 
 
@@ -215,7 +215,7 @@ def test_relaxation_of_no_rubber_raises_a_question(tmp_path, head, strain, stres
 
 def test_relaxation_at_a_small_strain_raises_no_question(tmp_path) -> None:
     path = write_record(tmp_path / "relax.csv", strain=10.0, stress=0.1)  # 1 %
-    fit = fit_one(path)
+    fit = fit_file(path)
     assert fit.model.k_inf == pytest.approx(1e6 * E_INF, rel=5e-3)
 
 
@@ -227,7 +227,7 @@ def test_creep_of_no_rubber_raises_a_question(tmp_path) -> None:
         tmp_path / "creep.csv", "Time [s];Strain [%];Stress [MPa]", t, strain, stress
     )
     with pytest.raises(ReadError, match="stress=MPa"):
-        fit_one(path)
+        fit_file(path)
 
 
 def test_hold_from_its_last_row_to_its_first_is_refused(tmp_path) -> None:
@@ -235,4 +235,4 @@ def test_hold_from_its_last_row_to_its_first_is_refused(tmp_path) -> None:
     columns = (TIME[rows], 100 * STRAIN[rows], STRESS[rows])
     path = write_columns(tmp_path / "relax.csv", "Time [s];Strain [%];Stress [MPa]", *columns)
     with pytest.raises(ReadError, match="time"):
-        fit_one(path)
+        fit_file(path)

@@ -36,7 +36,7 @@ def dataset(**of_force: Any) -> xr.Dataset:
     )
 
 
-def stamped() -> pd.DataFrame:
+def make_time_stamped_frame() -> pd.DataFrame:
     began = np.datetime64("2026-03-01T08:00:00", "ns")
     index = pd.DatetimeIndex(began + np.round(TIME * 1e9).astype("timedelta64[ns]"))
     return pd.DataFrame({"travel_mm": MOVED, "force_N": FORCE}, index=index)
@@ -56,9 +56,10 @@ def levels() -> pd.DataFrame:
 
 FRAMES = {
     "pandas": pd.DataFrame(COLUMNS), "polars": pl.DataFrame(COLUMNS), "mapping": dict(COLUMNS),
-    "attributes": stated_in_attributes(), "xarray": dataset(), "instants": stamped(),
+    "attributes": stated_in_attributes(), "xarray": dataset(),
+    "instants": make_time_stamped_frame(),
     "words beside": pd.DataFrame(COLUMNS).assign(remark="a"),
-    "instants of a zone": stamped().tz_localize("Europe/Berlin"),
+    "instants of a zone": make_time_stamped_frame().tz_localize("Europe/Berlin"),
     "objects": pd.DataFrame(COLUMNS).astype(object),
     "nullable": pd.DataFrame(COLUMNS).astype("Float64"),
     "one name twice": twice(), "names of two levels": levels(),

@@ -28,7 +28,7 @@ CONTENT = {
 }
 
 
-def saved(content: dict[str, object] = CONTENT, **options: object) -> BytesIO:
+def save_matlab(content: dict[str, object] = CONTENT, **options: object) -> BytesIO:
     stream = BytesIO()
     savemat(stream, content, **options)  # type: ignore[arg-type]
     stream.seek(0)
@@ -37,13 +37,17 @@ def saved(content: dict[str, object] = CONTENT, **options: object) -> BytesIO:
 
 @pytest.mark.parametrize("compressed", [False, True])
 def test_check_elements_accepts_valid_files(compressed: bool) -> None:
-    stream = saved(do_compression=compressed)
+    stream = save_matlab(do_compression=compressed)
     check_elements(stream)
     assert stream.tell() == 0
 
 
 def test_other_versions_and_files_are_passed_over() -> None:
-    for stream in (saved({"a": np.eye(3)}, format="4"), BytesIO(b"time,force\n1,2\n"), BytesIO()):
+    for stream in (
+        save_matlab({"a": np.eye(3)}, format="4"),
+        BytesIO(b"time,force\n1,2\n"),
+        BytesIO(),
+    ):
         check_elements(stream)
         assert stream.tell() == 0
 
@@ -71,7 +75,7 @@ def test_both_byte_orders_are_walked() -> None:
     ],
 )
 def test_check_elements_reports_a_wrong_tag(at: int, put: int, why: str) -> None:
-    content = bytearray(saved({"a_long_name": np.arange(9.0)}).getvalue())
+    content = bytearray(save_matlab({"a_long_name": np.arange(9.0)}).getvalue())
     content[at : at + 4] = struct.pack("<I", put)
     with pytest.raises(ReadError, match=f"the MAT file is damaged near byte.*{why}"):
         check_elements(BytesIO(content))
@@ -80,13 +84,13 @@ def test_check_elements_reports_a_wrong_tag(at: int, put: int, why: str) -> None
 @pytest.mark.parametrize("compressed", [False, True])
 @pytest.mark.parametrize("left", [140, 200, 5000])
 def test_check_elements_reports_a_truncated_file(compressed: bool, left: int) -> None:
-    content = saved(do_compression=compressed).getvalue()[:left]
+    content = save_matlab(do_compression=compressed).getvalue()[:left]
     with pytest.raises(ReadError, match="the MAT file is damaged near byte"):
         check_elements(BytesIO(content))
 
 
 def test_check_elements_reports_inconsistent_counts() -> None:
-    good = saved({"a_long_name": np.arange(9.0)}).getvalue()
+    good = save_matlab({"a_long_name": np.arange(9.0)}).getvalue()
     for at, put, why in (
         (144, 0x806, "an element where 0 bytes are left"),  # complex, but nothing imaginary
         (160, 10**6, "an array of 9000000 values in"),
@@ -103,7 +107,7 @@ def test_what_passes_does_not_end_the_process(seed: int) -> None:
     """Thousands of damaged files: SciPy may refuse what is left, and lives to say so."""
     draw = random.Random(seed)  # noqa: S311
     small = {name: value for name, value in CONTENT.items() if name != "numbers"}
-    files = [saved(small).getvalue(), saved(small, do_compression=True).getvalue()]
+    files = [save_matlab(small).getvalue(), save_matlab(small, do_compression=True).getvalue()]
     refused = 0
     for _ in range(800):
         content = bytearray(draw.choice(files))
@@ -127,7 +131,7 @@ def test_what_passes_does_not_end_the_process(seed: int) -> None:
 )
 def test_the_indices_of_a_sparse_array_lie_inside_it(name: str, at: int, put: int) -> None:
     array = csc_matrix(np.array([[1.0, 0.0, 2.0], [0.0, 3.0, 0.0]]))
-    check_elements(saved({"numbers": array}))
+    check_elements(save_matlab({"numbers": array}))
     getattr(array, name)[at] = put
     with pytest.raises(ReadError, match="indices lie outside"):
-        check_elements(saved({"numbers": array}))
+        check_elements(save_matlab({"numbers": array}))

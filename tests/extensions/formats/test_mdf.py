@@ -16,7 +16,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from kit.foreign.files import press_and_hold
-from kit.mdf_files import Channel, Group, mdf3, mdf4, packed
+from kit.mdf_files import Channel, Group, mdf3, mdf4, pack_block
 
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import cautions_in
@@ -389,7 +389,7 @@ def test_a_link_that_goes_round_ends() -> None:
 
 def test_a_block_of_zeros_unpacks_to_no_more_than_it_says() -> None:
     data = mdf4([bench()], how="DZ")
-    body = packed(bytes(64 << 20), message=25 * 840)
+    body = pack_block(bytes(64 << 20), message=25 * 840)
     place = data.find(b"##DZ")
     bomb = struct.pack("<4s4xQQ", b"##DZ", 24 + len(body), 0) + body
     moved = data[:place] + bomb + data[place:]

@@ -51,7 +51,7 @@ def wav(data: bytes, *, bits: int = 24, kind: int = 1, size: int | None = None) 
     return b"RIFF" + struct.pack("<I", len(body)) + body
 
 
-def extended(data: bytes, bits: int, valid: int) -> bytes:
+def extend_samples(data: bytes, bits: int, valid: int) -> bytes:
     """Samples of `valid` bits, each stored in `bits`."""
     size = bits // 8
     form = struct.pack("<HHIIHHHHIH", 0xFFFE, 1, 100, 100 * size, size, bits, 22, valid, 4, 1)
@@ -61,7 +61,7 @@ def extended(data: bytes, bits: int, valid: int) -> bytes:
     return b"RIFF" + struct.pack("<I", len(body)) + body
 
 
-def turned(data: bytes, bits: int) -> bytes:
+def swap_bytes(data: bytes, bits: int) -> bytes:
     """The same file with its most significant bytes first."""
     size = bits // 8
     form = struct.pack(">HHIIHH", 1, 1, 100, 100 * size, size, bits)
@@ -90,16 +90,16 @@ def test_24_bits_and_8_bits() -> None:
 def test_samples_stand_in_the_upper_bits_of_a_wider_word() -> None:
     values = np.array([0, 1 << 22, -1 << 23, 5])
     upper = (values.astype("<i4") << 8).tobytes()
-    np.testing.assert_array_equal(numbers(extended(upper, 32, 24)), values / 2**23)
+    np.testing.assert_array_equal(numbers(extend_samples(upper, 32, 24)), values / 2**23)
     with pytest.raises(ReadError, match="24 bits in 32 whose samples do not stand in the upper"):
-        numbers(extended(values.astype("<i4").tobytes(), 32, 24))
+        numbers(extend_samples(values.astype("<i4").tobytes(), 32, 24))
 
 
 @pytest.mark.parametrize("bits", [16, 24, 32])
 def test_most_significant_bytes_first(bits: int) -> None:
     values = [0, 1 << (bits - 2), -1 << (bits - 1)]
     data = b"".join(value.to_bytes(bits // 8, "big", signed=True) for value in values)
-    np.testing.assert_array_equal(numbers(turned(data, bits)), [0, 0.5, -1])
+    np.testing.assert_array_equal(numbers(swap_bytes(data, bits)), [0, 0.5, -1])
 
 
 @pytest.mark.parametrize("mark", [b"RF64", b"BW64"])

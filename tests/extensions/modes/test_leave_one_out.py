@@ -33,14 +33,14 @@ def files(tmp_path_factory):
     return folder
 
 
-def compared(folder, *words):
+def run_compare(folder, *words):
     told = ran("compare", folder / "joint.json", folder / "hammer.csv", *RIG, *words, "--json")
     assert told.exit_code == 0, told.output
     return json.loads(told.stdout)
 
 
 def test_a_comparison_with_the_hits_that_were_fitted_says_so_first(files):
-    found = compared(files)
+    found = run_compare(files)
     assert found["in_sample"] is True
     assert found["unmeasured"] is None
     assert found["verdict"]["message"].startswith("The peak frequency is off by ")
@@ -83,7 +83,7 @@ def test_an_frf_written_from_the_fitted_hits_is_no_other_measurement(files):
 
 
 def test_leave_one_out_predicts_each_hit(files):
-    found = compared(files, "--record", files / "seal_8mm.csv")
+    found = run_compare(files, "--record", files / "seal_8mm.csv")
     unseen = found["unmeasured"]
     assert unseen["hits"] >= 3
     assert 0.001 < unseen["error"] < 0.1

@@ -28,7 +28,7 @@ TRUE = ((12.7, 0.02, 0.1), (31.0, 0.04, 0.15))
 F = np.arange(1.0, 80.0, 0.05)
 
 
-def measured(noise=0.01, seed=0):
+def simulate_accelerance(noise=0.01, seed=0):
     """Accelerance of viscously damped modes with scatter, from its closed form alone."""
     s = 2j * np.pi * F
     value = np.zeros(len(F), dtype=complex)
@@ -40,7 +40,7 @@ def measured(noise=0.01, seed=0):
     return FRF(F, value, sd=sd, coherence=np.full(len(F), 0.99), averages=5, units="SI")
 
 
-def written(folder, frf, name="frf.csv"):
+def save_frf(folder, frf, name="frf.csv"):
     path = folder / name
     path.write_bytes(frf_uff(frf) if name.endswith(".uff") else write_frf(frf).encode())
     return path
@@ -56,10 +56,10 @@ def fit_modes(path, *words):
 
 
 def test_a_transmissibility_has_the_poles_of_any_mass(tmp_path):
-    per_force = measured()
+    per_force = simulate_accelerance()
     kinds = "transmissibility", "relative_transmissibility"
     over = [per_force.to(kind, mass=0.104) for kind in kinds]
-    paths = [written(tmp_path, frf, f"{i}.csv") for i, frf in enumerate((per_force, *over))]
+    paths = [save_frf(tmp_path, frf, f"{i}.csv") for i, frf in enumerate((per_force, *over))]
     by_force, *by_base = [modes_of(path, band=(5.0, 50.0)) for path in paths]
     for found in by_base:
         assert found.frf.quantity.over_base
@@ -74,11 +74,11 @@ def test_a_transmissibility_has_the_poles_of_any_mass(tmp_path):
 
 
 def test_who_says_that_the_motion_is_relative_is_heard(tmp_path):
-    over = measured().to("relative_transmissibility", mass=0.104)
+    over = simulate_accelerance().to("relative_transmissibility", mass=0.104)
     unsaid = replace(over, quantity="transmissibility")
     words = ("--band", "5:50Hz")
-    said = fit_modes(written(tmp_path, over), *words)["modes"]
-    told = fit_modes(written(tmp_path, unsaid, "unsaid.csv"), *words, "--relative")["modes"]
+    said = fit_modes(save_frf(tmp_path, over), *words)["modes"]
+    told = fit_modes(save_frf(tmp_path, unsaid, "unsaid.csv"), *words, "--relative")["modes"]
     assert [one["frequency_hz"] for one in told] == [one["frequency_hz"] for one in said]
 
 
@@ -88,7 +88,7 @@ def test_modes_of_masses_on_a_base_agree_with_one_model(tmp_path):
         s = 2j * np.pi * F
         k = 640 + 4.0 * s
         over = FRF(F[1:], (k / (k + mass * s**2))[1:], "transmissibility", units="SI")
-        paths.append(written(tmp_path, over, f"{mass}.csv"))
+        paths.append(save_frf(tmp_path, over, f"{mass}.csv"))
     picture = tmp_path / "a.svg"
     words = ("--mass", "100g", "--mass", "200g", "--band", "4:30Hz", "--plot", str(picture))
     assert ran("fit", *map(str, paths), *words).exit_code == 0
@@ -99,14 +99,14 @@ def test_modes_of_masses_on_a_base_agree_with_one_model(tmp_path):
 
 
 def test_frf_set_refuses_mixed_kinds():
-    frf = measured()
+    frf = simulate_accelerance()
     with pytest.raises(DataError, match="of '2' is transmissibility, that of '1' accelerance; exp"):
         FRFSet((frf, frf.to("transmissibility", mass=0.1)))
 
 
 @pytest.mark.parametrize("kind", ["accelerance", "mobility", "receptance", "dynamic_stiffness"])
 def test_modes_of_a_file_of_any_kind_are_the_true_ones(tmp_path, kind):
-    found = fit_modes(written(tmp_path, measured().to(kind)), "--band", "5:50Hz")
+    found = fit_modes(save_frf(tmp_path, simulate_accelerance().to(kind)), "--band", "5:50Hz")
     assert found["schema"] == "dashpot/modes@2"
     assert found["band"] == [5.0, 50.0]
     assert len(found["modes"]) == len(TRUE)
@@ -122,7 +122,7 @@ def test_modes_of_a_file_of_any_kind_are_the_true_ones(tmp_path, kind):
 
 
 def test_the_errors_are_those_of_many_tests():
-    draws = [measured(seed=i).modes(band=(5, 50)) for i in range(12)]
+    draws = [simulate_accelerance(seed=i).modes(band=(5, 50)) for i in range(12)]
     for pick in (0, 1):
         true = TRUE[pick]
         near = [next(m for m in d if abs(m.frequency - true[0]) < 2) for d in draws]
@@ -132,29 +132,31 @@ def test_the_errors_are_those_of_many_tests():
 
 
 def test_a_uff_and_a_csv_tell_the_same_modes(tmp_path):
-    frf = replace(measured(), sd=None)
-    one, other = (modes_of(written(tmp_path, frf, name)) for name in ("a.csv", "a.uff"))
+    frf = replace(simulate_accelerance(), sd=None)
+    one, other = (modes_of(save_frf(tmp_path, frf, name)) for name in ("a.csv", "a.uff"))
     for mine, its in zip(one.modes, other.modes, strict=True):
         assert its.frequency_hz == pytest.approx(mine.frequency_hz, rel=1e-6)
         assert its.damping_ratio == pytest.approx(mine.damping_ratio, rel=1e-4)
 
 
 def test_measured_modes_report_missing_file_information(tmp_path):
-    bare = modes_of(written(tmp_path, replace(measured(), sd=None, coherence=None, averages=0)))
+    bare = modes_of(
+        save_frf(tmp_path, replace(simulate_accelerance(), sd=None, coherence=None, averages=0))
+    )
     assert "line_errors_stated" in {check.name for check in bare.frf.checks if check.failed}
-    doubtful = replace(measured(), coherence=np.full(len(F), 0.89))
-    failed = {c.name for c in modes_of(written(tmp_path, doubtful)).frf.checks if c.failed}
+    doubtful = replace(simulate_accelerance(), coherence=np.full(len(F), 0.89))
+    failed = {c.name for c in modes_of(save_frf(tmp_path, doubtful)).frf.checks if c.failed}
     assert failed == {"coherence"}
-    other_sign = replace(measured(), value=measured().value.conj())
-    failed = {c.name for c in modes_of(written(tmp_path, other_sign)).frf.checks if c.failed}
+    other_sign = replace(simulate_accelerance(), value=simulate_accelerance().value.conj())
+    failed = {c.name for c in modes_of(save_frf(tmp_path, other_sign)).frf.checks if c.failed}
     assert "frf_dissipates" in failed or "resonance" in failed
-    result = ran("fit", written(tmp_path, other_sign))
+    result = ran("fit", save_frf(tmp_path, other_sign))
     assert result.stdout.startswith("Do not use:")
 
 
 def test_measured_modes_without_a_resonance_report_none(tmp_path):
-    frf = measured(noise=0.02)
-    found = fit_modes(written(tmp_path, frf), "--band", "50:79Hz")
+    frf = simulate_accelerance(noise=0.02)
+    found = fit_modes(save_frf(tmp_path, frf), "--band", "50:79Hz")
     assert found["modes"] == []
     assert [c["name"] for c in found["checks"] if c["passed"] is False] == ["resonance"]
 
@@ -234,14 +236,14 @@ def test_modes_of_close_poles_are_separated_by_their_shapes(tmp_path):
     true = np.array([shape for *_, shape in CLOSE], dtype=complex).T
     assert mac[0, 1] == pytest.approx(dp.systems.mac(true, true)[0, 1], abs=0.1)
     # one point alone cannot: it tells one mode between the two
-    (alone,) = modes_of(written(tmp_path, points()[0]), band=(5, 79)).modes
+    (alone,) = modes_of(save_frf(tmp_path, points()[0]), band=(5, 79)).modes
     assert 20.0 < alone.frequency_hz < 20.4
 
 
 @pytest.mark.once
 def test_columns_files_and_a_uff_tell_the_same(tmp_path):
     frfs = [replace(frf, sd=None) for frf in points(noise=0.002)]
-    files = [written(tmp_path, frf, f"p{i}.csv") for i, frf in enumerate(frfs)]
+    files = [save_frf(tmp_path, frf, f"p{i}.csv") for i, frf in enumerate(frfs)]
     text = as_text(tmp_path, [replace(frf, sd=np.ones(len(G))) for frf in frfs])
     every = read_frfs(files), read_frfs(text), read_frfs(as_uff(tmp_path, frfs))
     assert [one.points for one in every] == [
@@ -259,7 +261,7 @@ def test_columns_files_and_a_uff_tell_the_same(tmp_path):
 
 def test_points_on_other_lines_are_refused(tmp_path):
     one, other = points()[:2]
-    files = [written(tmp_path, one, "a.csv"), written(tmp_path, other.band(4.95, 40.05), "b.csv")]
+    files = [save_frf(tmp_path, one, "a.csv"), save_frf(tmp_path, other.band(4.95, 40.05), "b.csv")]
     with pytest.raises(dp.DataError, match="'b' has 351 lines from 5 to 40 Hz, 'a' 760 from 4"):
         modes_of(*files)
 
@@ -339,7 +341,7 @@ def test_compare_pairs_modes_of_two_tests_of_the_same_points(tmp_path):
     found = run_json("compare", first, second, "--band", "5:79Hz")
     assert [one["other"] for one in found["against"]] == [1, 2]
     assert min(one["mac"] for one in found["against"]) > 0.98
-    result = ran("compare", first, written(tmp_path, points()[0]))
+    result = ran("compare", first, save_frf(tmp_path, points()[0]))
     assert result.exit_code == 2
     assert "4 points are held against 1" in result.output
 
@@ -354,7 +356,7 @@ def test_the_chart_is_drawn(tmp_path):
 
 def test_points_measured_at_two_states_are_not_two_modes(tmp_path):
     frfs = [points([(hz, 0.01, 0.1, (1,))], noise=0.01)[0] for hz in (20.0, 19.8)]
-    found = modes_of(*(written(tmp_path, frf, f"{i}.csv") for i, frf in enumerate(frfs)))
+    found = modes_of(*(save_frf(tmp_path, frf, f"{i}.csv") for i, frf in enumerate(frfs)))
     assert "points_share_modes" in {check.name for check in found.frf.checks if check.failed}
     found = modes_of(as_text(tmp_path, points()), band=(5, 79))
     assert not [check.name for check in found.frf.checks if check.failed]
@@ -362,10 +364,10 @@ def test_points_measured_at_two_states_are_not_two_modes(tmp_path):
 
 @pytest.mark.once
 def test_modes_ignore_hum_on_a_single_line(tmp_path):
-    frf = measured()
+    frf = simulate_accelerance()
     value = frf.value.copy()
     value[np.argmin(np.abs(F - 45))] *= 6
-    file = written(tmp_path, replace(frf, value=value))
+    file = save_frf(tmp_path, replace(frf, value=value))
     found = sorted(one.frequency_hz for one in modes_of(file, band=(5, 70)).modes)
     assert found == pytest.approx([true[0] for true in TRUE], rel=1e-3)
     with pytest.raises(dp.ReadError, match=r"^frf\.csv is given twice"):
@@ -424,7 +426,7 @@ def on_seals(folder, mass, stiffer=1.0):
     value = s**2 / (mass * s**2 + stiffer * stiffness)
     sd = 0.01 * np.abs(value)
     value = value + sd * (rng.normal(size=len(F)) + 1j * rng.normal(size=len(F)))
-    return written(folder, FRF(F, value, sd=sd, units="SI"), f"{mass}.csv")
+    return save_frf(folder, FRF(F, value, sd=sd, units="SI"), f"{mass}.csv")
 
 
 @pytest.mark.once

@@ -33,7 +33,7 @@ ACCELERANCE = {
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
+def reproduction(tmp_path_factory):
     folder = tmp_path_factory.mktemp("paper")
     done = ran("demo", "--paper", "-o", folder, "--json")
     assert done.exit_code == 0, done.output
@@ -74,8 +74,8 @@ def test_the_steps_of_the_load_cell():
     assert found.rms == pytest.approx(0.2250e-3, 2e-4)
 
 
-def test_the_command_makes_every_figure_and_a_page(made):
-    folder, told = made
+def test_the_command_makes_every_figure_and_a_page(reproduction):
+    folder, told = reproduction
     assert told["schema"] == "dashpot/paper@2"
     assert told["reproduced"] is True
     assert {one.name for one in folder.iterdir()} >= {
@@ -93,8 +93,8 @@ def test_the_command_makes_every_figure_and_a_page(made):
     assert told["mode"] == pytest.approx((12.709749, 0.00443503), 1e-6)
 
 
-def test_paper_reproduction_lists_every_statement_with_its_value(made):
-    folder, told = made
+def test_paper_reproduction_lists_every_statement_with_its_value(reproduction):
+    folder, told = reproduction
     rows = told["rows"]
     assert {row["name"] for row in rows if row["part"] == "equation"} == {
         "eq. (1)", "eq. (2)", "eq. (3)", "eqs. (4), (5)", "eq. (6)", "eq. (7)",

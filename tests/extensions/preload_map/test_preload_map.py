@@ -118,13 +118,15 @@ def test_limits_hold_the_truth_in_19_of_20_parts(repeats: int, seeds: int, *, co
         found = fit_preload_map(sweeps_of(lines), **errors)
         for c in COMPRESSIONS:
             for X in AMPLITUDES:
-                inside += held(found, part, f, c, X)
+                inside += compute_held_shares(found, part, f, c, X)
                 every += 1
     assert np.all(inside / every >= 0.92), inside / every
     assert np.all(inside / every <= 0.98), inside / every
 
 
-def held(found: PreloadMap, part: Part, f: np.ndarray, c: float, X: float) -> np.ndarray:
+def compute_held_shares(
+    found: PreloadMap, part: Part, f: np.ndarray, c: float, X: float
+) -> np.ndarray:
     """Shares of frequencies at which the limits hold the truth."""
     at = found.evaluate(f, compression=1e-3 * c, amplitude=1e-3 * X)
     truth, eta = part.stiffness(f, c, X), at.value.imag / at.value.real
@@ -144,7 +146,7 @@ def test_limits_hold_between_levels_too():
         part = draw_part(r)
         found = fit_preload_map(sweeps_of(measure(part, r)))
         for c, X in ((4.5, 0.07), (5.75, 0.15), (7.2, 0.32)):
-            inside += held(found, part, f, c, X)
+            inside += compute_held_shares(found, part, f, c, X)
             every += 1
     assert np.all(inside / every >= 0.92), inside / every
 

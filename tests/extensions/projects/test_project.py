@@ -42,7 +42,7 @@ STUDIES = {}
 
 
 @pytest.fixture(autouse=True)
-def remembered(request, monkeypatch):
+def study_cache(request, monkeypatch):
     """One study for one job on the same bytes: what is tested here is what is kept of it."""
     if "work_done_again" in request.fixturenames:
         return
@@ -72,7 +72,7 @@ def raw(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def made(raw, tmp_path_factory):
+def finished_project(raw, tmp_path_factory):
     """A project with two results, made once."""
     project = folder.create(tmp_path_factory.mktemp("made") / "door")
     folder.record(project, Job(str(raw), mass=0.104, seals=2, arms=1), page=page)
@@ -81,21 +81,21 @@ def made(raw, tmp_path_factory):
 
 
 @pytest.fixture
-def project_copy(made, tmp_path):
+def project_copy(finished_project, tmp_path):
     """A copy of that project to damage."""
-    return folder.open_project(shutil.copytree(made.folder, tmp_path / "door"))
+    return folder.open_project(shutil.copytree(finished_project.folder, tmp_path / "door"))
 
 
-def verified(project, expect=None):
+def verify_project(project, expect=None):
     return verify(project, page=page, expect=expect)
 
 
 def failures(project, expect=None):
-    return [check.name for check in verified(project, expect) if check.failed]
+    return [check.name for check in verify_project(project, expect) if check.failed]
 
 
 def test_a_project_recomputes_itself(project_copy, raw, work_done_again):
-    checks = verified(project_copy)
+    checks = verify_project(project_copy)
     assert all(check.passed for check in checks), checks
     assert sum(check.name == "result_recomputed" for check in checks) == 2
     assert (project_copy.folder / "raw" / "seal.csv").read_bytes() == raw.read_bytes()
@@ -263,7 +263,7 @@ def test_head_is_bytes_too(project_copy):
     ):  # fmt: skip
         place.write_bytes(changed)
         with pytest.raises(ReadError, match=r"history\.head is not as dashpot writes it"):
-            verified(project_copy)
+            verify_project(project_copy)
     place.write_bytes(whole)
     assert not failures(project_copy)
 
@@ -326,20 +326,20 @@ def test_nothing_outside_is_read_through_a_link(project_copy, tmp_path, own):
     place.rename(tmp_path / "elsewhere")
     place.symlink_to(tmp_path / "elsewhere")
     with pytest.raises(ReadError, match=f"{own} leads out of the project"):
-        verified(project_copy)
+        verify_project(project_copy)
 
 
 def test_what_only_looks_half_written_is_named(project_copy):
     for name in (".evil.part", "fit.json.part", "." + "0" * 16 + ".part"):
         (project_copy.folder / "records" / name).write_text("{}")
-    (check,) = [one for one in verified(project_copy) if one.name == "files_listed"]
+    (check,) = [one for one in verify_project(project_copy) if one.name == "files_listed"]
     assert check.message == "The history does not list records/.evil.part, records/fit.json.part."
 
 
 def test_verify_detects_swapped_figures(project_copy):
     """Each page is drawn again, of its own result."""
 
-    def drawn(study):
+    def draw_page(study):
         return f"<svg><text>{study.mass}</text></svg>"
 
     lines = entries(project_copy)
@@ -350,21 +350,21 @@ def test_verify_detects_swapped_figures(project_copy):
         place.write_text(f"<svg><text>{mass}</text></svg>")
         listed["sha256"] = history.sha256(place.read_bytes())
     rewritten(project_copy, lines)
-    assert not [one.name for one in verify(project_copy, page=drawn) if one.failed]
+    assert not [one.name for one in verify(project_copy, page=draw_page) if one.failed]
     first, second = (
         project_copy.folder / one["file"] for o in pages for one in o if "html" in one["file"]
     )
     one, other = first.read_bytes(), second.read_bytes()
     first.write_bytes(other)
     second.write_bytes(one)
-    assert [one.name for one in verify(project_copy, page=drawn) if one.failed].count(
+    assert [one.name for one in verify(project_copy, page=draw_page) if one.failed].count(
         "file_unchanged"
     ) == 2
     for outputs, content in zip(pages, (other, one), strict=True):
         (listed,) = [one for one in outputs if one["file"].endswith(".html")]
         listed["sha256"] = history.sha256(content)
     rewritten(project_copy, lines)
-    assert [one.name for one in verify(project_copy, page=drawn) if one.failed] == [
+    assert [one.name for one in verify(project_copy, page=draw_page) if one.failed] == [
         "page_redrawn"
     ] * 2
 
@@ -402,7 +402,9 @@ def test_who_notes_the_head_misses_even_a_forged_end(project_copy, raw):
     noted = project_copy.head
     assert not failures(project_copy, expect=noted)
     folder.record(project_copy, Job(str(raw), arms=1, seals=2), page=page)
-    (check,) = [one for one in verified(project_copy, noted) if one.name == "history_expected"]
+    (check,) = [
+        one for one in verify_project(project_copy, noted) if one.name == "history_expected"
+    ]
     assert check.passed
     assert "1 lines were added since" in check.message
     rewritten(project_copy, entries(project_copy)[:1])
@@ -457,7 +459,7 @@ def test_find_largest_difference_distinguishes_true_from_one(project_copy):
     assert find_largest_difference({"a": 1.0}, {"a": "NaN"})[0] == np.inf
 
 
-def _one_more(kept, line, kind, named):
+def _add_file(kept, line, kind, named):
     """A forged file beside that of a line, which the line lists first."""
     place = kept.folder / next(one["file"] for one in line["outputs"] if one["file"].endswith(kind))
     forged = place.with_name(named + kind)
@@ -466,14 +468,14 @@ def _one_more(kept, line, kind, named):
     line["outputs"].insert(0, listed | {"sha256": history.sha256(forged.read_bytes())})
 
 
-def _renamed(kept, line, kind):
+def _rename_file(kept, line, kind):
     listed = next(one for one in line["outputs"] if one["file"].endswith(kind))
     place = kept.folder / listed["file"]
     listed["file"] = listed["file"].replace(place.name, "0" * 16 + kind)
     place.rename(kept.folder / listed["file"])
 
 
-def _swapped(lines, kind):
+def _swap_files(lines, kind):
     first, second = (
         next(one for one in line["outputs"] if one["file"].endswith(kind)) for line in lines
     )
@@ -482,14 +484,14 @@ def _swapped(lines, kind):
 
 
 LISTS = {
-    "another fit": lambda kept, lines: _one_more(kept, lines[0], ".fit.json", "f" * 16),
-    "another report": lambda kept, lines: _one_more(kept, lines[0], ".html", "f" * 16),
-    "a report without a name": lambda kept, lines: _one_more(kept, lines[0], ".html", "good"),
-    "one file renamed": lambda kept, lines: _renamed(kept, lines[0], ".fit.json"),
+    "another fit": lambda kept, lines: _add_file(kept, lines[0], ".fit.json", "f" * 16),
+    "another report": lambda kept, lines: _add_file(kept, lines[0], ".html", "f" * 16),
+    "a report without a name": lambda kept, lines: _add_file(kept, lines[0], ".html", "good"),
+    "one file renamed": lambda kept, lines: _rename_file(kept, lines[0], ".fit.json"),
     "all files renamed": lambda kept, lines: [
-        _renamed(kept, lines[0], kind) for kind in (".fit.json", ".html", ".json")
+        _rename_file(kept, lines[0], kind) for kind in (".fit.json", ".html", ".json")
     ],
-    "files of two results swapped": lambda _, lines: _swapped(lines, ".fit.json"),
+    "files of two results swapped": lambda _, lines: _swap_files(lines, ".fit.json"),
     "a file that was not read": lambda kept, lines: lines[0]["inputs"].append(
         {"file": "raw/more.csv", "sha256": history.sha256(b"1")}
     ),
@@ -511,7 +513,7 @@ def test_verify_detects_renamed_files_of_another_version(project_copy):
         line["software"]["numpy"] = "0.0.1"
     rewritten(project_copy, lines)
     assert not failures(project_copy)
-    _renamed(project_copy, lines[0], ".fit.json")
+    _rename_file(project_copy, lines[0], ".fit.json")
     rewritten(project_copy, lines)
     assert failures(project_copy) == ["result_recomputed"]
 
@@ -572,7 +574,7 @@ def test_pages_are_the_same_but_for_a_last_digit(kept_text, again, same):
 def test_files_that_no_line_lists_are_named(project_copy):
     (project_copy.folder / "records" / "planted.fit.json").write_text("{}")
     (project_copy.folder / "records" / ".0123456789abcdef.part").write_text("half")
-    (check,) = [one for one in verified(project_copy) if one.name == "files_listed"]
+    (check,) = [one for one in verify_project(project_copy) if one.name == "files_listed"]
     assert check.failed
     assert check.message == "The history does not list records/planted.fit.json."
 
@@ -601,17 +603,17 @@ def killed_at(number):
     """End this process at the n-th of its writes, before and after which a kill may fall."""
     left = [number]
 
-    def counted(function):
-        def called(*args, **how):
+    def count_calls(function):
+        def call(*args, **how):
             if left[0] == 0:
                 os._exit(9)
             left[0] -= 1
             return function(*args, **how)
 
-        return called
+        return call
 
-    os.fsync = counted(os.fsync)
-    Path.replace = counted(Path.replace)
+    os.fsync = count_calls(os.fsync)
+    Path.replace = count_calls(Path.replace)
 
 
 def test_the_lock_is_of_the_process_and_not_of_the_file(project_copy, raw):
@@ -689,7 +691,7 @@ def test_a_foreign_project_opens_no_file_outside_as_calibration(project_copy, tm
     lines[0]["inputs"][-1:] = [{"file": path, "sha256": history.sha256(b"top secret")}]
     rewritten(project_copy, lines[:1])
     with pytest.raises(ReadError, match="leads out of the project"):
-        verified(project_copy)
+        verify_project(project_copy)
 
 
 def test_leftovers_are_cleaned(project_copy, raw):
@@ -732,7 +734,7 @@ def test_a_line_of_another_kind_is_refused(project_copy, text):
         text = json.dumps(entries(project_copy)[0] | {"more": 1}).encode()
     project_copy.history_file.write_bytes(text + b"\n")
     with pytest.raises(ReadError, match=r"line 1 of history.jsonl is none that dashpot writes"):
-        verified(project_copy)
+        verify_project(project_copy)
 
 
 def test_verify_detects_unlisted_inputs(project_copy):
@@ -755,7 +757,7 @@ def test_paths_that_lead_out_of_the_project_are_refused(project_copy):
     lines[0]["inputs"][0]["file"] = "../../secret"
     rewritten(project_copy, lines)
     with pytest.raises(ReadError, match="leads out of the project"):
-        verified(project_copy)
+        verify_project(project_copy)
 
 
 def test_a_full_folder_is_not_taken_over(tmp_path):

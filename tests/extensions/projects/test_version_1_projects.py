@@ -26,7 +26,7 @@ HEAD = "cb95ca6aeef7684a6871e0272dc20d0d1d63b12f2b3f66fc59e29d22ab0cbd04"
 
 
 @pytest.fixture(scope="module")
-def unpacked(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def saved_project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("saved")
     with ZipFile(SAVED) as saved:
         saved.extractall(place)
@@ -34,9 +34,9 @@ def unpacked(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def version_1(unpacked: Path, tmp_path: Path) -> Project:
+def version_1(saved_project: Path, tmp_path: Path) -> Project:
     """A copy of the saved project to change."""
-    return folder.open_project(shutil.copytree(unpacked, tmp_path / "pj"))
+    return folder.open_project(shutil.copytree(saved_project, tmp_path / "pj"))
 
 
 def page(_: object) -> str:
@@ -75,8 +75,8 @@ def change_time_constant(fit: dict[str, Any]) -> None:
     fit |= {"digest": compute_document_digest(fit)} if "digest" in fit else {}
 
 
-def test_verify_accepts_a_version_1_project(unpacked: Path) -> None:
-    project = folder.open_project(unpacked)
+def test_verify_accepts_a_version_1_project(saved_project: Path) -> None:
+    project = folder.open_project(saved_project)
     checks = verify(project, page=page, expect=HEAD)
     assert project.head == HEAD
     assert [check.name for check in checks if check.failed] == ["uncertainty_unrevised"]
@@ -148,10 +148,10 @@ def test_verify_stops_at_an_edited_version_1_record(
 
 
 def test_verify_stops_at_a_present_record_that_claims_version_1(
-    unpacked: Path, tmp_path: Path
+    saved_project: Path, tmp_path: Path
 ) -> None:
     project = folder.create(tmp_path / "pj")
-    folder.record(project, Job(str(unpacked / "raw" / "s.csv"), arms=1), page=page)
+    folder.record(project, Job(str(saved_project / "raw" / "s.csv"), arms=1), page=page)
     edit_record(
         project, ".json", lambda text: text.replace("dashpot/result@2", "dashpot/result@1", 1)
     )

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kit.solvers import needs_ccx, printed, receptance, run_ccx
+from kit.solvers import needs_ccx, read_printed, receptance, run_ccx
 
 from dashpot.export import TARGETS, UNIT_SYSTEMS
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -77,7 +77,7 @@ def test_pressed_far_it_pushes_as_the_model_does(target, units, paper_seal, tmp_
             f"{1e-9 / unit.mass!r}", "*AMPLITUDE",
         ]), 1)  # fmt: skip
     dat = run_ccx(deck, tmp_path)
-    moved, pushed = (printed(dat, block, 2) for block in ("disp", "forces"))
+    moved, pushed = (read_printed(dat, block, 2) for block in ("disp", "forces"))
     at = [round(x / end * steps) - 1 for x in PRESSED]
     time = np.array(PRESSED) / speed
     exact = -paper_seal.ramp_hold_force(time, depth=end, ramp_time=end / speed)

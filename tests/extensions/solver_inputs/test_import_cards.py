@@ -29,14 +29,14 @@ TEST = Bench(depth=8e-3, ramp_time=1.0, hold_time=40.0, rate=200.0, noise=4e-3, 
 TABLE_1 = GeneralizedMaxwell(196.5, (117.5, 17.8), (0.50213, 16.416))
 
 
-def read_one(text: str, units: str = "mm-t-s", name: str | None = None) -> ViscoelasticCard:
+def read_card(text: str, units: str = "mm-t-s", name: str | None = None) -> ViscoelasticCard:
     return select_card(read_cards(text, "card", UNIT_SYSTEMS[units], None), name, "card")
 
 
 def import_text(text: str, units: str = "mm-t-s", **how) -> Fit:
     source = Source("card", "0" * 64)
     return import_card(
-        read_one(text, units), UNIT_SYSTEMS[units], source, test=TEST, relative_noise=2e-3, **how
+        read_card(text, units), UNIT_SYSTEMS[units], source, test=TEST, relative_noise=2e-3, **how
     ).fit
 
 
@@ -236,24 +236,24 @@ def test_what_is_not_read_is_refused_by_name(case):
 def test_one_of_several_materials_is_named():
     text = ABAQUS + ABAQUS.replace("RUBBER", "FOAM").replace("3., ", "1., ")
     with pytest.raises(ReadError, match=r"'RUBBER'.*'FOAM'"):
-        read_one(text)
-    assert read_one(text, name="foam").modulus == 1.0
+        read_card(text)
+    assert read_card(text, name="foam").modulus == 1.0
     with pytest.raises(ReadError, match="no card 'STEEL'"):
-        read_one(text, name="STEEL")
+        read_card(text, name="STEEL")
 
 
 def test_a_reference_in_an_unknown_unit_of_temperature_is_not_taken():
-    card = read_one(ABAQUS.replace("296.15", "23."))
+    card = read_card(ABAQUS.replace("296.15", "23."))
     assert card.law is None
     assert "ABSOLUTE ZERO" in " ".join(card.notes)
     stated = "*PHYSICAL CONSTANTS, ABSOLUTE ZERO=-273.15\n" + ABAQUS.replace("296.15", "23.")
-    assert read_one(stated).law.reference == pytest.approx(296.15)
+    assert read_card(stated).law.reference == pytest.approx(296.15)
 
 
 def test_a_bulk_modulus_that_relaxes_otherwise_is_noted():
     """E of constant Poisson's ratio against 9KG/(3K + G)."""
     text = ABAQUS.replace("0.4995", "0.3").replace("0.2, 0.2, 0.5", "0.5, 0., 0.5")
-    (note,) = [note for note in read_one(text).notes if "relax differently" in note]
+    (note,) = [note for note in read_card(text).notes if "relax differently" in note]
     G, K = (1 - 0.65) / 2.6, (1 - 0.15) / 1.2
     assert f"{100 * (9 * K * G / (3 * K + G) - 0.35):+.2g} %" in note
 

@@ -147,7 +147,7 @@ def test_free_modes_under_a_seal_and_under_stiff_hinges():
     places = ROUND.stations(0.1).place
     held = [(0.0, 0.3, 0.0), (0.0, 0.9, 0.0), (WIDTH, 0.6, 0.0)]
 
-    def of(elastic: int, hinge: float) -> Assembly:
+    def build_assembly(elastic: int, hinge: float) -> Assembly:
         modes = free_plate(
             np.concatenate((places, held)), width=WIDTH, height=HEIGHT, mass=MASS, rigidity=3e4,
             elastic=elastic,
@@ -158,13 +158,15 @@ def test_free_modes_under_a_seal_and_under_stiff_hinges():
 
     for hinge, few, missing in ((0.0, 8, 1e-3), (5e6, 24, 0.02)):
         exact, found = (
-            np.array([mode.frequency for mode in oscillations(of(n, hinge).system())[:5]])
+            np.array(
+                [mode.frequency for mode in oscillations(build_assembly(n, hinge).system())[:5]]
+            )
             for n in (100, few)
         )
         error = float(np.abs(found / exact - 1).max())
         assert error < missing
         if hinge:
-            assert basis_error(of(few, hinge), 250.0) == pytest.approx(error, rel=0.5)
+            assert basis_error(build_assembly(few, hinge), 250.0) == pytest.approx(error, rel=0.5)
 
 
 def test_door_modes_are_checked_to_half_the_highest_plate_mode(monkeypatch):

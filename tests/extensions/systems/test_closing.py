@@ -67,7 +67,7 @@ def a_door(solid=SPRING, *, pieces=20, **setup) -> ClosingDoor:
     return ClosingDoor(INERTIA, WIDTH, lever, pressed, length, section, setup=ClosingSetup(**setup))
 
 
-def taken(done, *names) -> float:
+def sum_work(done, *names) -> float:
     return float(sum(done.work[name][:, 0].sum() for name in names or done.work))
 
 
@@ -85,9 +85,9 @@ def test_inertia_and_energy_of_the_door():
 def test_elastic_energy_of_a_uniform_seal():
     # 3 m at 6 mm: .45 J; 4.6 m take .690 J (of a published door .78 J)
     door = a_door()
-    assert taken(march(door, np.array([1.0]))) == pytest.approx(0.45, abs=1e-12)
+    assert sum_work(march(door, np.array([1.0]))) == pytest.approx(0.45, abs=1e-12)
     longer = replace(door, length=door.length * 4.6 / 3)
-    assert taken(march(longer, np.array([1.0])), ELASTIC) == pytest.approx(0.690, abs=1e-12)
+    assert sum_work(march(longer, np.array([1.0])), ELASTIC) == pytest.approx(0.690, abs=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def test_memory_as_an_independent_integration_has_it(speed):
     found = solve_ivp(rates, (0, 1), start, events=closed, rtol=1e-10, atol=1e-12, max_step=2e-4)
     lost = 0.5 * INERTIA * ((speed / WIDTH) ** 2 - found.y[1, -1] ** 2)
     done = march(door, np.array([speed]))
-    assert taken(done) == pytest.approx(lost, rel=2e-6)
+    assert sum_work(done) == pytest.approx(lost, rel=2e-6)
     assert done.time[-1, 0] == pytest.approx(found.t[-1], rel=2e-5)
 
 
@@ -140,14 +140,14 @@ def test_a_fast_seal_absorbs_what_an_even_ramp_of_its_time_does():
         lever=np.array([WIDTH]), compression=np.array([6e-3]), length=np.array([3.0]), inertia=1e9,
     )  # fmt: skip
     done = march(door, np.array([1.0]), steps=50)
-    assert taken(done) / 0.45 == pytest.approx(ratio(6e-3), rel=1e-6)
+    assert sum_work(done) / 0.45 == pytest.approx(ratio(6e-3), rel=1e-6)
     # a door that slows takes longer everywhere: less than ramps at its first speed
     door = a_door(TABLE_1)
     first = sum(
         each * ratio(6e-3 * WIDTH / lever) / 3
         for each, lever in zip(door.length, door.lever, strict=True)
     )
-    assert 1.684 < taken(march(door, np.array([1.0]))) / 0.45 < first < 1.6855
+    assert 1.684 < sum_work(march(door, np.array([1.0]))) / 0.45 < first < 1.6855
 
 
 def test_holes_of_a_bulb():
@@ -215,14 +215,16 @@ def test_a_sealed_bulb_is_a_gas_spring(exponent, isothermal):
     else:
         end = air_flow.AMBIENT * (v[0] / v[1]) ** 1.4
         each = (end * v[1] - air_flow.AMBIENT * v[0]) / 0.4 - air_flow.AMBIENT * (v[0] - v[1])
-    assert taken(done, "vents") == pytest.approx(3.0 * each, rel=1e-3)
+    assert sum_work(done, "vents") == pytest.approx(3.0 * each, rel=1e-3)
     assert done.stored["vents"][0] == pytest.approx(3.0 * each, rel=1e-9)
 
 
 def test_wide_openings_resist_nothing():
     wide = replace(VENTS, opening=1e3 * HOLES)
     done = march(a_door(vents=wide), np.array([1.0]))
-    assert taken(done, "vents") < 1e-4 * taken(march(a_door(vents=VENTS), np.array([1.0])), "vents")
+    assert sum_work(done, "vents") < 1e-4 * sum_work(
+        march(a_door(vents=VENTS), np.array([1.0])), "vents"
+    )
 
 
 def test_a_cabin_without_a_leak_is_a_gas_spring_from_where_the_gap_closes():
@@ -232,21 +234,21 @@ def test_a_cabin_without_a_leak_is_a_gas_spring_from_where_the_gap_closes():
     done = march(replace(door, setup=replace(door.setup, start=0.05)), np.array([2.0]))
     v = 2.5 + 0.55 * 0.05, 2.5
     whole = air_flow.AMBIENT * (v[0] * np.log(v[0] / v[1]) - (v[0] - v[1]))
-    assert taken(done, "cabin air") == pytest.approx(whole, rel=2e-2)
+    assert sum_work(done, "cabin air") == pytest.approx(whole, rel=2e-2)
 
 
 def test_more_leaks_take_less():
     def cabin(leak):
         setup = {"cabin": Cabin(volume=2.5, area=1.2, lever=0.55, opening=leak), "start": 0.2}
-        return taken(march(a_door(**setup), np.array([1.5])), "cabin air")
+        return sum_work(march(a_door(**setup), np.array([1.5])), "cabin air")
 
     assert cabin(0.0) > cabin(0.01) > cabin(0.1) > cabin(10.0) > 0
 
-    def between(leak):
+    def compute_air_work(leak):
         setup = {"between": Between(width=0.02, depth=0.01, opening=leak), "start": 0.1}
-        return taken(march(a_door(**setup), np.array([1.0])), "air between seals")
+        return sum_work(march(a_door(**setup), np.array([1.0])), "air between seals")
 
-    assert between(0.0) > between(1e-3) > between(1e-2) > 0
+    assert compute_air_work(0.0) > compute_air_work(1e-3) > compute_air_work(1e-2) > 0
 
 
 def test_friction_check_latch_and_weight():
@@ -255,14 +257,16 @@ def test_friction_check_latch_and_weight():
         latch=Latch((0.0, 0.01), (200.0, 0.0), 1.0),
     )  # fmt: skip
     done = march(replace(door, weight=(2.0, -3.0)), np.array([2.0]), steps=400)
-    assert taken(done, HINGE) == pytest.approx(0.75, rel=1e-12)
-    assert taken(done, "check") == pytest.approx(1.0, rel=1e-9)
-    assert taken(done, "latch") == pytest.approx(1.0, rel=1e-3)
-    assert taken(done, GRAVITY) == pytest.approx(2 * np.sin(0.5) - 3 * (1 - np.cos(0.5)), rel=1e-4)
+    assert sum_work(done, HINGE) == pytest.approx(0.75, rel=1e-12)
+    assert sum_work(done, "check") == pytest.approx(1.0, rel=1e-9)
+    assert sum_work(done, "latch") == pytest.approx(1.0, rel=1e-3)
+    assert sum_work(done, GRAVITY) == pytest.approx(
+        2 * np.sin(0.5) - 3 * (1 - np.cos(0.5)), rel=1e-4
+    )
     far = march(a_door(latch=Latch((0.0, 0.01), (200.0, 0.0), 1.0, beyond=2e-3)), np.array([2.0]))
     assert far.angle[-1] == -2e-3
     # pressed 2 mm * x / 1 m deeper
-    assert taken(far, ELASTIC) > 0.45
+    assert sum_work(far, ELASTIC) > 0.45
 
 
 # -- laws -----------------------------------------------------------------------------------------
@@ -281,10 +285,10 @@ def test_energy_is_neither_made_nor_lost(speed):
     done = march(door, np.array([speed]))
     whole = done.kinetic[0, 0]
     assert done.is_latched[0]
-    assert whole - done.kinetic[-1, 0] == pytest.approx(taken(done), abs=1e-6 * whole)
+    assert whole - done.kinetic[-1, 0] == pytest.approx(sum_work(done), abs=1e-6 * whole)
     # what a term would give back is no more than it took, within the step
     for name, held in done.stored.items():
-        assert -1e-6 * whole <= held[0] <= taken(done, name) + 1e-6 * whole
+        assert -1e-6 * whole <= held[0] <= sum_work(done, name) + 1e-6 * whole
 
 
 def test_what_the_arms_lose_is_their_dashpots():
@@ -301,9 +305,9 @@ def test_what_the_arms_lose_is_their_dashpots():
     for k, tau in zip(solid.k, solid.tau, strict=True):
         arm = GeneralizedMaxwell(0.0, (k,), (tau,)).force(t, x)
         lost += 3.0 * np.trapezoid(arm**2 / (k * tau), t)
-    assert taken(done, VISCOUS) - done.stored[VISCOUS][0] == pytest.approx(lost, rel=1e-5)
+    assert sum_work(done, VISCOUS) - done.stored[VISCOUS][0] == pytest.approx(lost, rel=1e-5)
     pressed = solid.force(t, x)
-    assert taken(done) == pytest.approx(3.0 * np.trapezoid(pressed, x), rel=1e-5)
+    assert sum_work(done) == pytest.approx(3.0 * np.trapezoid(pressed, x), rel=1e-5)
 
 
 def test_a_curved_law_and_its_tangent():
@@ -312,7 +316,7 @@ def test_a_curved_law_and_its_tangent():
     curved = replace(door, section=SealSection(SPRING, law))
     x = np.linspace(0, 6e-3, 20001)
     exact = 3.0 * float(np.trapezoid(law.force(x), x))
-    off = [taken(march(curved, np.array([1.0]), steps=n)) / exact - 1 for n in (100, 200, 400)]
+    off = [sum_work(march(curved, np.array([1.0]), steps=n)) / exact - 1 for n in (100, 200, 400)]
     assert abs(off[1]) < 5e-5
     # of second order
     assert off[0] / off[1] == pytest.approx(4, rel=0.05)
@@ -322,13 +326,13 @@ def test_a_curved_law_and_its_tangent():
 def test_half_the_step_and_the_order_of_stations_change_nothing():
     door = a_door(TABLE_1, **EVERYTHING)
     one, half = (march(door, np.array([2.5]), steps=n) for n in (200, 400))
-    assert taken(one) == pytest.approx(taken(half), rel=1e-3)
+    assert sum_work(one) == pytest.approx(sum_work(half), rel=1e-3)
     only = a_door(TABLE_1)
     one, half = (march(only, np.array([0.6]), steps=n) for n in (200, 400))
-    assert taken(one) == pytest.approx(taken(half), rel=2e-6)
+    assert sum_work(one) == pytest.approx(sum_work(half), rel=2e-6)
     back = replace(door, **{n: getattr(door, n)[::-1] for n in ("lever", "compression", "length")})
-    assert taken(march(back, np.array([2.5]))) == pytest.approx(
-        taken(march(door, np.array([2.5]))), rel=1e-12
+    assert sum_work(march(back, np.array([2.5]))) == pytest.approx(
+        sum_work(march(door, np.array([2.5]))), rel=1e-12
     )
 
 

@@ -52,7 +52,7 @@ def predict_door(folder: Path, old: str = "", new: str = "", *words: str) -> dic
     return json.loads(ran(folder / "door.toml", "--json", *words).stdout)
 
 
-def of(document: dict, name: str) -> dict:
+def get_check(document: dict, name: str) -> dict:
     return next(check for check in document["checks"] if check["name"] == name)
 
 
@@ -141,8 +141,8 @@ def test_the_example_end_to_end(tmp_path):
 def test_door_reports_a_seal_that_does_not_touch(folder):
     gaps = 'height = "20mm"\ngap = "14, 14, 26, 26 mm"\npitch'
     document = predict_door(folder, "pitch", gaps)
-    assert not of(document, "seal_touches")["passed"]
-    assert "do not touch" in of(document, "seal_touches")["message"]
+    assert not get_check(document, "seal_touches")["passed"]
+    assert "do not touch" in get_check(document, "seal_touches")["message"]
     whole = predict_door(folder)
     assert document["seal"]["touching"] == pytest.approx(0.5, abs=0.01)
     assert document["seal"]["stiffness"] == pytest.approx(
@@ -160,7 +160,7 @@ def test_door_uses_the_tangent_of_a_stiffening_seal(folder):
     assert document["seal"]["stiffness"] == pytest.approx(2 * 4.6 * 200 * BROAD.k_inf)
     assert document["seal"]["force"] == pytest.approx(4.6 * 200 * BROAD.k_inf * 0.008)
     deeper = predict_door(folder, "pitch", 'compression = "9mm"\npitch')
-    assert not of(deeper, "compression_tested")["passed"]
+    assert not get_check(deeper, "compression_tested")["passed"]
     (folder / "door.toml").write_text(PLATE)
     assert "how far it is pressed along the line is not stated" in ran(
         folder / "door.toml", code=2
@@ -197,7 +197,7 @@ def test_door_reports_an_unsupported_motion(folder):
     latch = 'at = "1.1, 0.6, 0 m"\n'
     (folder / "door.toml").write_text(hinged.replace(latch, latch + "along = [0, 0, 1]\n"))
     document = json.loads(ran(folder / "door.toml", "--json").stdout)
-    assert "3 motions of the door are free" in of(document, "door_supported")["message"]
+    assert "3 motions of the door are free" in get_check(document, "door_supported")["message"]
 
 
 @pytest.mark.parametrize(
@@ -274,5 +274,5 @@ def test_door_reports_modes_outside_the_valid_band_in_json(folder):
     fit = from_json((folder / "fit.json").read_text())
     evidence = replace(fit.evidence, band=(0.0, 0.0))
     (folder / "fit.json").write_text(to_json(replace(fit, evidence=evidence)))
-    check = of(predict_door(folder), "door_modes_in_valid_band")
+    check = get_check(predict_door(folder), "door_modes_in_valid_band")
     assert (check["passed"], check["value"]) == (False, "Infinity")

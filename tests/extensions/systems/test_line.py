@@ -23,11 +23,11 @@ from kit.doors import (
     MASS,
     NORMAL_ONLY,
     SHEARED,
-    closed,
+    close_outline,
     compute_largest_difference,
     leaning,
+    parse_matrix,
     six_by_six,
-    stated,
 )
 from kit.fits import a_fit
 
@@ -53,7 +53,7 @@ from dashpot.workflow.json_archive import to_json
 def line(shear: Shear = Shear()) -> SealLine:  # noqa: B008
     """Tilted outwards by 15 degrees in the plane of the door."""
     section = SealSection(net.spring(KAPPA), shear=shear)
-    return SealLine(closed(), normal=leaning(), section=section)
+    return SealLine(close_outline(), normal=leaning(), section=section)
 
 
 SHEAR = Shear(ACROSS, ALONG)
@@ -83,7 +83,7 @@ def stiffness(seal: SealLine, pitch: float) -> np.ndarray:
 @pytest.mark.parametrize(("shear", "words"), [(SHEAR, SHEARED), (Shear(), NORMAL_ONLY)])
 def test_the_line_is_its_integral_at_any_pitch(pitch, shear, words):
     K = stiffness(line(shear), pitch)
-    assert compute_largest_difference(K, stated(words)) < 2e-10  # the digits that are stated
+    assert compute_largest_difference(K, parse_matrix(words)) < 2e-10  # the digits that are stated
     assert compute_largest_difference(K, stiffness(line(shear), 0.01)) < 1e-12
 
 
@@ -188,7 +188,7 @@ def test_a_block_on_two_seals_with_shear(shear, known):
 PRESSED = 0.006
 
 
-def rubbed(mu: float, across: float, shear: Shear = SHEAR) -> tuple[SealLine, ...]:
+def compute_friction(mu: float, across: float, shear: Shear = SHEAR) -> tuple[SealLine, ...]:
     """The two pieces of 50 mm of the block, pressed by 6 mm: 1.179 N each."""
     section = SealSection(20 * PAPER, shear=shear, friction=LineFriction(mu, across=across))
     return tuple(
@@ -200,12 +200,12 @@ def rubbed(mu: float, across: float, shear: Shear = SHEAR) -> tuple[SealLine, ..
 def test_a_pressed_seal_sticks_by_coulombs_law():
     """mu .4: .4716 N for 50 mm; with 0.35 of K' at 12.71 Hz it sticks up to 4.06 mm."""
     kt = 0.35 * 0.05 * KAPPA
-    mounts = rubbed(0.4, kt / PAPER.k_inf)[0].mounts("block", "25mm")
+    mounts = compute_friction(0.4, kt / PAPER.k_inf)[0].mounts("block", "25mm")
     rubs = [mount.friction for mount in mounts if mount.friction is not None]
     assert sum(one.slip for one in rubs) == pytest.approx(0.4716)
     assert sum(one.k for one in rubs) == pytest.approx(kt)
     assert rubs[0].yields_at == pytest.approx(4.06e-3, abs=2e-6)
-    joint = replace(rubbed(0.4, 0.5)[0], joints=(Joint(0.025, 0.05, 2.0),))
+    joint = replace(compute_friction(0.4, 0.5)[0], joints=(Joint(0.025, 0.05, 2.0),))
     rubs = [mount.friction for mount in joint.mounts("block", "25mm") if mount.friction]
     assert sum(one.slip for one in rubs) == pytest.approx(2 * 0.4716)
 
@@ -226,7 +226,7 @@ def test_a_block_that_slips_across_its_seals(newton, hertz, metres):
     mu = 0.015 / (PAPER.k_inf * PRESSED)
     mounts = [
         mount
-        for line in rubbed(mu, 30 / PAPER.k_inf)
+        for line in compute_friction(mu, 30 / PAPER.k_inf)
         for mount in line.mounts("block", "25mm")
     ]  # fmt: skip
     block = System((Body("block", 0.1040426, free=("x",)),), tuple(mounts))
@@ -237,8 +237,8 @@ def test_a_block_that_slips_across_its_seals(newton, hertz, metres):
 
 
 def test_a_seal_that_sticks_is_a_spring_more():
-    mounts = rubbed(0.4, 0.2)[0].mounts("block", "25mm")
-    stuck = line_mounts(rubbed(0.4, 0.2)[0], "block", "25mm", stuck=True)
+    mounts = compute_friction(0.4, 0.2)[0].mounts("block", "25mm")
+    stuck = line_mounts(compute_friction(0.4, 0.2)[0], "block", "25mm", stuck=True)
     assert len(stuck) == len(mounts) + 2
     assert not any(one.friction for one in stuck)
     across = [one.solid.k_inf for one in stuck if abs(one.along[0]) > 0.5]
@@ -252,9 +252,14 @@ def test_a_seal_that_sticks_is_a_spring_more():
         (lambda: LineFriction(3.01, 0.1), "mu = 3.01; expected more than 0 and at most 3"),
         (lambda: LineFriction(0.4, 3.1), "friction: across = 3.1; expected 0 to 3"),
         (lambda: LineFriction(0.4), "neither across nor along is given"),
-        (lambda: rubbed(0.4, 0.2, Shear(0.0, 0.1)), "rubs across the line, where the seal has no"),
         (
-            lambda: replace(rubbed(0.4, 0.2)[0], compression=None).mounts("block", "25mm"),
+            lambda: compute_friction(0.4, 0.2, Shear(0.0, 0.1)),
+            "rubs across the line, where the seal has no",
+        ),
+        (
+            lambda: replace(compute_friction(0.4, 0.2)[0], compression=None).mounts(
+                "block", "25mm"
+            ),
             "follows from the force by which it is pressed",
         ),
     ],
@@ -305,7 +310,7 @@ def test_a_tilt_leans_outwards_whichever_way_the_line_runs(folder, backwards):
         text = f'{head}points = ["{chr(34).join(points.split(chr(34))[::-1])}"]{tail}'
     (folder / "door.toml").write_text(text)
     seal = replace(read_door(folder / "door.toml").line, section=line(SHEAR).section)
-    assert compute_largest_difference(stiffness(seal, 0.05), stated(SHEARED)) < 2e-10
+    assert compute_largest_difference(stiffness(seal, 0.05), parse_matrix(SHEARED)) < 2e-10
 
 
 @pytest.mark.parametrize(("high", "informed"), [(1e3, True), (6.0, False)])

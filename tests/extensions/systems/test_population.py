@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from kit.fits import a_fit
 from kit.foreign.door_files import render_hinged_door
-from kit.lots import lot_of, scattered
+from kit.lots import draw_rows, lot_of
 from kit.shell import ran, run_json
 from scipy.stats import norm
 
@@ -134,7 +134,7 @@ def test_the_interval_of_a_share_holds_it_in_four_hundred_lots(count, repeats, r
 
 def test_a_lot_gives_mean_and_scatter_of_its_seals():
     """Of 200 seals with 3 % between and 1 % within; mean 200 N/m."""
-    rows = scattered(lots=1, seals=200, repeats=2, sds=(0.0, 0.03, 0.01), seed=3)
+    rows = draw_rows(lots=1, seals=200, repeats=2, sds=(0.0, 0.03, 0.01), seed=3)
     found = find_specimen_scatter(lot_of(rows))
     assert found["specimens"] == 200
     assert found["mean"] == pytest.approx(np.log(200), abs=0.01)
@@ -148,7 +148,7 @@ def test_a_lot_gives_mean_and_scatter_of_its_seals():
 def make_lot(seed=1, seals=20, mean=None, lots=1):
     k = 10 * PAPER.k_inf if mean is None else mean
     return lot_of(
-        scattered(lots=lots, seals=seals, repeats=2, sds=(0.0, 0.04, 0.01), mean=k, seed=seed)
+        draw_rows(lots=lots, seals=seals, repeats=2, sds=(0.0, 0.04, 0.01), mean=k, seed=seed)
     )
 
 

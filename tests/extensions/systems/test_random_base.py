@@ -118,14 +118,14 @@ class TestRandomBase:
         ends, S = [4.0, 40.0], [1.0, 0.01]
         moving = BROAD_MASS + mounts / 3
 
-        def carried(f):
+        def compute_carried_psd(f):
             w2 = (2 * np.pi * f) ** 2
             K = complex((2 * BROAD).complex_stiffness(omega=np.array([2 * np.pi * f]))[0])
             T = (K + w2 * mounts / 6) / (K - w2 * moving)
             return abs(T) ** 2 * (f / 4) ** -2
 
         words = {"limit": 500, "points": [12.2, 12.6, 13.0], "epsrel": 1e-9}
-        exact = np.sqrt(quad(carried, *ends, **words)[0])
+        exact = np.sqrt(quad(compute_carried_psd, *ends, **words)[0])
         found = random_base(2 * BROAD, mass=moving, psd=S, frequency=ends, coupled=mounts / 6)
         assert found.acceleration == pytest.approx(exact, rel=1e-5)
 

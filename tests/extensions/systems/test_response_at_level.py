@@ -32,13 +32,13 @@ STIFF = GeneralizedMaxwell(393.0, (235.0, 35.6), (0.004, 16.4157303))
 HARD = GeneralizedMaxwell(393.0, (60.0, 30.0), (0.02, 0.5))
 
 
-def one_mass(solid, friction, mass=0.104):
+def make_single_mass(solid, friction, mass=0.104):
     return System(
         (point_mass("block", mass),), (Mount(solid, ("block", "ground"), friction=friction),)
     )
 
 
-def at(system, hz, level, harmonics=(1,)):
+def find_amplitude(system, hz, level, harmonics=(1,)):
     found = response_at_level(
         system, response="block.z", force="block.z", level=level, frequency=hz, harmonics=harmonics
     )
@@ -121,9 +121,9 @@ class TestPublished:
         ],
     )
     def test_the_peak_at_five_levels(self, level, hz, gain):
-        system = one_mass(2 * PAPER, SLIDER)
+        system = make_single_mass(2 * PAPER, SLIDER)
         f = hz + np.linspace(-2e-3, 2e-3, 41)
-        peak = np.array([at(system, each, level) for each in f]) / level
+        peak = np.array([find_amplitude(system, each, level) for each in f]) / level
         assert abs(f[peak.argmax()] - hz) < 1.1e-4
         assert peak.max() == pytest.approx(gain, rel=2e-6)
 
@@ -140,18 +140,18 @@ class TestPublished:
     )
     def test_response_at_level_agrees_for_one_and_three_harmonics(self, case):
         solid, friction, hz, level, one, three = case
-        system = one_mass(solid, friction)
-        assert at(system, hz, level) == pytest.approx(one, rel=3e-6)
-        assert at(system, hz, level, (1, 3, 5)) == pytest.approx(three, rel=4e-4)
+        system = make_single_mass(solid, friction)
+        assert find_amplitude(system, hz, level) == pytest.approx(one, rel=3e-6)
+        assert find_amplitude(system, hz, level, (1, 3, 5)) == pytest.approx(three, rel=4e-4)
 
     def test_three_answers_where_a_cubic_spring_folds(self):
-        system = one_mass(HARD, InParallel((Cubic(6e7),)))
+        system = make_single_mass(HARD, InParallel((Cubic(6e7),)))
         found = responses_at(system, response="block.z", force="block.z", level=0.6, frequency=16.0)
         assert found.amplitude == pytest.approx([1.15198e-3, 2.87920e-3, 4.01998e-3], rel=5e-6)
         assert found.stable.tolist() == [True, False, True]
-        assert at(system, [4.0, 8.0, 12.0, 14.0, 15.0, 16.0], 0.6, (1, 3, 5)) == pytest.approx(
-            3.960964e-3, rel=1e-4
-        )
+        assert find_amplitude(
+            system, [4.0, 8.0, 12.0, 14.0, 15.0, 16.0], 0.6, (1, 3, 5)
+        ) == pytest.approx(3.960964e-3, rel=1e-4)
 
     def test_two_masses(self):
         ground = Mount(
@@ -184,11 +184,11 @@ class TestInTime:
     ):
         friction = InParallel(tuple(Jenkins(*one) for one in sliders))
         friction = friction + Cubic(k3) if k3 else friction
-        system = one_mass(solid, friction)
+        system = make_single_mass(solid, friction)
         link = (0, None, solid, np.array(sliders), k3)
         X = march([0.104], [link], (0, level), hz, cycles=250, steps=400)[0]
-        assert at(system, hz, level) == pytest.approx(X, rel=5e-3)
-        assert at(system, hz, level, (1, 3, 5)) == pytest.approx(X, rel=1e-3)
+        assert find_amplitude(system, hz, level) == pytest.approx(X, rel=5e-3)
+        assert find_amplitude(system, hz, level, (1, 3, 5)) == pytest.approx(X, rel=1e-3)
 
     def test_two_masses_and_two_sliders(self):
         a, b = (
@@ -214,29 +214,29 @@ class TestInTime:
 
 class TestLimits:
     def test_without_slip_it_is_the_linear_system(self):
-        stuck = one_mass(TWO, Jenkins(100.0, 1e3))
-        linear = one_mass(GeneralizedMaxwell(493.0, TWO.k, TWO.tau), None)
+        stuck = make_single_mass(TWO, Jenkins(100.0, 1e3))
+        linear = make_single_mass(GeneralizedMaxwell(493.0, TWO.k, TWO.tau), None)
         f = np.linspace(5, 30, 26)
         H = response_at_level(stuck, response="block.z", force="block.z", level=0.1, frequency=f)
         expected = linear.frf(response="block.z", force="block.z", frequency=f)
         assert np.abs(H.frf().value / expected.value - 1).max() < 1e-12
 
     def test_friction_that_is_not_there_changes_nothing(self):
-        system = one_mass(TWO, None)
+        system = make_single_mass(TWO, None)
         with_amplitude = replace(system.mounts[0], amplitude=1e-3)
         assert replace(system, mounts=(with_amplitude,)).dynamic_stiffness(3j) == pytest.approx(
             system.dynamic_stiffness(3j)
         )
 
     def test_the_base_moves_all_when_slow(self):
-        system = one_mass(TWO, SLIDER)
+        system = make_single_mass(TWO, SLIDER)
         found = response_at_level(
             system, response="block.z", base="ground.z", level="1mm", frequency=0.01
         )
         assert found.amplitude[0] == pytest.approx(1e-3, rel=1e-3)
 
     def test_a_base_is_the_force_m_a_on_the_relative_motion(self):
-        system, w, level = one_mass(TWO, SLIDER), 2 * np.pi * 13.0, 3e-5
+        system, w, level = make_single_mass(TWO, SLIDER), 2 * np.pi * 13.0, 3e-5
         base = response_at_level(
             system, response="block.z", base="ground.z", level=level, frequency=13.0
         )
@@ -246,15 +246,15 @@ class TestLimits:
         assert base.stretch[0] == pytest.approx(force.stretch[0], rel=1e-10)
 
     def test_dry_friction_holds_a_mass_below_its_force(self):
-        system = one_mass(GeneralizedMaxwell(393.0), Coulomb(0.2))
-        assert at(system, 5.0, 0.2) == 0.0
-        w, X = 2 * np.pi * 5.0, at(system, 5.0, 1.0)
+        system = make_single_mass(GeneralizedMaxwell(393.0), Coulomb(0.2))
+        assert find_amplitude(system, 5.0, 0.2) == 0.0
+        w, X = 2 * np.pi * 5.0, find_amplitude(system, 5.0, 1.0)
         # closed form: (k - m w^2)^2 X^2 = F^2 - (4 F_c / pi)^2
         closed = np.sqrt(1 - (0.8 / np.pi) ** 2) / abs(393.0 - 0.104 * w**2)
         assert abs(X / closed - 1) < 1e-9
 
     def test_response_at_level_differs_between_sweeps_where_it_folds(self):
-        system = one_mass(HARD, InParallel((Cubic(6e7),)))
+        system = make_single_mass(HARD, InParallel((Cubic(6e7),)))
         f = np.linspace(8, 24, 161)
         up, down = (
             response_at_level(
@@ -272,12 +272,12 @@ class TestLimits:
             ).frf()
 
     def test_a_sweep_of_the_level(self):
-        system = one_mass(TWO, SLIDER)
+        system = make_single_mass(TWO, SLIDER)
         levels = np.array([1e-3, 1e-2, 1e-1])
         found = response_at_level(
             system, response="block.z", force="block.z", level=levels, frequency=13.0
         )
-        each = [at(system, 13.0, level) for level in levels]
+        each = [find_amplitude(system, 13.0, level) for level in levels]
         assert found.amplitude == pytest.approx(each, rel=1e-12)
 
 
@@ -285,7 +285,7 @@ class TestBackbone:
     def test_a_cubic_spring(self):
         m, k3 = 0.104, 6e7
         found = backbone(
-            one_mass(GeneralizedMaxwell(393.0), Cubic(k3), m), amplitude=[1e-4, 1e-3, 5e-3]
+            make_single_mass(GeneralizedMaxwell(393.0), Cubic(k3), m), amplitude=[1e-4, 1e-3, 5e-3]
         )
         X = found.amplitude
         assert found.frequency == pytest.approx(
@@ -294,9 +294,9 @@ class TestBackbone:
         assert np.abs(found.damping_ratio).max() < 1e-12
 
     def test_it_falls_from_stuck_to_free_and_damps_between(self):
-        found = backbone(one_mass(TWO, SLIDER), amplitude=np.geomspace(1e-5, 1, 25))
+        found = backbone(make_single_mass(TWO, SLIDER), amplitude=np.geomspace(1e-5, 1, 25))
         ends = [
-            newton_modes(one_mass(solid, None))[0].frequency
+            newton_modes(make_single_mass(solid, None))[0].frequency
             for solid in (GeneralizedMaxwell(493.0, TWO.k, TWO.tau), TWO)
         ]
         assert found.frequency[[0, -1]] == pytest.approx(ends, rel=1e-4)
@@ -335,7 +335,7 @@ class TestFold:
         assert can_fold(HARD + Cubic(6e7), omega=80.0, amplitude=X).any()
 
     def test_the_rule_finds_what_the_scan_finds(self):
-        system = one_mass(HARD, InParallel((Cubic(6e7),)))
+        system = make_single_mass(HARD, InParallel((Cubic(6e7),)))
         found = responses_at(system, response="block.z", force="block.z", level=0.6, frequency=16.0)
         low, high = found.amplitude[[0, -1]]
         X = np.geomspace(low, high, 100)
@@ -348,7 +348,7 @@ class TestFold:
                 Jenkins(k, k * y)
                 for k, y in zip(rng.uniform(1, 300, 3), 10 ** rng.uniform(-4, -2, 3), strict=True)
             ]
-            system = one_mass(TWO, InParallel(tuple(parts)))
+            system = make_single_mass(TWO, InParallel(tuple(parts)))
             for hz in rng.uniform(8, 20, 3):
                 found = responses_at(
                     system, response="block.z", force="block.z", level=0.1, frequency=float(hz)
@@ -359,19 +359,21 @@ class TestFold:
 class TestRefused:
     def test_a_loop_that_does_not_close(self):
         """Berg's friction creeps to its loop: slowly where the motion is a small part of x_2."""
-        system = one_mass(TWO, Berg(0.1, 5e-4))
-        assert at(system, 5.0, 0.5, (1, 3)) == pytest.approx(at(system, 5.0, 0.5), rel=0.02)
+        system = make_single_mass(TWO, Berg(0.1, 5e-4))
+        assert find_amplitude(system, 5.0, 0.5, (1, 3)) == pytest.approx(
+            find_amplitude(system, 5.0, 0.5), rel=0.02
+        )
         with pytest.raises(DataError, match="does not close"):
-            at(one_mass(TWO, Berg(10.0, 1e-2)), 5.0, 0.5, (1, 3))
+            find_amplitude(make_single_mass(TWO, Berg(10.0, 1e-2)), 5.0, 0.5, (1, 3))
 
     def test_a_linear_answer_without_an_amplitude(self):
-        system = one_mass(TWO, SLIDER)
+        system = make_single_mass(TWO, SLIDER)
         with pytest.raises(DataError, match="amplitude"):
             system.frf(response="block.z", force="block.z", frequency=[10.0])
 
     def test_linear_equations_in_time(self):
-        held = replace(one_mass(TWO, SLIDER).mounts[0], amplitude=1e-3)
-        system = replace(one_mass(TWO, SLIDER), mounts=(held,))
+        held = replace(make_single_mass(TWO, SLIDER).mounts[0], amplitude=1e-3)
+        system = replace(make_single_mass(TWO, SLIDER), mounts=(held,))
         assert np.isfinite(
             system.frf(response="block.z", force="block.z", frequency=[10.0]).value
         ).all()
@@ -397,12 +399,16 @@ class TestRefused:
             **words,
         }
         with pytest.raises(DataError, match=message):
-            response_at_level(one_mass(TWO, SLIDER), **asked)
+            response_at_level(make_single_mass(TWO, SLIDER), **asked)
 
     def test_a_system_without_friction(self):
         with pytest.raises(DataError, match="no mount of the system has friction"):
             response_at_level(
-                one_mass(TWO, None), response="block.z", force="block.z", level=1.0, frequency=[1.0]
+                make_single_mass(TWO, None),
+                response="block.z",
+                force="block.z",
+                level=1.0,
+                frequency=[1.0],
             )
 
     def test_every_answer_of_two_mounts(self):

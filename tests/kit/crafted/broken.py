@@ -51,7 +51,7 @@ def _hardly_files() -> list[Row]:
     ]  # fmt: skip
 
 
-def _others() -> list[Row]:
+def _list_other_kinds() -> list[Row]:
     """Records of another kind, and summaries of one row for each cycle."""
     five = table(";", columns=(*truth(), *truth()[1:]))
     peaks = (
@@ -96,4 +96,4 @@ def _open() -> list[Row]:
     ]  # fmt: skip
 
 
-BROKEN = [*_holes(), *_hardly_files(), *_others(), *_open()]
+BROKEN = [*_holes(), *_hardly_files(), *_list_other_kinds(), *_open()]

@@ -63,7 +63,7 @@ def leapt(*jumps: tuple[float, float]) -> np.ndarray:
     return TIME + sum(by * (at < TIME) for at, by in jumps)
 
 
-def clocked(time: np.ndarray, start: float, *, date: bool = False) -> bytes:
+def encode_clock_table(time: np.ndarray, start: float, *, date: bool = False) -> bytes:
     cells = []
     for t in start + time:
         days, second = divmod(t, 86400)
@@ -86,7 +86,9 @@ def blocks(second: float) -> bytes:
 
 def _midnight() -> bytes:
     """Instants of which the one at midnight is written as a date alone."""
-    return clocked(TIME, 86390.0, date=True).replace(b"2024-05-02 00:00:00.000", b"2024-05-02")
+    return encode_clock_table(TIME, 86390.0, date=True).replace(
+        b"2024-05-02 00:00:00.000", b"2024-05-02"
+    )
 
 
 CLOCKS = [
@@ -110,10 +112,10 @@ CLOCKS = [
     Row("a clock that leaps and falls back", bench(leapt((8.0, 1e3), (14.0, -1e3))), "refused", FALL),
     Row("a counter of 16 bits that begins again", bench(np.mod(TIME, 16.384)), "refused", FALL),
     Row("a clock that stands still", bench(np.minimum(TIME, 12.0)), "refused", ("time stamps repeat",)),
-    Row("hours of the day that leap by one", clocked(leapt((10.0, 3600.0)), 6000.0), "noted", LEAP, LEAPT),
-    Row("hours of the day that fall back by one", clocked(leapt((10.0, -3600.0)), 36000.0), "refused", FALL),
-    Row("hours of the day over midnight", clocked(TIME, 86390.0), "noted", ("the clock passes midnight",), SOUND),
-    Row("dates that leap by a day at midnight", clocked(leapt((9.98, 86400.0)), 86390.0, date=True), "noted", LEAP, LEAPT),
+    Row("hours of the day that leap by one", encode_clock_table(leapt((10.0, 3600.0)), 6000.0), "noted", LEAP, LEAPT),
+    Row("hours of the day that fall back by one", encode_clock_table(leapt((10.0, -3600.0)), 36000.0), "refused", FALL),
+    Row("hours of the day over midnight", encode_clock_table(TIME, 86390.0), "noted", ("the clock passes midnight",), SOUND),
+    Row("dates that leap by a day at midnight", encode_clock_table(leapt((9.98, 86400.0)), 86390.0, date=True), "noted", LEAP, LEAPT),
     Row("instants of which midnight is a date alone", _midnight(), truth=SOUND),
     Row("a second block on a later clock", blocks(1e4), "noted", ("2 segments joined", *LEAP), LEAPT),
     Row("a second block that begins again", blocks(-10.0), "refused", ("2 segments", "--file-part segment=1")),

@@ -225,26 +225,28 @@ def _shaken() -> list[Row]:
 def _sizes() -> list[Row]:
     """Sizes that no test has under the unit that the file states; those that some have are read."""
 
-    def pulled(strain: str, times: float = 1.0, stress: str = "MPa", by: float = 1.0) -> bytes:
+    def encode_tension_table(
+        strain: str, times: float = 1.0, stress: str = "MPa", by: float = 1.0
+    ) -> bytes:
         head = f"Strain [{strain}];Stress [{stress}]"
         return table(head, times * PULLED, by * PULLED**0.8).encode()
 
     pressed = 4e4 / np.max(FORCE)
     slow = np.concatenate([TIME[:5], TIME[5:] * 350])
     return [
-        Row("a strain of 0 to 1.5 under per cent", pulled("%"), "asked", ("--units strain=1",), TENSION, answer={"units": {"strain": "1"}}),
-        Row("a strain in per cent", pulled("%", 100.0), truth=TENSION),
-        Row("a stress in pascals under gigapascals", pulled("1", 1.0, "GPa", 1e6), "asked", ("--units stress=MPa",), TENSION, answer={"units": {"stress": "Pa"}}),
+        Row("a strain of 0 to 1.5 under per cent", encode_tension_table("%"), "asked", ("--units strain=1",), TENSION, answer={"units": {"strain": "1"}}),
+        Row("a strain in per cent", encode_tension_table("%", 100.0), truth=TENSION),
+        Row("a stress in pascals under gigapascals", encode_tension_table("1", 1.0, "GPa", 1e6), "asked", ("--units stress=MPa",), TENSION, answer={"units": {"stress": "Pa"}}),
         Row("millimetres under metres", bench("Time [s];Position [m];Load [N]"), "asked", ("--units displacement=mm",), RAMP, answer={"units": {"displacement": "mm"}}, by_size=True),
         Row("kilonewtons under newtons", table("Time [s];Position [mm];Load [N]", TIME, MOVED, FORCE / 1e3).encode(), "asked", ("--units force=kN",), RAMP, answer={"units": {"force": "kN"}}, by_size=True, coarse=1e-6),
         Row("seconds under milliseconds", bench("Time [ms];Position [mm];Load [N]"), "asked", ("--units time=s",), RAMP, answer={"units": {"time": "s"}}, by_size=True),
-        Row("a press of 40 kN", table("Time [s];Position [mm];Load [kN]", TIME, MOVED, pressed * FORCE / 1e3).encode(), "noted", ("The force goes over 40 kN",), _of(force=pressed * FORCE)),
-        Row("a ramp of 315 s", table("Time [s];Position [mm];Load [N]", slow, MOVED, FORCE).encode(), "noted", ("sampled at 0.0286 Hz",), _of(time=slow)),
-        Row("a stroke of 401 mm", table("Time [s];Position [mm];Load [N]", 20 * TIME, 401 / 8 * MOVED, FORCE).encode(), "noted", ("The displacement goes over 401 mm",), _of(displacement=0.401 / 8 * MOVED)),
+        Row("a press of 40 kN", table("Time [s];Position [mm];Load [kN]", TIME, MOVED, pressed * FORCE / 1e3).encode(), "noted", ("The force goes over 40 kN",), _make_truth(force=pressed * FORCE)),
+        Row("a ramp of 315 s", table("Time [s];Position [mm];Load [N]", slow, MOVED, FORCE).encode(), "noted", ("sampled at 0.0286 Hz",), _make_truth(time=slow)),
+        Row("a stroke of 401 mm", table("Time [s];Position [mm];Load [N]", 20 * TIME, 401 / 8 * MOVED, FORCE).encode(), "noted", ("The displacement goes over 401 mm",), _make_truth(displacement=0.401 / 8 * MOVED)),
     ]  # fmt: skip
 
 
-def _of(**columns: np.ndarray) -> Truth:
+def _make_truth(**columns: np.ndarray) -> Truth:
     """A ramp and hold of another size."""
 
     def holds(test: Any, row: Row) -> None:

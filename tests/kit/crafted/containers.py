@@ -108,7 +108,9 @@ def rows_of(*columns: np.ndarray) -> list[list[Any]]:
     return [list(map(float, row)) for row in zip(*columns, strict=True)]
 
 
-def patched(workbook: bytes, pattern: bytes, by: Callable[[re.Match[bytes]], bytes]) -> bytes:
+def patch_workbook(
+    workbook: bytes, pattern: bytes, by: Callable[[re.Match[bytes]], bytes]
+) -> bytes:
     """A workbook whose sheet's XML was changed: results of formulas, errors."""
     out = io.BytesIO()
     with (
@@ -157,7 +159,7 @@ def lvm(
     return ("\r\n".join(lines) + "\r\n").encode("cp1252")
 
 
-def marked(values: np.ndarray, mark: float) -> np.ndarray:
+def insert_mark(values: np.ndarray, mark: float) -> np.ndarray:
     values = values.copy()
     values[LATE] = mark
     return values
@@ -172,7 +174,7 @@ def formulas(kept: float | None) -> bytes:
     made = sheet([["Time [s]", "Displacement [mm]", "Force [N]", "Signal [V]"], *body])
     if kept is None:
         return made
-    return patched(
+    return patch_workbook(
         made, rb'(<c r="C(\d+)"[^>]*><f>[^<]*</f>)<v\s*/?>(?:</v>)?',
         lambda m: m[1] + f"<v>{kept * float(FORCE[int(m[2]) - 2])!r}</v>".encode(),
     )  # fmt: skip
@@ -181,7 +183,7 @@ def formulas(kept: float | None) -> bytes:
 def errors(word: str) -> bytes:
     """Two cells before the ramp that hold an error."""
     made = sheet([["Time [s]", "Displacement [mm]", "Force [N]"], *rows_of(TIME, MOVED, FORCE)])
-    return patched(
+    return patch_workbook(
         made,
         rb'<c r="(C(?:4|5))"[^>]*><v>[^<]*</v></c>',
         lambda m: b'<c r="' + m[1] + b'" t="e"><v>' + word.encode() + b"</v></c>",
@@ -215,8 +217,8 @@ CONTAINERS: list[Row] = [
     Row("HDF5: NeXus, a unit in capital letters", datasets({"time": (TIME, {"units": "S"}), "displacement": (MOVED, {"units": "MM"}), "force": (FORCE, {"units": "N"})}, "entry/data"), "right"),
     Row("HDF5: netCDF seconds since an instant", datasets({"time": (TIME, {"units": "seconds since 2026-03-04 10:00:00"}), **{k: _T[k] for k in ("displacement", "force")}})),
     Row("HDF5: integers packed by the CF conventions", datasets({"time": _T["time"], "displacement": _T["displacement"], "force": (np.round(FORCE * 1e5).astype("i4"), {"units": "N", "scale_factor": 1e-5})}), "noted", ("scale_factor",)),
-    Row("HDF5: a fill value before the ramp", datasets({**_T, "force": (marked(FORCE, -9999.0), {"units": "N", "_FillValue": -9999.0})}), "noted", ("fill value",), without=(LATE,)),
-    Row("HDF5: a valid range passed over by one sample", datasets({**_T, "force": (marked(FORCE, 740.0), {"units": "N", "valid_range": [-5.0, 50.0]})}), "noted", ("valid range",), without=(LATE,)),
+    Row("HDF5: a fill value before the ramp", datasets({**_T, "force": (insert_mark(FORCE, -9999.0), {"units": "N", "_FillValue": -9999.0})}), "noted", ("fill value",), without=(LATE,)),
+    Row("HDF5: a valid range passed over by one sample", datasets({**_T, "force": (insert_mark(FORCE, 740.0), {"units": "N", "valid_range": [-5.0, 50.0]})}), "noted", ("valid range",), without=(LATE,)),
     Row("HDF5: a sensitivity as an attribute", datasets({**_T, "force": (FORCE, {"units": "N", "sensitivity": 2.5})}), "asked", ("sensitivity",), answer={"units": {"force": "N"}}),
     Row("HDF5: a calibration written as a formula", datasets({**_T, "force": (FORCE, {"units": "N", "calibration": "F = 10 * U"})}), "asked", ("F = 10 * U",), answer={"units": {"force": "N"}}),
     Row("HDF5: a mask of valid rows", datasets({**_T, "force_valid": (np.arange(_N) != LATE, {})}), "noted", ("'force_valid' marks 1 of",)),
@@ -229,8 +231,8 @@ CONTAINERS: list[Row] = [
     Row("MAT: version 4", mat({"time_s": TIME, "displacement_mm": MOVED, "force_N": FORCE}, format="4")),
     Row("MAT: units behind underscores", mat({"time_s": TIME, "displacement_mm": MOVED, "force_N": FORCE})),
     Row("MAT: a struct of a test with fields", mat({"test": {"time": {"data": TIME, "units": "s"}, "displacement": {"data": MOVED, "units": "mm"}, "force": {"data": FORCE, "units": "N"}}})),
-    Row("MAT: fill value and valid range", mat({"time": {"data": TIME, "units": "s"}, "displacement": {"data": MOVED, "units": "mm"}, "force": {"data": marked(FORCE, -999.0), "units": "N", "FillValue": -999.0, "valid_range": [-5.0, 50.0]}}), "noted", ("as fill values",), without=(LATE,)),
-    Row("MAT: a valid range alone", mat({"time": {"data": TIME, "units": "s"}, "displacement": {"data": MOVED, "units": "mm"}, "force": {"data": marked(FORCE, 740.0), "units": "N", "valid_range": [-5.0, 50.0]}}), "noted", ("outside the valid range",), without=(LATE,)),
+    Row("MAT: fill value and valid range", mat({"time": {"data": TIME, "units": "s"}, "displacement": {"data": MOVED, "units": "mm"}, "force": {"data": insert_mark(FORCE, -999.0), "units": "N", "FillValue": -999.0, "valid_range": [-5.0, 50.0]}}), "noted", ("as fill values",), without=(LATE,)),
+    Row("MAT: a valid range alone", mat({"time": {"data": TIME, "units": "s"}, "displacement": {"data": MOVED, "units": "mm"}, "force": {"data": insert_mark(FORCE, 740.0), "units": "N", "valid_range": [-5.0, 50.0]}}), "noted", ("outside the valid range",), without=(LATE,)),
     Row("MAT: compressed, row vectors", mat({"time_s": TIME[None], "displacement_mm": MOVED[None], "force_N": FORCE[None]}, do_compression=True)),
     Row("MAT: short names without units", mat({"t": TIME, "x": MOVED, "F": FORCE}), "asked", ("unit",), answer={"units": {"time": "s", "displacement": "mm", "force": "N"}}),
     Row("MAT: a calibration factor beside the channel", mat({"time_s": TIME, "displacement_mm": MOVED, "force_N": FORCE, "force_N_gain": 2.0}), "asked", ("gain",), answer={"units": {"force": "N"}}),
@@ -263,7 +265,7 @@ CONTAINERS: list[Row] = [
     # MDF
     Row("MDF 4: German names and a linear conversion", mdf(Channel("Weg", np.round(1e3 * MOVED).astype("i4"), "mm", dtype="<i4", conversion=(1, (0.0, 1e-3), ())), Channel("Kraft", FORCE, "N"))),
     Row("MDF 4: µm and daN", mdf(Channel("Displacement", 1e3 * MOVED, "µm"), Channel("Force", FORCE / 10, "daN"))),
-    Row("MDF 4: an invalid sample before the ramp", mdf(Channel("Displacement", MOVED, "mm"), Channel("Force", marked(FORCE, 40.0), "N", invalid=(np.arange(_N) == LATE).astype("u1"), flags=2)), "noted", ("lack",), without=(LATE,)),
+    Row("MDF 4: an invalid sample before the ramp", mdf(Channel("Displacement", MOVED, "mm"), Channel("Force", insert_mark(FORCE, 40.0), "N", invalid=(np.arange(_N) == LATE).astype("u1"), flags=2)), "noted", ("lack",), without=(LATE,)),
     Row("MDF 4: no units", mdf(Channel("Displacement", MOVED), Channel("Force", FORCE)), "asked", ("unit",), answer={"units": {"displacement": "mm", "force": "N"}}),
     Row("MDF 4: single precision, lower case", mdf(Channel("displacement", MOVED, "mm", dtype="<f4"), Channel("force", FORCE, "N", dtype="<f4")), coarse=1e-6),
     # LVM

@@ -33,7 +33,7 @@ def _chinese() -> str:
     return "试验日期,2024-01-05\n试样编号,A1\n时间(s),位移(mm),力(N)\n" + table(",")
 
 
-def _padded() -> str:
+def _format_padded_table() -> str:
     head = "$ Prüfung an Stück 7\n$ Temperatur 23 °C\n$ Zeit [s]  Weg [mm]  Kraft [N]\n"
     return head + table("", pad=14)
 
@@ -59,7 +59,7 @@ DIALECTS = [
     Row("old mac", ("Time (s),Displacement (mm),Load (N)\r" + table(",", end="\r")).encode()),
     Row("chinese gbk", _chinese().encode("gb18030")),
     Row("chinese utf-8", _chinese().encode()),
-    Row("fixed width", _padded().encode("latin-1")),
+    Row("fixed width", _format_padded_table().encode("latin-1")),
     Row("comment header", ("# time [s] displacement [mm] force [N]\n" + table(" ")).encode()),
     Row("percent comment", ("% simulated\n% t (s)\tx (mm)\tF (N)\n" + table("\t")).encode()),
     Row("labelled comment", ("# columns: t x F\n# units: s mm N\n" + table(" ")).encode()),

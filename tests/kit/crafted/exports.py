@@ -54,7 +54,7 @@ def bench(
     return table(head, *columns, sign=sign, form="%.12g", comma=comma).encode(code)
 
 
-def written(head: str, row: str) -> bytes:
+def encode_rows(head: str, row: str) -> bytes:
     """The ramp and hold, each row as a form says."""
     return (head + "\n" + "".join(row.format(t, x, f) + "\n" for t, x, f in _ROWS)).encode()
 
@@ -109,7 +109,7 @@ def _benches() -> list[Row]:
         Row("decanewtons, Polish", bench("Czas [s];Droga [mm];Siła [daN]", code="cp1250", load=0.1)),
         Row("catman with its rate group", bench("Zeit  1 - Standardmessrate [s]\tWeg [mm]\tKraft [N]", "\t", comma=True)),
         Row("names on two lines", bench("Total\tAxial\tAxial\nTime\tDisplacement\tForce\ns\tmm\tN", "\t")),
-        Row("an index without a name", written(",time_s,position_mm,load_N", "7,{0},{1},{2}")),
+        Row("an index without a name", encode_rows(",time_s,position_mm,load_N", "7,{0},{1},{2}")),
         Row("milliseconds since 1970", "".join(["timestamp_ms,position_mm,load_N\n", *(f"{1704448800000 + round(1e3 * t)},{x},{f}\n" for t, x, f in _ROWS)]).encode()),
         Row("halves of a day", table("Date Time;Stroke mm;Load N", half, MOVED, FORCE).encode()),
         Row("a date and a clock apart", table("Datum;Uhrzeit;Weg [mm];Kraft [N]", ["05.01.2024"] * 60, [f"10:00:{t:06.3f}" for t in TIME], MOVED, FORCE, comma=True).encode()),
@@ -117,12 +117,12 @@ def _benches() -> list[Row]:
         Row("blanks round the delimiter", bench("Time [s] ; Position [mm] ; Load [N]", " ; ", comma=True)),
         Row("pages with their number", (wet + "\n" + page).encode(), "noted", ("'Page 1 of 3'",)),
         Row("whole seconds beside milliseconds", logger.encode(), "asked", ("looks like displacement",), answer=named),
-        Row("words behind the last number", written(wet, "{0};{1};{2} # ok"), "refused", ("column 'Load' (force) holds words where numbers are expected",)),
-        Row("a unit in each cell", written("Time;Position;Load", "{0} s;{1} mm;{2} N"), "refused", ("each number shares its cell with its unit", "'5.9 s;")),
+        Row("words behind the last number", encode_rows(wet, "{0};{1};{2} # ok"), "refused", ("column 'Load' (force) holds words where numbers are expected",)),
+        Row("a unit in each cell", encode_rows("Time;Position;Load", "{0} s;{1} mm;{2} N"), "refused", ("each number shares its cell with its unit", "'5.9 s;")),
         Row("a table on its side", on_its_side.encode(), "refused", ("line 1 begins with 'Time [s]' and holds 60 numbers", "Transpose")),
-        Row("a web page called a workbook", written("<html><table>", "<tr><td>{0}</td><td>{1}</td><td>{2}</td></tr>"), "refused", ("is a document ('<html'), not a table",)),
-        Row("a workbook of XML", written('<?xml version="1.0"?><Workbook>', "<Row>{0} {1} {2}</Row>"), "refused", ("is a document ('<?xml')",)),
-        Row("rich text", written("{{\\rtf1".replace("{{", "{"), "{0} {1} {2}\\par"), "refused", ("is a document ('{\\rtf')",)),
+        Row("a web page called a workbook", encode_rows("<html><table>", "<tr><td>{0}</td><td>{1}</td><td>{2}</td></tr>"), "refused", ("is a document ('<html'), not a table",)),
+        Row("a workbook of XML", encode_rows('<?xml version="1.0"?><Workbook>', "<Row>{0} {1} {2}</Row>"), "refused", ("is a document ('<?xml')",)),
+        Row("rich text", encode_rows("{{\\rtf1".replace("{{", "{"), "{0} {1} {2}\\par"), "refused", ("is a document ('{\\rtf')",)),
     ]  # fmt: skip
 
 

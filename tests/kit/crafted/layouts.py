@@ -20,7 +20,7 @@ from kit.crafted.row import (
     F,
     Row,
 )
-from kit.crafted.treacherous import joined, three
+from kit.crafted.treacherous import join_rows, three
 
 _PADDING = {
     "a row of zeros": [["0"] * 3],
@@ -97,7 +97,7 @@ def _labels() -> str:
         ["Hold", "1-Compress" if i < 15 else "1-Hold", row[0], "20.1", *row[1:]]
         for i, row in enumerate(three())
     )
-    return joined([*cells], "SetName,Cycle,Time_S,Size_mm,Displacement_mm,Force_N", ",")
+    return join_rows([*cells], "SetName,Cycle,Time_S,Size_mm,Displacement_mm,Force_N", ",")
 
 
 def _blocks() -> str:
@@ -117,10 +117,10 @@ _COMMENT = "%\tfrequency [Hz]\tE' [MPa]\tE'' [MPa]\n" + rows(
 LAYOUTS = [
     Row("two columns of labels", _labels().encode(), "noted", ("column 'Cycle' begins with '1-Compress' and ends with '1-Hold'",)),
     *(
-        Row(f"padding: {name}", joined([*three(), *more]).encode(), "noted", (f"left out: {len(more)}, from line 62",))
+        Row(f"padding: {name}", join_rows([*three(), *more]).encode(), "noted", (f"left out: {len(more)}, from line 62",))
         for name, more in _PADDING.items()
     ),
-    *(Row(name, joined(three(), head, sign).encode()) for name, (head, sign) in _OVER.items()),
+    *(Row(name, join_rows(three(), head, sign).encode()) for name, (head, sign) in _OVER.items()),
     *(Row(name, text.encode(), truth=SWEEP) for name, text in _FREQUENCY.items()),
     *(Row(name, text.encode(), truth=AMPLITUDES) for name, text in _AMPLITUDE.items()),
     Row("blocks under titles have their own temperature", _blocks().encode(), truth=ISOTHERMS),

@@ -182,7 +182,7 @@ def _trapezium_lite() -> bytes:
     ).encode()
 
 
-def _saved(sheet_of: openpyxl.Workbook) -> bytes:
+def _encode_workbook(sheet_of: openpyxl.Workbook) -> bytes:
     content = io.BytesIO()
     sheet_of.save(content)
     return content.getvalue()
@@ -201,7 +201,7 @@ def _merged_heads() -> bytes:
     sheet.append(["s", "mm", "N"])
     for row in zip(TIME.tolist(), MOVED.tolist(), FORCE.tolist(), strict=True):
         sheet.append(list(row))
-    return _saved(made)
+    return _encode_workbook(made)
 
 
 def _merged_down() -> bytes:
@@ -216,7 +216,7 @@ def _merged_down() -> bytes:
     for row in zip(TIME.tolist(), (MOVED / 10).tolist(), (1e3 * FORCE).tolist(), strict=True):
         sheet.append(list(row))
     sheet.append(["Mittelwert", None, float(FORCE.mean())])
-    return _saved(made)
+    return _encode_workbook(made)
 
 
 def _hdf5(names: tuple[str, str, str], word: str, units: tuple[str, str, str]) -> bytes:

@@ -12,20 +12,20 @@ THIN, FIRM = "\u2009", "\u00a0"
 """A thin blank, and one at which no line breaks."""
 
 
-def grouped(value: float, blank: str, digits: int) -> str:
+def format_grouped_number(value: float, blank: str, digits: int) -> str:
     """A number with its thousands apart and a decimal comma: 7 553 552,5."""
     return f"{value:,.{digits}f}".replace(",", blank).replace(".", ",")
 
 
-def _grouped(head: str, blank: str, unit: float, digits: int, *beside: str) -> str:
+def _format_grouped_table(head: str, blank: str, unit: float, digits: int, *beside: str) -> str:
     rows = zip(F, STORAGE / unit, LOSS / unit, strict=True)
     lines = (
         "\t".join(
             (
-                grouped(f, "", 6),
+                format_grouped_number(f, "", 6),
                 "23,0",
-                grouped(a, blank, digits),
-                grouped(b, blank, digits),
+                format_grouped_number(a, blank, digits),
+                format_grouped_number(b, blank, digits),
                 *beside,
             )
         )
@@ -34,27 +34,27 @@ def _grouped(head: str, blank: str, unit: float, digits: int, *beside: str) -> s
     return "\n".join((head, *lines, ""))
 
 
-def _clocked() -> str:
+def _format_clock_table() -> str:
     clock = [f"00:00:{t:06.3f}" for t in TIME]
     return table(
         "Prüfzeit;Standardweg;Standardkraft\nhh:mm:ss;mm;N", clock, MOVED, FORCE, comma=True
     )
 
 
-def _counted(head: str, sign: str, *, quote: bool) -> str:
+def _format_counter_table(head: str, sign: str, *, quote: bool) -> str:
     part = 1.0 + (TIME > 1.5)
     return table(head, TIME, part, MOVED, FORCE, part / 2, sign=sign, form="%.10g", quote=quote)
 
 
 QUIRKS = [
-    Row("TRIOS: thin blanks group, -,-- for what is missing", _grouped("Frequency\tTemperature\tStorage modulus\tLoss modulus\tTan(delta)\tStep time\nHz\t°C\tkPa\tkPa\t\ts", THIN, 1e3, 6, "-,--", "3,0").encode(), truth=SWEEP),
-    Row("Eplexor: firm blanks group millions, Latin-1", _grouped("Freq.[Hz]\tTemp.[°C]\tE'[Pa]\tE''[Pa]\ttan d[-]\t", FIRM, 1.0, 3, "0,13", "").encode("cp1252"), truth=SWEEP),
-    Row("Eplexor: common blanks group millions", _grouped("Freq.[Hz]\tTemp.[°C]\tE'[Pa]\tE''[Pa]", " ", 1.0, 3).encode(), truth=SWEEP),
-    Row("TestSuite: segments and cycles among the units", _counted('"Time","Axial Segment Count","Axial Displacement","Axial Force","Axial Count"\n"Sec","segments","mm","N","cycles"', ",", quote=True).encode()),
-    Row("TestSuite: cycles among the units", _counted("Data Header:\tRelax\nTime\tAxial Integer Count\tAxial Displacement\tAxial Force\tAxial Count\t\nSec\tcycles\tmm\tN\tcycles\t", "\t", quote=False).encode()),
+    Row("TRIOS: thin blanks group, -,-- for what is missing", _format_grouped_table("Frequency\tTemperature\tStorage modulus\tLoss modulus\tTan(delta)\tStep time\nHz\t°C\tkPa\tkPa\t\ts", THIN, 1e3, 6, "-,--", "3,0").encode(), truth=SWEEP),
+    Row("Eplexor: firm blanks group millions, Latin-1", _format_grouped_table("Freq.[Hz]\tTemp.[°C]\tE'[Pa]\tE''[Pa]\ttan d[-]\t", FIRM, 1.0, 3, "0,13", "").encode("cp1252"), truth=SWEEP),
+    Row("Eplexor: common blanks group millions", _format_grouped_table("Freq.[Hz]\tTemp.[°C]\tE'[Pa]\tE''[Pa]", " ", 1.0, 3).encode(), truth=SWEEP),
+    Row("TestSuite: segments and cycles among the units", _format_counter_table('"Time","Axial Segment Count","Axial Displacement","Axial Force","Axial Count"\n"Sec","segments","mm","N","cycles"', ",", quote=True).encode()),
+    Row("TestSuite: cycles among the units", _format_counter_table("Data Header:\tRelax\nTime\tAxial Integer Count\tAxial Displacement\tAxial Force\tAxial Count\t\nSec\tcycles\tmm\tN\tcycles\t", "\t", quote=False).encode()),
     Row("Bluehill: sep=, and names in two languages", b"\xef\xbb\xbf" + table("sep=;\nTime;Compressive extension;Compressive load\nZeit;Kompressionsweg;Kompressionslast\n(s);(mm);(N)", TIME, MOVED, FORCE, comma=True, end="\r\n").encode()),
     Row("Bluehill: two languages in one name", table("Zeit / Time [s];Weg / Displacement [mm];Kraft / Force [N]", TIME, MOVED, FORCE).encode()),
-    Row("testXpert: hours of the test with a decimal comma", _clocked().encode("cp1252")),
+    Row("testXpert: hours of the test with a decimal comma", _format_clock_table().encode("cp1252")),
     Row("MULTITEST: all of its head behind #", table("# DMA+ 450\n# Longueur: 12,5 mm\n# Fréquence (Hz);Température (°C);Module E' (Pa);Module E\" (Pa);Tan delta", F, 0 * F + 23, STORAGE, LOSS, TANGENT, form="%.9E", comma=True).encode(), truth=SWEEP),
     Row("Trapezium: Japanese, full width, micrometres", table("時間（秒）,試験力（Ｎ）,変位（μｍ）", TIME, FORCE, 1e3 * MOVED, sign=",").encode("cp932")),
     Row("raised units with their minus", table("f / s⁻¹;E′ / N·mm⁻²;E″ / N·mm⁻²", F, STORAGE / 1e6, LOSS / 1e6, form="%.9g").encode(), truth=SWEEP),

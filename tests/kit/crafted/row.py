@@ -172,12 +172,12 @@ CREEP = Truth("creep", read_creep, _crept)
 """A strain, %, that goes on under 0.1 MPa."""
 
 
-def _softened(curve: Any, row: Row) -> None:
+def _check_compliance(curve: Any, row: Row) -> None:
     np.testing.assert_allclose(curve.time, CLOCK[1:], atol=1e-6)
     np.testing.assert_allclose(curve.compliance, 1e-6 * CREPT[1:], rtol=1e-5)
 
 
-COMPLIANCE = Truth("creep", read_creep, _softened)
+COMPLIANCE = Truth("creep", read_creep, _check_compliance)
 """A compliance, 1/MPa, over time."""
 
 PULLED = np.linspace(0.0, 1.5, 40)
@@ -187,23 +187,23 @@ def read_tension(path: Path, *, options: ReadOptions) -> Any:
     return read_stress_strain(path, "uniaxial", options=options)
 
 
-def _pulled(test: Any, row: Row) -> None:
+def _check_stress(test: Any, row: Row) -> None:
     np.testing.assert_allclose(test.stretch, 1 + PULLED, rtol=1e-5)
     np.testing.assert_allclose(test.stress, 1e6 * PULLED**0.8, rtol=1e-5)
 
 
-TENSION = Truth("stress-strain", read_tension, _pulled)
+TENSION = Truth("stress-strain", read_tension, _check_stress)
 """A strip drawn to two and a half times its length."""
 
 PRESSED = np.concatenate([np.linspace(0, 8, 60), np.linspace(8, 0, 60)[1:]])
 
 
-def _deflected(test: Any, row: Row) -> None:
+def _check_force(test: Any, row: Row) -> None:
     np.testing.assert_allclose(test.displacement, 1e-3 * PRESSED, atol=1e-7)
     np.testing.assert_allclose(test.force, 0.2 * PRESSED, atol=1e-5)
 
 
-DEFLECTION = Truth("cld", read_cld, _deflected)
+DEFLECTION = Truth("cld", read_cld, _check_force)
 
 TICKS = np.arange(2048) / 1024
 HIT = np.where(np.abs(TICKS - 0.1) < 0.004, 20 * np.cos(np.pi * (TICKS - 0.1) / 0.008), 0.0)

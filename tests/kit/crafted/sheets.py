@@ -49,11 +49,11 @@ def instants() -> list[list[object]]:
     ]
 
 
-def plain() -> list[list[object]]:
+def list_rows() -> list[list[object]]:
     return [list(row) for row in zip(TIME.tolist(), MOVED.tolist(), FORCE.tolist(), strict=True)]
 
 
-def merged() -> list[list[object]]:
+def list_merged_rows() -> list[list[object]]:
     """Two isotherms whose temperature stands in the first row of each, as merged cells leave it."""
     return [
         [warm if i == 0 else None, f, factor * a / 1e6, factor * b / 1e6]
@@ -62,10 +62,10 @@ def merged() -> list[list[object]]:
     ]
 
 
-def collapsed(row: int) -> bytes:
+def encode_hidden_row(row: int) -> bytes:
     """An OpenDocument workbook of which a row is not seen."""
     content = io.BytesIO()
-    before, *rows = ods_rows([HEAD, *plain()]).split("<table:table-row>")
+    before, *rows = ods_rows([HEAD, *list_rows()]).split("<table:table-row>")
     marks = ["", *([""] * row), ' table:visibility="collapse"', *([""] * len(rows))]
     marked = (f"<table:table-row{mark}>{one}" for mark, one in zip(marks[1:], rows, strict=False))
     ods(content, before + "".join(marked))  # type: ignore[arg-type]
@@ -73,10 +73,10 @@ def collapsed(row: int) -> bytes:
 
 
 SHEETS = [
-    Row("an OpenDocument workbook with a hidden row", collapsed(20), "noted", ("hidden in sheet 'One' and read: row 21",)),
+    Row("an OpenDocument workbook with a hidden row", encode_hidden_row(20), "noted", ("hidden in sheet 'One' and read: row 21",)),
     Row("a workbook with a sample at midnight", book(["Time", *HEAD[1:]], instants(), form="dd.mm.yyyy hh:mm:ss.000")),
-    Row("a workbook with hidden rows", book(HEAD, plain(), rows_hidden=(20, 21, 40)), "noted", ("rows 20, 21, 40",)),
-    Row("a workbook with a hidden column", book([*HEAD, "Temp (C)"], [[*row, 23.0] for row in plain()], columns_hidden=(4,)), "noted", ("column D",)),
-    Row("a workbook with both", book(HEAD, plain(), rows_hidden=(9,), columns_hidden=(2,)), "noted", ("row 9 and column B",)),
-    Row("a workbook with a temperature once for each block", book(["Temp [°C]", "f [Hz]", "E' [MPa]", "E'' [MPa]"], merged()), "noted", ("the temperature stands in 2 of 26 rows",), ISOTHERMS),
+    Row("a workbook with hidden rows", book(HEAD, list_rows(), rows_hidden=(20, 21, 40)), "noted", ("rows 20, 21, 40",)),
+    Row("a workbook with a hidden column", book([*HEAD, "Temp (C)"], [[*row, 23.0] for row in list_rows()], columns_hidden=(4,)), "noted", ("column D",)),
+    Row("a workbook with both", book(HEAD, list_rows(), rows_hidden=(9,), columns_hidden=(2,)), "noted", ("row 9 and column B",)),
+    Row("a workbook with a temperature once for each block", book(["Temp [°C]", "f [Hz]", "E' [MPa]", "E'' [MPa]"], list_merged_rows()), "noted", ("the temperature stands in 2 of 26 rows",), ISOTHERMS),
 ]  # fmt: skip

@@ -25,7 +25,9 @@ HEAD = "Time [s];Displacement [mm];Force [N]"
 SECOND = {"segment": 2}
 
 
-def _labelled(first: str, second: str, head: str, *, on: float = 0.0, last: bool = False) -> str:
+def _format_labelled_table(
+    first: str, second: str, head: str, *, on: float = 0.0, last: bool = False
+) -> str:
     """Rows of two specimens under one head, a column of labels first or last."""
     rows = []
     for label, factor, start in zip((first, second), TWICE, (0.0, on), strict=True):
@@ -37,7 +39,9 @@ def _labelled(first: str, second: str, head: str, *, on: float = 0.0, last: bool
 
 def _sparse() -> str:
     """A label in the first row of each specimen alone."""
-    lines = _labelled("P1", "P2", "Prüfkörper;Zeit [s];Weg [mm];Kraft [N]").splitlines()
+    lines = _format_labelled_table(
+        "P1", "P2", "Prüfkörper;Zeit [s];Weg [mm];Kraft [N]"
+    ).splitlines()
     seen: set[str] = set()
     for i, line in enumerate(lines[1:], start=1):
         label, _, rest = line.partition(";")
@@ -46,7 +50,7 @@ def _sparse() -> str:
     return "\n".join(lines) + "\n"
 
 
-def _interleaved() -> str:
+def _format_interleaved_table() -> str:
     """The readings of two specimens in turn, as a logger of several stations writes them."""
     rows = ["Time [s];Sample No.;Displacement [mm];Force [N]"]
     for a, b, c in zip(TIME, MOVED, FORCE, strict=True):
@@ -154,11 +158,11 @@ _BY_COLUMN = ("holds 2 specimens by its column", "--file-part segment=1")
 _ANEW = ("several specimens, or repeats", "--file-part segment=1")
 _SETS = ("2 sets of columns could each be the test", "--file-part segment=1")
 SPECIMENS = [
-    Row("specimens: a column of numbers", _labelled("1", "2", "Specimen;Time [s];Displacement [mm];Force [N]").encode(), "asked", _BY_COLUMN, answer=SECOND),
-    Row("specimens: a last column of names", _labelled("EPDM-A", "EPDM-B", f"{HEAD};Sample ID", last=True).encode(), "asked", (*_BY_COLUMN, "1 EPDM-A, 2 EPDM-B"), answer=SECOND),
-    Row("specimens: a clock that goes on from one to the next", _labelled("1", "2", "Specimen No.;Time [s];Displacement [mm];Force [N]", on=100.0).encode(), "asked", _BY_COLUMN, answer=SECOND),
+    Row("specimens: a column of numbers", _format_labelled_table("1", "2", "Specimen;Time [s];Displacement [mm];Force [N]").encode(), "asked", _BY_COLUMN, answer=SECOND),
+    Row("specimens: a last column of names", _format_labelled_table("EPDM-A", "EPDM-B", f"{HEAD};Sample ID", last=True).encode(), "asked", (*_BY_COLUMN, "1 EPDM-A, 2 EPDM-B"), answer=SECOND),
+    Row("specimens: a clock that goes on from one to the next", _format_labelled_table("1", "2", "Specimen No.;Time [s];Displacement [mm];Force [N]", on=100.0).encode(), "asked", _BY_COLUMN, answer=SECOND),
     Row("specimens: a label in the first row of each", _sparse().encode(), "asked", (*_BY_COLUMN, "1 P1, 2 P2"), answer=SECOND),
-    Row("specimens: in turn", _interleaved().encode(), "asked", _BY_COLUMN, answer=SECOND),
+    Row("specimens: in turn", _format_interleaved_table().encode(), "asked", _BY_COLUMN, answer=SECOND),
     Row("specimens: blocks under their names", ("Specimen 1\n" + _blocks("\nSpecimen 2\n")).encode(), "asked", (*_ANEW, "1 Specimen 1, 2 Specimen 2"), answer=SECOND),
     Row("specimens: blocks with a blank line between", _blocks("\n").replace(f"\n\n{HEAD}", "\n").encode(), "asked", _ANEW, answer=SECOND),
     Row("specimens: blocks under the same head", _blocks("\n\n").encode(), "asked", _ANEW, answer=SECOND),

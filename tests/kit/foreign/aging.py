@@ -53,10 +53,10 @@ class Lot:
         """As a file."""
         columns = zip(self.hours, self.force, self.celsius, self.specimen_number, strict=True)
         rows = (f"{a!r},{b!r},{c!r},{d}" for a, b, c, d in columns)
-        return "\n".join([head, *map(_plain, rows), ""])
+        return "\n".join([head, *map(_format_row, rows), ""])
 
 
-def _plain(row):
+def _format_row(row):
     return row.replace("np.float64(", "").replace(")", "")
 
 

@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 from .rigs import RIGS, SOUND, Protocol, Record, Rig, hums, noisy, read
-from .truths import FAMILIES, TABLE_1, TRUTHS, Seal, Solid, drawn
+from .truths import FAMILIES, TABLE_1, TRUTHS, Seal, Solid, draw_truth
 
 RATES = (250.0, 500.0, 1000.0, 2000.0, 5000.0, 10000.0)
 """Hz."""
@@ -39,7 +39,7 @@ def relaxation_records(count: int = 200, seed: int = 0) -> Iterator[Record]:
         most = min(300.0, max(10.0, _ROWS / rate - 7))
         hold = round(float(np.exp(random.uniform(np.log(10.0), np.log(most)))), 1)
         ramp = round(float(np.exp(random.uniform(np.log(0.05), np.log(5.0)))), 3)
-        solid = drawn(family, 1000 * seed + turn, hold=hold)
+        solid = draw_truth(family, 1000 * seed + turn, hold=hold)
         protocol = Protocol(round(float(random.uniform(3e-3, 10e-3)), 4), ramp, hold, 1.0, rate)
         name = f"{i:03d} {solid.name} | {noise} | {rate:g} Hz, {ramp:g} s, {hold:g} s"
         yield read(Seal(solid), protocol, NOISES[noise], seed=seed, name=name)

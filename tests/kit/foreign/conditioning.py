@@ -52,7 +52,7 @@ def truths(seed: int) -> Iterator[Arms]:
             yield Arms(f"{count} arms", k_inf, tuple(k.tolist()), tuple(tau))
 
 
-def pressed(
+def press_solid(
     solid: Arms, step: float, plate: np.ndarray, *, bonded: bool, fine: int = 1
 ) -> tuple[np.ndarray, np.ndarray]:
     """Face, m, and force, N, under a plate that is straight between samples of one `step`, s."""
@@ -77,7 +77,7 @@ def pressed(
     return face[::fine], force[::fine]
 
 
-def softened(plate: np.ndarray, force: np.ndarray, part: float, reach: float) -> np.ndarray:
+def apply_mullins(plate: np.ndarray, force: np.ndarray, part: float, reach: float) -> np.ndarray:
     """Mullins: behind the deepest compression so far a seal is softer, by up to `part`.
 
     Over a distance `reach`, m, from that deepest one.
@@ -87,7 +87,7 @@ def softened(plate: np.ndarray, force: np.ndarray, part: float, reach: float) ->
 
 
 @dataclass(frozen=True, eq=False)
-class Conditioned:
+class ConditionedRecord:
     """A record, and what is true of it."""
 
     name: str
@@ -155,11 +155,11 @@ def _path(kind: str, rng: np.random.Generator, depth: float, rest: float) -> lis
     return path
 
 
-def conditioned(
+def make_conditioned_record(
     number: int, seed: int = 0, *, kind: str | None = None, bonded: bool | None = None,
     mullins: float | None = None, truth: Arms | None = None, rest: float | None = None,
     shown: bool = True, rate: float | None = None, rig: str = "",
-) -> Conditioned:  # fmt: skip
+) -> ConditionedRecord:  # fmt: skip
     """The `number`-th record of a seed; what is said holds, the rest is drawn.
 
     A `rig` is one of `RIGS`.
@@ -193,9 +193,9 @@ def conditioned(
     time = np.arange(0.0, corners[-1], 1 / rate)
     plate = np.interp(time, corners[apart], levels[apart])
     bonded = bonded and rig != "air"
-    _, force = pressed(truth, 1 / rate, plate, bonded=bonded)
+    _, force = press_solid(truth, 1 / rate, plate, bonded=bonded)
     if mullins:
-        force = softened(plate, force, mullins, float(rng.uniform(0.05, 0.4)) * depth)
+        force = apply_mullins(plate, force, mullins, float(rng.uniform(0.05, 0.4)) * depth)
     seen = plate + rng.normal(0.0, 0.5e-6, len(plate))
     force = force + rng.normal(0.0, noise, len(force)) + float(rng.normal(0.0, 0.02))
     if rig == "counts":
@@ -222,14 +222,14 @@ def conditioned(
         f"{number} {kind}, {'bonded' if bonded else 'pushed'}, rest {rest:g} s, {truth.name}"
         f"{f', softens {100 * mullins:.0f} %' if mullins else ''}{rig and f', {rig}'}"
     )
-    return Conditioned(
+    return ConditionedRecord(
         message, np.round(time, 6), seen, force, truth, hold, depth, sound=not mullins,
         facts={"kind": kind, "bonded": bonded, "rest": rest, "ramp": ramp},
     )  # fmt: skip
 
 
 def limits_of(
-    one: Conditioned, stated: Mapping[str, tuple[float, float]], hold: float
+    one: ConditionedRecord, stated: Mapping[str, tuple[float, float]], hold: float
 ) -> dict[str, tuple[float, float, float]]:
     """Lower limit, truth and upper limit of k(T), k(3T) and the most that k_inf may be."""
     found = {}

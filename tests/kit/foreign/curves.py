@@ -72,7 +72,7 @@ def _log_uniform(random, low: float, high: float) -> float:
     return float(np.exp(random.uniform(log(low), log(high))))
 
 
-def _drawn(family: str, random) -> tuple[Solid, float, float]:
+def _draw_solid(family: str, random) -> tuple[Solid, float, float]:
     """A solid with relaxation times about 1 s, its slowest one, and the time to watch it for."""
     E = _log_uniform(random, 1e5, 1e7)
     share = 0.0 if family == "liquid" else float(random.uniform(0.02, 1.0))
@@ -148,7 +148,7 @@ def moduli(count: int, seed: int = 0) -> Iterator[Curve]:
     """E(t), even in ln t."""
     for i in range(count):
         random = np.random.default_rng([seed, i, 1])
-        solid, slowest, watched = _drawn(FAMILIES[i % len(FAMILIES)], random)
+        solid, slowest, watched = _draw_solid(FAMILIES[i % len(FAMILIES)], random)
         t = _times(random, watched)
         pure = solid.relaxation(t)
         t, pure = (part[pure > RESOLVED * pure[0]] for part in (t, pure))
@@ -160,7 +160,7 @@ def compliances(count: int, seed: int = 0) -> Iterator[Curve]:
     """J(t), even in ln t."""
     for i in range(count):
         random = np.random.default_rng([seed, i, 2])
-        solid, slowest, watched = _drawn(FAMILIES[i % len(FAMILIES)], random)
+        solid, slowest, watched = _draw_solid(FAMILIES[i % len(FAMILIES)], random)
         if solid.k_inf > 0 and np.isfinite(slowest):
             # it creeps as much later than it relaxes as it softens
             late = (solid.k_inf + sum(solid.k)) / solid.k_inf
@@ -174,7 +174,7 @@ def sweeps(count: int, seed: int = 0) -> Iterator[Curve]:
     """E' and E'' at lines even in ln f."""
     for i in range(count):
         random = np.random.default_rng([seed, i, 3])
-        solid, slowest, watched = _drawn(FAMILIES[i % len(FAMILIES)], random)
+        solid, slowest, watched = _draw_solid(FAMILIES[i % len(FAMILIES)], random)
         f = 1 / (2 * pi * _times(random, watched)[::-1])
         value = solid.stiffness(2 * pi * f)
         kept = value.real > RESOLVED * value.real.max()

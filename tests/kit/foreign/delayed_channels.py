@@ -13,8 +13,8 @@ import numpy as np
 from scipy.linalg import expm
 
 from .drop_tests import SPEEDS, drawn_specimen, impact_force
-from .kinds import CYCLES, Sheet, _log_uniform, _start, responded
-from .truths import FAMILIES, Seal, Solid, drawn
+from .kinds import CYCLES, Sheet, _log_uniform, _start, simulate_response
+from .truths import FAMILIES, Seal, Solid, draw_truth
 
 RATES = (20.0, 50.0, 100.0, 200.0)
 """Samples a second."""
@@ -35,7 +35,7 @@ def late_by(values: np.ndarray, samples: float, fine: int = _FINE) -> np.ndarray
 def creep(seed: int, late: float, rate: float) -> Sheet:
     """A part under a load put on in .1 to 1 s: x = (F + sum k r)/k_0, tau dr/dt = x - r."""
     random = _start("late creep", seed)
-    solid = drawn(FAMILIES[1 + seed % 5], seed)
+    solid = draw_truth(FAMILIES[1 + seed % 5], seed)
     hold, load = _log_uniform(random, 30.0, 120.0), random.uniform(0.5, 2.0)
     ramp = _log_uniform(random, 0.1, 1.0)
     clock = np.arange(round((2 + hold) * rate * _FINE)) / rate / _FINE
@@ -43,7 +43,7 @@ def creep(seed: int, late: float, rate: float) -> Sheet:
     k, tau = np.array(solid.k), np.array(solid.tau)
     k_0 = solid.k_inf + k.sum()
     A = (np.ones((len(k), 1)) * k / k_0 - np.eye(len(k))) / tau[:, None]
-    x = responded((A, 1 / k_0 / tau, k / k_0, 1 / k_0), force, clock[1])
+    x = simulate_response((A, 1 / k_0 / tau, k / k_0, 1 / k_0), force, clock[1])
     shown, moved = late_by(force, late), x[::_FINE]
     return Sheet("creep", f"{solid.name}, creep, {late:+g} at {rate:g} Hz", {
         "time [s]": clock[::_FINE],
@@ -64,7 +64,7 @@ def over_displacement(solid: Solid, time: float) -> float:
 def loops(seed: int, late: float, rate: float) -> Sheet:
     """Harmonic loops of a seal and its sliders at rising amplitudes about a preload."""
     random = _start("late loops", seed)
-    seal = Seal(drawn(FAMILIES[1 + seed % 5], seed), friction=float(random.uniform(0, 0.1)))
+    seal = Seal(draw_truth(FAMILIES[1 + seed % 5], seed), friction=float(random.uniform(0, 0.1)))
     hertz, sizes = rate / random.uniform(20, 100), np.array([1e-4, 3e-4, 1e-3, 2e-3])
     each = 10 / hertz
     clock = np.arange(round((20 + 4 * each) * rate * _FINE)) / rate / _FINE
@@ -89,7 +89,7 @@ def cld(seed: int, late: float, rate: float) -> Sheet:
     """
     random = _start("late cld", seed)
     depth, lasts = 6e-3, _log_uniform(random, max(160 / rate, 1.0), 40.0)
-    solid = drawn(FAMILIES[1 + seed % 5], seed)
+    solid = draw_truth(FAMILIES[1 + seed % 5], seed)
     seal = Seal(solid, depth, c=random.uniform(0, 0.4))
     air, speed = 0.5e-3, 2 * (depth + 0.5e-3) / lasts
     travel = depth + air
@@ -151,7 +151,9 @@ def drop(seed: int, late: float, rate: float) -> Sheet:
 DELAYED = {"creep": creep, "loops": loops, "cld": cld, "slam": drop}
 
 
-def delayed(kind: str, seed: int, late: float | None = None, rate: float | None = None) -> Sheet:
+def make_delayed_sheet(
+    kind: str, seed: int, late: float | None = None, rate: float | None = None
+) -> Sheet:
     """One record of a kind; by turns of its seed each delay at each rate where none is said."""
     turn, rest = seed % len(LATE), seed // len(LATE) % len(RATES)
     return DELAYED[kind](

@@ -112,7 +112,7 @@ class DropSet:
     """Largest force of an impact at `OTHER`, N."""
 
 
-def _seen(specimen: Specimen, speed: float, random, filtered: Callable | None):
+def _record_impact(specimen: Specimen, speed: float, random, filtered: Callable | None):
     clock, pure = impact_force(specimen, speed)
     time = np.arange(-_LEAD, clock[-1] + _TAIL, 1 / RATE)
     force = np.interp(time, clock, pure, left=0.0, right=0.0)
@@ -178,7 +178,7 @@ def drop_set(way: str, seed: int) -> DropSet:
         at = float(impact_force(specimen, 0.6)[1].max())
         added = {"friction": added["friction"] * at}
     specimen = Specimen(**{**vars(specimen), **added})
-    rows = [_seen(specimen, speed, random, filtered) for speed in SPEEDS]
+    rows = [_record_impact(specimen, speed, random, filtered) for speed in SPEEDS]
     stated_speeds = tuple(speed * (1 + 0.05 * random.standard_normal()) for speed in SPEEDS)
     peak = float(impact_force(specimen, OTHER)[1].max())
     return DropSet(way, specimen, *zip(*rows, strict=True), stated_speeds, peak)

@@ -33,7 +33,7 @@ def press_and_hold(
     return time, moved, force + noise * np.random.default_rng(seed).standard_normal(len(time))
 
 
-def written(head: str, columns: Sequence[FloatArray]) -> str:
+def format_table(head: str, columns: Sequence[FloatArray]) -> str:
     """Return a text table with semicolons between its cells."""
     rows = (";".join(f"{value:.7g}" for value in row) for row in zip(*columns, strict=True))
     return "\n".join([head, *rows]) + "\n"

@@ -22,7 +22,7 @@ PER_DECADE = 18
 DECADES = 5.0
 
 
-def drawn(random: np.random.Generator, *, arms: int | None = None) -> Solid:
+def draw_solid(random: np.random.Generator, *, arms: int | None = None) -> Solid:
     """Arms over the decades from 10 ms on, and a plateau that the curve ends on."""
     count = int(random.integers(3, 6)) if arms is None else arms
     lg_tau = np.linspace(-2.0, DECADES - 4.0, count) + random.uniform(-0.25, 0.25, count)
@@ -31,7 +31,7 @@ def drawn(random: np.random.Generator, *, arms: int | None = None) -> Solid:
     return Solid.arms(f"{count} arms", E * random.uniform(0.1, 0.6), k, 10**lg_tau)
 
 
-def placed(way: str, random: np.random.Generator) -> np.ndarray:
+def place_times(way: str, random: np.random.Generator) -> np.ndarray:
     """Decimal logarithms of the times at which such a curve is measured, s."""
     low, high = -2.7, DECADES - 2.7
     every = np.linspace(low, high, int(PER_DECADE * DECADES))
@@ -51,19 +51,21 @@ def placed(way: str, random: np.random.Generator) -> np.ndarray:
     return every[kept]
 
 
-def gapped(kind: str, count: int, seed: int = 0, *, whole: bool = False) -> Iterator[Curve]:
+def generate_gapped_curves(
+    kind: str, count: int, seed: int = 0, *, whole: bool = False
+) -> Iterator[Curve]:
     """Curves of a kind, each way in turn; the same arms at `whole` curves."""
     for i in range(count):
         random = np.random.default_rng([seed, i, KINDS.index(kind), 43])
         way = WAYS[i % len(WAYS)]
-        solid, lg_t = drawn(random), placed(way, random)
+        solid, lg_t = draw_solid(random), place_times(way, random)
         if whole:
             way, lg_t = "whole", np.linspace(-2.7, DECADES - 2.7, int(PER_DECADE * DECADES))
         t = 10**lg_t
-        yield measured(kind, f"{i} {way}, {solid.name}", solid, t, random)
+        yield measure_curve(kind, f"{i} {way}, {solid.name}", solid, t, random)
 
 
-def measured(
+def measure_curve(
     kind: str, name: str, solid: Solid, t: np.ndarray, random: np.random.Generator
 ) -> Curve:
     """A curve of a solid at some times, s, or at the lines 1/(2 pi t), with scatter."""

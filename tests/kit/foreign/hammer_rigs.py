@@ -1,10 +1,10 @@
 r"""Rigs of a hammer: a block on seals, struck by pulses, and what analyser and cable do to it.
 
-`struck` is the sound rig: :math:`m\,\ddot x + n\,F(x) = f`, exact by the modes of its equations, in
-blocks of their own as an FFT analyser keeps them. `Rig` says what is done: an exponential window
-in every block, on force and response or the response alone; a force window; a cable that adds
-:math:`k_c(1 + j\eta_c)` beside the seals; offsets, a coarse number format. A file is text or
-UFF 58. SI units. Written without a look at dashpot.
+`strike_block` is the sound rig: :math:`m\,\ddot x + n\,F(x) = f`, exact by the modes of its
+equations, in blocks of their own as an FFT analyser keeps them. `Rig` says what is done: an
+exponential window in every block, on force and response or the response alone; a force window; a
+cable that adds :math:`k_c(1 + j\eta_c)` beside the seals; offsets, a coarse number format. A file
+is text or UFF 58. SI units. Written without a look at dashpot.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from math import pi
 
 import numpy as np
 
-from .kinds import responded
+from .kinds import simulate_response
 from .rigs import table
-from .truths import FAMILIES, Seal, drawn
+from .truths import FAMILIES, Seal, draw_truth
 
 _FINE = 4
 """Instants of the simulation to a sample."""
@@ -81,12 +81,12 @@ def cable_arms(stiffness: float, loss: float, omega: float):
     return stiffness - k * unit.real, np.full(len(_CABLE_TAU), k)
 
 
-def struck(
+def strike_block(
     seed: int, rig: Rig = Rig(), *, damping: float | None = None, seal: Seal | None = None
 ) -> HammerRecord:
     """Hits of a block on two seals: of those given, or of ones drawn by the seed."""
     random = np.random.default_rng([seed, *b"hammer rig"])
-    seal = seal or Seal(drawn(FAMILIES[1 + seed % 5], seed))
+    seal = seal or Seal(draw_truth(FAMILIES[1 + seed % 5], seed))
     mass = seal.mass_at(random.uniform(8, 25), 2)
     there = 2 * pi * seal.peak(mass, 2)[0]
     spring, dashpot, k, tau = seal.solid.within(1e-6, 1e7)
@@ -112,9 +112,9 @@ def struck(
     b[1] = 1 / mass
     rows = []
     for block in force:
-        pure = responded((A, b, A[1], 1 / mass), block, 1 / rig.rate / _FINE)
+        pure = simulate_response((A, b, A[1], 1 / mass), block, 1 / rig.rate / _FINE)
         rows.append((block[::_FINE], pure[::_FINE]))
-    time, hammer, acceleration = _analysed(random, rig, rows, clock[::_FINE])
+    time, hammer, acceleration = _analyse_blocks(random, rig, rows, clock[::_FINE])
     truth = {
         "seal": seal, "mass": mass, "seals": 2, "omega": there,
         "stiffness": _stiffness(spring, dashpot, k, tau, there), "rig": rig,
@@ -150,7 +150,7 @@ def _pulses(random, rig: Rig):
     return force, clock
 
 
-def _analysed(random, rig: Rig, rows, clock):
+def _analyse_blocks(random, rig: Rig, rows, clock):
     """Noise, offsets, windows and number format of every block, one after the other."""
     fade = np.exp(-clock / rig.window) if rig.window else np.ones_like(clock)
     times, hammers, accelerations = [], [], []
@@ -203,7 +203,7 @@ def struck_rig(kind: str, seed: int) -> tuple[HammerRecord, str]:
         changes["force_window"] = float(random.uniform(0.03, 0.3))
     if kind == "cable":
         changes["cable"] = float(random.uniform(0.01, 0.03))
-    record = struck(seed, Rig(**changes))
+    record = strike_block(seed, Rig(**changes))
     stated = kind == "window stated"
     return record, f"# Exponential window: {changes['window']!r} s\n" if stated else ""
 

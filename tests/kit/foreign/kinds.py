@@ -15,7 +15,7 @@ import numpy as np
 from scipy import signal
 
 from .rigs import table
-from .truths import FAMILIES, Seal, Solid, drawn
+from .truths import FAMILIES, Seal, Solid, draw_truth
 
 GRAVITY = 9.80665
 CYCLES = 6
@@ -58,11 +58,11 @@ def _log_uniform(random, low: float, high: float) -> float:
 
 def _modulus(seed: int, families=FAMILIES[1:9]) -> Solid:
     """A solid of rubber, Pa."""
-    one = drawn(families[seed % len(families)], seed)
+    one = draw_truth(families[seed % len(families)], seed)
     return replace(one, k_inf=1e4 * one.k_inf, k=tuple(1e4 * k for k in one.k))
 
 
-def responded(system, u, step: float):
+def simulate_response(system, u, step: float):
     """y = c x + d u of dx/dt = A x + b u from rest, u straight between instants: exact by modes."""
     A, b, c, d = system
     poles, modes = np.linalg.eig(A)
@@ -83,7 +83,7 @@ def responded(system, u, step: float):
 def impact(seed: int, spoilt: str = "") -> Sheet:
     """Hits of a mass on two seals: m a + n F(x) = hammer, by the modes of its equations."""
     random = _start("impact", seed)
-    seal = Seal(drawn(FAMILIES[1 + seed % 5], seed))
+    seal = Seal(draw_truth(FAMILIES[1 + seed % 5], seed))
     mass, rate, between = seal.mass_at(random.uniform(8, 25), 2), 2048, 8.0
     clock = np.arange(round(5 * between * rate * _FINE)) / rate / _FINE
     force = np.zeros_like(clock)
@@ -101,7 +101,7 @@ def impact(seed: int, spoilt: str = "") -> Sheet:
     A[2:, 2:] -= np.diag(1 / tau)
     b = np.zeros(len(A))
     b[1] = 1 / mass
-    pure = responded((A, b, A[1], 1 / mass), force, 1 / rate / _FINE)
+    pure = simulate_response((A, b, A[1], 1 / mass), force, 1 / rate / _FINE)
     shown = pure * (1.05 if spoilt == "gain 5 %" else 1.0)
     if spoilt == "lag 1 ms":
         shown = np.interp(clock - 1e-3, clock, shown)
@@ -117,7 +117,7 @@ def impact(seed: int, spoilt: str = "") -> Sheet:
 def frf(seed: int, spoilt: str = "") -> Sheet:
     """Lines of the accelerance, with 1 % of scatter; "mass": the lab names one 5 % too heavy."""
     random = _start("frf", seed)
-    seal = Seal(drawn(FAMILIES[1 + seed % 8], seed))
+    seal = Seal(draw_truth(FAMILIES[1 + seed % 8], seed))
     mass, lines = seal.mass_at(random.uniform(8, 25), 2), np.arange(3.0, 60.0, 0.125)
     pure = seal.accelerance(lines, mass, 2)
     error = 0.007 * _scatter(random, len(lines))
@@ -164,7 +164,7 @@ def rod_response(solid: Solid, frequency, length: float, density: float, ratio: 
 def creep(seed: int, spoilt: str = "") -> Sheet:
     """A part under a load that is put on in .2 s: x = (F + sum k r)/k_0, tau dr/dt = x - r."""
     random = _start("creep", seed)
-    solid = drawn(FAMILIES[1 + seed % 5], seed)
+    solid = draw_truth(FAMILIES[1 + seed % 5], seed)
     rate, hold, load = 50, _log_uniform(random, 30.0, 300.0), random.uniform(0.5, 2.0)
     time = np.arange(round((1 + hold) * rate)) / rate
     force = load * np.clip((time - 1) / 0.2, 0, 1)
@@ -173,7 +173,7 @@ def creep(seed: int, spoilt: str = "") -> Sheet:
     k, tau = np.array(solid.k), np.array(solid.tau)
     k_0 = solid.k_inf + k.sum()
     A = (np.ones((len(k), 1)) * k / k_0 - np.eye(len(k))) / tau[:, None]
-    pure = responded((A, 1 / k_0 / tau, k / k_0, 1 / k_0), force, 1 / rate)
+    pure = simulate_response((A, 1 / k_0 / tau, k / k_0, 1 / k_0), force, 1 / rate)
     shown = pure + 1e-6 * random.standard_normal(len(time))
     if spoilt == "gauge drifts":
         shown += 1e-4 * time / time[-1]
@@ -281,7 +281,7 @@ def amplitude(seed: int, spoilt: str = "") -> Sheet:
 def loops(seed: int, spoilt: str = "") -> Sheet:
     """Harmonic loops of a seal and its sliders at rising amplitudes about a preload."""
     random = _start("loops", seed)
-    seal = Seal(drawn(FAMILIES[1 + seed % 5], seed), friction=float(random.uniform(0, 0.1)))
+    seal = Seal(draw_truth(FAMILIES[1 + seed % 5], seed), friction=float(random.uniform(0, 0.1)))
     hertz, rate, sizes = 5.0, 500, np.array([1e-4, 3e-4, 1e-3, 2e-3])
     clock = np.arange(round((20 + 8) * rate * _FINE)) / rate / _FINE
     since = np.maximum(clock - 20, 0)
@@ -302,7 +302,7 @@ def cld(seed: int, spoilt: str = "") -> Sheet:
     random = _start("cld", seed)
     depth, speed, rate = 6e-3, _log_uniform(random, 1e-4, 2e-3), 50
     friction = 0.05 if spoilt == "friction" else 0.0
-    solid = drawn(FAMILIES[1 + seed % 5], seed)
+    solid = draw_truth(FAMILIES[1 + seed % 5], seed)
     seal = Seal(solid, depth, c=random.uniform(0, 0.4), friction=friction)
     slack = 0.3e-3 if spoilt == "slack" else 0.0
     travel = depth + slack
@@ -372,7 +372,7 @@ def indentation(seed: int, spoilt: str = "") -> Sheet:
     lasts = 2.9432 * (1.25 * mass / k) ** 0.4 * speed**-0.2
     tau = lasts * _log_uniform(random, 0.2, 3.0)
     contact = Solid.arms(f"contact {seed}", k * (1 - g), [k * g], [tau])
-    time, x, force = struck(contact, mass, speed, 3 * lasts / 4000)
+    time, x, force = simulate_impact(contact, mass, speed, 3 * lasts / 4000)
     rows = np.arange(0, len(time), 10)
     lead = time[rows[1]] * np.arange(-60, 0)
     # free fall before and after; the deceleration that a sensor on the ball shows
@@ -386,7 +386,7 @@ def indentation(seed: int, spoilt: str = "") -> Sheet:
     }, {"contact": contact, "mass": mass, "speed": speed, "depth": x.max()}, spoilt)  # fmt: skip
 
 
-def struck(contact: Solid, mass: float, speed: float, step: float):
+def simulate_impact(contact: Solid, mass: float, speed: float, step: float):
     r"""Time, depth and force of m x'' = -F until F is spent, after Ting (J. Appl. Mech. 33 (1966)).
 
     :math:`F = \int_0^{t_1} k(t - s)\,\mathrm d x^{3/2}`; t_1 = t while the contact grows, then

@@ -2,9 +2,9 @@
 
 Steps for `rigs`: a reading that stands still while its sensor does not (`freezes`, `repeats`), a
 servo that hunts on record (`hunts`), the mains in both channels (`hums_in_both`), mains that a slow
-clock folds (`folded`), and a path that is sent and not measured (`as_sent`). `LYING` are rigs of
-each kind, `HONEST` their sound siblings. `stepped` presses and eases a seal by any stairs.
-SI units.
+clock folds (`add_folded_hum`), and a path that is sent and not measured (`as_sent`). `LYING` are
+rigs of each kind, `HONEST` their sound siblings. `press_steps` presses and eases a seal by any
+stairs. SI units.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from .rigs import SOUND, Protocol, Record, Rig, hums, pressed
+from .rigs import SOUND, Protocol, Record, Rig, hums, press_seal
 from .truths import Seal
 
 
@@ -80,7 +80,7 @@ def hums_in_both(record: Record, random, *, size: float, by: float, hertz: float
     return replace(record, displacement=record.displacement + by * np.sin(turn))
 
 
-def folded(record: Record, random, *, size: float, hertz: float = 50.0) -> Record:
+def add_folded_hum(record: Record, random, *, size: float, hertz: float = 50.0) -> Record:
     """The mains, of a frequency of the day, before a converter without a filter."""
     return hums(record, random, size=size, hertz=hertz + random.uniform(-0.02, 0.02))
 
@@ -157,7 +157,7 @@ PICKED_UP: Mapping[str, Rig] = MappingProxyType(
 
 FOLDED: Mapping[str, Rig] = MappingProxyType({
     f"mains folded at {rate:g} Hz": _reading(
-        partial(folded, size=8e-3, hertz=hertz), protocol={"rate": rate}
+        partial(add_folded_hum, size=8e-3, hertz=hertz), protocol={"rate": rate}
     )
     for rate, hertz in ((25.0, 50.0), (10.0, 50.0), (20.0, 60.0))
 })  # fmt: skip
@@ -167,7 +167,7 @@ CHANNELS: Mapping[str, Rig] = MappingProxyType({**LYING, **HUNTING, **PICKED_UP,
 """What verdicts are judged on."""
 
 
-def stepped(
+def press_steps(
     seal: Seal, levels, *, ramp: float = 1.0, rest: float = 10.0, rate: float = 50.0,
     noise: float = 3e-3, encoder: float = 0.0, seed: int = 0,
 ) -> Record:  # fmt: skip
@@ -204,5 +204,6 @@ STAIRS: Mapping[str, tuple[float, ...]] = MappingProxyType(
 )
 
 __all__ = [
-    "CHANNELS", "FOLDED", "HONEST", "HUNTING", "LYING", "PICKED_UP", "STAIRS", "pressed", "stepped",
+    "CHANNELS", "FOLDED", "HONEST", "HUNTING", "LYING", "PICKED_UP", "STAIRS", "press_seal",
+    "press_steps",
 ]  # fmt: skip

@@ -1,8 +1,9 @@
 r"""What a machine does to a sound record: each fault is a step from record to record.
 
-A seal is pressed by an ideal machine (`pressed`) on a clock of at least 2 kHz; steps of the machine
-change the motion of the seal and its force with it, steps of the chain lag or filter its signal;
-`sampled` takes the record's rows; steps of the reading add what an amplifier and an encoder add.
+A seal is pressed by an ideal machine (`press_seal`) on a clock of at least 2 kHz; steps of the
+machine change the motion of the seal and its force with it, steps of the chain lag or filter its
+signal; `sample_record` takes the record's rows; steps of the reading add what an amplifier and an
+encoder add.
 `RIGS` are the 40 that verdicts are judged on: `read(seal, protocol, RIGS["drift .5 mN/s"])`. Every
 record keeps the seal's own compression and force, and what was done to it. SI units.
 """
@@ -58,7 +59,7 @@ class Protocol:
             x[since >= self.ramp] = 1.0
         if self.servo is not None:
             omega, damping = 2 * np.pi * self.servo[0], self.servo[1]
-            x = _followed([omega**2], [1, 2 * damping * omega, omega**2], x, 1 / rate)
+            x = _filter_signal([omega**2], [1, 2 * damping * omega, omega**2], x, 1 / rate)
         return clock, (self.depth + self.gap) * x
 
 
@@ -118,7 +119,7 @@ def table(*columns) -> str:
     return "\n".join(lines) + "\n"
 
 
-def pressed(seal: Seal, protocol: Protocol, *, name: str = "") -> Record:
+def press_seal(seal: Seal, protocol: Protocol, *, name: str = "") -> Record:
     """An ideal machine and ideal readings, on the clock of the press."""
     clock, plate = protocol.plate()
     x = np.maximum(plate - protocol.gap, 0.0)
@@ -126,7 +127,7 @@ def pressed(seal: Seal, protocol: Protocol, *, name: str = "") -> Record:
     return Record(name, seal, protocol, clock, plate, force, x, force)
 
 
-def _followed(numerator, denominator, values, step: float):
+def _filter_signal(numerator, denominator, values, step: float):
     """What a linear filter makes of a signal that is straight between instants, from rest."""
     top, bottom, _ = signal.cont2discrete((numerator, denominator), step, method="foh")
     start = signal.lfilter_zi(top[0], bottom) * values[0]
@@ -136,7 +137,7 @@ def _followed(numerator, denominator, values, step: float):
 # -- the machine -----------------------------------------------------------------------------------
 
 
-def _again(record: Record, x, plate=None) -> Record:
+def _press_again(record: Record, x, plate=None) -> Record:
     """The seal is compressed otherwise; the encoder reads the plate."""
     force = record.seal.force(x, record.step)
     shown = record.displacement if plate is None else plate
@@ -147,7 +148,7 @@ def gives(record: Record, random, *, compliance: float) -> Record:
     """Machine and cell give by C F, m/N: x = x_encoder - C F, a fixed point."""
     free, one = record.compression, record
     for _ in range(60):
-        last, one = one, _again(record, np.maximum(free - compliance * one.pure, 0.0))
+        last, one = one, _press_again(record, np.maximum(free - compliance * one.pure, 0.0))
         if np.max(np.abs(one.compression - last.compression)) < 1e-13 * record.protocol.depth:
             return one
     msg = f"a compliance of {compliance:g} m/N is too large for this seal"
@@ -159,7 +160,7 @@ def creeps(record: Record, random, *, by: float, seen: bool = False) -> Record:
     late = np.maximum(record.time - record.ramp_end, 0.0) / record.protocol.ramp
     extra = by * np.log1p(late)
     shown = record.displacement + extra if seen else None
-    return _again(record, record.compression + extra, shown)
+    return _press_again(record, record.compression + extra, shown)
 
 
 def warms(record: Record, random, *, decades: float) -> Record:
@@ -187,10 +188,10 @@ def low_pass(record: Record, random, *, cut: float, order: int = 1, kind: str = 
     """An analog filter of the force, Hz: Butterworth (of order 1: one pole) or Bessel."""
     words = {"norm": "mag"} if kind == "bessel" else {}
     top, bottom = getattr(signal, kind)(order, 2 * np.pi * cut, analog=True, **words)
-    return replace(record, force=_followed(top, bottom, record.force, record.step))
+    return replace(record, force=_filter_signal(top, bottom, record.force, record.step))
 
 
-def sampled(record: Record, random, *, lost: float = 0.0, jitter: float = 0.0) -> Record:
+def sample_record(record: Record, random, *, lost: float = 0.0, jitter: float = 0.0) -> Record:
     """The rows at the rate of the record; `lost` of them dropped, `jitter` of a step early or late.
 
     The clock tells the truth.
@@ -206,7 +207,7 @@ def sampled(record: Record, random, *, lost: float = 0.0, jitter: float = 0.0) -
 # -- the reading -----------------------------------------------------------------------------------
 
 
-def _added(record: Record, what) -> Record:
+def _add_force(record: Record, what) -> Record:
     return replace(record, force=record.force + what)
 
 
@@ -214,10 +215,10 @@ def noisy(record: Record, random, *, sd: float, tau: float = 0.0) -> Record:
     """Gaussian noise of the force, N: white, or of first order with `tau`, s."""
     white = sd * random.standard_normal(len(record.time))
     if not tau:
-        return _added(record, white)
+        return _add_force(record, white)
     keep = np.exp(-1 / (record.protocol.rate * tau))
     white[1:] *= np.sqrt(1 - keep**2)
-    return _added(record, signal.lfilter([1.0], [1.0, -keep], white))
+    return _add_force(record, signal.lfilter([1.0], [1.0, -keep], white))
 
 
 def hums(
@@ -226,7 +227,7 @@ def hums(
     """The mains, N: a line and its odd overtones, each a third of the one before."""
     lines = 2 * np.arange(overtones + 1) + 1
     phase = random.uniform(0, 2 * np.pi, len(lines))
-    return _added(record, sum(
+    return _add_force(record, sum(
         size / 3**i * np.sin(2 * np.pi * hertz * n * record.time + phase[i])
         for i, n in enumerate(lines)
     ))  # fmt: skip
@@ -234,19 +235,19 @@ def hums(
 
 def drifts(record: Record, random, *, rate: float) -> Record:
     """The load cell drifts, N/s."""
-    return _added(record, rate * record.time)
+    return _add_force(record, rate * record.time)
 
 
 def wanders(record: Record, random, *, by: float) -> Record:
     """The load cell walks at random, N after a minute."""
     steps = random.standard_normal(len(record.time)) * by / np.sqrt(60 * record.protocol.rate)
-    return _added(record, np.cumsum(steps))
+    return _add_force(record, np.cumsum(steps))
 
 
 def waves(record: Record, random, *, size: float, period: float) -> Record:
     """The hall's heating swings the load cell, N."""
     turn = 2 * np.pi * record.time / period + random.uniform(0, 2 * np.pi)
-    return _added(record, size * np.sin(turn))
+    return _add_force(record, size * np.sin(turn))
 
 
 def begins_late(record: Record, random) -> Record:
@@ -254,7 +255,7 @@ def begins_late(record: Record, random) -> Record:
     return record.rows(record.time >= record.protocol.baseline)
 
 
-def thinned(record: Record, random, *, rows: int) -> Record:
+def thin_rows(record: Record, random, *, rows: int) -> Record:
     """A logger that keeps rows even in ln(t) from the start of the ramp on."""
     start = int(np.searchsorted(record.time, record.protocol.baseline))
     kept = start + np.unique(np.geomspace(1, len(record.time) - start, rows).astype(int)) - 1
@@ -282,7 +283,7 @@ class Rig:
 
     machine: tuple[Step, ...] = ()
     reading: tuple[Step, ...] = ()
-    rows: Step = sampled
+    rows: Step = sample_record
     noise: float = 2e-3
     count: float = 1 / 1280
     bias: float = 0.05
@@ -344,8 +345,8 @@ RIGS: Mapping[str, Rig] = MappingProxyType({
     "jerky 20 ms": Rig(protocol={"setpoints": 0.02, "servo": (25.0, 0.5)}),
     "air gap .5 mm": Rig(protocol={"gap": 0.5e-3}),
     "no baseline": _reading(begins_late),
-    "dropped rows and jitter": Rig(rows=partial(sampled, lost=0.1, jitter=0.4)),
-    "log-thinned": _reading(partial(thinned, rows=400)),
+    "dropped rows and jitter": Rig(rows=partial(sample_record, lost=0.1, jitter=0.4)),
+    "log-thinned": _reading(partial(thin_rows, rows=400)),
     "clock jump": _reading(partial(clock_jumps, by=1e5)),
     "law +8 %": Rig(seal={"a": 0.08}),
     "law +48 %": Rig(seal={"a": 0.48}),
@@ -367,13 +368,13 @@ def several(seed: int) -> Rig:
     def size(low: float, high: float) -> float:
         return float(np.exp(random.uniform(np.log(low), np.log(high))))
 
-    def signed(low: float, high: float) -> float:
+    def draw_signed(low: float, high: float) -> float:
         return size(low, high) * (-1.0 if random.uniform() < 0.5 else 1.0)
 
     def some(*steps: tuple[float, Callable[[], Step]]) -> tuple[Step, ...]:
         return tuple(made() for share, made in steps if random.uniform() < share)
 
-    def there(share: float, low: float, high: float) -> float:
+    def draw_present(share: float, low: float, high: float) -> float:
         return size(low, high) if random.uniform() < share else 0.0
 
     return Rig(
@@ -385,19 +386,19 @@ def several(seed: int) -> Rig:
         ),
         reading=some(
             (0.5, lambda: partial(hums, size=size(1e-3, 6e-3), hertz=random.choice(_MAINS))),
-            (0.5, lambda: partial(drifts, rate=signed(3e-5, 3e-4))),
+            (0.5, lambda: partial(drifts, rate=draw_signed(3e-5, 3e-4))),
             (0.3, lambda: partial(noisy, sd=size(1e-3, 5e-3), tau=size(5e-3, 0.5))),
             (0.25, lambda: partial(wanders, by=size(1e-3, 5e-3))),
         ),
         noise=size(1e-3, 8e-3),
-        encoder=there(0.7, 0.5e-6, 12e-6),
-        count=there(0.6, 1e-3, 6e-3),
-        friction=there(0.2, 1e-3, 1e-2),
-        seal={"a": signed(5e-3, 6e-2)} if random.uniform() < 0.3 else {},
+        encoder=draw_present(0.7, 0.5e-6, 12e-6),
+        count=draw_present(0.6, 1e-3, 6e-3),
+        friction=draw_present(0.2, 1e-3, 1e-2),
+        seal={"a": draw_signed(5e-3, 6e-2)} if random.uniform() < 0.3 else {},
         protocol={
             "rate": float(random.choice([200.0, 250.0, 500.0, 1000.0])),
             "baseline": size(0.4, 8.0),
-            "gap": there(0.2, 1e-4, 1e-3),
+            "gap": draw_present(0.2, 1e-4, 1e-3),
             "servo": (size(4.0, 15.0), size(0.5, 0.9)) if random.uniform() < 0.2 else None,
         },
     )
@@ -414,9 +415,9 @@ def read(
         seal = replace(seal, friction=rig.friction * seal.solid.k_inf * protocol.depth)
     steps = (
         *rig.machine, rig.rows, partial(noisy, sd=rig.noise), *rig.reading,
-        partial(counted, encoder=rig.encoder, count=rig.count, bias=rig.bias),
+        partial(quantise_record, encoder=rig.encoder, count=rig.count, bias=rig.bias),
     )  # fmt: skip
-    record = replace(pressed(seal, protocol, name=name), told=rig.told)
+    record = replace(press_seal(seal, protocol, name=name), told=rig.told)
     for step in steps:
         words = getattr(step, "keywords", {})
         done = (*record.done, (getattr(step, "func", step).__name__, words))
@@ -424,7 +425,7 @@ def read(
     return record
 
 
-def counted(record: Record, random, *, encoder: float, count: float, bias: float) -> Record:
+def quantise_record(record: Record, random, *, encoder: float, count: float, bias: float) -> Record:
     """The steps of the encoder, m, and of the force, N, about a tare of `bias` N."""
     shown, force = record.displacement, record.force + bias
     return replace(

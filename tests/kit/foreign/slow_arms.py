@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .hammer_rigs import HammerRecord, Rig, struck
+from .hammer_rigs import HammerRecord, Rig, strike_block
 from .rigs import Protocol, Record, read
 from .truths import Seal, Solid
 
@@ -49,8 +49,8 @@ def slow_pairs(count: int, seed: int = 0) -> Iterator[SlowPair]:
             rate=250.0,
         )
         bench = read(seal, protocol, seed=seed, name=name)
-        hammer = struck(1000 * seed + i, Rig(length=1.0, hits=1), seal=seal)
+        hammer = strike_block(1000 * seed + i, Rig(length=1.0, hits=1), seal=seal)
         # blocks that are long enough for what rings: eight time constants of the decay
         length = float(np.clip(8 / -hammer.truth["pole"].real, 6.0, 60.0))
-        hammer = struck(1000 * seed + i, Rig(length=round(length, 1)), seal=seal)
+        hammer = strike_block(1000 * seed + i, Rig(length=round(length, 1)), seal=seal)
         yield SlowPair(name, seal, bench, hammer)

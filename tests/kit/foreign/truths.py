@@ -213,7 +213,7 @@ FAMILIES = (
 )  # fmt: skip
 
 
-def drawn(family: str, seed: int, *, hold: float = 80.0) -> Solid:
+def draw_truth(family: str, seed: int, *, hold: float = 80.0) -> Solid:
     """A solid of a family, as soft as 50 to 100 mm of a door's seal; `hold` in s."""
     random = np.random.default_rng([seed, FAMILIES.index(family)])
     name = f"{family}, {seed}"
@@ -242,7 +242,7 @@ def drawn(family: str, seed: int, *, hold: float = 80.0) -> Solid:
 _COUNTS = (2, 6, 6, 6, 4, 4, 5, 2, 4, 3)
 TRUTHS: tuple[Solid, ...] = (
     TABLE_1, BROAD,
-    *(drawn(family, seed) for family, many in zip(FAMILIES, _COUNTS, strict=True)
+    *(draw_truth(family, seed) for family, many in zip(FAMILIES, _COUNTS, strict=True)
       for seed in range(many - (family in {"2 arms", "5 arms"}))),
 )  # fmt: skip
 """The 42 that verdicts are judged on."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from kit.fits import formal_errors, of_noise
+from kit.fits import formal_errors, restrict_to_noise
 from scipy.signal import lfilter
 
 from dashpot.base.errors import DataError, FitError, Status
@@ -115,7 +115,9 @@ def test_errors_are_those_of_the_single_fit() -> None:
     assert many.errors is not None
     for row in range(2):
         test = RelaxationTest(time=TIME, displacement=X, force=data[row], units="SI")
-        alone = formal_errors(of_noise(fit(prepare(test), arms=2, method="hold", nuisance=())))
+        alone = formal_errors(
+            restrict_to_noise(fit(prepare(test), arms=2, method="hold", nuisance=()))
+        )
         assert many.errors.k_inf[row] == pytest.approx(alone["k_inf"], rel=0.25)
         np.testing.assert_allclose(many.errors.k[row], alone["k"], rtol=0.25)
         np.testing.assert_allclose(many.errors.tau[row], alone["tau"], rtol=0.25)

@@ -31,7 +31,9 @@ from dashpot.workflow.json_archive import from_json, to_json
 T1 = creep_of(PAPER)
 
 
-def ramped(time: np.ndarray, creep: CreepSpectrum = T1, *, rise: float = 1.0) -> np.ndarray:
+def compute_ramp_creep(
+    time: np.ndarray, creep: CreepSpectrum = T1, *, rise: float = 1.0
+) -> np.ndarray:
     """Displacement under a force of 1 N reached in `rise` from t = 0, in closed form, m."""
 
     def integral(t: np.ndarray) -> np.ndarray:
@@ -50,20 +52,20 @@ LOAD = np.clip(CLOCK, 0, 1)
 def record(creep: CreepSpectrum = T1, *, noise: float = 0.0, force_noise: float = 0.0,
            seed: int = 0, clock: np.ndarray = CLOCK) -> CreepTest:  # fmt: skip
     random = np.random.default_rng(seed)
-    x = ramped(clock, creep) + noise * random.standard_normal(len(clock))
+    x = compute_ramp_creep(clock, creep) + noise * random.standard_normal(len(clock))
     force = np.clip(clock, 0, 1) + force_noise * random.standard_normal(len(clock))
     return CreepTest(clock, x, force, units="SI")
 
 
 def test_the_papers_seal_creeps_as_its_reference_says() -> None:
-    at = ramped(np.array([0.5, 1, 2, 5, 41]))
+    at = compute_ramp_creep(np.array([0.5, 1, 2, 5, 41]))
     expected = [1.725238e-3, 3.743264e-3, 4.433572e-3, 4.744189e-3, 5.043470e-3]
     assert at == pytest.approx(expected, rel=1e-6)
-    assert PAPER.displacement(CLOCK, LOAD) == pytest.approx(ramped(CLOCK), abs=1e-12)
+    assert PAPER.displacement(CLOCK, LOAD) == pytest.approx(compute_ramp_creep(CLOCK), abs=1e-12)
 
 
 def test_displacement_is_the_inverse_of_force() -> None:
-    x = ramped(CLOCK)
+    x = compute_ramp_creep(CLOCK)
     assert PAPER.force(CLOCK, PAPER.displacement(CLOCK, LOAD)) == pytest.approx(LOAD, abs=2e-3)
     assert PAPER.displacement(CLOCK, PAPER.force(CLOCK, x)) == pytest.approx(x, abs=2e-5)
 
@@ -157,7 +159,7 @@ def test_a_step_at_the_first_sample_needs_no_baseline() -> None:
 def test_creep_fit_includes_recovery() -> None:
     time = np.arange(-1.5, 60.0, 0.01)
     load = np.interp(time, [0, 1, 30, 31], [0, 1, 1, 0])
-    x = ramped(time) - ramped(time - 30)
+    x = compute_ramp_creep(time) - compute_ramp_creep(time - 30)
     random = np.random.default_rng(0)
     found = fit(CreepTest(time, x + 2e-6 * random.standard_normal(len(x)), load, units="SI"))
     assert found.model.tau == pytest.approx(PAPER.tau, rel=5e-3)
@@ -178,7 +180,9 @@ def test_signs_and_zeros_do_not_matter(sign: int, shift: float) -> None:
 def test_creep_proportionality_is_checked_between_load_levels() -> None:
     time = np.arange(-1.5, 90.0, 0.01)
     load = np.interp(time, [0, 1, 30, 31, 60, 61], [0, 0.5, 0.5, 1, 1, 1.5])
-    straight = 0.5 * (ramped(time) + ramped(time - 30) + ramped(time - 60))
+    straight = 0.5 * (
+        compute_ramp_creep(time) + compute_ramp_creep(time - 30) + compute_ramp_creep(time - 60)
+    )
     random = np.random.default_rng(0)
     for bend, failed in ((0.0, False), (0.1, True)):
         x = straight * (1 - bend * straight / straight.max())
@@ -308,7 +312,7 @@ def test_intervals_cover_the_truth() -> None:
 
 @pytest.mark.parametrize(("moved", "fails"), [(0.0097, False), (0.0103, True)])
 def test_creep_check_detects_motion_before_the_load(moved: float, fails: bool) -> None:
-    x = ramped(CLOCK)
+    x = compute_ramp_creep(CLOCK)
     # the medians of the first and the last third lie 1 s apart
     rate = moved * float(x.max()) / (1 - 1.5 * moved)
     found = fit(CreepTest(CLOCK, x + rate * np.minimum(CLOCK, 0), LOAD, units="SI"))
@@ -325,7 +329,7 @@ def test_a_curve_called_by_its_symbol_and_unit_is_a_compliance(tmp_path: Path) -
     assert isinstance(read_creep(tmp_path / "curve.csv"), dp.CreepCompliance)
 
 
-def at_temperature(celsius: float, *, noise: float = 1e-6) -> CreepTest:
+def make_creep_test(celsius: float, *, noise: float = 1e-6) -> CreepTest:
     """The paper's seal as it creeps at another temperature, its clock and its size known."""
     kelvin = celsius + 273.15
     a_t, b_t = 10 ** cold.log10_a(kelvin), kelvin / cold.REFERENCE
@@ -340,13 +344,13 @@ def at_temperature(celsius: float, *, noise: float = 1e-6) -> CreepTest:
 def test_a_test_measures_the_compliance_that_a_step_would_have_shown() -> None:
     """Also in the cold, where slow creep looks like a drift of the reading."""
     for celsius in (23.0, 0.0):
-        found = measured_compliance(at_temperature(celsius))
+        found = measured_compliance(make_creep_test(celsius))
         kelvin = celsius + 273.15
         reduced = found.time / 10 ** cold.log10_a(kelvin)
         expected = T1.compliance(reduced) * cold.REFERENCE / kelvin
         np.testing.assert_allclose(found.compliance, expected, rtol=2e-3)
         assert found.unit == "m/N"
-    short = at_temperature(23.0)
+    short = make_creep_test(23.0)
     kept = short.time < 2.0
     cut = CreepTest(short.time[kept], short.displacement[kept], short.force[kept], units="SI")
     with pytest.raises(FitError, match="hold longer"):
@@ -357,7 +361,7 @@ def test_a_test_measures_the_compliance_that_a_step_would_have_shown() -> None:
 def test_creep_tests_at_several_temperatures_share_one_model(tmp_path: Path) -> None:
     files, temperatures = [], (23.0, 10.0, 0.0)
     for celsius in temperatures:
-        test = at_temperature(celsius)
+        test = make_creep_test(celsius)
         files.append(tmp_path / f"{celsius:g}.csv")
         columns = np.column_stack((test.time, 1e3 * test.displacement, test.force))
         head = "time [s],displacement [mm],force [N]"

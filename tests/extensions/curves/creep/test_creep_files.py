@@ -47,14 +47,14 @@ def rheometer(*steps: str, leave_out: tuple[str, ...] = ()) -> str:
     return head + "\n\n".join(parts) + "\n"
 
 
-def written(path: Path, text: str) -> Path:
+def write_text(path: Path, text: str) -> Path:
     path.write_text(text, encoding="utf-8")
     return path
 
 
 @pytest.mark.parametrize("reader", [read_creep, read_test])
 def test_a_rheometers_export_is_a_creep_compliance(tmp_path: Path, reader) -> None:
-    found = reader(written(tmp_path / "gel.txt", rheometer("Creep - 1")))
+    found = reader(write_text(tmp_path / "gel.txt", rheometer("Creep - 1")))
     assert isinstance(found, CreepCompliance)
     assert (found.unit, found.stiffness_unit) == ("1/Pa", "Pa")
     assert found.time == pytest.approx(TIME)
@@ -67,7 +67,7 @@ def test_stress_and_strain_without_a_compliance_are_a_creep_test_of_a_material(
     tmp_path: Path,
 ) -> None:
     text = rheometer("Creep - 1", leave_out=("Compliance", "Stress (step)", "Strain (step)"))
-    path = written(tmp_path / "gel.txt", text)
+    path = write_text(tmp_path / "gel.txt", text)
     found = read_creep(path)
     assert isinstance(found, CreepTest)
     assert found.unit == "Pa"
@@ -78,7 +78,7 @@ def test_stress_and_strain_without_a_compliance_are_a_creep_test_of_a_material(
 
 
 def test_read_creep_asks_which_of_several_segments(tmp_path: Path) -> None:
-    path = written(tmp_path / "gel.txt", rheometer("Creep - 1", "Creep recovery - 2"))
+    path = write_text(tmp_path / "gel.txt", rheometer("Creep - 1", "Creep recovery - 2"))
     with pytest.raises(ReadError, match=r"2 segments .*--file-part segment=1"):
         read_creep(path)
     found = read_creep(path, options=ReadOptions(segment=1))
@@ -90,13 +90,13 @@ def test_json_steps_are_read_too(tmp_path: Path) -> None:
     values = np.column_stack([v for _, v in RHEOMETER.values()]).tolist()
     document = {"Results": [{"Properties": {"Name": "Creep"}, "DataSet": [
         {"Data": {"columns": heads, "values": values}}]}]}  # fmt: skip
-    found = read_creep(written(tmp_path / "gel.json", json.dumps(document)))
+    found = read_creep(write_text(tmp_path / "gel.json", json.dumps(document)))
     assert isinstance(found, CreepCompliance)
     assert found.compliance == pytest.approx(1e-6 * COMPLIANCE)
 
 
 def test_creep_compliance_of_a_specimen_has_its_unit(tmp_path: Path) -> None:
-    path = written(tmp_path / "seal.csv", csv("time [s],compliance [mm/N]", TIME, COMPLIANCE))
+    path = write_text(tmp_path / "seal.csv", csv("time [s],compliance [mm/N]", TIME, COMPLIANCE))
     found = read_creep(path)
     assert (found.unit, found.stiffness_unit) == ("m/N", "N/m")
     assert found.compliance == pytest.approx(1e-3 * COMPLIANCE)
@@ -104,7 +104,7 @@ def test_creep_compliance_of_a_specimen_has_its_unit(tmp_path: Path) -> None:
 
 def test_who_names_the_columns_knows(tmp_path: Path) -> None:
     text = csv("t,a,b", TIME, 100 * STRESS * COMPLIANCE, STRESS + 0 * TIME)
-    path = written(tmp_path / "bare.csv", text)
+    path = write_text(tmp_path / "bare.csv", text)
     options = ReadOptions(
         time="t", strain="a", stress="b", units={"time": "s", "strain": "%", "stress": "MPa"}
     )
@@ -120,14 +120,16 @@ def test_a_bench_that_says_creep_is_read_by_force_and_displacement(tmp_path: Pat
         "time [s],displacement [mm],force [N],stress [MPa],strain [%]",
         TIME, COMPLIANCE, 1 + 0 * TIME, STRESS + 0 * TIME, COMPLIANCE,
     )  # fmt: skip
-    found = read_test(written(tmp_path / "seal.csv", text))
+    found = read_test(write_text(tmp_path / "seal.csv", text))
     assert isinstance(found, CreepTest)
     assert found.unit == "N/m"
     assert found.force == pytest.approx(1.0)
 
 
 def test_a_unit_that_is_no_compliance_is_named(tmp_path: Path) -> None:
-    path = written(tmp_path / "seal.csv", csv("time [s],creep compliance [MPa]", TIME, COMPLIANCE))
+    path = write_text(
+        tmp_path / "seal.csv", csv("time [s],creep compliance [MPa]", TIME, COMPLIANCE)
+    )
     options = ReadOptions(creep_compliance="2")
     with pytest.raises(ReadError, match=r"labelled 'MPa'.*material compliance.*1/MPa"):
         read_creep(path, options=options)
@@ -138,7 +140,7 @@ def test_read_creep_separates_curves_by_a_temperature_column(tmp_path: Path) -> 
     head = "temperature [degC],time [s],creep compliance [1/MPa]"
     warm = np.repeat([23.0, 0.0], each)
     text = csv(head, warm, np.tile(TIME, 2), np.tile(COMPLIANCE, 2))
-    found = read_test(written(tmp_path / "creep.csv", text))
+    found = read_test(write_text(tmp_path / "creep.csv", text))
     assert isinstance(found, CreepCompliance)
     assert found.several_temperatures
     assert found.select_temperature("0degC").compliance == pytest.approx(1e-6 * COMPLIANCE)

@@ -25,7 +25,7 @@ def shell(*words, code=0):
     return result.stdout if code == 0 else " ".join(result.stderr.split())
 
 
-def written(path, test):
+def write_isotherms(path, test):
     """A file as a machine exports it: one block of rows for each temperature."""
     if isinstance(test, dp.DynamicTest):
         head = "frequency [Hz],storage modulus [MPa],loss modulus [MPa],temperature [degC]"
@@ -39,33 +39,33 @@ def written(path, test):
 
 
 @pytest.fixture(scope="module")
-def fitted():
+def dynamic_fit():
     return fit_dynamic(sweeps())
 
 
-def test_a_fit_of_several_temperatures_is_that_of_their_reference(fitted):
+def test_a_fit_of_several_temperatures_is_that_of_their_reference(dynamic_fit):
     omega = 2 * np.pi * np.geomspace(0.01, 1e4, 30)
     true = modulus(omega / (2 * np.pi), REFERENCE)
-    found = fitted.model.complex_stiffness(omega=omega)
+    found = dynamic_fit.model.complex_stiffness(omega=omega)
     assert np.abs(found / true - 1).max() < 0.02
-    assert fitted.specimen.temperature == pytest.approx(REFERENCE)
-    assert get_temperature_law(fitted).kind == "wlf"
-    assert len(fitted.temperatures.shifts) == 9
-    assert [step.name for step in fitted.provenance.steps] == ["superpose", "fit_dynamic"]
+    assert dynamic_fit.specimen.temperature == pytest.approx(REFERENCE)
+    assert get_temperature_law(dynamic_fit).kind == "wlf"
+    assert len(dynamic_fit.temperatures.shifts) == 9
+    assert [step.name for step in dynamic_fit.provenance.steps] == ["superpose", "fit_dynamic"]
 
 
-def test_it_foretells_a_temperature_that_was_not_tested(fitted):
+def test_it_foretells_a_temperature_that_was_not_tested(dynamic_fit):
     kelvin = 298.15
     frequency = np.geomspace(0.1, 10, 9)
-    found = fitted.at(kelvin).complex_stiffness(omega=2 * np.pi * frequency)
+    found = dynamic_fit.at(kelvin).complex_stiffness(omega=2 * np.pi * frequency)
     assert np.abs(found / modulus(frequency, kelvin) - 1).max() < 0.02
-    assert fitted.at_temperature(kelvin).specimen.temperature == kelvin
+    assert dynamic_fit.at_temperature(kelvin).specimen.temperature == kelvin
 
 
-def test_it_comes_back_from_its_document(fitted):
-    back = from_json(to_json(fitted))
-    assert back.temperatures == fitted.temperatures
-    assert back.model == fitted.model
+def test_it_comes_back_from_its_document(dynamic_fit):
+    back = from_json(to_json(dynamic_fit))
+    assert back.temperatures == dynamic_fit.temperatures
+    assert back.model == dynamic_fit.model
 
 
 def test_few_arms_stay_where_they_follow_as_closely():
@@ -104,7 +104,7 @@ def test_moduli_of_several_temperatures_are_fitted_alike():
 
 
 def test_the_shell_makes_the_master_curve_of_a_file(tmp_path):
-    file = written(tmp_path / "sweeps.csv", sweeps())
+    file = write_isotherms(tmp_path / "sweeps.csv", sweeps())
     picture, document = tmp_path / "master.svg", tmp_path / "fit.json"
     said = shell("fit", file, "--reference", "20degC", "--plot", picture, "-o", document)
     assert "20 degC, of 9 temperatures; b_T = T/T_r" in said
@@ -193,7 +193,7 @@ def test_tables_of_shifts_speak_of_a_t_in_many_ways(tmp_path, head, of):
 
 
 def test_a_table_of_shifts_comes_back(tmp_path):
-    file, table = written(tmp_path / "sweeps.csv", sweeps()), tmp_path / "shifts.csv"
+    file, table = write_isotherms(tmp_path / "sweeps.csv", sweeps()), tmp_path / "shifts.csv"
     said = run_json("fit", file, "--save-shifts", table)
     found = [one["log10_a_t"] for one in said["temperature"]["shifts"]]
     back = dp.files.read_shifts(table)
@@ -221,5 +221,5 @@ def test_a_table_that_is_none_is_refused(tmp_path):
 
 
 def test_fit_does_not_shift_a_column_of_one_temperature(tmp_path):
-    file = written(tmp_path / "one.csv", moduli(temperatures=[REFERENCE]))
+    file = write_isotherms(tmp_path / "one.csv", moduli(temperatures=[REFERENCE]))
     assert "reference" not in shell("fit", file, "--column", "modulus=E(t)", "--arms", "1")

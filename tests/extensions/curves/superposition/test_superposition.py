@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.fits import failed
+from kit.fits import list_failed_checks
 from kit.slopes import hold_slopes
 from kit.sweeps import REFERENCE, TEMPERATURES, arrhenius, compliances, moduli, sweeps, wlf
 
@@ -159,16 +159,16 @@ def test_superpose_uses_given_shifts_unchanged():
         pytest.param(lambda: sweeps(temperatures=TEMPERATURES[::2] - 20), "isotherms_overlap",
             id="apart"),
         pytest.param(lambda: sweeps(temperatures=TEMPERATURES - 25), "shifts_determined", id="ice"),
-        pytest.param(lambda: exchanged(sweeps()), "shift_monotone", id="exchanged"),
+        pytest.param(lambda: exchange_labels(sweeps()), "shift_monotone", id="exchanged"),
         pytest.param(lambda: sweeps(complexity=0.1), "thermorheologically_simple", id="complex"),
         pytest.param(lambda: sweeps(noise=0.2), "vertical_shift_determined", id="noise"),
     ],
 )  # fmt: skip
 def test_superpose_checks_detect_invalid_master_curves(change, check):
-    assert check in failed(dp.solids.superpose(change()))
+    assert check in list_failed_checks(dp.solids.superpose(change()))
 
 
-def exchanged(data):
+def exchange_labels(data):
     """The labels of 30 and 40 degC exchanged."""
     t = data.temperature
     warm, hot = np.isclose(t, 303.15), np.isclose(t, 313.15)
@@ -179,14 +179,14 @@ def test_a_wrong_temperature_leaves_the_law_and_is_named():
     data = sweeps()
     wrong = np.where(np.isclose(data.temperature, 273.15), 278.15, data.temperature)
     found = dp.solids.superpose(replace(data, temperature=wrong), law="wlf")
-    assert "law_follows_shifts" in failed(found)
+    assert "law_follows_shifts" in list_failed_checks(found)
     unasked = dp.solids.superpose(replace(data, temperature=wrong))
     assert unasked.temperatures.law.kind == "free"
-    assert "law_follows_shifts" in failed(unasked)
-    assert "law_follows_shifts" not in failed(
+    assert "law_follows_shifts" in list_failed_checks(unasked)
+    assert "law_follows_shifts" not in list_failed_checks(
         dp.solids.superpose(replace(data, temperature=wrong), law="free")
     )
-    assert failed(dp.solids.superpose(data)) <= {"isotherms_overlap"}
+    assert list_failed_checks(dp.solids.superpose(data)) <= {"isotherms_overlap"}
 
 
 def test_superpose_passes_all_checks_for_valid_sweeps():
@@ -198,8 +198,8 @@ def test_superpose_reports_a_violated_vertical_rule():
     data = sweeps(rubbery=False)
     softer = np.exp(-0.004 * (data.temperature - REFERENCE))
     other = replace(data, storage=data.storage * softer, loss=data.loss * softer)
-    assert "vertical_rule_holds" in failed(dp.solids.superpose(other))
-    assert "vertical_rule_holds" not in failed(dp.solids.superpose(data))
+    assert "vertical_rule_holds" in list_failed_checks(dp.solids.superpose(other))
+    assert "vertical_rule_holds" not in list_failed_checks(dp.solids.superpose(data))
 
 
 def test_superpose_counts_a_duplicate_sample_once():
@@ -211,7 +211,7 @@ def test_superpose_counts_a_duplicate_sample_once():
 
 def test_free_vertical_shifts_are_a_diagnostic():
     found = dp.solids.superpose(sweeps(), vertical="free")
-    assert "vertical_shift_determined" in failed(found)
+    assert "vertical_shift_determined" in list_failed_checks(found)
     assert found.temperatures.shifts[0].b_t_se > 0
 
 
@@ -257,7 +257,7 @@ def test_superpose_names_a_temperature_with_another_gain():
     data, at = sweeps(3), TEMPERATURES[7]
     gain = np.where(data.temperature == at, 1.05, 1.0)
     more = replace(data, storage=gain * data.storage, loss=gain * data.loss)
-    assert "no_temperature_outlier" not in failed(dp.solids.superpose(data))
+    assert "no_temperature_outlier" not in list_failed_checks(dp.solids.superpose(data))
     told = {check.name: check for check in dp.solids.superpose(more).checks}[
         "no_temperature_outlier"
     ]

@@ -13,23 +13,26 @@ ARRHENIUS = dp.solids.Arrhenius(90e3, REFERENCE)
 AWAY = TEMPERATURES != REFERENCE
 
 
-def chained(sd):
+def build_chained_covariance(sd):
     """Covariance of shifts that were chained from the reference, step by step."""
     order = np.arange(9) - 4
     same = np.sign(order[:, None]) == np.sign(order)
     return sd**2 * np.where(same, np.minimum(abs(order[:, None]), abs(order)), 0)
 
 
-def drawn(law, sd, seed):
+def draw_shifts(law, sd, seed):
     noise = np.random.default_rng(seed).standard_normal(9)
-    values, vectors = np.linalg.eigh(chained(sd))
+    values, vectors = np.linalg.eigh(build_chained_covariance(sd))
     return law.log10_a_t(TEMPERATURES) + AWAY * (vectors * np.sqrt(abs(values)) @ noise)
 
 
 @pytest.mark.parametrize("law", [WLF, ARRHENIUS], ids=lambda law: law.kind)
 def test_exact_shifts_give_their_law_back(law):
     found = fit_shift_law(
-        TEMPERATURES, law.log10_a_t(TEMPERATURES), chained(1e-3), reference=REFERENCE
+        TEMPERATURES,
+        law.log10_a_t(TEMPERATURES),
+        build_chained_covariance(1e-3),
+        reference=REFERENCE,
     )
     assert found.law.kind == law.kind
     for name in found.parameters:
@@ -44,11 +47,18 @@ def test_fit_shift_law_selects_by_bic_with_valid_intervals(law, least):
     right, inside = 0, []
     for seed in range(40):
         found = fit_shift_law(
-            TEMPERATURES, drawn(law, 0.02, seed), chained(0.02), reference=REFERENCE
+            TEMPERATURES,
+            draw_shifts(law, 0.02, seed),
+            build_chained_covariance(0.02),
+            reference=REFERENCE,
         )
         right += found.law.kind == law.kind
         kept = fit_shift_law(
-            TEMPERATURES, drawn(law, 0.02, seed), chained(0.02), reference=REFERENCE, law=law.kind
+            TEMPERATURES,
+            draw_shifts(law, 0.02, seed),
+            build_chained_covariance(0.02),
+            reference=REFERENCE,
+            law=law.kind,
         )
         error = [getattr(kept.law, name) - getattr(law, name) for name in kept.parameters]
         inside.append(np.abs(error) < 1.96 * np.sqrt(np.diag(kept.covariance)))
@@ -58,7 +68,10 @@ def test_fit_shift_law_selects_by_bic_with_valid_intervals(law, least):
 
 def test_the_derivatives_of_wlf_are_those_of_the_law():
     found = fit_shift_law(
-        TEMPERATURES, WLF.log10_a_t(TEMPERATURES), chained(0.02), reference=REFERENCE
+        TEMPERATURES,
+        WLF.log10_a_t(TEMPERATURES),
+        build_chained_covariance(0.02),
+        reference=REFERENCE,
     )
     h = 1e-4
     jacobian = np.column_stack(
@@ -68,7 +81,7 @@ def test_the_derivatives_of_wlf_are_those_of_the_law():
             for a, b in ((h, 0), (0, h))
         ]
     )[AWAY]  # fmt: skip
-    weight = np.linalg.inv(chained(0.02)[np.ix_(AWAY, AWAY)])
+    weight = np.linalg.inv(build_chained_covariance(0.02)[np.ix_(AWAY, AWAY)])
     np.testing.assert_allclose(
         found.covariance, np.linalg.inv(jacobian.T @ weight @ jacobian), rtol=1e-4
     )
@@ -77,7 +90,9 @@ def test_the_derivatives_of_wlf_are_those_of_the_law():
 def test_a_law_that_misses_the_shifts_has_wider_errors():
     shifts = WLF.log10_a_t(TEMPERATURES)
     close, rough = (
-        fit_shift_law(TEMPERATURES, shifts, chained(sd), reference=REFERENCE, law="arrhenius")
+        fit_shift_law(
+            TEMPERATURES, shifts, build_chained_covariance(sd), reference=REFERENCE, law="arrhenius"
+        )
         for sd in (0.01, 0.02)
     )
     assert close.score.deviance == pytest.approx(4 * rough.score.deviance)
@@ -98,16 +113,23 @@ def test_two_temperatures_keep_their_shift_and_three_have_a_law():
 
 def test_shifts_that_rise_with_temperature_have_no_law():
     s = -WLF.log10_a_t(TEMPERATURES)
-    assert fit_shift_law(TEMPERATURES, s, chained(0.01), reference=REFERENCE).law.kind == "free"
+    assert (
+        fit_shift_law(TEMPERATURES, s, build_chained_covariance(0.01), reference=REFERENCE).law.kind
+        == "free"
+    )
     with pytest.raises(dp.FitError, match="must fall as it gets warmer"):
-        fit_shift_law(TEMPERATURES, s, chained(0.01), reference=REFERENCE, law="wlf")
+        fit_shift_law(
+            TEMPERATURES, s, build_chained_covariance(0.01), reference=REFERENCE, law="wlf"
+        )
     with pytest.raises(dp.FitError, match="expected one of"):
-        fit_shift_law(TEMPERATURES, s, chained(0.01), reference=REFERENCE, law="vft")
+        fit_shift_law(
+            TEMPERATURES, s, build_chained_covariance(0.01), reference=REFERENCE, law="vft"
+        )
 
 
 @pytest.mark.parametrize("i", [0, 2, 5, 8])
 def test_fit_shift_law_names_the_outlying_temperature(i):
-    shifts, sd = drawn(WLF, 0.005, i), chained(0.005)
+    shifts, sd = draw_shifts(WLF, 0.005, i), build_chained_covariance(0.005)
     assert fit_shift_law(TEMPERATURES, shifts, sd, reference=REFERENCE).odd is None
     shifts[i] -= 0.15
     odd = fit_shift_law(TEMPERATURES, shifts, sd, reference=REFERENCE).odd
@@ -117,4 +139,7 @@ def test_fit_shift_law_names_the_outlying_temperature(i):
 
 def test_fit_shift_law_names_no_outlier_of_a_general_misfit():
     bent = WLF.log10_a_t(TEMPERATURES) + 0.2 * np.cos(np.arange(9) * np.pi) * AWAY
-    assert fit_shift_law(TEMPERATURES, bent, chained(0.005), reference=REFERENCE).odd is None
+    assert (
+        fit_shift_law(TEMPERATURES, bent, build_chained_covariance(0.005), reference=REFERENCE).odd
+        is None
+    )

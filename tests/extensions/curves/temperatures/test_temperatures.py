@@ -8,7 +8,7 @@ from operator import itemgetter
 import numpy as np
 import pytest
 from kit import cold
-from kit.fits import failed, of_noise
+from kit.fits import list_failed_checks, restrict_to_noise
 from kit.foreign.kinds import wlf
 from kit.foreign.rigs import Protocol, read
 from kit.foreign.truths import TRUTHS, Solid
@@ -34,11 +34,11 @@ KNOWN = dp.Machine(sync=1e-3, drift=0.2e-3, compliance=0.0, creep=0.0)
 PAIR, TRIPLE = (ROOM, FRIDGE), (ROOM, 10.0, FRIDGE)
 
 
-def fitted(seal: str, celsius=PAIR, seed: int = 0, *, vertical="free", **changes) -> dp.Fit:
+def fit_cold_tests(seal: str, celsius=PAIR, seed: int = 0, *, vertical="free", **changes) -> dp.Fit:
     return fit_tests(cold.records(seal, celsius, seed, **changes), vertical=vertical)
 
 
-def inside(fit: dp.Fit, seal: str) -> tuple[bool, bool]:
+def holds_truth(fit: dp.Fit, seal: str) -> tuple[bool, bool]:
     """Whether storage stiffness and loss factor of the truth are within the fit's errors."""
     band, true = parameter_band(fit, [cold.RESONANCE]), cold.complex_stiffness(seal)
     low, high = band.storage[:, 0]
@@ -54,7 +54,7 @@ def off(fit: dp.Fit, seal: str) -> float:
 
 @pytest.fixture(scope="module")
 def pair() -> dp.Fit:
-    return fitted("hidden")
+    return fit_cold_tests("hidden")
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,7 @@ def prepare_on_stated_machine(records: list[dp.RelaxationTest]) -> list[dp.RampH
 
 @pytest.fixture(scope="module")
 def triple() -> dp.Fit:
-    return fitted("broad", TRIPLE)
+    return fit_cold_tests("broad", TRIPLE)
 
 
 def test_fit_with_a_cold_test_recovers_an_arm_hidden_at_room_temperature(pair):
@@ -78,7 +78,7 @@ def test_fit_with_a_cold_test_recovers_an_arm_hidden_at_room_temperature(pair):
     assert off(alone, "hidden") < -0.5
     assert pair.model.arms == 3
     assert abs(off(pair, "hidden")) < 0.03
-    assert all(inside(pair, "hidden"))
+    assert all(holds_truth(pair, "hidden"))
     assert pair.verdict.use == "use"
     assert pair.band[1] > 20 * alone.band[1]
 
@@ -99,9 +99,9 @@ def test_shift_and_stiffness_are_those_of_the_seal(pair):
 
 def test_model_at_the_cold_temperature_has_the_error_of_the_cold_test(pair):
     """Relaxation time, shift and slope err together: their product is what the test measured."""
-    chilled, quiet = pair.at_temperature("0degC"), of_noise(pair)
+    chilled, quiet = pair.at_temperature("0degC"), restrict_to_noise(pair)
     arm = chilled.estimate.parameters.index("ln_tau_1")
-    noise = of_noise(chilled).covariance
+    noise = restrict_to_noise(chilled).covariance
     found, error = np.log(chilled.model.tau[0]), float(np.sqrt(noise[arm, arm]))
     assert error < 0.2 * float(np.sqrt(quiet.covariance[arm, arm]))
     # a rig that may have given or settled adds to either, and each is distinguished from the noise
@@ -131,7 +131,7 @@ def test_fit_of_two_temperatures_recommends_a_third(pair, triple):
     told = {check.name: check for check in pair.checks}["shifts_distinguished"]
     assert told.failed
     assert "three are needed" in told.message
-    assert "shifts_distinguished" not in failed(triple)
+    assert "shifts_distinguished" not in list_failed_checks(triple)
 
 
 def test_three_temperatures_carry_a_law(triple):
@@ -149,7 +149,7 @@ def test_a_temperature_that_was_noted_wrong_is_no_law(wrong):
     noted = dp.Specimen(temperature=tests[-1].specimen.temperature + wrong)
     found = fit_tests([*tests[:-1], replace(tests[-1], specimen=noted)])
     assert found.verdict.use == "use with care"
-    assert failed(found) == {"glass_below_tests" if wrong > 0 else "law_follows_shifts"}
+    assert list_failed_checks(found) == {"glass_below_tests" if wrong > 0 else "law_follows_shifts"}
 
 
 @pytest.mark.parametrize("vertical", ["free", "1"])
@@ -177,7 +177,7 @@ def test_the_slopes_of_shifted_tests_are_those_of_their_rows(vertical: Vertical,
 LINES = np.array([0.01, 0.1, 1.0, 5.0, cold.RESONANCE, 50.0])
 
 
-def held(seal: str, bounds: StiffnessBounds) -> np.ndarray:
+def check_bounds(seal: str, bounds: StiffnessBounds) -> np.ndarray:
     """Whether storage and loss of the truth lie within the bounds, line by line, shape (2, n)."""
     true = np.array([cold.complex_stiffness(seal, f) for f in LINES])
     return np.array(
@@ -192,7 +192,7 @@ def test_cold_test_narrows_the_unresolved_arm_band(pair, stated_pair):
     records = cold.records("hidden", PAIR, 0)
     both = unseen_arm_band(pair, records, LINES)
     alone = unseen_arm_band(fit_tests(records[0]), records[0], LINES)
-    assert held("hidden", both).all()
+    assert check_bounds("hidden", both).all()
     at = list(LINES).index(cold.RESONANCE)
     low, high = both.loss[:, at] / cold.complex_stiffness("hidden").imag
     assert 0.9 < low < 1 < high < 1.4
@@ -253,32 +253,32 @@ def test_the_order_of_the_files_does_not_matter(pair):
     ids=["b is 1", "b 3 % off", "arms in groups", "a hidden arm apart"],
 )
 def test_fit_reports_tests_that_share_no_model(seal, celsius, vertical, changes):
-    found = fitted(seal, celsius, vertical=vertical, **changes)
-    assert "thermorheologically_simple" in failed(found)
+    found = fit_cold_tests(seal, celsius, vertical=vertical, **changes)
+    assert "thermorheologically_simple" in list_failed_checks(found)
     assert found.verdict.use != "use"
     assert found.status is Status.TESTS_DISAGREE
 
 
 def test_fit_reports_a_small_shift_slope_without_penalty():
-    found = fitted("hidden", TRIPLE, apart=cold.further_when_slow(0.03))
+    found = fit_cold_tests("hidden", TRIPLE, apart=cold.make_growing_shift(0.03))
     slope = next(one for one in found.estimate.nuisance if one.name == "shift slope")
     assert abs(slope.value - 0.03) < 3 * slope.standard_error < 0.03
-    assert "thermorheologically_simple" not in failed(found)
-    assert all(inside(found, "hidden"))
+    assert "thermorheologically_simple" not in list_failed_checks(found)
+    assert all(holds_truth(found, "hidden"))
 
 
 def test_fit_distinguishes_warming_from_another_shift():
-    found = fitted("hidden", warms=0.5)
+    found = fit_cold_tests("hidden", warms=0.5)
     warming = [one for one in found.estimate.nuisance if one.name.startswith("warming")]
     chilled = next(one for one in warming if one.name.endswith("2"))
     assert abs(chilled.value - 0.5) < 4 * chilled.standard_error < 0.2
     assert abs(off(found, "hidden")) < 0.03
-    assert "temperature_steady" not in failed(found)
-    assert "temperature_steady" in failed(fitted("hidden", warms=2.0))
+    assert "temperature_steady" not in list_failed_checks(found)
+    assert "temperature_steady" in list_failed_checks(fit_cold_tests("hidden", warms=2.0))
 
 
 def test_fit_reports_temperatures_without_overlap():
-    assert "isotherms_overlap" in failed(fitted("hidden", (ROOM, -20.0)))
+    assert "isotherms_overlap" in list_failed_checks(fit_cold_tests("hidden", (ROOM, -20.0)))
 
 
 def test_fit_of_tests_at_one_temperature_has_no_shifts():
@@ -336,10 +336,10 @@ def test_twenty_pairs_find_the_shift_and_the_damping():
         for seed in range(10):
             records = [prepare(one) for one in cold.records(seal, PAIR, seed)]
             found = fit_tests(records)
-            within.append(held(seal, unseen_arm_band(found, records, LINES)))
+            within.append(check_bounds(seal, unseen_arm_band(found, records, LINES)))
             shift.append(abs(found.temperatures.shifts[0].log10_a_t - cold.log10_a(273.15)))
             damping.append(abs(off(found, seal)))
-            holds.append(inside(found, seal))
+            holds.append(holds_truth(found, seal))
     assert np.sum(np.array(shift) < 0.01) >= 19
     assert np.sum(np.array(damping) < 0.03) == 20
     assert (np.sum(holds, axis=0) >= 18).all()
@@ -406,6 +406,6 @@ def test_counts_that_beat_with_the_samples_are_within_the_bounds():
                 solid, ramp_time=ramp, rig=rig, seed=1000 * seed + i, climate=climate
             )
             tests.append(made.test)
-        inside.append(held("broad", unseen_arm_band(fit_tests(tests), tests, LINES)))
+        inside.append(check_bounds("broad", unseen_arm_band(fit_tests(tests), tests, LINES)))
     assert np.mean(inside, axis=0).min() >= 0.85
     assert np.mean(inside) >= 0.94

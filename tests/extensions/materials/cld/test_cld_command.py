@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 from kit import shell
-from kit.cld import bulb, fit_of, pressed
+from kit.cld import bulb, fit_of, press_cycles
 
 import dashpot as dp
 from dashpot.extensions.batch.statistics.process_capability import capability
@@ -24,9 +24,11 @@ WORDS = ("--length", "50mm", "--compression", "6mm", "--compression-limits", "4:
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pieces")
     for number, scale in enumerate(SCALES, start=1):
-        pressed(bulb, scale=scale, seed=number, softening=0.05).write(folder / f"p{number}.csv")
-    pressed(bulb, speed=2e-3, softening=0.05).write(folder / "slow.csv")
-    pressed(bulb, softening=0.05).write(folder / "unclocked.csv", clock=False)
+        press_cycles(bulb, scale=scale, seed=number, softening=0.05).write(
+            folder / f"p{number}.csv"
+        )
+    press_cycles(bulb, speed=2e-3, softening=0.05).write(folder / "slow.csv")
+    press_cycles(bulb, softening=0.05).write(folder / "unclocked.csv", clock=False)
     return folder
 
 
@@ -126,7 +128,7 @@ def test_what_does_not_go_is_refused(folder, words, message):
     ],
 )
 def test_fit_asks_about_a_wrong_unit(tmp_path, head, message):
-    path = pressed(bulb).write(tmp_path / "a.csv", head=head)
+    path = press_cycles(bulb).write(tmp_path / "a.csv", head=head)
     assert message in ran(tmp_path, path.name, code=2).stderr
 
 

@@ -6,7 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.cld import ARMS, answered, bulb, dashpot_and_arms, fit_of, pressed, stiffening
+from kit.cld import (
+    ARMS,
+    bulb,
+    compute_relaxed_force,
+    dashpot_and_arms,
+    fit_of,
+    press_cycles,
+    stiffening,
+)
 
 import dashpot as dp
 from dashpot.base.errors import DataError, FitError
@@ -31,7 +39,7 @@ EXACT = {"noise": 0.0, "count": 0.0, "bias": 0.0}
 @pytest.mark.parametrize("law", [stiffening, bulb])
 @pytest.mark.parametrize("speed", [0.5e-3, 5e-3])
 def test_the_law_is_that_of_the_truth_at_any_speed_and_loading_is_not(law, speed):
-    one = evaluate_record(pressed(law, speed=speed, softening=0.0, rate=2e4 * speed, **EXACT))
+    one = evaluate_record(press_cycles(law, speed=speed, softening=0.0, rate=2e4 * speed, **EXACT))
     relaxed = relaxed_law(one, fit_of(law))
     slope = (law(AT + 1e-6) - law(AT - 1e-6)) / 2e-6
     # first contact is known to some 10 um where a force begins to rise between two samples
@@ -48,7 +56,7 @@ def test_the_law_is_that_of_the_truth_at_any_speed_and_loading_is_not(law, speed
 
 @pytest.mark.parametrize("seed", range(4))
 def test_noise_counts_and_drift_leave_the_law_near(seed):
-    one = evaluate_record(pressed(seed=seed, softening=0.0, drift=2e-4, count=2e-5))
+    one = evaluate_record(press_cycles(seed=seed, softening=0.0, drift=2e-4, count=2e-5))
     relaxed = relaxed_law(one, fit_of(stiffening))
     assert relaxed.law.force(AT[2:]) == pytest.approx(stiffening(AT[2:]), rel=0.015)
     z = (relaxed.law.tangent(AT) - 150 - 3 * 7.2656e5 * AT**2) / relaxed.law.stiffness
@@ -56,14 +64,14 @@ def test_noise_counts_and_drift_leave_the_law_near(seed):
 
 
 def test_relaxed_law_separates_softening_from_relaxation():
-    one = evaluate_record(pressed(softening=0.12, **EXACT))
+    one = evaluate_record(press_cycles(softening=0.12, **EXACT))
     relaxed = relaxed_law(one, fit_of(stiffening))
     assert relaxed.softening == pytest.approx(0.12 * (1 - np.exp(-2)), abs=1e-3)
     assert one.softening > relaxed.softening + 0.015
 
 
 def test_relaxation_test_of_another_seal_leaves_hysteresis_or_another_force():
-    one = evaluate_record(pressed(softening=0.0))
+    one = evaluate_record(press_cycles(softening=0.0))
     half = tuple((g / 2, tau) for g, tau in ARMS)
     wrong = relaxed_law(one, fit_of(stiffening, arms=half))
     assert "relaxation_explains_hysteresis" in {
@@ -81,7 +89,7 @@ def test_relaxation_test_of_another_seal_leaves_hysteresis_or_another_force():
 
 
 def test_the_fit_with_the_law_is_the_tangent_where_a_mass_rests():
-    relaxed = relaxed_law(evaluate_record(pressed(softening=0.0, **EXACT)), fit_of(stiffening))
+    relaxed = relaxed_law(evaluate_record(press_cycles(softening=0.0, **EXACT)), fit_of(stiffening))
     for held in (5e-3, 8e-3):
         fit = apply_elastic_law(fit_of(stiffening, depth=held), relaxed.law, checks=relaxed.checks)
         for x in (2.6e-3, 5e-3):
@@ -96,7 +104,7 @@ def test_the_fit_with_the_law_is_the_tangent_where_a_mass_rests():
 
 
 def test_what_has_no_clock_no_rest_or_no_depth_is_refused():
-    truth = pressed(softening=0.0)
+    truth = press_cycles(softening=0.0)
     fit = fit_of(stiffening)
     bare = cld(dp.CLDTest(truth.displacement, truth.force, units="SI"))
     with pytest.raises(FitError, match="no clock"):
@@ -112,11 +120,11 @@ def test_what_has_no_clock_no_rest_or_no_depth_is_refused():
         apply_elastic_law(replace(fit, elastic_law=None), law)
 
 
-def at_speeds(speeds, law=bulb, **how):
+def record_at_speeds(speeds, law=bulb, **how):
     """Records of one seal, their sampling and rests as long as their strokes ask."""
     return [
         evaluate_record(
-            pressed(law, speed=v, rate=max(5e3 * v, 2.0), rest=5.0, cycles=2, seed=i, **how)
+            press_cycles(law, speed=v, rate=max(5e3 * v, 2.0), rest=5.0, cycles=2, seed=i, **how)
         )
         for i, v in enumerate(speeds)
     ]
@@ -124,7 +132,7 @@ def at_speeds(speeds, law=bulb, **how):
 
 def test_fit_speeds_recovers_law_and_relaxation():
     """Softening of the first cycle and the free recovery in air are not taken for relaxation."""
-    fit = fit_speeds(at_speeds((0.2e-3, 2e-3, 20e-3), softening=0.1))
+    fit = fit_speeds(record_at_speeds((0.2e-3, 2e-3, 20e-3), softening=0.1))
     assert fit.model.arms == 2
     for j, (g, tau) in enumerate(ARMS):
         assert fit.model.k[j] / fit.model.k_inf == pytest.approx(g, rel=0.05)
@@ -139,7 +147,7 @@ def test_fit_speeds_recovers_law_and_relaxation():
 
 def test_fit_speeds_recovers_one_arm_and_reports_close_speeds():
     (fit, near) = (
-        fit_speeds(at_speeds(speeds, softening=0.0, arms=((0.3, 2.0),)), arms=1)
+        fit_speeds(record_at_speeds(speeds, softening=0.0, arms=((0.3, 2.0),)), arms=1)
         for speeds in ((0.5e-3, 8e-3), (2e-3, 4e-3))
     )
     assert fit.model.k[0] / fit.model.k_inf == pytest.approx(0.3, rel=0.03)
@@ -149,14 +157,14 @@ def test_fit_speeds_recovers_one_arm_and_reports_close_speeds():
 
 
 def test_scatter_of_specimens_is_not_fitted_as_relaxation():
-    slow, fast = at_speeds((0.5e-3, 8e-3), softening=0.0, arms=((0.3, 2.0),))
+    slow, fast = record_at_speeds((0.5e-3, 8e-3), softening=0.0, arms=((0.3, 2.0),))
     other = replace(fast, force=1.03 * fast.force)
     fit = fit_speeds([slow, other], arms=1)
     assert "speeds_residual_small" in {check.name for check in fit.checks if check.failed}
 
 
 def test_fit_speeds_refuses_one_speed():
-    truth = pressed()
+    truth = press_cycles()
     one = evaluate_record(truth)
     with pytest.raises(FitError, match="one speed alone"):
         fit_speeds([one, one])
@@ -177,7 +185,7 @@ def with_relative_error(fit, part=0.05):
 
 
 def test_relaxed_law_propagates_the_error_of_the_relaxation():
-    one, sure = evaluate_record(pressed(softening=0.0), at=6e-3), fit_of(stiffening)
+    one, sure = evaluate_record(press_cycles(softening=0.0), at=6e-3), fit_of(stiffening)
     fit, at = with_relative_error(sure), 6e-3
     relaxed = relaxed_law(one, fit)
     assert len(relaxed.others) == 8  # six axes of the relaxation or zeros, and the clock
@@ -195,13 +203,13 @@ def test_relaxed_law_propagates_the_error_of_the_relaxation():
     assert 0 < off < relaxed_law(in_step, fit).force_se(at) < min(5 * off, relaxed.force_se(at))
 
 
-def between(back, speed, arms=((0.3, 2.0),)):
+def press_between(back, speed, arms=((0.3, 2.0),)):
     """Pressed twice from air, each time back to a part of the depth."""
     step, turns = 8e-3 / speed / 400, np.array([0.0, 1.0, back, 1.0, back])
     rows = 400 * np.cumsum(np.abs(np.diff(turns, prepend=-0.25)))
     time = step * np.arange(-50, round(rows[-1]) + 1)
     x = 8e-3 * np.interp(time / step, [-50, *(rows - 100)], [-0.125, *turns])
-    force = answered(stiffening(np.maximum(x, 0.0)), x > 0, arms, step)
+    force = compute_relaxed_force(stiffening(np.maximum(x, 0.0)), x > 0, arms, step)
     noise = 2e-3 * np.random.default_rng(1).standard_normal(len(x))
     return cld(dp.CLDTest(x, force + noise, time - time[0], units="SI"))
 
@@ -209,7 +217,7 @@ def between(back, speed, arms=((0.3, 2.0),)):
 @pytest.mark.parametrize("back", [0.4, 0.0])
 def test_relaxed_law_of_partial_cycles_equals_that_from_contact(back):
     """Where it comes back to no less than `back` of its depth: below that its secant alone."""
-    records = [between(back, speed) for speed in (0.5e-3, 8e-3)]
+    records = [press_between(back, speed) for speed in (0.5e-3, 8e-3)]
     relaxation = fit_of(stiffening, arms=((0.3, 2.0),))
     x = np.linspace(max(back, 0.1) * 8e-3, 8e-3, 9)
     slope = (stiffening(x + 1e-6) - stiffening(x - 1e-6)) / 2e-6
@@ -223,7 +231,7 @@ def test_relaxed_law_of_partial_cycles_equals_that_from_contact(back):
 
 
 def test_several_relaxation_tests_are_held_against_the_law_and_each_other():
-    one = evaluate_record(pressed(softening=0.0), at=4e-3)
+    one = evaluate_record(press_cycles(softening=0.0), at=4e-3)
     shallow, deep = fit_of(stiffening, depth=4e-3), fit_of(stiffening, depth=8e-3)
     both = relaxed_law(one, [deep, shallow])
     agreed = [check for check in both.checks if check.name == "relaxed_agrees"]
@@ -261,7 +269,7 @@ def test_a_dashpot_that_depends_on_compression_comes_back_from_four_speeds():
 
 
 def test_fit_rate_distinguishes_relaxation_from_a_dashpot():
-    tests = at_speeds((0.2e-3, 2e-3, 20e-3), softening=0.0)
+    tests = record_at_speeds((0.2e-3, 2e-3, 20e-3), softening=0.0)
     rate = fit_rate(tests, fit_speeds(tests))
     assert rate.bic > 10
     assert "one_relaxation_explains_speeds" not in {

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.cld import ARMS, LENGTH, bulb, pressed, stiffening
-from kit.fits import failed
+from kit.cld import ARMS, LENGTH, bulb, press_cycles, stiffening
+from kit.fits import list_failed_checks
 
 import dashpot as dp
 from dashpot.base.errors import DataError
@@ -33,7 +33,9 @@ def true_force(truth, at, *, cycle, inward=True):
 
 def test_cld_stores_the_work_of_a_spring():
     """5 N of 100 mm at 6 mm: 15 mJ, none lost; whatever the length of the specimen."""
-    spring = pressed(lambda x: 5 / 6e-3 * x, depth=6e-3, noise=0.0, bias=0.0, count=0.0, **ELASTIC)
+    spring = press_cycles(
+        lambda x: 5 / 6e-3 * x, depth=6e-3, noise=0.0, bias=0.0, count=0.0, **ELASTIC
+    )
     for length in (0.1, 0.05):
         test = dp.CLDTest(
             spring.displacement,
@@ -55,7 +57,7 @@ def test_cld_stores_the_work_of_a_spring():
 @pytest.mark.parametrize("law", [stiffening, bulb])
 @pytest.mark.parametrize("turn", [(1, 1), (-1, 1), (1, -1), (-1, -1)])
 def test_figures_are_those_of_the_truth_whatever_the_signs(law, turn):
-    truth = pressed(law, drift=2e-4)
+    truth = press_cycles(law, drift=2e-4)
     turned = replace(truth, displacement=turn[0] * truth.displacement, force=turn[1] * truth.force)
     one = evaluate_record(turned, at=6e-3, between=(4e-3, 7.5e-3))
     assert len(one.cycles) == 4
@@ -81,7 +83,7 @@ def test_the_errors_of_force_and_contact_hold():
     """Over seeds: the truth within twice the error nearly as often as it should be."""
     z = []
     for seed in range(30):
-        truth = pressed(seed=seed, count=2e-5, cycles=2)
+        truth = press_cycles(seed=seed, count=2e-5, cycles=2)
         one = evaluate_record(truth, at=6e-3)
         z.append((one.nominal.loading - true_force(truth, 6e-3, cycle=2)) / one.nominal.loading_se)
     assert np.mean(np.abs(z) < 2) >= 0.85
@@ -89,10 +91,10 @@ def test_the_errors_of_force_and_contact_hold():
 
 
 def test_softening_is_that_of_the_cycles_and_set_that_of_the_contact():
-    soft = evaluate_record(pressed(arms=(), softening=0.12), at=6e-3)
+    soft = evaluate_record(press_cycles(arms=(), softening=0.12), at=6e-3)
     share = 0.12 * (1 - np.exp(-3 / 1.5))
     assert soft.softening == pytest.approx(share, abs=0.01)
-    gone = evaluate_record(pressed(set_=0.4e-3, **ELASTIC), at=6e-3)
+    gone = evaluate_record(press_cycles(set_=0.4e-3, **ELASTIC), at=6e-3)
     assert gone.set == pytest.approx(0.4e-3 * (1 - np.exp(-3)), abs=0.05e-3)
     assert gone.cycles[0].contact == 0
 
@@ -112,11 +114,14 @@ def test_softening_is_that_of_the_cycles_and_set_that_of_the_contact():
     ],
 )
 def test_cld_reports_exactly_the_faults_of_a_record(how, names):
-    assert failed(evaluate_record(pressed(**{"softening": 0.05} | how), at=6e-3)) == names
+    assert (
+        list_failed_checks(evaluate_record(press_cycles(**{"softening": 0.05} | how), at=6e-3))
+        == names
+    )
 
 
 def test_cld_retains_and_reports_a_preload():
-    truth = pressed(gap=-1e-3, bias=0.0)
+    truth = press_cycles(gap=-1e-3, bias=0.0)
     one = evaluate_record(truth, at=5e-3)
     assert one.preload == pytest.approx(float(np.median(truth.clean[:100])), abs=4e-3)
     assert "begins in contact, under 11 %" in one.verdict.message
@@ -124,24 +129,24 @@ def test_cld_retains_and_reports_a_preload():
 
 
 def test_a_stop_in_the_stroke_is_no_turning_point_but_no_even_speed():
-    truth = pressed(cycles=3, softening=0.0)
+    truth = press_cycles(cycles=3, softening=0.0)
     still = np.flatnonzero((truth.compression > 4e-3) & (np.gradient(truth.compression) > 0))
     i = int(still[-1]) - 60
     held = [np.insert(one, i, np.full(100, one[i])) for one in (truth.displacement, truth.force)]
     test = dp.CLDTest(*held, np.arange(len(held[0])) / 100, SPECIMEN, units="SI")
     one = cld(test, at=6e-3)
     assert len(one.cycles) == 3
-    assert "plate_speed_constant" in failed(one)
+    assert "plate_speed_constant" in list_failed_checks(one)
 
 
 def test_cld_selects_the_requested_or_last_reaching_cycle():
-    truth = pressed(depth=(8e-3, 8e-3, 5e-3))
+    truth = press_cycles(depth=(8e-3, 8e-3, 5e-3))
     assert evaluate_record(truth, at=4e-3).cycle.number == 3
     assert evaluate_record(truth, at=6e-3).cycle.number == 2
     assert evaluate_record(truth, at=6e-3, cycle=1).cycle.number == 1
     beyond = evaluate_record(truth, at=6e-3, between=(4e-3, 9e-3))
     assert beyond.most is None
-    assert "compressions_reached" in failed(beyond)
+    assert "compressions_reached" in list_failed_checks(beyond)
     for how, message in (
         ({"at": 9e-3}, "at most 7.9"),
         ({"at": "-1mm"}, "expected a compression > 0"),
@@ -152,13 +157,13 @@ def test_cld_selects_the_requested_or_last_reaching_cycle():
 
 
 def test_cld_without_a_clock_has_the_same_curve_and_no_speed():
-    truth = pressed()
+    truth = press_cycles()
     timed = evaluate_record(truth, at=6e-3)
     one = cld(dp.CLDTest(truth.displacement, truth.force, units="SI"), at=6e-3)
     assert one.nominal.loading == pytest.approx(timed.nominal.loading, abs=1e-4)
     assert one.cycle.speed is None
     assert (one.unit, one.per) == ("N", 1)
-    assert failed(one) == {"length_given"} | failed(timed)
+    assert list_failed_checks(one) == {"length_given"} | list_failed_checks(timed)
 
 
 @pytest.mark.parametrize("still", ["displacement", "force"])
@@ -176,7 +181,7 @@ def test_a_stroke_is_a_twentieth_of_the_travel(share, strokes):
 
 
 def test_noise_and_counts_make_no_strokes():
-    truth = pressed(cycles=5, count=2e-5, rate=400.0)
+    truth = press_cycles(cycles=5, count=2e-5, rate=400.0)
     noisy = truth.displacement + 3e-5 * np.random.default_rng(0).standard_normal(len(truth.time))
     for x in (truth.displacement, noisy):
         ways = strokes_of(x, resolution=1.2e-4)
@@ -188,7 +193,7 @@ def test_relaxation_makes_the_unloading_lower():
     """An elastic seal has no hysteresis; one with arms has, and shows less when slow."""
     lost = [
         evaluate_record(
-            pressed(speed=v, softening=0.0, arms=arms, rate=2e4 * v), at=6e-3
+            press_cycles(speed=v, softening=0.0, arms=arms, rate=2e4 * v), at=6e-3
         ).cycle.hysteresis
         for v, arms in ((5e-3, ()), (5e-3, ARMS), (0.2e-3, ARMS))
     ]
@@ -197,7 +202,7 @@ def test_relaxation_makes_the_unloading_lower():
 
 
 def test_swapped_columns_make_energy_and_are_not_to_be_used():
-    truth = pressed(cycles=3)
+    truth = press_cycles(cycles=3)
     swapped = dp.CLDTest(1e-3 * truth.force, 1e3 * truth.displacement, truth.time, units="SI")
     one = cld(swapped)
     assert one.verdict.use == "do not use"
@@ -210,7 +215,7 @@ def test_a_curve_typed_from_a_sheet_begins_where_it_begins():
     one = cld(dp.CLDTest(x, 200.0 * x, units="SI"), at=6e-3)
     assert one.nominal.loading == pytest.approx(1.2)
     assert one.preload == 0
-    assert failed(one) == {"specimen_conditioned", "unloading_recorded", "length_given"}
+    assert list_failed_checks(one) == {"specimen_conditioned", "unloading_recorded", "length_given"}
     up = np.concatenate((x, x[-2::-1]))
     assert cld(dp.CLDTest(up, 200.0 * up, units="SI")).cycle.hysteresis == pytest.approx(
         0, abs=1e-9
@@ -220,7 +225,7 @@ def test_a_curve_typed_from_a_sheet_begins_where_it_begins():
 @pytest.mark.once
 def test_its_numbers_are_a_table_and_its_picture_is_there():
     pytest.importorskip("pandas")
-    one = evaluate_record(pressed(cycles=1), at=6e-3)
+    one = evaluate_record(press_cycles(cycles=1), at=6e-3)
     table = one.to_pandas()
     assert list(table.columns) == ["force", "time"]
     assert table.attrs["units"]["force"] == "N"
@@ -230,7 +235,7 @@ def test_its_numbers_are_a_table_and_its_picture_is_there():
 
 @pytest.mark.parametrize(("pull", "holds"), [(0.0, True), (0.015, True), (0.05, False)])
 def test_cld_distinguishes_adhesion_from_noise(pull, holds):
-    truth = pressed(softening=0.0)
+    truth = press_cycles(softening=0.0)
     back = (np.gradient(truth.compression) < 0) & (np.abs(truth.compression - 2e-4) < 4e-4)
     one = evaluate_record(replace(truth, force=truth.force - pull * back))
     assert {check.name: check.passed for check in one.checks}["no_adhesion_on_release"] is holds

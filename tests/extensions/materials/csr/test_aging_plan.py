@@ -7,7 +7,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from kit.fits import failed
+from kit.fits import list_failed_checks
 from kit.foreign.aging import Rubber, lot
 from kit.shell import ran, run_json
 
@@ -24,11 +24,11 @@ R = 8.314462618
 
 
 @cache
-def usual():
+def make_usual_plan():
     return plan_aging(use_at="70degC")
 
 
-def simulated(plan, seed, rubber=TRUE, drift=0.03):
+def simulate_plan(plan, seed, rubber=TRUE, drift=0.03):
     """Readings of the plan: ovens that are off, a drift of one cell, scatter, free F0."""
     random = np.random.default_rng([seed, 11346])
     zero, hours = drift * random.standard_normal(), np.array(plan.times) / HOUR
@@ -52,7 +52,7 @@ def lives(plan, seeds, machine=None, **how):
     """ln life of each simulated test, and the standard error that its fit states."""
     pairs = []
     for seed in seeds:
-        law = fit_aging([simulated(plan, seed, **how)], machine=machine).law
+        law = fit_aging([simulate_plan(plan, seed, **how)], machine=machine).law
         error = law.error_of(lambda it: np.log(it.life(plan.use_at, plan.part)))
         pairs.append((np.log(law.life(plan.use_at, plan.part) / HOUR), error))
     return np.array(pairs).T
@@ -60,10 +60,12 @@ def lives(plan, seeds, machine=None, **how):
 
 def test_the_expected_error_is_that_of_simulated_tests():
     """Of 40 the standard deviation is known to 11 %."""
-    found, stated = lives(usual(), range(40))
-    assert found.std() == pytest.approx(usual().life_sd, rel=0.33)
-    assert np.median(stated) == pytest.approx(usual().life_sd, rel=0.1)
-    assert np.mean(found) == pytest.approx(np.log(TRUE.life(70.0)), abs=4 * usual().life_sd / 6)
+    found, stated = lives(make_usual_plan(), range(40))
+    assert found.std() == pytest.approx(make_usual_plan().life_sd, rel=0.33)
+    assert np.median(stated) == pytest.approx(make_usual_plan().life_sd, rel=0.1)
+    assert np.mean(found) == pytest.approx(
+        np.log(TRUE.life(70.0)), abs=4 * make_usual_plan().life_sd / 6
+    )
 
 
 @pytest.mark.slow
@@ -109,7 +111,7 @@ def test_oven_errors_limit_the_life_when_readings_are_perfect():
     low = Rubber(hours=2500 * np.exp(-1e-4)).life(70.0)
     high = Rubber(hours=2500 * np.exp(1e-4)).life(70.0)
     assert by_tau == pytest.approx(np.log(high / low) / 2e-4, rel=1e-3)
-    assert "life_sd_within_target" in failed(plan)
+    assert "life_sd_within_target" in list_failed_checks(plan)
 
 
 def information(plan_kelvin, count, *, use_at=343.15, scatter=0.01, oven=1.0, drift=0.03):
@@ -156,7 +158,7 @@ def information(plan_kelvin, count, *, use_at=343.15, scatter=0.01, oven=1.0, dr
 
 
 def test_the_expected_error_is_that_of_the_whole_normal_equations():
-    plan = usual()
+    plan = make_usual_plan()
     assert plan.life_sd == pytest.approx(
         information(plan.oven_temperatures, plan.specimens), rel=2e-3
     )
@@ -164,7 +166,7 @@ def test_the_expected_error_is_that_of_the_whole_normal_equations():
 
 def test_no_other_allocation_of_as_many_specimens_is_better():
     """All allocations to the chosen ovens, by the normal equations apart from the plan."""
-    plan = usual()
+    plan = make_usual_plan()
     total = sum(plan.specimens)
     every = [
         (information(plan.oven_temperatures, (a, b, total - a - b)), (a, b, total - a - b))
@@ -181,21 +183,27 @@ def test_no_other_allocation_of_as_many_specimens_is_better():
 
 
 def test_plan_needs_fewer_specimens_for_a_wider_interval_or_longer_test():
-    assert sum(usual().specimens) > sum(plan_aging(use_at="70degC", within=2.0).specimens)
-    assert sum(usual().specimens) > sum(plan_aging(use_at="70degC", longest="2000h").specimens)
-    assert usual().life_sd <= usual().target_sd == pytest.approx(np.log(1.5) / 1.96)
+    assert sum(make_usual_plan().specimens) > sum(plan_aging(use_at="70degC", within=2.0).specimens)
+    assert sum(make_usual_plan().specimens) > sum(
+        plan_aging(use_at="70degC", longest="2000h").specimens
+    )
+    assert (
+        make_usual_plan().life_sd
+        <= make_usual_plan().target_sd
+        == pytest.approx(np.log(1.5) / 1.96)
+    )
     tight = plan_aging(use_at="70degC", within=1.1)
-    assert "life_sd_within_target" in failed(tight)
+    assert "life_sd_within_target" in list_failed_checks(tight)
     assert tight.verdict.use != "use"
-    by = {one.change: one.life_sd for one in usual().alternatives}
-    assert by["2000 h in the ovens"] < usual().life_sd < by["500 h in the ovens"]
-    assert by["twice as many specimens"] < usual().life_sd
-    assert all(oven.significance >= 4 for oven in usual().ovens)
+    by = {one.change: one.life_sd for one in make_usual_plan().alternatives}
+    assert by["2000 h in the ovens"] < make_usual_plan().life_sd < by["500 h in the ovens"]
+    assert by["twice as many specimens"] < make_usual_plan().life_sd
+    assert all(oven.significance >= 4 for oven in make_usual_plan().ovens)
 
 
 def test_a_near_use_is_planned_with_a_verdict_of_use():
     plan = plan_aging(use_at="95degC", hottest="150degC")
-    assert not failed(plan)
+    assert not list_failed_checks(plan)
     assert plan.verdict.use == "use"
     assert f"within a factor of {np.exp(1.96 * plan.life_sd):.3g}" in str(plan.verdict).replace(
         "\n ", ""
@@ -203,7 +211,7 @@ def test_a_near_use_is_planned_with_a_verdict_of_use():
 
 
 def test_the_law_and_scatter_of_a_fit_are_supposed():
-    aging = fit_aging([simulated(usual(), 1, Rubber(energy=80e3))])
+    aging = fit_aging([simulate_plan(make_usual_plan(), 1, Rubber(energy=80e3))])
     plan = plan_aging(use_at="80degC", aging=aging)
     assert plan.life == pytest.approx(aging.law.life(353.15, 0.5))
     assert plan.scatter == aging.scatter
@@ -226,7 +234,7 @@ def test_plan_refuses_numbers_that_make_no_sense(how, message):
 
 
 def test_a_law_without_activation_energy_plans_nothing():
-    aging = fit_aging([simulated(usual(), 1, Rubber(hours=1e8))])
+    aging = fit_aging([simulate_plan(make_usual_plan(), 1, Rubber(hours=1e8))])
     with pytest.raises(DataError, match="no activation energy"):
         plan_aging(use_at="70degC", aging=aging)
 
@@ -234,9 +242,9 @@ def test_a_law_without_activation_energy_plans_nothing():
 def test_the_command_prints_the_plan(tmp_path):
     found = run_json("plan", "--use-at", "70degC")
     assert found["schema"] == "dashpot/aging-plan@1"
-    assert found["life_sd"] == usual().life_sd
-    (tmp_path / "plan.json").write_text(dp.files.to_json(usual()))
-    assert dp.read(tmp_path / "plan.json") == usual()
+    assert found["life_sd"] == make_usual_plan().life_sd
+    (tmp_path / "plan.json").write_text(dp.files.to_json(make_usual_plan()))
+    assert dp.read(tmp_path / "plan.json") == make_usual_plan()
     text = ran("plan", "--use-at", "70degC").stdout
     for words in ("specimens", "F/F0 at the end", "a factor of 1.49; wanted 1.50", "2000 h in"):
         assert words in text

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from kit.fits import a_fit, failed
+from kit.fits import a_fit, list_failed_checks
 from kit.foreign.aging import HOURS, Rubber, lot
 
 import dashpot as dp
@@ -28,24 +28,24 @@ TRUE = Rubber()
 LAW = AgingLaw(0.03, float(np.log(2500 * HOUR)), 90e3, 1.0, 398.15, np.zeros((4, 4)), 2.0)
 
 
-def recorded(one):
+def make_test(one):
     return CSRTest(one.hours, one.force, one.celsius, one.specimen_number, units="h, N, degC")
 
 
-def fitted(rubber=TRUE, seed=0, oven=1.0, drift=0.0, **how):
+def fit_lot(rubber=TRUE, seed=0, oven=1.0, drift=0.0, **how):
     """By a cell that is said not to drift; None says nothing of it."""
     machine = Machine(oven=oven) if drift is None else Machine(oven=oven, drift=drift)
-    return fit_aging([recorded(lot(rubber, seed, **how))], machine=machine)
+    return fit_aging([make_test(lot(rubber, seed, **how))], machine=machine)
 
 
 @cache
-def usual():
-    return fitted()
+def fit_usual_lot():
+    return fit_lot()
 
 
 @cache
 def exact():
-    return fitted(off=0.0, noise=1e-9)
+    return fit_lot(off=0.0, noise=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_exact_readings_give_the_truth_back():
     assert found.law.physical == pytest.approx(0.03, rel=1e-5)
     assert found.law.activation == pytest.approx(90e3, rel=1e-5)
     assert found.law.life(343.15, 0.5) / HOUR == pytest.approx(101430.38, rel=1e-4)
-    assert not failed(found)
+    assert not list_failed_checks(found)
 
 
 def test_what_a_force_is_measured_in_changes_nothing():
@@ -81,7 +81,7 @@ def test_what_a_force_is_measured_in_changes_nothing():
         one.hours, 100 * one.force / first, one.celsius, one.specimen_number, units="h, N, degC"
     )
     still = Machine(drift=0.0)  # a drift in newtons is another of each ratio
-    given, ratio = (fit_aging([each], machine=still).law for each in (recorded(one), parts))
+    given, ratio = (fit_aging([each], machine=still).law for each in (make_test(one), parts))
     assert ratio.activation == pytest.approx(given.activation, rel=1e-6)
     assert ratio.covariance == pytest.approx(given.covariance, rel=1e-4, abs=1e-12)
 
@@ -93,16 +93,16 @@ def test_fit_of_several_csr_records_equals_one_record():
                          units="h, N, degC")
         for own in (one.celsius == oven for oven in (150.0, 100.0, 125.0))
     ]  # fmt: skip
-    law, together = dp.fit(*apart).law, dp.fit(recorded(one)).law
+    law, together = dp.fit(*apart).law, dp.fit(make_test(one)).law
     assert law.activation == pytest.approx(together.activation, rel=1e-6)
 
 
 def test_csr_fit_selects_a_stretched_exponential_by_bic():
-    found = fitted(Rubber(exponent=0.7), off=0.0)
+    found = fit_lot(Rubber(exponent=0.7), off=0.0)
     assert min(found.orders, key=lambda one: one[1])[0] == "stretched"
     exponent = found["exponent"]
     assert exponent.low < 0.7 < exponent.high
-    assert usual().law.exponent == 1.0
+    assert fit_usual_lot().law.exponent == 1.0
 
 
 def predicted_life(found):
@@ -111,12 +111,12 @@ def predicted_life(found):
     return life.low < HOUR * TRUE.life(70.0) < life.high
 
 
-def covered(seeds, rubber=TRUE, oven=1.0, **how):
+def count_covered(seeds, rubber=TRUE, oven=1.0, **how):
     """Hits of the intervals of life, Ea and F/F0 at 70 degC; ln life and its error of each."""
     hits, lives = [], []
     truth = np.log(rubber.life(70.0)), rubber.energy, rubber.left(1000.0, 70.0)
     for seed in seeds:
-        found = fitted(rubber, seed, oven, **how)
+        found = fit_lot(rubber, seed, oven, **how)
         law, energy = found.law, found["activation_energy"]
         life, left = predict_aging(found, temperature="70degC", until=["50%", "1000h"]).answers[::2]
         hits.append([
@@ -130,7 +130,7 @@ def covered(seeds, rubber=TRUE, oven=1.0, **how):
 
 
 def test_thirty_lots_are_covered():
-    hits, lives = covered(range(30))
+    hits, lives = count_covered(range(30))
     assert (hits >= 0.83).all()
     assert np.median(lives[:, 0]) == pytest.approx(np.log(101430), abs=0.12)
     assert np.median(lives[:, 1]) == pytest.approx(0.192, rel=0.1)
@@ -147,7 +147,7 @@ def test_thirty_lots_are_covered():
     ],
 )
 def test_two_hundred_lots_are_covered(how, sd):
-    hits, lives = covered(range(1000, 1200), **how)
+    hits, lives = count_covered(range(1000, 1200), **how)
     assert ((hits >= 0.90) & (hits <= 0.98)).all(), hits
     assert lives[:, 0].std() == pytest.approx(np.median(lives[:, 1]), rel=0.25)
     if sd is not None:
@@ -156,15 +156,15 @@ def test_two_hundred_lots_are_covered(how, sd):
 
 @pytest.mark.slow
 def test_ovens_that_are_off_unsaid_are_not_covered():
-    hits, _ = covered(range(100), oven=0.0)
+    hits, _ = count_covered(range(100), oven=0.0)
     assert (hits[:2] < 0.5).all()
 
 
 def lower_limits(seeds, **how):
     rubber, held = Rubber(hours=1e8), []
     for seed in seeds:
-        found = fitted(rubber, seed, **how)
-        assert "chemical_aging_resolved" in failed(found)
+        found = fit_lot(rubber, seed, **how)
+        assert "chemical_aging_resolved" in list_failed_checks(found)
         assert [one.name for one in found.found] == ["physical_loss", "chemical_time"]
         life, left = predict_aging(found, temperature="70degC", until=["50%", "1000h"]).answers
         assert np.isnan(life.value)
@@ -184,17 +184,17 @@ def test_two_hundred_lots_without_chemistry_give_a_limit_that_holds():
 
 
 def test_a_limit_ends_at_the_hottest_oven():
-    found = fitted(Rubber(hours=1e8))
+    found = fit_lot(Rubber(hours=1e8))
     assert predict_aging(found, temperature="151degC").answers
     with pytest.raises(DataError, match="no oven up to 150 degC showed aging"):
         predict_aging(found, temperature="153degC")
 
 
 def test_two_ovens_know_the_activation_energy_as_well_as_themselves():
-    one = [recorded(lot(TRUE, 3, ovens=(100.0, 150.0)))]
+    one = [make_test(lot(TRUE, 3, ovens=(100.0, 150.0)))]
     unsaid, said = fit_aging(one), fit_aging(one, machine=Machine(oven=1.0))
     assert not np.isfinite(unsaid["activation_energy"].error)
-    assert "ovens_enough" in failed(unsaid)
+    assert "ovens_enough" in list_failed_checks(unsaid)
     life = predict_aging(unsaid, temperature="70degC").answers[0]
     assert not life.has_interval
     assert life.value == pytest.approx(said.law.life(343.15, 0.5))
@@ -204,7 +204,7 @@ def test_two_ovens_know_the_activation_energy_as_well_as_themselves():
 
 
 def test_aging_of_one_oven_predicts_only_its_temperature():
-    found = fitted(ovens=(125.0,), off=0.0)
+    found = fit_lot(ovens=(125.0,), off=0.0)
     life = predict_aging(found, temperature="125degC").answers[0]
     assert life.low / HOUR < 1458.964 < life.high / HOUR
     with pytest.raises(DataError, match="one oven, at 125 degC, shows nothing of 70 degC"):
@@ -221,25 +221,27 @@ def test_predicted_life_includes_a_lower_activation_energy_when_cold():
 
 @pytest.mark.parametrize(("celsius", "marked"), [(70.01, False), (69.99, True)])
 def test_what_is_far_below_the_ovens_is_marked(celsius, marked):
-    found = predict_aging(usual(), temperature=celsius + 273.15, until="1000h")
-    assert ("temperature_near_ovens" in failed(found)) is marked
+    found = predict_aging(fit_usual_lot(), temperature=celsius + 273.15, until="1000h")
+    assert ("temperature_near_ovens" in list_failed_checks(found)) is marked
 
 
 @pytest.mark.parametrize(("end", "marked"), [("99999h", False), ("100001h", True)])
 def test_aging_check_marks_times_far_after_the_readings(end, marked):
-    found = predict_aging(usual(), temperature="100degC", until=end)
-    assert ("time_near_readings" in failed(found)) is marked
+    found = predict_aging(fit_usual_lot(), temperature="100degC", until=end)
+    assert ("time_near_readings" in list_failed_checks(found)) is marked
 
 
 def test_aging_check_marks_a_life_far_after_the_readings():
     found = exact()
-    assert "time_near_readings" in failed(predict_aging(found, temperature="70degC"))
-    assert "time_near_readings" not in failed(predict_aging(found, temperature="71degC"))
+    assert "time_near_readings" in list_failed_checks(predict_aging(found, temperature="70degC"))
+    assert "time_near_readings" not in list_failed_checks(
+        predict_aging(found, temperature="71degC")
+    )
 
 
 def test_a_force_that_rises_is_no_aging():
-    found = fitted(Rubber(loss=-0.03, hours=1e9))
-    assert "force_falls" in failed(found)
+    found = fit_lot(Rubber(loss=-0.03, hours=1e9))
+    assert "force_falls" in list_failed_checks(found)
     assert found.verdict.use == "do not use"
 
 
@@ -250,17 +252,17 @@ def test_an_oven_that_ages_otherwise_is_off_the_line():
     force = np.where(hot, one.force * slow.left(one.hours, 150) / TRUE.left(one.hours, 150),
                      one.force)  # fmt: skip
     found = CSRTest(one.hours, force, one.celsius, one.specimen_number, units="h, N, degC")
-    assert "one_activation_energy_explains_ovens" in failed(fit_aging([found]))
+    assert "one_activation_energy_explains_ovens" in list_failed_checks(fit_aging([found]))
 
 
 def test_aging_check_compares_cell_drift_with_the_coldest_oven():
-    one = [recorded(lot(TRUE))]
+    one = [make_test(lot(TRUE))]
     # 3 % of 34 N in 1000 h is 1 mN/h
-    assert "aging_exceeds_cell_drift" not in failed(fit_aging(one))
+    assert "aging_exceeds_cell_drift" not in list_failed_checks(fit_aging(one))
     bad = fit_aging(one, machine=Machine(drift="5mN/h"))
-    assert "aging_exceeds_cell_drift" in failed(bad)
+    assert "aging_exceeds_cell_drift" in list_failed_checks(bad)
     none = fit_aging(one, machine=Machine(drift=0.0))
-    assert "aging_exceeds_cell_drift" not in failed(none)
+    assert "aging_exceeds_cell_drift" not in list_failed_checks(none)
     (held,) = (one for one in none.checks if one.name == "load_cell_zero_stable")
     assert held.passed is None
 
@@ -270,7 +272,7 @@ def test_aging_fit_detects_and_covers_an_unstated_drift(drift):
     """3 % of F0 in 1000 h, added in every oven: a life was 2.4 times too long without."""
     shown = []
     for seed in (12, 14, 16):
-        found = fitted(seed=seed, drift=None, zero=drift)
+        found = fit_lot(seed=seed, drift=None, zero=drift)
         (held,) = (one for one in found.checks if one.name == "load_cell_zero_stable")
         shown.append(held.value)
         assert predicted_life(found), seed
@@ -280,7 +282,7 @@ def test_aging_fit_detects_and_covers_an_unstated_drift(drift):
 @pytest.mark.slow
 @pytest.mark.parametrize("drift", [-0.03, 0.0, 0.03])
 def test_two_hundred_lots_with_a_drift_are_covered(drift):
-    hits, lives = covered(range(1000, 1200), drift=None, zero=drift)
+    hits, lives = count_covered(range(1000, 1200), drift=None, zero=drift)
     assert ((hits >= 0.90) & (hits <= 0.99)).all(), hits
     assert lives[:, 0].std() == pytest.approx(np.median(lives[:, 1]), rel=0.25)
 
@@ -297,7 +299,7 @@ def test_life_limits_hold_with_a_drift(drift):
 )
 def test_fit_aging_refuses_statements_about_another_machine(machine, message):
     with pytest.raises(DataError, match=message):
-        fit_aging([recorded(lot(TRUE))], machine=Machine(**machine))
+        fit_aging([make_test(lot(TRUE))], machine=Machine(**machine))
 
 
 @pytest.mark.parametrize(
@@ -309,21 +311,21 @@ def test_fit_aging_refuses_statements_about_another_machine(machine, message):
 )  # fmt: skip
 def test_predict_aging_asks_for_a_valid_end(end, message):
     with pytest.raises(DataError, match=f"--end {end}: expected .*{message}"):
-        predict_aging(usual(), temperature="70degC", until=end)
+        predict_aging(fit_usual_lot(), temperature="70degC", until=end)
 
 
 @pytest.mark.parametrize(("kelvin", "fine"), [(30.0, True), (30.1, False)])
 def test_the_error_of_an_oven_is_of_an_oven(kelvin, fine):
     if fine:
-        assert fitted(oven=kelvin).oven_sd == kelvin
+        assert fit_lot(oven=kelvin).oven_sd == kelvin
         return
     with pytest.raises(DataError, match="Write it in K: --machine oven=1K"):
-        fitted(oven=kelvin)
+        fit_lot(oven=kelvin)
 
 
 def test_a_prediction_is_of_a_temperature():
     with pytest.raises(DataError, match="--temperature 70degC"):
-        dp.predict(usual())
+        dp.predict(fit_usual_lot())
 
 
 @pytest.mark.parametrize(
@@ -351,7 +353,7 @@ def test_readings_that_are_no_lot_are_refused(change, message):
 @pytest.mark.parametrize(("minutes", "fine"), [(10.0, True), (9.99, False)])
 def test_f0_is_not_read_before_ten_minutes(minutes, fine):
     hours = np.array([minutes / 60, *HOURS[1:]])
-    tests = [recorded(lot(TRUE, hours=hours))]
+    tests = [make_test(lot(TRUE, hours=hours))]
     if fine:
         assert fit_aging(tests).found
         return
@@ -367,7 +369,7 @@ def test_a_record_counts_from_zero(name):
 
 
 def test_a_fit_ages_as_the_force_does():
-    aging, new = usual(), a_fit(PAPER, elastic_law=ElasticLaw.linear(PAPER.k_inf, 8e-3))
+    aging, new = fit_usual_lot(), a_fit(PAPER, elastic_law=ElasticLaw.linear(PAPER.k_inf, 8e-3))
     old = aging.age_fit(new, temperature="70degC", time="1000h")
     left = predict_aging(aging, temperature="70degC", until="1000h").facts[0]
     assert left.value == pytest.approx(0.896367, abs=4 * left.error)
@@ -381,9 +383,9 @@ def test_a_fit_ages_as_the_force_does():
     joint = old.covariance[0, 1]
     assert joint == pytest.approx(left.error**2 * PAPER.k_inf * PAPER.k[0])
     assert "is left after 1000 h at 70 degC" in old.steps[-1].message
-    assert "stiffness_follows_force" not in failed(old)
+    assert "stiffness_follows_force" not in list_failed_checks(old)
     spent = aging.age_fit(new, temperature="125degC", time="1000h")
-    assert "stiffness_follows_force" in failed(spent)
+    assert "stiffness_follows_force" in list_failed_checks(spent)
     # aged modes: a mass on it, by the square root of the stiffness
     first, last = (
         dp.predict(one, mass="104g", band=(1, 50)).modes[0].frequency for one in (new, old)
@@ -392,7 +394,7 @@ def test_a_fit_ages_as_the_force_does():
 
 
 def test_a_fit_is_not_scaled_by_a_limit():
-    limit = fitted(Rubber(hours=1e8))
+    limit = fit_lot(Rubber(hours=1e8))
     assert limit.law.bound_alone
     with pytest.raises(DataError, match="scaled by a number that is known"):
         limit.age_fit(a_fit(PAPER), temperature="70degC", time="1000h")
@@ -408,8 +410,8 @@ def test_lower_limit_law_loses_more_and_shifts_each_constant():
 
 
 def test_the_last_reading_of_a_piece_is_no_neighbour_of_the_first_of_the_next():
-    found = usual()
-    read = readings_of([recorded(lot(TRUE, 0))])
+    found = fit_usual_lot()
+    read = readings_of([make_test(lot(TRUE, 0))])
     left = np.zeros(len(read.time))
     ends = np.flatnonzero(np.diff(read.specimen_number))
     left[ends] = left[ends + 1] = 1.0  # they miss the law together, and are of two specimens

@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from kit.fits import failed
+from kit.fits import list_failed_checks
 from kit.foreign.aging import HOURS, Rubber, lot
 from kit.shell import ran, run_json
 
@@ -25,19 +25,19 @@ from dashpot.plot.picture import Area, Dots, Line, Span, Tag
 TRUE = Rubber()
 
 
-def recorded(rubber=TRUE, seed=0, **how):
+def make_test(rubber=TRUE, seed=0, **how):
     one = lot(rubber, seed, **how)
     return CSRTest(one.hours, one.force, one.celsius, one.specimen_number, units="h, N, degC")
 
 
 @cache
 def exact():
-    return fit_aging([recorded(off=0.0, noise=1e-9)], machine=Machine(oven=1.0, drift=0.0))
+    return fit_aging([make_test(off=0.0, noise=1e-9)], machine=Machine(oven=1.0, drift=0.0))
 
 
 @cache
-def usual():
-    return fit_aging([recorded()], machine=Machine(oven=1.0, drift=0.0))
+def fit_usual_lot():
+    return fit_aging([make_test()], machine=Machine(oven=1.0, drift=0.0))
 
 
 def marks_of(picture, kind, label):
@@ -66,8 +66,8 @@ def test_the_line_of_a_lower_energy_bends_at_the_coldest_oven():
 
 
 def test_the_marked_life_and_its_interval_are_those_of_the_prediction():
-    chart = draw_life_chart(usual(), 0.5, 343.15)
-    fact = predict_aging(usual(), temperature="70degC").answers[0]
+    chart = draw_life_chart(fit_usual_lot(), 0.5, 343.15)
+    fact = predict_aging(fit_usual_lot(), temperature="70degC").answers[0]
     tag = next(one for one in chart.panels[0].marks if isinstance(one, Tag))
     assert (1000 / tag.x, 3600 * tag.y) == pytest.approx((343.15, fact.value))
     assert re.fullmatch(r"70 °C: [\d.]+ years \([\d.]+ to [\d.]+\)", tag.text)
@@ -92,7 +92,7 @@ def test_chart_hatches_temperatures_whose_prediction_is_marked():
 
 
 def test_the_table_goes_about_the_coldest_oven():
-    lives = list_lives(usual(), 0.5)
+    lives = list_lives(fit_usual_lot(), 0.5)
     assert [round(one.temperature - 273.15) for one in lives] == list(range(40, 120, 10))
     assert [one.lower_energy_life is None for one in lives] == [False] * 6 + [True] * 2
 
@@ -100,30 +100,30 @@ def test_the_table_goes_about_the_coldest_oven():
 @pytest.mark.parametrize(("hours", "fails"), [(HOURS, False), (HOURS[HOURS <= 168], True)])
 def test_a_force_that_never_fell_so_far_is_marked(hours, fails):
     """At 150 degC 65 % are left after 168 h, and 12 % after 1000 h."""
-    aging = fit_aging([recorded(hours=hours)], machine=Machine(oven=1.0, drift=0.0))
+    aging = fit_aging([make_test(hours=hours)], machine=Machine(oven=1.0, drift=0.0))
     found = predict_aging(aging, temperature="90degC")
-    assert ("end_point_reached" in failed(found)) is fails
-    assert "end_point_reached" not in failed(
+    assert ("end_point_reached" in list_failed_checks(found)) is fails
+    assert "end_point_reached" not in list_failed_checks(
         predict_aging(aging, temperature="90degC", until=["70%", "1000h"])
     )
 
 
 def test_a_temperature_of_use_gives_the_life_there():
-    record = recorded()
+    record = make_test()
     aged = dp.fit(record, use_at="85degC", machine=Machine(oven=1.0))
     again = dp.predict(dp.fit(record, machine=Machine(oven=1.0)), temperature="85degC")
     assert aged == again
     life = aged.facts[0]
     assert life.low / 3600 < TRUE.life(85.0) < life.high / 3600
     with pytest.raises(DataError, match="one oven, at 125 degC, shows nothing of 40 degC"):
-        fit_life([recorded(ovens=(125.0,))], use_at="40degC")
+        fit_life([make_test(ovens=(125.0,))], use_at="40degC")
 
 
 def test_a_time_or_one_oven_has_no_chart():
-    later = predict_aging(usual(), temperature="70degC", until="1000h")
+    later = predict_aging(fit_usual_lot(), temperature="70degC", until="1000h")
     assert draw_life(later).name == "aged"
     assert len(draw_life(later).panels) == 1
-    assert len(draw_life(predict_aging(usual(), temperature="70degC")).panels) == 2
+    assert len(draw_life(predict_aging(fit_usual_lot(), temperature="70degC")).panels) == 2
 
 
 @pytest.fixture(scope="module")
@@ -154,19 +154,19 @@ def test_the_page_of_the_law_shows_lives(folder):
 
 
 def test_ovens_exchanged_give_no_life_to_use():
-    one = recorded()
+    one = make_test()
     turned = CSRTest(
         one.time, one.force, one.temperature.max() + one.temperature.min() - one.temperature,
         one.specimen_number, units="SI",
     )  # fmt: skip
     life = fit_life([turned], use_at="85degC")
-    assert "activation_energy_plausible" in failed(life)
+    assert "activation_energy_plausible" in list_failed_checks(life)
     assert life.verdict.use != "use"
 
 
 def test_a_life_without_size_is_not_used():
-    life = fit_life([recorded()], machine=Machine(oven=30.0), use_at="85degC")
-    assert "aging_answer_known" in failed(life)
+    life = fit_life([make_test()], machine=Machine(oven=30.0), use_at="85degC")
+    assert "aging_answer_known" in list_failed_checks(life)
     assert life.verdict.use == "use with care"
 
 
@@ -187,7 +187,7 @@ def test_fit_refuses_a_wrong_temperature_of_use(folder, words, message):
 
 def test_a_limit_of_life_hangs_on_the_lower_energy_where_the_life_does():
     """Far below the ovens the interval reaches to the life by 65 kJ/mol, in an oven it does not."""
-    cold = predict_aging(usual(), temperature="23degC")
+    cold = predict_aging(fit_usual_lot(), temperature="23degC")
     life, lower = cold.answers
     (limit,) = dp.files.read_limits("life >= 10 years").judge(cold).limits
     assert limit.lower == 10 * 365.25 * 86400
@@ -198,7 +198,7 @@ def test_a_limit_of_life_hangs_on_the_lower_energy_where_the_life_does():
     assert limit.outcome == "open"
     assert "65 kJ/mol" in limit.explanation
     assert "oven at a lower temperature" in limit.explanation
-    warm = predict_aging(usual(), temperature="100degC")
+    warm = predict_aging(fit_usual_lot(), temperature="100degC")
     (limit,) = dp.files.read_limits("lifetime >= 1000h").judge(warm).limits
     assert (limit.value, limit.spread) == (warm.answers[0], "random")
 

@@ -16,7 +16,7 @@ from dashpot.reading.readers.detect_kind import recognise
 LOT = lot(Rubber(), noise=0.0)
 
 
-def written(folder, text, name="ovens.csv"):
+def write_text(folder, text, name="ovens.csv"):
     path = folder / name
     path.write_text(text, encoding="utf-8")
     return path
@@ -43,7 +43,7 @@ SHORT = {"hours": ["0.5", "24", "500"], "force": ["40", "38", "31"]}
 )
 def test_read_csr_recognises_clock_and_force_headings(tmp_path, head, of):
     text = "# temperature: 125 degC\n" + rows(head, SHORT["hours"], SHORT["force"])
-    path = written(tmp_path, text)
+    path = write_text(tmp_path, text)
     assert recognise(path).kind == "csr"
     found = read_csr(path)
     assert found.time == pytest.approx(of * np.array([0.5, 24, 500]))
@@ -67,11 +67,11 @@ def test_read_csr_recognises_clock_and_force_headings(tmp_path, head, of):
     ],
 )
 def test_recognise_rejects_tables_that_are_no_csr(tmp_path, text, kind):
-    assert recognise(written(tmp_path, text)).kind == kind
+    assert recognise(write_text(tmp_path, text)).kind == kind
 
 
 def test_a_file_comes_back_as_it_was_written(tmp_path):
-    found = read_csr(written(tmp_path, LOT.text()))
+    found = read_csr(write_text(tmp_path, LOT.text()))
     assert found.time == pytest.approx(3600 * LOT.hours)
     assert found.force == pytest.approx(LOT.force)
     assert found.specimen_number.tolist() == LOT.specimen_number.tolist()
@@ -83,7 +83,7 @@ def test_pieces_and_methods_are_words(tmp_path, mark):
     head = mark.join(["time [h]", "force [N]", "temperature [degC]", "piece", "method"])
     text = rows(head, SHORT["hours"] * 2, SHORT["force"] * 2, [125] * 6, names, ["A"] * 6,
                 mark=mark)  # fmt: skip
-    found = read_csr(written(tmp_path, text))
+    found = read_csr(write_text(tmp_path, text))
     assert found.specimen_number.tolist() == [1, 1, 1, 2, 2, 2]
     assert found.method == "A"
 
@@ -91,7 +91,7 @@ def test_pieces_and_methods_are_words(tmp_path, mark):
 def test_a_piece_begins_where_the_clock_does(tmp_path):
     text = rows("time [h],force [N],temperature [degC]", SHORT["hours"] * 2, SHORT["force"] * 2,
                 [125] * 6)  # fmt: skip
-    assert read_csr(written(tmp_path, text)).specimen_number.tolist() == [1, 1, 1, 2, 2, 2]
+    assert read_csr(write_text(tmp_path, text)).specimen_number.tolist() == [1, 1, 1, 2, 2, 2]
 
 
 def test_a_file_for_each_oven(tmp_path):
@@ -101,7 +101,7 @@ def test_a_file_for_each_oven(tmp_path):
         text = rows(
             "time [h],force [N],piece", LOT.hours[own], LOT.force[own], LOT.specimen_number[own]
         )
-        paths.append(written(tmp_path, text, f"{oven:.0f}.csv"))
+        paths.append(write_text(tmp_path, text, f"{oven:.0f}.csv"))
     with pytest.raises(ReadError, match="the file says no temperature of its oven"):
         csr_files(paths)
     with pytest.raises(ReadError, match="--temperature was given 2 times for 3 files"):
@@ -115,7 +115,7 @@ def test_a_file_for_each_oven(tmp_path):
 @pytest.mark.parametrize("kelvin", [398.15, 398.6])
 def test_read_csr_accepts_the_temperature_of_the_file_repeated(tmp_path, kelvin):
     text = rows("time [h],force [N],temperature [degC]", *SHORT.values(), [125] * 3)
-    found = read_csr(written(tmp_path, text), specimen=Specimen(temperature=kelvin))
+    found = read_csr(write_text(tmp_path, text), specimen=Specimen(temperature=kelvin))
     assert found.temperature == pytest.approx([398.15] * 3)
 
 
@@ -127,7 +127,7 @@ def test_read_csr_accepts_the_temperature_of_the_file_repeated(tmp_path, kelvin)
     ],
 )
 def test_another_temperature_than_that_of_the_file_is_refused(tmp_path, text):
-    path = written(tmp_path, text)
+    path = write_text(tmp_path, text)
     with pytest.raises(ReadError, match=r"125 degC.*--temperature.*Leave out --temperature"):
         read_csr(path, specimen=Specimen(temperature=398.66))
 
@@ -136,7 +136,7 @@ def test_another_temperature_than_that_of_the_file_is_refused(tmp_path, text):
 def test_read_csr_asks_about_fractions_labelled_per_cent(tmp_path, largest, fine):
     text = "# 125 degC\n" + rows("time [h],F/F0 [%],temperature [degC]", SHORT["hours"],
                                  [largest, "0.9", "0.7"], [125] * 3)  # fmt: skip
-    path = written(tmp_path, text)
+    path = write_text(tmp_path, text)
     if fine:
         assert read_csr(path).force[0] == 1.51
         return
@@ -169,14 +169,14 @@ def test_read_csr_asks_about_fractions_labelled_per_cent(tmp_path, largest, fine
 )  # fmt: skip
 def test_read_csr_states_a_fault_in_one_sentence(tmp_path, text, message):
     with pytest.raises(ReadError, match=message) as caught:
-        csr_files([written(tmp_path, text)])
+        csr_files([write_text(tmp_path, text)])
     assert "\n" not in str(caught.value)
 
 
 def test_methods_of_two_files_are_not_mixed(tmp_path):
     head = "time [h],force [N],temperature [degC]"
     paths = [
-        written(
+        write_text(
             tmp_path, f"# method {one}\n" + rows(head, *SHORT.values(), [125] * 3), f"{one}.csv"
         )
         for one in "AB"
@@ -187,7 +187,7 @@ def test_methods_of_two_files_are_not_mixed(tmp_path):
 
 
 def test_columns_are_named_where_they_say_nothing(tmp_path):
-    path = written(tmp_path, rows("a,b,c", *SHORT.values(), [125] * 3))
+    path = write_text(tmp_path, rows("a,b,c", *SHORT.values(), [125] * 3))
     named = ReadOptions(
         time="a", force="b", temperature="c", kind="csr",
         units={"time": "h", "force": "N", "temperature": "degC"},
@@ -199,4 +199,4 @@ def test_a_clock_that_stands_begins_another_piece(tmp_path):
     text = "# temperature: 125 degC\n" + rows(
         "time [h],force [N]", ["0.5", "24", "500", "500", "700", "900"], range(40, 34, -1)
     )
-    assert read_csr(written(tmp_path, text)).specimen_number.tolist() == [1, 1, 1, 2, 2, 2]
+    assert read_csr(write_text(tmp_path, text)).specimen_number.tolist() == [1, 1, 1, 2, 2, 2]

@@ -32,7 +32,7 @@ def impact_force(speed: float, g: np.ndarray, tau: np.ndarray) -> np.ndarray:
     return np.concatenate((np.zeros(400), K * (y[0] + y[2:].sum(axis=0)), np.zeros(6000)))
 
 
-def pressed(g: np.ndarray, tau: np.ndarray, random: np.random.Generator) -> dp.Fit:
+def fit_relaxation(g: np.ndarray, tau: np.ndarray, random: np.random.Generator) -> dp.Fit:
     """The fit of a relaxation test: 8 mm in 1 s, held for 40 s."""
     t = np.arange(0, 42, 1 / 250)
     since = np.clip(t - 1, 0, None)[:, None]
@@ -58,7 +58,7 @@ def test_impact_fit_with_one_arm_warns_for_a_broad_spectrum(
         dp.read(path, kind="slam"),
         mass=MASS,
         drop=[f"{one}m/s" for one in SPEEDS],
-        relaxation=[pressed(*truth, random)],
+        relaxation=[fit_relaxation(*truth, random)],
     )
     assert found.verdict.use == use
     assert ("spectrum_has_gaps" in {one.name for one in found.verdict.failed_checks}) == (

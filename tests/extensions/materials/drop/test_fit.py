@@ -70,7 +70,7 @@ def cubic(c: np.ndarray) -> ElasticLaw:
     return ElasticLaw(tuple(x.tolist()), tuple((slope / secant).tolist()), secant)
 
 
-def relaxed(random: np.random.Generator) -> Fit:
+def make_relaxation_fit(random: np.random.Generator) -> Fit:
     """A relaxation test that knows its arms to 1 %, and is off by as much."""
     k_inf = cubic(LAW).stiffness
     g = SLOW_G * (1 + 0.01 * random.standard_normal(2))
@@ -80,7 +80,7 @@ def relaxed(random: np.random.Generator) -> Fit:
     return replace(a_fit(model, covariance=covariance), elastic_law=cubic(LAW))
 
 
-def fitted(
+def fit_impacts(
     seed: int,
     speeds: tuple[float, ...],
     *,
@@ -100,7 +100,7 @@ def fitted(
     if known:
         off = LAW * (1 + known * random.standard_normal(3))
         law = ElasticLawPrior(cubic(off), np.diag(1 / (known * LAW)))
-    relaxation = relaxed(random)
+    relaxation = make_relaxation_fit(random)
     return fit_drop_tests(
         tests, mass=MASS, drop=stated_speeds, relaxation=relaxation, law=law, speed_sd=speed_sd
     )
@@ -110,7 +110,7 @@ THREE = (0.3, 0.6, 1.0)
 
 
 def test_three_speeds_and_the_slow_law_tell_the_loss_factor() -> None:
-    found = fitted(1, THREE, known=0.01)
+    found = fit_impacts(1, THREE, known=0.01)
     told = found["loss_factor"]
     truth = loss(found.frequency)
     assert told.error == pytest.approx(0.035 * truth, rel=0.2)
@@ -134,7 +134,7 @@ def test_three_speeds_and_the_slow_law_tell_the_loss_factor() -> None:
 
 
 def test_fit_of_one_impact_on_a_free_law_is_undetermined() -> None:
-    found = fitted(1, (0.6,))
+    found = fit_impacts(1, (0.6,))
     assert found.verdict.use == "do not use"
     assert "not determined" in found.verdict.message
     assert "impact_speeds_spread" in {one.name for one in found.checks if one.failed}
@@ -158,7 +158,7 @@ def test_an_acceleration_says_what_the_force_does() -> None:
 @pytest.mark.slow
 def test_relaxation_test_of_another_specimen_is_detected() -> None:
     random = np.random.default_rng(1)
-    wrong = relaxed(random)
+    wrong = make_relaxation_fit(random)
     k = tuple(1.6 * one for one in wrong.model.k)
     wrong = replace(wrong, solid=replace(wrong.model, k=k))
     tests = [
@@ -174,7 +174,7 @@ def test_relaxation_test_of_another_specimen_is_detected() -> None:
         mass=MASS,
         drop=THREE,
         relaxation=wrong,
-        law=ElasticLawPrior.from_fit(relaxed(random)),
+        law=ElasticLawPrior.from_fit(make_relaxation_fit(random)),
     )
     failed = {one.name for one in found.checks if one.failed}
     assert failed & {"arms_agree_with_relaxation_test", "loss_factors_agree", "impact_speeds_agree"}
@@ -262,7 +262,7 @@ def test_fit_drop_tests_covers_loss_factor_and_meets_cramer_rao_limit(
     row: tuple[tuple[float, ...], float, float],
 ) -> None:
     speeds, known, speed_sd = row
-    found = [fitted(seed, speeds, known=known, speed_sd=speed_sd) for seed in range(40)]
+    found = [fit_impacts(seed, speeds, known=known, speed_sd=speed_sd) for seed in range(40)]
     off = np.array([one["loss_factor"].value / loss(one.frequency) - 1 for one in found])
     sd = np.array([one["loss_factor"].error / loss(one.frequency) for one in found])
     covered = [
@@ -286,7 +286,7 @@ WEAK = {(0.6,): (0.0, 33.6), THREE: (0.01, 10.50), tuple(10 * THREE): (0.01, 5.2
 def test_a_weak_arm_takes_three_heights_and_repeats(speeds: tuple[float, ...]) -> None:
     """An arm of .05, whose loss factor is .0233: one impact of a free law says little of it."""
     known, least = WEAK[speeds]
-    found = [fitted(i, speeds, known=known, speed_sd=0.005, hidden=0.05) for i in range(5)]
+    found = [fit_impacts(i, speeds, known=known, speed_sd=0.005, hidden=0.05) for i in range(5)]
     sd = [one["loss_factor"].error / loss(one.frequency, 0.05) for one in found]
     # of repeats each speed is known apart, where the page has one error of each height
     low = 0.75 if len(speeds) <= 3 else 0.6

@@ -23,7 +23,7 @@ TAU, G = (59.0 / 117.5, 292.2 / 17.8), np.array([117.5, 17.8]) / 196.5
 DEPTH = 0.02
 
 
-def bent(c1: float, c2: float, c3: float) -> ElasticLaw:
+def make_cubic_law(c1: float, c2: float, c3: float) -> ElasticLaw:
     """The law c1 x + c2 x^2 + c3 x^3, N and m, on knots as close as its bend asks for."""
     x = np.linspace(0.0, DEPTH, 2001)
     slope = c1 + 2 * c2 * x + 3 * c3 * x**2
@@ -31,7 +31,7 @@ def bent(c1: float, c2: float, c3: float) -> ElasticLaw:
     return ElasticLaw(tuple(x.tolist()), tuple((slope / secant).tolist()), secant)
 
 
-LAWS = {"linear": ElasticLaw.linear(393.0, DEPTH), "stiff": bent(240.0, 1e4, 3e6)}
+LAWS = {"linear": ElasticLaw.linear(393.0, DEPTH), "stiff": make_cubic_law(240.0, 1e4, 3e6)}
 # DOP853 at rtol 1e-12, events by root finding; Verlet in steps of 1 us agrees to 2e-8
 TABLE = {
     ("linear", 0.3, 0.0): (

@@ -6,8 +6,8 @@ import json
 
 import numpy as np
 import pytest
-from kit.kinds import saved
-from kit.rubber import FOAM, RELAXATION, RUBBER, at_rate
+from kit.kinds import save_table
+from kit.rubber import FOAM, RELAXATION, RUBBER, simulate_loading_at_rate
 from kit.shell import did
 
 import dashpot as dp
@@ -58,7 +58,7 @@ def test_the_examples_end_to_end(tmp_path):
     ],
 )
 def test_fit_accepts_stretch_or_strain_nominal_or_true(tmp_path, head, columns):
-    file = saved(tmp_path / "a.csv", head, *columns(X, RUBBER.nominal("uniaxial", X)))
+    file = save_table(tmp_path / "a.csv", head, *columns(X, RUBBER.nominal("uniaxial", X)))
     found = law_of(file, "--model", "mooney-rivlin")
     np.testing.assert_allclose(found["constants"], RUBBER.constants, rtol=1e-4)
     assert inspect_file(file).kind == "stress-strain"
@@ -71,19 +71,21 @@ def test_fit_of_a_compressed_foam_is_independent_of_signs(tmp_path):
         ("compression", 1 - x, -P), ("compression", x - 1, P), ("uniaxial", x - 1, P),
         ("uniaxial", x - 1, -P),
     ):  # fmt: skip
-        file = saved(tmp_path / "a.csv", "strain [%],stress [MPa]", 100 * strain, stress / 1e6)
+        file = save_table(tmp_path / "a.csv", "strain [%],stress [MPa]", 100 * strain, stress / 1e6)
         found = law_of(file, "--test", mode, "--poisson", 0)
         np.testing.assert_allclose(found["constants"], FOAM.constants, rtol=1e-5)
-    file = saved(tmp_path / "a.csv", "strain [%],stress [MPa]", 100 * (1 - x), P / 1e6)
+    file = save_table(tmp_path / "a.csv", "strain [%],stress [MPa]", 100 * (1 - x), P / 1e6)
     told = did("fit", file, "--test", "uniaxial", "--poisson", 0, code=2)
     assert "--test compression" in told.output
 
 
 def test_pressure_over_volume(tmp_path):
-    a = saved(tmp_path / "a.csv", "stretch,stress [MPa]", X, RUBBER.nominal("uniaxial", X) / 1e6)
+    a = save_table(
+        tmp_path / "a.csv", "stretch,stress [MPa]", X, RUBBER.nominal("uniaxial", X) / 1e6
+    )
     J = np.linspace(1, 0.95, 30)
     for head, column in (("volume ratio", J), ("volumetric strain [%]", 100 * (1 - J))):
-        file = saved(tmp_path / "v.csv", f"{head},pressure [MPa]", column, 2000 * (1 - J))
+        file = save_table(tmp_path / "v.csv", f"{head},pressure [MPa]", column, 2000 * (1 - J))
         found = law_of(a, file, "--test", "uniaxial", "--test", "volumetric")
         assert found["bulk"] == pytest.approx(2e9, rel=1e-4)
 
@@ -97,9 +99,9 @@ def test_relaxation_test_unites_rates(tmp_path):
     )  # fmt: skip
     files = []
     for rate in (0.01, 1.0):
-        test = at_rate(RUBBER, "equibiaxial", rate, rows=400)
+        test = simulate_loading_at_rate(RUBBER, "equibiaxial", rate, rows=400)
         head, file = "time [s],stretch,nominal stress [MPa]", tmp_path / f"{rate}.csv"
-        files.append(saved(file, head, test.time, test.stretch, test.stress / 1e6))
+        files.append(save_table(file, head, test.time, test.stretch, test.stress / 1e6))
     found = law_of(
         *files, "--test", "biaxial", "--relaxation", relaxation, "--model", "mooney-rivlin"
     )
@@ -129,7 +131,7 @@ def test_relaxation_test_unites_rates(tmp_path):
 def test_fit_reports_unreadable_stress_strain_files(tmp_path, head, scale, message):
     columns = [X * scale[0], np.linspace(0.001, 1, 50) * scale[1]]
     columns = [np.arange(50.0), *columns] if "time" in head else columns
-    file = saved(tmp_path / "a.csv", head, *columns)
+    file = save_table(tmp_path / "a.csv", head, *columns)
     told = " ".join(did("fit", file, "--kind", "stress-strain", code=2).output.split())
     assert message in told
 

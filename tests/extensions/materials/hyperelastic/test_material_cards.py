@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from kit.rubber import RELAXATION, loaded
+from kit.rubber import RELAXATION, simulate_loading
 
 from dashpot.base.errors import ExportError
 from dashpot.export import deck_for
@@ -31,11 +31,11 @@ K = 2e9
 
 
 @cache
-def fitted(name):
+def fit_law(name):
     law = LAWS[name]
     foam = law.kind == "hyperfoam"
     span = (0.5, 1) if foam else (1, 3)
-    tests = [loaded(law, mode, span) for mode in SHEARING]
+    tests = [simulate_loading(law, mode, span) for mode in SHEARING]
     words = {"law": law.kind, "temperature": 296.15}
     return fit_hyperelastic(tests, **words, terms=len(law.exponents) or "auto")
 
@@ -44,7 +44,7 @@ def card(target, name, fit=None, **words):
     bulk = {} if name == "hyperfoam" else {"bulk_modulus": K}
     density = {"density": 1200.0} if target == "lsdyna" else {}
     return deck_for(
-        target, fit or fitted(name), units="mm-t-s", **bulk, **density, **words
+        target, fit or fit_law(name), units="mm-t-s", **bulk, **density, **words
     )  # fmt: skip
 
 
@@ -59,7 +59,7 @@ def terms(values, count):
     return tuple(values[0 : 2 * count : 2]), tuple(values[1 : 2 * count : 2])
 
 
-def in_ansys(deck):
+def read_ansys_table(deck):
     rows = re.findall(r"TB,HYPER.*\n((?:TBDATA.*\n)+)", deck)[0]
     return [float(w) for row in rows.splitlines() for w in row.split(",")[2:]]
 
@@ -79,7 +79,7 @@ def read_back(target, name, deck):
         v = fields[0][3] / (1 + 2 * fields[0][3]) if law.kind == "hyperfoam" else 0.5
         return Hyperelastic(law.kind, mu, alpha, v), None
     if target == "ansys":
-        values = in_ansys(deck)
+        values = read_ansys_table(deck)
         if law.kind == "neo-hooke":
             values[0] /= 2
         if not count:
@@ -102,7 +102,7 @@ def read_back(target, name, deck):
 @pytest.mark.parametrize("target", ["abaqus", "calculix", "ansys", "lsdyna"])
 def test_a_card_says_the_law(target, name):
     found, volume = read_back(target, name, card(target, name))
-    x, law = np.linspace(0.5, 2, 20), fitted(name).law
+    x, law = np.linspace(0.5, 2, 20), fit_law(name).law
     for mode in SHEARING:
         np.testing.assert_allclose(1e6 * found.nominal(mode, x), law.nominal(mode, x), rtol=2e-5,
                                    atol=20)  # fmt: skip
@@ -113,7 +113,7 @@ def test_a_card_says_the_law(target, name):
 def test_card_holds_relaxation_of_the_law():
     from dataclasses import replace
 
-    fit = replace(fitted("mooney-rivlin"), relaxation=RELAXATION)
+    fit = replace(fit_law("mooney-rivlin"), relaxation=RELAXATION)
     k_0 = RELAXATION.k_0
     abaqus = card("abaqus", "mooney-rivlin", fit)
     assert "MOONEY-RIVLIN, MODULI=LONG TERM" in abaqus
@@ -124,7 +124,7 @@ def test_card_holds_relaxation_of_the_law():
     ansys = card("ansys", "mooney-rivlin", fit)
     # the constants of an Ansys law are those at once, its d too
     np.testing.assert_allclose(
-        in_ansys(ansys), [0.15 * k_0, 0.05 * k_0, 2 / (2000 * k_0)], rtol=1e-6
+        read_ansys_table(ansys), [0.15 * k_0, 0.05 * k_0, 2 / (2000 * k_0)], rtol=1e-6
     )
     assert "TB,PRONY,1,1,2,SHEAR" in ansys
     dyna = [row for row in card("lsdyna", "mooney-rivlin", fit).splitlines() if row[:1] == " "]
@@ -132,14 +132,14 @@ def test_card_holds_relaxation_of_the_law():
     np.testing.assert_allclose(G, 0.4 * np.array(RELAXATION.k), rtol=1e-5)
     np.testing.assert_allclose(beta, 1 / np.array(RELAXATION.tau), rtol=1e-5)
     assert "no relaxation for these" in card("calculix", "mooney-rivlin", fit)
-    foam = replace(fitted("hyperfoam"), relaxation=RELAXATION)
+    foam = replace(fit_law("hyperfoam"), relaxation=RELAXATION)
     prony = np.array(numbers(card("abaqus", "hyperfoam", foam), "TIME=PRONY")).reshape(-1, 3)
     np.testing.assert_array_equal(prony[:, 0], prony[:, 1])
 
 
 def test_a_foam_without_swelling_is_no_division_by_zero():
     open_cell = fit_hyperelastic(
-        [loaded(Hyperelastic("hyperfoam", (0.2e6,), (8.0,), 0.0), "uniaxial", (0.5, 1))],
+        [simulate_loading(Hyperelastic("hyperfoam", (0.2e6,), (8.0,), 0.0), "uniaxial", (0.5, 1))],
         poisson=0.0, temperature=296.15,
     )  # fmt: skip
     deck = card("lsdyna", "hyperfoam", open_cell)
@@ -160,7 +160,7 @@ def test_a_foam_without_swelling_is_no_division_by_zero():
 def test_export_asks_for_missing_options_of_a_material_card(words, message):
     from dataclasses import replace
 
-    fit = fitted("mooney-rivlin")
+    fit = fit_law("mooney-rivlin")
     fit = replace(fit, temperature=None) if words.pop("cold", False) else fit
     with pytest.raises(ExportError, match=message):
         deck_for("abaqus", fit, **{"units": "SI", **words})
@@ -170,10 +170,10 @@ def test_others_are_refused():
     for target, message in (("nastran", "abaqus, calculix, ansys"), ("lsdyna", "--density")):
         with pytest.raises(ExportError, match=message):
             hyperelastic_card(
-                target, fitted("yeoh"), units="SI", bulk_modulus=K
+                target, fit_law("yeoh"), units="SI", bulk_modulus=K
             )  # fmt: skip
     with pytest.raises(ExportError, match="Poisson's ratio says"):
-        hyperelastic_card("abaqus", fitted("hyperfoam"), units="SI", bulk_modulus=K)
+        hyperelastic_card("abaqus", fit_law("hyperfoam"), units="SI", bulk_modulus=K)
 
 
 # -- CalculiX -------------------------------------------------------------------------------------

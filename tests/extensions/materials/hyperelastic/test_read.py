@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kit.foreign.files import press_and_hold, written
+from kit.foreign.files import format_table, press_and_hold
 from kit.kinds import csv
 
 import dashpot as dp
@@ -18,14 +18,14 @@ PULL = np.linspace(0, 50, 40)
 CLOCK = np.arange(40) / 4
 
 
-def pulled(folder: Path, head: str, clock: np.ndarray) -> Path:
+def write_tension(folder: Path, head: str, clock: np.ndarray) -> Path:
     path = folder / "pull.csv"
     path.write_text(csv(f"{head},strain [%],stress [MPa]", clock, PULL, np.sqrt(PULL)))
     return path
 
 
 def test_read_stress_strain_keeps_a_valid_clock(tmp_path: Path) -> None:
-    found = read_stress_strain(pulled(tmp_path, "time [s]", CLOCK), "uniaxial")
+    found = read_stress_strain(write_tension(tmp_path, "time [s]", CLOCK), "uniaxial")
     np.testing.assert_allclose(found.time, CLOCK)
 
 
@@ -37,7 +37,7 @@ def test_read_stress_strain_keeps_a_valid_clock(tmp_path: Path) -> None:
 def test_read_stress_strain_omits_an_invalid_clock_with_a_note(
     tmp_path: Path, head: str, clock: np.ndarray, message: str
 ) -> None:
-    found = read_stress_strain(pulled(tmp_path, head, clock), "uniaxial")
+    found = read_stress_strain(write_tension(tmp_path, head, clock), "uniaxial")
     assert found.time is None
     assert len(found.stress) == len(PULL)
     (note,) = [one for one in found.source.notes if "the clock is left out" in one]
@@ -51,7 +51,9 @@ def test_read_cld_asks_for_the_unit_of_the_clock(tmp_path: Path) -> None:
         read_cld(path)
 
 
-def bulged(folder: Path, across: str, ratio: float = 0.15, sign: float = 1.0, along: float = 1.0):
+def write_foam_compression(
+    folder: Path, across: str, ratio: float = 0.15, sign: float = 1.0, along: float = 1.0
+):
     """Pressed by 40 %, a foam of one Poisson's ratio, with its strain sideways."""
     stretch = np.linspace(1.0, 0.6, 40)
     strain, sideways = 100 * (stretch - 1), 100 * (stretch**-ratio - 1)
@@ -66,14 +68,14 @@ def bulged(folder: Path, across: str, ratio: float = 0.15, sign: float = 1.0, al
     "across", ["lateral strain [%]", "transverse strain [%]", "Querdehnung [%]", "Strain Width [%]"]
 )
 def test_a_strain_sideways_shows_poissons_ratio(tmp_path: Path, across: str) -> None:
-    found = read_stress_strain(bulged(tmp_path, across), "uniaxial")
+    found = read_stress_strain(write_foam_compression(tmp_path, across), "uniaxial")
     assert found.stretch.min() == pytest.approx(0.6)
     assert found.poisson == pytest.approx(0.15, abs=1e-9)
     assert any("shows Poisson's ratio 0.15" in one for one in found.source.notes)
 
 
 def test_sizes_of_a_piece_that_was_pressed_show_it_too(tmp_path: Path) -> None:
-    path = bulged(tmp_path, "lateral strain [%]", along=-1.0)
+    path = write_foam_compression(tmp_path, "lateral strain [%]", along=-1.0)
     assert read_stress_strain(path, "uniaxial", pressed=True).poisson == pytest.approx(0.15)
 
 
@@ -82,7 +84,9 @@ def test_read_stress_strain_asks_about_an_impossible_lateral_strain(
     tmp_path: Path, ratio: float, sign: float
 ) -> None:
     with pytest.raises(ReadError, match=r"expected 0 to 0\.6\. Check its unit and its sign"):
-        read_stress_strain(bulged(tmp_path, "lateral strain [%]", ratio, sign), "uniaxial")
+        read_stress_strain(
+            write_foam_compression(tmp_path, "lateral strain [%]", ratio, sign), "uniaxial"
+        )
 
 
 @pytest.mark.parametrize(
@@ -99,7 +103,7 @@ def test_a_relaxation_in_strain_and_stress_is_refused_with_the_line_that_fits_it
     ]
     head = ";".join(["Time [s]", *names])
     columns = [time, moved / 80 * strain, force / 10 * stress]
-    (tmp_path / "a.csv").write_text(written(head, columns), "utf-8")
+    (tmp_path / "a.csv").write_text(format_table(head, columns), "utf-8")
     with pytest.raises(ReadError, match=r"relaxation test in strain and stress") as error:
         read_stress_strain(tmp_path / "a.csv", "uniaxial")
     assert lengths in str(error.value)
@@ -119,5 +123,5 @@ def test_a_strain_that_goes_on_is_no_relaxation(tmp_path: Path) -> None:
     strain = np.linspace(0, 50, 200)
     columns = [strain / 5, strain, 0.01 * strain]
     head = "Time [s];Strain [%];Stress [MPa]"
-    (tmp_path / "a.csv").write_text(written(head, columns), "utf-8")
+    (tmp_path / "a.csv").write_text(format_table(head, columns), "utf-8")
     assert len(dp.read(tmp_path / "a.csv", test="uniaxial").stress) == 200

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 from kit import contacts
-from kit.fits import failed
+from kit.fits import list_failed_checks
 from kit.slopes import hold_slopes
 
 from dashpot.base.errors import DataError
@@ -38,12 +38,12 @@ E = -ball()[2][-1]
 
 
 def hit(*, of="acceleration", noise=0.005, seed=1, rate=1e5, spoilt=None, ball_of=BALL, **how):
-    t, y = contacts.recorded(ball(), MASS, rate, of=of, **how)
+    t, y = contacts.record_sensor(ball(), MASS, rate, of=of, **how)
     y = contacts.noisy(y, noise, seed=seed)
     return IndentationTest(t, y if spoilt is None else spoilt(t, y), of, ball_of, units="SI")
 
 
-def fitted(law=HKV, **how):
+def fit_hit(law=HKV, **how):
     return fit_indentation(hit(**how), law=law)
 
 
@@ -58,7 +58,7 @@ def holds(found, **truth):
 class TestTruths:
     @pytest.mark.parametrize("of", ["acceleration", "velocity", "displacement", "force"])
     def test_whatever_was_recorded(self, of):
-        found = fitted(of=of, noise=0.002)
+        found = fit_hit(of=of, noise=0.002)
         holds(found, k=K, modulus=MODULUS, restitution=E, impact_velocity=1.0)
         assert found["modulus"].value == pytest.approx(MODULUS, rel=0.02)
 
@@ -71,14 +71,14 @@ class TestTruths:
 
     def test_a_linear_contact(self):
         rows = contacts.march(contacts.kelvin_voigt(1e4, 2.0), 0.01, 1.0)
-        t, y = contacts.recorded(rows, 0.01, 1e5)
+        t, y = contacts.record_sensor(rows, 0.01, 1e5)
         test = IndentationTest(t, contacts.noisy(y), "acceleration", Indenter(0.01), units="SI")
         found = fit_indentation(test, law="kelvin-voigt")
         holds(found, k=1e4, c=2.0, restitution=0.7440794, depth=0.8626004e-3)
 
     def test_a_relaxing_contact(self):
         T, X, F, e = contacts.ting(K, 0.6885, 1e-3, MASS, 1.0, end=2.2e-3)
-        t, y = contacts.recorded((T, X, np.gradient(X, T), F), MASS, 2e5)
+        t, y = contacts.record_sensor((T, X, np.gradient(X, T), F), MASS, 2e5)
         test = IndentationTest(t, contacts.noisy(y, 0.001), "acceleration", BALL, units="SI")
         found = fit_indentation(test, law="hertz-maxwell")
         holds(found, restitution=e, g=0.6885, tau=1e-3, glassy_modulus=1.6885 * MODULUS)
@@ -86,13 +86,13 @@ class TestTruths:
 
     def test_a_fall_is_pulled_on(self):
         rows = contacts.march(contacts.kuwabara(K, A), MASS, 1.0, pull=9.80665)
-        t, y = contacts.recorded(rows, MASS, 1e5)
+        t, y = contacts.record_sensor(rows, MASS, 1e5)
         falls = Indenter("5g", "5mm", drop_height=1 / (2 * 9.80665))
         test = IndentationTest(t, contacts.noisy(y), "acceleration", falls, units="SI")
         holds(fit_indentation(test, law=HKV), k=K, restitution=-rows[2][-1], impact_velocity=1.0)
         unsaid = fit_indentation(replace(test, indenter=Indenter("5g", "5mm")), law=HKV)
         assert unsaid["k"].value < 0.995 * K
-        assert "gravity_stated" in failed(unsaid)
+        assert "gravity_stated" in list_failed_checks(unsaid)
 
     @pytest.mark.slow
     @pytest.mark.parametrize(("of", "least"), [("acceleration", 52), ("velocity", 52)])
@@ -100,7 +100,7 @@ class TestTruths:
         count = {"k": 0, "viscous_time": 0, "restitution": 0, "impact_velocity": 0}
         truth = {"k": K, "viscous_time": A, "restitution": E, "impact_velocity": 1.0}
         for seed in range(60):
-            found = fitted(of=of, noise=0.01, seed=seed, rate=6e4, phase=seed / 60)
+            found = fit_hit(of=of, noise=0.01, seed=seed, rate=6e4, phase=seed / 60)
             for name, value in truth.items():
                 count[name] += found[name].low <= value <= found[name].high
         assert min(count.values()) >= least, count
@@ -122,12 +122,12 @@ class TestSpoilt:
         ],
     )
     def test_by_the_sensor_or_the_surface(self, check, spoilt):
-        found = fitted(spoilt=spoilt)
-        assert check in failed(found)
+        found = fit_hit(spoilt=spoilt)
+        assert check in list_failed_checks(found)
         assert found.verdict.use != "use"
 
     def test_fit_indentation_excludes_a_clipped_peak(self):
-        found = fitted(spoilt=lambda t, y: np.maximum(y, 0.8 * y.min()))
+        found = fit_hit(spoilt=lambda t, y: np.maximum(y, 0.8 * y.min()))
         holds(found, k=K, restitution=E)
 
     def test_yielding_is_not_to_be_used(self):
@@ -138,12 +138,12 @@ class TestSpoilt:
                 return K * max(x, 0) ** 1.5
             return K * top[0] ** 1.5 * max((x - rest) / (top[0] - rest), 0) ** 1.5
 
-        t, y = contacts.recorded(contacts.march(yields, MASS, 1.0), MASS, 1e5)
+        t, y = contacts.record_sensor(contacts.march(yields, MASS, 1.0), MASS, 1e5)
         test = IndentationTest(t, contacts.noisy(y), "acceleration", BALL, units="SI")
         assert fit_indentation(test, law=HKV).verdict.use == "do not use"
 
     def test_g_read_as_m_per_s2(self):
-        found = fitted(spoilt=lambda t, y: y / 9.80665)
+        found = fit_hit(spoilt=lambda t, y: y / 9.80665)
         told = next(check for check in found.checks if check.name == "velocity_agrees")
         assert told.failed
         assert "g and m/s^2" in told.message
@@ -156,7 +156,7 @@ class TestSpoilt:
             late = replace(whole, time=whole.time[kept], signal=whole.signal[kept])
             found = fit_indentation(late, law=HKV)
             assert found.verdict.use == use
-            assert "flights_recorded" in failed(found)
+            assert "flights_recorded" in list_failed_checks(found)
 
     def test_fit_indentation_excludes_a_bounce(self):
         t = np.arange(0, 0.06, 1e-5)
@@ -169,23 +169,23 @@ class TestSpoilt:
         assert found.touch == pytest.approx(3e-3, abs=2e-5)
         assert "1 later contacts" in str([check.message for check in found.checks])
         again = replace(first, signal=first.signal[::-1])
-        assert "first_contact" in failed(fit_indentation(again, law=HKV))
+        assert "first_contact" in list_failed_checks(fit_indentation(again, law=HKV))
 
     def test_hum_widens_the_intervals(self):
         def hum(t, y):
             return y + 0.05 * np.abs(y).max() * np.sin(2 * np.pi * 50 * t + 1)
 
-        found, quiet = fitted(spoilt=hum), fitted()
+        found, quiet = fit_hit(spoilt=hum), fit_hit()
         assert found["k"].high - found["k"].low > 3 * (quiet["k"].high - quiet["k"].low)
         assert found["k"].low < K < found["k"].high
 
     def test_fit_indentation_reports_a_mass_that_contradicts_the_force(self):
         test = hit(ball_of=replace(BALL, mass=1.15 * MASS))
-        _, force = contacts.recorded(ball(), MASS, 1e5, of="force")
+        _, force = contacts.record_sensor(ball(), MASS, 1e5, of="force")
         found = fit_indentation(replace(test, force=force), law=HKV)
-        assert "force_agrees" in failed(found)
+        assert "force_agrees" in list_failed_checks(found)
         right = replace(hit(), force=force)
-        assert "force_agrees" not in failed(fit_indentation(right, law=HKV))
+        assert "force_agrees" not in list_failed_checks(fit_indentation(right, law=HKV))
 
 
 class TestRefusals:
@@ -229,7 +229,7 @@ def relaxing(seed, noise=0.003):
     draw = np.random.default_rng(seed)
     g, tau = 10 ** draw.uniform(-1, 0.3), 10 ** draw.uniform(-0.7, 0.7) * 1e-3
     T, X, F, e = contacts.ting(K, g, tau, MASS, 1.0, end=3.5e-3, steps=2000)
-    t, y = contacts.recorded((T, X, np.gradient(X, T), F), MASS, 1e5)
+    t, y = contacts.record_sensor((T, X, np.gradient(X, T), F), MASS, 1e5)
     test = IndentationTest(t, contacts.noisy(y, noise, seed=seed), "acceleration", BALL, units="SI")
     return test, {"k": K, "g": g, "tau": tau, "restitution": e}
 
@@ -293,7 +293,7 @@ def test_slopes_are_those_of_the_model(of, pull, law):
 
 def slight(A, seed):
     rows = contacts.march(contacts.kuwabara(K, A), MASS, 1.0)
-    t, y = contacts.recorded(rows, MASS, 1e5)
+    t, y = contacts.record_sensor(rows, MASS, 1e5)
     noisy = contacts.noisy(y, seed=seed)
     return fit_indentation(IndentationTest(t, noisy, "acceleration", BALL, units="SI"), law=HKV)
 
@@ -322,10 +322,10 @@ def test_bounds_of_a_slight_loss_hold(A):
 def test_radius_error_affects_only_the_modulus(blunt):
     """A tip that is 4 % blunter than its radius says makes the modulus 2 % too large."""
     said = replace(BALL, radius=RADIUS / (1 + blunt))
-    found = fitted(ball_of=said)
+    found = fit_hit(ball_of=said)
     modulus = found["modulus"]
     assert modulus.value == pytest.approx(MODULUS * (1 + blunt) ** 0.5, rel=0.01)
     assert modulus.low < MODULUS < modulus.high
-    exact = fitted(ball_of=replace(said, radius_error=0.0))
+    exact = fit_hit(ball_of=replace(said, radius_error=0.0))
     assert (found["k"].low, found["k"].high) == (exact["k"].low, exact["k"].high)
     assert exact["modulus"].high - exact["modulus"].low < 0.3 * (modulus.high - modulus.low)

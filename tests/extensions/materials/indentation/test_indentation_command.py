@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 from kit import contacts, shell
-from kit.kinds import saved
+from kit.kinds import save_table
 
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.workflow.example_files import EXAMPLES
@@ -24,7 +24,9 @@ ran = partial(shell.did, "fit")
 @pytest.fixture(scope="module")
 def hit():
     rows = contacts.march(contacts.kuwabara(4 / 3 * 4e6 * 5e-3**0.5, 1e-4), 5e-3, 1.0)
-    return {of: contacts.recorded(rows, 5e-3, 1e5, of=of) for of in ("acceleration", "velocity")}
+    return {
+        of: contacts.record_sensor(rows, 5e-3, 1e5, of=of) for of in ("acceleration", "velocity")
+    }
 
 
 def test_the_example_end_to_end(tmp_path):
@@ -53,7 +55,7 @@ def test_the_example_end_to_end(tmp_path):
 )
 def test_headers_and_units_of_other_labs(tmp_path, hit, of, header, scale):
     t, y = hit[of]
-    path = saved(tmp_path / "a.csv", header, 1e3 * t, scale * y)
+    path = save_table(tmp_path / "a.csv", header, 1e3 * t, scale * y)
     found = json.loads(ran(path, *BALL, "--impact-velocity", "1m/s", "--json").stdout)
     assert found["of"] == of
     assert found["modulus"] == pytest.approx(4e6, rel=2e-3)
@@ -61,19 +63,19 @@ def test_headers_and_units_of_other_labs(tmp_path, hit, of, header, scale):
 
 def test_fit_asks_for_missing_or_wrong_indentation_input(tmp_path, hit):
     t, y = hit["acceleration"]
-    path = saved(tmp_path / "a.csv", "time [s],acceleration [m/s^2]", t, y)
+    path = save_table(tmp_path / "a.csv", "time [s],acceleration [m/s^2]", t, y)
     assert "--mass 5g" in ran(path, "--kind", "indentation", code=2).stderr
-    unitless = saved(tmp_path / "b.csv", "time [s],acceleration", t, y)
+    unitless = save_table(tmp_path / "b.csv", "time [s],acceleration", t, y)
     assert "has no unit" in ran(unitless, *BALL, code=2).stderr
-    slow = saved(tmp_path / "c.csv", "time [s],acceleration [m/s^2]", 1e3 * t, y)
+    slow = save_table(tmp_path / "c.csv", "time [s],acceleration [m/s^2]", 1e3 * t, y)
     assert "(--units time=ms)" in ran(slow, *BALL, code=2).stderr
-    hot = saved(tmp_path / "d.csv", "time [s],acceleration [g]", t, 1e3 * y)
+    hot = save_table(tmp_path / "d.csv", "time [s],acceleration [g]", t, 1e3 * y)
     assert "The unit may be m/s^2." in ran(hot, *BALL, code=2).stderr
-    two = saved(tmp_path / "e.csv", "time [s],acc 1 [g],acc 2 [g]", t, y, 2 * y)
+    two = save_table(tmp_path / "e.csv", "time [s],acc 1 [g],acc 2 [g]", t, y, 2 * y)
     assert "--column acceleration=" in ran(two, *BALL, code=2).stderr
-    fast = saved(tmp_path / "f.csv", "time [s],velocity [m/s]", t, 1e3 * hit["velocity"][1])
+    fast = save_table(tmp_path / "f.csv", "time [s],velocity [m/s]", t, 1e3 * hit["velocity"][1])
     assert "The unit may be mm/s." in ran(fast, *BALL, code=2).stderr
-    none = saved(tmp_path / "g.csv", "time [s],noise [V]", t, y)
+    none = save_table(tmp_path / "g.csv", "time [s],noise [V]", t, y)
     assert "--column acceleration=NAME" in ran(none, *BALL, code=2).stderr
-    still = saved(tmp_path / "h.csv", "time [s],acceleration [m/s^2]", t, np.sin(1e9 * t))
+    still = save_table(tmp_path / "h.csv", "time [s],acceleration [m/s^2]", t, np.sin(1e9 * t))
     assert "h.csv: no contact stands out" in ran(still, *BALL, code=2).stderr

@@ -227,7 +227,7 @@ def test_refusals():
 # -- glue ------------------------------------------------------------------------------------------
 
 
-def glued(hz, give, ratio=5.0, modulus=E):
+def compute_glued_rod(hz, give, ratio=5.0, modulus=E):
     r"""T of a rod on a spring of glue that gives so many times what the rod gives.
 
     With :math:`B = (\sin z + r z \cos z) / (\cos z - r z \sin z)` the rod's base meets
@@ -242,7 +242,7 @@ def glued(hz, give, ratio=5.0, modulus=E):
 @pytest.mark.parametrize("give", [0.0, 0.06, 0.12])
 def test_intervals_hold_a_rod_on_glue_and_say_so(give):
     hz = np.arange(20.0, 300.0, 1.0)
-    one = compute_modulus(glued(hz, give), hz)
+    one = compute_modulus(compute_glued_rod(hz, give), hz)
     usable = one.usable
     assert np.count_nonzero(usable) > 50
     off = np.abs(one.storage - 1e6)[usable] / one.storage_sd[usable]
@@ -250,5 +250,5 @@ def test_intervals_hold_a_rod_on_glue_and_say_so(give):
     assert max(off.max(), loss.max()) < 1.96
     if give == 0.12:
         # moulded to its plates, as its user says, it is known better, and this one is not
-        sure = compute_modulus(glued(hz, give), hz, errors=RodErrors(glue=0.0))
+        sure = compute_modulus(compute_glued_rod(hz, give), hz, errors=RodErrors(glue=0.0))
         assert (np.abs(sure.storage - 1e6) / sure.storage_sd)[usable].max() > 1.96

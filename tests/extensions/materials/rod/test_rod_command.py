@@ -43,7 +43,7 @@ def shaken(hz=HZ, *, mass=31.4e-3, density=1000.0, elements=80):
     return load / pivot
 
 
-def written(path, value, hz=HZ, *, phase=None):
+def write_transfer(path, value, hz=HZ, *, phase=None):
     degrees = np.degrees(np.angle(value)) if phase is None else phase
     rows = np.column_stack([hz, np.abs(value), degrees, np.full(len(hz), 0.9999)])
     head = "frequency [Hz],transmissibility magnitude [g/g],phase [deg],coherence"
@@ -58,7 +58,7 @@ def read_result(path, *words):
     return json.loads(ran(path, *(words or WORDS), "--json").stdout)
 
 
-def failed(found):
+def list_failed_checks(found):
     return {one["name"] for one in found["checks"] if one["passed"] is False}
 
 
@@ -73,7 +73,7 @@ def off(found):
 
 
 def test_fit_of_a_rod_file_writes_a_part(tmp_path):
-    path = written(tmp_path / "a.csv", shaken())
+    path = write_transfer(tmp_path / "a.csv", shaken())
     solid, picture = str(tmp_path / "fit.json"), tmp_path / "rod.svg"
     found = json.loads(ran(path, *WORDS, "--json", "-o", solid, "--plot", str(picture)).stdout)
     assert found["schema"] == "dashpot/rod@2"
@@ -133,8 +133,8 @@ def test_complex_columns_and_two_accelerometers_tell_the_same(tmp_path):
     ids=["sign", "polarity", "swapped", "relative", "gain", "delay", "rocking"],
 )
 def test_what_is_spoilt_is_named(tmp_path, spoil, names):
-    found = read_result(written(tmp_path / "a.csv", spoil(shaken())))
-    assert names <= failed(found)
+    found = read_result(write_transfer(tmp_path / "a.csv", spoil(shaken())))
+    assert names <= list_failed_checks(found)
     assert found["verdict"]["verdict_grade"] != "use"
 
 
@@ -142,26 +142,28 @@ def test_fit_reports_a_folded_phase_and_accepts_an_unwrapped_one(tmp_path):
     hz = np.arange(20.0, 2500.0, 4.0)
     value = shaken(hz)
     turned = np.degrees(np.unwrap(np.angle(value)))
-    assert max(off(read_result(written(tmp_path / "a.csv", value, hz, phase=turned)))) < EXACT
-    folded = read_result(
-        written(tmp_path / "b.csv", value, hz, phase=np.abs(np.degrees(np.angle(value))))
+    assert (
+        max(off(read_result(write_transfer(tmp_path / "a.csv", value, hz, phase=turned)))) < EXACT
     )
-    assert {"frf_dissipates", "loss_positive"} <= failed(folded)
+    folded = read_result(
+        write_transfer(tmp_path / "b.csv", value, hz, phase=np.abs(np.degrees(np.angle(value))))
+    )
+    assert {"frf_dissipates", "loss_positive"} <= list_failed_checks(folded)
 
 
 def test_masses_far_off_are_named(tmp_path):
-    path = written(tmp_path / "a.csv", shaken())
+    path = write_transfer(tmp_path / "a.csv", shaken())
     for mass, density in (("3.14g", "1000"), ("31.4g", "10000")):
         words = (*WORDS[:2], "--density", density, "--mass", mass)
         assert read_result(path, *words)["verdict"]["verdict_grade"] == "do not use"
         stiff_glue = read_result(path, *words, "--glue-error", "0%")
-        assert {"waves_plane", "one_solid_explains_lines"} & failed(stiff_glue)
+        assert {"waves_plane", "one_solid_explains_lines"} & list_failed_checks(stiff_glue)
 
 
 def test_what_no_line_shows_is_a_scale(tmp_path):
     """A mass 10 % off is a modulus some 9.9 % off: nothing in one resonance knows the mass."""
     value = shaken(mass=31.4e-3 / 1.1)
-    found = read_result(written(tmp_path / "a.csv", value))
+    found = read_result(write_transfer(tmp_path / "a.csv", value))
     at = found["frequency"].index(HZ[np.abs(value).argmax()])
     there = found["storage"][at] / rubber(found["frequency"][at]).real - 1
     assert there == pytest.approx(0.099, abs=0.01)
@@ -186,7 +188,7 @@ def test_the_example(tmp_path):
     ],
 )
 def test_fit_asks_for_missing_or_wrong_rod_input(tmp_path, words, message):
-    path = written(tmp_path / "a.csv", shaken())
+    path = write_transfer(tmp_path / "a.csv", shaken())
     assert message in " ".join(ran(path, *words, code=2).stderr.split())
 
 
