@@ -18,10 +18,11 @@ OURS = {"dashpot", "pip", "setuptools", "wheel"}
 
 def list_versions() -> dict[str, str]:
     """Return the version of every package, by its name as PyPI normalises it."""
-    found = {
-        re.sub(r"[-_.]+", "-", one.metadata["Name"]).lower(): one.version for one in distributions()
+    versions = {
+        re.sub(r"[-_.]+", "-", distribution.metadata["Name"]).lower(): distribution.version
+        for distribution in distributions()
     }
-    return {name: found[name] for name in sorted(found.keys() - OURS)}
+    return {name: versions[name] for name in sorted(versions.keys() - OURS)}
 
 
 def main() -> None:

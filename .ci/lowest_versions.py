@@ -6,6 +6,6 @@ from pathlib import Path
 project = tomllib.loads(Path("pyproject.toml").read_text("utf-8"))["project"]
 extras = project["optional-dependencies"]
 for dependency in project["dependencies"] + [
-    one for extra in ("io", "frames", "app", "batch", "cluster") for one in extras[extra]
+    item for extra in ("io", "frames", "app", "batch", "cluster") for item in extras[extra]
 ]:
     print(dependency.replace(">=", "=="))

@@ -45,13 +45,13 @@ def tests(files: Iterable[Path]) -> Iterator[Row]:
         n = {key: int(whole.get(key, 0)) for key in ("tests", "failures", "errors", "skipped")}
         bad = n["failures"] + n["errors"]
         passed = n["tests"] - bad - n["skipped"]
-        said = f"{passed:,} passed, {n['skipped']} skipped, {bad} failed"
-        yield Row(f"tests: {file.stem}", said, f"{n['tests']:,}", "0 failed")
+        text = f"{passed:,} passed, {n['skipped']} skipped, {bad} failed"
+        yield Row(f"tests: {file.stem}", text, f"{n['tests']:,}", "0 failed")
         for case in whole.iter("testcase"):
             died = case.find("failure") is not None
-            for one in case.iter("property"):
-                counted[one.get("name", "")] += int(one.get("value", 0))
-                counted[f"{one.get('name')} lost"] += died
+            for item in case.iter("property"):
+                counted[item.get("name", "")] += int(item.get("value", 0))
+                counted[f"{item.get('name')} lost"] += died
     for name, says in (
         ("mutants", "mutants of files and documents"),
         ("kills", "kills of a batch"),
@@ -67,17 +67,19 @@ def verdicts(file: Path) -> Iterator[Row]:
     from verdicts import Row as Counts
 
     kinds: dict[str, list[dict]] = {}
-    for line in (one for one in lines_of(file) if "settled" not in one):  # curves: docs/bounds.md
+    for line in (
+        line for line in lines_of(file) if "settled" not in line
+    ):  # curves: docs/bounds.md
         kind = "relaxation" if line["rig"] else line["group"].partition(",")[0]
         kinds.setdefault(kind, []).append(line)
     for kind, lines in kinds.items():
-        found = Counts.of(kind, lines)
-        said = (
-            f'{found.missed} of {found.used} with "use" are wrong, '
-            f'{found.used_held} of {found.held} sound ones have "use"'
+        result = Counts.of(kind, lines)
+        text = (
+            f'{result.missed} of {result.used} with "use" are wrong, '
+            f'{result.used_held} of {result.held} sound ones have "use"'
         )
         goal = f"<= {100 * MISSED:g} %, >= {100 * USED:g} %"
-        yield Row(f"verdicts: {kind}", said, f"{len(lines)}", goal)
+        yield Row(f"verdicts: {kind}", text, f"{len(lines)}", goal)
 
 
 COVERED = {
@@ -95,28 +97,28 @@ def coverage(file: Path) -> Iterator[Row]:
     for block in re.split(r"(?m)^(?=\S+: held of)", file.read_text("utf-8")):
         head = re.match(r"(\S+): held of (\d+)", block)
         if head:
-            each = re.findall(r"^  (\S.*?) +(\d+)$", block, re.M)
-            said = ", ".join(f"{name} {count}" for name, count in each)
-            yield Row(f"coverage: {COVERED.get(head[1], head[1])}", said, head[2], "95 %")
+            matches = re.findall(r"^  (\S.*?) +(\d+)$", block, re.M)
+            text = ", ".join(f"{name} {count}" for name, count in matches)
+            yield Row(f"coverage: {COVERED.get(head[1], head[1])}", text, head[2], "95 %")
 
 
 def speed(file: Path) -> Iterator[Row]:
     """CPU time of each door on anybody's records."""
     text = file.read_text("utf-8")
     for door, goal in DOORS.items():
-        found = re.search(rf"^{re.escape(door)} +(\d+) +\S+ +(\S+) +(\S+) +(\S+)", text, re.M)
-        if found:
-            n, middle, late, most = found.groups()
-            said = f"p95 {late} ms (median {middle}, most {most})"
-            yield Row(f"speed: {door}", said, n, goal)
+        match = re.search(rf"^{re.escape(door)} +(\d+) +\S+ +(\S+) +(\S+) +(\S+)", text, re.M)
+        if match:
+            n, middle, late, most = match.groups()
+            message = f"p95 {late} ms (median {middle}, most {most})"
+            yield Row(f"speed: {door}", message, n, goal)
 
 
 def readme(file: Path) -> Iterator[Row]:
     """CPU time of the main job, as README's first line runs it in an empty environment."""
-    found = re.search(r"the main job: .* (\d+) ms of CPU time", file.read_text("utf-8"))
-    if found:
-        said = f"{found[1]} ms of CPU time"
-        yield Row("README: the main job after its installation", said, "1", "<= 3000 ms")
+    match = re.search(r"the main job: .* (\d+) ms of CPU time", file.read_text("utf-8"))
+    if match:
+        text = f"{match[1]} ms of CPU time"
+        yield Row("README: the main job after its installation", text, "1", "<= 3000 ms")
 
 
 TOLD: dict[str, Callable[[Path], Iterator[Row]]] = {
@@ -132,9 +134,9 @@ def rows(night: Path) -> Iterator[Row]:
             yield from tell(night / name)
 
 
-def table(found: Iterable[Row]) -> str:
+def table(result: Iterable[Row]) -> str:
     """The rows as Markdown."""
-    lines = [Row("what", "figure", "of", "goal"), Row("---", "---", "--:", "---"), *found]
+    lines = [Row("what", "figure", "of", "goal"), Row("---", "---", "--:", "---"), *result]
     return "".join("| " + " | ".join(line) + " |\n" for line in lines)
 
 
@@ -143,11 +145,11 @@ def main() -> None:
     day = f"{dt.datetime.now(dt.UTC):%Y-%m-%d}"
     night, *words = sys.argv[1:]
     head = " ".join([f"Night of {day}.", *words])
-    told = f"{head}\n\n{table(rows(Path(night)))}"
+    text = f"{head}\n\n{table(rows(Path(night)))}"
     before, _, rest = PAGE.read_text("utf-8").partition(MARKS[0])
     after = rest.partition(MARKS[1])[2]
-    PAGE.write_text(f"{before}{MARKS[0]}\n{told}\n{MARKS[1]}{after}", "utf-8")
-    sys.stdout.write(told)
+    PAGE.write_text(f"{before}{MARKS[0]}\n{text}\n{MARKS[1]}{after}", "utf-8")
+    sys.stdout.write(text)
 
 
 if __name__ == "__main__":

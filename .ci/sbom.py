@@ -25,8 +25,8 @@ def key(name: str, version: str) -> tuple[str, str]:
 def add_hashes(sbom: dict[str, Any], report: dict[str, Any]) -> dict[str, Any]:
     """Return the SBOM with hashes."""
     files = {
-        key(one["metadata"]["name"], one["metadata"]["version"]): one["download_info"]
-        for one in report["install"]
+        key(entry["metadata"]["name"], entry["metadata"]["version"]): entry["download_info"]
+        for entry in report["install"]
     }
     parts = [sbom["metadata"]["component"], *sbom["components"]]
     for part in parts:

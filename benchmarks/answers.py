@@ -52,14 +52,14 @@ def lines() -> list[str]:
 
 def select_lines(pattern: str) -> list[str]:
     """The lines that match, and those above that write what they read."""
-    found: list[str] = []
+    result: list[str] = []
     read: set[str] = set()
     for line in reversed(lines()):
         words = shlex.split(line)
         if re.search(pattern, line) or read & {b for a, b in pairwise(words) if a in WRITING}:
-            found.insert(0, line)
+            result.insert(0, line)
             read |= set(words)
-    return found
+    return result
 
 
 def tables() -> Iterator[tuple[str, str, tuple[Any, ...]]]:
@@ -93,8 +93,8 @@ def tables() -> Iterator[tuple[str, str, tuple[Any, ...]]]:
     k = 400e3 * (1 + 0.15j) * math.pi * 1e-4 / 20e-3
     omega = 2 * math.pi * np.fft.rfftfreq(len(base), 5e-4)
     mass = np.fft.irfft(np.fft.rfft(base) * k / (k - 33e-3 * omega**2), len(base))
-    felt = np.stack((base, mass)) + 0.01 * draw((2, len(base)))
-    yield "shaken.csv", "time [s],base [m/s^2],mass [m/s^2]", (5e-4 * np.arange(len(base)), *felt)
+    sensed = np.stack((base, mass)) + 0.01 * draw((2, len(base)))
+    yield "shaken.csv", "time [s],base [m/s^2],mass [m/s^2]", (5e-4 * np.arange(len(base)), *sensed)
 
 
 def run(place: Path | None, pattern: str) -> None:
@@ -109,33 +109,38 @@ def run(place: Path | None, pattern: str) -> None:
         text = HASH.sub("HASH", text.replace(dashpot.__version__, "VERSION"))
         return json.loads(text) if text.startswith("{") else text
 
-    kept: dict[str, Any] = {}
-    with tempfile.TemporaryDirectory() as room, contextlib.chdir(room):
+    retained: dict[str, Any] = {}
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
         CliRunner().invoke(main, ["demo", "--files", "--all", "-o", "."])
         for name, head, columns in tables():
             rows = (",".join(f"{v:.8g}" for v in row) for row in zip(*columns, strict=True))
             Path(name).write_text("\n".join([head, *rows, ""]), encoding="utf-8")
         Path("limits.toml").write_text('[k_end]\nlower = "150N/m"\nupper = "260N/m"\n', "utf-8")
-        given = {file.name: read(file.read_text("utf-8")) for file in sorted(Path().iterdir())}
-        digest = {name: hashlib.sha256(str(t).encode()).hexdigest() for name, t in given.items()}
+        records = {file.name: read(file.read_text("utf-8")) for file in sorted(Path().iterdir())}
+        digest = {name: hashlib.sha256(str(t).encode()).hexdigest() for name, t in records.items()}
         CliRunner().invoke(main, ["fit", "seal_8mm.csv", "-o", "fit.json"])  # the door's seal
         for line in select_lines(pattern):
             before = {file: file.stat().st_mtime_ns for file in Path().iterdir()}
             start = time.process_time()
-            told = CliRunner().invoke(main, shlex.split(line)[1:])
+            result = CliRunner().invoke(main, shlex.split(line)[1:])
             cpu = time.process_time() - start
-            print(f"{cpu:6.2f} s  {told.exit_code}  {line}", file=sys.stderr)
-            found = read(told.stdout)
+            print(f"{cpu:6.2f} s  {result.exit_code}  {line}", file=sys.stderr)
+            record = read(result.stdout)
             wrote = {
                 file.name: text
                 for file in sorted(Path().iterdir())
                 if file.suffix not in {"", ".html"} and file.stat().st_mtime_ns != before.get(file)
-                if (text := read(file.read_text("utf-8"))) != found
+                if (text := read(file.read_text("utf-8"))) != record
             }
-            kept[line] = {"exit": told.exit_code, "cpu": cpu, "document": found, "files": wrote}
-    kept = {line: told for line, told in kept.items() if re.search(pattern, line)}
+            retained[line] = {
+                "exit": result.exit_code,
+                "cpu": cpu,
+                "document": record,
+                "files": wrote,
+            }
+    retained = {line: message for line, message in retained.items() if re.search(pattern, line)}
     if place:
-        place.write_text(json.dumps({"inputs": digest, "answers": kept}), encoding="utf-8")
+        place.write_text(json.dumps({"inputs": digest, "answers": retained}), encoding="utf-8")
 
 
 def differences(
@@ -156,17 +161,21 @@ def differences(
     elif number(a) and number(b):
         if not math.isclose(a, b, rel_tol=0.0, abs_tol=ROUNDING):
             size, most, unit = measure(a, path, nest) or (_find_largest(a, nest[-1]), relative, "")
-            moved = abs(a - b) / size if size else math.inf
-            yield moved / most, moved, f"{where}: {a:.8g} -> {b:.8g} ({moved:.2g} {unit})"
+            magnitude = abs(a - b) / size if size else math.inf
+            yield (
+                magnitude / most,
+                magnitude,
+                f"{where}: {a:.8g} -> {b:.8g} ({magnitude:.2g} {unit})",
+            )
     elif isinstance(a, str) and isinstance(b, str) and "\n" in a and a != b:
         yield from differences(a.splitlines(), b.splitlines(), relative, path, nest)
     elif isinstance(a, str) and isinstance(b, str) and _words(a) == _words(b):
-        for one, other in zip(NUMBER.findall(a), NUMBER.findall(b), strict=True):
-            mantissa, _, power = one.lower().partition("e")
+        for match, other in zip(NUMBER.findall(a), NUMBER.findall(b), strict=True):
+            mantissa, _, power = match.lower().partition("e")
             last = 1.01 * 10.0 ** (int(power or 0) - len(mantissa.partition(".")[2]))
-            moved = abs(float(one) - float(other))
-            if moved > max(relative * abs(float(one)), last, ROUNDING):
-                yield math.inf, 0.0, f"{where}: {one} -> {other} in its text"
+            magnitude = abs(float(match) - float(other))
+            if magnitude > max(relative * abs(float(match)), last, ROUNDING):
+                yield math.inf, 0.0, f"{where}: {match} -> {other} in its text"
     elif a != b:
         yield math.inf, 0.0, f"{where}: {a!s:.60} -> {b!s:.60}"
 
@@ -198,13 +207,13 @@ def measure(value: float, path: Place, nest: Place) -> tuple[float, float, str] 
         if not isinstance(node := nest[depth], dict):
             continue
         key, tail = str(path[depth]), path[depth + 1 :]
-        told = [(node.get(table), path[depth:]) for table in TABLES]
-        told += [(node.get(table), tail) for table in TABLES if tail or key == "value"]
+        message = [(node.get(table), path[depth:]) for table in TABLES]
+        message += [(node.get(table), tail) for table in TABLES if tail or key == "value"]
         bare = {key, key.removesuffix("_real").removesuffix("_imag")}
-        told += [(error, tail) for name, error in node.items() if _find_quantity(name) in bare]
+        message += [(error, tail) for name, error in node.items() if _find_quantity(name) in bare]
         if {"low", "high"} <= set(node) and key in {"value", "low", "high"}:
-            told.append(([node["low"], node["high"]], ()))
-        for table, inside in told:
+            message.append(([node["low"], node["high"]], ()))
+        for table, inside in message:
             if error := _error(table, inside):
                 return error, MOST, "SE"
     return None
@@ -213,8 +222,8 @@ def measure(value: float, path: Place, nest: Place) -> tuple[float, float, str] 
 def _find_quantity(name: str) -> str | None:
     """Of `storage_se` and `storage_interval`, `storage`; of `frequency_se_hz`, `frequency_hz`."""
     words = name.split("_")
-    left = [word for word in words if word not in {"se", "sd", "interval"}]
-    return "_".join(left) if len(left) < len(words) else None
+    base_words = [word for word in words if word not in {"se", "sd", "interval"}]
+    return "_".join(base_words) if len(base_words) < len(words) else None
 
 
 def _error(table: Any, tail: Place) -> float | None:
@@ -242,7 +251,7 @@ def compare(before: Path, after: Path, pattern: str, relative: float, worst: int
     a, b = (read(place.read_text("utf-8")) for place in (before, after))
     same = a["inputs"] == b["inputs"]
     if not same:
-        names = [name for name, told in a["inputs"].items() if b["inputs"].get(name) != told]
+        names = [name for name, message in a["inputs"].items() if b["inputs"].get(name) != message]
         print(f"the files given to the commands differ: {', '.join(names)}")
     spent = [0.0, 0.0]
     either = {line for line in {**a["answers"], **b["answers"]} if re.search(pattern, line)}
@@ -250,17 +259,19 @@ def compare(before: Path, after: Path, pattern: str, relative: float, worst: int
         print(f"no command of both files matches {pattern!r}")
         return False
     for line in (line for line in lines() if line in either):
-        both = [told["answers"].get(line, {"cpu": 0.0}) for told in (a, b)]
-        spent = [sum(pair) for pair in zip(spent, (told.pop("cpu") for told in both), strict=True)]
-        found = sorted(differences(*both, relative), key=lambda one: -one[0])
-        beyond = [one for one in found if one[0] > 1]
-        same = same and not beyond
-        word = "DIFFERS" if beyond else "within" if found else "identical"
+        both = [entry["answers"].get(line, {"cpu": 0.0}) for entry in (a, b)]
+        spent = [
+            sum(pair) for pair in zip(spent, (message.pop("cpu") for message in both), strict=True)
+        ]
+        result = sorted(differences(*both, relative), key=lambda item: -item[0])
+        excess = [item for item in result if item[0] > 1]
+        same = same and not excess
+        word = "DIFFERS" if excess else "within" if result else "identical"
         print(f"{word:10} {line}")
-        for _, _, message in (beyond or found[:1])[:worst]:
+        for _, _, message in (excess or result[:1])[:worst]:
             print(f"           {message}")
-        if len(beyond) > worst:
-            print(f"           and {len(beyond) - worst} more")
+        if len(excess) > worst:
+            print(f"           and {len(excess) - worst} more")
     print(f"CPU {spent[0]:.1f} s before, {spent[1]:.1f} s after")
     return same
 
@@ -272,11 +283,11 @@ def main() -> int:
     parser.add_argument("--only", default="", help="lines that match this regular expression")
     parser.add_argument("--relative", type=float, default=1e-3)
     parser.add_argument("--worst", type=int, default=6, help="differences shown of each line")
-    given = parser.parse_args()
-    if given.what == "run":
-        run(*given.files or [None], given.only)
+    options = parser.parse_args()
+    if options.what == "run":
+        run(*options.files or [None], options.only)
         return 0
-    return int(not compare(*given.files, given.only, given.relative, given.worst))
+    return int(not compare(*options.files, options.only, options.relative, options.worst))
 
 
 if __name__ == "__main__":

@@ -51,11 +51,11 @@ def spent_by(run: Callable[[], T]) -> tuple[T, float]:
     spent = []
     for _ in range(3):
         start = time.process_time()
-        found = run()
+        process = run()
         spent.append(1e3 * (time.process_time() - start))
         if spent[-1] > DEAR:
             break
-    return found, min(spent)
+    return process, min(spent)
 
 
 def fit_plain_optimum(record: dp.RampHold, solid: dp.GeneralizedMaxwell, seed: int) -> None:
@@ -66,28 +66,30 @@ def fit_plain_optimum(record: dp.RampHold, solid: dp.GeneralizedMaxwell, seed: i
 
     def residual(p: np.ndarray) -> np.ndarray:
         k, tau = p[1 : arms + 1], p[arms + 1 :]
-        found = p[0] - force / depth
-        for one, own in zip(k, tau, strict=True):
-            found = found - one * np.expm1(-ramp / own) * own / ramp * np.exp(-since / own)
-        return found
+        result = p[0] - force / depth
+        for value, individual in zip(k, tau, strict=True):
+            result = result - value * np.expm1(-ramp / individual) * individual / ramp * np.exp(
+                -since / individual
+            )
+        return result
 
     start = truth * 2 ** np.random.default_rng(seed).uniform(-1, 1, len(truth))
     least_squares(residual, start, bounds=(0, np.inf), x_scale=start)
 
 
-def hold_truth(one: Record, found: dp.Fit, hold: float) -> dict[str, bool]:
+def hold_truth(record: Record, result: dp.Fit, hold: float) -> dict[str, bool]:
     """Which 95 % limits hold the truth; those of single arms where it has as many.
 
     `hold`, s, is the T of k(T) as the record was understood: a rounded ramp ends where one says.
     """
-    solid, inside = one.seal.solid, {}
-    if found.stiffness_limits is not None:
+    solid, inside = record.seal.solid, {}
+    if result.stiffness_limits is not None:
         for name, times in (("k_end", 1), ("k_3end", 3), ("k_inf", np.inf)):
-            low, high = found.stiffness_limits[name]
-            inside[f"{name} left open"] = low <= one.seal.secant(times * hold) <= high
-    bounds = found.intervals()
+            low, high = result.stiffness_limits[name]
+            inside[f"{name} left open"] = low <= record.seal.secant(times * hold) <= high
+    bounds = result.intervals()
     inside["k_inf"] = bounds["k_inf"][0] <= solid.k_inf <= bounds["k_inf"][1]
-    if found.model.arms == len(solid.k):
+    if result.model.arms == len(solid.k):
         for name in ("k", "tau"):
             pairs = zip(getattr(solid, name), bounds[name], strict=True)
             inside[f"{name} of as many arms"] = all(low <= v <= high for v, (low, high) in pairs)
@@ -120,13 +122,13 @@ class Doors:
         """Take a record through a door."""
         tally = self.tallies.setdefault(door, Tally())
         try:
-            found, ms = spent_by(run)
+            result, ms = spent_by(run)
         except dp.DashpotError as error:
             tally.uses["refused"] += 1
             print(f"{door}: {name}: {error}", file=sys.stderr)
             return None
         tally.spent.append((ms, name))
-        return found
+        return result
 
     def text(self, path: Path, name: str) -> dp.RelaxationTest | None:
         """Read a file, and let pandas read it."""
@@ -149,32 +151,32 @@ class Doors:
                     continue
                 run = partial(fit, record, method=method, arms=arms)
                 door = f"{method}, {words}"
-                found = self.through(door, name, run)
+                through = self.through(door, name, run)
                 if truth is not None and method == "hold" and arms == len(truth.seal.solid.k):
-                    alone = partial(fit_plain_optimum, record, truth.seal.solid, len(record.time))
-                    self.through(f"{door}, SciPy's optimum alone", name, alone)
+                    single = partial(fit_plain_optimum, record, truth.seal.solid, len(record.time))
+                    self.through(f"{door}, SciPy's optimum alone", name, single)
                 self.through(f"{door}, point", name, partial(run, intervals=False))
-                if found is None:
+                if through is None:
                     continue
                 tally = self.tallies[door]
-                tally.uses[found.verdict.use] += 1
+                tally.uses[through.verdict.use] += 1
                 if truth is not None and arms == "auto":
-                    for bound, inside in hold_truth(truth, found, record.hold_time).items():
+                    for bound, inside in hold_truth(truth, through, record.hold_time).items():
                         tally.bounds.setdefault(bound, []).append(inside)
                 if (method, arms) == ("full", "auto"):
                     self.through(
                         "limits of the response", name,
-                        partial(dp.predict, found, mass=BLOCK, record=record),
+                        partial(dp.predict, through, mass=BLOCK, record=record),
                     )  # fmt: skip
 
     def lines(self) -> list[str]:
         head = f"{'CPU ms':26} {'n':>4} {'min':>8} {'median':>8} {'p95':>8} {'max':>8}  dearest"
-        found = [head, *(tally.line(door) for door, tally in self.tallies.items() if tally.spent)]
-        read, other = (self.tallies.get(one) for one in ("read", "pandas.read_csv"))
+        result = [head, *(tally.line(door) for door, tally in self.tallies.items() if tally.spent)]
+        read, other = (self.tallies.get(item) for item in ("read", "pandas.read_csv"))
         if read and other:
             by_name = {name: ms for ms, name in other.spent}
             ratios = [ms / by_name[name] for ms, name in read.spent if name in by_name]
-            found.append(f"read / pandas: median {np.median(ratios):.2f}, most {max(ratios):.2f}")
+            result.append(f"read / pandas: median {np.median(ratios):.2f}, most {max(ratios):.2f}")
         ours, other = (
             self.tallies.get(f"hold, as many arms{which}")
             for which in ("", ", SciPy's optimum alone")
@@ -182,15 +184,15 @@ class Doors:
         if ours and other:
             by_name = {name: ms for ms, name in other.spent}
             ratios = [by_name[name] / ms for ms, name in ours.spent if name in by_name]
-            found.append(f"SciPy's optimum alone / our whole fit: median {np.median(ratios):.1f}")
+            result.append(f"SciPy's optimum alone / our whole fit: median {np.median(ratios):.1f}")
         for door, tally in self.tallies.items():
             if tally.uses:
-                said = ", ".join(f"{use} {count}" for use, count in tally.uses.most_common())
-                found.append(f"{door}: {said}")
-            found += [
+                text = ", ".join(f"{use} {count}" for use, count in tally.uses.most_common())
+                result.append(f"{door}: {text}")
+            result += [
                 f"  {name:24} holds {sum(h):3} of {len(h)}" for name, h in tally.bounds.items()
             ]
-        return found
+        return result
 
 
 def main() -> None:
@@ -201,23 +203,25 @@ def main() -> None:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         doors = Doors(Path(folder))
-        for one in relaxation_records(options.records, options.seed):
-            name = f"{one.name}, {len(one.time)} rows"
+        for record in relaxation_records(options.records, options.seed):
+            name = f"{record.name}, {len(record.time)} rows"
             path = Path(folder) / "record.csv"
-            rows = np.column_stack([one.time, 1e3 * one.displacement, one.force])
+            rows = np.column_stack([record.time, 1e3 * record.displacement, record.force])
             np.savetxt(
                 path, rows, "%.6f", ",", header="time [s],displacement [mm],force [N]", comments=""
             )
             doors.text(path, name)
             doors.record(
-                dp.RelaxationTest(one.time, one.displacement, one.force, units="SI"), name, one
+                dp.RelaxationTest(record.time, record.displacement, record.force, units="SI"),
+                name,
+                record,
             )
         for path in sorted(options.files.rglob("*")) if options.files else ():
             try:
-                known = path.is_file() and dp.inspect(path).kind == "relaxation"
+                expected = path.is_file() and dp.inspect(path).kind == "relaxation"
             except dp.DashpotError:
                 continue
-            test = doors.text(path, path.name) if known else None
+            test = doors.text(path, path.name) if expected else None
             if test is not None:
                 doors.record(test, path.name)
         print("\n".join(doors.lines()))

@@ -269,8 +269,8 @@ def effort(page: Page, process: int, what: str, steps: int) -> Iterator[None]:
 def cpu(process: int) -> float:
     """Processor time of a process and its children, s."""
     ticks = 0
-    for one in family(process):
-        fields = Path(f"/proc/{one}/stat").read_text().rpartition(")")[2].split()
+    for item in family(process):
+        fields = Path(f"/proc/{item}/stat").read_text().rpartition(")")[2].split()
         ticks += int(fields[11]) + int(fields[12])
     return ticks / os.sysconf("SC_CLK_TCK")
 
@@ -302,15 +302,15 @@ def quantiles(page: Page, what: str, limit: float) -> None:
 
 def sizes(page: Page, verb: str) -> None:
     """Bytes of an update."""
-    found = [size for name, size in page.evaluate("window.bytes") if name == verb]
-    say(f"bytes of an update ({verb})", max(found) / 1e3, "kB", 30)
+    result = [size for name, size in page.evaluate("window.bytes") if name == verb]
+    say(f"bytes of an update ({verb})", max(result) / 1e3, "kB", 30)
 
 
 def memory(process: int) -> float:
     """Resident size of a process and its children, MB; what they share is counted once."""
     total = 0
-    for one in family(process):
-        status = Path(f"/proc/{one}/smaps_rollup").read_text()
+    for item in family(process):
+        status = Path(f"/proc/{item}/smaps_rollup").read_text()
         total += int(status.partition("\nPss:")[2].split()[0])
     return total / 1e3
 

@@ -69,9 +69,9 @@ def main() -> None:
     for name, default in (("tests", 60), ("repeats", 3), ("files", 5000)):
         parser.add_argument(name, type=int, nargs="?", default=default)
     parser.add_argument("--kinds", default="", help=f"of {', '.join(KINDS)}")
-    given = parser.parse_args()
-    tests, repeats, files = given.tests, given.repeats, given.files
-    kinds = {name: how for name, how in KINDS.items() if re.search(given.kinds, name)}
+    options = parser.parse_args()
+    tests, repeats, files = options.tests, options.repeats, options.files
+    kinds = {name: how for name, how in KINDS.items() if re.search(options.kinds, name)}
     with TemporaryDirectory() as place:
         whole, part, many = (Path(place) / name for name in ("whole", "part", "many"))
         for folder in (whole, part, many):
@@ -85,8 +85,8 @@ def main() -> None:
             for again in range(LINKS):
                 (whole / f"{made.stem}_{again}.csv").hardlink_to(made)
         costs = {name: cost(name, how, whole, part, repeats) for name, how in kinds.items()}
-        own = memory(many, files)
-    print_extrapolation(costs, own)
+        individual = memory(many, files)
+    print_extrapolation(costs, individual)
 
 
 def cost(name: str, how: dict[str, Any], whole: Path, part: Path, repeats: int) -> float:
@@ -100,15 +100,19 @@ def cost(name: str, how: dict[str, Any], whole: Path, part: Path, repeats: int) 
                 runs[engine, folder].append(run(engine, folder, how))
     least = {}
     for engine in engines:
-        cpu = [min(one["cpu"] for one in runs[engine, folder]) for folder in (whole, part)]
+        cpu = [min(entry["cpu"] for entry in runs[engine, folder]) for folder in (whole, part)]
         tests = [runs[engine, folder][0]["tests"] for folder in (whole, part)]
         least[engine] = (cpu[0] - cpu[1]) / (tests[0] - tests[1])
-    for engine, each in least.items():
-        beside = each / least["loops"] - 1
+    for engine, value in least.items():
+        neighbour = value / least["loops"] - 1
         target = f"   target {TARGETS[name]}" if name in TARGETS else ""
         print(
-            f"{name:22} {engine:11} {1e3 * each:6.1f} ms   {1 / each:5.1f} tests/s/core{target}"
-            + (f"   beside loops {100 * beside:+.1f} %" if engine not in {"loop", "loops"} else "")
+            f"{name:22} {engine:11} {1e3 * value:6.1f} ms   {1 / value:5.1f} tests/s/core{target}"
+            + (
+                f"   beside loops {100 * neighbour:+.1f} %"
+                if engine not in {"loop", "loops"}
+                else ""
+            )
         )
     return least["processes"]
 
@@ -120,24 +124,25 @@ def memory(folder: Path, most: int) -> float:
     for count in (most // 20, most // 4, most):
         for i in range(there, count):
             (folder / f"seal_{i:05d}.csv").write_text(f"# seal {i}\n{text}")
-        found, whole = (run(name, folder, SHORT) for name in ("processes", "command"))
-        each = (found["own"] - spent) / (count - there)
-        there, spent = count, found["own"]
+        process, whole = (run(name, folder, SHORT) for name in ("processes", "command"))
+        value = (process["own"] - spent) / (count - there)
+        there, spent = count, process["own"]
         print(
-            f"{count:5} short files, {found['wall']:3.0f} s   parent {found['parent_mb']:.0f} MB, "
+            f"{count:5} short files, {process['wall']:3.0f} s   "
+            f"parent {process['parent_mb']:.0f} MB, "
             f"with workbook and page {whole['parent_mb']:.0f} MB, "
-            f"each worker at most {found['worker_mb']:.0f} MB"
+            f"each worker at most {process['worker_mb']:.0f} MB"
         )
-    print(f"finding, hashing, asking and writing one more file: {1e3 * each:.2f} ms of the parent")
-    return each
+    print(f"finding, hashing, asking and writing one more file: {1e3 * value:.2f} ms of the parent")
+    return value
 
 
-def print_extrapolation(costs: dict[str, float], own: float) -> None:
+def print_extrapolation(costs: dict[str, float], individual: float) -> None:
     """Print what as many tests take: computed from the above, not measured."""
     print("\ncomputed   " + "".join(f"{name:>24}" for name in costs) + f"{'parent':>12}")
     for count in COUNTED:
-        hours = "".join(f"{count * each / 3600:18.3g} core h" for each in costs.values())
-        print(f"{count:10}   {hours} {count * own / 3600:9.2g} h")
+        hours = "".join(f"{count * value / 3600:18.3g} core h" for value in costs.values())
+        print(f"{count:10}   {hours} {count * individual / 3600:9.2g} h")
 
 
 def run(engine: str, folder: Path, how: dict[str, Any]) -> dict[str, float]:
@@ -146,19 +151,19 @@ def run(engine: str, folder: Path, how: dict[str, Any]) -> dict[str, float]:
     done = subprocess.run(
         words, check=True, capture_output=True, text=True, env=get_long_lived_env()
     )
-    found: dict[str, float] = json.loads(done.stdout)
-    return found
+    values: dict[str, float] = json.loads(done.stdout)
+    return values
 
 
 def measure_engine(engine: str, folder: str, how: dict[str, Any]) -> dict[str, float]:
     """CPU time, s, and memory, MB, of this process and of those that it waited for."""
     began = time.perf_counter()
     count = (ENGINES | OTHERS)[engine](folder, how)
-    own, others = getrusage(RUSAGE_SELF), getrusage(RUSAGE_CHILDREN)
-    spent = [one.ru_utime + one.ru_stime for one in (own, others)]
+    individual, others = getrusage(RUSAGE_SELF), getrusage(RUSAGE_CHILDREN)
+    spent = [item.ru_utime + item.ru_stime for item in (individual, others)]
     return {
         "tests": count, "cpu": sum(spent), "own": spent[0], "wall": time.perf_counter() - began,
-        "parent_mb": own.ru_maxrss / 1024, "worker_mb": others.ru_maxrss / 1024,
+        "parent_mb": individual.ru_maxrss / 1024, "worker_mb": others.ru_maxrss / 1024,
     }  # fmt: skip
 
 
@@ -167,9 +172,9 @@ def run_loop(folder: str, how: dict[str, Any], share: slice = slice(None)) -> in
     import msgspec  # noqa: F401 -- as in a worker
 
     choices = BatchOptions(**how)
-    found = find_entries([folder], without=Path(folder) / "none")[share]
-    asked = tasks(found, choices)
-    return sum(row(one.entry, one.hashes, choices)["outcome"] == "fitted" for one in asked)
+    entry = find_entries([folder], without=Path(folder) / "none")[share]
+    requested = tasks(entry, choices)
+    return sum(row(item.entry, item.hashes, choices)["outcome"] == "fitted" for item in requested)
 
 
 def run_loops(folder: str, how: dict[str, Any]) -> int:
@@ -179,7 +184,7 @@ def run_loops(folder: str, how: dict[str, Any]) -> int:
     loops = [
         subprocess.Popen([*words, str(i)], stdout=subprocess.PIPE, text=True) for i in range(count)
     ]
-    return sum(int(one.communicate()[0]) for one in loops)
+    return sum(int(loop.communicate()[0]) for loop in loops)
 
 
 def run_worker_loop(folder: str, how: str, count: str, i: str) -> None:

@@ -62,11 +62,11 @@ def main() -> None:
         ]
     print(f"{'ms, median (least)':24} {'CPU':>14} {'wall':>14}")
     for name in commands:
-        told = [
+        texts = [
             f"{statistics.median(times):6.0f} ({min(times):4.0f})"
             for times in ([1e3 * run[name][i] for run in runs] for i in (0, 1))
         ]
-        print(f"{name:24} {told[0]:>14} {told[1]:>14}")
+        print(f"{name:24} {texts[0]:>14} {texts[1]:>14}")
     for ours, theirs in (
         ("dashpot fit", "import numpy, loadtxt"),
         ("dashpot --help", "import click"),

@@ -35,10 +35,10 @@ def check_intervals(
     """Which of the five intervals of the noise alone hold the truth."""
     test = replace(record(SEAL, noise, seed, rate=rate), machine=STILL)
     nuisance = KNOWN_CLOCKS if method == "hold" else NUISANCE
-    found = fit(test, arms=2, method=method, nuisance=nuisance)  # type: ignore[arg-type]
-    if found.model.arms != SEAL.arms:
+    result = fit(test, arms=2, method=method, nuisance=nuisance)  # type: ignore[arg-type]
+    if result.model.arms != SEAL.arms:
         return np.zeros(5, dtype=bool)
-    bounds = found.estimate.noise_only.intervals(found.model, 0.95)
+    bounds = result.estimate.noise_only.intervals(result.model, 0.95)
     truth = (SEAL.k_inf, *SEAL.k, *SEAL.tau)
     ends = (bounds["k_inf"], *bounds["k"], *bounds["tau"])
     return np.array([low <= true <= high for true, (low, high) in zip(truth, ends, strict=True)])

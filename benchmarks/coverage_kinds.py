@@ -81,20 +81,22 @@ def figures(seed: int) -> Held:
     x, pure = 1e-3 * sheet["displacement"], sheet.truth["pure"]
     test = dp.CLDTest(x, sheet["force"], sheet["time"], units="SI")
     for name, at in (("halfway", DEPTH / 2), ("at the depth", DEPTH)):
-        found = cld(test, at=at)
-        rows = found.loading.samples
+        result = cld(test, at=at)
+        rows = result.loading.samples
         rows = slice(rows.start + 1, rows.stop - 1)  # between the turns the force is smooth
         true = CubicSpline(x[rows], pure[rows])
-        one = found.nominal
-        yield check_interval(f"force {name}", float(true(at)), one.loading, one.loading_se)
-        yield check_interval(f"slope {name}", float(true(at, 1)), one.slope, one.slope_se)
+        nominal = result.nominal
+        yield check_interval(f"force {name}", float(true(at)), nominal.loading, nominal.loading_se)
+        yield check_interval(f"slope {name}", float(true(at, 1)), nominal.slope, nominal.slope_se)
 
 
 @cache
 def relaxation() -> dp.Fit:
     """Table 1's, known to rounding."""
-    one = sample_record(press_seal(Seal(TABLE_1), Protocol(rate=200.0)), None)
-    return fit(dp.RelaxationTest(one.time, one.displacement, one.force, units="SI"), arms=2)
+    record = sample_record(press_seal(Seal(TABLE_1), Protocol(rate=200.0)), None)
+    return fit(
+        dp.RelaxationTest(record.time, record.displacement, record.force, units="SI"), arms=2
+    )
 
 
 def check_tangents(seed: int, air: bool) -> Held:
@@ -104,23 +106,23 @@ def check_tangents(seed: int, air: bool) -> Held:
     yield from bends(law, seal)
 
 
-def intervals(found: dp.Fit, prefix: str = "") -> Held:
+def intervals(result: dp.Fit, prefix: str = "") -> Held:
     """Those of Table 1's solid."""
-    bounds = found.intervals()
+    bounds = result.intervals()
     true = {"k_inf": [TABLE_1.k_inf], "k": TABLE_1.k, "tau": TABLE_1.tau}
     for name, values in true.items():
         pairs = np.reshape(bounds[name], (-1, 2)).tolist()
         for i, value in enumerate(values):
-            told = found.model.arms == 2 and pairs[i][0] <= value <= pairs[i][1]
-            yield f"{prefix}{name}{i + 1 if len(values) > 1 else ''}", told
+            message = result.model.arms == 2 and pairs[i][0] <= value <= pairs[i][1]
+            yield f"{prefix}{name}{i + 1 if len(values) > 1 else ''}", message
 
 
 def speeds(seed: int, air: bool) -> Held:
     """One relaxation at three speeds, its number of arms chosen."""
     seal = seal_of(seed)
-    found = fit_speeds([pressed_once(seal, speed, seed, air) for speed in (2e-4, 2e-3, 2e-2)])
-    yield from intervals(found)
-    yield from bends(found.elastic_law, seal)
+    result = fit_speeds([pressed_once(seal, speed, seed, air) for speed in (2e-4, 2e-3, 2e-2)])
+    yield from intervals(result)
+    yield from bends(result.elastic_law, seal)
 
 
 def depths(seed: int) -> Held:
@@ -128,16 +130,18 @@ def depths(seed: int) -> Held:
     seal, random = Seal(TABLE_1, a=0.48), np.random.default_rng(seed)
     tests = []
     for depth in (4e-3, 6e-3, 8e-3):
-        one = sample_record(press_seal(seal, Protocol(depth=depth, rate=200.0)), random)
-        one = noisy(one, random, sd=4e-3)
-        tests.append(prepare(dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")))
-    found = fit_depths(tests, arms=2)
-    for at in found.by_depth:
+        record = sample_record(press_seal(seal, Protocol(depth=depth, rate=200.0)), random)
+        record = noisy(record, random, sd=4e-3)
+        tests.append(
+            prepare(dp.RelaxationTest(record.time, record.displacement, record.force, units="SI"))
+        )
+    depth_law = fit_depths(tests, arms=2)
+    for at in depth_law.by_depth:
         name = f"k_inf at {1e3 * at.depth:.0f} mm"
         secant = TABLE_1.k_inf * float(seal.elastic(at.depth)) / at.depth
         yield f"at most, {name}", secant <= at.k_inf_most
-    yield from intervals(found.fit, "together ")
-    yield from bends(found.fit.elastic_law, seal)
+    yield from intervals(depth_law.fit, "together ")
+    yield from bends(depth_law.fit.elastic_law, seal)
 
 
 def indentation(seed: int) -> Held:
@@ -148,27 +152,29 @@ def indentation(seed: int) -> Held:
     test = dp.IndentationTest(
         1e-3 * sheet["time"], sheet["indenter"], "acceleration", ball, units="SI"
     )
-    found = fit_indentation(test, law="hertz-maxwell")
+    indentation_fit = fit_indentation(test, law="hertz-maxwell")
     numbers = {
         "k": solid.k_inf, "g": solid.k[0] / solid.k_inf, "tau": solid.tau[0],
         "impact_velocity": true["speed"], "depth": true["depth"],
     }  # fmt: skip
     for name, value in numbers.items():
-        one = next(one for one in found.found if one.name == name)
-        yield name, bool(one.low <= value <= one.high)
+        quantity = next(item for item in indentation_fit.found if item.name == name)
+        yield name, bool(quantity.low <= value <= quantity.high)
 
 
 def aging(seed: int, *, rubber: Rubber = RUBBER, oven: float = 1.0, off: float = 1.0) -> Held:
     """Specimens in three ovens that are off: life and F/F0 at 70 degC, activation energy."""
-    one = lot(rubber, seed, off=off)
-    record = dp.CSRTest(one.hours, one.force, one.celsius, one.specimen_number, units="h, N, degC")
-    found = dp.fit(record, machine=dp.Machine(oven=oven))
-    aged = dp.predict(found, temperature="70degC", until=("50%", "1000h"))
-    life, left = (one for one in aged.facts if one.name in {"life", "left"})
-    energy = found["activation_energy"]
+    item = lot(rubber, seed, off=off)
+    record = dp.CSRTest(
+        item.hours, item.force, item.celsius, item.specimen_number, units="h, N, degC"
+    )
+    result = dp.fit(record, machine=dp.Machine(oven=oven))
+    aged = dp.predict(result, temperature="70degC", until=("50%", "1000h"))
+    life, retention = (fact for fact in aged.facts if fact.name in {"life", "left"})
+    energy = result["activation_energy"]
     yield "life", bool(life.low <= 3600 * rubber.life(70.0) <= life.high)
     yield "activation energy", bool(energy.low <= rubber.energy <= energy.high)
-    yield "F/F0 after 1000 h", bool(left.low <= rubber.left(1000.0, 70.0) <= left.high)
+    yield "F/F0 after 1000 h", bool(retention.low <= rubber.left(1000.0, 70.0) <= retention.high)
 
 
 STUDIES = {

@@ -89,9 +89,9 @@ def rival(residual: Callable[[np.ndarray], np.ndarray], arms: int, starts: int) 
             else:
                 start = blind_start(arms)
             begun = time.thread_time()
-            found = least_squares(residual, start, bounds=(0, np.inf))
+            result = least_squares(residual, start, bounds=(0, np.inf))
             spent.append(time.thread_time() - begun)
-            sse.append(2 * found.cost)
+            sse.append(2 * result.cost)
     return Rival(float(np.median(good)), float(np.median(blind)), min(sse))
 
 
@@ -157,13 +157,13 @@ def compare_recorded_motion() -> None:
     k, tau = TRUTH[2]
     q, _ = arm_columns(seconds, x, np.array(tau))
     force = K_INF * x + q @ np.array(k) + NOISE * GENERATOR.standard_normal(len(x))
-    moved = np.diff(x, prepend=0.0)
+    steps = np.diff(x, prepend=0.0)
 
     def residual(p: np.ndarray) -> np.ndarray:
         model = p[0] * x
         for stiffness, t in ((p[1], p[3]), (p[2], p[4])):
             a = np.exp(-1e-3 / t)
-            model = model + stiffness * lfilter([(1 - a) * t / 1e-3], [1, -a], moved)
+            model = model + stiffness * lfilter([(1 - a) * t / 1e-3], [1, -a], steps)
         return model - force
 
     def fit() -> Solution:
@@ -184,8 +184,10 @@ def leastsq_of_lmfit(residual: Callable[[np.ndarray], np.ndarray], start: np.nda
     parameters = lmfit.Parameters()
     for i, value in enumerate(start):
         parameters.add(f"p{i}", value=value, min=0)
-    found = lmfit.minimize(lambda p: residual(np.array(list(p.valuesdict().values()))), parameters)
-    return float(found.chisqr)
+    solution = lmfit.minimize(
+        lambda p: residual(np.array(list(p.valuesdict().values()))), parameters
+    )
+    return float(solution.chisqr)
 
 
 def compare_other_solvers(starts: int = 1 if ONCE else 20) -> None:
@@ -201,8 +203,8 @@ def compare_other_solvers(starts: int = 1 if ONCE else 20) -> None:
             return hold(seconds, p) - force
 
         def run_curve_fit(start: np.ndarray, force: np.ndarray = force) -> float:
-            found = curve_fit(lambda s, *p: hold(s, np.array(p)), seconds, force, start)[0]
-            return float(np.square(hold(seconds, found) - force).sum())
+            result = curve_fit(lambda s, *p: hold(s, np.array(p)), seconds, force, start)[0]
+            return float(np.square(hold(seconds, result) - force).sum())
 
         methods = {
             "curve_fit": run_curve_fit,

@@ -87,8 +87,8 @@ def pyfrf(force: np.ndarray, response: np.ndarray, window: object, kind: str = "
 
     def run() -> tuple[np.ndarray, np.ndarray, object]:
         frf = FRF(RATE, window=window, frf_estimator=kind, fft_len=force.shape[1], units="SI")
-        for one_force, one_response in zip(force, response, strict=True):
-            frf.add_data(one_force.copy(), one_response.copy())
+        for values, item in zip(force, response, strict=True):
+            frf.add_data(values.copy(), item.copy())
         value = frf.get_FRF(frf_form="accelerance")
         return frf.get_f_axis(), np.nan_to_num(np.squeeze(value)), frf  # nan at 0 Hz
 
@@ -134,9 +134,9 @@ def half_power(frequency: np.ndarray, value: np.ndarray) -> tuple[float, float]:
     f, size = frequency[near], np.abs(value[near])
     top = int(np.argmax(size))
     level = size[top] / np.sqrt(2)
-    left = np.interp(level, size[: top + 1], f[: top + 1])
+    interpolated = np.interp(level, size[: top + 1], f[: top + 1])
     right = np.interp(-level, -size[top:], f[top:])
-    return f[top], (right - left) / (2 * f[top])
+    return f[top], (right - interpolated) / (2 * f[top])
 
 
 def frfs() -> None:
@@ -247,8 +247,8 @@ def single_hit() -> None:
     random = np.random.default_rng(0)
     test, force, _ = hits("broad", 8.0)
     noise = random.standard_normal(force.shape[1])
-    one = ImpactTest(test.time[: force.shape[1]], force[0], noise[None], units="SI")
-    print(f"  dashpot {estimate_frf(one).coherence}")
+    item = ImpactTest(test.time[: force.shape[1]], force[0], noise[None], units="SI")
+    print(f"  dashpot {estimate_frf(item).coherence}")
     if HAVE_PYFRF:
         _, _, frf = pyfrf(force[:1], noise[None], "none")
         print(f"  pyFRF   {float(np.nanmean(quietly(frf.get_coherence).real)):.3f}")

@@ -70,10 +70,10 @@ def main(truths: int) -> None:
             sse = {}
             for name in excess:
                 start = time.thread_time()
-                found = solve([block], len(tau), thorough=name == "thorough")
+                solution = solve([block], len(tau), thorough=name == "thorough")
                 spent[name] += time.thread_time() - start
-                evaluations[name] += found.evaluations
-                sse[name] = found.sse
+                evaluations[name] += solution.evaluations
+                sse[name] = solution.sse
             best = min(best_of_random(Stack([block]), tau, generator), *sse.values())
             for name, value in sse.items():
                 excess[name].append(value / best - 1)

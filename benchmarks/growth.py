@@ -138,8 +138,8 @@ def main() -> None:
             for number in range(count):
                 write_record(folder / f"lot{count}" / f"{number:05}.csv", 8500)
             lot = f"lot{count}"
-            asked = ("--arms", "2", "--quick", "--jobs", "1")
-            words.append(("batch", lot, "-o", f"{lot}-results", *asked))
+            requested = ("--arms", "2", "--quick", "--jobs", "1")
+            words.append(("batch", lot, "-o", f"{lot}-results", *requested))
         print_growth("files, batch --quick", options.files, words, folder, 1)
         if options.watched:
             (folder / "watched").mkdir()

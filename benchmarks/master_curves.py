@@ -93,11 +93,11 @@ def over_time(folder: Path) -> None:
     print(f"{'':34s} arms   rms %   max %      ms")
     ours = {}
     for per_decade in (1, 2, 4):
-        found, spent = measure_time(lambda n=per_decade: master_curve(t, modulus, per_decade=n))
-        error = found.model.relaxation(t) / modulus - 1
+        result, spent = measure_time(lambda n=per_decade: master_curve(t, modulus, per_decade=n))
+        error = result.model.relaxation(t) / modulus - 1
         ours[per_decade] = spent
         name = f"dashpot, {per_decade} per decade"
-        print(f"{name:34s} {found.model.arms:4d}{percent(error)} {spent:9.2f}")
+        print(f"{name:34s} {result.model.arms:4d}{percent(error)} {spent:9.2f}")
     table = np.loadtxt(folder / "ansys-reference" / "prony_terms_KPf_MD.csv", delimiter=",")
     error = 1739.03 * prony_time(t, table) / modulus - 1
     print(f"{'commercial FE code':34s} {len(table):4d}{percent(error)}")
@@ -119,9 +119,9 @@ def over_frequency(folder: Path) -> None:
     print(f"{'':34s} arms   rms %   max %  | E' rms, max %  |  E'' rms, max %  | E'(f_min)     ms")
     ours = 0.0
     for per_decade in (1, 4):
-        found, ours = measure_time(lambda n=per_decade: dynamic_master_curve(data, per_decade=n))
-        value = found.model.complex_stiffness(omega=data.omega)
-        row(f"dashpot, {per_decade} per decade", found.model.arms, data, value, ours)
+        result, ours = measure_time(lambda n=per_decade: dynamic_master_curve(data, per_decade=n))
+        value = result.model.complex_stiffness(omega=data.omega)
+        row(f"dashpot, {per_decade} per decade", result.model.arms, data, value, ours)
     terms = terms_of(folder / "ansys-reference" / "freq_master.prony_terms.MPL")
     storage, loss = prony_frequency(data.omega, terms)
     ratio = np.concatenate((storage / data.storage, loss / data.loss))
@@ -155,11 +155,11 @@ def pyvisco_terms(file: Path, domain: str) -> tuple[float, np.ndarray, float] | 
         return None
     curve, _ = load.user_master(load.file(str(file)), domain, 0, "E")
     curve = master.smooth(curve, 1)
-    found, spent = measure_time(
+    result, spent = measure_time(
         lambda: quiet(lambda: prony.fit(prony.discretize(curve), curve)), repeats=3
     )
-    table = found[0]["df_terms"]
-    return float(found[0]["E_0"]), table[["alpha_i", "tau_i"]].to_numpy(), spent
+    table = result[0]["df_terms"]
+    return float(result[0]["E_0"]), table[["alpha_i", "tau_i"]].to_numpy(), spent
 
 
 # -- known answers --------------------------------------------------------------------------------
@@ -173,16 +173,17 @@ def compare_exact_answers(folder: Path) -> None:
     }
     for name, answer in stated.items():
         t, modulus = np.loadtxt(folder / f"{name}.dat", unpack=True)
-        found, spent = measure_time(lambda t=t, m=modulus: fit_modulus(t, m), repeats=3)
+        result, spent = measure_time(lambda t=t, m=modulus: fit_modulus(t, m), repeats=3)
         print(
-            f"{name}: {listed_terms(found.model)}  [{answer}]  {found.status.name}, {spent:.0f} ms"
+            f"{name}: {listed_terms(result.model)}  [{answer}]  "
+            f"{result.status.name}, {spent:.0f} ms"
         )
-        lmfit_modes(t, modulus, found.model)
+        lmfit_modes(t, modulus, result.model)
     for name, plateau in (("test3", 0.0), ("test7", 10.0)):
         t, modulus = np.loadtxt(folder / f"{name}.dat", unpack=True)
-        found, spent = measure_time(lambda t=t, m=modulus: master_curve(t, m))
-        print(f"{name}: plateau {found.model.k_inf:.3f} [{plateau:g}], {found.model.arms} arms, "
-              f"max error {found.max_error:.1e}, {spent:.1f} ms")  # fmt: skip
+        result, spent = measure_time(lambda t=t, m=modulus: master_curve(t, m))
+        print(f"{name}: plateau {result.model.k_inf:.3f} [{plateau:g}], {result.model.arms} arms, "
+              f"max error {result.max_error:.1e}, {spent:.1f} ms")  # fmt: skip
 
 
 def lmfit_modes(t: np.ndarray, modulus: np.ndarray, model: GeneralizedMaxwell) -> None:
@@ -209,11 +210,11 @@ def lmfit_modes(t: np.ndarray, modulus: np.ndarray, model: GeneralizedMaxwell) -
             value = value + p[f"g{j}"] * np.exp(-t / np.exp(float(p[f"ln_tau{j}"])))
         return (value - modulus) / size
 
-    found, spent = measure_time(lambda: lmfit.minimize(residual, start), repeats=3)
-    tau = sorted(float(np.exp(found.params[f"ln_tau{j}"])) for j in range(1, model.arms + 1))
+    result, spent = measure_time(lambda: lmfit.minimize(residual, start), repeats=3)
+    tau = sorted(float(np.exp(result.params[f"ln_tau{j}"])) for j in range(1, model.arms + 1))
     times = ", ".join(f"{value:.5g}" for value in tau)
     print(f"  lmfit, told {model.arms} arms: tau {times}; "
-          f"SSE {found.chisqr / ours:.3g} times ours, {spent:.0f} ms")  # fmt: skip
+          f"SSE {result.chisqr / ours:.3g} times ours, {spent:.0f} ms")  # fmt: skip
 
 
 def listed_terms(model: GeneralizedMaxwell) -> str:
@@ -245,25 +246,25 @@ def simulated_shifts() -> None:
     t, f = np.geomspace(1.0, 100.0, 14), np.geomspace(0.1, 10.0, 14)
     decay = [3e6 + np.exp(-t[:, None] / (tau * 10**a)) @ h for a in true]
     z = [2j * np.pi * f[:, None] * tau * 10**a for a in true]
-    value = np.concatenate([3e6 + (one / (1 + one)) @ h for one in z])
+    value = np.concatenate([3e6 + (value / (1 + value)) @ h for value in z])
     value = value + 0.01 * np.abs(value) * (normal(len(value)) + 1j * normal(len(value)))
     warm = np.repeat(kelvin, 14)
     moduli = np.concatenate(decay) * (1 + 0.01 * normal(len(warm)))
-    known = [Shift(k, a, 0.0) for k, a in zip(kelvin, true, strict=True)]
+    shifts = [Shift(k, a, 0.0) for k, a in zip(kelvin, true, strict=True)]
     curve = RelaxationModulus(np.tile(t, 9), moduli, temperature=warm, units="SI")
     compare_shifts(
-        "simulated moduli, 9 temperatures, 1 % noise; a step against the truth", curve, known
+        "simulated moduli, 9 temperatures, 1 % noise; a step against the truth", curve, shifts
     )
     data = DynamicTest(np.tile(f, 9), value.real, value.imag, warm, units="SI")
-    compare_shifts("simulated storage and loss; as above", data, known)
+    compare_shifts("simulated storage and loss; as above", data, shifts)
 
 
-def compare_shifts(title: str, data: DynamicTest | RelaxationModulus, known: Any) -> None:
+def compare_shifts(title: str, data: DynamicTest | RelaxationModulus, expected: Any) -> None:
     """Shifts of each method: error of its steps, what they leave on one spectrum, time."""
     print(f"\n{title}\n{'':34s} rms, decades  largest  on one spectrum, rms %        ms")
-    found, spent = measure_time(lambda: superpose(data), repeats=3)
-    methods = [("known shifts", known, None), ("dashpot", found.temperatures.shifts, spent)]
-    tested = np.array([one.temperature for one in found.temperatures.shifts])
+    result, spent = measure_time(lambda: superpose(data), repeats=3)
+    methods = [("known shifts", expected, None), ("dashpot", result.temperatures.shifts, spent)]
+    tested = np.array([shift.temperature for shift in result.temperatures.shifts])
     for name, peer in (("pyvisco", pyvisco_shifts), ("mastercurves", mastercurves_shifts)):
         start = time.thread_time()
         try:
@@ -277,19 +278,19 @@ def compare_shifts(title: str, data: DynamicTest | RelaxationModulus, known: Any
         spent = 1e3 * (time.thread_time() - start)
         theirs = [Shift(k, a, 0.0) for k, a in zip(tested, log10, strict=True)]
         methods.append((name, theirs, spent))
-    truth = steps(known, tested)
+    truth = steps(expected, tested)
     for name, shifts, spent in methods:
         off = steps(shifts, tested) - truth
-        left = superpose(data, shifts=shifts).rms
+        rms = superpose(data, shifts=shifts).rms
         cost = "" if spent is None else f"{spent:9.0f}"
         print(f"{name:34s} {np.sqrt(np.mean(off**2)):12.3f} {np.abs(off).max():8.3f} "
-              f"{100 * left:21.3f}  {cost}")  # fmt: skip
+              f"{100 * rms:21.3f}  {cost}")  # fmt: skip
 
 
 def steps(shifts: Any, tested: np.ndarray) -> np.ndarray:
     """Differences of log10 a_T between neighbouring temperatures."""
-    known = np.array([one.temperature for one in shifts])
-    nearest = [shifts[int(np.argmin(np.abs(known - kelvin)))].log10_a_t for kelvin in tested]
+    expected = np.array([shift.temperature for shift in shifts])
+    nearest = [shifts[int(np.argmin(np.abs(expected - kelvin)))].log10_a_t for kelvin in tested]
     return np.diff(nearest)
 
 
@@ -313,8 +314,8 @@ def pyvisco_shifts(data: DynamicTest | RelaxationModulus, tested: np.ndarray) ->
     rows = []
     for number, (kelvin, part) in enumerate(zip(tested, blocks(data, tested), strict=True)):
         # its files list times from the longest, as frequencies rise
-        for one in part[::-1] if of_time else part:
-            rows.append([one[0], *(1e-6 * one[1:]), round(kelvin - 273.15), number])
+        for item in part[::-1] if of_time else part:
+            rows.append([item[0], *(1e-6 * item[1:]), round(kelvin - 273.15), number])
     body = "\n".join(",".join(f"{value:.10g}" for value in row) for row in rows)
     domain = "time" if of_time else "freq"
     raw, temperatures = load.user_raw(f"{head}\n{body}\n".encode(), domain, "E")[:2]
@@ -327,13 +328,13 @@ def mastercurves_shifts(data: DynamicTest | RelaxationModulus, tested: np.ndarra
     from mastercurves import MasterCurve
     from mastercurves.transforms import Multiply
 
-    found = MasterCurve()
+    result = MasterCurve()
     parts = blocks(data, tested)
     x, y = ([np.log(part[:, j]) for part in parts] for j in (0, 1))
-    found.add_data(x, y, list(tested))
-    found.add_htransform(Multiply(bounds=(1e-4, 1e4)))
-    found.superpose()
-    factor = np.log10(np.array(found.hparams[0], dtype=float))
+    result.add_data(x, y, list(tested))
+    result.add_htransform(Multiply(bounds=(1e-4, 1e4)))
+    result.superpose()
+    factor = np.log10(np.array(result.hparams[0], dtype=float))
     return factor if isinstance(data, DynamicTest) else -factor
 
 
@@ -347,8 +348,8 @@ def compare_joint_fits() -> None:
     generator = np.random.default_rng(0)
     frequency = np.geomspace(1.0, 50.0, 30)
     value = BROAD.complex_stiffness(omega=2 * np.pi * frequency)
-    one, two = 1 + 0.005 * generator.standard_normal((2, 30))
-    data = DynamicTest(frequency, value.real * one, value.imag * two, unit="N/m", units="SI")
+    item, two = 1 + 0.005 * generator.standard_normal((2, 30))
+    data = DynamicTest(frequency, value.real * item, value.imag * two, unit="N/m", units="SI")
     t = np.arange(41_001) / 1000.0
     force = BROAD.ramp_hold_force(t, depth=8e-3, ramp_time=1.0)
     held = RampHold(
@@ -362,9 +363,9 @@ def compare_joint_fits() -> None:
         ("hold alone", lambda: fit(held)),
         ("together", lambda: fit_dynamic(data, tests=held)),
     ):
-        found, spent = measure_time(work, repeats=3)
-        error = found.model.loss(omega=omega) / BROAD.loss(omega=omega) - 1
-        print(f"{name:34s} {found.model.arms:4d} arms, loss 0.004-50 Hz off by "
+        result, spent = measure_time(work, repeats=3)
+        error = result.model.loss(omega=omega) / BROAD.loss(omega=omega) - 1
+        print(f"{name:34s} {result.model.arms:4d} arms, loss 0.004-50 Hz off by "
               f"{100 * np.abs(error).max():6.1f} % at most, {spent:.0f} ms")  # fmt: skip
 
 

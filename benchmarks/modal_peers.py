@@ -79,35 +79,39 @@ def pick(model: object, near: list[float]) -> None:
     order = len(model.all_poles) - 1
     poles = model.all_poles[order]
     hz = np.where((poles.real < 0) & (poles.imag > 0), np.abs(poles) / (2 * np.pi), np.inf)
-    chosen = [int(np.argmin(np.abs(hz - one))) for one in near]
+    chosen = [int(np.argmin(np.abs(hz - value))) for value in near]
     model.pole_ind = np.array([[order, i] for i in chosen])
     model.nat_freq, model.nat_xi = hz[chosen], -poles[chosen].real / np.abs(poles[chosen])
 
 
 def shapes_by_dashpot(points: FRFSet) -> tuple[ModeEstimates, tuple[ModeShape, ...]]:
     start = process_time()
-    found = points.modes(band=BAND)
+    modes = points.modes(band=BAND)
     stabilisation(points, band=BAND)
     seconds = process_time() - start
-    told = [(one.mode.frequency, one.mode.damping_ratio, one.normalised_residues) for one in found]
-    return ModeEstimates(told, seconds), found
+    message = [
+        (mode.mode.frequency, mode.mode.damping_ratio, mode.normalised_residues) for mode in modes
+    ]
+    return ModeEstimates(message, seconds), modes
 
 
 def rms(errors: list[float]) -> str:
     return f"{100 * float(np.sqrt(np.mean(np.square(errors)))):10.3g} %"
 
 
-def errors_of(told: ModeEstimates, name: str, into: dict[str, list[float]]) -> None:
+def errors_of(mode_estimates: ModeEstimates, name: str, into: dict[str, list[float]]) -> None:
     """Against the nearest mode told, each by its frequency, damping and shape."""
-    if not told.modes:
+    if not mode_estimates.modes:
         return
     for hz, ratio, _, shape in FOUR[name]:
-        one = min(told.modes, key=lambda mode: abs(mode[0] / hz - 1) + abs(mode[1] - ratio))
-        into["f"].append(one[0] / hz - 1)
-        into["damping"].append(one[1] / ratio - 1)
+        item = min(
+            mode_estimates.modes, key=lambda mode: abs(mode[0] / hz - 1) + abs(mode[1] - ratio)
+        )
+        into["f"].append(item[0] / hz - 1)
+        into["damping"].append(item[1] / ratio - 1)
         true = np.array(shape, complex)[:, None]
-        into["mac"].append(float(mac(np.asarray(one[2])[:, None], true)[0, 0]))
-    into["time"].append(told.seconds)
+        into["mac"].append(float(mac(np.asarray(item[2])[:, None], true)[0, 0]))
+    into["time"].append(mode_estimates.seconds)
 
 
 def shapes() -> None:
@@ -121,23 +125,23 @@ def shapes() -> None:
         inside, counts = [], []
         for seed in range(DRAWS):
             points = four_points(name, seed)
-            told, found = shapes_by_dashpot(points)
-            errors_of(told, name, sums["dashpot"])
-            counts.append(len(found))
-            for hz, ratio, *_ in true if len(found) == len(true) else ():
-                mode = min((one.mode for one in found), key=lambda m: abs(m.frequency - hz))
+            text, result = shapes_by_dashpot(points)
+            errors_of(text, name, sums["dashpot"])
+            counts.append(len(result))
+            for hz, ratio, *_ in true if len(result) == len(true) else ():
+                mode = min((item.mode for item in result), key=lambda m: abs(m.frequency - hz))
                 inside.append(abs(mode.frequency - hz) < 1.96 * mode.frequency_se)
                 inside.append(abs(mode.damping_ratio - ratio) < 1.96 * mode.damping_ratio_se)
             if HAVE_EMA:
                 near = [hz for hz, *_ in true]
                 errors_of(shapes_by_ema(points, near), name, sums["sdypy-EMA"])
-        for by, one in sums.items():
-            if one["f"]:
-                took = f"{1e3 * np.mean(one['time']):7.0f} ms"
-                print(f"  {name:12s}{by:12s}{rms(one['f'])}{rms(one['damping'])}", end="")
-                print(f"{min(one['mac']):11.4f}{took}", end="")
-                told = f"{np.mean(counts):7.2f}{100 * np.mean(inside):10.0f} %"
-                print(told if by == "dashpot" else "   picked")
+        for by, entry in sums.items():
+            if entry["f"]:
+                took = f"{1e3 * np.mean(entry['time']):7.0f} ms"
+                print(f"  {name:12s}{by:12s}{rms(entry['f'])}{rms(entry['damping'])}", end="")
+                print(f"{min(entry['mac']):11.4f}{took}", end="")
+                text = f"{np.mean(counts):7.2f}{100 * np.mean(inside):10.0f} %"
+                print(text if by == "dashpot" else "   picked")
 
 
 def real_hits(file: str) -> None:
@@ -148,8 +152,8 @@ def real_hits(file: str) -> None:
         estimate_frf(replace(test, acceleration=test.acceleration[[i]], channels=(name,)))
         for i, name in enumerate(("m_1", "m_2"))
     ]
-    for one in FRFSet(tuple(frfs), ("m_1", "m_2")).modes(band=(17, 24)):
-        mode = one.mode
+    for item in FRFSet(tuple(frfs), ("m_1", "m_2")).modes(band=(17, 24)):
+        mode = item.mode
         print(f"  dashpot    {mode.frequency:9.4f} ± {mode.frequency_se:.4f} Hz"
               f"{100 * mode.damping_ratio:9.4f} ± {100 * mode.damping_ratio_se:.4f} %")  # fmt: skip
     if not (HAVE_PYFRF and HAVE_EMA):

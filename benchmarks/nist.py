@@ -39,18 +39,18 @@ def main() -> None:
     for name, (table, amplitudes, rates, _, _) in CERTIFIED.items():
         y = parse_values(table)
         start = time.perf_counter()
-        found = exponential_sum(LANCZOS_X, y, terms=3)
+        result = exponential_sum(LANCZOS_X, y, terms=3)
         spent = time.perf_counter() - start
-        ours = digits(np.concatenate((found.amplitudes, found.rates)), (*amplitudes, *rates))
+        ours = digits(np.concatenate((result.amplitudes, result.rates)), (*amplitudes, *rates))
         rival = curve_fit(three, LANCZOS_X, y, START, maxfev=10_000)[0]
         theirs = digits(rival, (*amplitudes, *rates))
         print(f"{name:10s} {ours:8.1f} {spent * 1e3:7.2f} {theirs:10.1f}")
     y = parse_values(MGH17)
     start = time.perf_counter()
-    found = exponential_sum(MGH17_X, y, terms=2, constant=True, signed=True)
+    result = exponential_sum(MGH17_X, y, terms=2, constant=True, signed=True)
     spent = time.perf_counter() - start
     certified = (*MGH17_VALUES, MGH17_CONSTANT)
-    ours = digits(np.concatenate((found.amplitudes, found.rates, [found.constant])), certified)
+    ours = digits(np.concatenate((result.amplitudes, result.rates, [result.constant])), certified)
     rival = curve_fit(two, MGH17_X, y, (1.5, -1.0, 0.01, 0.02, 0.5), maxfev=10_000)[0]
     print(f"{'MGH17':10s} {ours:8.1f} {spent * 1e3:7.2f} {digits(rival, certified):10.1f}")
 

@@ -42,12 +42,12 @@ def main() -> None:
         start = time.process_time()
         shares, wrong = [], []
         for arms in SEALS:
-            found = Counter(
+            counter = Counter(
                 chosen(arms, NOISES[name], seed, method=options.method)
                 for seed in range(options.seeds)
             )
-            shares.append(found.pop(arms, 0) / options.seeds)
-            wrong += [f"{arms} taken for {other} x{count}" for other, count in found.items()]
+            shares.append(counter.pop(arms, 0) / options.seeds)
+            wrong += [f"{arms} taken for {other} x{count}" for other, count in counter.items()]
         cost = 1e3 * (time.process_time() - start) / (len(SEALS) * options.seeds)
         print(
             f"{name:10}"

@@ -61,7 +61,7 @@ class Row(NamedTuple):
 
     def cells(self) -> list[str]:
         both = self.ours is not None and self.theirs is not None
-        times = ["" if one is None else digits(one) for one in (self.ours, self.theirs)]
+        times = ["" if item is None else digits(item) for item in (self.ours, self.theirs)]
         ratio = digits(self.theirs / self.ours) if both else ""
         return [self.job, self.peer, *times, ratio, self.good, self.our_good, self.their_good]
 
@@ -80,9 +80,9 @@ def spent(run: Callable[[], object], repeats: int) -> tuple[object, float]:
     times = []
     for _ in range(repeats):
         start = time.process_time()
-        found = run()
+        process = run()
         times.append(1e3 * (time.process_time() - start))
-    return found, float(np.median(times))
+    return process, float(np.median(times))
 
 
 def reading() -> Iterator[Row]:
@@ -120,7 +120,7 @@ def holds() -> Iterator[Row]:
     force = engine.hold(seconds, np.array((engine.K_INF, *k, *tau)))
     force = force + engine.NOISE * engine.GENERATOR.standard_normal(len(force))
     block = hold_block(seconds, force, depth=engine.DEPTH, ramp_time=1.0)
-    found, ours = spent(lambda: solve([block], 2), 51)
+    result, ours = spent(lambda: solve([block], 2), 51)
 
     def residual(p: np.ndarray) -> np.ndarray:
         return engine.hold(seconds, p) - force
@@ -150,7 +150,7 @@ def holds() -> Iterator[Row]:
             except (RuntimeError, ValueError):
                 sse = np.inf
             times.append(1e3 * (time.process_time() - begun))
-            hits += sse < found.sse * (1 + 1e-6)
+            hits += sse < result.sse * (1 + 1e-6)
         if times:
             yield Row(
                 "fit a hold, 2 arms, 40,001 samples", name, ours, float(np.median(times)),
@@ -191,17 +191,17 @@ def compare_nist_sums() -> Iterator[Row]:
     """NIST's sums of exponentials; curve_fit from NIST's own near start."""
     for name in ("Lanczos1", "Lanczos2", "Lanczos3"):
         table, amplitudes, rates, _, _ = nist.CERTIFIED[name]
-        y, truth = nist.typed(table), (*amplitudes, *rates)
-        found, ours = spent(lambda y=y: exponential_sum(nist.LANCZOS_X, y, terms=3), 5)
+        y, truth = nist.parse_values(table), (*amplitudes, *rates)
+        result, ours = spent(lambda y=y: exponential_sum(nist.LANCZOS_X, y, terms=3), 5)
         rival, theirs = spent(
             lambda y=y: curve_fit(nist.three, nist.LANCZOS_X, y, nist.START, maxfev=10_000)[0], 5
         )
         good = (
-            nist.digits(np.concatenate((found.amplitudes, found.rates)), truth),
+            nist.digits(np.concatenate((result.amplitudes, result.rates)), truth),
             nist.digits(rival, truth),
         )
-        told = [f"{one:.1f}" for one in good]
-        yield Row(f"NIST {name}", "scipy curve_fit", ours, theirs, "correct digits", *told)
+        texts = [f"{item:.1f}" for item in good]
+        yield Row(f"NIST {name}", "scipy curve_fit", ours, theirs, "correct digits", *texts)
 
 
 def rms(error: np.ndarray) -> str:
@@ -211,8 +211,8 @@ def rms(error: np.ndarray) -> str:
 def curves() -> Iterator[Row]:
     """Master curves over 31 and 26 decades; the terms of an FE code come with the data."""
     t, modulus = np.loadtxt(CURVES / "time_user_master.csv", delimiter=",", skiprows=2).T
-    found, ours = spent(lambda: master_curve(t, modulus, per_decade=4), 5)
-    our_good = rms(found.model.relaxation(t) / modulus - 1)
+    result, ours = spent(lambda: master_curve(t, modulus, per_decade=4), 5)
+    our_good = rms(result.model.relaxation(t) / modulus - 1)
     job = "Prony terms of a modulus over 31 decades"
     terms = np.loadtxt(CURVES / "ansys-reference" / "prony_terms_KPf_MD.csv", delimiter=",")
     code = rms(1739.03 * master_curves.prony_time(t, terms) / modulus - 1)
@@ -225,8 +225,8 @@ def curves() -> Iterator[Row]:
         misfit = rms(e_0 * master_curves.prony_time(t, terms) / modulus - 1)
         yield Row(job, "pyvisco", ours, ms, "rms misfit", our_good, misfit)
     data = read_dynamic(CURVES / "freq_user_master.csv")
-    found, ours = spent(lambda: dynamic_master_curve(data, per_decade=4), 5)
-    value = found.model.complex_stiffness(omega=data.omega)
+    result, ours = spent(lambda: dynamic_master_curve(data, per_decade=4), 5)
+    value = result.model.complex_stiffness(omega=data.omega)
     theirs = run_quietly(
         lambda: master_curves.pyvisco_terms(CURVES / "freq_user_master.csv", "freq")
     )
@@ -261,8 +261,8 @@ def hammers() -> Iterator[Row]:
         f, value, _ = frf_peers.pyfrf(force, response, "none")
         (_, ratio), theirs = spent(lambda: frf_peers.poles_by_ema(f, value), 3)
         name = "pyFRF and sdypy-EMA, pole picked nearest to the truth"
-        told = percent(ratio / true.damping_ratio - 1)
-        yield Row(job, name, ours, theirs, good, off, told)
+        message = percent(ratio / true.damping_ratio - 1)
+        yield Row(job, name, ours, theirs, good, off, message)
     (f, value), theirs = spent(lambda: frf_peers.scipy_default(force, response), 9)
     ratio = frf_peers.half_power(f, value)[1] / true.damping_ratio - 1
     yield Row(job, "scipy csd / welch, half power", ours, theirs, good, off, percent(ratio))
@@ -279,8 +279,8 @@ def shapes(draws: int = 8) -> Iterator[Row]:
         modal_peers.errors_of(modal_peers.shapes_by_dashpot(points)[0], name, sums[0])
         near = [hz for hz, *_ in modal_peers.FOUR[name]]
         modal_peers.errors_of(modal_peers.shapes_by_ema(points, near), name, sums[1])
-    ours, theirs = (1e3 * float(np.median(one["time"])) for one in sums)
-    good = [rms(np.array(one["damping"])) for one in sums]
+    ours, theirs = (1e3 * float(np.median(entry["time"])) for entry in sums)
+    good = [rms(np.array(entry["damping"])) for entry in sums]
     job = "two modes 2 % apart at four points"
     yield Row(job, "sdypy-EMA, poles picked nearest to the truth", ours, theirs,
               "rms error of damping", *good)  # fmt: skip
@@ -310,7 +310,7 @@ def table(rows: list[Row]) -> str:
 
 
 def versions() -> str:
-    told = [f"Python {platform.python_version()}"]
+    message = [f"Python {platform.python_version()}"]
     for name in (
         "numpy",
         "scipy",
@@ -323,20 +323,20 @@ def versions() -> str:
         "sdypy-EMA",
     ):
         try:
-            told.append(f"{name} {version(name)}")
+            message.append(f"{name} {version(name)}")
         except PackageNotFoundError:
-            told.append(f"no {name}")
-    return ", ".join(told)
+            message.append(f"no {name}")
+    return ", ".join(message)
 
 
 def main() -> None:
     jobs = (reading, holds, intervals, batches, compare_nist_sums, curves, hammers, shapes)
-    told = table([row for job in jobs for row in job()]) + f"\nOne run with {versions()}.\n"
-    sys.stdout.write(told)
+    message = table([row for job in jobs for row in job()]) + f"\nOne run with {versions()}.\n"
+    sys.stdout.write(message)
     if "--write" in sys.argv:
         before, _, rest = PAGE.read_text("utf-8").partition(MARKS[0])
         after = rest.partition(MARKS[1])[2]
-        PAGE.write_text(f"{before}{MARKS[0]}\n{told}\n{MARKS[1]}{after}", "utf-8")
+        PAGE.write_text(f"{before}{MARKS[0]}\n{message}\n{MARKS[1]}{after}", "utf-8")
 
 
 if __name__ == "__main__":

@@ -115,55 +115,58 @@ def write_files(folder: Path, tests: int) -> tuple[dict[str, float], dict[str, s
         frame = record(scale, rng)
         content = SPOILT[spoilt[name]](frame) if name in spoilt else text(frame)
         (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
-    sound = {n: s for n, s in zip(names, scales, strict=True) if n not in spoilt}
-    return sound, spoilt
+    intact = {n: s for n, s in zip(names, scales, strict=True) if n not in spoilt}
+    return intact, spoilt
 
 
-def judge(lot: dp.Lot, sound: dict[str, float], spoilt: dict[str, str]) -> None:
+def judge(lot: dp.Lot, intact: dict[str, float], spoilt: dict[str, str]) -> None:
     table = lot.table.with_columns(pl.col("file").str.split("/").list.last().alias("name"))
     rows = {row["name"]: row for row in table.iter_rows(named=True)}
     used = {file.rsplit("/", 1)[-1] for file in lot.rows_in_statistics["file"]}
-    print(f"{len(rows)} rows of {len(sound) + len(spoilt)} files: {lot.outcomes}, {lot.verdicts}")
+    print(f"{len(rows)} rows of {len(intact) + len(spoilt)} files: {lot.outcomes}, {lot.verdicts}")
     for way in SPOILT:
-        ours = [name for name, one in spoilt.items() if one == way]
-        left = [name for name in ours if name in used]
+        ours = [name for name, item in spoilt.items() if item == way]
+        counted = [name for name in ours if name in used]
         example = rows[ours[0]]
-        said = example["reason"] or lot.dissimilar.get(example["file"], "nothing")
-        print(f"  {way:18} {len(ours)} files, {len(left)} in the statistics; says: {said[:110]}")
-    lost = [name for name in sound if name not in used]
-    print(f"  sound tests left out of the statistics: {len(lost)} of {len(sound)}")
+        message = example["reason"] or lot.dissimilar.get(example["file"], "nothing")
+        print(
+            f"  {way:18} {len(ours)} files, {len(counted)} in the statistics; says: {message[:110]}"
+        )
+    lost = [name for name in intact if name not in used]
+    print(f"  sound tests left out of the statistics: {len(lost)} of {len(intact)}")
     for name in lost[:5]:
         print(f"    {name}: {rows[name]['reason'][:110]}")
-    found = [(rows[name], scale) for name, scale in sound.items() if name in used]
+    result = [(rows[name], scale) for name, scale in intact.items() if name in used]
     between = [
         row["k_end_low_N_per_m"] <= K_END * scale <= row["k_end_high_N_per_m"]
-        for row, scale in found
+        for row, scale in result
     ]
-    below = [K_INF * scale <= row["k_inf_high_N_per_m"] for row, scale in found]
-    print(f"  k(T) between its limits: {np.mean(between):.3f} of {len(found)} sound tests")
+    below = [K_INF * scale <= row["k_inf_high_N_per_m"] for row, scale in result]
+    print(f"  k(T) between its limits: {np.mean(between):.3f} of {len(result)} sound tests")
     print(f"  k_inf below its upper limit: {np.mean(below):.3f}")
-    for one in lot.components("k_end"):
-        sd = 100 * one.variance**0.5 / K_END
-        if one.interval is None:
-            print(f"  {one.source:7} {sd:.3f} %")
+    for component in lot.components("k_end"):
+        sd = 100 * component.variance**0.5 / K_END
+        if component.interval is None:
+            print(f"  {component.source:7} {sd:.3f} %")
             continue
-        low, high = (100 * end**0.5 / K_END for end in one.interval)
-        true = 100 * SCATTER[one.source]
-        told = "inside" if low <= true <= high else "OUTSIDE"
+        low, high = (100 * end**0.5 / K_END for end in component.interval)
+        true = 100 * SCATTER[component.source]
+        output = "inside" if low <= true <= high else "OUTSIDE"
         print(
-            f"  {one.source:7} {sd:.3f} % ({low:.3f} to {high:.3f}), drawn from {true:g} %: {told}"
+            f"  {component.source:7} {sd:.3f} % ({low:.3f} to {high:.3f}), "
+            f"drawn from {true:g} %: {output}"
         )
 
 
 def main() -> None:
-    asked = argparse.ArgumentParser()
-    asked.add_argument("tests", type=int, nargs="?", default=2000)
-    asked.add_argument("--jobs", type=int)
-    how = asked.parse_args()
+    requested = argparse.ArgumentParser()
+    requested.add_argument("tests", type=int, nargs="?", default=2000)
+    requested.add_argument("--jobs", type=int)
+    how = requested.parse_args()
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place) / "tests"
         folder.mkdir()
-        sound, spoilt = write_files(folder, how.tests)
+        intact, spoilt = write_files(folder, how.tests)
         size = sum(path.stat().st_size for path in folder.iterdir()) / 1e6
         began = time.perf_counter()
         lot = batch(folder, output=Path(place) / "lot", arms=2, by=BY, jobs=how.jobs)
@@ -174,7 +177,7 @@ def main() -> None:
             f"{how.tests} tests, {size:.0f} MB: {wall:.0f} s, {how.tests / cpu:.1f} tests/s of CPU "
             f"of the processes, the largest {used.ru_maxrss / 1024:.0f} MB"
         )
-        judge(lot, sound, spoilt)
+        judge(lot, intact, spoilt)
 
 
 if __name__ == "__main__":

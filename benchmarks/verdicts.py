@@ -97,59 +97,59 @@ WIDTHS = {"k_end": 0.035, "k_3end": 0.11, "frf": 1.75}
 # -- one record ------------------------------------------------------------------------------------
 
 
-def limits_of(one: Record) -> tuple[dp.Fit, dict[str, tuple[float, float, float]]]:
+def limits_of(item: Record) -> tuple[dp.Fit, dict[str, tuple[float, float, float]]]:
     """The fit, and by name the lower limit, the truth and the upper limit of what it claims."""
-    test = dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")
-    record = prepare(test, machine=dp.Machine(**one.told))
-    found = fit(record)
-    mass = one.seal.mass_at(HERTZ, SEALS)
-    bound = frf_band(found, record, mass=mass, frequency=[HERTZ], seals=SEALS)
-    there = abs(one.seal.accelerance(HERTZ, mass, SEALS))
+    test = dp.RelaxationTest(item.time, item.displacement, item.force, units="SI")
+    record = prepare(test, machine=dp.Machine(**item.told))
+    result = fit(record)
+    mass = item.seal.mass_at(HERTZ, SEALS)
+    bound = frf_band(result, record, mass=mass, frequency=[HERTZ], seals=SEALS)
+    there = abs(item.seal.accelerance(HERTZ, mass, SEALS))
     limits = {"frf": (bound.unmeasured[0, 0], there, bound.unmeasured[1, 0])}
     # the bound's resonance is where K' = m w^2/n: where the mass was chosen to have it
     for name, truth, pair in (
         ("peak_frequency", HERTZ, bound.peak_frequency),
-        ("peak_height", one.seal.peak(mass, SEALS)[1], bound.peak_height),
+        ("peak_height", item.seal.peak(mass, SEALS)[1], bound.peak_height),
     ):
         limits[name] = (np.nan, truth, np.nan) if pair is None else (pair[0], truth, pair[1])
-    opened = found.stiffness_limits
+    opened = result.stiffness_limits
     for name, times in (("k_end", 1), ("k_3end", 3), ("k_inf", np.inf)):
         low, high = (np.nan, np.nan) if opened is None else opened[name]
-        truth = float(one.seal.secant(times * record.hold_time))
+        truth = float(item.seal.secant(times * record.hold_time))
         limits[name] = (0.0 if name == "k_inf" else low, truth, high)
-    return found, limits
+    return result, limits
 
 
-def judge_record(one: Record) -> dict[str, object]:
+def judge_record(record: Record) -> dict[str, object]:
     """One line of a relaxation record."""
     start = time.process_time()
     try:
-        found, limits = limits_of(one)
+        result, limits = limits_of(record)
     except dp.DashpotError as error:
-        said: dict[str, object] = {"use": "refused", "reason": [str(error)]}
+        values: dict[str, object] = {"use": "refused", "reason": [str(error)]}
     else:
-        said = {
-            **_describe_verdict(found.verdict),
+        values = {
+            **_describe_verdict(result.verdict),
             "limits": {name: [float(v) for v in three] for name, three in limits.items()},
         }
-    return {**said, "cpu": round(time.process_time() - start, 3)}
+    return {**values, "cpu": round(time.process_time() - start, 3)}
 
 
-def judge_conditioned(one: conditioning.ConditionedRecord) -> dict[str, object]:
+def judge_conditioned(item: conditioning.ConditionedRecord) -> dict[str, object]:
     """One line of a seal that was pressed before its test."""
     start = time.process_time()
     try:
-        record = prepare(dp.RelaxationTest(one.time, one.displacement, one.force, units="SI"))
-        found = fit(record)
+        record = prepare(dp.RelaxationTest(item.time, item.displacement, item.force, units="SI"))
+        result = fit(record)
     except dp.DashpotError as error:
-        said: dict[str, object] = {"use": "refused", "reason": [str(error)]}
+        values: dict[str, object] = {"use": "refused", "reason": [str(error)]}
     else:
-        limits = conditioning.limits_of(one, found.stiffness_limits or {}, record.hold_time)
-        said = {
-            **_describe_verdict(found.verdict),
+        limits = conditioning.limits_of(item, result.stiffness_limits or {}, record.hold_time)
+        values = {
+            **_describe_verdict(result.verdict),
             "limits": {name: [float(v) for v in three] for name, three in limits.items()},
         }
-    return {**said, "cpu": round(time.process_time() - start, 3)}
+    return {**values, "cpu": round(time.process_time() - start, 3)}
 
 
 def holds_truth(line: Mapping) -> bool:
@@ -222,14 +222,14 @@ class Row:
     @property
     def faults(self) -> list[str]:
         """Goals of one disturbance that it does not meet."""
-        found = []
+        result = []
         if not self.doubted and least(self.missed, self.used) > SURE:
-            found.append("misses")
+            result.append("misses")
         if not self.doubted and most(self.held, self.answered) < HELD:
-            found.append("held")
+            result.append("held")
         if not self.doubted and self.held and self.used_held < USED_EACH * self.held:
-            found.append("used")
-        return found
+            result.append("used")
+        return result
 
 
 def rows_of(lines: Iterable[Mapping]) -> list[Row]:
@@ -263,11 +263,11 @@ def format_table(rows: Iterable[Row], whole: Row) -> Iterator[str]:
 
 def goals(rows: list[Row], whole: Row) -> Iterator[tuple[str, bool]]:
     """Each goal with its figure, and whether it is met."""
-    rate, sound = _part(whole.missed, whole.used), _part(whole.used_held, whole.held)
+    rate, intact = _part(whole.missed, whole.used), _part(whole.used_held, whole.held)
     message = f'of {whole.used} with "use" {whole.missed} are wrong: {100 * rate:.1f} %'
     yield f"{message} (goal <= {100 * MISSED:g} %)", rate <= MISSED
-    message = f'of {whole.held} sound ones {whole.used_held} have "use": {100 * sound:.0f} %'
-    yield f"{message} (goal >= {100 * USED:g} %)", sound >= USED
+    message = f'of {whole.held} sound ones {whole.used_held} have "use": {100 * intact:.0f} %'
+    yield f"{message} (goal >= {100 * USED:g} %)", intact >= USED
     for fault, message in (
         ("misses", f'wrong with "use": lower limit above {100 * SURE:g} %'),
         ("held", f"limits right: upper limit below {HELD:g}"),
@@ -335,59 +335,61 @@ ALLOWED = 0.05
 """More than this is a miss: dashpot's own limit for a stiffness that is called right."""
 
 
-def _error(found, truth) -> float:
-    return float(np.max(np.abs(np.asarray(found) / np.asarray(truth) - 1)))
+def _error(result, truth) -> float:
+    return float(np.max(np.abs(np.asarray(result) / np.asarray(truth) - 1)))
 
 
-def _measure_hits(one: Sheet, path: Path) -> Answer:
+def _measure_hits(sheet: Sheet, path: Path) -> Answer:
     """K at the resonance, by the mass."""
-    return _measure_on_mass(one, estimate_frf(read_impact(path)), one.truth["mass"])
+    return _measure_on_mass(sheet, estimate_frf(read_impact(path)), sheet.truth["mass"])
 
 
-def _measure_frf(one: Sheet, path: Path) -> Answer:
+def _measure_frf(sheet: Sheet, path: Path) -> Answer:
     """K at the resonance, by the mass that the lab names."""
-    return _measure_on_mass(one, read_frf(path), one.truth["stated"])
+    return _measure_on_mass(sheet, read_frf(path), sheet.truth["stated"])
 
 
-def _measure_on_mass(one: Sheet, frf: dp.FRF, mass: float) -> Answer:
-    found = identify(frf, mass=mass, seals=one.truth["seals"])
-    seal = one.truth["seal"]
-    there = 2 * np.pi * seal.peak(one.truth["mass"], one.truth["seals"])[0]
-    error = _error(found.solid.complex_stiffness(omega=there), seal.stiffness(there))
-    return found.verdict, error
+def _measure_on_mass(sheet: Sheet, frf: dp.FRF, mass: float) -> Answer:
+    result = identify(frf, mass=mass, seals=sheet.truth["seals"])
+    seal = sheet.truth["seal"]
+    there = 2 * np.pi * seal.peak(sheet.truth["mass"], sheet.truth["seals"])[0]
+    error = _error(result.solid.complex_stiffness(omega=there), seal.stiffness(there))
+    return result.verdict, error
 
 
-def _measure_creep(one: Sheet, path: Path) -> Answer:
+def _measure_creep(sheet: Sheet, path: Path) -> Answer:
     """k(t) at .1 s to the end of the record."""
-    found = fit_creep(read_creep(path))
-    t = np.geomspace(0.1, one["time"][-1] - 1, 20)
-    return found.verdict, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
+    result = fit_creep(read_creep(path))
+    t = np.geomspace(0.1, sheet["time"][-1] - 1, 20)
+    return result.verdict, _error(result.solid.relaxation(t), sheet.truth["solid"].relaxation(t))
 
 
-def _measure_modulus(one: Sheet, path: Path) -> Answer:
+def _measure_modulus(sheet: Sheet, path: Path) -> Answer:
     """E(t) from the first row to three times the last."""
-    found = fit_modulus(read_modulus(path))
-    t = np.geomspace(0.01, 3 * one.truth["end"], 40)
-    return found.verdict, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
+    result = fit_modulus(read_modulus(path))
+    t = np.geomspace(0.01, 3 * sheet.truth["end"], 40)
+    return result.verdict, _error(result.solid.relaxation(t), sheet.truth["solid"].relaxation(t))
 
 
-def _measure_dma(one: Sheet, path: Path) -> Answer:
+def _measure_dma(sheet: Sheet, path: Path) -> Answer:
     """E* over the lines, at 20 degC."""
-    found = fit_dynamic(read_dynamic(path))
-    if one.kind == "dma temperatures":
-        found = found.at_temperature(293.15)
+    result = fit_dynamic(read_dynamic(path))
+    if sheet.kind == "dma temperatures":
+        result = result.at_temperature(293.15)
     omega = 2 * np.pi * np.geomspace(0.1, 30.0, 40)
-    truth = one.truth["solid"].stiffness(omega)
-    return found.verdict, _error(found.solid.complex_stiffness(omega=omega), truth)
+    truth = sheet.truth["solid"].stiffness(omega)
+    return result.verdict, _error(result.solid.complex_stiffness(omega=omega), truth)
 
 
-def _measure_amplitude(one: Sheet, _: Path) -> Answer:
+def _measure_amplitude(sheet: Sheet, _: Path) -> Answer:
     """G* over the amplitudes, at the first frequency, of what was tested, spoilt or not."""
-    f, X = one["frequency"], one["strain"] / 100
-    storage, loss = 1e6 * one["storage"], 1e6 * one["loss"]
-    found = fit_amplitude(dp.AmplitudeSweep(f, X, storage, loss, units="SI"))
+    f, X = sheet["frequency"], sheet["strain"] / 100
+    storage, loss = 1e6 * sheet["storage"], 1e6 * sheet["loss"]
+    amplitude_fit = fit_amplitude(dp.AmplitudeSweep(f, X, storage, loss, units="SI"))
     first = f == f[0]
-    return found.verdict, _error(found.stiffness(X[first]), one.truth["pure"][first])
+    return amplitude_fit.verdict, _error(
+        amplitude_fit.stiffness(X[first]), sheet.truth["pure"][first]
+    )
 
 
 def _command(*words: str | Path) -> dict:
@@ -402,64 +404,66 @@ def _command(*words: str | Path) -> dict:
     return document
 
 
-def _measure_loops(one: Sheet, path: Path) -> Answer:
+def _measure_loops(sheet: Sheet, path: Path) -> Answer:
     """K of a vanishing loop: of the solid and of sliders that stick."""
     document = _command("fit", path)
-    seal, hertz = one.truth["seal"], one.truth["frequency"]
+    seal, hertz = sheet.truth["seal"], sheet.truth["frequency"]
     sticks = sum(seal.friction / 5 / seal.reach / times for times in 2.0 ** np.arange(5))
     first = document["linear"][0]
     truth = seal.stiffness(2 * np.pi * hertz) + sticks
     return document["verdict"], _error(first["storage"] + 1j * first["loss"], truth)
 
 
-def _measure_cld(one: Sheet, path: Path) -> Answer:
+def _measure_cld(sheet: Sheet, path: Path) -> Answer:
     """Force of the pressing at .6 of the depth in the cycle that is told, read as it was."""
-    at = 0.6 * one.truth["seal"].depth
+    at = 0.6 * sheet.truth["seal"].depth
     test = read_cld(path)
-    found = cld(replace(test, specimen=dp.Specimen(length=0.1)), at=at)
-    plate = 1e-3 * one["displacement"]
-    rows = np.arange(len(plate)) * one.truth["cycles"] * 2 // len(plate)
-    told = rows == 2 * (found.cycle.number - 1)
-    slack = plate.max() - one.truth["seal"].depth
-    truth = np.interp(at, plate[told] - slack, one.truth["pure"][told])
-    return found.verdict, _error(found.nominal.loading, truth)
+    result = cld(replace(test, specimen=dp.Specimen(length=0.1)), at=at)
+    plate = 1e-3 * sheet["displacement"]
+    rows = np.arange(len(plate)) * sheet.truth["cycles"] * 2 // len(plate)
+    message = rows == 2 * (result.cycle.number - 1)
+    slack = plate.max() - sheet.truth["seal"].depth
+    truth = np.interp(at, plate[message] - slack, sheet.truth["pure"][message])
+    return result.verdict, _error(result.nominal.loading, truth)
 
 
-def _measure_rod(one: Sheet, path: Path) -> Answer:
+def _measure_rod(sheet: Sheet, path: Path) -> Answer:
     """E* at the line of the largest response: ends slide, for it is a rod's theory."""
-    size = f"{one.truth['diameter']}m,{one.truth['length']}m"
+    size = f"{sheet.truth['diameter']}m,{sheet.truth['length']}m"
     document = _command(
         "fit", path, "--shape", f"disc:{size}", "--lubricated",
-        "--density", str(one.truth["density"]), "--mass", f"{one.truth['mass']!r}kg",
+        "--density", str(sheet.truth["density"]), "--mass", f"{sheet.truth['mass']!r}kg",
     )  # fmt: skip
     lines = np.asarray(document["frequency"])
-    highest = one["frequency"][np.argmax(np.hypot(one["real"], one["imaginary"]))]
+    highest = sheet["frequency"][np.argmax(np.hypot(sheet["real"], sheet["imaginary"]))]
     line = np.argmin(np.abs(lines - highest))
-    found = document["storage"][line] * (1 + 1j * document["loss_factor"][line])
-    return document["verdict"], _error(found, one.truth["solid"].stiffness(2 * np.pi * lines[line]))
+    result = document["storage"][line] * (1 + 1j * document["loss_factor"][line])
+    return document["verdict"], _error(
+        result, sheet.truth["solid"].stiffness(2 * np.pi * lines[line])
+    )
 
 
-def _measure_stretch(one: Sheet, _: Path) -> Answer:
+def _measure_stretch(sheet: Sheet, _: Path) -> Answer:
     """Stress in the three modes over what was stretched, in the largest of each."""
-    law, constants = one.truth["law"], one.truth["constants"]
-    modes, stretch = ("uniaxial", "equibiaxial", "planar"), 1 + one["strain"]
-    tests = [dp.StressStrainTest(mode, stretch, 1e6 * one[mode], units="SI") for mode in modes]
-    found = fit_hyperelastic(tests, poisson=0.0 if law == "hyperfoam" else None)
+    law, constants = sheet.truth["law"], sheet.truth["constants"]
+    modes, stretch = ("uniaxial", "equibiaxial", "planar"), 1 + sheet["strain"]
+    tests = [dp.StressStrainTest(mode, stretch, 1e6 * sheet[mode], units="SI") for mode in modes]
+    hyperelastic_fit = fit_hyperelastic(tests, poisson=0.0 if law == "hyperfoam" else None)
     worst = 0.0
     for mode in modes:
         truth = nominal(law, mode, stretch, constants)
-        off = np.abs(found.law.nominal(mode, stretch) - truth)
+        off = np.abs(hyperelastic_fit.law.nominal(mode, stretch) - truth)
         worst = max(worst, float(off.max() / np.abs(truth).max()))
-    return found.verdict, worst
+    return hyperelastic_fit.verdict, worst
 
 
-def _measure_indentation(one: Sheet, path: Path) -> Answer:
+def _measure_indentation(sheet: Sheet, path: Path) -> Answer:
     """The deepest point: of the ball's path, which Hertz and one arm give."""
     # as a lab knows it, by the height of its fall
-    indenter = Indenter(mass=one.truth["mass"], impact_velocity=one.truth["speed"])
-    found = fit_indentation(read_indentation(path, indenter=indenter))
-    depth = next(fact.value for fact in found.found if fact.name == "depth")
-    return found.verdict, _error(depth, one.truth["depth"])
+    indenter = Indenter(mass=sheet.truth["mass"], impact_velocity=sheet.truth["speed"])
+    indentation_fit = fit_indentation(read_indentation(path, indenter=indenter))
+    depth = next(fact.value for fact in indentation_fit.found if fact.name == "depth")
+    return indentation_fit.verdict, _error(depth, sheet.truth["depth"])
 
 
 SHEETS: Mapping[str, Callable[[Sheet, Path], Answer]] = {
@@ -482,44 +486,46 @@ WITHIN = 1.96
 """Standard errors of a 95 % interval; of limits, in quarters of their width."""
 
 
-def _late_creep(one: Sheet) -> Answer:
+def _late_creep(sheet: Sheet) -> Answer:
     """Force over displacement at the end of the hold, by the limits."""
-    test = dp.CreepTest(one["time"], 1e-3 * one["displacement"], one["force"], units="SI")
-    found = dp.fit(test)
-    low, high = found.stiffness_limits["k_end"]
-    truth = over_displacement(one.truth["solid"], found.evidence.end_of_hold.end_time)
-    return found.verdict, WITHIN * abs(truth - (low + high) / 2) / ((high - low) / 2)
+    test = dp.CreepTest(sheet["time"], 1e-3 * sheet["displacement"], sheet["force"], units="SI")
+    result = dp.fit(test)
+    low, high = result.stiffness_limits["k_end"]
+    truth = over_displacement(sheet.truth["solid"], result.evidence.end_of_hold.end_time)
+    return result.verdict, WITHIN * abs(truth - (low + high) / 2) / ((high - low) / 2)
 
 
-def _late_loops(one: Sheet) -> Answer:
+def _late_loops(sheet: Sheet) -> Answer:
     """The loss of a vanishing loop, of which sliders that stick are no part."""
-    test = dp.RelaxationTest(one["time"], 1e-3 * one["displacement"], one["force"], units="SI")
-    found = fit_amplitude_record(test)
-    line = found.fit.lines[0]
-    truth = one.truth["seal"].stiffness(2 * np.pi * one.truth["frequency"]).imag
-    return found.verdict, abs(line.loss - truth) / line.loss_se
+    test = dp.RelaxationTest(
+        sheet["time"], 1e-3 * sheet["displacement"], sheet["force"], units="SI"
+    )
+    amplitude_result = fit_amplitude_record(test)
+    line = amplitude_result.fit.lines[0]
+    truth = sheet.truth["seal"].stiffness(2 * np.pi * sheet.truth["frequency"]).imag
+    return amplitude_result.verdict, abs(line.loss - truth) / line.loss_se
 
 
-def _late_cld(one: Sheet) -> Answer:
+def _late_cld(sheet: Sheet) -> Answer:
     """The part of the work that is lost in the cycle that is told."""
-    columns = 1e-3 * one["displacement"], one["force"], one["time"]
-    found = cld(dp.CLDTest(*columns, dp.Specimen(length=0.1), units="SI"))
-    x, force, top = cycle_of(one, found.cycle.number)
-    felt = np.maximum(x, 0.0)
-    put = np.trapezoid(force[: top + 1], felt[: top + 1])
-    lost = 1 + np.trapezoid(force[top:], felt[top:]) / put
-    return found.verdict, abs(found.cycle.hysteresis - lost) / found.cycle.hysteresis_se
+    columns = 1e-3 * sheet["displacement"], sheet["force"], sheet["time"]
+    result = cld(dp.CLDTest(*columns, dp.Specimen(length=0.1), units="SI"))
+    x, force, top = cycle_of(sheet, result.cycle.number)
+    sensed = np.maximum(x, 0.0)
+    put = np.trapezoid(force[: top + 1], sensed[: top + 1])
+    lost = 1 + np.trapezoid(force[top:], sensed[top:]) / put
+    return result.verdict, abs(result.cycle.hysteresis - lost) / result.cycle.hysteresis_se
 
 
-def _late_drop(one: Sheet) -> Answer:
+def _late_drop(sheet: Sheet) -> Answer:
     """The loss factor, beside a relaxation test of the slow arms."""
-    specimen = one.truth["specimen"]
-    test = dp.DropTest(one["time"], one["force"], one["acceleration"], units="SI")
-    random = np.random.default_rng([77, *one.name.encode()])
-    found = dp.fit(test, mass=specimen.mass, relaxation=make_relaxation_fit(specimen, random))
-    loss = found.found[0]
-    off = specimen.loss_factor(found.frequency) - loss.value
-    return found.verdict, WITHIN * abs(off) / ((loss.high - loss.low) / 2)
+    specimen = sheet.truth["specimen"]
+    test = dp.DropTest(sheet["time"], sheet["force"], sheet["acceleration"], units="SI")
+    random = np.random.default_rng([77, *sheet.name.encode()])
+    result = dp.fit(test, mass=specimen.mass, relaxation=make_relaxation_fit(specimen, random))
+    loss = result.found[0]
+    off = specimen.loss_factor(result.frequency) - loss.value
+    return result.verdict, WITHIN * abs(off) / ((loss.high - loss.low) / 2)
 
 
 DELAYED: Mapping[str, Callable[[Sheet], Answer]] = {
@@ -527,16 +533,16 @@ DELAYED: Mapping[str, Callable[[Sheet], Answer]] = {
 }  # fmt: skip
 
 
-def judge_delayed(one: Sheet) -> dict[str, object]:
+def judge_delayed(sheet: Sheet) -> dict[str, object]:
     """One line of a record with a late channel."""
     start = time.process_time()
     try:
-        verdict, error = DELAYED[one.kind](one)
+        verdict, error = DELAYED[sheet.kind](sheet)
     except dp.DashpotError as refusal:
-        said: dict[str, object] = {"use": "refused", "reason": [str(refusal)]}
+        values: dict[str, object] = {"use": "refused", "reason": [str(refusal)]}
     else:
-        said = {**_describe_verdict(verdict), "error": float(error), "allowed": WITHIN}
-    return {**said, "cpu": round(time.process_time() - start, 3)}
+        values = {**_describe_verdict(verdict), "error": float(error), "allowed": WITHIN}
+    return {**values, "cpu": round(time.process_time() - start, 3)}
 
 
 def _describe_verdict(verdict: dp.Verdict | Mapping) -> dict[str, object]:
@@ -546,19 +552,19 @@ def _describe_verdict(verdict: dp.Verdict | Mapping) -> dict[str, object]:
     return {"use": verdict.use, "reason": list(verdict.reasons)}
 
 
-def judge_sheet(one: Sheet) -> dict[str, object]:
+def judge_sheet(sheet: Sheet) -> dict[str, object]:
     """One line of a sheet, by its file."""
     start = time.process_time()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "one.csv"
-        path.write_text(one.text(), "utf-8")
+        path.write_text(sheet.text(), "utf-8")
         try:
-            verdict, error = SHEETS[one.kind](one, path)
+            verdict, error = SHEETS[sheet.kind](sheet, path)
         except dp.DashpotError as refusal:
-            said: dict[str, object] = {"use": "refused", "reason": [str(refusal)]}
+            values: dict[str, object] = {"use": "refused", "reason": [str(refusal)]}
         else:
-            said = {**_describe_verdict(verdict), "error": error, "allowed": ALLOWED}
-    return {**said, "cpu": round(time.process_time() - start, 3)}
+            values = {**_describe_verdict(verdict), "error": error, "allowed": ALLOWED}
+    return {**values, "cpu": round(time.process_time() - start, 3)}
 
 
 # -- hammers ---------------------------------------------------------------------------------------
@@ -566,26 +572,28 @@ NORMAL = 1.96
 """Standard errors of a 95 % limit."""
 
 
-def judge_hammer(one: HammerRecord, head: str) -> dict[str, object]:
+def judge_hammer(hammer_record: HammerRecord, head: str) -> dict[str, object]:
     """One line of a hammer test: how far its solid is off at the resonance, over its limits."""
     start = time.process_time()
-    omega, truth = one.truth["omega"], one.truth["stiffness"]
+    omega, truth = hammer_record.truth["omega"], hammer_record.truth["stiffness"]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "hits.csv"
-        path.write_text(one.text(head), "utf-8")
+        path.write_text(hammer_record.text(head), "utf-8")
         try:
-            found = dp.fit(dp.read(path), mass=one.truth["mass"], seals=one.truth["seals"])
+            result = dp.fit(
+                dp.read(path), mass=hammer_record.truth["mass"], seals=hammer_record.truth["seals"]
+            )
         except dp.DashpotError as refusal:
-            said: dict[str, object] = {"use": "refused", "reason": [str(refusal)]}
+            values: dict[str, object] = {"use": "refused", "reason": [str(refusal)]}
         else:
-            K = found.solid.complex_stiffness(omega=omega)
-            size, loss = found.estimate.errors_of_vibration(found.model, np.array([1j * omega]))
+            K = result.solid.complex_stiffness(omega=omega)
+            size, loss = result.estimate.errors_of_vibration(result.model, np.array([1j * omega]))
             off = (
                 _error(abs(truth), abs(K)) / (NORMAL * size),
                 _error(truth.imag / truth.real, K.imag / K.real) / (NORMAL * loss),
             )
-            said = {**_describe_verdict(found.verdict), "error": max(off), "allowed": 1.0}
-    return {**said, "cpu": round(time.process_time() - start, 3)}
+            values = {**_describe_verdict(result.verdict), "error": max(off), "allowed": 1.0}
+    return {**values, "cpu": round(time.process_time() - start, 3)}
 
 
 def work_of_hammers(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]]]:
@@ -614,14 +622,14 @@ def judge_pair(pair: SlowPair, *, joint: bool) -> dict[str, object]:
         try:
             fit_ = dp.fit(*tests * joint, dp.read(path), mass=truth["mass"], seals=truth["seals"])
         except dp.DashpotError as refusal:
-            said: dict[str, object] = {"use": "refused", "reason": [str(refusal)]}
+            values: dict[str, object] = {"use": "refused", "reason": [str(refusal)]}
         else:
             low, high = fit_.intervals()["k_inf"]
-            said = {
+            values = {
                 **_describe_verdict(fit_.verdict),
                 "limits": {"k_inf": [float(low), pair.seal.solid.k_inf, float(high)]},
             }
-    return {**said, "cpu": round(time.process_time() - start, 3)}
+    return {**values, "cpu": round(time.process_time() - start, 3)}
 
 
 def work_of_pairs(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]]]:
@@ -689,25 +697,25 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
     for number in range(options.conditioned):
         kind = conditioning.HISTORIES[number % len(conditioning.HISTORIES)]
         if wanted.search(f"conditioned, {kind}"):
-            one = conditioning.make_conditioned_record(number, options.seed)
-            group = f"conditioned, {'sound' if one.sound else 'softens'}"
-            name = {"group": group, "rig": False, "name": one.name, "seed": options.seed}
-            yield name, lambda one=one: judge_conditioned(one)
+            record = conditioning.make_conditioned_record(number, options.seed)
+            group = f"conditioned, {'sound' if record.sound else 'softens'}"
+            name = {"group": group, "rig": False, "name": record.name, "seed": options.seed}
+            yield name, lambda item=record: judge_conditioned(item)
     for kind in SHEETS:
-        for one in sheets(kind, options.kinds, options.seed) if wanted.search(kind) else ():
-            group = f"{kind}, {one.spoilt or 'sound'}"
-            name = {"group": group, "rig": False, "name": one.name, "seed": options.seed}
-            yield name, lambda one=one: judge_sheet(one)
+        for record in sheets(kind, options.kinds, options.seed) if wanted.search(kind) else ():
+            group = f"{kind}, {record.spoilt or 'sound'}"
+            name = {"group": group, "rig": False, "name": record.name, "seed": options.seed}
+            yield name, lambda item=record: judge_sheet(item)
     yield from work_of_hammers(options)
     yield from work_of_pairs(options)
     for kind in DELAYED:
         group = f"delays in {kind}"
         for turn in range(options.kinds if wanted.search(group) else 0):
-            one = make_delayed_sheet(kind, options.seed + turn)
+            record = make_delayed_sheet(kind, options.seed + turn)
             name = {
-                "group": group, "rig": False, "name": f"{turn} {one.name}", "seed": options.seed,
+                "group": group, "rig": False, "name": f"{turn} {record.name}", "seed": options.seed,
             }  # fmt: skip
-            yield name, lambda one=one: judge_delayed(one)
+            yield name, lambda item=record: judge_delayed(item)
     yield from work_of_curves(options)
     yield from work_of_claims(options)
 
@@ -718,42 +726,44 @@ HEADLINES = ("none", "white 10 mN", "skew 2 ms", "drift .5 mN/s", "hum 50 Hz")
 
 
 def evaluate_claim(
-    found: dp.Fit, solid: dp.GeneralizedMaxwell, truth: Solid | Seal
+    result: dp.Fit, solid: dp.GeneralizedMaxwell, truth: Solid | Seal
 ) -> dict[str, object]:
     """The verdict, and the largest error over the band, over what is said of it."""
-    lines = np.geomspace(*found.band, 60)
+    lines = np.geomspace(*result.band, 60)
     errors = gaps.off(truth, lines, solid.complex_stiffness(omega=2 * np.pi * lines))
-    error = max(e / c for e, c in zip(errors, found._error_in_band, strict=True))
-    return {**_describe_verdict(found.verdict), "error": float(error), "allowed": 1.0}
+    error = max(e / c for e, c in zip(errors, result._error_in_band, strict=True))
+    return {**_describe_verdict(result.verdict), "error": float(error), "allowed": 1.0}
 
 
-def _curve(one: curves.Curve, arms: int | str = "auto") -> dp.Fit:
-    if one.kind == "curve":
-        return fit_modulus(one.at, one.values, arms=arms)
-    if one.kind == "creep":
-        return fit_creep(dp.CreepCompliance(one.at, one.values, unit="1/Pa", units="SI"), arms=arms)
-    return fit_dynamic(dp.DynamicTest(one.at, *one.values, unit="Pa", units="SI"), arms=arms)
+def _curve(curve: curves.Curve, arms: int | str = "auto") -> dp.Fit:
+    if curve.kind == "curve":
+        return fit_modulus(curve.at, curve.values, arms=arms)
+    if curve.kind == "creep":
+        return fit_creep(
+            dp.CreepCompliance(curve.at, curve.values, unit="1/Pa", units="SI"), arms=arms
+        )
+    return fit_dynamic(dp.DynamicTest(curve.at, *curve.values, unit="Pa", units="SI"), arms=arms)
 
 
-def _claim_of_curve(one: curves.Curve, arms: int | str = "auto") -> dict[str, object]:
-    found = _curve(one, arms)
-    return evaluate_claim(found, found.model, one.solid)
+def _claim_of_curve(curve: curves.Curve, arms: int | str = "auto") -> dict[str, object]:
+    result = _curve(curve, arms)
+    return evaluate_claim(result, result.model, curve.solid)
 
 
-def _claim_of_record(one: Record, arms: int | str = "auto") -> dict[str, object]:
-    test = dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")
-    found = fit(prepare(test, machine=dp.Machine(**one.told)), arms=arms)
-    return evaluate_claim(found, found.model_at(one.seal.depth), one.seal)
+def _claim_of_record(record: Record, arms: int | str = "auto") -> dict[str, object]:
+    test = dp.RelaxationTest(record.time, record.displacement, record.force, units="SI")
+    result = fit(prepare(test, machine=dp.Machine(**record.told)), arms=arms)
+    return evaluate_claim(result, result.model_at(record.seal.depth), record.seal)
 
 
 def judge_claim(claim: Callable[[], dict[str, object]]) -> dict[str, object]:
     """One line of a claim; a refusal claims nothing."""
     start = time.process_time()
     try:
-        said = claim()
+        values = claim()
     except dp.DashpotError as error:
-        said = {"use": "refused", "reason": [str(error)]}
-    return {**said, "cpu": round(time.process_time() - start, 3)}
+        values = {"use": "refused", "reason": [str(error)]}
+    return {**values, "cpu": round(time.process_time() - start, 3)}
 
 
 def work_of_claims(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]]]:
@@ -768,25 +778,25 @@ def work_of_claims(options: argparse.Namespace) -> Iterator[tuple[dict, Callable
 
     for kind in gaps.KINDS if count else ():
         for group, whole in ((f"gaps, {kind}", False), (f"gaps, {kind}, none", True)):
-            for one in (
+            for forced_order in (
                 gaps.generate_gapped_curves(kind, count, seed, whole=whole)
                 if is_selected(group)
                 else ()
             ):
                 yield (
-                    make_key(group, one.name),
-                    lambda one=one: judge_claim(lambda: _claim_of_curve(one)),
+                    make_key(group, forced_order.name),
+                    lambda item=forced_order: judge_claim(lambda: _claim_of_curve(item)),
                 )
     for kind in forced_orders.KINDS if count else ():
         claim = _claim_of_record if kind == "ramp and hold" else _claim_of_curve
-        for one in forced_orders.generate_forced_orders(kind, count, seed):
-            for arms in range(1, one.arms + 1):
-                few = "enough" if arms == one.arms else "too few"
+        for forced_order in forced_orders.generate_forced_orders(kind, count, seed):
+            for arms in range(1, forced_order.arms + 1):
+                few = "enough" if arms == forced_order.arms else "too few"
                 if is_selected(group := f"forced, {kind}, {few}"):
                     yield (
-                        make_key(group, f"{one.test.name}, {arms} asked"),
-                        lambda one=one, arms=arms, claim=claim: judge_claim(
-                            lambda: claim(one.test, arms)
+                        make_key(group, f"{forced_order.test.name}, {arms} asked"),
+                        lambda item=forced_order, arms=arms, claim=claim: judge_claim(
+                            lambda: claim(item.test, arms)
                         ),
                     )
     for rig in HEADLINES:
@@ -816,17 +826,17 @@ def work_of_curves(options: argparse.Namespace) -> Iterator[tuple[dict, Callable
             if not re.search(options.only, group):
                 continue
             for whole in make(options.curves // part, options.seed):
-                one = whole.cut() if cut else whole
-                if len(one.at) >= FEWEST:
-                    name = {"group": group, "rig": False, "name": one.name, "seed": options.seed}
-                    yield name, lambda one=one: judge_curve(one)
+                item = whole.cut() if cut else whole
+                if len(item.at) >= FEWEST:
+                    name = {"group": group, "rig": False, "name": item.name, "seed": options.seed}
+                    yield name, lambda element=item: judge_curve(element)
 
 
-def judge_curve(one: curves.Curve) -> dict[str, object]:
+def judge_curve(curve: curves.Curve) -> dict[str, object]:
     """One line of a curve."""
     start = time.process_time()
-    said = curve_ends.evaluate_curve(one)
-    return {**said, "cpu": round(time.process_time() - start, 3)}
+    message = curve_ends.evaluate_curve(curve)
+    return {**message, "cpu": round(time.process_time() - start, 3)}
 
 
 def main() -> None:
@@ -847,8 +857,8 @@ def main() -> None:
     if options.table is None:
         if options.out is None:
             options.out = Path(tempfile.mkdtemp()) / "verdicts.jsonl"
-        known = lines_of(options.out) if options.out.exists() else []
-        done = {(o["group"], o["name"], o["seed"]) for o in known}
+        expected = lines_of(options.out) if options.out.exists() else []
+        done = {(o["group"], o["name"], o["seed"]) for o in expected}
         with options.out.open("a", encoding="utf-8") as out:
             for name, judge in work(options):
                 if (name["group"], name["name"], name["seed"]) not in done:

@@ -141,10 +141,10 @@ def judge_limits(seed: int, *, is_spoilt: bool) -> Answer:
     fit = dp.fit(press_seal(seal, random, drift=drift), machine=machine)
     truth = seal.relaxation(10.0)
     limit = float(truth * (1 + 0.01 * random.standard_normal()))
-    (found,) = dp.files.read_limits(f"stiffness at 10s >= {limit!r}N/m").judge(fit).limits
-    is_wrong = found.outcome == ("met" if truth < limit else "missed")
+    (result,) = dp.files.read_limits(f"stiffness at 10s >= {limit!r}N/m").judge(fit).limits
+    is_wrong = result.outcome == ("met" if truth < limit else "missed")
     return Answer(
-        fit.verdict.use, 2.0 * is_wrong, (_holds(found.value.low, truth, found.value.high),)
+        fit.verdict.use, 2.0 * is_wrong, (_holds(result.value.low, truth, result.value.high),)
     )
 
 
@@ -233,7 +233,7 @@ def judge_cars(seed: int, *, is_spoilt: bool) -> Answer:
         z = random.uniform(-1.5, 1.5)
         limit = float(nominal * np.exp(sd * z / 2))
         cars = predict_population(path, lot=table, limits=[f"mode 1 >= {limit!r}Hz"])
-    (mode,) = (one for one in cars.quantities if one.limit is not None)
+    (mode,) = (quantity for quantity in cars.quantities if quantity.limit is not None)
     truth = norm.cdf(z)
     error = abs(mode.share_beyond - truth) / 0.25
     return Answer(cars.verdict.use, error, (_holds(mode.share_low, truth, mode.share_high),))
@@ -283,10 +283,10 @@ class Row(NamedTuple):
     seconds: float
 
 
-def judge_kind(name: str, each: int, seed: int) -> Row:
+def judge_kind(name: str, item: int, seed: int) -> Row:
     start, answers, refused = time.process_time(), [], 0
-    sound = used = 0
-    for i in range(each):
+    intact = used = 0
+    for i in range(item):
         is_spoilt = i % 3 == 2
         try:
             answer = KINDS[name](seed + i, is_spoilt=is_spoilt)
@@ -295,12 +295,12 @@ def judge_kind(name: str, each: int, seed: int) -> Row:
             continue
         answers.append((answer, is_spoilt))
         if not is_spoilt and answer.error <= 1:
-            sound += 1
+            intact += 1
             used += answer.use == "use"
     use = [answer for answer, _ in answers if answer.use == "use"]
-    held = [each for answer, is_spoilt in answers if not is_spoilt for each in answer.held]
+    held = [element for answer, is_spoilt in answers if not is_spoilt for element in answer.held]
     return Row(
-        name, each, refused, len(use), sum(answer.error > 1 for answer in use), sound, used,
+        name, item, refused, len(use), sum(answer.error > 1 for answer in use), intact, used,
         len(held), sum(held), time.process_time() - start,
     )  # fmt: skip
 
@@ -326,8 +326,8 @@ def main() -> None:
     parser.add_argument("--each", type=int, default=40)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", nargs="+", choices=KINDS, default=list(KINDS))
-    asked = parser.parse_args()
-    print_rows(map(partial(judge_kind, each=asked.each, seed=asked.seed), asked.only))
+    options = parser.parse_args()
+    print_rows(map(partial(judge_kind, item=options.each, seed=options.seed), options.only))
 
 
 if __name__ == "__main__":

@@ -88,8 +88,8 @@ def shared_data() -> Path:
 @pytest.fixture(scope="module")
 def fuzzer() -> Iterator[Fuzzer]:
     """The process that mutants are given to."""
-    with closing(Fuzzer()) as one:
-        yield one
+    with closing(Fuzzer()) as item:
+        yield item
 
 
 @pytest.fixture

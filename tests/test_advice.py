@@ -28,8 +28,10 @@ VERB = re.compile(r"\bdashpot ([a-z]+)\b")
 def options() -> set[str]:
     context = click.Context(main)
     verbs = (main.get_command(context, name) for name in COMMANDS)
-    known = {word for verb in verbs if verb for one in verb.params for word in one.opts}
-    return known | {"--help", "--help-all", "--version", "--traceback"}
+    expected = {
+        word for verb in verbs if verb for parameter in verb.params for word in parameter.opts
+    }
+    return expected | {"--help", "--help-all", "--version", "--traceback"}
 
 
 def sentences() -> Iterator[tuple[str, int, str]]:
@@ -50,9 +52,9 @@ def sentences() -> Iterator[tuple[str, int, str]]:
                 yield where, number, line
 
 
-def strange(text: str, known: set[str]) -> list[str]:
+def strange(text: str, expected: set[str]) -> list[str]:
     """The words of a text that no one can type."""
-    return [word for word in OPTION.findall(text) if word not in known]
+    return [word for word in OPTION.findall(text) if word not in expected]
 
 
 @pytest.mark.parametrize(
@@ -67,7 +69,7 @@ def test_what_is_strange(text: str, wrong: list[str]) -> None:
 
 
 def test_every_sentence_names_what_exists() -> None:
-    known = options()
-    found = [(where, line, strange(text, known)) for where, line, text in sentences()]
-    assert len(found) > 5000
-    assert not [one for one in found if one[2]]
+    expected = options()
+    result = [(where, line, strange(text, expected)) for where, line, text in sentences()]
+    assert len(result) > 5000
+    assert not [item for item in result if item[2]]

@@ -72,32 +72,32 @@ def test_a_fit_looks_for_no_mask() -> None:
 def test_no_lazy_name_is_that_of_its_module():
     """Where it is, whoever imports the module first puts it in the name's place."""
     for stub in (ROOT / "src").rglob("__init__.pyi"):
-        offered = re.findall(r"^from \.(\S*) import (\w+)", stub.read_text("utf-8"), re.MULTILINE)
+        matches = re.findall(r"^from \.(\S*) import (\w+)", stub.read_text("utf-8"), re.MULTILINE)
         rooms = {path.stem for path in stub.parent.iterdir()} - {"__init__"}
-        hidden = {name for module, name in offered if module and name in rooms}
+        hidden = {name for module, name in matches if module and name in rooms}
         assert hidden == (set(dp.VERBS) if stub.parent.name == "dashpot" else set()), stub
 
 
 def test_api_function_survives_the_import_of_its_package():
     """`dp.report` is the verb, before and after `dashpot.report` has been imported."""
     for verb in dp.VERBS:
-        room = import_module(f"dashpot.{verb}")
+        folder = import_module(f"dashpot.{verb}")
         assert callable(getattr(dp, verb))
-        assert getattr(dp, verb) is not room
+        assert getattr(dp, verb) is not folder
 
 
 def test_names_given_to_load_function_resolve():
     """A package that names one above it does so by `load_function`; such names are no imports."""
-    offered = {}
+    choices = {}
     for file in (ROOT / "src").rglob("*.py"):
         for module, name in re.findall(
             r'load_function\("([\w.]+)", "(\w+)"\)', file.read_text("utf-8")
         ):
-            offered[module, name] = file.relative_to(ROOT / "src" / "dashpot").as_posix()
+            choices[module, name] = file.relative_to(ROOT / "src" / "dashpot").as_posix()
             assert callable(getattr(import_module(f"dashpot.{module}"), name))
     records = {f"datamodel/{name}.py" for name in ("frf", "relaxation", "vibration_tests")}
     rooms = {"base/result_mixins.py", "plot/picture.py", "extensions/materials/csr/datamodel.py"}
-    assert set(offered.values()) == rooms | records
+    assert set(choices.values()) == rooms | records
     by_word = {
         file.relative_to(ROOT / "src" / "dashpot").as_posix()
         for file in (ROOT / "src").rglob("*.py")
@@ -115,20 +115,20 @@ def test_help_loads_click_and_no_numbers():
     assert not loaded & (HEAVY | {"numpy"})
 
 
-@pytest.mark.parametrize(("said", "heard"), [(None, "1"), ("3", "3")])
-def test_command_line_uses_one_blas_thread_by_default(said, heard):
+@pytest.mark.parametrize(("message", "heard"), [(None, "1"), ("3", "3")])
+def test_command_line_uses_one_blas_thread_by_default(message, heard):
     """More wait at full load for the one that works: named before NumPy is there."""
     names = [f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL")]
-    told = {name: said for name in names if said}
-    bare = {name: value for name, value in os.environ.items() if name not in names} | told
+    values = {name: message for name in names if message}
+    bare = {name: value for name, value in os.environ.items() if name not in names} | values
     code = (
         "import os, sys, dashpot.cli; assert 'numpy' not in sys.modules;"
         f"print([os.environ[name] for name in {names}])"
     )
-    found = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", code], env=bare, check=True, capture_output=True, text=True
     )
-    assert found.stdout.strip() == str([heard] * 3)
+    assert process.stdout.strip() == str([heard] * 3)
 
 
 def test_fitting_a_text_file_loads_numpy_only(tmp_path):

@@ -71,8 +71,8 @@ NAMES = [getattr(run, "values", run)[0] for run in RUNS]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "words", "told"), RUNS, ids=NAMES)
-def test_a_benchmark_runs(name: str, words: str, told: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("name", "words", "text"), RUNS, ids=NAMES)
+def test_a_benchmark_runs(name: str, words: str, text: str, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, BENCHMARKS / f"{name}.py", *words.split()],
         capture_output=True,
@@ -80,9 +80,9 @@ def test_a_benchmark_runs(name: str, words: str, told: str, tmp_path: Path) -> N
         check=False,
         cwd=tmp_path,
     )
-    said = done.stdout + done.stderr
-    assert done.returncode == 0, said
-    assert re.search(told, said, re.MULTILINE), said
+    message = done.stdout + done.stderr
+    assert done.returncode == 0, message
+    assert re.search(text, message, re.MULTILINE), message
 
 
 def test_every_benchmark_is_run_by_night():
@@ -113,23 +113,23 @@ def test_what_has_rotted_is_seen():
 
 def rotten(tree: ast.Module) -> Iterator[str]:
     """Calls that dashpot would not take; of what is bound by `partial` the names alone are held."""
-    known, bound = resolve_imports(tree), {}
+    imports, bound = resolve_imports(tree), {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute):
-            meant(node, known)
+            meant(node, imports)
         if isinstance(node, ast.Assign) and _is_partial(node.value):
-            names = [one.id for one in node.targets if isinstance(one, ast.Name)]
+            names = [target.id for target in node.targets if isinstance(target, ast.Name)]
             bound |= dict.fromkeys(names, node.value.args[0])
     for node in ast.walk(tree):
         if not isinstance(node, ast.Call):
             continue
-        function, given, whole = node.func, node.args, True
+        function, args, whole = node.func, node.args, True
         if _is_partial(node):
-            function, given, whole = node.args[0], node.args[1:], False
+            function, args, whole = node.args[0], node.args[1:], False
         elif isinstance(function, ast.Name) and function.id in bound:
-            function, given, whole = bound[function.id], [], False
-        called = meant(function, known)
-        if callable(called) and not takes(called, given, node.keywords, whole=whole):
+            function, args, whole = bound[function.id], [], False
+        called = meant(function, imports)
+        if callable(called) and not takes(called, args, node.keywords, whole=whole):
             yield ast.unparse(node)
 
 
@@ -139,34 +139,34 @@ def _is_partial(node: ast.expr) -> bool:
 
 def resolve_imports(tree: ast.Module) -> dict[str, Any]:
     """What the names stand for that a script has from here, and gives no other meaning."""
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     others = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
-            for one in node.names:
-                if (first := one.name.partition(".")[0]) in OURS:
-                    module = import_module(one.name)
-                    found[one.asname or first] = module if one.asname else sys.modules[first]
+            for item in node.names:
+                if (first := item.name.partition(".")[0]) in OURS:
+                    module = import_module(item.name)
+                    values[item.asname or first] = module if item.asname else sys.modules[first]
         elif isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] in OURS:
             home = import_module(node.module)
-            for one in node.names:
-                if not hasattr(home, one.name):  # a module that nothing has loaded yet
-                    import_module(f"{node.module}.{one.name}")
-                found[one.asname or one.name] = getattr(home, one.name)
+            for item in node.names:
+                if not hasattr(home, item.name):  # a module that nothing has loaded yet
+                    import_module(f"{node.module}.{item.name}")
+                values[item.asname or item.name] = getattr(home, item.name)
         elif isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
             others.add(node.id)
         elif isinstance(node, ast.arg):
             others.add(node.arg)
         elif isinstance(node, ast.FunctionDef | ast.ClassDef):
             others.add(node.name)
-    return {name: value for name, value in found.items() if name not in others}
+    return {name: value for name, value in values.items() if name not in others}
 
 
-def meant(node: ast.expr, known: dict[str, Any]) -> Any:
+def meant(node: ast.expr, expected: dict[str, Any]) -> Any:
     """What a dotted name stands for; None where it is not known here."""
     if isinstance(node, ast.Name):
-        return known.get(node.id)
-    if isinstance(node, ast.Attribute) and (home := meant(node.value, known)) is not None:
+        return expected.get(node.id)
+    if isinstance(node, ast.Attribute) and (home := meant(node.value, expected)) is not None:
         return getattr(home, node.attr)
     return None
 
@@ -195,17 +195,17 @@ def list_public_overloads(called: Any) -> list[Any]:
     return load_public_overloads().get(called.__name__, [])
 
 
-def takes(called: Any, given: list[ast.expr], named: list[ast.keyword], *, whole: bool) -> bool:
+def takes(called: Any, nodes: list[ast.expr], named: list[ast.keyword], *, whole: bool) -> bool:
     """Whether a function, or one of its overloads, takes such arguments."""
-    plain: list[object] = [one for one in given if not isinstance(one, ast.Starred)]
-    names = {one.arg: one.value for one in named if one.arg}
-    whole &= len(plain) + len(names) == len(given) + len(named)
+    plain: list[object] = [node for node in nodes if not isinstance(node, ast.Starred)]
+    names = {quantity.arg: quantity.value for quantity in named if quantity.arg}
+    whole &= len(plain) + len(names) == len(nodes) + len(named)
     several = get_overloads(called) or list_public_overloads(called)
     if several and ismethod(called):
         plain.insert(0, called.__self__)
-    for one in several or [called]:
+    for item in several or [called]:
         try:
-            taken = signature(one)
+            taken = signature(item)
         except ValueError:  # an error's own: of anything
             return True
         try:

@@ -329,8 +329,8 @@ def spectra(*, level: float = 0.0, odd: float = 0.0) -> Spectra:
     return Spectra(LINES, force, response)
 
 
-def make_combination(*, left: float = 0.0, eccentric: float = 0.0) -> Combination:
-    return Combination((0.5, 0.5), 60j, 200j, left, left, (0.0, eccentric, 0.0))
+def make_combination(*, residual: float = 0.0, eccentric: float = 0.0) -> Combination:
+    return Combination((0.5, 0.5), 60j, 200j, residual, residual, (0.0, eccentric, 0.0))
 
 
 # -- where each check passes, and where it fails --------------------------------------------------
@@ -433,10 +433,10 @@ def load(rest: int = 10, change: float = 0.0) -> LoadHold:
     return LoadHold(time, held, held, held, first, first, end, 1.0, displacement_noise=0.01)
 
 
-def crept(left: float) -> Check:
+def crept(residual: float) -> Check:
     """A part that has this part of its displacement at rest to come after 10 s."""
     lam = 10.0
-    spectrum = CreepSpectrum(1 - left * np.e, (left * np.e,), (lam,))
+    spectrum = CreepSpectrum(1 - residual * np.e, (residual * np.e,), (lam,))
     return creep.creep_finished(spectrum, lam)
 
 
@@ -1251,8 +1251,8 @@ def sharing(overlap: float) -> list[ModeShape]:
     """Two close modes of two points whose shapes share so much."""
     other = np.array([overlap, -np.sqrt(1 - overlap**2)], dtype=complex)
     close = replace(MODE, frequency=1.02 * MODE.frequency)
-    one = ModeShape(MODE, np.array([1.0, 0.0], dtype=complex), np.zeros(2), 1.0)
-    return [one, ModeShape(close, other, np.zeros(2), 1.0)]
+    mode_shape = ModeShape(MODE, np.array([1.0, 0.0], dtype=complex), np.zeros(2), 1.0)
+    return [mode_shape, ModeShape(close, other, np.zeros(2), 1.0)]
 
 
 MODAL = [
@@ -1533,7 +1533,7 @@ IMPACT = [
     ),
     Case(
         "rocking_cancelled",
-        lambda x: impact.rocking_cancelled(make_measured_frf(), make_combination(left=x)),
+        lambda x: impact.rocking_cancelled(make_measured_frf(), make_combination(residual=x)),
         0.0499,
         0.0501,
     ),
@@ -1569,11 +1569,11 @@ TEMPERATURE = [
 
 def contact_fit() -> IndentationFit:
     """A contact whose restitution is 1, beside nothing else."""
-    found = (ReportedValue("restitution", 1.0, 0.9, 1.1, ""),)
+    result = (ReportedValue("restitution", 1.0, 0.9, 1.1, ""),)
     none = np.zeros(0)
     return IndentationFit(
-        "hertz", ViscousContact(1.0), found, (), Indenter(1.0), "force", none, none, none, 0.0, 0.0,
-        0.0, 1.0,
+        "hertz", ViscousContact(1.0), result, (), Indenter(1.0), "force", none, none, none, 0.0,
+        0.0, 0.0, 1.0,
     )  # fmt: skip
 
 
@@ -2479,10 +2479,10 @@ def test_every_check_just_passes_and_just_fails_at_its_limit(case: Case) -> None
     for x, passed in ((case.passes, True), (case.fails, False)):
         if x is None:
             continue
-        found = case.judge(x)
-        assert found.name == case.check
-        assert found.passed is passed, found
-        assert found.message
+        judge = case.judge(x)
+        assert judge.name == case.check
+        assert judge.passed is passed, judge
+        assert judge.message
 
 
 def test_ramps_and_holds_share_more_decades_than_sweeps() -> None:
@@ -2505,17 +2505,17 @@ def test_the_value_of_a_check_is_what_its_case_says() -> None:
 def test_the_limits_are_those_typed_here() -> None:
     for stage, limits in LIMITS.items():
         registered = {
-            name: one.limit
-            for (where, name), one in REGISTER.items()
-            if where == stage and one.limit is not None
+            name: check.limit
+            for (where, name), check in REGISTER.items()
+            if where == stage and check.limit is not None
         }
         assert registered == limits, "type its limit here"
 
 
 def test_the_grades_are_those_typed_here() -> None:
-    for (stage, name), one in REGISTER.items():
+    for (stage, name), check in REGISTER.items():
         grades = [grade for grade, stages in GRADES.items() if name in stages.get(stage, ())]
-        assert one.grade == (grades or ["limit"])[0], (stage, name)
+        assert check.grade == (grades or ["limit"])[0], (stage, name)
 
 
 def test_the_statuses_that_checks_set_are_those_typed_here() -> None:
@@ -2529,7 +2529,7 @@ def test_the_statuses_that_checks_set_are_those_typed_here() -> None:
                         case.check
                     )
     typed = {(stage, name) for stage, names in ENDS.items() for name in names}
-    assert typed == {at for at, one in REGISTER.items() if one.fit_status is not None}
+    assert typed == {at for at, item in REGISTER.items() if item.fit_status is not None}
 
 
 def test_the_gravest_of_what_went_wrong_is_how_a_fit_ended() -> None:
@@ -2551,8 +2551,8 @@ def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set(
     assert list(check.to_dict()) == [
         "name", "passed", "grade", "value", "limit", "message", "remedy"
     ]  # fmt: skip
-    kept = json.loads(to_json(a_fit(arm(), checks=(check,))))["checks"]
-    assert kept == [check.to_dict()]
+    retained = json.loads(to_json(a_fit(arm(), checks=(check,))))["checks"]
+    assert retained == [check.to_dict()]
 
 
 @pytest.mark.parametrize(
@@ -2659,8 +2659,8 @@ def test_what_another_condition_makes_harmless_is_a_note() -> None:
     for most, grade in ((1.979, "limit"), (1.981, "note")):
         end = EndOfHold(40.0, (0.9, most), (0.0, 9.0), (0.0, 9.0), 0.0)
         assert relaxation.hold_and_full_agree(arm(), other, np.zeros(3), end=end).grade == grade
-    for beyond, grade in ((0.249, "note"), (0.251, "limit")):
-        far = ramp.drift_plausible([(9.1, 0.0, 1.0, 9.0)], beyond)
+    for excess, grade in ((0.249, "note"), (0.251, "limit")):
+        far = ramp.drift_plausible([(9.1, 0.0, 1.0, 9.0)], excess)
         assert far.failed
         assert far.grade == grade
     # a tangent of 1 + a at the depth: determined by one ramp where it hardly bends
@@ -2746,10 +2746,10 @@ def test_no_status_is_decided_outside_the_criteria() -> None:
 
 
 def test_every_criterion_says_what_it_asks_and_where_its_limit_comes_from() -> None:
-    for (stage, name), asked in REGISTER.items():
-        assert asked.question.endswith("."), name
-        assert asked.source, name
-        assert bool(asked.rule) <= bool(asked.measure), name
+    for (stage, name), requested in REGISTER.items():
+        assert requested.question.endswith("."), name
+        assert requested.source, name
+        assert bool(requested.rule) <= bool(requested.measure), name
         assert any((SOURCES / stage).glob("*checks*"))
 
 
@@ -2759,8 +2759,8 @@ def test_the_page_of_every_check_is_the_register() -> None:
     assert spec.loader is not None
     written = module_from_spec(spec)
     spec.loader.exec_module(written)
-    kept = written.PAGE.read_text(encoding="utf-8")
-    assert written.page() == kept, "run `python docs/checks.py`"
+    text = written.PAGE.read_text(encoding="utf-8")
+    assert written.page() == text, "run `python docs/checks.py`"
 
 
 def test_a_slight_disagreement_that_is_explained_is_a_limit_and_any_other_a_stop() -> None:
@@ -2785,7 +2785,7 @@ def test_criterion_refuses_a_duplicate_name() -> None:
 def test_undecidable_check_neither_passes_nor_fails() -> None:
     spring = GeneralizedMaxwell(1.0)
     unknown = make_comparison(measured_damping=None)
-    for found in (
+    for check in (
         preparation.contact_found(Touch(0.0, 1e-3), DEPTH, provided=True),
         preparation.contact_found(Touch(0.0, 0.0), DEPTH, provided=False),
         preparation.overshoot_small(RECORD, moves=2),
@@ -2822,29 +2822,29 @@ def test_undecidable_check_neither_passes_nor_fails() -> None:
         modal.modes_explain_lines([shape(9.0)], certain=False),
         modal.points_share_modes([shape(1.0)]),
     ):
-        assert found.passed is None, found
-        assert not found.failed
-        assert found.value is None
+        assert check.passed is None, check
+        assert not check.failed
+        assert check.value is None
 
 
 def test_check_of_a_failed_search_fails_without_a_value() -> None:
-    for found in (
+    for check in (
         relaxation.filter_bias(parse_filter("lowpass:20Hz"), "it is a spike"),
         curves.kramers_kronig(None),
     ):
-        assert found.failed, found
-        assert found.value is None
+        assert check.failed, check
+        assert check.value is None
 
 
 def test_where_the_peaks_agree_the_hammer_has_tested_the_extrapolation() -> None:
     lone = make_comparison(measured_hz=20.0)
-    for found in (
+    for check in (
         comparison.inside_valid_band(lone, SEEN, borne_out=True),
         comparison.damping_tested(lone, SEEN, borne_out=True),
         comparison.operating_point(OperatingPoint(2e-3, 1e-3), borne_out=True),
     ):
-        assert found.passed, found
-        assert "bears" in found.message or "agrees" in found.message
+        assert check.passed, check
+        assert "bears" in check.message or "agrees" in check.message
 
 
 def test_a_contradiction_too_small_to_matter_is_none() -> None:
@@ -2887,9 +2887,9 @@ def test_what_the_method_bears_is_excused() -> None:
     ).passed
     assert vibration.stiffness_causal(0.0, -0.1, error=1.0, peak=12.0).failed
     # a plateau at zero is measured by the whole stiffness, and excuses no other parameter
-    lost, found = GeneralizedMaxwell(0.0, (1.0,), (1.0,)), GeneralizedMaxwell(1.0, (1.0,), (2.0,))
-    assert relaxation.hold_and_full_agree(lost, found, np.array([1.0, 0.0, 0.0])).failed
-    assert relaxation.hold_and_full_agree(lost, found, np.array([1.0, 0.0, 0.4])).passed
+    lost, model = GeneralizedMaxwell(0.0, (1.0,), (1.0,)), GeneralizedMaxwell(1.0, (1.0,), (2.0,))
+    assert relaxation.hold_and_full_agree(lost, model, np.array([1.0, 0.0, 0.0])).failed
+    assert relaxation.hold_and_full_agree(lost, model, np.array([1.0, 0.0, 0.4])).passed
 
 
 def test_advice_follows_only_where_a_check_fails() -> None:
@@ -2926,7 +2926,7 @@ def test_bic_is_decisive_from_50_on() -> None:
 def test_noise_is_nearly_white_where_three_neighbours_say_the_same(
     kappa: float, white: bool
 ) -> None:
-    noises = [Noise(1000, np.ones(1), each, 2.0) for each in (1.0, kappa)]
+    noises = [Noise(1000, np.ones(1), item, 2.0) for item in (1.0, kappa)]
     assert nearly_white(noises) is white
 
 
@@ -2934,8 +2934,8 @@ def test_noise_is_nearly_white_where_three_neighbours_say_the_same(
 def test_kappa_is_the_closed_form_of_ar_1(tau: float) -> None:
     r""":math:`\kappa = 1 + 2\sum_l \phi^l = (1 + \phi)/(1 - \phi)`, :math:`\phi = e^{-1/\tau}`."""
     phi = np.exp(-1 / tau)
-    found = np.mean([noise_of(_ar_1(phi, 2**19, seed)).kappa for seed in range(4)])
-    assert found == pytest.approx((1 + phi) / (1 - phi), rel=0.03)
+    result = np.mean([noise_of(_ar_1(phi, 2**19, seed)).kappa for seed in range(4)])
+    assert result == pytest.approx((1 + phi) / (1 - phi), rel=0.03)
 
 
 def _ar_1(phi: float, samples: int, seed: int) -> np.ndarray:

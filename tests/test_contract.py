@@ -48,7 +48,9 @@ def test_python_contract(folder, tmp_path, monkeypatch):
     assert cold == at_rest
     t, x, f = cold.time, 1e3 * cold.displacement, cold.force
     exec(SCRIPT, names | {"t": t, "x": x, "f": f, "found": names})  # noqa: S102
-    test, fit, joint, modes, lot = (names[one] for one in ("test", "fit", "joint", "modes", "lot"))
+    test, fit, joint, modes, lot = (
+        names[item] for item in ("test", "fit", "joint", "modes", "lot")
+    )
     np.testing.assert_allclose(test.displacement, cold.displacement, rtol=1e-15)
     assert fit.model.arms == 2
     assert names["intervals"]["k_inf"][0] < fit.model.k_inf < names["intervals"]["k_inf"][1]
@@ -104,20 +106,20 @@ def test_exponential_sums():
 
 
 def test_fit_json(folder, tmp_path):
-    found = document("fit", folder / "seal_8mm.csv", "--arms", "2", "-o", tmp_path / "fit.json")
-    assert found["schema"] == "dashpot/fit@2"
-    assert found["status"] == "converged"
-    assert found["ok"] is True
-    assert set(found["model"]) >= {"k_inf", "b", "arms"}
-    for arm in found["model"]["arms"]:
+    result = document("fit", folder / "seal_8mm.csv", "--arms", "2", "-o", tmp_path / "fit.json")
+    assert result["schema"] == "dashpot/fit@2"
+    assert result["status"] == "converged"
+    assert result["ok"] is True
+    assert set(result["model"]) >= {"k_inf", "b", "arms"}
+    for arm in result["model"]["arms"]:
         assert arm["b"] == pytest.approx(arm["k"] * arm["tau"])
-    assert [order["arms"] for order in found["orders"]]
-    assert set(found["residual"]) >= {"n", "sse", "rms"}
-    assert len(found["band_hz"]) == 2
-    assert {"name", "passed", "value", "limit", "message"} <= set(found["checks"][0])
-    assert found["source"][0]["file"] == "seal_8mm.csv"
-    assert len(found["source"][0]["sha256"]) == 64
-    assert json.loads((tmp_path / "fit.json").read_text()) == found
+    assert [order["arms"] for order in result["orders"]]
+    assert set(result["residual"]) >= {"n", "sse", "rms"}
+    assert len(result["band_hz"]) == 2
+    assert {"name", "passed", "value", "limit", "message"} <= set(result["checks"][0])
+    assert result["source"][0]["file"] == "seal_8mm.csv"
+    assert len(result["source"][0]["sha256"]) == 64
+    assert json.loads((tmp_path / "fit.json").read_text()) == result
 
 
 def test_impact_compare_identify_json(folder, tmp_path):
@@ -130,11 +132,11 @@ def test_impact_compare_identify_json(folder, tmp_path):
     assert impact["file"] == str(tmp_path / "frf.csv")
     assert json.loads(to_json(from_json(json.dumps(impact)))) == impact
     for measured in (folder / "impact.csv", tmp_path / "frf.csv"):
-        found = document("compare", tmp_path / "fit.json", measured, *MASS)
-        assert {"predicted_hz", "measured_hz", "ratio_db"} <= set(found["peak"])
-        assert found["peak"]["ratio_db"] > 3
-        assert 0 < found["frac"] < 1
-        assert {"tau", "loss_share", "seen_by_relaxation"} <= set(found["arms"][0])
+        result = document("compare", tmp_path / "fit.json", measured, *MASS)
+        assert {"predicted_hz", "measured_hz", "ratio_db"} <= set(result["peak"])
+        assert result["peak"]["ratio_db"] > 3
+        assert 0 < result["frac"] < 1
+        assert {"tau", "loss_share", "seen_by_relaxation"} <= set(result["arms"][0])
     joint = document(
         "fit", folder / "impact.csv", folder / "seal_8mm.csv", *MASS,
         "-o", tmp_path / "joint.json",
@@ -161,9 +163,9 @@ def test_predict_plan_inspect_export_json(folder, tmp_path):
     planned = document("plan", "--frequency", "12.71Hz", "--machine", "compliance=0mm/N")
     assert planned["expected"]["loss_factor_sd"] > 0.1
     assert 0 < planned["end"]["if_machine_named"] < planned["end"]["half_width"]
-    told = document("inspect", folder / "seal_8mm.csv", folder / "impact.csv")
-    assert json.loads(to_json(from_json(json.dumps(told)))) == told
-    seen, hammer = told["files"]
+    message = document("inspect", folder / "seal_8mm.csv", folder / "impact.csv")
+    assert json.loads(to_json(from_json(json.dumps(message)))) == message
+    seen, hammer = message["files"]
     assert "preparation" not in hammer
     assert seen["kind"] == "relaxation"
     assert [column["role"] for column in seen["columns"]] == ["time", "displacement", "force"]
@@ -178,13 +180,13 @@ def test_predict_plan_inspect_export_json(folder, tmp_path):
 
 
 def test_the_main_job(folder, tmp_path):
-    found = document(
+    result = document(
         "report", folder / "seal_8mm.csv", folder / "impact.csv", *MASS,
         "-o", tmp_path / "report.html",
     )  # fmt: skip
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert found["schema"] == "dashpot/study@2"
-    assert found["fit"]["schema"] == "dashpot/fit@2"
+    assert result["schema"] == "dashpot/study@2"
+    assert result["fit"]["schema"] == "dashpot/fit@2"
     assert "<svg" in page
     assert "seal_8mm.csv" in page
 
@@ -256,8 +258,8 @@ def test_bench_and_hammer_have_separate_profiles(folder, tmp_path):
     (tmp_path / "raw.csv").write_text("\n".join(lines) + "\n")
     did("inspect", tmp_path / "raw.csv", "--column", "force=ch1", "--units", "force=N",
         "--save", tmp_path / "hammer.toml")  # fmt: skip
-    found = document(
+    result = document(
         "fit", folder / "seal_8mm.csv", tmp_path / "raw.csv", *MASS,
         "--profile", f"raw.csv:{tmp_path / 'hammer.toml'}",
     )  # fmt: skip
-    assert found["mass"] == pytest.approx(BROAD_MASS, rel=0.02)
+    assert result["mass"] == pytest.approx(BROAD_MASS, rel=0.02)

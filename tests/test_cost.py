@@ -21,7 +21,7 @@ def test_every_dear_test_is_there() -> None:
 
 
 def test_selected_cases_run_and_other_tests_do_not_wait() -> None:
-    name = next(name for name, kept in KEPT.items() if kept == 2)
+    name = next(name for name, retained in KEPT.items() if retained == 2)
     cases = [SimpleNamespace(nodeid=f"tests/{name}[{i}]") for i in range(5)]
     other = SimpleNamespace(nodeid="tests/test_cost.py::test_every_dear_test_is_there[x]")
     assert waiting([*cases, other]) == cases[1:4]

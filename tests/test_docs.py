@@ -91,10 +91,10 @@ class PageCommand(NamedTuple):
 
 def list_commands(text: str) -> list[PageCommand]:
     """Every line of a page's shell blocks that calls dashpot."""
-    found = []
+    result = []
     for kind, block in re.findall(r"^```(sh|console)\n(.*?)^```", text, flags=re.DOTALL | re.M):
         if kind == "sh":
-            found += [
+            result += [
                 PageCommand(line, None)
                 for line in block.splitlines()
                 if line.startswith("dashpot ")
@@ -102,8 +102,8 @@ def list_commands(text: str) -> list[PageCommand]:
             continue
         for part in re.split(r"^\$ ", block, flags=re.M)[1:]:
             line, _, prints = part.partition("\n")
-            found.append(PageCommand(line, prints))
-    return found
+            result.append(PageCommand(line, prints))
+    return result
 
 
 def commands(page: str) -> list[PageCommand]:
@@ -117,10 +117,10 @@ def example(tmp_path_factory):
     for name, made in workflow.EXAMPLES.items():
         (folder / name).write_text(made(), encoding="utf-8")
     fit = fit_tests(read_relaxation(folder / "seal_8mm.csv"))
-    time, moved, force = press_and_hold()
+    time, displacement, force = press_and_hold()
     made = [
         Channel("t", time, "s", kind=2, sync=1),
-        Channel("Travel", moved, "mm"),
+        Channel("Travel", displacement, "mm"),
         Channel("Force", force, "N"),
     ]
     (folder / "bench.mf4").write_bytes(mdf4([Group(made, "bench")], how="HL"))
@@ -149,15 +149,15 @@ def agree(wanted: str, got: str) -> bool:
     """
     pieces = re.split(rf"(\.\.\.|\s+|{NUMBER})", wanted.strip())
     pattern = "".join(_pattern(piece) for piece in pieces)
-    found = re.fullmatch(pattern, got.strip(), flags=re.DOTALL)
-    if found is None:
+    fullmatch = re.fullmatch(pattern, got.strip(), flags=re.DOTALL)
+    if fullmatch is None:
         return False
-    return all(map(_is_near, DECIMAL.findall(wanted), found.groups()))
+    return all(map(_is_near, DECIMAL.findall(wanted), fullmatch.groups()))
 
 
-def _is_near(said: str, printed: str) -> bool:
-    last = 10.0 ** -len(said.partition("e")[0].partition(".")[2])
-    return abs(float(printed) - float(said)) <= max(0.05 * float(said), 2.001 * last)
+def _is_near(text: str, printed: str) -> bool:
+    last = 10.0 ** -len(text.partition("e")[0].partition(".")[2])
+    return abs(float(printed) - float(text)) <= max(0.05 * float(text), 2.001 * last)
 
 
 def _pattern(piece: str) -> str:
@@ -170,7 +170,7 @@ def _pattern(piece: str) -> str:
 
 @pytest.mark.once
 @pytest.mark.parametrize(
-    ("page", "left_out"),
+    ("page", "residual"),
     [
         pytest.param(page, AT_NIGHT.get(page, ()), id=page)
         for page in PAGES
@@ -179,11 +179,11 @@ def _pattern(piece: str) -> str:
     + [pytest.param(page, (), id=f"all of {page}", marks=pytest.mark.slow)
        for page in sorted({*AT_NIGHT, *WHOLE_AT_NIGHT})],
 )  # fmt: skip
-def test_every_command_runs_as_it_stands(page, left_out, bench):
+def test_every_command_runs_as_it_stands(page, residual, bench):
     """In the page's order, in a folder with the example files."""
-    waiting = [f"dashpot {line}" for line in left_out]
-    for one in waiting:
-        assert sum(line.startswith(one) for line, _ in commands(page)) == 1, one
+    waiting = [f"dashpot {line}" for line in residual]
+    for item in waiting:
+        assert sum(line.startswith(item) for line, _ in commands(page)) == 1, item
     for line, prints in commands(page):
         if line.startswith(tuple(waiting)):
             continue
@@ -232,8 +232,8 @@ def test_typed_finds_commands_and_agree_compares_output():
 
 def scripts(page: str) -> list[str]:
     """The Python of a page that is no session of doctest."""
-    found = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL)
-    return [code for code in found if ">>>" not in code]
+    matches = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL)
+    return [code for code in matches if ">>>" not in code]
 
 
 @pytest.mark.parametrize(
@@ -261,9 +261,9 @@ def test_the_notebook_runs_as_it_stands(bench, monkeypatch):
     assert book["nbformat"] == 4
     names = {}
     for cell, printed, value in notebook.cells(book, names):
-        said = "".join("".join(one["text"]) for one in cell["outputs"] if "text" in one)
-        assert agree(said, printed), f"python docs/notebook.py writes it anew\n{printed}"
-        seen = [one["data"] for one in cell["outputs"] if "data" in one]
+        text = "".join("".join(output["text"]) for output in cell["outputs"] if "text" in output)
+        assert agree(text, printed), f"python docs/notebook.py writes it anew\n{printed}"
+        seen = [output["data"] for output in cell["outputs"] if "data" in output]
         assert (value is None) == (not seen)
         for data in seen:
             assert agree("".join(data["text/plain"]), repr(value)), "python docs/notebook.py"
@@ -307,9 +307,9 @@ def test_commands_options_and_files_are_completed():
                   ("report", "a.csv", "h"), ("predict", "f.json", "--record", "s"),
                   ("fit", "a.csv", "--profile", "l"), ("verify", "d"),
                   ("report", "a.csv", "--project", "d"), ("demo", "-o", "d")):  # fmt: skip
-        offered = list_completions(*words)
-        assert offered
-        assert {one.split(",")[0] for one in offered} <= {"file", "dir"}, words
+        completions = list_completions(*words)
+        assert completions
+        assert {completion.split(",")[0] for completion in completions} <= {"file", "dir"}, words
 
 
 def test_readme_has_two_setup_lines_and_the_gate_runs_the_second():
@@ -333,22 +333,26 @@ def test_readme_has_two_setup_lines_and_the_gate_runs_the_second():
 
 def test_readme_prints_what_the_main_job_prints(bench):
     """Number by number, to one of its last digit: the digits are those of this very run."""
-    (job,) = (one for one in list_commands(README) if one.prints and "Peak at" in one.prints)
+    (job,) = (
+        command
+        for command in list_commands(README)
+        if command.prints and "Peak at" in command.prints
+    )
     _, name, *words = shlex.split(job.line)
     printed = CliRunner().invoke(main, [name, *words]).output.splitlines()
     rows = [" ".join(row.split()) for row in job.prints.splitlines()]
     compared = 0
     for row in rows:
-        said = row.removesuffix(" ...")
-        if said in {"...", ""}:
+        message = row.removesuffix(" ...")
+        if message in {"...", ""}:
             continue
-        where = DECIMAL.sub("#", said)
-        found = [line for line in map(" ".join, map(str.split, printed))
+        where = DECIMAL.sub("#", message)
+        result = [line for line in map(" ".join, map(str.split, printed))
                  if DECIMAL.sub("#", line).startswith(where)]  # fmt: skip
-        assert found, f"{row}\n--- printed\n" + "\n".join(printed)
-        for wanted, got in zip(DECIMAL.findall(said), DECIMAL.findall(found[0]), strict=False):
+        assert result, f"{row}\n--- printed\n" + "\n".join(printed)
+        for wanted, got in zip(DECIMAL.findall(message), DECIMAL.findall(result[0]), strict=False):
             last = 10.0 ** -len(wanted.partition(".")[2])
-            assert abs(float(wanted) - float(got)) <= 1.001 * last, (row, found[0])
+            assert abs(float(wanted) - float(got)) <= 1.001 * last, (row, result[0])
             compared += 1
     assert compared > 20
 
@@ -382,14 +386,14 @@ def test_counts_of_the_limits_page_are_those_of_the_measured_tables():
     assert [label for label, *_ in rows] == list(HIDDEN)
     for label, *counts in rows:
         records, used, wrong = map(int, counts)
-        found = [
+        result = [
             cells
             for cells in measured[HIDDEN[label]]
             if cells[0] == str(records)
             and (str(used) in cells or f"{used / records:.2f}" in cells)
             and (str(wrong) in cells or f"{wrong}/{wrong}" in cells)
         ]
-        assert found, (label, counts, measured[HIDDEN[label]])
+        assert result, (label, counts, measured[HIDDEN[label]])
 
 
 def test_pictures_of_the_readme_exist():

@@ -125,7 +125,7 @@ def test_full_names_in_docstrings_and_pages_exist():
 
 
 def test_names_in_the_pages_for_contributors_exist():
-    paths = (path for room in ("src", "tests", "docs") for path in (ROOT / room).rglob("*.py"))
+    paths = (path for value in ("src", "tests", "docs") for path in (ROOT / value).rglob("*.py"))
     words = {word for path in paths for word in re.findall(r"\w+", read(path))}
     for page in ("CONTRIBUTING.md", "docs/architecture.md"):
         names = set(re.findall(r"(?<!`)`(\w*[A-Z_]\w*)(?:\(.*?\))?`", read(ROOT / page)))

@@ -90,7 +90,7 @@ def write(path, head, *columns):
 @pytest.fixture(scope="module")
 def fits(bench):
     return {
-        name: workflow.fit_files(tuple(str(bench / one) for one in files), **how)[0]
+        name: workflow.fit_files(tuple(str(bench / file) for file in files), **how)[0]
         for name, (files, how) in TESTS.items()
     }
 
@@ -120,8 +120,8 @@ def same(fact, printed, unit, value=None):
     """Whether a cell, in a unit, is this fact to its last digit."""
     shown, half = number(printed)
     word = unit.replace(" ", "*").replace("·", "*")
-    known = find_unit(word) if word not in {"", "–"} else None
-    factor = 1.0 if known is None else known.factor
+    stated = find_unit(word) if word not in {"", "–"} else None
+    factor = 1.0 if stated is None else stated.factor
     expected = fact.value if value is None else value
     if math.isinf(expected):
         return False
@@ -130,11 +130,11 @@ def same(fact, printed, unit, value=None):
 
 def table(lines):
     """The cells of the rows of a table of the terminal, by their names."""
-    found = {}
+    result = {}
     for line in lines:
         name, *cells = re.split(r" {2,}", line.strip())
-        found.setdefault(name, cells)
-    return found
+        result.setdefault(name, cells)
+    return result
 
 
 def require_shown(facts_, rows, *, value=0, unit=-1, name=lambda fact: fact.label):
@@ -162,8 +162,8 @@ def test_a_fit_tells_every_parameter_and_the_end_of_its_hold(fit):
 
 def format_for_terminal(fit):
     """What `-v` prints of a fit, every parameter first."""
-    told = results.fit(fit)
-    return table([*told.details, *told.lines])
+    message = results.fit(fit)
+    return table([*message.details, *message.lines])
 
 
 def test_the_text_has_every_fact(fit):
@@ -171,12 +171,12 @@ def test_the_text_has_every_fact(fit):
 
 
 def test_text_row_of_an_arm_equals_its_reported_values(fit):
-    rows, known = (
+    rows, expected = (
         table(results.fit(fit).lines),
         {fact.name: fact for fact in list_known_values(fit)},
     )
     for j in range(1, fit.model.arms + 1):
-        arm = [known.get(f"{name}_{j}") for name in ("k", "tau", "b")]
+        arm = [expected.get(f"{name}_{j}") for name in ("k", "tau", "b")]
         if all(arm):
             values = [fact.cells.ascii.value for fact in arm if fact.cells.ascii.value]
             assert [cell for cell in rows[str(j)] if cell in values] == values
@@ -202,13 +202,13 @@ def test_page_and_terminal_print_the_same_cells(fit):
 def test_the_app_has_every_fact_but_the_dashpots_of_arms(fit):
     """b = k tau says of an arm what k and tau say."""
     shown = [fact for fact in list_known_values(fit) if fact.name[:2] != "b_"]
-    rows = {one.name: (one.value, one.unit) for one in view_models.terms(fit)}
+    rows = {term.name: (term.value, term.unit) for term in view_models.terms(fit)}
     assert len(rows) == len(shown)
     require_shown(shown, rows, name=lambda fact: fact.symbol)
-    beside = {
+    neighbour = {
         name: (value, unit) for name, value, _, unit in view_models.make_parameter_rows(fit, None)
     }
-    require_shown([one for one in shown if one.name not in {"b", "k_end"}], beside,
+    require_shown([item for item in shown if item.name not in {"b", "k_end"}], neighbour,
          name=lambda fact: fact.symbol)  # fmt: skip
 
 
@@ -229,9 +229,9 @@ def test_the_document_has_every_fact_in_si(fit):
         else:
             there = solid[fact.name], error[fact.name], between[fact.name]
         low = 0.0 if fact.is_at_most else fact.low  # an end that the data leave open
-        ends = [one if math.isfinite(one) else None for one in (low, fact.high)]
-        known = fact.error is not None and math.isfinite(fact.error)
-        size = fact.error if known else None
+        ends = [value if math.isfinite(value) else None for value in (low, fact.high)]
+        expected = fact.error is not None and math.isfinite(fact.error)
+        size = fact.error if expected else None
         assert there == (fact.value, size, ends), fact
     for fact in list_known_values(fit):
         if fact.name == "k_end":
@@ -241,7 +241,7 @@ def test_the_document_has_every_fact_in_si(fit):
 
 def test_the_frame_has_every_fact_but_dashpots(fit):
     rows = frame(fit).columns
-    found = {
+    cellss = {
         name: cells
         for name, *cells in zip(
             *(rows[key] for key in ("parameter", "value", "standard_error", "low", "high", "unit")),
@@ -249,26 +249,26 @@ def test_the_frame_has_every_fact_but_dashpots(fit):
         )
     }
     shown = [fact for fact in fit.facts if fact.name[0] != "b"]
-    assert len(found) == len(shown)
-    for one in shown:
-        error = math.nan if one.error is None else one.error
-        *numbers, unit = found[one.name]
-        np.testing.assert_array_equal(numbers, (one.value, error, one.low, one.high))
-        assert unit == one.unit
+    assert len(cellss) == len(shown)
+    for quantity in shown:
+        error = math.nan if quantity.error is None else quantity.error
+        *numbers, unit = cellss[quantity.name]
+        np.testing.assert_array_equal(numbers, (quantity.value, error, quantity.low, quantity.high))
+        assert unit == quantity.unit
 
 
 def test_batch_row_has_every_value_of_the_arms(fit):
-    room = fit.model.arms
-    row_of = row._build_fit_columns(fit, 40.0, room) | row._build_uncertainty_columns(fit, room)
-    for one in list_arm_values(fit):
-        if one.name[0] == "b":
+    arms = fit.model.arms
+    row_of = row._build_fit_columns(fit, 40.0, arms) | row._build_uncertainty_columns(fit, arms)
+    for value in list_arm_values(fit):
+        if value.name[0] == "b":
             continue
-        column = row._column(one)
+        column = row._column(value)
         name, unit = parse_column_title(column)
-        assert unit == one.unit
-        assert name.replace("E_", "k_") == one.name
-        assert row_of[column] == one.value
-        assert row_of[row._column(one, "_se")] == one.error
+        assert unit == value.unit
+        assert name.replace("E_", "k_") == value.name
+        assert row_of[column] == value.value
+        assert row_of[row._column(value, "_se")] == value.error
     letter = "k" if fit.unit == "N/m" else "E"
     ending = "N_per_m" if fit.unit == "N/m" else "Pa"
     assert row_of[f"{letter}_end_{ending}"] == pytest.approx(float(fit.model.relaxation(40.0)))
@@ -280,28 +280,31 @@ def test_nuisance_parameters_are_equal_in_text_and_tables(fits, bench):
         if not fit.estimate.nuisance:
             continue
         text = results.fit(fit)
-        (line,) = [one for one in (*text.lines, *text.details) if "  also fitted " in one]
-        told = [term.fact for term in fit.estimate.nuisance]
-        each = ", ".join(f"{fact.label} {fact.cells.ascii.with_unit}" for fact in told)
-        assert re.sub(r" +also fitted +", "", line) == each
-        for fact, (name, value, unit) in zip(told, tables.nuisances(fit).rows, strict=True):
+        (line,) = [item for item in (*text.lines, *text.details) if "  also fitted " in item]
+        message = [term.fact for term in fit.estimate.nuisance]
+        element = ", ".join(f"{fact.label} {fact.cells.ascii.with_unit}" for fact in message)
+        assert re.sub(r" +also fitted +", "", line) == element
+        for fact, (name, value, unit) in zip(message, tables.nuisances(fit).rows, strict=True):
             assert (name, value) == (fact.symbol, fact.cells.with_error)
             assert same(fact, value, unit)
     assert any(fit.estimate.nuisance for fit in fits.values())
 
 
 def test_compliances_and_shifts_are_equal_in_text_and_values(fits):
-    found = fits["creep"]
-    (line,) = [one for one in results.fit(found).lines if one.startswith("  creep ")]
-    for fact in found.evidence.creep.list_values("1/Pa"):
+    creep = fits["creep"]
+    (line,) = [line for line in results.fit(creep).lines if line.startswith("  creep ")]
+    for fact in creep.evidence.creep.list_values("1/Pa"):
         assert fact.cells.ascii.with_unit in line
         assert same(fact, fact.cells.value, fact.cells.unit)
-    moved = fits["temperatures"].temperatures
+    temperatures = fits["temperatures"].temperatures
     lines = results.fit(fits["temperatures"]).lines
-    (law,) = [one for one in lines if one.startswith("  law ")]
-    assert all(f"{one.label} {one.cells.ascii.with_unit}" in law for one in moved.constants)
+    (law,) = [line for line in lines if line.startswith("  law ")]
+    assert all(
+        f"{constant.label} {constant.cells.ascii.with_unit}" in law
+        for constant in temperatures.constants
+    )
     rows = table(lines)
-    for shift in moved.shifts:
+    for shift in temperatures.shifts:
         along, across = shift.facts
         cells = rows[f"{shift.temperature - 273.15:.4g} degC"]
         assert same(along, cells[0], "")
@@ -331,13 +334,13 @@ def test_a_contact_says_the_same_in_text_document_and_lot(bench):
 
 
 def test_a_law_of_rubber_says_the_same_in_text_and_document(bench):
-    found = hyperelastic_files(
+    hyperelastic_fit = hyperelastic_files(
         {"uniaxial": [str(bench / "tension.csv")], "biaxial": [str(bench / "biaxial.csv")]}
     )
-    require_shown(found.found, table(facts(found.found)))
-    kept = {one["name"]: one for one in to_document(found)["values"]}
-    for fact in found.found:
-        assert kept[fact.name] == {
+    require_shown(hyperelastic_fit.found, table(facts(hyperelastic_fit.found)))
+    retained = {value["name"]: value for value in to_document(hyperelastic_fit)["values"]}
+    for fact in hyperelastic_fit.found:
+        assert retained[fact.name] == {
             key: getattr(fact, key) for key in ("name", "value", "low", "high", "unit")
         }
 
@@ -346,7 +349,7 @@ SHAKEN = {"levels": (0.02, 0.5), "mass": 0.1148, "seals": 2.0, "at": (0.1,)}
 
 
 @pytest.mark.parametrize(
-    ("files", "asked"),
+    ("files", "requested"),
     [
         (("strain.csv",), {}),
         (("hammer.csv",), {}),
@@ -354,37 +357,42 @@ SHAKEN = {"levels": (0.02, 0.5), "mass": 0.1148, "seals": 2.0, "at": (0.1,)}
         (("shaker_20mN.csv", "shaker_500mN.csv"), SHAKEN),
     ],
 )
-def test_levels_say_the_same_on_page_and_in_app(bench, files, asked):
-    found = level_files([str(bench / one) for one in files], **asked)
-    told = level.numbers(found)
-    assert told
-    (shown,) = kind_page(found).groups
-    rows = {one.name: (one.value, one.unit) for one in shown.rows}
-    app = {one.name: (one.value, one.unit) for one in map(view_models.term, told)}
-    require_shown(told, rows, name=lambda fact: fact.symbol)
-    require_shown(told, app, name=lambda fact: fact.symbol)
+def test_levels_say_the_same_on_page_and_in_app(bench, files, requested):
+    amplitude_result = level_files([str(bench / file) for file in files], **requested)
+    numbers = level.numbers(amplitude_result)
+    assert numbers
+    (shown,) = kind_page(amplitude_result).groups
+    rows = {quantity.name: (quantity.value, quantity.unit) for quantity in shown.rows}
+    app = {
+        quantity.name: (quantity.value, quantity.unit)
+        for quantity in map(view_models.term, numbers)
+    }
+    require_shown(numbers, rows, name=lambda fact: fact.symbol)
+    require_shown(numbers, app, name=lambda fact: fact.symbol)
 
 
 def test_a_peak_at_a_level_says_the_same_in_text_and_page(bench):
-    found = level_files([str(bench / "hammer.csv")], at=(0.05,))
-    told = {one.name: one for one in level.numbers(found)}
-    rows = table(amplitude_text.levels(found).lines)
-    for (peak, motion), one in zip((each.facts for each in found.at), found.at, strict=True):
-        cells = rows[f"{one.level:.4g}"]
+    amplitude_result = level_files([str(bench / "hammer.csv")], at=(0.05,))
+    values = {item.name: item for item in level.numbers(amplitude_result)}
+    rows = table(amplitude_text.levels(amplitude_result).lines)
+    for (peak, motion), element in zip(
+        (item.facts for item in amplitude_result.at), amplitude_result.at, strict=True
+    ):
+        cells = rows[f"{element.level:.4g}"]
         assert same(peak, cells[0], "Hz")
         assert same(motion, cells[2], "mm/N")
-        assert (peak, motion) == (told[peak.name], told[motion.name])
+        assert (peak, motion) == (values[peak.name], values[motion.name])
 
 
 def test_modes_say_the_same_in_text_and_app(bench):
     made = ran("fit", bench / "hammer.csv", "-o", bench / "frf.csv")
-    line = next(one for one in made.output.splitlines() if one.startswith("  mode "))
-    found, _ = modes_files([str(bench / "frf.csv")], band=(5.0, 40.0))
-    assert found.modes
+    line = next(line for line in made.output.splitlines() if line.startswith("  mode "))
+    result, _ = modes_files([str(bench / "frf.csv")], band=(5.0, 40.0))
+    assert result.modes
     text = ran("fit", bench / "frf.csv", "--band", "5:40Hz").output
-    facts = list_mode_facts([("1", found.modes[0].mode)])
-    app = {one.name: one for one in map(view_models.term, facts)}
-    frequency, ratio, residue = found.modes[0].mode.facts
+    facts = list_mode_facts([("1", result.modes[0].mode)])
+    app = {item.name: item for item in map(view_models.term, facts)}
+    frequency, ratio, residue = result.modes[0].mode.facts
     assert "Hz, damping ratio" in line
     for fact, name in ((frequency, "f, 1"), (ratio, "ζ, 1")):
         assert fact.cells.ascii.with_error in text
@@ -395,16 +403,16 @@ def test_modes_say_the_same_in_text_and_app(bench):
 
 def test_the_answers_of_a_study_are_its_numbers():
     study = handmade.study()
-    found = recommend_solid(study)
-    every = (*found.under_mass, *found.one_seal)
+    recommendation = recommend_solid(study)
+    every = (*recommendation.under_mass, *recommendation.one_seal)
     assert every
-    for one, printed in zip(every, answer_rows(every), strict=True):
-        assert same(one.fact, printed.value, printed.unit)
-        for end, cell in ((one.low, printed.low), (one.high, printed.high)):
+    for quantity, printed in zip(every, answer_rows(every), strict=True):
+        assert same(quantity.fact, printed.value, printed.unit)
+        for end, cell in ((quantity.low, printed.low), (quantity.high, printed.high)):
             if math.isfinite(end):
-                assert same(one.fact, cell, printed.unit, end)
-        if one.measured_fact is not None:
-            assert same(one.measured_fact, printed.measured, printed.unit)
+                assert same(quantity.fact, cell, printed.unit, end)
+        if quantity.measured_fact is not None:
+            assert same(quantity.measured_fact, printed.measured, printed.unit)
 
 
 # -- a lot ---------------------------------------------------------------------------------------
@@ -414,24 +422,24 @@ def test_the_page_and_the_shell_of_a_lot_print_the_same_numbers(tmp_path):
     lot = lot_of(draw_rows(3, 6, 4, operators=("A", "B")))
     path = tmp_path / "limits.toml"
     path.write_text('[k_end]\nlower = "170 N/m"\nupper = "230 N/m"\n')
-    asked = read_limits(path, lot.table.columns)
-    found = summary(lot, limits=asked)
-    shell = "\n".join(found.lines)
-    text = unescape(re.sub(r"<[^>]+>", " ", page.html(lot, found=found)))
-    said = found.main.gauge.summary
-    assert said in text
-    assert said in shell
-    ndc = int(re.search(r"ndc (\d+)", said)[1])
-    assert ndc == math.floor(found.main.gauge.categories)
-    for able in found.main.capabilities.values():
+    limits = read_limits(path, lot.table.columns)
+    result = summary(lot, limits=limits)
+    shell = "\n".join(result.lines)
+    text = unescape(re.sub(r"<[^>]+>", " ", page.html(lot, found=result)))
+    message = result.main.gauge.summary
+    assert message in text
+    assert message in shell
+    ndc = int(re.search(r"ndc (\d+)", message)[1])
+    assert ndc == math.floor(result.main.gauge.categories)
+    for able in result.main.capabilities.values():
         cpk, low, high = able.cells
         assert f"Cpk {cpk} ({low} to {high})" in shell
         assert re.search(rf"{cpk}\s+{low}\s+{high}", text)
-    for fact, share in found.main.sources:
+    for fact, share in result.main.sources:
         value, low, high = fact.cell_texts
         assert re.search(rf"{share}\s+{value}\s+{low}\s+{high}", text), fact
         assert f"{value} ({low} to {high}), {share} %" in shell
-        assert same(fact, value, found.main.quantity.unit)
+        assert same(fact, value, result.main.quantity.unit)
 
 
 # -- the frame of what is no solid ---------------------------------------------------------------
@@ -441,29 +449,31 @@ FRAMED = {
     "rubber": (
         lambda at: hyperelastic_files({"uniaxial": [at("tension.csv")]}),
         lambda rows: rows["value"][rows["parameter"].index("shear_modulus")],
-        lambda told: next(one["value"] for one in told["values"] if one["name"] == "shear_modulus"),
+        lambda message: next(
+            value["value"] for value in message["values"] if value["name"] == "shear_modulus"
+        ),
     ),
     "door": (
         lambda at: door_file(at("door.toml")),
         lambda rows: rows["frequency"][0],
-        lambda told: told["modes"][0]["frequency_hz"],
+        lambda message: message["modes"][0]["frequency_hz"],
     ),
     "loops": (
         lambda at: level_files([at("loops.csv")]),
         lambda rows: rows["value"][rows["parameter"].index("lost")],
-        lambda told: told["lost"],
+        lambda message: message["lost"],
     ),
     "levels": (
         lambda at: level_files(
             [at("shaker_20mN.csv"), at("shaker_500mN.csv")], levels=[0.02, 0.5], mass=0.1148
         ),
         lambda rows: rows["k"][rows["element"].index("k_inf")],
-        lambda told: told["model"]["k_inf"],
+        lambda message: message["model"]["k_inf"],
     ),
     "pieces": (
         lambda at: cld_files([at("cld_1.csv"), at("cld_2.csv")]),
         lambda rows: rows["loading"][1],
-        lambda told: told["specimens"][1]["nominal"]["loading"],
+        lambda message: message["specimens"][1]["nominal"]["loading"],
     ),
 }
 
@@ -473,8 +483,8 @@ def test_the_frame_says_the_same_as_the_document(bench, name):
     find_it, of_frame, of_document = FRAMED[name]
     if name == "door":
         workflow.fit_files((str(bench / "seal_8mm.csv"),))[0].save(bench / "fit.json")
-    found = find_it(lambda file: str(bench / file))
-    rows, told = frame(found), json.loads(json.dumps(found.to_dict()))
+    it = find_it(lambda file: str(bench / file))
+    rows, document = frame(it), json.loads(json.dumps(it.to_dict()))
     assert len({len(column) for column in rows.columns.values()}) == 1
     assert set(rows.units) == set(rows.columns)
-    assert of_frame(rows.columns) == of_document(told)
+    assert of_frame(rows.columns) == of_document(document)

@@ -73,9 +73,11 @@ from dashpot.workflow.job import (
 from dashpot.workflow.study import characterise
 
 RIG = ("seal_mass", "seals", "compression")
-TESTED = tuple(one.name for one in iterate_option_fields(Specimen) if one.name != "temperature")
+TESTED = tuple(
+    field.name for field in iterate_option_fields(Specimen) if field.name != "temperature"
+)
 """Of several tests each has a temperature of its own: a job's, not the specimen's."""
-INDENTER = tuple(one.name for one in iterate_option_fields(Indenter) if one.name != "mass")
+INDENTER = tuple(field.name for field in iterate_option_fields(Indenter) if field.name != "mass")
 """Its mass is the mass of the block of other tests."""
 FACES: dict[str, dict[type, tuple[str, ...]]] = {
     "report": {
@@ -109,39 +111,39 @@ ASKED_OTHERWISE = {
 
 
 def list_fields(cls: type, names: tuple[str, ...]) -> list[Field[Any]]:
-    return [one for one in iterate_option_fields(cls) if not names or one.name in names]
+    return [field for field in iterate_option_fields(cls) if not names or field.name in names]
 
 
 @pytest.mark.parametrize(
-    ("command", "cls", "one"),
+    ("command", "cls", "field"),
     [
-        pytest.param(command, cls, one, id=f"{command}{flag_of(one)}")
+        pytest.param(command, cls, field, id=f"{command}{flag_of(field)}")
         for command, instances in FACES.items()
         for cls, names in instances.items()
-        for one in list_fields(cls, names)
+        for field in list_fields(cls, names)
     ],
 )
-def test_an_input_is_an_option_of_its_commands(command: str, cls: type, one: Field[Any]) -> None:
-    found = main.get_command(click.Context(main), command)
-    assert found is not None
-    (asked,) = [each for each in found.params if flag_of(one) in each.opts]
-    assert isinstance(asked, click.Option)
-    how = one.metadata
+def test_an_input_is_an_option_of_its_commands(command: str, cls: type, field: Field[Any]) -> None:
+    result = main.get_command(click.Context(main), command)
+    assert result is not None
+    (requested,) = [parameter for parameter in result.params if flag_of(field) in parameter.opts]
+    assert isinstance(requested, click.Option)
+    how = field.metadata
     # a command may say of a shared input what it does with it
-    assert asked.help
-    if isinstance(asked.type, Keyed):
-        assert asked.type.fields[key_of(one)] == one
+    assert requested.help
+    if isinstance(requested.type, Keyed):
+        assert requested.type.fields[key_of(field)] == field
         return
-    if isinstance(asked.type, Scoped):  # for all files, or for some
+    if isinstance(requested.type, Scoped):  # for all files, or for some
         return
-    assert asked.multiple is ("multiple" in how)
-    assert bool(asked.is_flag) is ("is_flag" in how)
-    assert getattr(asked.type, "dimension", None) == how.get("unit")
+    assert requested.multiple is ("multiple" in how)
+    assert bool(requested.is_flag) is ("is_flag" in how)
+    assert getattr(requested.type, "dimension", None) == how.get("unit")
     if "choices" in how:
-        assert isinstance(asked.type, click.Choice)
-        assert tuple(asked.type.choices) == tuple(how["choices"])
-    if one.default not in (None, MISSING) and not {"multiple", "is_flag"} & how.keys():
-        assert asked.default == one.default
+        assert isinstance(requested.type, click.Choice)
+        assert tuple(requested.type.choices) == tuple(how["choices"])
+    if field.default not in (None, MISSING) and not {"multiple", "is_flag"} & how.keys():
+        assert requested.default == field.default
 
 
 def test_no_command_lists_the_words_of_a_choice_by_hand() -> None:
@@ -159,29 +161,31 @@ def test_no_command_lists_the_words_of_a_choice_by_hand() -> None:
 )  # fmt: skip
 def test_python_defaults_equal_option_defaults(cls: type, function: Callable[..., Any]) -> None:
     usually = {
-        one.name: one.default for one in iterate_option_fields(cls) if not is_path_field(one)
+        field.name: field.default
+        for field in iterate_option_fields(cls)
+        if not is_path_field(field)
     }
     shared = inspect.signature(function).parameters.items()
     wrong = [
-        name for name, one in shared
-        if name in usually and one.default not in (inspect.Parameter.empty, usually[name])
+        name for name, item in shared
+        if name in usually and item.default not in (inspect.Parameter.empty, usually[name])
     ]  # fmt: skip
     assert not wrong
 
 
 def test_rod_defaults_equal_those_of_rod_errors() -> None:
-    said = RodChoices()
-    assert (said.gain_error, said.phase_error) == (RodErrors.gain, RodErrors.phase)
+    rod_choices = RodChoices()
+    assert (rod_choices.gain_error, rod_choices.phase_error) == (RodErrors.gain, RodErrors.phase)
 
 
 @pytest.mark.once
 def test_no_page_of_help_needs_numpy() -> None:
-    asked = (
+    text = (
         "import sys\nfrom dashpot.cli import main\n"
         f"for one in {sorted(COMMANDS)}: main.get_command(None, one)\n"
     )
     done = subprocess.run(
-        [sys.executable, "-c", asked + "assert 'numpy' not in sys.modules"], check=False
+        [sys.executable, "-c", text + "assert 'numpy' not in sys.modules"], check=False
     )
     assert done.returncode == 0
 
@@ -196,7 +200,7 @@ def page() -> str:
 
 def test_every_job_field_is_in_the_form_or_listed_as_absent() -> None:
     text = page()
-    names = {one.name for one in fields(Job) if "argument" not in one.metadata}
+    names = {field.name for field in fields(Job) if "argument" not in field.metadata}
     in_form = {name for name in names if f'id="{name}"' in text or f"data-{name}=" in text}
     in_form |= {"specimen"} if 'id="specimen-name"' in text else set()
     # a table of hits, which the server draws
@@ -205,16 +209,16 @@ def test_every_job_field_is_in_the_form_or_listed_as_absent() -> None:
 
 @pytest.mark.parametrize("name", ["method", "law", "family"])
 def test_the_buttons_of_a_choice_are_its_words(name: str) -> None:
-    (one,) = [each for each in fields(Job) if each.name == name]
-    assert tuple(re.findall(f'data-{name}="([^"]*)"', page())) == one.metadata["choices"]
-    assert f'data-{name}="{one.default}" aria-pressed="true"' in page()
+    (item,) = [field for field in fields(Job) if field.name == name]
+    assert tuple(re.findall(f'data-{name}="([^"]*)"', page())) == item.metadata["choices"]
+    assert f'data-{name}="{item.default}" aria-pressed="true"' in page()
 
 
 def test_the_laws_of_amplitude_are_those_of_the_command() -> None:
-    (one,) = [each for each in fields(LevelJob) if each.name == "law"]
+    (item,) = [field for field in fields(LevelJob) if field.name == "law"]
     listed = re.search(r'id="amplitude-law">(.*?)</select>', page())
     assert listed is not None
-    assert tuple(re.findall("<option>(.*?)<", listed[1])) == one.metadata["choices"]
+    assert tuple(re.findall("<option>(.*?)<", listed[1])) == item.metadata["choices"]
 
 
 def test_the_instruments_of_the_page_are_those_of_the_command() -> None:
@@ -230,10 +234,10 @@ def test_the_instruments_of_the_page_are_those_of_the_command() -> None:
     ("name", "unit"), [("mass", "g"), ("compression", "mm"), ("specimen-length", "mm")]
 )
 def test_a_field_says_the_unit_that_a_command_line_would(name: str, unit: str) -> None:
-    (one,) = [each for cls in (Job, Specimen) for each in iterate_option_fields(cls)
-              if each.name == name.removeprefix("specimen-")]  # fmt: skip
+    (item,) = [field for cls in (Job, Specimen) for field in iterate_option_fields(cls)
+              if field.name == name.removeprefix("specimen-")]  # fmt: skip
     assert words_of(replace(Job("x"), mass=0.1))[1].endswith("g")
-    assert one.metadata["unit"] in {"mass", "length"}
+    assert item.metadata["unit"] in {"mass", "length"}
     assert re.search(rf'id="{name}"[^>]*><i>{unit}</i>', page())
 
 
@@ -241,15 +245,15 @@ def test_form_defaults_make_the_default_job(tmp_path: Path) -> None:
     store = Store()
     try:
         file = store.put("a.csv", b"")
-        found = job_of(_convert_to_json(get_job_defaults()) | {"relaxation": file}, store.folder)
-        assert replace(found, relaxation="a.csv") == Job("a.csv")
+        job = job_of(_convert_to_json(get_job_defaults()) | {"relaxation": file}, store.folder)
+        assert replace(job, relaxation="a.csv") == Job("a.csv")
     finally:
         store.remove()
 
 
-def _convert_to_json(said: dict[str, Any]) -> dict[str, Any]:
+def _convert_to_json(message: dict[str, Any]) -> dict[str, Any]:
     """As JSON brings it."""
-    return {key: list(one) if isinstance(one, tuple) else one for key, one in said.items()}
+    return {key: list(item) if isinstance(item, tuple) else item for key, item in message.items()}
 
 
 # -- any job --------------------------------------------------------------------------------------
@@ -284,13 +288,13 @@ OWN: dict[tuple[str, str], st.SearchStrategy[Any]] = {
 """Values that a dataclass validates beyond its declaration."""
 
 
-def values(cls: type, one: Field[Any]) -> st.SearchStrategy[Any]:
+def values(cls: type, field: Field[Any]) -> st.SearchStrategy[Any]:
     """Any value of a declared field, by its declaration."""
-    how = one.metadata
+    how = field.metadata
     if "part" in how:
         return instances(how["part"])
-    if (cls.__name__, one.name) in OWN:
-        return OWN[cls.__name__, one.name]
+    if (cls.__name__, field.name) in OWN:
+        return OWN[cls.__name__, field.name]
     if "choices" in how:
         return st.sampled_from(how["choices"])
     if "is_flag" in how:
@@ -299,32 +303,36 @@ def values(cls: type, one: Field[Any]) -> st.SearchStrategy[Any]:
         return st.tuples(st.just(0.0) | st.floats(1e-6, 10), st.floats(11, 1e3))
     if "least" in how:
         return st.integers(how["least"], 9)
-    single = NAMES if is_path_field(one) else TEXT
+    single = NAMES if is_path_field(field) else TEXT
     if "unit" in how:
         single = st.floats(100, 550) if how["unit"] == "temperature" else SOUND
-    elif isinstance(one.default, float):
+    elif isinstance(field.default, float):
         single = SOUND
-    return st.lists(single, max_size=3).map(tuple) if isinstance(one.default, tuple) else single
+    return st.lists(single, max_size=3).map(tuple) if isinstance(field.default, tuple) else single
 
 
 def instances(cls: Any, *names: str) -> st.SearchStrategy[Any]:
     """Return a value with any of its declared fields stated, or with these."""
-    asked = {
-        one.name: values(cls, one)
-        for one in fields(cls)
-        if ({"help", "part"} & one.metadata.keys()) and (not names or one.name in names)
+    requested = {
+        field.name: values(cls, field)
+        for field in fields(cls)
+        if ({"help", "part"} & field.metadata.keys()) and (not names or field.name in names)
     }
-    must = {name for name in asked if cls is Job and name == "relaxation"}
-    given = {name: asked[name] for name in must}
-    rest = {name: one for name, one in asked.items() if name not in must}
-    return st.fixed_dictionaries(given, optional=rest).map(lambda said: cls(**said))
+    must = {name for name in requested if cls is Job and name == "relaxation"}
+    inputs = {name: requested[name] for name in must}
+    rest = {name: item for name, item in requested.items() if name not in must}
+    return st.fixed_dictionaries(inputs, optional=rest).map(lambda message: cls(**message))
 
 
-def make_shared_reading(said: BatchOptions) -> BatchOptions:
+def make_shared_reading(batch_options: BatchOptions) -> BatchOptions:
     """A batch has one set of reading options: what is said of the hammer's files by theirs."""
-    bench = said.reading.drop_fields(OF_HAMMER_ALONE)
-    impact = replace(said.reading_impact.select_fields(OF_HAMMER), frequency=bench.frequency)
-    return replace(said, reading=bench, reading_impact=replace(impact, units=dict(bench.units)))
+    bench = batch_options.reading.drop_fields(OF_HAMMER_ALONE)
+    impact = replace(
+        batch_options.reading_impact.select_fields(OF_HAMMER), frequency=bench.frequency
+    )
+    return replace(
+        batch_options, reading=bench, reading_impact=replace(impact, units=dict(bench.units))
+    )
 
 
 def drop_unused_options(job: Job) -> Job:
@@ -352,8 +360,8 @@ class _HeardError(Exception):
 def heard(place: Any, name: str, typed: str, kind: str = "") -> _HeardError:
     """Return what the work is asked for where a line is typed; files are of a kind, or as named."""
 
-    def work(*told: Any, **named: Any) -> None:
-        raise _HeardError(*told, **named)
+    def work(*message: Any, **named: Any) -> None:
+        raise _HeardError(*message, **named)
 
     def recognise_by_name(path: str, _: ReadOptions) -> Recognised:
         return Recognised(kind or ("impact" if "hits" in path else "relaxation"), "it is said so")
@@ -361,10 +369,10 @@ def heard(place: Any, name: str, typed: str, kind: str = "") -> _HeardError:
     with (
         patch.object(place, name, work),
         patch.object(detect_kind, "recognise", recognise_by_name),
-        pytest.raises(_HeardError) as found,
+        pytest.raises(_HeardError) as result,
     ):
         main.main(shlex.split(typed)[1:], standalone_mode=False)
-    return found.value
+    return result.value
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -376,22 +384,22 @@ def _empty_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 @given(instances(Job).map(drop_unused_options))
 def test_a_report_is_typed_as_the_job_that_it_is(job: Job) -> None:
-    told = heard(workflow, "run", line("report", job))
-    assert told.heard == (job,)
+    messages = heard(workflow, "run", line("report", job))
+    assert messages.heard == (job,)
 
 
-OF_FIT = tuple(one.name for one in fields(Job) if "decides" in one.metadata)
+OF_FIT = tuple(field.name for field in fields(Job) if "decides" in field.metadata)
 
 
 @given(instances(Job, *OF_FIT))
 def test_a_fit_is_typed_as_the_job_that_it_is(job: Job) -> None:
     # a window is one of hits: of a test on a bench it is refused
     job = replace(job, reading=replace(job.reading, window_decay=None))
-    told = heard(workflow, "fit_files", line("fit", job))
-    (files,), said = told.heard, told.named
-    first, *further = files
-    named = {name: said[name] for name in OF_FIT if name in said}
-    assert Job(first, other_tests=(*further,), reading=said["options"], **named) == job
+    messages = heard(workflow, "fit_files", line("fit", job))
+    (files,), message = messages.heard, messages.named
+    first, *extra = files
+    named = {name: message[name] for name in OF_FIT if name in message}
+    assert Job(first, other_tests=(*extra,), reading=message["options"], **named) == job
 
 
 @given(instances(LevelJob).filter(lambda job: job.files))
@@ -399,38 +407,42 @@ def test_levels_are_typed_as_the_job_that_they_are(job: LevelJob) -> None:
     amplitude = job.levels or job.at
     if not amplitude:
         job = replace(job, options=replace(job.options, window_decay=None))
-    said = job if amplitude else LevelJob(job.files, law=job.law, options=job.options)
-    typed = line("fit", said)
-    told = heard(level_handler, "level_files", typed, "frf" if amplitude else "strain-sweep")
-    assert LevelJob(*told.heard, **told.named) == said
+    message = job if amplitude else LevelJob(job.files, law=job.law, options=job.options)
+    typed = line("fit", message)
+    messages = heard(level_handler, "level_files", typed, "frf" if amplitude else "strain-sweep")
+    assert LevelJob(*messages.heard, **messages.named) == message
 
 
 @given(instances(ModesJob, "files", "band", "seals", "options"), st.lists(SOUND, min_size=2))
 def test_modes_are_typed_as_the_job_that_they_are(job: ModesJob, masses: list[float]) -> None:
     bare = replace(job, files=job.files or ("frf.csv",), seals=1.0)  # seals are of masses
-    told = heard(modes_handler, "modes_files", line("fit", bare), "frf")
-    assert ModesJob(*told.heard, **told.named) == bare
+    messages = heard(modes_handler, "modes_files", line("fit", bare), "frf")
+    assert ModesJob(*messages.heard, **messages.named) == bare
     weighed = replace(job, files=tuple(f"{n}.csv" for n in range(len(masses))), masses=(*masses,))
-    told = heard(modes_handler, "modes_by_mass", line("fit", weighed), "frf")
-    files, under = told.heard
-    assert ModesJob(files, masses=under, **told.named) == weighed
+    messages = heard(modes_handler, "modes_by_mass", line("fit", weighed), "frf")
+    files, under = messages.heard
+    assert ModesJob(files, masses=under, **messages.named) == weighed
 
 
 @st.composite
 def batch_choices(draw: st.DrawFn) -> BatchOptions:
     quick = draw(st.booleans())
     arms = draw(st.integers(0, 6)) if quick else draw(st.just("auto") | st.integers(0, 6))
-    rest = [one.name for one in fields(BatchOptions) if one.name not in ("quick", "arms", "joint")]
-    said = draw(instances(BatchOptions, *rest))
-    return make_shared_reading(replace(said, quick=quick, arms=arms))
+    rest = [
+        field.name for field in fields(BatchOptions) if field.name not in ("quick", "arms", "joint")
+    ]
+    message = draw(instances(BatchOptions, *rest))
+    return make_shared_reading(replace(message, quick=quick, arms=arms))
 
 
 @given(batch_choices())
 def test_a_batch_is_typed_as_the_choices_that_it_has(said: BatchOptions) -> None:
-    beside = said.reading_impact.select_fields([name for name in OF_HAMMER if name != "frequency"])
-    typed = ["-o", "lot", *words_of(replace(said, reading_impact=beside))]
-    told = heard(batch_run, "run_batch", shlex.join(["dashpot", "batch", "tests", *typed]))
-    assert told.heard[0].choices == said
+    neighbour = said.reading_impact.select_fields(
+        [name for name in OF_HAMMER if name != "frequency"]
+    )
+    typed = ["-o", "lot", *words_of(replace(said, reading_impact=neighbour))]
+    messages = heard(batch_run, "run_batch", shlex.join(["dashpot", "batch", "tests", *typed]))
+    assert messages.heard[0].choices == said
 
 
 @given(instances(Job))
@@ -444,16 +456,17 @@ def test_a_page_says_a_job_back(job: Job) -> None:
             reading_impact=replace(job.reading_impact, calibration=None),
         )  # fmt: skip
         head = page_of(at_hand)
-        said = head.pop("job") | head | {"relaxation": file}
-        found = job_of(_convert_to_json(said), store.folder)
-        assert replace(found, relaxation=file) == at_hand
+        message = head.pop("job") | head | {"relaxation": file}
+        result = job_of(_convert_to_json(message), store.folder)
+        assert replace(result, relaxation=file) == at_hand
     finally:
         store.remove()
 
 
 @given(st.sampled_from([LevelJob, ModesJob]).flatmap(instances))
 def test_a_page_says_levels_and_modes_back(job: Any) -> None:
-    asked = replace(job, files=(), options=replace(job.options, calibration=None))
+    requested = replace(job, files=(), options=replace(job.options, calibration=None))
     assert (
-        build_from_request(type(job), _convert_to_json(convert_to_request(asked)), Path()) == asked
+        build_from_request(type(job), _convert_to_json(convert_to_request(requested)), Path())
+        == requested
     )

@@ -57,7 +57,7 @@ def results(tmp_path_factory):
     fits["joint"], fits["hammer"] = fits_of(next(slow_pairs(1, seed=1)), folder)
     fits["in parallel"] = fits["joint"].in_parallel(2)
     fits["at a compression"] = fits["relaxation"].at_compression(4e-3)
-    cold = tuple(str(folder / f"at_{one}degC.csv") for one in ("23", "10", "0"))
+    cold = tuple(str(folder / f"at_{item}degC.csv") for item in ("23", "10", "0"))
     fits["temperatures"] = workflow.fit_files(cold)[0]
     fits["warmer"] = fits["temperatures"].at_temperature("15degC")
     return fits
@@ -66,7 +66,7 @@ def results(tmp_path_factory):
 @pytest.mark.parametrize("name", [*FILES, *OTHERS])
 def test_every_output_states_the_same_limit_of_k_inf(results, name):
     fit = results[name]
-    fact = next(one for one in list_known_values(fit) if one.name == "k_inf")
+    fact = next(value for value in list_known_values(fit) if value.name == "k_inf")
     most = fact.high
     assert fact.is_at_most
     assert most >= fit.model.k_inf
@@ -93,12 +93,14 @@ def test_every_output_states_the_same_limit_of_k_inf(results, name):
         assert stated.low == "unknown"
         assert float(stated.high) == pytest.approx(fact.to_display_unit(most), rel=2e-3)
     # solver inputs
-    given = dp.Specimen(temperature=fit.specimen.temperature or 296.15, length=0.1)
+    specimen = dp.Specimen(temperature=fit.specimen.temperature or 296.15, length=0.1)
     for solver, form in DECKS:
         if fit.unit == "Pa" and form != "prony":
             continue
-        deck = dp.export(fit, to=solver, form=form, unit_system="SI", specimen=given, allow="all")
-        line = next(one for one in str(deck).splitlines() if "k_inf is at most" in one)
+        deck = dp.export(
+            fit, to=solver, form=form, unit_system="SI", specimen=specimen, allow="all"
+        )
+        line = next(line for line in str(deck).splitlines() if "k_inf is at most" in line)
         assert float(line.split("at most")[1].split()[0]) == pytest.approx(most, rel=1e-3)
 
 
@@ -108,23 +110,24 @@ def test_an_arm_slower_than_the_tests_leaves_k_inf_inside_its_limit(number, tmp_
     for fit in fits_of(pair, tmp_path):
         low, high = fit.intervals()["k_inf"]
         assert low <= pair.seal.solid.k_inf <= high
-        now = {one.name: one.now for one in fit.evidence.parameter_changes}.get(
-            "k_inf", fit.facts[0]
-        )
+        now = {
+            parameter_change.name: parameter_change.now
+            for parameter_change in fit.evidence.parameter_changes
+        }.get("k_inf", fit.facts[0])
         assert now.error is None
         assert now.high == pytest.approx(high)
-        assert not any("with a standard error" in one.message for one in fit.checks)
+        assert not any("with a standard error" in check.message for check in fit.checks)
 
 
 def test_a_fit_for_use_is_written_and_its_notes_are_no_failed_checks(results):
     for fit in results.values():
         if fit.verdict.use != "use" or fit.unit == "Pa":
             continue
-        given = dp.Specimen(temperature=fit.specimen.temperature or 296.15, length=0.1)
-        deck = str(dp.export(fit, to="nastran", form="arms", unit_system="SI", specimen=given))
+        specimen = dp.Specimen(temperature=fit.specimen.temperature or 296.15, length=0.1)
+        deck = str(dp.export(fit, to="nastran", form="arms", unit_system="SI", specimen=specimen))
         assert "CHECK FAILED" not in deck
         assert "USE: " in deck
-        notes = [one for one in fit.checks if one.failed]
+        notes = [check for check in fit.checks if check.failed]
         assert deck.count("NOTE: ") == len(notes)
         counted = re.search(r"All \d+ checks passed|\d+ checks? passed", fit.verdict.message)
         assert counted is None or counted[0] in deck

@@ -73,9 +73,9 @@ def test_superposition(solid, first, second, factor):
     t, x = history(first[:n])
     _, y = history(second[:n])
     together = solid.force(t, x + factor * y)
-    apart = solid.force(t, x) + factor * solid.force(t, y)
+    separate = solid.force(t, x) + factor * solid.force(t, y)
     scale = np.abs(solid.force(t, x)).max() + np.abs(solid.force(t, y)).max() + 1e-12
-    np.testing.assert_allclose(together, apart, atol=1e-9 * scale * (1 + abs(factor)))
+    np.testing.assert_allclose(together, separate, atol=1e-9 * scale * (1 + abs(factor)))
 
 
 @given(solids(), histories, st.floats(0.01, 100))

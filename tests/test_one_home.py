@@ -132,8 +132,8 @@ def places(pattern: str, homes: tuple[str, ...]) -> set[str]:
 def test_concept_is_implemented_only_in_its_module(idea: str) -> None:
     pattern, homes, others = IDEAS[idea]
     assert all(others.values()), "every other place says why"
-    found = places(pattern, homes)
-    assert found == set(others), (
+    result = places(pattern, homes)
+    assert result == set(others), (
         f"{idea} lives in {', '.join(homes)}: call it there; or, if it is another thing, say so"
     )
 

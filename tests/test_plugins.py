@@ -66,10 +66,10 @@ def install_package(
         for module, text in modules.items():
             (path / f"{module}.py").write_text(text)
         write_row(path / name, words)
-        known = path / f"{name}-0.1.0.dist-info"
-        known.mkdir()
-        (known / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 0.1.0\n")
-        (known / "entry_points.txt").write_text(f"[dashpot.extensions]\n{name} = {name}\n")
+        expected = path / f"{name}-0.1.0.dist-info"
+        expected.mkdir()
+        (expected / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 0.1.0\n")
+        (expected / "entry_points.txt").write_text(f"[dashpot.extensions]\n{name} = {name}\n")
         plugins.read_plugins.cache_clear()
 
     plugins.read_plugins.cache_clear()
@@ -94,18 +94,18 @@ def write_row(folder: Path, words: dict[str, str] | str) -> None:
 def labkit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The example package, as pip would install it."""
     project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text())["project"]
-    known = tmp_path / "site" / "labkit-0.1.0.dist-info"
-    known.mkdir(parents=True)
-    (known / "METADATA").write_text("Metadata-Version: 2.1\nName: labkit\nVersion: 0.1.0\n")
-    (known / "entry_points.txt").write_text(
+    expected = tmp_path / "site" / "labkit-0.1.0.dist-info"
+    expected.mkdir(parents=True)
+    (expected / "METADATA").write_text("Metadata-Version: 2.1\nName: labkit\nVersion: 0.1.0\n")
+    (expected / "entry_points.txt").write_text(
         "".join(
             f"[{group}]\n" + "".join(f"{name} = {value}\n" for name, value in points.items())
             for group, points in project["entry-points"].items()
         )
     )
-    for path in (EXAMPLE, known.parent):
+    for path in (EXAMPLE, expected.parent):
         monkeypatch.syspath_prepend(str(path))
-    monkeypatch.setenv("PYTHONPATH", f"{known.parent}:{EXAMPLE}:{Path(dp.__file__).parents[1]}")
+    monkeypatch.setenv("PYTHONPATH", f"{expected.parent}:{EXAMPLE}:{Path(dp.__file__).parents[1]}")
     plugins.read_plugins.cache_clear()
     yield
     plugins.read_plugins.cache_clear()
@@ -124,8 +124,8 @@ def sample(path: Path) -> Path:
 
 @pytest.mark.usefixtures("labkit")
 def test_a_list_imports_nothing() -> None:
-    found = run_json("inspect", "--plugins")
-    assert [(one["group"], one["name"]) for one in found["plugins"]] == [
+    document = run_json("inspect", "--plugins")
+    assert [(plugin["group"], plugin["name"]) for plugin in document["plugins"]] == [
         ("formats", "labkit"), ("kinds", "peel"), ("solver_inputs", "labsolver"),
     ]  # fmt: skip
     assert not [name for name in sys.modules if name.startswith("labkit")]
@@ -134,20 +134,20 @@ def test_a_list_imports_nothing() -> None:
 
 @pytest.mark.usefixtures("labkit")
 def test_a_format_goes_through_every_command(tmp_path: Path) -> None:
-    file, kept = sample(tmp_path / "seal.lab"), tmp_path / "fit.json"
-    said = ("--file-part", "format=labkit")
-    assert "labkit (labkit 0.1.0)" in ran("inspect", file, *said).stdout
-    found = run_json("fit", file, *said, "--arms", 1, "-o", kept)
-    (source,) = found["provenance"]["source"] if "provenance" in found else found["source"]
+    file, retained = sample(tmp_path / "seal.lab"), tmp_path / "fit.json"
+    message = ("--file-part", "format=labkit")
+    assert "labkit (labkit 0.1.0)" in ran("inspect", file, *message).stdout
+    document = run_json("fit", file, *message, "--arms", 1, "-o", retained)
+    (source,) = document["provenance"]["source"] if "provenance" in document else document["source"]
     assert source["reader"] == "labkit (labkit 0.1.0)"
     assert source["notes"][0] == "read by the plug-in 'labkit' of labkit 0.1.0"
     assert len(source["sha256"]) == 64
     page = tmp_path / "page.html"
-    assert ran("report", file, *said, "-o", page).exit_code == 0
+    assert ran("report", file, *message, "-o", page).exit_code == 0
     assert "labkit 0.1.0" in page.read_text()
     profile = tmp_path / "lab.toml"
-    assert ran("inspect", file, *said, "--save", profile).exit_code == 0
-    assert run_json("fit", file, "--profile", profile, "--arms", 1)["model"] == found["model"]
+    assert ran("inspect", file, *message, "--save", profile).exit_code == 0
+    assert run_json("fit", file, "--profile", profile, "--arms", 1)["model"] == document["model"]
     # without the name nobody asks the plug-in
     assert "labkit" not in ran("fit", file).stderr.replace("seal.lab", "")
 
@@ -155,14 +155,14 @@ def test_a_format_goes_through_every_command(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("labkit")
 def test_plugin_kind_reports_numbers_under_its_name(tmp_path: Path) -> None:
     file = sample(tmp_path / "seal.lab")
-    kept = tmp_path / "peel.json"
+    mask = tmp_path / "peel.json"
     words = ("fit", file, "--file-part", "format=labkit", "--kind", "peel")
-    found = run_json(*words, "-o", kept)
-    (force,) = found["values"]
+    document = run_json(*words, "-o", mask)
+    (force,) = document["values"]
     assert (force["name"], force["unit"]) == ("peel_force", "N")
     assert force["value"] == pytest.approx(1.602, abs=1e-3)
-    assert "by 'peel' of labkit 0.1.0, not verified by dashpot" in found["verdict"]["message"]
-    again = dp.read(kept)
+    assert "by 'peel' of labkit 0.1.0, not verified by dashpot" in document["verdict"]["message"]
+    again = dp.read(mask)
     assert (again.by, again.found[0].value) == ("labkit 0.1.0", force["value"])
     test = dp.read(file, part={"format": "labkit"}, kind="peel")
     assert dp.fit(test)["peel_force"].value == force["value"]
@@ -224,7 +224,7 @@ def test_plugin_format_units_and_blanks_are_checked(
 
 
 @pytest.mark.parametrize(
-    ("found", "message"),
+    ("text", "message"),
     [
         ("3", "returned a int; expected"),
         ("{}", "returned no numbers; expected"),
@@ -250,11 +250,11 @@ def test_plugin_format_units_and_blanks_are_checked(
     ],
 )
 def test_plugin_kind_fault_is_reported_in_a_sentence(
-    found: str, message: str, install_package: Callable[..., None], tmp_path: Path
+    text: str, message: str, install_package: Callable[..., None], tmp_path: Path
 ) -> None:
-    module = f"def fit(columns, options):\n    return {found}\n"
-    install_package("odd", {f"oddly_{abs(hash(found))}": module}, {
-        "kinds": f"odd = oddly_{abs(hash(found))}:fit"
+    module = f"def fit(columns, options):\n    return {text}\n"
+    install_package("odd", {f"oddly_{abs(hash(text))}": module}, {
+        "kinds": f"odd = oddly_{abs(hash(text))}:fit"
     })  # fmt: skip
     file = tmp_path / "seal.csv"
     file.write_text("time [s],force [N]\n" + "\n".join(f"{i},{i + 1}" for i in range(20)))
@@ -316,9 +316,9 @@ def test_invalid_plugin_row_is_reported_in_a_sentence(
 ) -> None:
     install_package("good", {"goodly": GOOD}, {"formats": "good = goodly"})
     install_package("bad", {}, row)
-    found = run_json("inspect", "--plugins")
-    assert [plugin["name"] for plugin in found["plugins"]] == ["good"]
-    (sentence,) = found["refused"]
+    document = run_json("inspect", "--plugins")
+    assert [plugin["name"] for plugin in document["plugins"]] == ["good"]
+    (sentence,) = document["refused"]
     assert sentence.startswith("bad 0.1.0 is not used: bad/dashpot_extension.toml: ")
     assert message in sentence
     assert "Ask who maintains bad." in ran("inspect", "--plugins").stdout
@@ -411,6 +411,6 @@ def test_first_plugin_on_the_path_is_used(
     write_row(first.parent / "twice", {"formats": "rig = first"})
     monkeypatch.syspath_prepend(str(first.parent))
     plugins.read_plugins.cache_clear()
-    found = plugins.find_plugin("formats", "rig")
-    assert found is not None
-    assert (found.value, found.version) == ("first", "0.2.0")
+    plugin = plugins.find_plugin("formats", "rig")
+    assert plugin is not None
+    assert (plugin.value, plugin.version) == ("first", "0.2.0")

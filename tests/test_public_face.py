@@ -77,17 +77,17 @@ def test_a_type_checker_knows_the_results():
         [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", str(USE)],
         capture_output=True, text=True, check=False, cwd=USE.parents[1],
     )  # fmt: skip
-    said = {}
+    values = {}
     for line in done.stdout.splitlines():
-        found = re.match(r".*public_use\.py:(\d+): (error:|note: Revealed type is) (.*)", line)
-        if found:
-            said.setdefault(int(found[1]), found[0])
+        match = re.match(r".*public_use\.py:(\d+): (error:|note: Revealed type is) (.*)", line)
+        if match:
+            values.setdefault(int(match[1]), match[0])
     wanted = {i: line.partition("  # ")[2] for i, line in enumerate(lines, 1) if "  # " in line}
-    assert wanted.keys() == said.keys(), done.stdout + done.stderr
+    assert wanted.keys() == values.keys(), done.stdout + done.stderr
     for i, what in wanted.items():
         refused = what.startswith("refused")
-        assert ("error" in said[i]) == refused, said[i]
-        assert refused or re.search(rf'type is "[\w.]*\.{what}"', said[i]), said[i]
+        assert ("error" in values[i]) == refused, values[i]
+        assert refused or re.search(rf'type is "[\w.]*\.{what}"', values[i]), values[i]
 
 
 def is_documented(name: str) -> bool:
@@ -95,10 +95,10 @@ def is_documented(name: str) -> bool:
     if isinstance(thing, str):
         return f"`dashpot.{name}`" in API
     home = getattr(thing, "__module__", None) or thing.__name__
-    given = re.search(rf"automodule:: {re.escape(home)}\n(?:   :members:(?P<names>.*)\n)?", API)
-    if given is None:
+    match = re.search(rf"automodule:: {re.escape(home)}\n(?:   :members:(?P<names>.*)\n)?", API)
+    if match is None:
         return False
-    names = given["names"]
+    names = match["names"]
     whole = hasattr(thing, "__path__") or hasattr(thing, "__file__") or names == ""
     return whole or bool(re.search(rf"\b{name}\b", names or ""))
 

@@ -33,11 +33,11 @@ def pins_by_name():
     return {canonicalize_name(pin.name): pin.specifier for pin in pins}
 
 
-@pytest.mark.parametrize("asked", ASKED, ids=str)
-def test_pinned_versions_satisfy_the_requirements(pins_by_name, asked):
-    (pin,) = pins_by_name[canonicalize_name(asked.name)]
+@pytest.mark.parametrize("requested", ASKED, ids=str)
+def test_pinned_versions_satisfy_the_requirements(pins_by_name, requested):
+    (pin,) = pins_by_name[canonicalize_name(requested.name)]
     assert pin.operator == "=="
-    assert asked.specifier.contains(pin.version, prereleases=True)
+    assert requested.specifier.contains(pin.version, prereleases=True)
 
 
 def test_every_file_that_a_user_installs_is_pinned_with_its_hash(pins_by_name):
@@ -50,19 +50,19 @@ def test_every_file_that_a_user_installs_is_pinned_with_its_hash(pins_by_name):
             assert pins_by_name[name].contains(version, prereleases=True), name
     extras = PROJECT["optional-dependencies"]
     of_all = re.search(r"\[([\w,]+)\]", extras["all"][0])[1].split(",")
-    for group in (PROJECT["dependencies"], *(extras[one] for one in of_all)):
-        assert {canonicalize_name(Requirement(one).name) for one in group} <= {*held}
+    for group in (PROJECT["dependencies"], *(extras[item] for item in of_all)):
+        assert {canonicalize_name(Requirement(item).name) for item in group} <= {*held}
 
 
 def test_sbom_has_the_hash_of_every_component_or_is_refused():
     add_hashes = runpy.run_path(str(ROOT / ".ci" / "sbom.py"))["add_hashes"]
     file = {"archive_info": {"hashes": {"sha256": "ab" * 32}}}
-    one = {"metadata": {"name": "Some_Part", "version": "1.0"}, "download_info": file}
+    item = {"metadata": {"name": "Some_Part", "version": "1.0"}, "download_info": file}
     part, other = {"name": "some-part", "version": "1.0"}, {"name": "some-part", "version": "1.1"}
-    sbom = add_hashes({"metadata": {"component": part}, "components": []}, {"install": [one]})
+    sbom = add_hashes({"metadata": {"component": part}, "components": []}, {"install": [item]})
     assert sbom["metadata"]["component"]["hashes"] == [{"alg": "SHA-256", "content": "ab" * 32}]
     with pytest.raises(KeyError):
-        add_hashes({"metadata": {"component": part}, "components": [other]}, {"install": [one]})
+        add_hashes({"metadata": {"component": part}, "components": [other]}, {"install": [item]})
 
 
 def test_sbom_lists_the_extras_that_readme_installs():
@@ -75,12 +75,12 @@ def test_sbom_hashes_local_files_itself(tmp_path):
     add_hashes = runpy.run_path(str(ROOT / ".ci" / "sbom.py"))["add_hashes"]
     wheel = tmp_path / "part 1.whl"
     wheel.write_bytes(b"part")
-    one = {
+    item = {
         "metadata": {"name": "part", "version": "1.0"},
         "download_info": {"url": wheel.as_uri(), "archive_info": {}},
     }
     part = {"name": "part", "version": "1.0"}
-    sbom = add_hashes({"metadata": {"component": part}, "components": []}, {"install": [one]})
+    sbom = add_hashes({"metadata": {"component": part}, "components": []}, {"install": [item]})
     assert sbom["metadata"]["component"]["hashes"][0]["content"].startswith("37a680133bd09342")
 
 
@@ -92,7 +92,7 @@ def test_the_changelog_names_every_command():
 
 def test_the_changelog_has_a_section_for_each_version_and_the_citation_is_of_the_newest():
     text = (ROOT / "CHANGELOG.md").read_text("utf-8")
-    released = [Version(one) for one in re.findall(r"^## (\d\S*)", text, re.M)]
+    released = [Version(match) for match in re.findall(r"^## (\d\S*)", text, re.M)]
     assert released == sorted(set(released), reverse=True)
     citation = (ROOT / "CITATION.cff").read_text("utf-8")
     assert f"\nversion: {released[0]}\n" in citation

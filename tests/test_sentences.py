@@ -45,7 +45,7 @@ CODE = re.compile(
 
 
 @pytest.mark.parametrize(
-    ("said", "plain"),
+    ("text", "plain"),
     [
         ("narrow band=5:50 Hz", False), ("see tests_agree", False), ("widen --band", False),
         ("1.3e+02 times", False), ("0.2 +- 0.1 N", False), ("a delay of nan ms", False),
@@ -54,8 +54,8 @@ CODE = re.compile(
         ("the fit of the hold alone (eq. 5)", True),
     ],
 )  # fmt: skip
-def test_what_counts_as_code(said: str, plain: bool) -> None:
-    assert bool(CODE.search(said)) is not plain
+def test_what_counts_as_code(text: str, plain: bool) -> None:
+    assert bool(CODE.search(text)) is not plain
 
 
 def iterate_cases() -> Iterator[Check]:
@@ -76,17 +76,17 @@ def iterate_reader_checks() -> Iterator[Check]:
 
 def iterate_fit_sentences(test: dp.RelaxationTest) -> Iterator[str]:
     try:
-        found = fit(prepare(test))
+        result = fit(prepare(test))
     except DashpotError:
         return
-    yield from (check.message for check in found.checks)
-    yield found.verdict.message
+    yield from (check.message for check in result.checks)
+    yield result.verdict.message
 
 
 def wrong(sentences: Iterator[str]) -> list[str]:
-    printed = [format_typographic(one) for one in sentences]
+    printed = [format_typographic(sentence) for sentence in sentences]
     assert len(printed) > 10
-    return [one for one in printed if CODE.search(one) or "()" in one or "  " in one]
+    return [item for item in printed if CODE.search(item) or "()" in item or "  " in item]
 
 
 MOST_IN_A_SENTENCE = 25
@@ -110,23 +110,23 @@ VERBS = frozenset({
 
 def style(text: str) -> list[str]:
     """What a text has against the rules of plain English."""
-    found = [f"banned word {one[0]!r}" for one in BANNED.finditer(text)]
-    long = [one for one in sentences(text) if count_words(one) > MOST_IN_A_SENTENCE]
-    found += [f"{count_words(one)} words: {one}" for one in long]
-    found += ["two semicolons"] if text.count(";") > 1 else []
-    found += ["no full stop"] if not text.endswith((".", "?")) else []
-    found += ["a sentence in small letters"] if re.match(r"(?!tau\b)[a-z]{2,} ", text) else []
-    return [f"{one} | {text}" for one in found]
+    result = [f"banned word {item[0]!r}" for item in BANNED.finditer(text)]
+    long = [sentence for sentence in sentences(text) if count_words(sentence) > MOST_IN_A_SENTENCE]
+    result += [f"{count_words(item)} words: {item}" for item in long]
+    result += ["two semicolons"] if text.count(";") > 1 else []
+    result += ["no full stop"] if not text.endswith((".", "?")) else []
+    result += ["a sentence in small letters"] if re.match(r"(?!tau\b)[a-z]{2,} ", text) else []
+    return [f"{item} | {text}" for item in result]
 
 
 def test_every_check_is_plain_english_with_a_remedy_that_begins_with_its_verb() -> None:
     faults, checks = [], [*iterate_cases(), *iterate_reader_checks()]
     for check in checks:
-        faults += [f"{check.name}: {one}" for one in style(check.message)]
+        faults += [f"{check.name}: {item}" for item in style(check.message)]
         if check.failed and check.remedy is None:
             faults.append(f"{check.name}: no remedy | {check.message}")
         if check.remedy:
-            faults += [f"{check.name}: {one}" for one in style(check.remedy.words)]
+            faults += [f"{check.name}: {item}" for item in style(check.remedy.words)]
             if check.remedy.words.split()[0].rstrip(",") not in VERBS:
                 faults.append(f"{check.name}: no verb | {check.remedy.words}")
     assert len(checks) > 300
@@ -149,9 +149,9 @@ def options() -> Iterator[tuple[str, str]]:
     for name in main.list_commands(context):
         command = main.get_command(context, name)
         assert command is not None
-        for one in command.params:
-            if isinstance(one, click.Option) and one.help:
-                yield f"{name} {one.opts[0]}", one.help
+        for parameter in command.params:
+            if isinstance(parameter, click.Option) and parameter.help:
+                yield f"{name} {parameter.opts[0]}", parameter.help
 
 
 #: its help is the list of what it takes
@@ -159,11 +159,11 @@ LISTS = {"export --to"}
 
 
 def test_help_of_every_option_is_a_short_phrase() -> None:
-    each = dict(options())
-    assert len(each) > 150
-    assert {name for name, message in each.items() if len(message) > 60} <= LISTS
-    assert not [name for name, message in each.items() if message.startswith(("Of ", "At which"))]
-    assert not [f"{name}: {message}" for name, message in each.items() if BANNED.search(message)]
+    item = dict(options())
+    assert len(item) > 150
+    assert {name for name, message in item.items() if len(message) > 60} <= LISTS
+    assert not [name for name, message in item.items() if message.startswith(("Of ", "At which"))]
+    assert not [f"{name}: {message}" for name, message in item.items() if BANNED.search(message)]
 
 
 STANDARD = (
@@ -219,25 +219,29 @@ STANDARD = (
 
 def texts() -> Iterator[tuple[str, str]]:
     """Every string of the sources that may be shown, by file: no docstring, no comment."""
-    room = Path(dp.__file__).parent
-    for path in sorted(room.rglob("*.py")):
+    parent = Path(dp.__file__).parent
+    for path in sorted(parent.rglob("*.py")):
         tree = ast.parse(path.read_text(encoding="utf-8"))
-        told = {id(one.value) for one in ast.walk(tree) if isinstance(one, ast.Expr)}
-        for one in ast.walk(tree):
-            if isinstance(one, ast.Constant) and isinstance(one.value, str) and id(one) not in told:
-                yield path.relative_to(room).as_posix(), one.value
-    for path in sorted([*room.rglob("*.html"), *room.rglob("*.js")]):
-        yield path.relative_to(room).as_posix(), path.read_text(encoding="utf-8")
+        message = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+        for quantity in ast.walk(tree):
+            if (
+                isinstance(quantity, ast.Constant)
+                and isinstance(quantity.value, str)
+                and id(quantity) not in message
+            ):
+                yield path.relative_to(parent).as_posix(), quantity.value
+    for path in sorted([*parent.rglob("*.html"), *parent.rglob("*.js")]):
+        yield path.relative_to(parent).as_posix(), path.read_text(encoding="utf-8")
 
 
 def test_a_text_says_the_standard_term() -> None:
-    found = [
+    result = [
         f"{file}: say {term!r}, not {word!r}"
         for file, text in texts()
         for word, term, allowed in STANDARD
         if file not in allowed and re.search(rf"\b(?:{word})\b", text, re.IGNORECASE)
     ]
-    assert not found, "\n".join(found)
+    assert not result, "\n".join(result)
 
 
 LEVELS = (
@@ -293,24 +297,24 @@ def test_verdict_on_every_example_is_a_line_with_a_number(
         (tmp_path / month).mkdir(exist_ok=True)
         test = bench((1 + 0.02 * seed) * ramp_and_hold(), seed=seed)
         (tmp_path / month / f"{seed}.csv").write_text(test)
-    judged: list[Verdict | None] = []
+    verdicts: list[Verdict | None] = []
 
-    def note_text(text: Text, found: Verdict | None, *rest: Any, **how: Any) -> list[str]:
-        judged.append(found)
-        return format_for_screen(text, found, *rest, **how)
+    def note_text(text: Text, result: Verdict | None, *rest: Any, **how: Any) -> list[str]:
+        verdicts.append(result)
+        return format_for_screen(text, result, *rest, **how)
 
     monkeypatch.setattr("dashpot.text_output.layout.format_for_screen", note_text)
     faults = []
     for command in EXAMPLES:
-        judged.clear()
+        verdicts.clear()
         done = ran(*command.split())
-        if not judged or judged[0] is None:
+        if not verdicts or verdicts[0] is None:
             faults.append(f"{command}: no verdict: {done.output[:200]}")
             continue
-        line = str(judged[0])
+        line = str(verdicts[0])
         if not " ".join(done.stdout.split()).startswith(ascii_only(line)):
             faults.append(f"{command}: not what is printed: {line}")
-        faults += [f"{command}: {one}" for one in style(line)]
+        faults += [f"{command}: {item}" for item in style(line)]
         if count_words(line) > MAX_WORDS:
             faults.append(f"{command}: {count_words(line)} words: {line}")
         if not re.search(r"\d", line):
@@ -326,7 +330,7 @@ def test_every_check_speaks_in_words_passed_or_failed() -> None:
 def test_every_simulated_kind_is_answered_in_words(solid: str) -> None:
     tests = [trial(kind, seed=2) for kind in KINDS if kind.solid == solid]
     assert not wrong(
-        message for one in tests for message in iterate_fit_sentences(relaxation_test(one))
+        message for test in tests for message in iterate_fit_sentences(relaxation_test(test))
     )
 
 
@@ -334,7 +338,7 @@ def test_a_disturbed_record_is_answered_in_words() -> None:
     tests = [trial(KINDS[1], seed=3, bench=bench) for bench in DISTURBANCES.values()]
     tests += [trial(KINDS[1], seed=3, law=law) for law in LAWS]
     assert not wrong(
-        message for one in tests for message in iterate_fit_sentences(relaxation_test(one))
+        message for test in tests for message in iterate_fit_sentences(relaxation_test(test))
     )
 
 
@@ -348,17 +352,17 @@ def test_two_tests_that_disagree_are_answered_in_words(stiffer: float, mass: flo
     assert study.joint.evidence.explanations[0].is_sufficient
     assert abs(study.joint_comparison.frequency_error) < 2e-3
     assert not wrong(check.message for check in (*study.verdict_checks, *study.every_check))
-    said = [study.verdict.message, study.comparison.message]
-    said += [one.message for one in study.joint.evidence.explanations]
+    message = [study.verdict.message, study.comparison.message]
+    message += [explanation.message for explanation in study.joint.evidence.explanations]
     assert study.joint.evidence.explanations
-    assert not [one for one in map(format_typographic, said) if CODE.search(one)]
+    assert not [item for item in map(format_typographic, message) if CODE.search(item)]
 
 
 def test_the_cause_of_a_disagreement_leads_the_verdict() -> None:
-    apart = Check("tests_agree", False, "the seals are 15 % stiffer", grade="stop")
+    check = Check("tests_agree", False, "the seals are 15 % stiffer", grade="stop")
     follows = Check("mass_plausible", False, "the mass is off", grade="stop")
     study = handmade.study()
-    joint = replace(study.joint, evidence=replace(study.joint.evidence, checks=(apart, follows)))
+    joint = replace(study.joint, evidence=replace(study.joint.evidence, checks=(check, follows)))
     assert replace(study, joint=joint).verdict.message.startswith("The seals are 15 % stiffer")
 
 

@@ -61,25 +61,25 @@ def test_trial_law_reaches_unity_with_its_slope(name):
 
 
 def test_the_cubic_seal_has_the_tangents_of_the_acceptance():
-    one = record(PAPER, replace(SOUND, hold=1.0), law="cubic")
-    assert 196.5 * one.tangent(8e-3) == pytest.approx(289.5, abs=0.1)
-    assert 196.5 * one.tangent(2.6e-3) == pytest.approx(164.7, abs=0.1)
+    item = record(PAPER, replace(SOUND, hold=1.0), law="cubic")
+    assert 196.5 * item.tangent(8e-3) == pytest.approx(289.5, abs=0.1)
+    assert 196.5 * item.tangent(2.6e-3) == pytest.approx(164.7, abs=0.1)
 
 
 @pytest.mark.parametrize("motion", sorted({kind.motion for kind in KINDS}))
 def test_dashpot_computes_the_same_force_for_the_same_motion(motion):
     kind = next(k for k in KINDS if k.motion == motion and k.solid == "4 arms")
-    one = trial(kind, seed=3, bench=SOUND.perfect())
-    solid = GeneralizedMaxwell(one.seal.k_inf, one.seal.k, one.seal.tau)
-    theirs = solid.force(one.time, one.displacement)
+    item = trial(kind, seed=3, bench=SOUND.perfect())
+    solid = GeneralizedMaxwell(item.seal.k_inf, item.seal.k, item.seal.tau)
+    theirs = solid.force(item.time, item.displacement)
     # the motion between samples is a chord to dashpot, and a quarter as coarse here
-    assert np.abs(theirs - one.pure).max() < 1e-3
-    assert one.displacement[-1] == pytest.approx(one.bench.depth, rel=1e-3)
+    assert np.abs(theirs - item.pure).max() < 1e-3
+    assert item.displacement[-1] == pytest.approx(item.bench.depth, rel=1e-3)
 
 
 def test_a_compliant_machine_gives_way_by_its_force():
-    one = record(PAPER, replace(SOUND.perfect(), hold=3.0, compliance=50e-6))
-    np.testing.assert_allclose(one.compression + 50e-6 * one.pure, one.displacement, atol=1e-12)
+    item = record(PAPER, replace(SOUND.perfect(), hold=3.0, compliance=50e-6))
+    np.testing.assert_allclose(item.compression + 50e-6 * item.pure, item.displacement, atol=1e-12)
 
 
 def test_filter_and_delay_are_what_they_say():
@@ -105,20 +105,20 @@ def test_the_hammer_rings_at_the_accelerance():
 
 def test_the_42_kinds_are_drawn_by_their_seed():
     assert len({kind.name for kind in KINDS}) == 42
-    one, again, other = (trial(KINDS[5], seed=seed) for seed in (1, 1, 2))
-    assert np.array_equal(one.force, again.force)
-    assert one.seal != other.seal
-    assert one.k_end(3) < one.k_end() < one.seal.relaxation(1.0)
+    item, again, other = (trial(KINDS[5], seed=seed) for seed in (1, 1, 2))
+    assert np.array_equal(item.force, again.force)
+    assert item.seal != other.seal
+    assert item.k_end(3) < item.k_end() < item.seal.relaxation(1.0)
 
 
 @pytest.mark.parametrize("name", DISTURBANCES)
 def test_a_disturbance_shows_in_the_record(name):
     bench = replace(DISTURBANCES[name], hold=5.0)
-    sound = replace(bench, **{
+    intact = replace(bench, **{
         field: getattr(SOUND, field)
         for field in ("late", "force_filter", "hum", "drift", "compliance", "creep", "friction",
                       "slip", "clip", "noise_time", "interval", "axis", "damping")
     })  # fmt: skip
-    bad, good = record(PAPER, bench, seed=2), record(PAPER, sound, seed=2)
+    bad, good = record(PAPER, bench, seed=2), record(PAPER, intact, seed=2)
     assert np.abs(bad.force - good.force).max() > 1e-3
     assert relaxation_test(bad).time[-1] == pytest.approx(7.5)

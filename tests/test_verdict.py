@@ -50,17 +50,17 @@ def test_the_gravest_failure_decides() -> None:
     assert verdict([OPEN, NOTE]).use == "use"
     assert verdict([OPEN, NOTE]).failed_checks == ()
     assert verdict([NOTE, LIMIT]).use == "use with care"
-    found = verdict([NOTE, LIMIT, STOP])
-    assert (found.use, found.failed_checks) == ("do not use", (STOP, LIMIT))
-    assert found.message == "A stop. Do that. 1 more check failed."
+    outcome = verdict([NOTE, LIMIT, STOP])
+    assert (outcome.use, outcome.failed_checks) == ("do not use", (STOP, LIMIT))
+    assert outcome.message == "A stop. Do that. 1 more check failed."
 
 
 def test_select_gravest_check_of_several_tests() -> None:
     assert select_gravest_check([OPEN, replace(OPEN, passed=True)]).passed
     assert select_gravest_check([OPEN]).passed is None
     assert select_gravest_check([LIMIT]) is LIMIT
-    found = select_gravest_check([LIMIT, STOP, NOTE])
-    assert (found.grade, found.message) == ("stop", "In test 2 of 3, a stop.")
+    check = select_gravest_check([LIMIT, STOP, NOTE])
+    assert (check.grade, check.message) == ("stop", "In test 2 of 3, a stop.")
 
 
 # -- what must pass -------------------------------------------------------------------------------
@@ -115,41 +115,45 @@ def answer(solid: dp.GeneralizedMaxwell, *, hold: float = 40.0) -> np.ndarray:
 def test_a_residual_of_500_noise_sd_is_not_to_be_used() -> None:
     clean = answer(PAPER)
     wave = 0.7 * np.sin(np.linspace(0, 60, len(clean))) * (np.arange(len(clean)) > 200)
-    found = fit_tests(make_ramp_hold(clean + wave), arms=2)
-    assert found.estimate.residual.rms > 0.4
-    assert found.verdict.use == "do not use"
-    assert "force_residual_small" in {check.name for check in found.verdict.failed_checks}
-    assert not found.ok
+    fitted_tests = fit_tests(make_ramp_hold(clean + wave), arms=2)
+    assert fitted_tests.estimate.residual.rms > 0.4
+    assert fitted_tests.verdict.use == "do not use"
+    assert "force_residual_small" in {check.name for check in fitted_tests.verdict.failed_checks}
+    assert not fitted_tests.ok
 
 
 def test_a_hold_that_ends_early_tells_its_end_and_no_equilibrium_stiffness() -> None:
     """What is used is the stiffness at the end of the hold; k_inf is at most so much."""
     flowing = dp.GeneralizedMaxwell(30.0, (150.0,), (60.0,))
-    found = fit_tests(make_ramp_hold(answer(flowing, hold=4.0), hold=4.0, noise=5e-3))
-    low, high = found.intervals()["k_inf"]
+    fitted_tests = fit_tests(make_ramp_hold(answer(flowing, hold=4.0), hold=4.0, noise=5e-3))
+    low, high = fitted_tests.intervals()["k_inf"]
     assert low == 0
     assert high > 93
-    (k_inf,) = [fact for fact in found.facts if fact.name == "k_inf"]
+    (k_inf,) = [fact for fact in fitted_tests.facts if fact.name == "k_inf"]
     assert k_inf.error is None
     assert k_inf.is_at_most
-    assert found.stiffness_limits is not None
-    low, high = found.stiffness_limits["k_end"]
+    assert fitted_tests.stiffness_limits is not None
+    low, high = fitted_tests.stiffness_limits["k_end"]
     assert 0.9 * flowing.relaxation(4.0) < low < flowing.relaxation(4.0) < high
     assert high < 1.1 * flowing.relaxation(4.0)
     # of an arm of 60 s a hold of 4 s shows the loss nowhere: the stiffness alone is known
-    assert {check.name for check in found.verdict.failed_checks} == {"loss_factor_determined"}
-    assert found.band[0] > 0.03  # not at rest
-    outside = {check.name for check in found.checks if check.passed is False}
+    assert {check.name for check in fitted_tests.verdict.failed_checks} == {
+        "loss_factor_determined"
+    }
+    assert fitted_tests.band[0] > 0.03  # not at rest
+    outside = {check.name for check in fitted_tests.checks if check.passed is False}
     assert {"hold_long_enough", "k_inf_positive"} <= outside
 
 
 def test_no_arms_on_a_force_that_relaxes_is_not_to_be_used() -> None:
     falling = dp.GeneralizedMaxwell(90.0, (120.0,), (5.0,))
-    found = fit_tests(make_ramp_hold(answer(falling)), arms=0)
-    assert found.verdict.use == "do not use"
-    assert "arms_where_force_relaxes" in {check.name for check in found.verdict.failed_checks}
-    assert not found.ok
-    assert str(found).startswith("Do not use: ")
+    fitted_tests = fit_tests(make_ramp_hold(answer(falling)), arms=0)
+    assert fitted_tests.verdict.use == "do not use"
+    assert "arms_where_force_relaxes" in {
+        check.name for check in fitted_tests.verdict.failed_checks
+    }
+    assert not fitted_tests.ok
+    assert str(fitted_tests).startswith("Do not use: ")
 
 
 def test_tests_that_disagree_have_not_converged() -> None:
@@ -173,16 +177,16 @@ def test_study_verdict_is_that_of_its_final_model() -> None:
     # what the relaxation test alone missed, the joint fit has mended
     missed = replace(study.comparison, checks=(STOP,))
     assert STOP not in replace(study, comparison=missed).verdict.failed_checks
-    alone = replace(study, comparison=missed, joint=None, joint_comparison=None)
-    assert alone.verdict.failed_checks[0] is STOP
+    single = replace(study, comparison=missed, joint=None, joint_comparison=None)
+    assert single.verdict.failed_checks[0] is STOP
 
 
 def test_a_prediction_that_nothing_has_tested_is_used_with_care() -> None:
     bench = simulate_relaxation(PAPER, hold_time=10.0, seed=1).test
-    found = characterise(bench, block=BlockOnSeals(PAPER_MASS, 2)).verdict
-    assert found.use == "use with care"
-    assert [check.name for check in found.failed_checks] == ["prediction_in_valid_band"]
-    assert "Measure it with a hammer" in found.message
+    outcome = characterise(bench, block=BlockOnSeals(PAPER_MASS, 2)).verdict
+    assert outcome.use == "use with care"
+    assert [check.name for check in outcome.failed_checks] == ["prediction_in_valid_band"]
+    assert "Measure it with a hammer" in outcome.message
 
 
 # -- in words and in exit codes -------------------------------------------------------------------
@@ -212,10 +216,10 @@ def test_the_first_line_of_a_fit_is_its_verdict_and_the_optimiser_stands_below()
 def test_check_details_follow_the_verdict() -> None:
     why = "It fell by 88 % in all, and " + "on and " * 30 + "on."
     check = Check("level", False, f"The end falls. {why}", remedy=Remedy("Go on.", "hold", "9s"))
-    judged = verdict((check,))
-    assert str(judged).startswith("Use with care: the end falls.")
+    verdicts = verdict((check,))
+    assert str(verdicts).startswith("Use with care: the end falls.")
     lines = click.unstyle(
-        "\n".join(format_for_screen(Text(["text"]), judged, (check,)))
+        "\n".join(format_for_screen(Text(["text"]), verdicts, (check,)))
     ).splitlines()
     below = " ".join(lines[lines.index("text") + 2 :])
     assert below.startswith("  ! (see line 1) It fell by 88 %")
@@ -228,22 +232,22 @@ def test_check_details_follow_the_verdict() -> None:
 
 
 def test_verdict_of_a_few_valid_records_is_use() -> None:
-    found = [evaluate_record(trial(kind, seed=0)) for kind in KINDS[::5]]
-    assert sum(one.use == "use" for one in found) >= 7, failures(found)
-    assert not [one for one in found if one.wrong and one.use == "use"]
+    outcomes = [evaluate_record(trial(kind, seed=0)) for kind in KINDS[::5]]
+    assert sum(outcome.use == "use" for outcome in outcomes) >= 7, failures(outcomes)
+    assert not [outcome for outcome in outcomes if outcome.wrong and outcome.use == "use"]
 
 
 def test_a_few_nonlinear_records_are_not() -> None:
     for law in ("cubic", "foam"):
-        found = evaluate_record(trial(KINDS[14], seed=1, law=law))
-        assert found.use != "use" or not found.wrong, found
+        outcome = evaluate_record(trial(KINDS[14], seed=1, law=law))
+        assert outcome.use != "use" or not outcome.wrong, outcome
 
 
 @pytest.mark.slow
 def test_verdict_of_valid_records_is_use() -> None:
-    found = [evaluate_record(trial(kind, seed=seed)) for kind in KINDS for seed in range(3)]
-    print(table({"sound": found}), failures(found), sep="\n")
-    assert np.mean([one.use == "use" for one in found]) >= 0.8
+    outcomes = [evaluate_record(trial(kind, seed=seed)) for kind in KINDS for seed in range(3)]
+    print(table({"sound": outcomes}), failures(outcomes), sep="\n")
+    assert np.mean([outcome.use == "use" for outcome in outcomes]) >= 0.8
 
 
 @pytest.mark.slow
@@ -266,5 +270,5 @@ def test_disturbed_records_whose_result_is_wrong_are_not_to_be_used() -> None:
         if law != "linear"
     }
     print(table(groups))
-    wrong = [one for found in groups.values() for one in found if one.wrong]
-    assert np.mean([one.use != "use" for one in wrong]) >= 0.9
+    wrong = [item for group in groups.values() for item in group if item.wrong]
+    assert np.mean([item.use != "use" for item in wrong]) >= 0.9

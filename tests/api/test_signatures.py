@@ -63,7 +63,7 @@ def test_stub_overload_agrees_with_a_function(name: str) -> None:
     functions = [load_object(case) if isinstance(case, str) else case for case in words]
     for overload in read_overloads()[name]:
         names = overload.parameters.keys()
-        known = [inspect.signature(function).parameters for function in functions]
+        expected = [inspect.signature(function).parameters for function in functions]
         assert any(
             names <= parameters.keys()
             and all(
@@ -71,7 +71,7 @@ def test_stub_overload_agrees_with_a_function(name: str) -> None:
                 in (inspect.Parameter.empty, None, parameters[key].default)
                 for key in names
             )
-            for parameters in known
+            for parameters in expected
         ), (name, list(names))
 
 

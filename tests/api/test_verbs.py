@@ -44,11 +44,11 @@ def test_a_file_is_read_and_fitted_as_what_it_is(examples, name):
     record, result = RECORDS[name]
     read = dp.read(examples(name))
     assert type(read).__name__ == record
-    found = dp.fit(read)
-    assert type(found).__name__ == result
-    assert found.verdict.use in {"use", "use with care", "do not use"}
-    assert found.checks
-    assert str(found).startswith(("Use", "Do not use"))
+    fit = dp.fit(read)
+    assert type(fit).__name__ == result
+    assert fit.verdict.use in {"use", "use with care", "do not use"}
+    assert fit.checks
+    assert str(fit).startswith(("Use", "Do not use"))
 
 
 def test_every_kind_of_record_has_an_example_here():
@@ -97,8 +97,8 @@ def test_fit_of_hits_and_frf_under_a_mass_agree(examples):
     frf = hits.frf()
     assert dp.fit(hits)[0].frequency == pytest.approx(frf.modes()[0].frequency, rel=1e-9)
     assert type(dp.fit(frf)).__name__ == "MeasuredModes"
-    alone = dp.fit(hits, mass=MASS, seals=2)
-    assert (alone.method, type(alone)) == ("frf", dp.Fit)
+    fit = dp.fit(hits, mass=MASS, seals=2)
+    assert (fit.method, type(fit)) == ("frf", dp.Fit)
     joint = dp.fit(test, hits, mass=MASS, seals=2)
     mended = dp.fit(dp.fit(test), hits, mass=MASS, seals=2)
     assert joint.method == mended.method == "joint"
@@ -169,10 +169,10 @@ def records(examples):
 @pytest.mark.parametrize("what", WRONG)
 def test_a_wrong_call_is_answered_in_a_sentence(records, what):
     call, message = WRONG[what]
-    with pytest.raises(dp.DashpotError, match=message) as told:
+    with pytest.raises(dp.DashpotError, match=message) as output:
         call(*records)
-    assert "Traceback" not in str(told.value)
-    assert len(re.findall(r"[.:]", str(told.value))) >= 1
+    assert "Traceback" not in str(output.value)
+    assert len(re.findall(r"[.:]", str(output.value))) >= 1
 
 
 @pytest.mark.parametrize("name", [name for name in dp.__all__ if name[0].isupper()])

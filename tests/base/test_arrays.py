@@ -66,19 +66,19 @@ def test_slow_periodogram_is_the_plain_sum_at_its_cycles(n, most):
 
 
 def test_what_nobody_can_write_to_is_taken_as_it_is_and_all_else_is_copied():
-    own, others = set_readonly(np.arange(8.0)), np.arange(8.0)
-    assert validate_measured("time", own) is own
-    assert frozen(own[1:]).base is own
+    individual, others = set_readonly(np.arange(8.0)), np.arange(8.0)
+    assert validate_measured("time", individual) is individual
+    assert frozen(individual[1:]).base is individual
     # a small part would keep the whole
-    assert frozen(own[:1]).base is None
+    assert frozen(individual[:1]).base is None
     view = others[:]
     view.setflags(write=False)
-    kept = [validate_measured("time", others), validate_measured("time", view), frozen(view)]
+    retained = [validate_measured("time", others), validate_measured("time", view), frozen(view)]
     others[0] = 7.0
-    assert [one[0] for one in kept] == [0.0, 0.0, 0.0]
-    for one in (*kept, frozen(own)):
+    assert [item[0] for item in retained] == [0.0, 0.0, 0.0]
+    for element in (*retained, frozen(individual)):
         with pytest.raises(ValueError, match="read-only"):
-            one[0] = 1.0
+            element[0] = 1.0
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 400, 401, 40_003])

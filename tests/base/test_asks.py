@@ -30,20 +30,22 @@ MODE = FormField("test", "Kind of test", "", "--test", ("uniaxial", "biaxial"), 
 )
 def test_a_field_is_an_option_of_the_shell(ask, typed, words):
     assert ask.words(ask.read(typed)) == words
-    said = FormData.from_fields((ask,), {ask.name: typed})
-    assert said.options(1) == tuple(word for each in words for word in (ask.flag, each))
+    form_data = FormData.from_fields((ask,), {ask.name: typed})
+    assert form_data.options(1) == tuple(word for item in words for word in (ask.flag, item))
 
 
 def test_per_file_form_field_has_a_choice_for_each_file():
-    said = FormData.from_fields((MODE,), {"test 1": "biaxial", "other": "1"})
-    assert said.options(2) == ("--test", "uniaxial", "--test", "biaxial")
+    form_data = FormData.from_fields((MODE,), {"test 1": "biaxial", "other": "1"})
+    assert form_data.options(2) == ("--test", "uniaxial", "--test", "biaxial")
 
 
 def test_form_data_converts_numbers_to_si_and_reports_missing_ones():
-    said = FormData.from_fields((MASS, BETWEEN, DENSITY), {"mass": "114,8", "between": "4 to 8"})
-    assert said.number("mass", "mass") == pytest.approx(0.1148)
-    assert said.range("between", "length") == pytest.approx((4e-3, 8e-3))
-    assert said.get_number("density") is None
+    form_data = FormData.from_fields(
+        (MASS, BETWEEN, DENSITY), {"mass": "114,8", "between": "4 to 8"}
+    )
+    assert form_data.number("mass", "mass") == pytest.approx(0.1148)
+    assert form_data.range("between", "length") == pytest.approx((4e-3, 8e-3))
+    assert form_data.get_number("density") is None
     assert FormData.from_fields((DENSITY,), {"density": "1100"}).get_number("density") == 1100.0
     with pytest.raises(DataError, match="moving mass is not given: type it beside the files"):
         FormData.from_fields((MASS,), {}).require_quantity("mass", "mass")

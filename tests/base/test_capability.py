@@ -17,21 +17,21 @@ def having(mean, deviation, count):
 
 def test_the_indices_are_those_of_the_handbook():
     # NIST/SEMATECH e-Handbook, 6.1.6: limits 8 and 20, mean 16, standard deviation 2
-    found = capability(having(16, 2, 50), 8, 20)
-    assert found.cp == pytest.approx(1.0)
-    assert found.cpk == pytest.approx(0.6667, abs=5e-5)
+    result = capability(having(16, 2, 50), 8, 20)
+    assert result.cp == pytest.approx(1.0)
+    assert result.cpk == pytest.approx(0.6667, abs=5e-5)
     assert capability(having(16, 2, 50), 8, None).cpk == pytest.approx(1.3333, abs=5e-5)
     assert capability(having(16, 2, 50), None, 20).cp is None
 
 
 def test_the_intervals_are_those_of_the_textbooks():
     # Montgomery, Introduction to Statistical Quality Control, 6th ed., example 8.4
-    found = capability(having(50, 1.75, 20), 38, 62)
-    assert found.cp == pytest.approx(2.29, abs=5e-3)
-    assert found.cp_interval == pytest.approx((1.57, 3.01), abs=0.01)
+    result = capability(having(50, 1.75, 20), 38, 62)
+    assert result.cp == pytest.approx(2.29, abs=5e-3)
+    assert result.cp_interval == pytest.approx((1.57, 3.01), abs=0.01)
     # its example 8.5, by an approximation: n = 20, C_pk = 1.33, 0.88 to 1.78 (two sides of 2.5 %)
-    one_sided = capability(having(0, 1, 20), None, 3 * 1.33)
-    assert one_sided.cpk_interval == pytest.approx((0.88, 1.78), abs=0.02)
+    item = capability(having(0, 1, 20), None, 3 * 1.33)
+    assert item.cpk_interval == pytest.approx((0.88, 1.78), abs=0.02)
     # NIST/SEMATECH e-Handbook, 7.2.6.3: of 43 values, by the noncentral t, k_1 = 12.28834/sqrt(43)
     # standard deviations from the mean leave 90 % (1.28155) inside with a confidence of 99 %
     k = 12.28834 / np.sqrt(43)
@@ -54,18 +54,18 @@ def test_the_interval_of_cpk_holds_the_truth_as_often_as_it_says(size, mean):
 @pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize("count", [2, 5, 30])
 def test_capability_interval_scales_with_distance_of_limit(count, side):
-    near, further = (
+    near, extra = (
         np.array(capability(having(0.0, 1.0, count), None, side * d).cpk_interval)
         for d in (89.9, 9e5)
     )
-    np.testing.assert_allclose(further, near * 9e5 / 89.9, rtol=6e-4)
+    np.testing.assert_allclose(extra, near * 9e5 / 89.9, rtol=6e-4)
 
 
 def test_what_lies_outside_is_counted_whatever_its_distribution():
-    found = capability(np.array([1.0, 2.0, 3.0, 9.0]), 1.0, 8.0)
-    assert found.outside == 1  # a limit itself is inside
+    result = capability(np.array([1.0, 2.0, 3.0, 9.0]), 1.0, 8.0)
+    assert result.outside == 1  # a limit itself is inside
     # Clopper and Pearson (1934) for 1 of 4
-    assert found.outside_interval == pytest.approx((0.0063, 0.8059), abs=5e-5)
+    assert result.outside_interval == pytest.approx((0.0063, 0.8059), abs=5e-5)
     assert share_interval(0, 25) == pytest.approx((0, 1 - 0.025 ** (1 / 25)))
     assert share_interval(25, 25) == pytest.approx((0.025 ** (1 / 25), 1))
 
@@ -78,9 +78,9 @@ def test_values_that_are_not_normal_are_suspect():
 
 
 def test_equal_values_have_no_index_and_bad_limits_are_refused():
-    found = capability(np.full(5, 0.1), 0.0, 1.0)
-    assert (found.cp, found.cpk, found.cpk_interval, found.normal) == (None,) * 4
-    assert found.outside == 0
+    result = capability(np.full(5, 0.1), 0.0, 1.0)
+    assert (result.cp, result.cpk, result.cpk_interval, result.normal) == (None,) * 4
+    assert result.outside == 0
     for values, low, high, words in (
         ([1.0], 0, 2, "of 1 value"), ([1.0, 2.0], None, None, "without a limit"),
         ([1.0, 2.0], 2, 2, "not below"),

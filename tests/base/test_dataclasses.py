@@ -73,9 +73,9 @@ def test_values_compare_print_and_copy_as_those_of_the_standard_library(pair):
         values = [kind(name="a"), kind(name="a", hidden=9), kind(name="b", tags=("t",), last=2.0)]
         outcomes.append(
             [
-                [one == other for one in values for other in values],
-                [repr(one).partition(" object at ")[0] for one in values],
-                [hash(one) == hash(other) for one in values for other in values],
+                [value == other for value in values for other in values],
+                [repr(value).partition(" object at ")[0] for value in values],
+                [hash(value) == hash(other) for value in values for other in values],
                 values[0] == 1,
                 dataclasses.asdict(replace(values[2], x=4.0, name="c")),
                 vars(copy.deepcopy(values[2])),
@@ -86,18 +86,18 @@ def test_values_compare_print_and_copy_as_those_of_the_standard_library(pair):
 
 
 def test_a_frozen_value_refuses_changes_in_the_words_of_the_standard_library(pair):
-    said = []
+    message = []
     for kind in pair:
         value = kind(name="a")
         for change, words in ((setattr, ("x", 1)), (delattr, ("name",)), (setattr, ("other", 1))):
             with pytest.raises(FrozenInstanceError) as error:
                 change(value, *words)
-            said.append(str(error.value))
+            message.append(str(error.value))
         for words in ({}, {"name": "a", "wrong": 1}):
             with pytest.raises(TypeError) as error:
                 kind(**words)
-            said.append(str(error.value))
-    assert said[: len(said) // 2] == said[len(said) // 2 :]
+            message.append(str(error.value))
+    assert message[: len(message) // 2] == message[len(message) // 2 :]
 
 
 def test_dataclass_keeps_a_hash_of_the_class():

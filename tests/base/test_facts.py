@@ -21,15 +21,15 @@ from dashpot.base.serialisation import (
 
 
 def test_a_fact_is_read_in_the_unit_of_the_field() -> None:
-    found = ReportedValue("k_1", 17432.1, 17000.0, 17864.2, "N/m", 200.0)
-    assert found.cells == ("k_1", "17.43", "0.20", "17.00 to 17.86", "N/mm")
-    assert found.cells.with_error == "17.43 ± 0.20"
-    assert found.symbol == "k₁"
-    assert found.text == "k_1 17.43 ± 0.20 N/mm, 95 % 17.00 to 17.86"
+    value = ReportedValue("k_1", 17432.1, 17000.0, 17864.2, "N/m", 200.0)
+    assert value.cells == ("k_1", "17.43", "0.20", "17.00 to 17.86", "N/mm")
+    assert value.cells.with_error == "17.43 ± 0.20"
+    assert value.symbol == "k₁"
+    assert value.text == "k_1 17.43 ± 0.20 N/mm, 95 % 17.00 to 17.86"
 
 
 @pytest.mark.parametrize(
-    ("error", "said"),
+    ("error", "text"),
     [
         (0.0, "2.000, held"),
         (math.inf, "2.000, not identified"),
@@ -37,28 +37,28 @@ def test_a_fact_is_read_in_the_unit_of_the_field() -> None:
         (0.1, "2.00 ± 0.10"),
     ],
 )
-def test_reported_value_prints_its_error(error: float | None, said: str) -> None:
-    assert ReportedValue("tau_1", 2.0, unit="s", error=error).cells.with_error == said
+def test_reported_value_prints_its_error(error: float | None, text: str) -> None:
+    assert ReportedValue("tau_1", 2.0, unit="s", error=error).cells.with_error == text
 
 
 def test_reported_value_with_infinite_upper_end_prints_a_lower_limit() -> None:
-    found = ReportedValue("life", math.nan, 3.6e6, math.inf, "s", read="h")
-    assert found.text == "life at least 1000 h"
-    assert found.cells[1:] == ("", "", "at least 1000", "h")
-    assert found.cell_texts == ("unknown", "1000", "no limit")
+    value = ReportedValue("life", math.nan, 3.6e6, math.inf, "s", read="h")
+    assert value.text == "life at least 1000 h"
+    assert value.cells[1:] == ("", "", "at least 1000", "h")
+    assert value.cell_texts == ("unknown", "1000", "no limit")
     # a value of an infinite interval is known
     assert ReportedValue("life", 7.2e6, 3.6e6, math.inf, "s", read="h").cells.value == "2000"
 
 
 def test_reported_value_with_upper_bound_only_prints_no_value() -> None:
-    found = ReportedValue("viscous_time", 4e-4, 0.0, 2.2e-2, "s", read="ms")
-    assert found.text == "viscous time below 22.0 ms"
+    value = ReportedValue("viscous_time", 4e-4, 0.0, 2.2e-2, "s", read="ms")
+    assert value.text == "viscous time below 22.0 ms"
 
 
 def test_a_value_that_is_at_most_so_much_says_both_and_no_error() -> None:
-    found = ReportedValue("k_inf", 204.4, math.nan, 208.6, "N/m")
-    assert found.text == "k_inf 0.2044 N/mm, at most 0.2086"
-    assert found.cells[1:] == ("0.2044", "", "at most 0.2086", "N/mm")
+    value = ReportedValue("k_inf", 204.4, math.nan, 208.6, "N/m")
+    assert value.text == "k_inf 0.2044 N/mm, at most 0.2086"
+    assert value.cells[1:] == ("0.2044", "", "at most 0.2086", "N/mm")
     # one that meets its bound has the digits of a thousandth of it
     assert ReportedValue("k_inf", 204.4, math.nan, 204.4, "N/m").cells.interval == "at most 0.20440"
 
@@ -87,12 +87,12 @@ class Result(Serialisable):
 
 
 def test_a_document_is_a_list_of_attributes() -> None:
-    found = Result("linear", Part(math.inf), {"k": 2.0}).to_dict()
-    assert found == {
+    document = Result("linear", Part(math.inf), {"k": 2.0}).to_dict()
+    assert document == {
         "schema": "dashpot/result@0", "law": "linear", "length": "Infinity", "high": "Infinity",
         "k": 2.0, "part": {"length": "Infinity", "inside": None},
     }  # fmt: skip
-    assert list(found) == ["schema", "law", "length", "high", "k", "part"]
+    assert list(document) == ["schema", "law", "length", "high", "k", "part"]
 
 
 @dataclass(frozen=True)
@@ -115,14 +115,14 @@ class WholeValue(Serialisable):
 
 
 def test_document_writes_null_for_nan_and_omits_missing_fields() -> None:
-    found = WholeValue(Part(math.nan)).to_dict()
-    seal = found.pop(DIGEST)
-    assert found == {
+    document = WholeValue(Part(math.nan)).to_dict()
+    seal = document.pop(DIGEST)
+    assert document == {
         "part": {"length": "NaN", "inside": None}, "result": None, "high": None,
         "gone": None,
     }  # fmt: skip
-    assert seal == compute_document_digest(found | {DIGEST: "any"})
-    assert seal != compute_document_digest(found | {"high": 1})
+    assert seal == compute_document_digest(document | {DIGEST: "any"})
+    assert seal != compute_document_digest(document | {"high": 1})
 
 
 @dataclass(frozen=True)
@@ -134,9 +134,11 @@ class TakenValue(Serialisable):
 
 
 def test_what_takes_in_a_sealed_document_is_sealed_as_a_whole() -> None:
-    found = TakenValue(WholeValue(Part(1.0))).to_dict()
+    document = TakenValue(WholeValue(Part(1.0))).to_dict()
     assert (
-        found[DIGEST] == compute_document_digest(found) != WholeValue(Part(1.0)).to_dict()[DIGEST]
+        document[DIGEST]
+        == compute_document_digest(document)
+        != WholeValue(Part(1.0)).to_dict()[DIGEST]
     )
 
 

@@ -19,10 +19,10 @@ def test_a_pattern_finds_what_a_compiled_one_does(source, flags, text):
     pattern, compiled = compile_on_use(source, flags), re.compile(source, flags)
     for name in ("search", "match", "fullmatch", "findall", "split"):
         for _ in range(2):
-            found, expected = (getattr(one, name)(text) for one in (pattern, compiled))
+            groups, expected = (getattr(item, name)(text) for item in (pattern, compiled))
             if isinstance(expected, re.Match):
-                found, expected = found.groups(), expected.groups()
-            assert found == expected
+                groups, expected = groups.groups(), expected.groups()
+            assert groups == expected
     assert (pattern.pattern, pattern.flags, pattern.groups) == (
         compiled.pattern,
         compiled.flags,

@@ -23,11 +23,11 @@ def test_plausible_sizes_match_the_typed_limits():
 @pytest.mark.parametrize("name", SIZES)
 def test_each_end_is_the_last_that_passes(name):
     row = SIZES[name]
-    for low, high, said in ((*row.hard, row.absurd), (*row.soft, row.unusual)):
+    for low, high, function in ((*row.hard, row.absurd), (*row.soft, row.unusual)):
         for inside in (low * 1.001, high * 0.999, -high * 0.999, 0.0, float("nan")):
-            assert not said(inside), inside
-        assert said(high * 1.001)
-        assert not low or said(low * 0.999)
+            assert not function(inside), inside
+        assert function(high * 1.001)
+        assert not low or function(low * 0.999)
     assert row.hard[0] <= row.soft[0] < row.soft[1] <= row.hard[1]
 
 
@@ -52,12 +52,12 @@ def test_real_tests_pass_and_slips_do_not():
 
 
 def test_format_quantity_short_uses_readable_units():
-    said = [
+    message = [
         format_quantity_short(8.71, "m"),
         format_quantity_short(2e-3, "m"),
         format_quantity_short(4e9, "Pa"),
         format_quantity_short(3.2e4, "m/s^2"),
     ]
-    assert said == ["8.71 m", "2 mm", "4 GPa", "3.2e+04 m/s^2"]
+    assert message == ["8.71 m", "2 mm", "4 GPa", "3.2e+04 m/s^2"]
     assert format_quantity_short(7200.0, "s") == "2 h"
     assert format_quantity_short(0.0, "N") == "0 N"

@@ -53,7 +53,7 @@ def test_every_factor_is_that_of_pint() -> None:
 
 
 @pytest.mark.parametrize(
-    ("word", "dimension", "found"),
+    ("word", "dimension", "text"),
     [
         ("mm", "length", "mm"), ("Newtons", "force", "N"), ("µm", "length", "um"),
         ("μm", "length", "um"), ("Sec.", "time", "sec"), ("HZ", "frequency", "Hz"),
@@ -71,10 +71,10 @@ def test_every_factor_is_that_of_pint() -> None:
         ("N.s/mm", "damping", "N*s/mm"), ("-", "strain", "1"), ("millimetres", "length", "mm"),
     ],
 )  # fmt: skip
-def test_spellings(word: str, dimension, found: str) -> None:
+def test_spellings(word: str, dimension, text: str) -> None:
     unit = find_unit(word, dimension)
     assert unit is not None
-    assert unit.word == found
+    assert unit.word == text
 
 
 @pytest.mark.parametrize(

@@ -136,14 +136,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ovens, slams = OVENS["ovens.csv"].write(), DROP_TESTS["slam.csv"].write()
     (place / "ovens.csv").write_text(ovens)
     (place / "slam.csv").write_text(slams)
-    head, *rows = (one for one in ovens.splitlines() if not one.startswith("#"))
-    (place / "once.csv").write_text("\n".join([head, *(one for one in rows if one[:3] == "0.5")]))
-    (place / "before.csv").write_text("\n".join([head, *("-" + one for one in rows)]))
+    head, *rows = (line for line in ovens.splitlines() if not line.startswith("#"))
+    (place / "once.csv").write_text("\n".join([head, *(row for row in rows if row[:3] == "0.5")]))
+    (place / "before.csv").write_text("\n".join([head, *("-" + row for row in rows)]))
     (place / "csr.json").write_text(to_json(dp.fit(dp.read(place / "ovens.csv"))))
     return place
 
 
-@pytest.mark.parametrize(("words", "message"), ROWS, ids=[one for one, _ in ROWS])
+@pytest.mark.parametrize(("words", "message"), ROWS, ids=[item for item, _ in ROWS])
 def test_command_refuses_invalid_input_in_one_sentence(
     folder: Path, monkeypatch: pytest.MonkeyPatch, words: str, message: str
 ) -> None:

@@ -78,29 +78,29 @@ TELLING = {"Result", "Reading the files"}
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    found = tmp_path_factory.mktemp("choices")
+    folder = tmp_path_factory.mktemp("choices")
     names = {word for job in JOBS.values() for word in job if word in workflow.EXAMPLES}
     for name in names:
-        (found / name).write_text(workflow.EXAMPLES[name](), encoding="utf-8")
+        (folder / name).write_text(workflow.EXAMPLES[name](), encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(found)
+        patch.chdir(folder)
         assert ran("fit", "seal_8mm.csv", "-o", "fit.json").exit_code == 0
         assert ran("fit", "hammer.csv", "-o", "frf.csv").exit_code == 0
         assert ran("fit", "hammer.csv", "--reject", "2", "-o", "frf2.csv").exit_code == 0
-    return found
+    return folder
 
 
 def options_of(verb: str) -> Iterator[CommandOption]:
-    found = main.get_command(click.Context(main), verb)
-    assert isinstance(found, DashpotCommand)
-    for one in found.options:
-        if one.group not in TELLING and one.flag not in NO_CHOICE | {"--output", "--open"}:
-            yield one
+    command = main.get_command(click.Context(main), verb)
+    assert isinstance(command, DashpotCommand)
+    for option in command.options:
+        if option.group not in TELLING and option.flag not in NO_CHOICE | {"--output", "--open"}:
+            yield option
 
 
 @pytest.mark.parametrize("verb", ["fit", "report"])
 def test_every_choice_is_tried(verb: str) -> None:
-    assert {one.flag for one in options_of(verb)} <= CHOICES.keys()
+    assert {option.flag for option in options_of(verb)} <= CHOICES.keys()
 
 
 def list_idle_options(job: str) -> Iterator[str]:
@@ -108,12 +108,12 @@ def list_idle_options(job: str) -> Iterator[str]:
     words = JOBS[job]
     usual = ran(*words, "--json", "--overwrite")
     assert usual.exit_code == 0, usual.output
-    for one in options_of(words[0]):
-        for value in CHOICES[one.flag]:
-            typed = (one.flag,) if one.is_flag else (one.flag, value)
-            told = ran(*words, *typed, "--json", "--overwrite")
-            assert told.exit_code in {0, 2}, (typed, told.output)
-            if told.exit_code == 0 and told.stdout == usual.stdout:
+    for option in options_of(words[0]):
+        for value in CHOICES[option.flag]:
+            typed = (option.flag,) if option.is_flag else (option.flag, value)
+            result = ran(*words, *typed, "--json", "--overwrite")
+            assert result.exit_code in {0, 2}, (typed, result.output)
+            if result.exit_code == 0 and result.stdout == usual.stdout:
                 yield shlex.join(typed)
 
 
@@ -130,16 +130,16 @@ def test_an_option_acts_or_is_refused(
 @pytest.mark.parametrize(
     "choice",
     [("--time-limits", "hold-end=8s"), ("--method", "hold"), ("--elastic", "nonlinear")],
-    ids=lambda one: one[0],
+    ids=lambda item: item[0],
 )
 def test_a_choice_of_the_test_moves_the_joint_fit(
     choice: tuple[str, str], place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(place)
-    usual, moved = (
+    usual, model = (
         json.loads(ran(*JOBS["joint"], *more, "--json").stdout)["model"] for more in ((), choice)
     )
-    assert usual != moved
+    assert usual != model
 
 
 @pytest.mark.parametrize(
@@ -159,10 +159,10 @@ def test_the_next_line_of_a_report_gives_its_solid(
     study = json.loads(ran(*words, "--json").stdout)
     (follow,) = [line for line in ran(*words).stderr.splitlines() if line.startswith("next: ")]
     again = shlex.split(follow.removeprefix("next: "), comments=True)[1:]
-    told = ran(*again, "--json", "--overwrite")
-    assert told.exit_code == 0, told.output
-    found = json.loads(told.stdout)
-    assert found["model"] == (study["joint"] or study["fit"])["model"]
+    result = ran(*again, "--json", "--overwrite")
+    assert result.exit_code == 0, result.output
+    document = json.loads(result.stdout)
+    assert document["model"] == (study["joint"] or study["fit"])["model"]
 
 
 @pytest.mark.parametrize(
@@ -179,11 +179,11 @@ def test_the_next_line_of_a_fit_gives_its_solid(
     first = ran(*JOBS[job], *choice)
     (follow,) = [line for line in first.stderr.splitlines() if line.startswith("next: ")]
     again = shlex.split(follow.removeprefix("next: "), comments=True)[1:]
-    usual, told = (
+    usual, document = (
         json.loads(ran(*words, "--json", "--overwrite").stdout)
         for words in ((*JOBS[job], *choice), again)
     )
-    assert told["model"] == usual["model"]
+    assert document["model"] == usual["model"]
 
 
 @pytest.mark.parametrize(("grams", "marks"), [(114.8, {"good"}), (200, {"bad"}), (80, {"bad"})])
@@ -210,9 +210,9 @@ def test_predict_uses_the_elastic_law_of_load_deflection_unchanged(
         soft[i] = ",".join((*others, f"{0.8 * float(force):.6f}"))
     (place / "soft.csv").write_text("\n".join(soft), encoding="utf-8")
     assert ran("fit", "soft.csv", "-o", "soft.json").exit_code == 0
-    said = json.loads(ran("fit", "cld_1.csv", "--relaxation", "soft.json", "--json").stdout)
-    (check,) = [one for one in said["checks"] if one["name"] == "relaxed_agrees"]
+    document = json.loads(ran("fit", "cld_1.csv", "--relaxation", "soft.json", "--json").stdout)
+    (check,) = [check for check in document["checks"] if check["name"] == "relaxed_agrees"]
     assert not check["passed"]
-    law, kept = said["relaxed"]["elastic_law"], said["fit"]["elastic_law"]
-    assert kept["tangent"] == pytest.approx(law["tangent"], rel=1e-12)
-    assert said["fit"]["model"]["k_inf"] == pytest.approx(kept["stiffness"], rel=1e-12)
+    law, elastic_law = document["relaxed"]["elastic_law"], document["fit"]["elastic_law"]
+    assert elastic_law["tangent"] == pytest.approx(law["tangent"], rel=1e-12)
+    assert document["fit"]["model"]["k_inf"] == pytest.approx(elastic_law["stiffness"], rel=1e-12)

@@ -18,7 +18,11 @@ def test_demo_writes_two_files_and_the_page_of_their_report(tmp_path):
     done = ran("demo", "-o", tmp_path / "demo")
     assert done.exit_code == 0
     page = tmp_path / "demo" / "report.html"
-    assert {one.name for one in page.parent.iterdir()} == {"seal_8mm.csv", "hammer.csv", page.name}
+    assert {path.name for path in page.parent.iterdir()} == {
+        "seal_8mm.csv",
+        "hammer.csv",
+        page.name,
+    }
     assert done.stdout.startswith("Use: ")
     assert done.stderr.splitlines()[-2] == f"wrote {page}"
     again = ran("demo", "-o", tmp_path / "demo", "--overwrite")
@@ -29,8 +33,8 @@ def test_demo_writes_two_files_and_the_page_of_their_report(tmp_path):
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_the_cold_test_answers_the_puzzle_without_the_hammer(tmp_path, seed):
     seal = run_json("demo", "--story", "-o", tmp_path, "--seed", seed)["seals"]["broad"]
-    alone, cold = seal["comparison"], seal["cold"]["comparison"]
-    assert alone["predicted_damping"] / alone["measured_damping"] < 0.5
+    comparison, cold = seal["comparison"], seal["cold"]["comparison"]
+    assert comparison["predicted_damping"] / comparison["measured_damping"] < 0.5
     assert cold["predicted_hz"] == pytest.approx(cold["measured_hz"], rel=0.01)
     assert cold["predicted_damping"] == pytest.approx(cold["measured_damping"], rel=0.1)
     tests = [read_relaxation(tmp_path / f"broad_{name}.csv") for name in ("relaxation", "cold")]
@@ -45,8 +49,8 @@ def test_the_cold_test_answers_the_puzzle_without_the_hammer(tmp_path, seed):
     # a force that may be 5 ms late looks like less loss: two clocks leave most of what is open
     ready = [test.prepare() for test in tests]
     assert decades(ready) < 0.15 * decades(ready[:1])
-    one_clock = [test.prepare(machine=Machine(sync="1ms")) for test in tests]
-    assert decades(one_clock) < np.log10(1.3)
-    assert decades(one_clock) < 0.5 * decades(ready)
+    clock = [test.prepare(machine=Machine(sync="1ms")) for test in tests]
+    assert decades(clock) < np.log10(1.3)
+    assert decades(clock) < 0.5 * decades(ready)
     # one clock, but the warm test alone would not do
-    assert decades(one_clock[:1]) > 1
+    assert decades(clock[:1]) > 1

@@ -68,8 +68,8 @@ def test_fit_of_first_example_recovers_the_simulated_seal(folder):
     # the bench alone misses the damping: the story that the pages tell
     assert study.comparison.verdict.use == "do not use"
     truth = BROAD.complex_stiffness(omega=2 * 3.141592653589793 * 12.71)
-    found = study.joint.model.complex_stiffness(omega=2 * 3.141592653589793 * 12.71)
-    assert abs(found / truth - 1) < 0.01
+    stiffness = study.joint.model.complex_stiffness(omega=2 * 3.141592653589793 * 12.71)
+    assert abs(stiffness / truth - 1) < 0.01
 
 
 def test_fit_detects_the_faults_of_the_bad_examples(folder):
@@ -106,9 +106,9 @@ def test_a_material_goes_on_to_a_deck_and_its_temperature_with_it(folder, tmp_pa
 def test_fit_states_a_temperature_that_differs_from_the_header(folder, monkeypatch):
     monkeypatch.chdir(folder)
     words = ["fit", "at_23degC.csv", "--arms", "1", "-v", "--temperature"]
-    said = "the header says 'temperature: 23 degC'; the temperature is 60 degC, as given"
-    for given, differs in (("60degC", True), ("23degC", False)):
-        assert (said in " ".join(ran(*words, given).stdout.split())) is differs
+    message = "the header says 'temperature: 23 degC'; the temperature is 60 degC, as given"
+    for inputs, differs in (("60degC", True), ("23degC", False)):
+        assert (message in " ".join(ran(*words, inputs).stdout.split())) is differs
 
 
 @pytest.mark.once
@@ -116,8 +116,8 @@ def test_fit_states_a_temperature_that_differs_from_the_header(folder, monkeypat
 def test_fit_takes_every_example_or_says_why_not(folder, monkeypatch, name):
     """And takes it for what `inspect` says that it is."""
     monkeypatch.chdir(folder)
-    given = {"hit.csv": ("--mass", "5g"), "slam.csv": ("--mass", "200g"), "rod.csv": ROD}
-    words = given.get(name, ())
+    inputs = {"hit.csv": ("--mass", "5g"), "slam.csv": ("--mass", "200g"), "rod.csv": ROD}
+    words = inputs.get(name, ())
     done = ran("fit", name, *words)
     seen = recognise(name)
     assert dp.inspect(name).kind == seen.kind if name != "door.toml" else seen.kind == "door"

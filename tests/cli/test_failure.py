@@ -73,10 +73,10 @@ def test_under_json_every_error_is_a_document(broken, words, kind, code):
     if kind == "OSError":
         broken.write_text("")
     result = ran(*(word.format(file=broken) for word in words), "--json")
-    found = json.loads(result.stdout)
-    assert found["schema"] == "dashpot/error@2"
-    assert (found["kind"], found["exit_code"], result.exit_code) == (kind, code, code)
-    assert found["message"] in result.stderr.replace("\n", " ")
+    document = json.loads(result.stdout)
+    assert document["schema"] == "dashpot/error@2"
+    assert (document["kind"], document["exit_code"], result.exit_code) == (kind, code, code)
+    assert document["message"] in result.stderr.replace("\n", " ")
 
 
 def test_a_file_called_json_asks_for_no_document(broken):
@@ -139,18 +139,20 @@ def test_a_name_that_is_no_text_is_printed(tmp_path):
 
 def outputs(name):
     command = main.get_command(click.Context(main), name)
-    return command, [one for one in command.params if isinstance(one.type, Output)]
+    return command, [
+        parameter for parameter in command.params if isinstance(parameter.type, Output)
+    ]
 
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_command_that_writes_has_an_overwrite_option(name):
     command, written = outputs(name)
-    known = {option for one in command.params for option in one.opts}
+    parameters = {option for parameter in command.params for option in parameter.opts}
     # demo writes a folder; verify clears what killed runs left
-    assert ("--overwrite" in known) == bool(written or name in {"demo", "verify"})
+    assert ("--overwrite" in parameters) == bool(written or name in {"demo", "verify"})
     # no option names a file to write without saying so
-    assert {"-o", "--plot", "--save", "--stiffness-table", "--save-shifts"} & known <= {
-        option for one in written for option in one.opts
+    assert {"-o", "--plot", "--save", "--stiffness-table", "--save-shifts"} & parameters <= {
+        option for item in written for option in item.opts
     } | ({"-o"} if name in {"demo", "batch"} else set())  # a folder
 
 
@@ -184,8 +186,8 @@ def test_stdout_holds_one_document_even_where_the_output_is_stdout(tmp_path):
 def test_nothing_follows_a_document_that_goes_to_stdout(tmp_path):
     path = tmp_path / "tension.csv"
     path.write_text(workflow.EXAMPLES["tension.csv"](), encoding="utf-8")
-    found = json.loads(ran("fit", path, "-o", "-").stdout)
-    assert found["schema"].startswith("dashpot/")
+    document = json.loads(ran("fit", path, "-o", "-").stdout)
+    assert document["schema"].startswith("dashpot/")
 
 
 def test_columns_in_each_others_place_end_in_a_sentence(tmp_path):

@@ -42,14 +42,14 @@ READING = (
 
 
 def verb(name: str) -> DashpotCommand:
-    found = main.get_command(click.Context(main), name)
-    assert isinstance(found, DashpotCommand)
-    return found
+    command = main.get_command(click.Context(main), name)
+    assert isinstance(command, DashpotCommand)
+    return command
 
 
 def option(name: str, flag: str) -> CommandOption:
-    (found,) = [one for one in verb(name).options if flag in one.opts]
-    return found
+    (result,) = [item for item in verb(name).options if flag in item.opts]
+    return result
 
 
 @pytest.fixture(scope="module")
@@ -93,30 +93,30 @@ def test_the_help_of_a_verb_fits_a_screen(name: str) -> None:
     assert "\\b" not in text
     whole = ran(name, "--help-all").stdout
     assert max(map(len, whole.splitlines())) <= WIDTH
-    assert all(f" {one.flag}" in f" {whole}" for one in verb(name).options)
-    hidden = [one for one in verb(name).options if one.more]
+    assert all(f" {item.flag}" in f" {whole}" for item in verb(name).options)
+    hidden = [item for item in verb(name).options if item.more]
     assert (f"{len(hidden)} more: dashpot {name} --help-all" in text) is bool(hidden)
 
 
 @pytest.mark.parametrize("name", VERBS)
 def test_an_option_says_in_a_line_what_it_does(name: str) -> None:
-    for one in verb(name).options:
-        message = one.help or ""
+    for match in verb(name).options:
+        message = match.help or ""
         listed = set(re.findall(r"[a-z]+", message)) - {"or"} == set(
-            getattr(one.type, "choices", ())
+            getattr(match.type, "choices", ())
         )
-        assert 0 < len(message) <= 60 or listed, (one.flag, message)
-        assert not message.startswith("Of "), one.flag
-        assert message.endswith("."), (one.flag, message)
-        assert one.group, one.flag
+        assert 0 < len(message) <= 60 or listed, (match.flag, message)
+        assert not message.startswith("Of "), match.flag
+        assert message.endswith("."), (match.flag, message)
+        assert match.group, match.flag
 
 
 def test_option_has_one_meaning_in_every_command() -> None:
     taken: dict[str, set[object]] = defaultdict(set)
     for name in VERBS:
-        for one in verb(name).options:
-            for word in set(one.opts) - OTHER_THINGS:
-                taken[word].add(one.metavar)
+        for item in verb(name).options:
+            for word in set(item.opts) - OTHER_THINGS:
+                taken[word].add(item.metavar)
     assert {word: every for word, every in taken.items() if len(every) > 1} == {}
 
 
@@ -128,14 +128,14 @@ def test_reading_is_the_same_seven_options_and_the_kind_wherever_files_are_read(
 
 @pytest.mark.once
 def test_no_help_needs_numpy() -> None:
-    asked = (
+    text = (
         "import sys\nfrom click.testing import CliRunner\nfrom dashpot.cli import main\n"
         f"for name in ('', {', '.join(map(repr, VERBS))}):\n"
         "    done = CliRunner().invoke(main, [name, '--help'] if name else ['--help'])\n"
         "    assert done.exit_code == 0, done.output\n"
         "assert 'numpy' not in sys.modules"
     )
-    assert subprocess.run([sys.executable, "-c", asked], check=False).returncode == 0
+    assert subprocess.run([sys.executable, "-c", text], check=False).returncode == 0
 
 
 @pytest.mark.once
@@ -143,15 +143,17 @@ def test_no_help_needs_numpy() -> None:
 def test_the_help_of_a_file_shows_the_options_of_its_kind(tmp_path: Path, name: str) -> None:
     path = tmp_path / name
     path.write_text(workflow.EXAMPLES[name](), encoding="utf-8")
-    (found,) = run_json("inspect", path)["files"] if path.suffix != ".toml" else ({"kind": "door"},)
+    (result,) = (
+        run_json("inspect", path)["files"] if path.suffix != ".toml" else ({"kind": "door"},)
+    )
     text = ran("fit", path, "--help").stdout
     assert max(map(len, text.splitlines())) <= WIDTH
-    if found["kind"] in {"unclear", "not-a-test"}:
+    if result["kind"] in {"unclear", "not-a-test"}:
         return
     assert f"{name} is " in text
-    for one in verb("fit").options:
-        suits = found["kind"] in (one.kinds or {found["kind"]} - one.unheard)
-        assert (f" {one.flag} " in f"{text}\n".replace("\n", " ")) is suits, one.flag
+    for item in verb("fit").options:
+        suits = result["kind"] in (item.kinds or {result["kind"]} - item.unheard)
+        assert (f" {item.flag} " in f"{text}\n".replace("\n", " ")) is suits, item.flag
 
 
 # -- KEY=VALUE, and for some files alone ----------------------------------------------------------
@@ -224,20 +226,20 @@ def test_scoped_option_parses_its_file_pattern(typed: str, means: tuple[str, str
 def test_a_column_whose_name_has_a_colon_keeps_its_unit(tmp_path: Path) -> None:
     path = tmp_path / "seal.csv"
     path.write_text(bench(ramp_and_hold(), head="time [s],displacement [mm],ch1: load"))
-    (found,) = run_json("inspect", path, "--column", "force=ch1: load", "--units", "ch1: load=N")[
+    (result,) = run_json("inspect", path, "--column", "force=ch1: load", "--units", "ch1: load=N")[
         "files"
     ]
-    assert found["columns"][2]["role"] == "force"
-    assert found["questions"] == []
-    assert found["preparation"]["ramp_time"] == pytest.approx(1, abs=0.05)
+    assert result["columns"][2]["role"] == "force"
+    assert result["questions"] == []
+    assert result["preparation"]["ramp_time"] == pytest.approx(1, abs=0.05)
 
 
 @pytest.mark.usefixtures("lab_folder")
 def test_an_answer_is_for_the_files_that_its_pattern_matches() -> None:
-    asked = ("--kind", "c*.csv:relaxation", "--column", "s*.csv:force=2,displacement=3")
-    found = run_json("inspect", "creep.csv", "triangle.csv", "seal.csv", *asked)["files"]
-    assert [one["kind"] for one in found[:2]] == ["relaxation", "cld"]
-    roles = [[column["role"] for column in one["columns"]] for one in found]
+    requested = ("--kind", "c*.csv:relaxation", "--column", "s*.csv:force=2,displacement=3")
+    result = run_json("inspect", "creep.csv", "triangle.csv", "seal.csv", *requested)["files"]
+    assert [entry["kind"] for entry in result[:2]] == ["relaxation", "cld"]
+    roles = [[column["role"] for column in entry["columns"]] for entry in result]
     assert roles[0] == roles[1] == ["time", "displacement", "force"]
     assert roles[2] == ["time", "force", "displacement"]
 
@@ -246,14 +248,17 @@ def test_an_answer_is_for_the_files_that_its_pattern_matches() -> None:
 @pytest.mark.parametrize("flag", ["--column", "--kind", "--units"])
 def test_a_pattern_that_matches_no_file_is_refused(flag: str) -> None:
     value = {"--column": "force=3", "--kind": "cld", "--units": "force=N"}[flag]
-    said = get_refusal("fit", "seal.csv", flag, f"seel*.csv:{value}")
-    assert "'seel*.csv:' matches none of the files seal.csv" in said
+    refusal = get_refusal("fit", "seal.csv", flag, f"seel*.csv:{value}")
+    assert "'seel*.csv:' matches none of the files seal.csv" in refusal
 
 
 def test_read_options_apply_per_file_overrides() -> None:
-    said = ReadOptions(force="F", own=(("h*.csv", ReadOptions(hammer="H")),))
-    assert (said.for_file("lab/h1.csv").hammer, said.for_file("lab/seal.csv").hammer) == ("H", None)
-    assert said.for_file("lab/h1.csv").force == "F"
+    read_options = ReadOptions(force="F", own=(("h*.csv", ReadOptions(hammer="H")),))
+    assert (
+        read_options.for_file("lab/h1.csv").hammer,
+        read_options.for_file("lab/seal.csv").hammer,
+    ) == ("H", None)
+    assert read_options.for_file("lab/h1.csv").force == "F"
 
 
 # -- what a file is, and what suits it ------------------------------------------------------------
@@ -262,8 +267,8 @@ def test_read_options_apply_per_file_overrides() -> None:
 @pytest.mark.usefixtures("lab_folder")
 def test_fit_states_the_recognised_kind_and_accepts_another() -> None:
     assert ran("fit", "triangle.csv").stderr.startswith("recognised triangle.csv: a compression")
-    for said in ("relaxation", "triangle.csv:relaxation", "*.csv:relaxation"):
-        done = ran("fit", "triangle.csv", "--kind", said)
+    for message in ("relaxation", "triangle.csv:relaxation", "*.csv:relaxation"):
+        done = ran("fit", "triangle.csv", "--kind", message)
         assert done.stderr.startswith("recognised triangle.csv: a relaxation test")
 
 

@@ -198,7 +198,7 @@ class Message(NamedTuple):
 
 def _format_command(call: ast.Call) -> ast.Constant:
     """The words of another command, each with its name before it."""
-    words = [one.value for one in call.args if isinstance(one, ast.Constant)]
+    words = [arg.value for arg in call.args if isinstance(arg, ast.Constant)]
     line = " ".join(f"dashpot {words[0]} {word}" for word in words[1:]) if words else ""
     return ast.Constant(line, lineno=call.lineno)
 
@@ -224,7 +224,7 @@ def _texts(node: ast.AST, function: str = "") -> Iterator[tuple[str, ast.expr]]:
 
 @cache
 def messages() -> tuple[Message, ...]:
-    found = []
+    result = []
     for path in sorted(SOURCES.rglob("*.py")):
         file = path.relative_to(SOURCES).as_posix()
         for function, node in _texts(ast.parse(path.read_text(encoding="utf-8"))):
@@ -235,27 +235,30 @@ def messages() -> tuple[Message, ...]:
                 else "{}"
                 for part in parts
             )
-            found.append(Message(file, function, node.lineno, text))
-    return tuple(found)
+            result.append(Message(file, function, node.lineno, text))
+    return tuple(result)
 
 
 @cache
 def list_options(command: str) -> tuple[click.Option, ...]:
-    found = main.get_command(click.Context(main), command)
-    assert found is not None
-    return tuple(one for one in found.params if isinstance(one, click.Option))
+    result = main.get_command(click.Context(main), command)
+    assert result is not None
+    return tuple(parameter for parameter in result.params if isinstance(parameter, click.Option))
 
 
 @cache
 def options(command: str) -> frozenset[str]:
-    return frozenset(word for one in list_options(command) for word in one.opts)
+    return frozenset(word for option in list_options(command) for word in option.opts)
 
 
 @cache
 def keys() -> frozenset[str]:
     """What is typed before an equals sign on a command line: roles, and keys of options."""
     every = [
-        one.type for name in COMMANDS for one in list_options(name) if isinstance(one.type, Keyed)
+        option.type
+        for name in COMMANDS
+        for option in list_options(name)
+        if isinstance(option.type, Keyed)
     ]
     return frozenset(key for kind in every for key in kind.fields) | {"role"}
 
@@ -265,7 +268,7 @@ def speakers(message: Message) -> tuple[str, ...]:
         command = Path(message.file).stem
         return (command,) if command in COMMANDS else ()
     place = f"{message.file}:{message.function}"
-    rooms = [room for room in SPEAKERS if place.startswith(room)]
+    rooms = [folder for folder in SPEAKERS if place.startswith(folder)]
     assert rooms, f"{message.file}:{message.line} names an option; say above who prints it"
     return SPEAKERS[max(rooms, key=len)]
 
@@ -306,46 +309,48 @@ def test_no_message_of_a_command_speaks_python() -> None:
 @cache
 def arguments() -> frozenset[str]:
     """Every argument of a public function, class or method."""
-    found: set[str] = set()
+    result: set[str] = set()
     for name in dashpot.__all__:
         public = getattr(dashpot, name)
-        room = inspect.ismodule(public)
-        modules = [getattr(public, each) for each in dir(public)] if room else [public]
-        for one in modules:
-            if callable(one):
+        folder = inspect.ismodule(public)
+        modules = [getattr(public, item) for item in dir(public)] if folder else [public]
+        for module in modules:
+            if callable(module):
                 try:
-                    for each in (one, *get_overloads(one)):
-                        found |= set(inspect.signature(each).parameters)
+                    for element in (module, *get_overloads(module)):
+                        result |= set(inspect.signature(element).parameters)
                 except (ValueError, AttributeError):
                     continue
     for target in TARGETS.values():
-        found |= set(inspect.signature(target).parameters)
-    return frozenset(found)
+        result |= set(inspect.signature(target).parameters)
+    return frozenset(result)
 
 
 def test_hints_for_python_name_real_arguments() -> None:
-    said = {word for _, word in PYTHON_ONLY} - {"ramp"}
+    text = {word for _, word in PYTHON_ONLY} - {"ramp"}
     for message in messages():
         for part in _PYTHON.findall(message.text):
-            said |= set(_ARGUMENT.findall(part))
-    assert said <= arguments() | ReadOptionKeywords.__annotations__.keys() | {
+            text |= set(_ARGUMENT.findall(part))
+    assert text <= arguments() | ReadOptionKeywords.__annotations__.keys() | {
         "shift",
         "omega",
         "dashpot",
     }
-    assert "length" in said
+    assert "length" in text
 
 
-@pytest.mark.parametrize("one", ASSUMPTIONS, ids=lambda one: one.name)
-def test_an_assumption_names_options_that_exist(one) -> None:
-    for said in one.options:
-        flag, _, value = said.partition(" ")
-        found = [each for name in COMMANDS for each in list_options(name) if flag in each.opts]
-        assert found
+@pytest.mark.parametrize("item", ASSUMPTIONS, ids=lambda item: item.name)
+def test_an_assumption_names_options_that_exist(item) -> None:
+    for option in item.options:
+        flag, _, value = option.partition(" ")
+        commands = [
+            option for name in COMMANDS for option in list_options(name) if flag in option.opts
+        ]
+        assert commands
         if value.endswith("="):
-            assert any(value[:-1] in getattr(each.type, "fields", ()) for each in found)
+            assert any(value[:-1] in getattr(command.type, "fields", ()) for command in commands)
         elif value:
-            assert any(value in getattr(each.type, "choices", ()) for each in found)
+            assert any(value in getattr(command.type, "choices", ()) for command in commands)
 
 
 def test_every_reading_command_has_every_role() -> None:
@@ -357,6 +362,6 @@ def test_every_reading_command_has_every_role() -> None:
     assert set(roles.split()) < keys()
     for command in (*READING, "batch"):
         assert set(words.split()) <= options(command)
-        (column,) = [one for one in list_options(command) if "--column" in one.opts]
+        (column,) = [option for option in list_options(command) if "--column" in option.opts]
         assert isinstance(column.type, Keyed)
         assert set(roles.split()) <= column.type.fields.keys()

@@ -436,7 +436,9 @@ def test_there_are_many() -> None:
     assert len(MISTAKES) > 190
 
 
-@pytest.mark.parametrize(("typed", "message", "obeyed"), MISTAKES, ids=[one[0] for one in MISTAKES])
+@pytest.mark.parametrize(
+    ("typed", "message", "obeyed"), MISTAKES, ids=[mistake[0] for mistake in MISTAKES]
+)
 def test_a_mistake_is_answered_with_what_to_do(
     does: Callable[[str], Result], typed: str, message: str, obeyed: str
 ) -> None:

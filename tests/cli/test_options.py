@@ -110,15 +110,17 @@ def test_what_cannot_be_is_refused(words, message):
 )
 def test_commands_offer_every_field_of_their_nouns(command, nouns):
     text = ran(command, "--help-all").output
-    found = main.get_command(click.Context(main), command)
-    assert found is not None
-    for noun in nouns:
-        for one in iterate_option_fields(noun):
-            assert f"{flag_of(one)} " in text
-            (asked,) = [each for each in found.params if flag_of(one) in each.opts]
-            if "under" in one.metadata:
-                assert isinstance(asked.type, Keyed)
-                assert asked.type.fields[key_of(one)] == one
+    result = main.get_command(click.Context(main), command)
+    assert result is not None
+    for value in nouns:
+        for field in iterate_option_fields(value):
+            assert f"{flag_of(field)} " in text
+            (requested,) = [
+                parameter for parameter in result.params if flag_of(field) in parameter.opts
+            ]
+            if "under" in field.metadata:
+                assert isinstance(requested.type, Keyed)
+                assert requested.type.fields[key_of(field)] == field
 
 
 def test_a_rig_without_a_test_is_refused(tmp_path):
@@ -141,9 +143,9 @@ def test_the_next_command_says_each_of_several_temperatures() -> None:
     def print_typed_options(**_: object) -> None:
         click.echo(" ".join(get_typed_options()))
 
-    said = ["--temperature", "23degC", "--temperature", "0degC", "--length", "50mm"]
-    done = CliRunner().invoke(print_typed_options, said)
-    assert done.output.split() == said
+    message = ["--temperature", "23degC", "--temperature", "0degC", "--length", "50mm"]
+    done = CliRunner().invoke(print_typed_options, message)
+    assert done.output.split() == message
 
 
 FORMER = {
@@ -179,10 +181,10 @@ def test_option_takes_its_earlier_spelling_and_hides_it(name):
         if option.former and option.former not in {"text", "part", "as"}
     }
     assert declared.items() <= FORMER[name].items()
-    for former, flag in FORMER[name].items():
-        assert f" {former} " not in help_text
+    for previous, flag in FORMER[name].items():
+        assert f" {previous} " not in help_text
         assert f" {flag} " in help_text
-        taken, _, _ = parser.parse_args(["file", former, "5"])
+        taken, _, _ = parser.parse_args(["file", previous, "5"])
         assert taken == parser.parse_args(["file", flag, "5"])[0] != {}
 
 
@@ -190,9 +192,9 @@ def test_predict_takes_kind_for_frf_type(tmp_path):
     fit = tmp_path / "fit.json"
     fit.write_text('{"schema": "dashpot/fit@1", "model": {"k_inf": 200.0, "arms": []}}')
     words = ("predict", fit, "--mass", "104g", "--json")
-    told = [ran(*words, flag, "mobility").output for flag in ("--kind", "--frf-type")]
-    assert told[0] == told[1]
-    assert "mobility" in told[0]
+    outputs = [ran(*words, flag, "mobility").output for flag in ("--kind", "--frf-type")]
+    assert outputs[0] == outputs[1]
+    assert "mobility" in outputs[0]
 
 
 @pytest.mark.parametrize(
@@ -206,8 +208,8 @@ def test_predict_takes_kind_for_frf_type(tmp_path):
     ],
 )
 def test_suggestion_shows_the_present_spelling(words, shown):
-    said = CliRunner().invoke(main, words.split(), standalone_mode=False).exception
-    assert isinstance(said, click.NoSuchOption)
-    text = _failure(said).message
+    exception = CliRunner().invoke(main, words.split(), standalone_mode=False).exception
+    assert isinstance(exception, click.NoSuchOption)
+    text = _failure(exception).message
     assert shown in text
     assert not re.search(r"Did you mean.*--(between|level|memory|known)\b", text)

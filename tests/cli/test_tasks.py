@@ -86,9 +86,9 @@ def does(line: str) -> str:
     if words[0] in TELLS and "lot" not in words:
         files = [word for word in words[1:] if Path(word).suffix in {".csv", ".txt"}]
         assert "recognised " in done.stderr, line
-        told = done.stderr.partition("recognised ")[2].splitlines()[0]
-        named = [file for file in files if f" {file}" in f" {told}"]
-        assert named, f"{line}\n{told}"
+        message = done.stderr.partition("recognised ")[2].splitlines()[0]
+        named = [file for file in files if f" {file}" in f" {message}"]
+        assert named, f"{line}\n{message}"
     return done.stdout
 
 

@@ -56,10 +56,10 @@ def strip_styles(lines):
     st.lists(st.sampled_from([STOP, LONG, NOTE, replace(NOTE, passed=True)]), max_size=60),
 )
 def test_screen_output_fits_and_begins_with_the_verdict(lines, checks):
-    found = verdict(checks)
-    printed = strip_styles(format_for_screen(Text(lines, ["more"]), found, checks, verbose=False))
+    result = verdict(checks)
+    printed = strip_styles(format_for_screen(Text(lines, ["more"]), result, checks, verbose=False))
     assert len(printed) <= LINES
-    assert printed[0].startswith(f"{found.use.capitalize()}:")
+    assert printed[0].startswith(f"{result.use.capitalize()}:")
     assert all(len(line) <= COLUMNS or " " not in line.strip() for line in printed)
     assert printed[-1] == "  more with -v"
 
@@ -73,10 +73,10 @@ def test_screen_output_states_that_lines_were_cut(rows, more):
 
 def test_screen_output_never_cuts_requested_lines():
     body, wanted = [f"line {i}" for i in range(80)], [f"share {i}" for i in range(50)]
-    found = format_for_screen(Text(body, asked=wanted), None, [Check("one", True, "")])
-    assert [line for line in found if line.startswith("share")] == wanted
-    assert found[-2:] == ["  checks      1 passed", "  more with -v"]
-    assert len(found) == LINES + len(wanted)
+    text = format_for_screen(Text(body, asked=wanted), None, [Check("one", True, "")])
+    assert [line for line in text if line.startswith("share")] == wanted
+    assert text[-2:] == ["  checks      1 passed", "  more with -v"]
+    assert len(text) == LINES + len(wanted)
 
 
 def test_what_an_inspection_asks_stands_above_the_columns(tmp_path):
@@ -86,19 +86,19 @@ def test_what_an_inspection_asks_stands_above_the_columns(tmp_path):
     printed = ran("inspect", tmp_path / "wide.csv").stdout.splitlines()
     assert len(printed) <= LINES
     assert printed[-1] == "  more with -v"
-    asked = [i for i, line in enumerate(printed) if line.startswith("  ASK")]
-    assert asked
-    assert max(asked) < next(i for i, line in enumerate(printed) if line.startswith("  format"))
+    requested = [i for i, line in enumerate(printed) if line.startswith("  ASK")]
+    assert requested
+    assert max(requested) < next(i for i, line in enumerate(printed) if line.startswith("  format"))
     # of several files each is reported
     printed = ran("inspect", *[tmp_path / "wide.csv"] * 3).stdout.splitlines()
     assert sum(line.startswith("wide.csv: ") for line in printed) == 3
 
 
 def test_an_inspection_numbers_segments_where_there_are_several(tmp_path):
-    one = "\n".join(f"{i / 100},{i % 9},{i % 7}" for i in range(400))
+    text = "\n".join(f"{i / 100},{i % 9},{i % 7}" for i in range(400))
     head = "time [s],force [N],displacement [mm]\n"
-    (tmp_path / "one.csv").write_text(f"{head}{one}\n")
-    (tmp_path / "two.csv").write_text(f"{head}{one}\n\n{head}{one}\n")
+    (tmp_path / "one.csv").write_text(f"{head}{text}\n")
+    (tmp_path / "two.csv").write_text(f"{head}{text}\n\n{head}{text}\n")
     printed = ran("inspect", tmp_path / "one.csv").stdout
     assert "  sampling  400 rows, 100 Hz, even over 3.99 s\n" in printed
     assert "segment" not in printed
@@ -128,11 +128,11 @@ def test_failed_checks_outlast_the_numbers_on_a_short_screen():
     long = strip_styles(format_for_screen(Text(numbers), verdict(checks), checks, verbose=True))
     assert "row 79" in long
     assert long[-1] == "  - A note. a_note"
-    said = " ".join(line.strip() for line in long)
-    assert said.count(LONG.message.strip()) == 4
-    alone = strip_styles(format_for_screen(Text(["row"]), None, checks, verbose=False))
-    assert sum(line.startswith("  ! ") for line in alone) == 4  # of weight, without a verdict, too
-    assert not any("a_note" in line for line in alone)
+    text = " ".join(line.strip() for line in long)
+    assert text.count(LONG.message.strip()) == 4
+    single = strip_styles(format_for_screen(Text(["row"]), None, checks, verbose=False))
+    assert sum(line.startswith("  ! ") for line in single) == 4  # of weight, without a verdict, too
+    assert not any("a_note" in line for line in single)
 
 
 def test_wrap_line_indents_under_the_text():
@@ -159,15 +159,15 @@ def test_a_file_name_cannot_steer_the_terminal(name):
 
 def test_every_story_fits_a_screen():
     study = handmade.study()
-    for text, found, checks in (
+    for text, result, checks in (
         (results.study(study), study.verdict, study.every_check),
         (results.fit(study.fit), study.fit.verdict, study.fit.checks),
         (results.fit(study.joint), study.joint.verdict, study.joint.checks),
     ):
-        short = strip_styles(format_for_screen(text, found, checks, verbose=False))
+        short = strip_styles(format_for_screen(text, result, checks, verbose=False))
         assert len(short) <= LINES
         assert max(map(len, short)) <= COLUMNS
-        long = strip_styles(format_for_screen(text, found, checks, verbose=True))
+        long = strip_styles(format_for_screen(text, result, checks, verbose=True))
         assert max(map(len, long)) <= COLUMNS
         assert any(line.split()[:1] == ["optimiser"] for line in long)
         assert not any(line.split()[:1] == ["optimiser"] for line in short)
@@ -283,8 +283,8 @@ def test_open_shows_the_page_or_says_why_not(tmp_path, monkeypatch):
 
 def test_a_planned_test_is_rehearsed_as_it_was_planned():
     words = ["--frequency", "12Hz", "--depth", "4mm", "--hold", "5s", "--seal", "broad"]
-    told = ran("plan", *words, "--noise", "2mN").stderr
-    assert told.startswith(
+    stderr = ran("plan", *words, "--noise", "2mN").stderr
+    assert stderr.startswith(
         "next: dashpot simulate relaxation --depth 4mm --hold 5s --seal broad -o"
     )
 
@@ -346,9 +346,9 @@ def strict(*words):
 
 def write_narrow_band(path, band):
     fit = from_json(path.read_text())
-    beside = path.with_name(f"narrow{band[1]:g}.json")
-    beside.write_text(to_json(replace_fields(fit, band=band)))
-    return beside
+    neighbour = path.with_name(f"narrow{band[1]:g}.json")
+    neighbour.write_text(to_json(replace_fields(fit, band=band)))
+    return neighbour
 
 
 def test_strict_predict_heeds_extrapolation(fit_file):
@@ -364,9 +364,9 @@ def test_strict_predict_heeds_the_fit_behind_it(fit_file):
     fit = from_json(fit_file.read_text())
     spoilt = fit_file.with_name("spoilt.json")
     spoilt.write_text(to_json(replace_fields(fit, checks=(STOP,))))
-    found = strict("predict", spoilt, "--mass", "104g", "--seals", 2)
-    assert found.exit_code == 1
-    assert found.stdout.startswith("Do not use: a stop; do that.")
+    result = strict("predict", spoilt, "--mass", "104g", "--seals", 2)
+    assert result.exit_code == 1
+    assert result.stdout.startswith("Do not use: a stop; do that.")
 
 
 def test_strict_export_heeds_rows_that_the_test_does_not_inform(fit_file, tmp_path):
@@ -415,10 +415,10 @@ def test_a_result_fits_the_terminal_that_shows_it(monkeypatch):
     sentence = "The damping is not known, for the test is too slow to show it. " * 3
     text = Text([f"  row {i:<3} {'word ' * 17}".rstrip() for i in range(40)])
     check = Check("a_check", False, sentence)
-    told = text, verdict([check]), [check]
+    message = text, verdict([check]), [check]
     monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
     monkeypatch.setattr("shutil.get_terminal_size", lambda _: os.terminal_size((80, 24)))
-    lines = format_for_screen(*told, size=_terminal.screen())
+    lines = format_for_screen(*message, size=_terminal.screen())
     assert max(map(len, lines)) <= 80
     assert len(lines) + _terminal.BESIDE <= 24
     assert lines[-1].strip() == "more with -v"

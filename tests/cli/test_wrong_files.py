@@ -83,22 +83,24 @@ def test_a_wrong_file_is_named_with_the_command_that_wants_it(
 
 def test_fit_names_both_accelerations_and_keeps_the_choice_in_a_profile(lab: Path) -> None:
     assert '--column time="t" --column' in run("fit", "channels.csv", code=2)
-    asked = run("fit", "channels.csv", "--kind", "impact", code=2)
-    assert '--column acceleration="ch2" --column acceleration="ch3" --column hammer="ch1"' in asked
-    asked = run("fit", "channels.csv", *NAMED, code=2)
-    assert "'t' (time) has no unit, nor has 'ch1' (hammer)" in asked
-    assert '--units "time=s,hammer=N,acceleration=m/s^2"' in asked
+    process = run("fit", "channels.csv", "--kind", "impact", code=2)
+    assert (
+        '--column acceleration="ch2" --column acceleration="ch3" --column hammer="ch1"' in process
+    )
+    process = run("fit", "channels.csv", *NAMED, code=2)
+    assert "'t' (time) has no unit, nor has 'ch1' (hammer)" in process
+    assert '--units "time=s,hammer=N,acceleration=m/s^2"' in process
     run("inspect", "channels.csv", *NAMED, *UNITS, "--save", "lab.toml")
-    kept = load_profile("lab.toml")
-    assert kept.acceleration == ("ch2", "ch3")
-    assert kept.hammer == "ch1"
+    read_options = load_profile("lab.toml")
+    assert read_options.acceleration == ("ch2", "ch3")
+    assert read_options.hammer == "ch1"
     numbers = ("--column", "hammer=2,acceleration=3", "--column", "acceleration=4")
     printed = []
     for words in ((*NAMED, *UNITS), (*numbers, *UNITS), ("--profile", "lab.toml")):
-        found, follow = run("fit", "channels.csv", *words).split("next: ")
+        result, follow = run("fit", "channels.csv", *words).split("next: ")
         # what was said of the file is said again
         assert sorted(shlex.split(follow, comments=True)[-len(words) :]) == sorted(words)
-        printed.append(found)
+        printed.append(result)
     assert printed[0] == printed[1] == printed[2]
     weighed = ("--mass", "104g", "--seals", "2")
     compared = [
@@ -114,16 +116,16 @@ def test_fit_asks_separately_about_the_second_file(lab: Path) -> None:
     odd = bench(ramp_and_hold(), head="a,b,c")
     (lab / "odd.csv").write_text(odd)
     words = ("fit", "frf.csv", "odd.csv", "--mass", "104g", "--seals", "2")
-    asked = " ".join(run(*words, code=2).split())
-    assert "odd.csv" in asked
+    text = " ".join(run(*words, code=2).split())
+    assert "odd.csv" in text
     named = ("--column", "time=a,displacement=b,force=c")
     units = ("--units", "time=s,displacement=mm,force=N")
     run("inspect", "odd.csv", *named, *units, "--save", "odd.toml")
-    found = run_json(*words, "--profile", "odd.csv:odd.toml", "--arms", "2")
-    assert found["model"]["k_inf"] == pytest.approx(200, rel=0.2)
-    asked = run("report", "odd.csv", "channels.csv", "--mass", "104g",
+    document = run_json(*words, "--profile", "odd.csv:odd.toml", "--arms", "2")
+    assert document["model"]["k_inf"] == pytest.approx(200, rel=0.2)
+    text = run("report", "odd.csv", "channels.csv", "--mass", "104g",
                 *named, *units, code=2)  # fmt: skip
-    assert "channels.csv" in asked
+    assert "channels.csv" in text
 
 
 def test_predict_reads_its_record_with_the_given_columns(lab: Path) -> None:
@@ -140,9 +142,9 @@ def test_predict_refuses_a_record_that_was_not_fitted(lab: Path) -> None:
     run("fit", "seal.csv", "--arms", "2", "-o", "fitted.json")
     (lab / "other.csv").write_text(bench(1.01 * ramp_and_hold()))
     words = ("predict", "fitted.json", "--mass", "104g", "--seals", "2", "--record")
-    said = " ".join(run(*words, "other.csv", code=2).split())
-    assert "other.csv is not what was fitted" in said
-    assert "the fit is of seal.csv" in said
+    text = " ".join(run(*words, "other.csv", code=2).split())
+    assert "other.csv is not what was fitted" in text
+    assert "the fit is of seal.csv" in text
     run(*words, "seal.csv")
 
 
@@ -151,22 +153,22 @@ def test_a_comparison_draws_the_bound_where_the_record_is_at_hand(lab: Path) -> 
     words = ("compare", "fitted.json", "frf.csv", "--mass", "104g", "--seals", "2")
     bound, interval = "95 % bounds over all spectra", "95 % interval of the parameters"
     run(*words, "--plot", "without.svg")
-    alone = (lab / "without.svg").read_text()
-    assert interval in alone
-    assert bound not in alone
+    text = (lab / "without.svg").read_text()
+    assert interval in text
+    assert bound not in text
     run(*words, "--record", "seal.csv", "--plot", "with.svg")
     both = (lab / "with.svg").read_text()
     assert interval in both
     assert bound in both
     (lab / "other.csv").write_text(bench(1.01 * ramp_and_hold()))
-    said = " ".join(run(*words, "--record", "other.csv", code=2).split())
-    assert "other.csv is not what was fitted" in said
+    message = " ".join(run(*words, "--record", "other.csv", code=2).split())
+    assert "other.csv is not what was fitted" in message
 
 
 @pytest.mark.parametrize(("rate", "code"), [("25Hz", 0), ("25.2Hz", 0), ("25.3Hz", 2), ("50Hz", 2)])
 def test_a_rate_that_the_clock_contradicts_is_refused(lab: Path, rate: str, code: int) -> None:
-    said = " ".join(run("fit", "seal.csv", "--arms", "1", "--rate", rate, code=code).split())
-    assert ("runs at 25 Hz: leave --rate out" in said) is (code == 2)
+    text = " ".join(run("fit", "seal.csv", "--arms", "1", "--rate", rate, code=code).split())
+    assert ("runs at 25 Hz: leave --rate out" in text) is (code == 2)
 
 
 @pytest.mark.parametrize(
@@ -174,8 +176,8 @@ def test_a_rate_that_the_clock_contradicts_is_refused(lab: Path, rate: str, code
 )
 def test_a_seal_is_not_pressed_three_times_as_deep_as_tested(lab: Path, words: str) -> None:
     run("fit", "seal.csv", "--arms", "2", "-o", "fitted.json")
-    said = " ".join(run("predict", "fitted.json", *words.split(), code=2).split())
-    assert re.search(r"presses the seal by .* mm, but it was tested to 8 mm: check", said)
+    text = " ".join(run("predict", "fitted.json", *words.split(), code=2).split())
+    assert re.search(r"presses the seal by .* mm, but it was tested to 8 mm: check", text)
 
 
 def test_a_mass_in_the_wrong_unit_leads_the_verdict(lab: Path) -> None:
@@ -196,8 +198,8 @@ def test_a_cycle_is_chosen_by_its_number(lab: Path) -> None:
     (lab / "twice.csv").write_text(bench(twice, time=time))
     ends = []
     for number in (1, 2):
-        found = run_json("inspect", "twice.csv", "--file-part", f"cycle={number}")
-        ends.append(found["files"][0]["preparation"]["hold_end"])
+        document = run_json("inspect", "twice.csv", "--file-part", f"cycle={number}")
+        ends.append(document["files"][0]["preparation"]["hold_end"])
     assert ends == pytest.approx([16, 36], abs=0.1)
     assert "cycle 3 was asked for" in run("fit", "twice.csv", "--file-part", "cycle=3", code=2)
     noted = " ".join(run("inspect", "twice.csv", "-v").split())
@@ -209,9 +211,9 @@ def test_a_sweep_is_chosen_by_its_temperature(lab: Path) -> None:
     head, *rows = text.splitlines()
     both = [f"{row},{degrees}" for degrees in (20, 60) for row in rows]
     (lab / "both.csv").write_text("\n".join([f"{head},temperature [degC]", *both]))
-    found = run_json("fit", "both.csv", "--at-temperature", "60degC")
-    assert found["model"]["k_inf"] == pytest.approx(0.2e6, rel=1e-3)
-    assert found["temperature"] is None
+    document = run_json("fit", "both.csv", "--at-temperature", "60degC")
+    assert document["model"]["k_inf"] == pytest.approx(0.2e6, rel=1e-3)
+    assert document["temperature"] is None
     assert "--at-temperature takes one of them" in run(
         "fit", "both.csv", "--temperature", "60degC", code=2
     )
@@ -228,10 +230,10 @@ def test_the_residual_of_a_sweep_is_per_cent(lab: Path, noise: float) -> None:
     values[:, 2:] *= 1 + noise * np.random.default_rng(5).standard_normal((len(values), 2))
     lines = [head, *(",".join(map(repr, row)) for row in values.tolist())]
     (lab / "noisy.csv").write_text("\n".join(lines))
-    found = run_json("fit", "noisy.csv")["residual"]
-    assert found["unit"] == "1"
-    assert found["rms"] == pytest.approx(noise, rel=0.25)
-    assert f"{100 * found['rms']:.3g} % rms" in run("fit", "noisy.csv")
+    residual = run_json("fit", "noisy.csv")["residual"]
+    assert residual["unit"] == "1"
+    assert residual["rms"] == pytest.approx(noise, rel=0.25)
+    assert f"{100 * residual['rms']:.3g} % rms" in run("fit", "noisy.csv")
 
 
 def test_the_end_of_the_band_is_no_peak(lab: Path) -> None:
@@ -241,8 +243,8 @@ def test_the_end_of_the_band_is_no_peak(lab: Path) -> None:
     assert "This is the end of the band, not a peak. Add --band" in far
     band = far.partition("--band ")[2].partition(" ")[0]
     assert re.search(r" peak of the accelerance .* at 65\.4\d* Hz", run(*light, "--band", band))
-    found = run_json(*light)
-    assert found["peak"]["at_edge"]
+    document = run_json(*light)
+    assert document["peak"]["at_edge"]
 
 
 def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
@@ -250,9 +252,9 @@ def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
     lines = [line for line in (lab / "full.csv").read_text().splitlines() if line[0] != "#"]
     bare = "\n".join(",".join(line.split(",")[:3]) for line in lines)
     (lab / "bare.csv").write_text(bare + "\n")
-    said = " ".join(run("fit", "bare.csv", "--mass", "104g", "--seals", "2").split())
-    assert "The FRF has neither coherence nor scatter, so every line counts alike" in said
-    assert not said.startswith("Use:")
+    text = " ".join(run("fit", "bare.csv", "--mass", "104g", "--seals", "2").split())
+    assert "The FRF has neither coherence nor scatter, so every line counts alike" in text
+    assert not text.startswith("Use:")
 
 
 @pytest.mark.parametrize(
@@ -307,10 +309,10 @@ def test_fit_states_first_that_it_has_fewer_arms_than_requested(lab: Path) -> No
 
 def test_next_command_repeats_the_reading_options(lab: Path) -> None:
     (lab / "odd.csv").write_text(bench(ramp_and_hold(), head="a,b,c"))
-    said = ("--column", "time=1,displacement=2,force=3",
+    message = ("--column", "time=1,displacement=2,force=3",
             "--units", "time=s,displacement=mm,force=N")  # fmt: skip
     for command in ("inspect", "fit"):
-        follow = run(command, "odd.csv", *said).partition("next: ")[2]
+        follow = run(command, "odd.csv", *message).partition("next: ")[2]
         words = shlex.split(follow.partition("#")[0])[1:]
         assert words[:2] == ["fit", "odd.csv"]
         run(*words)
@@ -321,8 +323,8 @@ def test_a_simulated_record_is_a_measurement_to_other_commands(lab: Path) -> Non
     run("simulate", "relaxation", "--hold", "3s", "-o", "sim.csv")
     run("simulate", "relaxation", "--hold", "3s", "-o", "sim.csv")
     before = (lab / "sim.csv").read_bytes()
-    said = run("predict", "fit.json", "--mass", "104g", "-o", "sim.csv", code=2)
-    assert "sim.csv is a simulated record" in said
+    process = run("predict", "fit.json", "--mass", "104g", "-o", "sim.csv", code=2)
+    assert "sim.csv is a simulated record" in process
     assert (lab / "sim.csv").read_bytes() == before
     run("predict", "fit.json", "--mass", "104g", "-o", "sim.csv", "--overwrite")
 
@@ -331,8 +333,8 @@ def test_identify_uses_the_specimen_options(lab: Path) -> None:
     words = ("fit", "hammer.csv", "--mass", "104g", "--seals", "2", "--arms", "1")
     follow = run(*words, "--temperature", "23degC", "--length", "100mm").partition("next: ")[2]
     run(*shlex.split(follow.partition("#")[0])[1:])
-    known = json.loads((lab / "joint.json").read_text())["specimen"]
-    assert (known["temperature"], known["length"]) == (pytest.approx(296.15), 0.1)
+    specimen = json.loads((lab / "joint.json").read_text())["specimen"]
+    assert (specimen["temperature"], specimen["length"]) == (pytest.approx(296.15), 0.1)
     twice = run(*words, "--temperature", "23degC", "--temperature", "0degC", code=2)
     assert "expected one, that of the seals under the hammer" in " ".join(twice.split())
 
@@ -346,8 +348,8 @@ def test_a_result_without_stdout_is_an_error(monkeypatch: pytest.MonkeyPatch) ->
 def test_fit_request_refuses_a_repeated_single_value():
     """One temperature, one mass; and a file of a kind that keeps the result."""
 
-    def make_request(**said):
-        return FitRequest(("a.csv",), {"a.csv": "cld"}, {"specimen": Specimen(), **said})
+    def make_request(**message):
+        return FitRequest(("a.csv",), {"a.csv": "cld"}, {"specimen": Specimen(), **message})
 
     assert make_request(temperatures=(280.0,)).specimen.temperature == 280.0
     with pytest.raises(click.UsageError, match="given 2 times; these records have one"):

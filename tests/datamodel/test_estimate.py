@@ -18,8 +18,8 @@ SEAL = GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5, 16.4))
 MOVED = np.array([[1.0, 0.0], [2.0, 3.0], [0.5, 0.0], [0.0, 0.04], [0.01, -0.02]])
 
 
-def make_fit_with_rig_errors(**given):
-    fit = a_fit(SEAL, **given)
+def make_fit_with_rig_errors(**inputs):
+    fit = a_fit(SEAL, **inputs)
     return a_fit(SEAL, estimate=fit.estimate.with_rig(MOVED))
 
 
@@ -63,7 +63,7 @@ def test_what_scales_a_fit_scales_both():
     twice = fit.in_parallel(2)
     assert twice.standard_error["k"] == pytest.approx(2 * np.array(fit.standard_error["k"]))
     assert twice.standard_error["tau"] == pytest.approx(fit.standard_error["tau"])
-    quiet, before = (one.estimate.noise_only for one in (twice, fit))
+    quiet, before = (fit.estimate.noise_only for fit in (twice, fit))
     assert quiet.errors(twice.solid)["k_1"] == pytest.approx(2 * before.errors(SEAL)["k_1"])
     aged = scale_for_aging(fit, ReportedValue("left", 0.5, error=0.1), "after a year")
     of_noise = aged.estimate.noise_only.errors(aged.solid)["k_1"]

@@ -68,8 +68,8 @@ def test_there_and_back_is_where_it_was(kind, slope):
         "arrhenius": (dp.solids.Arrhenius(6e4, REFERENCE), ("energy",), ((1e6,),)),
         "free": (FREE.law, (), ((),)),
     }[kind]
-    known = FREE if kind == "free" else make_shifts(law, "free", names, doubt)
-    fit = replace(FIT, temperatures=replace(known, slope=slope))
+    expected = FREE if kind == "free" else make_shifts(law, "free", names, doubt)
+    fit = replace(FIT, temperatures=replace(expected, slope=slope))
     there = fit.at_temperature(280.0)
     np.testing.assert_allclose(there.at(REFERENCE).tau, fit.model.tau, rtol=1e-9)
     np.testing.assert_allclose(there.at(REFERENCE).k, fit.model.k, rtol=1e-9)
@@ -109,11 +109,11 @@ def test_fit_at_two_temperatures_refuses_extrapolation():
 
 
 def test_fit_at_one_temperature_refuses_any_other():
-    alone = a_fit(BROAD, specimen=Specimen(temperature=REFERENCE))
-    assert alone.at(REFERENCE + 0.4) == alone.model
-    assert alone.temperatures is None
+    fit = a_fit(BROAD, specimen=Specimen(temperature=REFERENCE))
+    assert fit.at(REFERENCE + 0.4) == fit.model
+    assert fit.temperatures is None
     with pytest.raises(dp.DataError, match="23 degC"):
-        alone.at("0degC")
+        fit.at("0degC")
     with pytest.raises(dp.DataError, match="nobody noted"):
         a_fit(BROAD).at("23degC")
 

@@ -104,10 +104,10 @@ def test_a_notebook_shows_words_and_picture(nouns, name):
 
 
 def test_every_plottable_class_has_a_figure() -> None:
-    offered = {kind for kind in descendants(Plottable) if kind is not HasVerdict}
-    assert len(offered) > 15
-    bare = {kind.__name__ for kind in offered if picture.dispatch(kind) is picture.dispatch(object)}
-    assert bare <= {noun.rpartition(":")[2] for noun, figure in FIGURES.items() if figure}
+    choices = {kind for kind in descendants(Plottable) if kind is not HasVerdict}
+    assert len(choices) > 15
+    bare = {kind.__name__ for kind in choices if picture.dispatch(kind) is picture.dispatch(object)}
+    assert bare <= {name.rpartition(":")[2] for name, figure in FIGURES.items() if figure}
 
 
 def descendants(kind):
@@ -116,10 +116,10 @@ def descendants(kind):
         # the app's values are those of the workflow
         if not module.name.endswith("__main__") and ".web" not in module.name:
             importlib.import_module(module.name)
-    found = {kind}
-    while new := {one for each in found for one in each.__subclasses__()} - found:
-        found |= new
-    return found - {kind}
+    result = {kind}
+    while new := {subclass for item in result for subclass in item.__subclasses__()} - result:
+        result |= new
+    return result - {kind}
 
 
 def test_an_inspection_draws_its_columns_along_the_time(nouns):
@@ -145,34 +145,34 @@ def test_columns_without_numbers_have_no_picture():
 
 def test_every_class_with_a_summary_has_a_table() -> None:
     ours = {kind for kind in descendants(HasSummary) if kind.__module__.startswith("dashpot.")}
-    offered = ours - {Plottable, HasVerdict}
-    assert len(offered) > 40
-    given = {
+    choices = ours - {Plottable, HasVerdict}
+    assert len(choices) > 40
+    inputs = {
         kind
-        for kind in offered
+        for kind in choices
         if kind._table_columns is not HasSummary._table_columns
         or frame.dispatch(kind) is not frame.dispatch(object)
     }
     facts = {
-        kind for kind in offered if getattr(kind, "facts", None) not in {None, HasVerdict.facts}
+        kind for kind in choices if getattr(kind, "facts", None) not in {None, HasVerdict.facts}
     }
-    assert offered == given | facts
+    assert choices == inputs | facts
 
 
 @pytest.mark.parametrize("name", EVERY)
 def test_table_columns_have_equal_length(nouns, name):
-    found = frame(nouns[name])
-    assert len({len(values) for values in found.columns.values()}) == 1
-    assert set(found.units) == set(found.columns)
+    result = frame(nouns[name])
+    assert len({len(values) for values in result.columns.values()}) == 1
+    assert set(result.units) == set(result.columns)
 
 
 def test_the_table_of_a_fit_holds_its_intervals(nouns):
     fit = nouns["Fit"]
-    found = frame(fit).columns
-    at = found["parameter"].index("tau_2")
-    assert found["value"][at] == fit.model.tau[1]
-    assert (found["low"][at], found["high"][at]) == fit.intervals()["tau"][1]
-    assert found["unit"][at] == "s"
+    columns = frame(fit).columns
+    at = columns["parameter"].index("tau_2")
+    assert columns["value"][at] == fit.model.tau[1]
+    assert (columns["low"][at], columns["high"][at]) == fit.intervals()["tau"][1]
+    assert columns["unit"][at] == "s"
 
 
 def test_every_sample_of_an_impact_test_knows_its_record(tmp_path):

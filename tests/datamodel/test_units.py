@@ -46,8 +46,8 @@ FOLLOWS = {"s, %, MPa": "Pa", "s, mm, N": "N/m", "s, 1/MPa": "1/Pa", "s, mm/N": 
 @pytest.mark.parametrize(("cls", "arrays", "units", "factors"), CLASSES)
 def test_arrays_are_in_si_within(cls, arrays, units, factors):
     made = cls(**arrays, units=units)
-    for (name, given), factor in zip(arrays.items(), factors, strict=True):
-        np.testing.assert_allclose(getattr(made, name), factor * np.asarray(given), rtol=1e-15)
+    for (name, inputs), factor in zip(arrays.items(), factors, strict=True):
+        np.testing.assert_allclose(getattr(made, name), factor * np.asarray(inputs), rtol=1e-15)
     assert made.units == "SI"
     if units in FOLLOWS and hasattr(made, "unit"):
         assert made.unit == FOLLOWS[units]
@@ -108,7 +108,7 @@ def test_no_document_holds_the_word():
 
 @pytest.mark.parametrize("cls", [RelaxationTest, CreepTest, CLDTest])
 @pytest.mark.parametrize(
-    ("name", "just", "beyond", "message"),
+    ("name", "just", "excess", "message"),
     [
         ("displacement", 0.499 / 8e-3, 0.501 / 8e-3, "the travel is 501 mm"),
         ("displacement", 1.001e-9 / 8e-3, 0.99e-9 / 8e-3, "the travel is 9.9e-10 m"),
@@ -116,11 +116,11 @@ def test_no_document_holds_the_word():
         ("time", 2.99e7 / 19, 3.01e7 / 19, "the length of the record is 348 days"),
     ],
 )
-def test_arrays_refuse_implausible_values(cls, name, just, beyond, message):
+def test_arrays_refuse_implausible_values(cls, name, just, excess, message):
     arrays = {"time": T, "displacement": 1e-3 * X, "force": F}
     cls(**{**arrays, name: just * arrays[name]}, units="SI")
     with pytest.raises(DataError, match=message):
-        cls(**{**arrays, name: beyond * arrays[name]}, units="SI")
+        cls(**{**arrays, name: excess * arrays[name]}, units="SI")
 
 
 def test_what_did_not_move_is_for_others_to_say():

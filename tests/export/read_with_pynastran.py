@@ -14,7 +14,7 @@ def main(deck: str) -> None:
             print("TABLE", number, repr(x), repr(y))
     for number, prop in model.pbusht.items():
         tables = [("K", prop.k_tables), ("GE", prop.ge_tables)]
-        print("PBUSHT", number, " ".join(f"{label} {found[0]}" for label, found in tables))
+        print("PBUSHT", number, " ".join(f"{label} {result[0]}" for label, result in tables))
     print("CBUSH", sum(element.type == "CBUSH" for element in model.elements.values()))
 
 

@@ -57,8 +57,8 @@ def test_a_deck_says_which_stiffness_it_holds() -> None:
 
 def test_the_law_is_drawn_with_its_doubt() -> None:
     made = dp.plot.elastic_law(make_nonlinear_fit(), compression=2.6e-3)
-    left, right = made.panels
-    law, secant = first(left, "elastic law"), first(left, "secant at 8 mm")
+    law_panel, right = made.panels
+    law, secant = first(law_panel, "elastic law"), first(law_panel, "secant at 8 mm")
     assert law.y[-1] == pytest.approx(PAPER.k_inf * 8e-3)
     assert law.y[-1] == pytest.approx(secant.y[-1])
     tangent, doubt = first(right, "elastic law"), first(right, "± 2 standard errors")

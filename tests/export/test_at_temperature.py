@@ -29,9 +29,9 @@ def moving(law: TemperatureLaw = SHIFT, vertical: str = "T/T_r", **specimen: obj
     shifts = tuple(Shift(t, float(law.log10_a_t(t)), 1e-3, t / ROOM) for t in TESTED)
     names = {"wlf": ("c1", "c2"), "arrhenius": ("energy",), "free": ()}[law.kind]
     doubt = np.zeros((len(names), len(names)))
-    moved = TemperatureShifts(law, shifts, np.zeros((6, 6)), names, doubt, vertical)
-    known = Specimen(**({"length": 0.1, "temperature": ROOM} | specimen))
-    return replace(a_fit(BROAD, specimen=known), temperatures=moved)
+    temperature_shifts = TemperatureShifts(law, shifts, np.zeros((6, 6)), names, doubt, vertical)
+    expected = Specimen(**({"length": 0.1, "temperature": ROOM} | specimen))
+    return replace(a_fit(BROAD, specimen=expected), temperatures=temperature_shifts)
 
 
 def numbers(line: str) -> list[float]:
@@ -79,7 +79,7 @@ def test_ansys_shifts_by_wlf_and_by_tool_and_narayanaswamy():
     assert row == "TBDATA,1,296.15,6.943703704,129.6"
     head, row = card(prony("ansys", moving(ENERGY)), "TB,SHIFT")
     assert head == "TB,SHIFT,1,1,2,TN"
-    _, reference, over_r = (float(each) for each in row.split(",")[1:])
+    _, reference, over_r = (float(word) for word in row.split(",")[1:])
     t = np.array(TESTED)
     np.testing.assert_allclose(
         over_r * (1 / t - 1 / reference) / np.log(10), ENERGY.log10_a_t(t), atol=1e-8
@@ -131,11 +131,11 @@ def test_prony_card_states_what_the_shift_cannot_carry(target, vertical, message
 def test_deck_at_a_temperature_equals_deck_of_the_shifted_fit(target, law):
     more = dict.fromkeys(NEEDS[target].get(FORMS[target][0], ()), 1e6)
     fit = moving(law)
-    asked = Specimen(length=0.1, temperature=278.15)
-    deck = TARGETS[target](fit, units="SI", specimen=asked, **more)
+    specimen = Specimen(length=0.1, temperature=278.15)
+    deck = TARGETS[target](fit, units="SI", specimen=specimen, **more)
     # byte for byte that of the fit that was moved first, whose temperature no check judges
-    moved = TARGETS[target](fit.at_temperature(278.15), units="SI", **more)
-    assert deck.replace(" 1 check passed.", "") == moved
+    variant = TARGETS[target](fit.at_temperature(278.15), units="SI", **more)
+    assert deck.replace(" 1 check passed.", "") == variant
     there = fit.at("5degC")
     assert f"model: k_inf = {there.k_inf:.10g} N/m" in deck
     assert all(f"tau = {tau:.10g} s" in deck for tau in there.tau)
@@ -157,29 +157,29 @@ def test_a_temperature_that_nobody_noted_is_stated():
 @pytest.mark.parametrize(("kelvin", "refused"), [(ROOM + 0.5, False), (ROOM + 0.501, True)])
 def test_deck_of_one_temperature_refuses_another(kelvin, refused):
     fit = a_fit(BROAD, specimen=Specimen(length=0.1, temperature=ROOM))
-    asked = Specimen(length=0.1, temperature=kelvin)
+    specimen = Specimen(length=0.1, temperature=kelvin)
     if not refused:
-        assert "k_inf = 0.1965 N/mm" in prony("abaqus", fit, specimen=asked)
+        assert "k_inf = 0.1965 N/mm" in prony("abaqus", fit, specimen=specimen)
         return
     with pytest.raises(dp.ExportError, match="fit tests at several temperatures together; if the"):
-        prony("abaqus", fit, specimen=asked)
+        prony("abaqus", fit, specimen=specimen)
 
 
 @pytest.mark.parametrize(
-    ("celsius", "beyond"), [(0.0, False), (23.0, False), (-0.01, True), (23.01, True)]
+    ("celsius", "excess"), [(0.0, False), (23.0, False), (-0.01, True), (23.01, True)]
 )
-def test_deck_outside_the_tested_temperatures_is_to_be_used_with_care(celsius, beyond):
-    asked = Specimen(length=0.1, temperature=celsius + 273.15)
-    deck = TARGETS["abaqus"](moving(), units="SI", specimen=asked)
-    assert ("CHECK FAILED" in deck) == beyond
-    assert ("The WLF law is extrapolated" in deck) == beyond
-    assert deck.verdict.use == ("use with care" if beyond else "use")
+def test_deck_outside_the_tested_temperatures_is_to_be_used_with_care(celsius, excess):
+    specimen = Specimen(length=0.1, temperature=celsius + 273.15)
+    deck = TARGETS["abaqus"](moving(), units="SI", specimen=specimen)
+    assert ("CHECK FAILED" in deck) == excess
+    assert ("The WLF law is extrapolated" in deck) == excess
+    assert deck.verdict.use == ("use with care" if excess else "use")
 
 
 def test_too_near_the_glass_is_refused():
-    asked = Specimen(length=0.1, temperature=218.15 + 9.99)
+    specimen = Specimen(length=0.1, temperature=218.15 + 9.99)
     with pytest.raises(dp.ExportError, match="glass transition"):
-        prony("abaqus", moving(), specimen=asked)
+        prony("abaqus", moving(), specimen=specimen)
 
 
 def test_the_command_asks_for_a_temperature(tmp_path):

@@ -124,22 +124,22 @@ def test_only_what_a_solver_here_runs_claims_to_be_solver_verified(fit):
 def test_a_file_name_cannot_break_out_of_its_comment(fit, sign):
     odd = replace_fields(fit, source=(Source(file=f"seal{sign}99, 1.csv", sha256=SHA),))
     for target, form, extra in DECKS:
-        plain, broken = (write(target, each, form=form, **extra) for each in (fit, odd))
+        plain, broken = (write(target, item, form=form, **extra) for item in (fit, odd))
         assert len(plain.splitlines()) == len(broken.splitlines())
         assert broken.isascii()
 
 
 def test_extrapolated_rows_are_marked(fit):
     wide = replace_fields(fit, band=(2.0, 20.0))
-    asked = {"units": "mm-t-s", "frequency_range": (1.0, 100.0)}
-    table = TARGETS["nastran"](wide, **asked)
+    requested = {"units": "mm-t-s", "frequency_range": (1.0, 100.0)}
+    table = TARGETS["nastran"](wide, **requested)
     assert re.search(r"\$ EXTRAPOLATED: \d+ of \d+ rows, from 1 to 100 Hz", table)
-    connector = TARGETS["abaqus"](wide, form="connector", **asked).splitlines()
+    connector = TARGETS["abaqus"](wide, form="connector", **requested).splitlines()
     at = {line: i for i, line in enumerate(connector)}
     assert "** EXTRAPOLATED" in at
     assert "** identified" in at
     rows = list(comma.DictReader(
-        line for line in TARGETS["csv"](wide, **asked).splitlines() if line[0] != "#"
+        line for line in TARGETS["csv"](wide, **requested).splitlines() if line[0] != "#"
     ))  # fmt: skip
     for row in rows:
         inside = 2.0 <= float(row["frequency [Hz]"]) <= 20.0
@@ -188,11 +188,11 @@ def test_an_unidentified_fit_is_refused(fit, target, form, extra):
         "arm 1 has k": {"covariance": np.diag([0.1, np.inf, 0.05, 1e-3, 1e-3])},
     }
     for sentence, changes in doubtful.items():
-        each = replace_fields(fit, checks=(*fit.checks, DOUBT), **changes)
+        item = replace_fields(fit, checks=(*fit.checks, DOUBT), **changes)
         with pytest.raises(ExportError, match="do not determine every parameter") as refused:
-            write(target, each, form=form, **extra)
+            write(target, item, form=form, **extra)
         assert sentence in str(refused.value)
-        forced = write(target, each, form=form, allow=("not_identified",), **extra)
+        forced = write(target, item, form=form, allow=("not_identified",), **extra)
         assert "OVERRIDE: the data do not determine every parameter" in forced
 
 
@@ -304,22 +304,22 @@ def written_or_refused(target, fit, form, arguments) -> str:
 
 @every_deck
 def test_no_argument_is_taken_that_changes_nothing(fit, target, form, extra):
-    known = signature(TARGETS[target]).parameters
-    for name in ARGUMENTS.keys() & known.keys():
-        one, other = (
-            written_or_refused(target, fit, form, extra | {name: each}) for each in ARGUMENTS[name]
+    parameters = signature(TARGETS[target]).parameters
+    for name in ARGUMENTS.keys() & parameters.keys():
+        item, other = (
+            written_or_refused(target, fit, form, extra | {name: item}) for item in ARGUMENTS[name]
         )
-        refused = re.match("refused: .*(leave it out|belong to the material card)", one)
-        assert refused or one != other, f"{target}, {form}: {name}"
+        refused = re.match("refused: .*(leave it out|belong to the material card)", item)
+        assert refused or item != other, f"{target}, {form}: {name}"
 
 
 def test_deck_marks_a_nominal_stiffness_outside_the_band_as_extrapolated(fit):
     for target, form in (("calculix", "springs"), ("nastran", "table")):
         inside, outside = (
             TARGETS[target](
-                fit, units="mm-t-s", form=form, nominal=one, frequency_range=(0.01, 0.3)
+                fit, units="mm-t-s", form=form, nominal=item, frequency_range=(0.01, 0.3)
             )
-            for one in ("0.1Hz", "12Hz")
+            for item in ("0.1Hz", "12Hz")
         )
         assert inside.verdict.use == "use"
         assert outside.verdict.use == "use with care"
@@ -355,7 +355,7 @@ NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
 
 
 def numbers(text: str) -> list[float]:
-    return [float(each) for each in NUMBER.findall(text)]
+    return [float(match) for match in NUMBER.findall(text)]
 
 
 def words(text: str) -> list[list[str]]:
@@ -370,8 +370,8 @@ def test_golden_decks(fit):
     if os.environ.get("DASHPOT_WRITE_GOLDEN"):
         for name, text in decks.items():
             (GOLDEN / name).write_text(text)
-    kept = {path.name for path in GOLDEN.iterdir()} - {"bushver.bdf"}
-    assert kept == set(decks), "DASHPOT_WRITE_GOLDEN=1 writes them"
+    mask = {path.name for path in GOLDEN.iterdir()} - {"bushver.bdf"}
+    assert mask == set(decks), "DASHPOT_WRITE_GOLDEN=1 writes them"
     for name, text in decks.items():
         golden = (GOLDEN / name).read_text()
         assert words(text) == words(golden), f"{name} changed"
@@ -383,7 +383,9 @@ def test_golden_decks(fit):
 
 solids = st.builds(
     lambda k_inf, k, tau: GeneralizedMaxwell(
-        10.0**k_inf, tuple(10.0**each for each in k), tuple(10.0**each for each in tau[: len(k)])
+        10.0**k_inf,
+        tuple(10.0**value for value in k),
+        tuple(10.0**value for value in tau[: len(k)]),
     ),
     st.floats(0, 6),
     st.lists(st.floats(0, 6), min_size=1, max_size=5),
@@ -436,7 +438,7 @@ def test_lsdyna_pulls_along_a_vector_that_does_not_turn(paper_seal):
     vector = lines[lines.index("*DEFINE_SD_ORIENTATION") + 2]
     assert [float(vector[i : i + 10]) for i in range(0, 70, 10)] == [1, 0, 1, 0, 0, 0, 0]
     elements = [lines[i + 1] for i, line in enumerate(lines) if line == "*ELEMENT_DISCRETE"]
-    assert [int(each[32:40]) for each in elements] == [1] * (1 + paper_seal.arms)
+    assert [int(element[32:40]) for element in elements] == [1] * (1 + paper_seal.arms)
 
 
 @given(solids)
@@ -480,8 +482,8 @@ def test_prony_cards_hold_the_same_series(solid):
     radioss = TARGETS["radioss"](solid, units="SI", modulus=1.0).splitlines()
     start = radioss.index("#                G_i              beta_i") + 1
     pairs = [(float(row[:20]), 1 / float(row[20:40])) for row in radioss[start:]]
-    for found in ([(g, tau) for g, _, tau in abaqus], pairs):
-        rebuilt = stiffness(found, 1 - sum(g for g, _ in found))
+    for result in ([(g, tau) for g, _, tau in abaqus], pairs):
+        rebuilt = stiffness(result, 1 - sum(g for g, _ in result))
         assert rebuilt == pytest.approx(
             solid.complex_stiffness(omega=OMEGA) / solid.k_0, rel=1e-6, abs=1e-9
         )

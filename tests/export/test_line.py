@@ -67,77 +67,77 @@ def deck(target: str, units: str, shear: Shear | None = SHEAR, pitch=0.05, **mor
 
 def cards_of(text: str, comment: str) -> list[tuple[str, dict[str, str], list[list[str]]]]:
     """Keyword cards: each its name, parameters and lines of data."""
-    found = []
+    result = []
     for line in text.splitlines():
         if line.startswith(comment) or not line:
             continue
         if line.startswith("*"):
             name, *words = [word.strip() for word in line[1:].split(",")]
-            found.append((name, dict(word.split("=") for word in words if "=" in word), []))
+            result.append((name, dict(word.split("=") for word in words if "=" in word), []))
         else:
-            found[-1][2].append([word.strip() for word in line.split(",")])
-    return found
+            result[-1][2].append([word.strip() for word in line.split(",")])
+    return result
 
 
 def nodes_and_frames(cards):
     nodes, frames = {}, {}
-    for name, said, rows in cards:
+    for name, entry, rows in cards:
         if name == "NODE":
             nodes |= {row[0]: np.array(row[1:4], dtype=float) for row in rows}
         elif name == "ORIENTATION":
-            assert said["SYSTEM"] == "RECTANGULAR"
+            assert entry["SYSTEM"] == "RECTANGULAR"
             a, b = np.array(rows[0], dtype=float).reshape(2, 3)
             x = a / np.linalg.norm(a)
             z = np.cross(x, b)
             z /= np.linalg.norm(z)
-            frames[said["NAME"]] = np.array([x, np.cross(z, x), z])
+            frames[entry["NAME"]] = np.array([x, np.cross(z, x), z])
     return nodes, frames
 
 
 def sum_calculix(text: str, hertz: float):
     cards = cards_of(text, "**")
     nodes, frames = nodes_and_frames(cards)
-    elements = {said["ELSET"]: rows for name, said, rows in cards if name == "ELEMENT"}
-    for name, said, rows in cards:
+    elements = {entry["ELSET"]: rows for name, entry, rows in cards if name == "ELEMENT"}
+    for name, message, rows in cards:
         if name == "SPRING":
             (way, same), (k,) = rows[0], rows[1]
             assert way == same
             assert "." in k  # without it ccx reads a degree of freedom
-            for _, a, b in elements[said["ELSET"]]:
+            for _, a, b in elements[message["ELSET"]]:
                 assert (nodes[a] == nodes[b]).all()
-                yield nodes[a], frames[said["ORIENTATION"]][int(way) - 1], float(k)
+                yield nodes[a], frames[message["ORIENTATION"]][int(way) - 1], float(k)
 
 
 def sum_abaqus(text: str, hertz: float):
     cards = cards_of(text, "**")
     nodes, frames = nodes_and_frames(cards)
-    elements = {said["ELSET"]: rows for name, said, rows in cards if name == "ELEMENT"}
-    known, current = {}, ""
-    for name, said, rows in cards:
+    elements = {entry["ELSET"]: rows for name, entry, rows in cards if name == "ELEMENT"}
+    expected, current = {}, ""
+    for name, message, rows in cards:
         if name == "CONNECTOR BEHAVIOR":
-            current = said["NAME"]
+            current = message["NAME"]
         elif name.startswith(("CONNECTOR E", "CONNECTOR D")):
             y, x = np.array(rows, dtype=float).T
-            known[current, said["COMPONENT"], name[10]] = np.interp(hertz, x, y)
-    for name, said, rows in cards:
+            expected[current, message["COMPONENT"], name[10]] = np.interp(hertz, x, y)
+    for name, message, rows in cards:
         if name == "CONNECTOR SECTION":
             assert rows[0][0] == "CARTESIAN"
-            for _, a, b in elements[said["ELSET"]]:
+            for _, a, b in elements[message["ELSET"]]:
                 assert (nodes[a] == nodes[b]).all()
                 for way in "123":
-                    k = known.get((said["BEHAVIOR"], way, "E"))
+                    k = expected.get((message["BEHAVIOR"], way, "E"))
                     if k is not None:
-                        eta = known[said["BEHAVIOR"], way, "D"]
+                        eta = expected[message["BEHAVIOR"], way, "D"]
                         yield nodes[a], frames[rows[1][0]][int(way) - 1], k * (1 + 1j * eta)
 
 
 def sum_nastran(text: str, hertz: float):
     cards = read_cards(text)
-    grids = {f[0]: np.array([real(one) for one in f[2:5]]) for name, f in cards if name == "GRID"}
+    grids = {f[0]: np.array([real(item) for item in f[2:5]]) for name, f in cards if name == "GRID"}
     frames = {"0": np.eye(3)}
     for name, f in cards:
         if name == "CORD2R":
-            origin, on_z, in_xz = np.array([real(one) for one in f[2:11]]).reshape(3, 3)
+            origin, on_z, in_xz = np.array([real(item) for item in f[2:11]]).reshape(3, 3)
             z = (on_z - origin) / np.linalg.norm(on_z - origin)
             y = np.cross(z, in_xz - origin)
             y /= np.linalg.norm(y)
@@ -147,7 +147,9 @@ def sum_nastran(text: str, hertz: float):
     values = {}
     for name, f in cards:
         if name == "TABLED1":
-            pairs = np.array([real(one) for one in f[8:] if one and one != "ENDT"]).reshape(-1, 2)
+            pairs = np.array([real(item) for item in f[8:] if item and item != "ENDT"]).reshape(
+                -1, 2
+            )
             values[f[0]] = np.interp(hertz, *pairs.T)
     for name, f in cards:
         if name != "CBUSH":
@@ -194,7 +196,7 @@ def sum_ansys(text: str, hertz: float):
             at = int(first.rstrip(")")) - 1
             tables[name][int(word == "*SET"), at : at + len(values)] = values
         elif word == "R":
-            constants[f[0]] = [np.interp(hertz, *tables[one.strip("%")]) for one in f[1:]]
+            constants[f[0]] = [np.interp(hertz, *tables[text.strip("%")]) for text in f[1:]]
         elif word == "TYPE":
             kind = f[0]
         elif word == "REAL":
@@ -205,7 +207,7 @@ def sum_ansys(text: str, hertz: float):
             assert (axes[a] == axes[b]).all()
             k, c = constants[constant]
             yield places[a], axes[a][ways[kind]], k + 2j * np.pi * hertz * c
-    assert all(np.isfinite(one).all() for one in tables.values())
+    assert all(np.isfinite(table).all() for table in tables.values())
 
 
 def sum_lsdyna(text: str, hertz: float):
@@ -285,15 +287,15 @@ def test_without_shear_a_deck_says_that_nothing_holds_sideways(target):
 @pytest.mark.parametrize("target", list(READERS))
 def test_line_deck_accepts_a_separate_lateral_stiffness(target):
     """Half as stiff again in its arms: a third of the whole at 12.71 Hz, and other tables."""
-    own = GeneralizedMaxwell(PAPER.k_inf, tuple(1.5 * k for k in PAPER.k), PAPER.tau)
+    model = GeneralizedMaxwell(PAPER.k_inf, tuple(1.5 * k for k in PAPER.k), PAPER.tau)
     omega = 2 * np.pi * HERTZ
-    ratio = complex(own.complex_stiffness(omega=omega)) / complex(
+    ratio = complex(model.complex_stiffness(omega=omega)) / complex(
         PAPER.complex_stiffness(omega=omega)
     )
-    text = deck(target, "SI", Shear(20 * ACROSS * own, ALONG), pitch=0.5)
-    K, plain = (sum_deck(target, one, "SI") for one in (text, deck(target, "SI", pitch=0.5)))
-    alone = sum_deck(target, deck(target, "SI", Shear(0.0, ALONG), pitch=0.5), "SI")
-    assert (K - alone).real == pytest.approx((plain - alone).real * ratio.real, rel=2e-3, abs=0.5)
+    text = deck(target, "SI", Shear(20 * ACROSS * model, ALONG), pitch=0.5)
+    K, plain = (sum_deck(target, item, "SI") for item in (text, deck(target, "SI", pitch=0.5)))
+    single = sum_deck(target, deck(target, "SI", Shear(0.0, ALONG), pitch=0.5), "SI")
+    assert (K - single).real == pytest.approx((plain - single).real * ratio.real, rel=2e-3, abs=0.5)
     assert "across it: a stiffness of its own" in text
 
 
@@ -361,12 +363,12 @@ def door_of(text: str, units: str) -> str:
     lines += ["*NODE", f"{n + 50}, {centre}", f"{n + 51}, {centre}"]
     dummies = range(n + 100, n + 140)
     lines += [
-        "*NODE, NSET=DUMMIES", *(f"{one}, {one - n}., 1., 0." for one in dummies),
-        "*NODE, NSET=HELD", *(f"{one + 100}, {one - n}., 2., 0." for one in dummies),
+        "*NODE, NSET=DUMMIES", *(f"{value}, {value - n}., 1., 0." for value in dummies),
+        "*NODE, NSET=HELD", *(f"{value + 100}, {value - n}., 2., 0." for value in dummies),
         "*ELEMENT, TYPE=SPRINGA, ELSET=DUMMY_K",
-        *(f"{one}, {one}, {one + 100}" for one in dummies),
+        *(f"{value}, {value}, {value + 100}" for value in dummies),
         "*SPRING, ELSET=DUMMY_K", "", f"{1e8 / stiffness:.6e}",
-        "*ELEMENT, TYPE=MASS, ELSET=DUMMY_M", *(f"{one + 100}, {one}" for one in dummies),
+        "*ELEMENT, TYPE=MASS, ELSET=DUMMY_M", *(f"{value + 100}, {value}" for value in dummies),
         "*MASS, ELSET=DUMMY_M", f"{1e-2 / kilogram:.6e}",
         "*BOUNDARY", "HELD, 1, 3", "DUMMIES, 1, 1", "DUMMIES, 3, 3",
         f"*RIGID BODY, NSET=SEAL_MOVING, REF NODE={n + 50}, ROT NODE={n + 51}",
@@ -380,16 +382,16 @@ def test_ccx_computes_the_modes_of_a_door_on_its_seal_only(tmp_path):
     """The seal holds all of it: the sharpest test of a line that there is."""
     dat = run_ccx(door_of(deck("calculix", "mm-t-s", pitch=0.5), "mm-t-s"), tmp_path)
     rows = re.findall(r"^\s+\d+\s+\S+\s+\S+\s+(\S+)\s+\S+\s*$", dat, re.MULTILINE)
-    found = [float(one) for one in rows[:6]]
-    assert found == pytest.approx(ALONE, rel=1e-6)
-    assert all(a <= b for a, b in pairwise(found))
+    result = [float(row) for row in rows[:6]]
+    assert result == pytest.approx(ALONE, rel=1e-6)
+    assert all(a <= b for a, b in pairwise(result))
 
 
 def test_a_frame_along_the_x_axis_is_needed_where_something_acts_sideways():
-    own = LineStation()
-    assert SpringRow((PAPER,) * 3, (own,)).frames == {}
-    sheared = replace(own, shares=(1.0, 0.5, 0.0))
-    assert SpringRow((PAPER,) * 3, (sheared,)).frames == {own.frame: 0}
+    line_station = LineStation()
+    assert SpringRow((PAPER,) * 3, (line_station,)).frames == {}
+    sheared = replace(line_station, shares=(1.0, 0.5, 0.0))
+    assert SpringRow((PAPER,) * 3, (sheared,)).frames == {line_station.frame: 0}
 
 
 def test_what_is_not_pressed_as_stated_is_the_secant_of_the_test():
@@ -398,9 +400,9 @@ def test_what_is_not_pressed_as_stated_is_the_secant_of_the_test():
     law = ElasticLaw((0.0, 4e-3, 8e-3), (0.5, 0.9, 1.7), PAPER.k_inf)
     bent, straight = (
         SimpleNamespace(
-            solid=PAPER, specimen=Specimen(length=0.05), elastic_law=one,
+            solid=PAPER, specimen=Specimen(length=0.05), elastic_law=item,
             units=SimpleNamespace(length=1e-3, words=("mm",)),
         )
-        for one in (law, None)
+        for item in (law, None)
     )  # fmt: skip
     assert row_of(bent, unstated).stations == row_of(straight, unstated).stations

@@ -62,8 +62,8 @@ def test_export_refuses_what_is_no_target():
 
 def row_ends(target: str, text: str) -> tuple[float, float]:
     """First and last frequency, Hz, of the table that the header counts."""
-    (found,) = re.findall(r"table: \d+ points, (\S+) to (\S+) Hz", text)
-    return float(found[0]), float(found[1])
+    (result,) = re.findall(r"table: \d+ points, (\S+) to (\S+) Hz", text)
+    return float(result[0]), float(result[1])
 
 
 @pytest.mark.parametrize(
@@ -78,8 +78,8 @@ def test_a_table_without_a_band_spans_the_valid_band(target, form):
     low, high = row_ends(target, TARGETS[target](fit, units="SI", form=form))
     assert 0.0041239 <= low < 0.00413
     assert 0.3182 < high <= 0.31831
-    given = TARGETS[target](fit, units="SI", form=form, frequency_range=(1.0, 30.0))
-    assert row_ends(target, given) == (1.0, 30.0)
+    inputs = TARGETS[target](fit, units="SI", form=form, frequency_range=(1.0, 30.0))
+    assert row_ends(target, inputs) == (1.0, 30.0)
     assert row_ends(target, TARGETS[target](PAPER, units="SI", form=form)) == (1.0, 100.0)
     nowhere = a_fit(PAPER, band=(0.0, 0.0), specimen=Specimen(temperature=296.15, length=0.05))
     assert row_ends(target, TARGETS[target](nowhere, units="SI", form=form)) == (1.0, 100.0)

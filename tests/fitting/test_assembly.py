@@ -52,26 +52,31 @@ def test_nuisances_of_several_tests_are_named_by_their_number():
 
 
 def test_nuisance_parameters_of_one_test_have_no_number():
-    assert [(one.name, one.unit) for one in make_nuisances("offset@0", "drift@0")] == [
+    assert [
+        (nuisance.name, nuisance.unit) for nuisance in make_nuisances("offset@0", "drift@0")
+    ] == [
         ("offset", "N"),
         ("drift", "N/s"),
     ]
     VALUES["offset"] = VALUES["drift"] = 1.0
-    assert [one.unit for one in make_nuisances("k_inf", "offset", "drift", of="m")] == ["m", "m/s"]
+    assert [nuisance.unit for nuisance in make_nuisances("k_inf", "offset", "drift", of="m")] == [
+        "m",
+        "m/s",
+    ]
     assert make_nuisances("k_inf", "b") == ()
 
 
 def test_a_point_estimate_knows_no_error_of_any_parameter():
-    found = build_fit(SolidEstimate(PAPER, POINT), UNJUDGED, Provenance("full"))
-    assert np.isinf(np.diag(found.covariance)).all()
-    assert found.covariance.shape == (5, 5)
+    fit = build_fit(SolidEstimate(PAPER, POINT), UNJUDGED, Provenance("full"))
+    assert np.isinf(np.diag(fit.covariance)).all()
+    assert fit.covariance.shape == (5, 5)
     assert (
-        found.estimate.residual.n,
-        found.estimate.residual.sse,
-        found.estimate.residual.rms,
+        fit.estimate.residual.n,
+        fit.estimate.residual.sse,
+        fit.estimate.residual.rms,
     ) == (100, 25.0, 0.5)
-    assert found.status is Status.CONVERGED
-    assert found.verdict.use == "use with care"
+    assert fit.status is Status.CONVERGED
+    assert fit.verdict.use == "use with care"
 
 
 @pytest.mark.parametrize(
@@ -94,8 +99,8 @@ def test_a_fit_ends_as_its_optimum_and_its_checks_say(
         "lost": optimum_found(stationary=False),
     }
     evidence = Evidence((0.1, 1.0), checks=tuple(failed[name] for name in checks))
-    found = build_fit(SolidEstimate(PAPER, POINT, fewer, at_bound), evidence, Provenance("full"))
-    assert found.status is status
+    fit = build_fit(SolidEstimate(PAPER, POINT, fewer, at_bound), evidence, Provenance("full"))
+    assert fit.status is status
 
 
 def rising(kelvin: float | None = None) -> RampHold:
@@ -126,9 +131,9 @@ def test_a_fit_of_tests_names_the_deepest_piece():
         for depth, name in ((4e-3, "one"), (8e-3, "other"))
     )
     step = Step("fit")
-    found = provenance_of("hold", [shallow, deep], step)
-    assert (found.method, found.specimen.name) == ("hold", "other")
-    assert found.steps == (*shallow.steps, *deep.steps, step)
+    provenance = provenance_of("hold", [shallow, deep], step)
+    assert (provenance.method, provenance.specimen.name) == ("hold", "other")
+    assert provenance.steps == (*shallow.steps, *deep.steps, step)
 
 
 def test_fit_is_constructed_in_one_module():

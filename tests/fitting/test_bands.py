@@ -48,8 +48,8 @@ def test_unresolved_arm_band_contains_the_truth(broad_fit: Fit, broad_test: Ramp
 
 def test_the_band_opens_where_the_test_is_blind(broad_fit: Fit, broad_test: RampHold) -> None:
     # on a machine that is known: 5 ms between the clocks are a loss of their own
-    known = replace(broad_test, machine=Machine(sync="1ms", compliance=0.0, drift="20uN/s"))
-    band = unseen_arm_band(broad_fit, known, AT)
+    expected = replace(broad_test, machine=Machine(sync="1ms", compliance=0.0, drift="20uN/s"))
+    band = unseen_arm_band(broad_fit, expected, AT)
     width = (band.loss[1] - band.loss[0]) / BROAD.loss(omega=2 * np.pi * AT)
     assert width[1] < 0.06  # 0.3 Hz: the hold sees it
     unknown = unseen_arm_band(broad_fit, broad_test, AT[1:2])
@@ -61,10 +61,10 @@ def test_the_band_opens_where_the_test_is_blind(broad_fit: Fit, broad_test: Ramp
 def test_a_fit_of_too_few_arms_has_limits_although_it_leaves_no_degree_of_freedom() -> None:
     """One arm for Table 1's two, no noise: what is left are some six slow swings."""
     test = prepare(simulate_relaxation(PAPER, rig=Rig().noise_free()).test)
-    one = fit(test, arms=1)
-    assert one.estimate.dof < 1
+    item = fit(test, arms=1)
+    assert item.estimate.dof < 1
     with np.errstate(all="raise", under="ignore"):
-        band = unseen_arm_band(one, test, AT)
+        band = unseen_arm_band(item, test, AT)
     truth = PAPER.complex_stiffness(omega=2 * np.pi * AT)
     for limits, value in ((band.storage, truth.real), (band.loss, truth.imag)):
         assert np.isfinite(limits).all()
@@ -84,11 +84,11 @@ def test_the_formal_band_of_two_arms_is_absurdly_narrow() -> None:
     test = prepare(simulate_relaxation(BROAD, seed=5).test)
     hold = fit(test, arms=2, method="hold")
     formal = parameter_band(hold, [12.71])
-    unseen = unseen_arm_band(hold, test, [12.71])
+    stiffness_bounds = unseen_arm_band(hold, test, [12.71])
     truth = BROAD.loss_factor(omega=2 * np.pi * 12.71)
     assert formal.loss_factor[1, 0] < truth / 3
     assert np.ptp(formal.loss_factor) < 0.1 * truth
-    assert unseen.loss_factor[0, 0] < truth < unseen.loss_factor[1, 0]
+    assert stiffness_bounds.loss_factor[0, 0] < truth < stiffness_bounds.loss_factor[1, 0]
 
 
 def test_the_measured_frf_lies_in_the_band(
@@ -150,11 +150,11 @@ def test_every_limit_lies_where_the_deviance_meets_the_cut(spectra: AdmissibleSp
     for omega in 2 * np.pi * LINES[::6]:
         for v in spectra.stiffness_at(omega):
             for aim in (v, -v):
-                found = spectra.find_extreme_spectrum(aim)
-                assert (found >= 0).all()
+                extreme_spectrum = spectra.find_extreme_spectrum(aim)
+                assert (extreme_spectrum >= 0).all()
                 # a loss that can be zero is zero before the data say so
-                if v @ found > 1e-9:
-                    assert deviance(spectra, found) == pytest.approx(5.0, abs=1e-6)
+                if v @ extreme_spectrum > 1e-9:
+                    assert deviance(spectra, extreme_spectrum) == pytest.approx(5.0, abs=1e-6)
 
 
 def test_confidence_region_reach_is_never_exceeded(spectra: AdmissibleSpectra) -> None:
@@ -189,14 +189,14 @@ def test_a_finer_grid_moves_no_limit(
     data = [build_relaxation_data(broad_test, broad_fit)]
 
     def limits() -> np.ndarray:
-        found = AdmissibleSpectra(data, fastest=320.0, limit=5.0, extra=broad_fit.model.tau)
-        at = [found.stiffness_at(2 * np.pi * f) for f in (0.01, 0.1, 1.0, 5.0, 12.7, 50.0)]
-        return np.array([found.reach(v) for pair in at for v in pair])
+        result = AdmissibleSpectra(data, fastest=320.0, limit=5.0, extra=broad_fit.model.tau)
+        at = [result.stiffness_at(2 * np.pi * f) for f in (0.01, 0.1, 1.0, 5.0, 12.7, 50.0)]
+        return np.array([result.reach(v) for pair in at for v in pair])
 
     usual = limits()
     monkeypatch.setattr(admissible_spectra, "PER_DECADE", 4 * admissible_spectra.PER_DECADE)
-    moved = np.abs(limits() - usual).max(axis=1)
-    assert (moved < 0.05 * np.ptp(usual, axis=1) / 3.92).all()
+    variant = np.abs(limits() - usual).max(axis=1)
+    assert (variant < 0.05 * np.ptp(usual, axis=1) / 3.92).all()
 
 
 def test_the_fit_and_the_truth_lie_within_the_lines(broad_fit: Fit, broad_test: RampHold) -> None:
@@ -284,8 +284,8 @@ def held_at(solid: GeneralizedMaxwell, *, seed: int, late: int = 0) -> np.ndarra
     held = prepare(replace(test, force=force))
     band = unseen_arm_band(fit(held), held, COVERED)
     K = solid.complex_stiffness(omega=2 * np.pi * COVERED)
-    known = ((band.storage, K.real), (band.loss, K.imag), (band.loss_factor, K.imag / K.real))
-    return np.array([(low <= value) & (value <= high) for (low, high), value in known])
+    expected = ((band.storage, K.real), (band.loss, K.imag), (band.loss_factor, K.imag / K.real))
+    return np.array([(low <= value) & (value <= high) for (low, high), value in expected])
 
 
 @pytest.mark.parametrize("late", [0, 1])
@@ -307,11 +307,14 @@ def test_the_bands_cover_over_seeds(solid: GeneralizedMaxwell, late: int) -> Non
 
 def test_a_seal_that_may_bear_nothing_has_a_loss_factor_all_the_same(broad_fit: Fit) -> None:
     lost = replace_fields(broad_fit, covariance=np.full_like(broad_fit.covariance, np.inf))
-    band, own = parameter_band(lost, AT, level=0.99), lost.solid.loss_factor(omega=2 * np.pi * AT)
+    band, loss_factor = (
+        parameter_band(lost, AT, level=0.99),
+        lost.solid.loss_factor(omega=2 * np.pi * AT),
+    )
     assert (band.storage[0] == 0).all()
     low, high = band.loss_factor
-    assert (low <= own).all()
-    assert (own <= high).all()
+    assert (low <= loss_factor).all()
+    assert (loss_factor <= high).all()
 
 
 def test_what_cannot_be_is_refused(broad_fit: Fit, broad_test: RampHold) -> None:

@@ -19,26 +19,28 @@ DISTURBED = replace(SOUND, late=1e-3, hum=5e-3, drift=0.2e-3)
 
 def answers(kind: Kind, *, seed: int, bench: Bench) -> tuple[bool, bool, bool, bool]:
     """Whether the peak's line, its height, k(T) and k(3 T) are within their limits."""
-    one = trial(kind, seed=seed, bench=bench)
+    item = trial(kind, seed=seed, bench=bench)
     natural = np.random.default_rng([seed, KINDS.index(kind), 7]).uniform(8, 20)
-    mass = 2 * one.seal.stiffness(2 * np.pi * natural).real / (2 * np.pi * natural) ** 2
+    mass = 2 * item.seal.stiffness(2 * np.pi * natural).real / (2 * np.pi * natural) ** 2
     f = np.linspace(0.5 * natural, 2 * natural, 6001)
     inertia = mass * (2 * np.pi * f) ** 2
-    magnitude = (2 * np.pi * f) ** 2 / np.abs(2 * one.seal.stiffness(2 * np.pi * f) - inertia)
+    magnitude = (2 * np.pi * f) ** 2 / np.abs(2 * item.seal.stiffness(2 * np.pi * f) - inertia)
     peak = int(np.argmax(magnitude))
 
-    test = prepare(relaxation_test(one))
-    found = fit(test)
-    band = frf_band(found, test, mass=mass, seals=2, frequency=f[peak : peak + 1])
+    test = prepare(relaxation_test(item))
+    result = fit(test)
+    band = frf_band(result, test, mass=mass, seals=2, frequency=f[peak : peak + 1])
     (low,), (high,) = band.unmeasured
     least, most = band.peak_height or (0.0, np.inf)
-    left, T = found.stiffness_limits, test.hold_time
-    assert left is not None
+    stiffness_limits, T = result.stiffness_limits, test.hold_time
+    assert stiffness_limits is not None
     return (
         low <= magnitude[peak] <= high,
         least <= magnitude[peak] <= most,
-        left["k_end"][0] <= one.seal.relaxation(T) <= left["k_end"][1],
-        left["k_3end"][0] <= one.seal.relaxation(3 * T) <= left["k_3end"][1],
+        stiffness_limits["k_end"][0] <= item.seal.relaxation(T) <= stiffness_limits["k_end"][1],
+        stiffness_limits["k_3end"][0]
+        <= item.seal.relaxation(3 * T)
+        <= stiffness_limits["k_3end"][1],
     )
 
 

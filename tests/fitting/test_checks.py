@@ -45,28 +45,28 @@ def test(paper_seal: GeneralizedMaxwell) -> RampHold:
     return record_of(paper_seal)
 
 
-def get_check(found: Fit, name: str) -> Check:
-    return next(check for check in found.checks if check.name == name)
+def get_check(result: Fit, name: str) -> Check:
+    return next(check for check in result.checks if check.name == name)
 
 
 def test_fit_passes_all_checks_for_a_valid_test(test: RampHold) -> None:
-    found = fit(test)
+    result = fit(test)
     # a machine of which nothing is known leaves the end of the hold open by some per cent
-    assert [check.name for check in found.checks if check.failed] == ["hold_long_enough"]
-    assert found.verdict.use == "use"
-    assert len({check.name for check in found.checks}) == len(found.checks)
-    assert all(check.message for check in found.checks)
+    assert [check.name for check in result.checks if check.failed] == ["hold_long_enough"]
+    assert result.verdict.use == "use"
+    assert len({check.name for check in result.checks}) == len(result.checks)
+    assert all(check.message for check in result.checks)
     longer = record_of(GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5, 10.0)))
     assert fit(longer).ok
 
 
 def test_a_clipped_force(test: RampHold) -> None:
-    found = fit(replace(test, force=np.minimum(test.force, 1.9)), arms=2)
-    check = get_check(found, "force_not_clipped")
+    result = fit(replace(test, force=np.minimum(test.force, 1.9)), arms=2)
+    check = get_check(result, "force_not_clipped")
     assert check.failed
     assert "is clipped at 1.9 N" in check.message
     assert "Use a larger range of the sensor" in check.message_with_remedy
-    assert not found.ok
+    assert not result.ok
     assert record_checks.force_not_clipped(test).passed
     spring = record_of(GeneralizedMaxwell(200.0), noise=0.0)
     assert record_checks.force_not_clipped(
@@ -93,7 +93,7 @@ def test_a_coarse_encoder_widens_the_intervals(paper_seal: GeneralizedMaxwell) -
     assert check.failed
     assert "Use a finer encoder" in check.message_with_remedy
     sharp, blunt = (
-        np.sqrt(restrict_to_noise(fit(one, arms=2)).covariance[0, 0]) for one in (test, coarse)
+        np.sqrt(restrict_to_noise(fit(item, arms=2)).covariance[0, 0]) for item in (test, coarse)
     )
     assert blunt > 2 * sharp
     assert blunt == pytest.approx(
@@ -137,11 +137,11 @@ def test_a_ramp_with_too_few_samples(paper_seal: GeneralizedMaxwell) -> None:
 def test_a_force_that_rises_is_not_fitted_silently(test: RampHold) -> None:
     swelling = replace(test, force=test.force + 0.02 * np.clip(test.time - 1.0, 0, None))
     for method in ("full", "hold"):
-        found = fit(swelling, method=method)  # type: ignore[arg-type]
-        assert found.status is Status.FORCE_RISES
-        assert not found.ok
-        assert "No relaxing part does that" in get_check(found, "force_relaxes").message
-        assert "a relaxing seal cannot do that" in found.status.value
+        result = fit(swelling, method=method)  # type: ignore[arg-type]
+        assert result.status is Status.FORCE_RISES
+        assert not result.ok
+        assert "No relaxing part does that" in get_check(result, "force_relaxes").message
+        assert "a relaxing seal cannot do that" in result.status.value
 
 
 def test_a_drift_of_the_rig_is_no_rise(test: RampHold) -> None:
@@ -161,18 +161,18 @@ def test_strain_check_fails_over_a_fifth_of_the_height(test: RampHold) -> None:
 
 def test_arms_that_merge() -> None:
     close = GeneralizedMaxwell(196.5, (60.0, 60.0), (2.0, 2.6))
-    found = fit(record_of(close, noise=1e-6, rate=200.0), arms=2)
-    assert found.model.arms == 2
-    check = get_check(found, "arms_distinct")
+    result = fit(record_of(close, noise=1e-6, rate=200.0), arms=2)
+    assert result.model.arms == 2
+    check = get_check(result, "arms_distinct")
     assert check.failed
     assert "cannot separate two arms. Use 1 arm." in check.message_with_remedy
 
 
 def test_more_arms_than_the_data_support(test: RampHold) -> None:
-    found = fit(test, arms=4)
-    assert found.status is not Status.CONVERGED
-    check = get_check(found, "arms_supported")
-    if found.model.arms > 2:
+    result = fit(test, arms=4)
+    assert result.status is not Status.CONVERGED
+    check = get_check(result, "arms_supported")
+    if result.model.arms > 2:
         assert check.failed
         assert "cannot be separated from noise" in check.message
         assert "Use fewer arms" in check.message_with_remedy
@@ -180,20 +180,20 @@ def test_more_arms_than_the_data_support(test: RampHold) -> None:
 
 def test_an_arm_slower_than_the_hold() -> None:
     slow = GeneralizedMaxwell(100.0, (80.0,), (90.0,))
-    found = fit(record_of(slow, noise=1e-4), arms=1)
-    assert found.status is Status.TAU_AT_BOUND
-    check = get_check(found, "tau_inside_window")
+    result = fit(record_of(slow, noise=1e-4), arms=1)
+    assert result.status is Status.TAU_AT_BOUND
+    check = get_check(result, "tau_inside_window")
     assert check.failed
     assert "outside what the record can show" in check.message
 
 
 def test_a_seal_that_flows_has_no_equilibrium() -> None:
     fluid = GeneralizedMaxwell(0.0, (200.0,), (20.0,))
-    found = fit(record_of(fluid), arms=1)
-    check = get_check(found, "k_inf_positive")
+    result = fit(record_of(fluid), arms=1)
+    check = get_check(result, "k_inf_positive")
     assert check.failed
     assert "It may be zero" in check.message
-    assert found.status is not Status.CONVERGED
+    assert result.status is not Status.CONVERGED
 
 
 def test_residuals_check_detects_a_remaining_curve(test: RampHold) -> None:
@@ -208,8 +208,8 @@ def test_residuals_check_detects_a_remaining_curve(test: RampHold) -> None:
 def test_residuals_check_detects_slow_wandering(test: RampHold) -> None:
     random = np.random.default_rng(5)
     walk = np.cumsum(random.standard_normal(len(test.time)))
-    found = fit(replace(test, force=test.force + 1e-3 * walk), arms=2)
-    check = get_check(found, "residuals_steady")
+    result = fit(replace(test, force=test.force + 1e-3 * walk), arms=2)
+    check = get_check(result, "residuals_steady")
     assert check.failed
     assert "The force wanders slowly" in check.message
     assert get_check(fit(test, arms=2), "residuals_steady").passed
@@ -237,8 +237,8 @@ def test_drift_that_hides_a_slow_arm() -> None:
     assert "Record a longer baseline before contact" in check.message_with_remedy
     # eq. 5 has no ramp to tell them apart either
     assert get_check(fit(loose, arms=1, method="hold"), "drift_distinguished_from_arm").failed
-    alone = fit(record_of(slow), arms=1, method="hold", nuisance=())
-    without = get_check(alone, "drift_distinguished_from_arm")
+    single = fit(record_of(slow), arms=1, method="hold", nuisance=())
+    without = get_check(single, "drift_distinguished_from_arm")
     assert without.passed is None
     assert "No drift is fitted" in without.message
 
@@ -264,11 +264,11 @@ def test_eq_5_and_the_recorded_motion_disagree(test: RampHold) -> None:
     s = np.clip(test.time / test.ramp_end, 0, 1)
     eased = 8e-3 * s**4
     seal = GeneralizedMaxwell(196.5, (117.5, 17.8), (0.502, 16.4))
-    found = fit(replace(test, displacement=eased, force=seal.force(test.time, eased)), arms=2)
-    check = get_check(found, "hold_and_full_agree")
+    result = fit(replace(test, displacement=eased, force=seal.force(test.time, eased)), arms=2)
+    check = get_check(result, "hold_and_full_agree")
     assert check.failed
     assert "Use the fit of ramp and hold" in check.message_with_remedy
-    assert found.model.k[0] == pytest.approx(117.5, rel=1e-5)
+    assert result.model.k[0] == pytest.approx(117.5, rel=1e-5)
     assert get_check(fit(test, arms=2), "hold_and_full_agree").passed
 
 
@@ -282,11 +282,11 @@ def test_the_worst_of_several_tests_speaks(test: RampHold, paper_seal: Generaliz
 
 def test_a_test_of_nothing_but_noise_informs_no_frequency(test: RampHold) -> None:
     noise = np.random.default_rng(3).standard_normal(len(test.time))
-    found = fit(replace(test, force=noise, force_noise=1.0))
-    check = get_check(found, "valid_band_exists")
+    result = fit(replace(test, force=noise, force_noise=1.0))
+    check = get_check(result, "valid_band_exists")
     assert check.failed
     assert "Reduce the noise, press deeper, or hold longer." in check.message_with_remedy
-    assert found.band[0] == found.band[1]
+    assert result.band[0] == result.band[1]
     whole = fit(test)
     assert (
         f"The valid band of this test is {whole.band[0]:.2g} to 0.32 Hz"

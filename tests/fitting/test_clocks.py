@@ -17,9 +17,9 @@ from dashpot.reading.readers.relaxation import read_relaxation
 def test_what_is_fitted_to_it_is_not_to_be_used(tmp_path: Path, by: float) -> None:
     path = tmp_path / "leap.csv"
     path.write_bytes(bench(leapt((10.0, by))))
-    found = fit(prepare(read_relaxation(path)), arms=2, law="linear")
-    assert found.verdict.use == "do not use"
-    assert f"The clock goes on by {by:g} s" in found.verdict.message
+    result = fit(prepare(read_relaxation(path)), arms=2, law="linear")
+    assert result.verdict.use == "do not use"
+    assert f"The clock goes on by {by:g} s" in result.verdict.message
 
 
 def test_what_cannot_be_fitted_names_the_clock(tmp_path: Path) -> None:

@@ -46,16 +46,16 @@ def record() -> RampHold:
 
 @cache
 def foreign(truth: int, rig: str) -> tuple[Record, RampHold, Fit]:
-    one = next(verdict_records([TRUTHS[truth]], [rig], 0))
-    test = RelaxationTest(one.time, one.displacement, one.force, units="SI")
-    record = prepare(test, machine=Machine(**one.told))
-    return one, record, fit(record)
+    item = next(verdict_records([TRUTHS[truth]], [rig], 0))
+    test = RelaxationTest(item.time, item.displacement, item.force, units="SI")
+    record = prepare(test, machine=Machine(**item.told))
+    return item, record, fit(record)
 
 
-def width(found: Fit) -> float:
+def width(result: Fit) -> float:
     """Of k(T), N/m."""
-    assert found.evidence.end_of_hold is not None
-    low, high = found.evidence.end_of_hold.k_end
+    assert result.evidence.end_of_hold is not None
+    low, high = result.evidence.end_of_hold.k_end
     return high - low
 
 
@@ -67,13 +67,13 @@ def test_hold_fit_includes_clock_differences_in_its_errors() -> None:
     errors = {}
     for sync in (5e-3, 20e-3):
         record = prepare(simulate_relaxation(PAPER, seed=1).test, machine=Machine(sync=sync))
-        found = fit(record, arms=2, method="hold")
+        result = fit(record, arms=2, method="hold")
         errors[sync] = {
-            name: fact.error for fact in list_known_values(found) if (name := fact.name)
+            name: fact.error for fact in list_known_values(result) if (name := fact.name)
         }
-        (told,) = [one for one in found.checks if one.name == "arms_supported"]
-        errors[sync]["told"] = told.value
-        slope = np.asarray(found.model.k) / np.asarray(found.model.tau)
+        (message,) = [check for check in result.checks if check.name == "arms_supported"]
+        errors[sync]["told"] = message.value
+        slope = np.asarray(result.model.k) / np.asarray(result.model.tau)
     # what decides over arms judges by the noise
     assert errors[5e-3]["told"] == errors[20e-3]["told"]
     for name, by in (("k_1", slope[0]), ("k_2", slope[1])):
@@ -89,9 +89,9 @@ def test_a_profile_bears_it_as_well() -> None:
     ends, errors = [], []
     for sync in (5e-3, 2.0):
         record = prepare(replace(test, force=test.force + noise), machine=Machine(sync=sync))
-        found = fit(record, arms=2, method="hold")
-        assert "k_2" in {one.parameter for one in found.estimate.profiles}
-        (fact,) = [one for one in list_known_values(found) if one.name == "k_2"]
+        result = fit(record, arms=2, method="hold")
+        assert "k_2" in {profile.parameter for profile in result.estimate.profiles}
+        (fact,) = [value for value in list_known_values(result) if value.name == "k_2"]
         ends.append(fact.high - fact.low)
         errors.append(fact.error)
     assert errors[1] > 1.15 * errors[0]
@@ -103,20 +103,20 @@ def test_a_profile_bears_it_as_well() -> None:
 )
 def test_intervals_of_arms_include_rig_errors(rig: str) -> None:
     """Of two arms as Table 1 has them; the errors of the noise alone know nothing of it."""
-    one, record, _ = foreign(0, rig)
-    found = fit(record, arms=2)
+    item, record, _ = foreign(0, rig)
+    result = fit(record, arms=2)
     truth = {
         f"{name}_{j}": value
-        for j, (k, tau) in enumerate(zip(one.seal.solid.k, one.seal.solid.tau, strict=True), 1)
+        for j, (k, tau) in enumerate(zip(item.seal.solid.k, item.seal.solid.tau, strict=True), 1)
         for name, value in (("k", k), ("tau", tau), ("b", k * tau))
     }
-    known = {fact.name: fact for fact in list_known_values(found)}
-    assert all(known[name].low < value < known[name].high for name, value in truth.items())
-    quiet = found.estimate.noise_only.confidence_limits(found.solid, 0.95)
+    facts = {fact.name: fact for fact in list_known_values(result)}
+    assert all(facts[name].low < value < facts[name].high for name, value in truth.items())
+    quiet = result.estimate.noise_only.confidence_limits(result.solid, 0.95)
     missed = [name for name, value in truth.items() if not quiet[name][0] < value < quiet[name][1]]
     assert len(missed) >= 3
     # a stiffness of which nothing is known would be held as well
-    assert known["k_1"].high - known["k_1"].low < 0.15 * truth["k_1"]
+    assert facts["k_1"].high - facts["k_1"].low < 0.15 * truth["k_1"]
 
 
 @pytest.mark.parametrize("method", ["full", "hold"])
@@ -126,9 +126,9 @@ def test_a_named_rig_leaves_little_but_the_noise(record: RampHold, method: str) 
         machine=Machine(sync=1e-3, drift=1e-6, compliance=0.0, creep=0.0, rest=1e5),
         specimen=replace(record.specimen, warmed=0.0),
     )
-    unknown, known = (fit(one, arms=2, method=method) for one in (record, named))
-    wide, narrow = (one.standard_error for one in (unknown, known))
-    quiet = known.estimate.noise_only.standard_errors(known.model)
+    unknown, expected = (fit(item, arms=2, method=method) for item in (record, named))
+    wide, narrow = (item.standard_error for item in (unknown, expected))
+    quiet = expected.estimate.noise_only.standard_errors(expected.model)
     for name in ("k", "tau", "b"):
         for j in range(2):
             assert quiet[name][j] <= narrow[name][j]
@@ -137,19 +137,19 @@ def test_a_named_rig_leaves_little_but_the_noise(record: RampHold, method: str) 
 
 def test_each_doubt_moves_the_fit_as_far_as_a_record_that_has_it(record: RampHold) -> None:
     """A force added for one standard deviation, and fitted again."""
-    found = fit(record, arms=2)
+    result = fit(record, arms=2)
     names = {"give", "settling", "warming"}
     time = record.time - record.time[0]
-    each = compute_unmeasured_effects(record, time, record.displacement, found.model)
-    assert names <= set(each)
-    covariance = found.estimate.covariance - found.estimate.noise_only.covariance
+    unmeasured_effects = compute_unmeasured_effects(record, time, record.displacement, result.model)
+    assert names <= set(unmeasured_effects)
+    covariance = result.estimate.covariance - result.estimate.noise_only.covariance
     total = np.zeros_like(covariance)
-    here = np.array([found.model.k_inf, *found.model.k, *np.log(found.model.tau)])
+    here = np.array([result.model.k_inf, *result.model.k, *np.log(result.model.tau)])
     for name in names:
-        column, sd = each[name]
+        column, sd = unmeasured_effects[name]
         # a tenth of it, for a straight line is all that is claimed
-        moved = fit(replace(record, force=record.force + 0.1 * sd * column), arms=2).model
-        there = np.array([moved.k_inf, *moved.k, *np.log(moved.tau)])
+        model = fit(replace(record, force=record.force + 0.1 * sd * column), arms=2).model
+        there = np.array([model.k_inf, *model.k, *np.log(model.tau)])
         total += np.outer(there - here, there - here) / 0.01
     share = np.diag(total) / np.diag(covariance)
     assert np.all(share < 1.05)
@@ -236,10 +236,10 @@ def test_a_give_is_that_of_a_spring_in_series(record: RampHold) -> None:
     column, sd = columns(record)["give"]
     assert sd == pytest.approx(0.0125 * record.depth)
     force = PAPER.force(time, x)
-    moved, size = x.copy(), 1e-6
+    variant, size = x.copy(), 1e-6
     for _ in range(4):
-        moved = x - size * PAPER.force(time, moved) / force.max()
-    change = (force - PAPER.force(time, moved)) / size
+        variant = x - size * PAPER.force(time, variant) / force.max()
+    change = (force - PAPER.force(time, variant)) / size
     later = time > 1.2 * (record.ramp_end - record.time[0])
     np.testing.assert_allclose(column[later], change[later], rtol=5e-3)
 
@@ -289,15 +289,15 @@ def test_a_sum_of_columns_that_are_there_doubts_as_a_column_does(record: RampHol
 
     What is remembered has no such sum on the ramp, only in the hold.
     """
-    found = fit(record)
+    result = fit(record)
     wide = compute_end_limits(
-        [build_relaxation_data(record, found)],
+        [build_relaxation_data(record, result)],
         time=record.hold_time,
-        own=found.model,
-        dof=found.estimate.dof,
+        own=result.model,
+        dof=result.estimate.dof,
     )
     for name in ("k_end", "k_3end", "k_inf"):
-        ends, others = getattr(wide, name), getattr(found.evidence.end_of_hold, name)
+        ends, others = getattr(wide, name), getattr(result.evidence.end_of_hold, name)
         np.testing.assert_allclose(ends, others, atol=0.07 * np.ptp(wide.k_end))
 
 
@@ -307,22 +307,22 @@ def test_the_point_knows_nothing_of_it_and_every_limit_does(record: RampHold) ->
         build_nuisance_terms(record, claimed=True).priors["drift"],
     )
     assert blind.sd < wide.sd
-    usual, known = fit(record), fit(replace(record, machine=KNOWN))
-    assert usual.model.k_inf == pytest.approx(known.model.k_inf, rel=5e-3)
-    assert width(usual) > 3 * width(known)
+    usual, expected = fit(record), fit(replace(record, machine=KNOWN))
+    assert usual.model.k_inf == pytest.approx(expected.model.k_inf, rel=5e-3)
+    assert width(usual) > 3 * width(expected)
     # each value that is named narrows the stiffness at the end
     for name in ("compliance", "creep", "drift", "rest"):
         less = replace(record, machine=replace(KNOWN, **{name: None}))
-        assert width(fit(less)) > 1.02 * width(known)
+        assert width(fit(less)) > 1.02 * width(expected)
 
 
 def test_end_of_hold_states_the_gain_of_naming_the_machine(record: RampHold) -> None:
     end = fit(record).evidence.end_of_hold
     assert end is not None
-    known = replace(
+    expected = replace(
         record, machine=replace(KNOWN, drift=build_load_cell_priors(record).limit_drift.sd / 5)
     )
-    assert end.if_machine_named * np.ptp(end.k_end) == pytest.approx(width(fit(known)), rel=0.6)
+    assert end.if_machine_named * np.ptp(end.k_end) == pytest.approx(width(fit(expected)), rel=0.6)
     assert "give the drift, compliance and creep of the machine" in end.format_with_remedy("N/m")
     assert replace(end, if_machine_named=0.79).remedy.startswith("Record a baseline")
     assert replace(end, if_machine_named=0.81).remedy == "Hold longer."
@@ -338,22 +338,22 @@ def test_end_of_hold_of_a_stated_rig_is_within_one_per_cent() -> None:
     )
     half = []
     for truth in TRUTHS[:3]:
-        one = read(Seal(truth), protocol_of(truth), rig)
-        test = RelaxationTest(one.time, one.displacement, one.force, units="SI")
-        end = fit(prepare(test, machine=Machine(**one.told))).evidence.end_of_hold
+        item = read(Seal(truth), protocol_of(truth), rig)
+        test = RelaxationTest(item.time, item.displacement, item.force, units="SI")
+        end = fit(prepare(test, machine=Machine(**item.told))).evidence.end_of_hold
         assert end is not None
         low, high = end.k_end
-        assert low < one.seal.secant(end.end_time) < high
+        assert low < item.seal.secant(end.end_time) < high
         half.append((high - low) / (high + low))
     assert np.median(half) < 0.008
 
 
 def test_several_tests_together_are_a_point(record: RampHold) -> None:
-    found = fit(record)
-    names = build_relaxation_data(record, found, claimed=False).block.fixed_names
+    result = fit(record)
+    names = build_relaxation_data(record, result, claimed=False).block.fixed_names
     assert not {"give", "settling", "warming"} & set(names)
     assert {"give", "settling", "warming"} < set(
-        build_relaxation_data(record, found).block.fixed_names
+        build_relaxation_data(record, result).block.fixed_names
     )
 
 
@@ -361,16 +361,16 @@ def test_several_tests_together_are_a_point(record: RampHold) -> None:
 
 
 def test_k_inf_is_at_most_and_k_of_t_lies_in_its_interval(record: RampHold) -> None:
-    found = fit(record)
-    low, high = found.intervals()["k_inf"]
-    assert found.evidence.end_of_hold is not None
-    assert (low, high) == (0.0, found.evidence.end_of_hold.k_inf[1])
-    assert solid_intervals(found)["k_inf"] == (low, high)
-    k = found.model.k_inf
-    narrow, wide = found.intervals(0.68)["k_inf"][1], found.intervals(0.99)["k_inf"][1]
+    result = fit(record)
+    low, high = result.intervals()["k_inf"]
+    assert result.evidence.end_of_hold is not None
+    assert (low, high) == (0.0, result.evidence.end_of_hold.k_inf[1])
+    assert solid_intervals(result)["k_inf"] == (low, high)
+    k = result.model.k_inf
+    narrow, wide = result.intervals(0.68)["k_inf"][1], result.intervals(0.99)["k_inf"][1]
     assert k <= narrow < high < wide
     assert (wide - k) / (high - k) == pytest.approx(2.576 / 1.96, rel=1e-3)
-    first, second, *_ = list_known_values(found)
+    first, second, *_ = list_known_values(result)
     assert first.name == "k_end"
     assert first.low <= first.value <= first.high
     assert second.cells.interval.startswith("at most")
@@ -391,7 +391,7 @@ def test_limits_hold_a_fit_that_the_record_would_not() -> None:
 
 
 def test_a_named_compliance_carries_no_noise_of_the_force() -> None:
-    one, record, found = foreign(0, "compliance 50 um/N, named")
+    item, record, result = foreign(0, "compliance 50 um/N, named")
     assert record.machine_deflection is not None
     # the encoder's readings are what they were
     steps = record.travel / record.displacement_quantum
@@ -401,25 +401,29 @@ def test_a_named_compliance_carries_no_noise_of_the_force() -> None:
     assert np.mean(held) == pytest.approx(
         50e-6 * np.mean(record.force[record.settled_samples]), rel=1e-3
     )
-    mass = one.seal.mass_at(12.7, 2)
-    bound = frf_band(found, record, mass=mass, frequency=[12.7], seals=2)
+    mass = item.seal.mass_at(12.7, 2)
+    bound = frf_band(result, record, mass=mass, frequency=[12.7], seals=2)
     assert bound.unmeasured[0, 0] <= bound.magnitude[0] <= bound.unmeasured[1, 0]
     assert (
-        bound.unmeasured[0, 0] <= abs(one.seal.accelerance(12.7, mass, 2)) <= bound.unmeasured[1, 0]
+        bound.unmeasured[0, 0]
+        <= abs(item.seal.accelerance(12.7, mass, 2))
+        <= bound.unmeasured[1, 0]
     )
 
 
 def test_a_force_that_is_five_milliseconds_late_leaves_the_bound_right() -> None:
     """By its tangent at no delay the resonance of this seal was put below 12.69 Hz."""
-    one, record, found = foreign(40, "skew 5 ms, 1 kHz")
-    late = next(n.value for n in found.estimate.nuisance if n.name == "delay")
+    item, record, result = foreign(40, "skew 5 ms, 1 kHz")
+    late = next(n.value for n in result.estimate.nuisance if n.name == "delay")
     assert late == pytest.approx(5e-3, abs=1e-3)
-    mass = one.seal.mass_at(12.7, 2)
-    bound = frf_band(found, record, mass=mass, frequency=[12.7], seals=2)
+    mass = item.seal.mass_at(12.7, 2)
+    bound = frf_band(result, record, mass=mass, frequency=[12.7], seals=2)
     assert bound.peak_frequency is not None
     assert bound.peak_frequency[0] < 12.7 < bound.peak_frequency[1]
     assert (
-        bound.unmeasured[0, 0] <= abs(one.seal.accelerance(12.7, mass, 2)) <= bound.unmeasured[1, 0]
+        bound.unmeasured[0, 0]
+        <= abs(item.seal.accelerance(12.7, mass, 2))
+        <= bound.unmeasured[1, 0]
     )
 
 
@@ -438,20 +442,22 @@ def test_fit_reports_an_unstated_filter_with_a_valid_bound(
     truth: str, rig: str, done: list[str]
 ) -> None:
     """To first order of the delay the second is a bent law, and its contact is behind air."""
-    one, record, found = foreign(truth_named(truth), rig)
-    message = [step.message for step in found.steps if step.name == "lag"]
-    assert [one.partition(",")[0] for one in message] == done
-    assert found.verdict.use == "use"
-    assert found.elastic_law is not None
-    assert found.elastic_law.kind == "linear"
-    (told,) = [check for check in found.checks if check.name == "clocks_agree"]
-    assert (told.failed, told.grade) == (True, "note")
-    mass = one.seal.mass_at(12.7, 2)
-    bound = frf_band(found, record, mass=mass, frequency=[12.7], seals=2)
+    item, record, result = foreign(truth_named(truth), rig)
+    message = [step.message for step in result.steps if step.name == "lag"]
+    assert [text.partition(",")[0] for text in message] == done
+    assert result.verdict.use == "use"
+    assert result.elastic_law is not None
+    assert result.elastic_law.kind == "linear"
+    (output,) = [check for check in result.checks if check.name == "clocks_agree"]
+    assert (output.failed, output.grade) == (True, "note")
+    mass = item.seal.mass_at(12.7, 2)
+    bound = frf_band(result, record, mass=mass, frequency=[12.7], seals=2)
     assert bound.peak_frequency is not None
     assert bound.peak_frequency[0] < 12.7 < bound.peak_frequency[1]
     assert (
-        bound.unmeasured[0, 0] <= abs(one.seal.accelerance(12.7, mass, 2)) <= bound.unmeasured[1, 0]
+        bound.unmeasured[0, 0]
+        <= abs(item.seal.accelerance(12.7, mass, 2))
+        <= bound.unmeasured[1, 0]
     )
 
 
@@ -476,12 +482,15 @@ def test_what_creeps_on_is_correlated_by_itself() -> None:
     weights = np.where(t < 1.2, 0.5, 1.0)
     block = recorded_block(t, x, PAPER.force(t, x), weights=weights, reach=(1e-5, 500.0))
     log_tau = np.log(np.geomspace(2e-5, 400.0, 40))
-    found, whole = block.evaluate(log_tau, False), block.exact.evaluate(log_tau, False)
-    own = np.concatenate((found.fixed, found.arms), axis=1)
+    result, whole = block.evaluate(log_tau, False), block.exact.evaluate(log_tau, False)
+    individual = np.concatenate((result.fixed, result.arms), axis=1)
     direct = np.concatenate((whole.fixed, whole.arms), axis=1)
     scale = np.linalg.norm(direct, axis=0)
     # the ridge may take 1e-9, and rounding beside it as much as the processor's sums leave
-    assert np.abs((own.T @ own - direct.T @ direct) / np.outer(scale, scale)).max() < 2e-9
+    assert (
+        np.abs((individual.T @ individual - direct.T @ direct) / np.outer(scale, scale)).max()
+        < 2e-9
+    )
 
 
 def test_a_column_of_nothing_stays_nothing_and_rounding_is_refused() -> None:
@@ -499,13 +508,13 @@ HIDDEN = ("drift .2 mN/s", "compliance 50 um/N", "crosshead creep 20 um", "seal 
 
 
 def holds(truth: int, rig: str) -> bool:
-    one, _, found = foreign(truth, rig)
-    end = found.evidence.end_of_hold
+    item, _, result = foreign(truth, rig)
+    end = result.evidence.end_of_hold
     assert end is not None
     wanted = {
-        n: one.seal.secant(times * end.end_time) for n, times in (("k_end", 1), ("k_3end", 3))
+        n: item.seal.secant(times * end.end_time) for n, times in (("k_end", 1), ("k_3end", 3))
     }
-    wanted["k_inf"] = one.seal.secant(np.inf)
+    wanted["k_inf"] = item.seal.secant(np.inf)
     ends = {name: getattr(end, name) for name in wanted}
     return all(ends[name][0] <= value <= ends[name][1] for name, value in wanted.items())
 
@@ -526,13 +535,13 @@ def test_limits_miss_at_most_one_of_a_third_of_the_truths(rig: str) -> None:
 def test_limits_hold_the_solid_that_is_shown():
     """A fractional solid's own k_inf lies above the bound of arms: it is not printed outside it."""
     record = prepare(simulate_relaxation(PAPER, hold_time=40.0, seed=1).test)
-    found = fit(record, family="fractional")
-    (shown,) = [one for one in found.facts if one.name == "k_inf"]
+    result = fit(record, family="fractional")
+    (shown,) = [fact for fact in result.facts if fact.name == "k_inf"]
     assert shown.value <= shown.high
-    limits = found.stiffness_limits
+    limits = result.stiffness_limits
     assert limits is not None
     here, later = (
-        float(found.model.relaxation(n * found.evidence.end_of_hold.end_time)) for n in (1, 3)
+        float(result.model.relaxation(n * result.evidence.end_of_hold.end_time)) for n in (1, 3)
     )
     assert limits["k_end"][0] <= here <= limits["k_end"][1]
     assert limits["k_3end"][0] <= later <= limits["k_3end"][1]

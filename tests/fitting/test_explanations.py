@@ -82,31 +82,31 @@ def stiffer() -> Fit:
     )
 
 
-def get_agreement_sentence(found: Fit) -> str:
-    return next(check.message for check in found.checks if check.name == "tests_agree")
+def get_agreement_sentence(result: Fit) -> str:
+    return next(check.message for check in result.checks if check.name == "tests_agree")
 
 
 # -- laws -------------------------------------------------------------------------------------
 
 
 def test_tests_that_agree_need_no_explanation() -> None:
-    found = joint(1)
-    assert found.evidence.explanations == ()
-    assert found.verdict.use == "use"
-    assert not any(check.failed and check.grade != "note" for check in found.checks)
+    result = joint(1)
+    assert result.evidence.explanations == ()
+    assert result.verdict.use == "use"
+    assert not any(check.failed and check.grade != "note" for check in result.checks)
 
 
 def test_what_is_free_anyway_explains_nothing_more() -> None:
-    found = identify(
+    result = identify(
         hammer(1, scale=1.15), tests=make_relaxation(1), fit=fit_relaxation(1), seals=2
     )
-    assert "mass" not in {one.name for one in found.evidence.explanations}
+    assert "mass" not in {explanation.name for explanation in result.evidence.explanations}
 
 
 def test_a_fit_with_explanations_survives_its_json() -> None:
-    found = stiffer()
-    assert found.evidence.explanations
-    assert from_json(to_json(found)) == found
+    result = stiffer()
+    assert result.evidence.explanations
+    assert from_json(to_json(result)) == result
 
 
 # -- numbers ----------------------------------------------------------------------------------
@@ -114,38 +114,38 @@ def test_a_fit_with_explanations_survives_its_json() -> None:
 
 @pytest.mark.parametrize("scale", [1.15, 0.9])
 def test_explanations_name_stiffer_seals_under_the_hammer(scale: float) -> None:
-    found = joint(1, scale=scale)
-    lead = found.evidence.explanations[0]
+    result = joint(1, scale=scale)
+    lead = result.evidence.explanations[0]
     assert lead.name == "stiffness"
     assert lead.is_sufficient
     assert lead.value == pytest.approx(scale, abs=max(3 * lead.standard_error, 0.003))
     assert lead.deviance_fall > 100
-    assert found.verdict.use == "do not use"
+    assert result.verdict.use == "do not use"
     assert (
-        "stiffer" in get_agreement_sentence(found)
+        "stiffer" in get_agreement_sentence(result)
         if scale > 1
-        else "softer" in get_agreement_sentence(found)
+        else "softer" in get_agreement_sentence(result)
     )
-    assert not any("check the mass" in check.message for check in found.checks)
+    assert not any("check the mass" in check.message for check in result.checks)
 
 
 def test_intervals_hold_the_doubt_of_which_is_right() -> None:
     """The relaxation test's own solid lies inside what the disagreeing joint fit says of it."""
-    found = stiffer()
+    result = stiffer()
     for name, truth in (("k_inf", TABLE_1.k_inf), ("k", TABLE_1.k), ("tau", TABLE_1.tau)):
-        within = found.intervals()[name]
+        within = result.intervals()[name]
         pairs = [(within, truth)] if name == "k_inf" else zip(within, truth, strict=True)
         assert all(low <= value <= high for (low, high), value in pairs), name
 
 
 def test_explanations_name_a_wrong_mass_and_a_wrong_gain() -> None:
-    found = joint(1, mass=1.05 * MASS)
-    mass = found.evidence.explanations[0]
+    result = joint(1, mass=1.05 * MASS)
+    mass = result.evidence.explanations[0]
     assert (mass.name, mass.is_sufficient) == ("mass", True)
     # the cause leads, and what follows from it is no graver
-    lead, *others = found.verdict.failed_checks
+    lead, *others = result.verdict.failed_checks
     assert lead.name == "tests_agree"
-    assert {one.grade for one in others} <= {lead.grade}
+    assert {check.grade for check in others} <= {lead.grade}
     assert mass.value == pytest.approx(1.05 * MASS, rel=2e-3)
     gain = joint(1, gain=1.08).evidence.explanations[0]
     assert (gain.name, gain.is_sufficient) == ("gain", True)
@@ -153,43 +153,44 @@ def test_explanations_name_a_wrong_mass_and_a_wrong_gain() -> None:
 
 
 def test_explanations_name_two_simultaneous_causes() -> None:
-    found = joint(1, scale=1.15, gain=1.3)
-    lead, *others = found.evidence.explanations
+    result = joint(1, scale=1.15, gain=1.3)
+    lead, *others = result.evidence.explanations
     assert (lead.name, lead.is_sufficient) == ("mass and stiffness", True)
     # of lines alone a gain looks like a mass and a stiffness: both are named
     assert "It is as well explained by another gain and stiffness of the seals" in lead.message
-    singles = [one for one in others if " and " not in one.name]
+    singles = [item for item in others if " and " not in item.name]
     assert len(singles) == 4
-    assert not any(one.is_sufficient for one in singles)
+    assert not any(single.is_sufficient for single in singles)
     # one value: what else was tried is named alone
-    assert not [one.message for one in others if re.search(r"\d", one.message)]
+    assert not [check.message for check in others if re.search(r"\d", check.message)]
 
 
-@pytest.mark.parametrize(("seed", "said"), [(1, 0.9), (2, 1.1)])
-def test_explanations_recover_a_wrong_mass_for_any_prior(seed: int, said: float) -> None:
+@pytest.mark.parametrize(("seed", "value"), [(1, 0.9), (2, 1.1)])
+def test_explanations_recover_a_wrong_mass_for_any_prior(seed: int, value: float) -> None:
     """Of a mass given a tenth off the truth lies within three standard errors, one value of it."""
-    found = joint(seed, mass=MASS / said)
-    lead = found.evidence.explanations[0]
+    result = joint(seed, mass=MASS / value)
+    lead = result.evidence.explanations[0]
     assert lead.is_sufficient
     assert lead.name.startswith("mass")
-    assert lead.value == pytest.approx(MASS / said, abs=3 * lead.standard_error)
+    assert lead.value == pytest.approx(MASS / value, abs=3 * lead.standard_error)
     # the solid is the one that explains both: nothing else on the screen is of another
-    assert get_fitted_mass(found) == lead.value
-    assert found.model.k_inf == pytest.approx(fit_relaxation(seed).model.k_inf, rel=0.005)
-    text = told_text(found)
+    assert get_fitted_mass(result) == lead.value
+    assert result.model.k_inf == pytest.approx(fit_relaxation(seed).model.k_inf, rel=0.005)
+    text = told_text(result)
     printed = {
-        float(one)
-        for one in re.findall(
+        float(match)
+        for match in re.findall(
             r"([\d.]+)(?: ± [\d.]+)? g\b",
-            " ".join([*text.lines, *text.details, *(check.message for check in found.checks)]),
+            " ".join([*text.lines, *text.details, *(check.message for check in result.checks)]),
         )
     }
-    assert {one for one in printed if abs(one - 1e3 * lead.value) > 0.1} == {1e3 * MASS}
+    assert {value for value in printed if abs(value - 1e3 * lead.value) > 0.1} == {1e3 * MASS}
     # and none is named where nothing explains both
     lost = replace(
-        found, evidence=replace(found.evidence, explanations=(replace(lead, is_sufficient=False),))
+        result,
+        evidence=replace(result.evidence, explanations=(replace(lead, is_sufficient=False),)),
     )
-    assert list_reported_nuisances(found) == found.estimate.nuisance
+    assert list_reported_nuisances(result) == result.estimate.nuisance
     assert list_reported_nuisances(lost) == ()
     assert get_fitted_mass(lost) is None
 
@@ -199,10 +200,10 @@ def test_of_twenty_wrong_masses_the_named_value_is_right() -> None:
     """Given 7 to 15 % off, heavy and light: within three standard errors in 19 of 20."""
     far = 0
     for seed in range(20):
-        said = (0.85, 0.9, 0.93, 1.07, 1.1, 1.15)[seed % 6]
-        lead = joint(seed, mass=MASS / said).evidence.explanations[0]
+        message = (0.85, 0.9, 0.93, 1.07, 1.1, 1.15)[seed % 6]
+        lead = joint(seed, mass=MASS / message).evidence.explanations[0]
         right = lead.is_sufficient and lead.name.startswith("mass")
-        far += not (right and abs(lead.value - MASS / said) < 3 * lead.standard_error)
+        far += not (right and abs(lead.value - MASS / message) < 3 * lead.standard_error)
     assert far <= 1
 
 
@@ -211,31 +212,31 @@ def test_another_mode_in_the_frf_is_no_disagreement() -> None:
     s = 2j * np.pi * frf.frequency
     omega = 2 * np.pi * 30.0
     other = 0.02 / 0.1 * s**2 / (s**2 + 0.04 * omega * s + omega**2)
-    found = identify(
+    result = identify(
         replace(frf, value=frf.value + other),
         tests=make_relaxation(1),
         fit=fit_relaxation(1),
         mass=MASS,
         seals=2,
     )
-    assert any(check.failed for check in found.checks if check.name == "lines_explained")
-    assert found.evidence.explanations == ()
+    assert any(check.failed for check in result.checks if check.name == "lines_explained")
+    assert result.evidence.explanations == ()
 
 
 def test_explanations_cover_an_earlier_fit() -> None:
-    found = identify(hammer(1, scale=1.15), fit=fit_relaxation(1), mass=MASS, seals=2)
-    assert found.evidence.explanations[0].name == "stiffness"
-    assert found.evidence.explanations[0].value == pytest.approx(1.15, abs=0.005)
+    result = identify(hammer(1, scale=1.15), fit=fit_relaxation(1), mass=MASS, seals=2)
+    assert result.evidence.explanations[0].name == "stiffness"
+    assert result.evidence.explanations[0].value == pytest.approx(1.15, abs=0.005)
 
 
 @pytest.mark.slow
 def test_explanations_detect_fifteen_per_cent_over_many_seeds() -> None:
     leads = [joint(seed, scale=1.15).evidence.explanations[0] for seed in range(40)]
-    assert sum(one.name == "stiffness" and one.is_sufficient for one in leads) >= 38
-    z = [(one.value - 1.15) / one.standard_error for one in leads]
+    assert sum(lead.name == "stiffness" and lead.is_sufficient for lead in leads) >= 38
+    z = [(lead.value - 1.15) / lead.standard_error for lead in leads]
     assert sum(abs(value) < 1.96 for value in z) >= 34
-    sound = [joint(seed).evidence.explanations for seed in range(40)]
-    assert sum(one == () for one in sound) >= 38
+    intact = [joint(seed).evidence.explanations for seed in range(40)]
+    assert sum(item == () for item in intact) >= 38
 
 
 # -- at the compression of the mass -------------------------------------------------------------
@@ -256,22 +257,22 @@ def factor(compression: float) -> float:
 def test_explanations_are_empty_for_hardening_seals_at_their_compression() -> None:
     at = hardening.resting(MASS, SEALS)
     frf = hammer(1, scale=factor(at))
-    found = identify(frf, tests=make_relaxation(1), fit=harden_fit(1), mass=MASS, seals=2)
-    assert found.evidence.explanations == ()
-    nuisance = {item.name: item for item in found.estimate.nuisance}["stiffness_factor"]
+    result = identify(frf, tests=make_relaxation(1), fit=harden_fit(1), mass=MASS, seals=2)
+    assert result.evidence.explanations == ()
+    nuisance = {item.name: item for item in result.estimate.nuisance}["stiffness_factor"]
     assert nuisance.value == pytest.approx(factor(at), abs=3 * nuisance.standard_error)
-    assert found.model.k_inf == pytest.approx(196.5, abs=3 * np.sqrt(found.covariance[0, 0]))
-    assert found.elastic_law is not None
-    assert found.elastic_law.stiffness == found.model.k_inf
+    assert result.model.k_inf == pytest.approx(196.5, abs=3 * np.sqrt(result.covariance[0, 0]))
+    assert result.elastic_law is not None
+    assert result.elastic_law.stiffness == result.model.k_inf
     # the straight law puts the mass where it is not
     assert joint(1, scale=factor(at)).evidence.explanations[0].name == "stiffness"
 
 
 def test_another_compression_is_named() -> None:
     frf = hammer(1, scale=factor(5e-3))
-    found = identify(frf, tests=make_relaxation(1), fit=harden_fit(1), mass=MASS, seals=2)
-    assert found.evidence.explanations[0].name == "stiffness"
-    assert re.search(r"gives this at (4\.9\d|5) mm, not 3\.24 mm", get_agreement_sentence(found))
+    result = identify(frf, tests=make_relaxation(1), fit=harden_fit(1), mass=MASS, seals=2)
+    assert result.evidence.explanations[0].name == "stiffness"
+    assert re.search(r"gives this at (4\.9\d|5) mm, not 3\.24 mm", get_agreement_sentence(result))
     agreed = identify(
         frf, tests=make_relaxation(1), fit=harden_fit(1), mass=MASS, seals=2, compression=5e-3
     )
@@ -290,14 +291,14 @@ def voigt(seed: int = 0, b: float = 0.3) -> FRF:
 
 
 def test_no_arm_is_no_answer_where_something_dissipates() -> None:
-    found = identify(voigt(), mass=0.1)
-    scores = {order.arms: order.bic for order in found.evidence.orders}
-    assert scores[0] > scores[found.model.arms] + 50
-    assert found.model.arms > 0
-    told = next(check for check in found.checks if check.name == "dashpot_not_missed")
-    assert told.failed
-    assert told.remedy is not None
-    assert told.remedy.option == "dashpot"
+    result = identify(voigt(), mass=0.1)
+    scores = {order.arms: order.bic for order in result.evidence.orders}
+    assert scores[0] > scores[result.model.arms] + 50
+    assert result.model.arms > 0
+    message = next(check for check in result.checks if check.name == "dashpot_not_missed")
+    assert message.failed
+    assert message.remedy is not None
+    assert message.remedy.option == "dashpot"
     taken = identify(voigt(), mass=0.1, known=KnownSolid(parallel_dashpot=True))
     assert taken.status is Status.CONVERGED
     assert taken.model.arms == 0
@@ -310,22 +311,22 @@ def test_a_spring_needs_no_arm_and_no_dashpot() -> None:
     sd = 0.01 * np.abs(value)
     draw = np.random.default_rng(4).standard_normal((2, len(omega)))
     frf = FRF(LINES[::2], value + sd * (draw[0] + 1j * draw[1]), sd=sd, averages=4, units="SI")
-    found = identify(frf, mass=0.1)
-    assert found.model.arms == 0
-    assert not any(check.failed for check in found.checks if check.name == "dashpot_not_missed")
+    result = identify(frf, mass=0.1)
+    assert result.model.arms == 0
+    assert not any(check.failed for check in result.checks if check.name == "dashpot_not_missed")
 
 
 def test_a_hand_made_fit_without_a_law_is_taken_as_it_is() -> None:
-    found = identify(hammer(2), fit=a_fit(TABLE_1, relative=0.01), mass=MASS, seals=2)
-    assert "stiffness_factor" not in {item.name for item in found.estimate.nuisance}
+    result = identify(hammer(2), fit=a_fit(TABLE_1, relative=0.01), mass=MASS, seals=2)
+    assert "stiffness_factor" not in {item.name for item in result.estimate.nuisance}
 
 
 @pytest.mark.parametrize(
-    ("value", "said"),
+    ("value", "text"),
     [
         (2.19, "2 times as many seals"), (2.21, ""), (1.81, "2 times as many seals"), (1.79, ""),
         (0.5, "one seal in 2"), (1.0, ""), (3.0, "3 times as many seals"),
     ],
 )  # fmt: skip
-def test_seal_count_hint_names_another_number_of_seals(value: float, said: str) -> None:
-    assert format_seal_count_hint(value) == (f". So would be {said}" if said else "")
+def test_seal_count_hint_names_another_number_of_seals(value: float, text: str) -> None:
+    assert format_seal_count_hint(value) == (f". So would be {text}" if text else "")

@@ -57,9 +57,9 @@ def five(model: GeneralizedMaxwell) -> tuple[float, ...]:
     return (model.k_inf, *model.k, *model.tau)
 
 
-def five_errors(found: Fit) -> np.ndarray:
+def five_errors(result: Fit) -> np.ndarray:
     """Of the noise alone."""
-    error = formal_errors(restrict_to_noise(found))
+    error = formal_errors(restrict_to_noise(result))
     return np.array([error["k_inf"], *error["k"], *error["tau"]])
 
 
@@ -71,40 +71,42 @@ def five_errors(found: Fit) -> np.ndarray:
 def test_table_1_comes_back_exactly(
     paper_seal: GeneralizedMaxwell, method: str, arms: int | str
 ) -> None:
-    found = fit(ideal(paper_seal), arms=arms, method=method)  # type: ignore[arg-type]
-    assert five(found.model) == pytest.approx(TRUTH, rel=1e-6)
-    assert found.status is Status.CONVERGED
-    assert found.evidence.certificate is not None
-    assert found.estimate.residual.rms < 1e-9
+    result = fit(ideal(paper_seal), arms=arms, method=method)  # type: ignore[arg-type]
+    assert five(result.model) == pytest.approx(TRUTH, rel=1e-6)
+    assert result.status is Status.CONVERGED
+    assert result.evidence.certificate is not None
+    assert result.estimate.residual.rms < 1e-9
 
 
 def test_fit_of_one_arm_to_the_hold_reproduces_the_paper(paper_seal: GeneralizedMaxwell) -> None:
-    found = fit(ideal(paper_seal), arms=1, method="hold", nuisance=())
-    assert found.model.k_inf == pytest.approx(200.5, abs=0.05)
-    assert found.model.k[0] == pytest.approx(35.2, abs=0.05)
-    assert found.model.tau[0] == pytest.approx(4.015, abs=0.0015)
-    assert found.model.arm_b[0] == pytest.approx(141.5, abs=0.05)
+    result = fit(ideal(paper_seal), arms=1, method="hold", nuisance=())
+    assert result.model.k_inf == pytest.approx(200.5, abs=0.05)
+    assert result.model.k[0] == pytest.approx(35.2, abs=0.05)
+    assert result.model.tau[0] == pytest.approx(4.015, abs=0.0015)
+    assert result.model.arm_b[0] == pytest.approx(141.5, abs=0.05)
 
 
 def test_fit_of_one_arm_to_the_full_history_reproduces_the_paper(
     paper_seal: GeneralizedMaxwell,
 ) -> None:
-    found = fit(ideal(paper_seal, rate=1000.0), arms=1, nuisance=())
-    assert found.model.k_inf == pytest.approx(202.2, abs=0.05)
-    assert found.model.k[0] == pytest.approx(96.2, abs=0.05)
-    assert found.model.tau[0] == pytest.approx(0.986, abs=0.0005)
-    assert found.estimate.nuisance == ()
+    result = fit(ideal(paper_seal, rate=1000.0), arms=1, nuisance=())
+    assert result.model.k_inf == pytest.approx(202.2, abs=0.05)
+    assert result.model.k[0] == pytest.approx(96.2, abs=0.05)
+    assert result.model.tau[0] == pytest.approx(0.986, abs=0.0005)
+    assert result.estimate.nuisance == ()
 
 
 def test_fit_returns_every_order_for_comparison(paper_seal: GeneralizedMaxwell) -> None:
-    found = fit(ideal(paper_seal, noise=5e-3), arms=2, method="hold", nuisance=())
-    assert [order.arms for order in found.evidence.orders] == [0, 1, 2]
-    assert found.evidence.orders[1].model.tau[0] == pytest.approx(4.0, abs=0.3)
-    assert found.evidence.orders[2].model == found.model
+    result = fit(ideal(paper_seal, noise=5e-3), arms=2, method="hold", nuisance=())
+    assert [order.arms for order in result.evidence.orders] == [0, 1, 2]
+    assert result.evidence.orders[1].model.tau[0] == pytest.approx(4.0, abs=0.3)
+    assert result.evidence.orders[2].model == result.model
     assert (
-        found.evidence.orders[2].sse < found.evidence.orders[1].sse < found.evidence.orders[0].sse
+        result.evidence.orders[2].sse
+        < result.evidence.orders[1].sse
+        < result.evidence.orders[0].sse
     )
-    assert found.estimate.residual.sse == pytest.approx(found.evidence.orders[2].sse, rel=1e-9)
+    assert result.estimate.residual.sse == pytest.approx(result.evidence.orders[2].sse, rel=1e-9)
 
 
 def test_the_full_history_knows_fast_arms_twice_as_well(paper_seal: GeneralizedMaxwell) -> None:
@@ -120,8 +122,8 @@ def test_the_full_history_knows_fast_arms_twice_as_well(paper_seal: GeneralizedM
 def test_eq_5_does_not_overflow_for_fast_arms() -> None:
     """Printed as in the paper, exp(c/tau) of this arm is exp(2000)."""
     fast = GeneralizedMaxwell(200.0, (300.0, 50.0), (5e-4, 2.0))
-    found = fit(ideal(fast, rate=10_000.0, hold=10.0), arms=1, method="hold")
-    assert found.model.tau[0] == pytest.approx(2.0, rel=1e-3)
+    result = fit(ideal(fast, rate=10_000.0, hold=10.0), arms=1, method="hold")
+    assert result.model.tau[0] == pytest.approx(2.0, rel=1e-3)
 
 
 # -- order ----------------------------------------------------------------------------------------
@@ -129,8 +131,8 @@ def test_eq_5_does_not_overflow_for_fast_arms() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_two_arms_are_chosen_with_5_mn_noise(paper_seal: GeneralizedMaxwell, seed: int) -> None:
-    found = fit(ideal(paper_seal, noise=5e-3, seed=seed))
-    assert found.model.arms == 2
+    result = fit(ideal(paper_seal, noise=5e-3, seed=seed))
+    assert result.model.arms == 2
 
 
 @pytest.mark.slow
@@ -149,9 +151,9 @@ def test_two_arms_are_chosen_in_95_of_100_seeds(
 @pytest.mark.parametrize("tau", [0.05, 0.5, 3.0, 16.0])
 def test_a_noise_free_arm_never_grows_a_junk_arm(tau: float, method: str) -> None:
     seal = GeneralizedMaxwell(196.5, (50.0,), (tau,))
-    found = fit(ideal(seal), method=method)  # type: ignore[arg-type]
-    assert found.model.arms == 1
-    assert found.model.tau[0] == pytest.approx(tau, rel=1e-6)
+    result = fit(ideal(seal), method=method)  # type: ignore[arg-type]
+    assert result.model.arms == 1
+    assert result.model.tau[0] == pytest.approx(tau, rel=1e-6)
     again = fit(ideal(seal), arms=2, method=method)  # type: ignore[arg-type]
     assert again.status is not Status.CONVERGED
 
@@ -159,21 +161,21 @@ def test_a_noise_free_arm_never_grows_a_junk_arm(tau: float, method: str) -> Non
 @pytest.mark.parametrize("noise", [0.0, 5e-3])
 @pytest.mark.parametrize("arms", ["auto", 0])
 def test_a_spring_is_a_model(noise: float, arms: int | str) -> None:
-    found = fit(ideal(GeneralizedMaxwell(150.0), noise=noise), arms=arms)  # type: ignore[arg-type]
-    assert found.model.arms == 0
-    assert found.model.k_inf == pytest.approx(150.0, rel=1e-8 if noise == 0 else 1e-3)
-    assert found.estimate.parameters == ("k_inf",)
-    assert found.status is Status.CONVERGED
-    assert found.intervals()["k"] == ()
-    low, high = found.intervals()["k_inf"]
+    result = fit(ideal(GeneralizedMaxwell(150.0), noise=noise), arms=arms)  # type: ignore[arg-type]
+    assert result.model.arms == 0
+    assert result.model.k_inf == pytest.approx(150.0, rel=1e-8 if noise == 0 else 1e-3)
+    assert result.estimate.parameters == ("k_inf",)
+    assert result.status is Status.CONVERGED
+    assert result.intervals()["k"] == ()
+    low, high = result.intervals()["k_inf"]
     assert low <= 150.0 * (1 + 1e-9)
     assert high >= 150.0 * (1 - 1e-9)
 
 
 def test_more_arms_than_the_data_hold_are_not_converged(paper_seal: GeneralizedMaxwell) -> None:
-    found = fit(ideal(paper_seal, noise=5e-3), arms=5)
-    assert found.status is not Status.CONVERGED
-    assert not found.ok
+    result = fit(ideal(paper_seal, noise=5e-3), arms=5)
+    assert result.status is not Status.CONVERGED
+    assert not result.ok
 
 
 # -- laws -----------------------------------------------------------------------------------------
@@ -188,18 +190,18 @@ def test_more_arms_than_the_data_hold_are_not_converged(paper_seal: GeneralizedM
 )
 def test_a_noise_free_seal_comes_back(k_inf: float, k: float, tau: float, depth: float) -> None:
     seal = GeneralizedMaxwell(k_inf, (k,), (tau,))
-    found = fit(ideal(seal, depth=depth, rate=50.0), arms=1)
-    assert five(found.model) == pytest.approx(five(seal), rel=1e-5)
+    result = fit(ideal(seal, depth=depth, rate=50.0), arms=1)
+    assert five(result.model) == pytest.approx(five(seal), rel=1e-5)
 
 
 @settings(max_examples=8, deadline=None)
 @given(st.floats(0.1, 10.0), st.floats(0.01, 100.0))
 def test_units_of_force_and_time_scale_through(force: float, slow: float) -> None:
     test, scaled = convert_units(force, slow)
-    one, other = fit(test, arms=2), fit(scaled, arms=2)
-    np.testing.assert_allclose(other.model.k, force * np.array(one.model.k), rtol=1e-5)
-    np.testing.assert_allclose(other.model.tau, slow * np.array(one.model.tau), rtol=1e-5)
-    np.testing.assert_allclose(five_errors(other)[1:3], force * five_errors(one)[1:3], rtol=1e-3)
+    item, other = fit(test, arms=2), fit(scaled, arms=2)
+    np.testing.assert_allclose(other.model.k, force * np.array(item.model.k), rtol=1e-5)
+    np.testing.assert_allclose(other.model.tau, slow * np.array(item.model.tau), rtol=1e-5)
+    np.testing.assert_allclose(five_errors(other)[1:3], force * five_errors(item)[1:3], rtol=1e-3)
 
 
 def convert_units(force: float, slow: float) -> tuple[RampHold, RampHold]:
@@ -218,20 +220,22 @@ def convert_units(force: float, slow: float) -> tuple[RampHold, RampHold]:
 def test_rig_errors_scale_with_the_units() -> None:
     """The usual cell warms in 120 s, and usual clocks are 5 ms apart, in any unit of time."""
     still = Machine(sync=0.0, drift=0.0, compliance=0.0, creep=0.0, rest=1e9)
-    one, other = (fit(replace(each, machine=still), arms=2) for each in convert_units(4.4482, 60.0))
-    here, there = formal_errors(one), formal_errors(other)
+    item, other = (
+        fit(replace(unit, machine=still), arms=2) for unit in convert_units(4.4482, 60.0)
+    )
+    here, there = formal_errors(item), formal_errors(other)
     # laid out in some hundred samples
     np.testing.assert_allclose(there["k"], 4.4482 * np.array(here["k"]), rtol=1e-2)
     np.testing.assert_allclose(there["tau"], 60 * np.array(here["tau"]), rtol=1e-2)
-    assert here["tau"][1] > 1.03 * five_errors(one)[4]
+    assert here["tau"][1] > 1.03 * five_errors(item)[4]
 
 
 def test_fit_recovers_offset_and_drift_without_bias(paper_seal: GeneralizedMaxwell) -> None:
     test = ideal(paper_seal, baseline=2.0)
-    moved = replace(test, force=test.force + 0.05 + 2e-4 * (test.time - test.time[0]))
-    found = fit(moved, arms=2)
-    assert five(found.model) == pytest.approx(TRUTH, rel=1e-6)
-    offset, drift, delay = found.estimate.nuisance
+    variant = replace(test, force=test.force + 0.05 + 2e-4 * (test.time - test.time[0]))
+    result = fit(variant, arms=2)
+    assert five(result.model) == pytest.approx(TRUTH, rel=1e-6)
+    offset, drift, delay = result.estimate.nuisance
     assert (offset.name, offset.unit) == ("offset", "N")
     assert offset.value == pytest.approx(0.05, rel=1e-6)
     assert (drift.name, drift.unit) == ("drift", "N/s")
@@ -260,10 +264,10 @@ def test_uneven_sampling_changes_nothing(paper_seal: GeneralizedMaxwell) -> None
 def test_rounded_time_stamps_are_an_even_clock(paper_seal: GeneralizedMaxwell) -> None:
     test = ideal(paper_seal, rate=300.0, noise=5e-3)
     rounded = replace(test, time=np.round(test.time, 5))
-    one, other = fit(test, arms=2), fit(rounded, arms=2)
-    assert five(other.model) == pytest.approx(five(one.model), rel=1e-5)
+    item, other = fit(test, arms=2), fit(rounded, arms=2)
+    assert five(other.model) == pytest.approx(five(item.model), rel=1e-5)
     jittered = replace(test, time=test.time + 1e-3 * np.sin(1e4 * test.time))
-    assert five(fit(jittered, arms=2).model) != pytest.approx(five(one.model), rel=1e-5)
+    assert five(fit(jittered, arms=2).model) != pytest.approx(five(item.model), rel=1e-5)
 
 
 def test_any_motion_is_fitted_in_full(paper_seal: GeneralizedMaxwell) -> None:
@@ -271,8 +275,8 @@ def test_any_motion_is_fitted_in_full(paper_seal: GeneralizedMaxwell) -> None:
     t = np.arange(0, 4001) / 100.0
     x = 4e-3 * np.clip(t, 0, 1) + 4e-3 * np.clip(t - 10, 0, 1) + 2e-5 * t + 1e-4 * np.sin(t)
     test = RampHold(t, x, paper_seal.force(t, x), 0.0, 1.0, 40.0, 8e-3)
-    found = fit(test, arms=2)
-    assert five(found.model) == pytest.approx(TRUTH, rel=1e-6)
+    result = fit(test, arms=2)
+    assert five(result.model) == pytest.approx(TRUTH, rel=1e-6)
     with pytest.raises(
         FitError, match=r"no single ramp and hold; eq\. 5 does not apply: fit ramp and hold"
     ):
@@ -285,8 +289,8 @@ def test_fit_of_several_tests_shares_one_model(paper_seal: GeneralizedMaxwell) -
     both = fit([slow, fast], arms=2)
     errors = five_errors(both)
     assert np.all(np.abs(np.subtract(five(both.model), TRUTH)) < 4 * errors)
-    for one in (slow, fast):
-        assert np.all(errors < five_errors(fit(one, arms=2)))
+    for item in (slow, fast):
+        assert np.all(errors < five_errors(fit(item, arms=2)))
     assert [nuisance.name for nuisance in both.estimate.nuisance] == [
         "offset of test 1", "drift of test 1", "delay of test 1",
         "offset of test 2", "drift of test 2", "delay of test 2",
@@ -305,42 +309,42 @@ def test_same_input_same_output(paper_seal: GeneralizedMaxwell) -> None:
 def test_intervals_are_asymmetric_in_tau_and_widen_with_level(
     paper_seal: GeneralizedMaxwell,
 ) -> None:
-    found = fit(ideal(paper_seal, noise=5e-3), arms=2, method="hold", nuisance=())
-    assert found.estimate.profiles == ()
-    narrow, wide = found.intervals(0.68), found.intervals(0.99)
+    result = fit(ideal(paper_seal, noise=5e-3), arms=2, method="hold", nuisance=())
+    assert result.estimate.profiles == ()
+    narrow, wide = result.intervals(0.68), result.intervals(0.99)
     for tau, (low, high), (lower, higher) in zip(
-        found.model.tau, narrow["tau"], wide["tau"], strict=True
+        result.model.tau, narrow["tau"], wide["tau"], strict=True
     ):
         assert lower < low < tau < high < higher
         assert high * low == pytest.approx(tau**2, rel=1e-12)
-    for b, (low, high) in zip(found.model.arm_b, narrow["b"], strict=True):
+    for b, (low, high) in zip(result.model.arm_b, narrow["b"], strict=True):
         assert low < b < high
     with pytest.raises(DataError, match="level = 95"):
-        found.intervals(95)
+        result.intervals(95)
 
 
 def test_arm_inside_the_ramp_has_a_smaller_error_of_b_than_of_k() -> None:
     seal = GeneralizedMaxwell(196.5, (80.0, 20.0), (0.03, 5.0))
-    found = fit(ideal(seal, rate=1000.0, noise=5e-3), arms=2)
-    error = formal_errors(found)
-    assert error["b"][0] / found.model.arm_b[0] < 0.4 * error["k"][0] / found.model.k[0]
-    assert {check.name: check for check in found.checks}["fast_arm_visible"].failed
+    result = fit(ideal(seal, rate=1000.0, noise=5e-3), arms=2)
+    error = formal_errors(result)
+    assert error["b"][0] / result.model.arm_b[0] < 0.4 * error["k"][0] / result.model.k[0]
+    assert {check.name: check for check in result.checks}["fast_arm_visible"].failed
 
 
 def test_a_doubtful_arm_gets_a_profile() -> None:
     seal = GeneralizedMaxwell(196.5, (50.0,), (150.0,))
-    found = fit(ideal(seal, noise=5e-3, seed=1), arms=1)
-    assert {profile.parameter for profile in found.estimate.profiles} == {
+    result = fit(ideal(seal, noise=5e-3, seed=1), arms=1)
+    assert {profile.parameter for profile in result.estimate.profiles} == {
         "k_inf", "k_1", "ln_tau_1", "ln_b_1",
     }  # fmt: skip
-    for profile in found.estimate.profiles:
+    for profile in result.estimate.profiles:
         assert np.all(np.diff(profile.value) > 0)
         assert profile.deviance.min() == 0.0
-    bounds = found.intervals(0.95)
+    bounds = result.intervals(0.95)
     (low, high), (k_low, k_high) = bounds["tau"][0], bounds["k"][0]
     assert low < 150.0 < high
     assert k_low < 50.0 < k_high
-    assert high / found.model.tau[0] > found.model.tau[0] / low  # the slow side is the open one
+    assert high / result.model.tau[0] > result.model.tau[0] / low  # the slow side is the open one
 
 
 def test_superfluous_arm_has_unbounded_intervals(
@@ -348,14 +352,16 @@ def test_superfluous_arm_has_unbounded_intervals(
 ) -> None:
     """Three arms of a seal that has two: a third so fast or so slow shows in no sample."""
     test = prepare(simulate_relaxation(paper_seal, seed=1).test)
-    found = fit(test, arms=3).intervals()
-    spare = found["tau"].index((0.0, np.inf))
-    assert found["k"][spare] == found["b"][spare] == (0.0, np.inf)
-    assert found["k_inf"][0] == 0.0
-    assert found["k_inf"][1] == pytest.approx(fit(test, arms=2).intervals()["k_inf"][1], rel=2e-3)
-    known = [j for j in range(3) if j != spare]
+    intervals = fit(test, arms=3).intervals()
+    spare = intervals["tau"].index((0.0, np.inf))
+    assert intervals["k"][spare] == intervals["b"][spare] == (0.0, np.inf)
+    assert intervals["k_inf"][0] == 0.0
+    assert intervals["k_inf"][1] == pytest.approx(
+        fit(test, arms=2).intervals()["k_inf"][1], rel=2e-3
+    )
+    indices = [j for j in range(3) if j != spare]
     for name in ("k", "tau", "b"):
-        assert all(0.0 < low < high < np.inf for low, high in (found[name][j] for j in known))
+        assert all(0.0 < low < high < np.inf for low, high in (intervals[name][j] for j in indices))
 
     def force(k_inf: float, *third: float) -> np.ndarray:
         k, tau = third
@@ -461,8 +467,8 @@ def test_auto_tries_no_more_than_a_short_record_can_determine(
     paper_seal: GeneralizedMaxwell,
 ) -> None:
     for hold in (7.0, 9.0, 12.0):
-        found = fit(ideal(paper_seal, rate=1.0, hold=hold))
-        assert len(found.evidence.orders) <= 1 + (found.estimate.residual.n - 4) // 2
+        result = fit(ideal(paper_seal, rate=1.0, hold=hold))
+        assert len(result.evidence.orders) <= 1 + (result.estimate.residual.n - 4) // 2
     dense = fit(ideal(paper_seal, rate=1.0, hold=12.0), arms=5)
     assert dense.status is not Status.CONVERGED
 
@@ -506,7 +512,7 @@ def test_a_record_whose_slow_arms_outlast_the_hold_is_fitted() -> None:
     )
     holds = HoldBlocks([record])
     high = np.log(holds.blocks[0].window[1])
-    alone = holds.compute_hold_residual(0, np.array([high + 0.5, high + 1.0]))
-    assert float(np.std(alone)) == pytest.approx(
+    hold_residual = holds.compute_hold_residual(0, np.array([high + 0.5, high + 1.0]))
+    assert float(np.std(hold_residual)) == pytest.approx(
         float(np.std(holds.compute_hold_residual(0, np.zeros(0)))), rel=1e-3
     )

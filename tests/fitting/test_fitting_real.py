@@ -28,9 +28,9 @@ def titin(folder: Path, ramp: float) -> RampHold:
 
 def test_fit_of_the_1_s_ramp_predicts_the_other_peaks(real_data: Path) -> None:
     tests = {ramp: titin(real_data, ramp) for ramp in RAMPS}
-    found = fit(tests[1.0], method="hold")
-    assert found.status is Status.CONVERGED
-    assert found.model.arms == 2
+    result = fit(tests[1.0], method="hold")
+    assert result.status is Status.CONVERGED
+    assert result.model.arms == 2
     # the same hold read as if the stretch had been a step at the end of the ramp
     step = fit(replace(tests[1.0], onset=tests[1.0].ramp_end - 1e-6), arms=2, method="hold").model
 
@@ -40,7 +40,7 @@ def test_fit_of_the_1_s_ramp_predicts_the_other_peaks(real_data: Path) -> None:
     with_ramp, as_step = [], []
     for ramp in (0.1, 10.0, 100.0):
         test, peak = tests[ramp], float(tests[ramp].force.max())
-        forecast = found.model.ramp_hold_force(ramp, depth=test.depth, ramp_time=ramp)
+        forecast = result.model.ramp_hold_force(ramp, depth=test.depth, ramp_time=ramp)
         with_ramp.append(miss(float(forecast), peak))
         as_step.append(miss(step.k_0 * test.depth, peak))
     assert sum(with_ramp) < 0.65 * sum(as_step)
@@ -48,12 +48,12 @@ def test_fit_of_the_1_s_ramp_predicts_the_other_peaks(real_data: Path) -> None:
 
 def test_four_ramp_times_share_relaxation_times(real_data: Path) -> None:
     tests = [titin(real_data, ramp) for ramp in RAMPS]
-    found = fit(tests, arms=3, method="hold")
-    assert found.model.arms == 3
-    assert found.model.tau[0] < 1.0 < found.model.tau[-1]
+    result = fit(tests, arms=3, method="hold")
+    assert result.model.arms == 3
+    assert result.model.tau[0] < 1.0 < result.model.tau[-1]
     # each ramp time sees its own decade: together they reach further than the 1 s ramp alone
-    alone = fit(tests[1], arms=2, method="hold")
-    assert found.model.tau[-1] / found.model.tau[0] > alone.model.tau[-1] / alone.model.tau[0]
+    single = fit(tests[1], arms=2, method="hold")
+    assert result.model.tau[-1] / result.model.tau[0] > single.model.tau[-1] / single.model.tau[0]
 
 
 def afm(folder: Path) -> RampHold:
@@ -87,18 +87,18 @@ def test_the_afm_hold_creeps_and_eq_5_is_refused(afm_test: RampHold) -> None:
 
 
 def test_fit_of_the_afm_record_uses_its_recorded_motion(afm_test: RampHold) -> None:
-    found = fit(afm_test, arms=2)
+    result = fit(afm_test, arms=2)
     still = replace(
         afm_test,
         displacement=np.minimum(afm_test.displacement, afm_test.displacement[afm_test.hold.start]),
     )
     stopped = fit(still, arms=2)
     # but for the samples before the tip may have moved
-    assert 0.99 * len(afm_test.time) < found.estimate.residual.n < len(afm_test.time) == 75_800
-    assert found.estimate.residual.rms < 0.02 * afm_test.force.max()
+    assert 0.99 * len(afm_test.time) < result.estimate.residual.n < len(afm_test.time) == 75_800
+    assert result.estimate.residual.rms < 0.02 * afm_test.force.max()
     # a plate taken to stand still turns its creep into relaxation that was not there
-    assert stopped.model.k_inf != pytest.approx(found.model.k_inf, rel=0.02)
-    check = next(check for check in found.checks if check.name == "hold_is_still")
+    assert stopped.model.k_inf != pytest.approx(result.model.k_inf, rel=0.02)
+    check = next(check for check in result.checks if check.name == "hold_is_still")
     assert check.passed
     assert check.value is not None
     assert check.value > 0.01
@@ -109,22 +109,22 @@ def test_fit_of_the_afm_record_uses_its_recorded_motion(afm_test: RampHold) -> N
 def test_muscle_keeps_the_stiffness_of_its_hold(real_data: Path, ramp: float) -> None:
     """A linear solid with a free offset put it 46 to 70 % off."""
     test = titin(real_data, ramp)
-    found = fit(test)
-    assert found.elastic_law is not None
-    assert found.elastic_law.kind == "piecewise"
-    assert found.stiffness_limits is not None
-    low, high = found.stiffness_limits["k_end"]
+    result = fit(test)
+    assert result.elastic_law is not None
+    assert result.elastic_law.kind == "piecewise"
+    assert result.stiffness_limits is not None
+    low, high = result.stiffness_limits["k_end"]
     last = float(test.force[test.hold][-1]) / test.depth
     assert 0.95 * low < last < 1.05 * high
-    assert abs(float(found.model.relaxation(test.hold_time)) / last - 1) < 0.05 or (
-        found.verdict.use == "do not use"
+    assert abs(float(result.model.relaxation(test.hold_time)) / last - 1) < 0.05 or (
+        result.verdict.use == "do not use"
     )
 
 
 def test_the_afm_follows_a_bent_law(afm_test: RampHold) -> None:
-    found = fit(afm_test)
-    assert found.elastic_law is not None
-    assert found.elastic_law.kind == "piecewise"
-    assert found.verdict.use != "do not use"
+    result = fit(afm_test)
+    assert result.elastic_law is not None
+    assert result.elastic_law.kind == "piecewise"
+    assert result.verdict.use != "do not use"
     last = float(afm_test.force[afm_test.hold][-500:].mean()) / afm_test.depth
-    assert float(found.model.relaxation(afm_test.hold_time)) == pytest.approx(last, rel=0.05)
+    assert float(result.model.relaxation(afm_test.hold_time)) == pytest.approx(last, rel=0.05)

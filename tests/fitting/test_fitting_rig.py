@@ -50,18 +50,18 @@ coverage, order = benchmark("coverage"), benchmark("order")
 TRUTH = np.array((196.5, 117.5, 17.8, 59.0 / 117.5, 292.2 / 17.8))
 
 
-def estimates(found: Fit) -> tuple[np.ndarray, np.ndarray]:
-    model, error = found.model, formal_errors(found)
+def estimates(result: Fit) -> tuple[np.ndarray, np.ndarray]:
+    model, error = result.model, formal_errors(result)
     return (
         np.array((model.k_inf, *model.k, *model.tau)),
         np.array((error["k_inf"], *error["k"], *error["tau"])),
     )
 
 
-def check_table_1(found: Fit) -> None:
-    assert found.model.arms == 2
-    assert found.status is Status.CONVERGED
-    value, error = estimates(found)
+def check_table_1(result: Fit) -> None:
+    assert result.model.arms == 2
+    assert result.status is Status.CONVERGED
+    value, error = estimates(result)
     assert np.all(np.abs(value - TRUTH) < 3.5 * error)
     assert np.all(np.abs(value / TRUTH - 1) < (0.01, 0.01, 0.04, 0.01, 0.04))
 
@@ -102,12 +102,12 @@ def test_a_profile_counts_the_noise_that_it_meets_on_its_way(seed: int) -> None:
     louder than at the optimum.
     """
     test = coverage.record(coverage.SEAL, coverage.NOISES["ar500ms"], seed, rate=200.0)
-    found = fit(test, arms=2)
-    low, high = found.estimate.noise_only.intervals(found.model, 0.95)["k_inf"]
+    result = fit(test, arms=2)
+    low, high = result.estimate.noise_only.intervals(result.model, 0.95)["k_inf"]
     assert low < coverage.SEAL.k_inf < high
     # the standard error at the optimum knows nothing of that
-    error = np.sqrt(restrict_to_noise(found).covariance[0, 0])
-    assert found.model.k_inf - 2.0 * error > coverage.SEAL.k_inf
+    error = np.sqrt(restrict_to_noise(result).covariance[0, 0])
+    assert result.model.k_inf - 2.0 * error > coverage.SEAL.k_inf
 
 
 def test_naive_intervals_would_not_cover() -> None:
@@ -116,11 +116,11 @@ def test_naive_intervals_would_not_cover() -> None:
     hits = []
     for seed in range(15):
         record = coverage.record(coverage.SEAL, noise, seed, rate=200.0)
-        found = fit(record, arms=2, method="hold", nuisance=coverage.KNOWN_CLOCKS)
-        value, error = estimates(restrict_to_noise(found))
+        result = fit(record, arms=2, method="hold", nuisance=coverage.KNOWN_CLOCKS)
+        value, error = estimates(restrict_to_noise(result))
         hits.append(
             np.abs(value - TRUTH)
-            < 1.96 * error / np.sqrt(found.estimate.residual.variance_inflation)
+            < 1.96 * error / np.sqrt(result.estimate.residual.variance_inflation)
         )
     assert np.mean(hits) < 0.75
 
@@ -146,8 +146,8 @@ def test_of_a_cell_that_is_not_named_any_drift_is_covered(name: str) -> None:
             * np.random.default_rng((seed, 7)).standard_normal()
         )
         drifted = replace(test, force=test.force + drift * test.time)
-        found = fit(drifted, arms=2, method="hold", nuisance=coverage.KNOWN_CLOCKS)
-        bounds = found.estimate.noise_only.intervals(found.model, 0.95)
+        result = fit(drifted, arms=2, method="hold", nuisance=coverage.KNOWN_CLOCKS)
+        bounds = result.estimate.noise_only.intervals(result.model, 0.95)
         ends = np.array((bounds["k_inf"], *bounds["k"], *bounds["tau"]))
         hits.append((ends[:, 0] <= TRUTH) & (ends[:, 1] >= TRUTH))
     share = np.mean(hits, axis=0)
@@ -158,32 +158,34 @@ def test_of_a_cell_that_is_not_named_any_drift_is_covered(name: str) -> None:
 @pytest.mark.parametrize("arms", [1, 2, 3])
 @pytest.mark.parametrize("name", list(coverage.NOISES))
 def test_the_right_number_of_arms(name: str, arms: int) -> None:
-    found = [order.chosen(arms, coverage.NOISES[name], seed) for seed in range(3)]
-    assert found == [arms] * 3
+    result = [order.chosen(arms, coverage.NOISES[name], seed) for seed in range(3)]
+    assert result == [arms] * 3
 
 
 @pytest.mark.parametrize("seed", [17, 28, 66])
 def test_arms_as_fast_as_the_noise_are_counted_in_its_metric(seed: int) -> None:
     """Seeds of which plain least squares supports two arms, by one rule or the other."""
     test = coverage.record(order.SEALS[3], coverage.NOISES["ar500ms"], seed, rate=order.RATE)
-    found = fit(test, method="hold")
-    assert found.model.arms == 3
-    check = {check.name: check for check in found.checks}
+    result = fit(test, method="hold")
+    assert result.model.arms == 3
+    check = {check.name: check for check in result.checks}
     assert check["order_agreed"].passed
     assert "in its own metric" in check["order_agreed"].message
-    assert [score.significant for score in found.evidence.orders[1:4]] == [True] * 3
+    assert [score.significant for score in result.evidence.orders[1:4]] == [True] * 3
     # that an arm is needed is not that it is known
-    located = bool(np.all(np.array(found.standard_error["tau"]) < 0.5 * np.array(found.model.tau)))
+    located = bool(
+        np.all(np.array(result.standard_error["tau"]) < 0.5 * np.array(result.model.tau))
+    )
     assert check["arms_supported"].passed is located
     assert located or "the record rejects fewer arms" in check["arms_supported"].message
 
 
 @pytest.mark.parametrize("name", ["white", "10hz"])
 def test_even_noise_needs_no_metric(name: str) -> None:
-    found = fit(
+    result = fit(
         coverage.record(order.SEALS[2], coverage.NOISES[name], 0, rate=200.0), method="hold"
     )
-    message = next(check.message for check in found.checks if check.name == "order_agreed")
+    message = next(check.message for check in result.checks if check.name == "order_agreed")
     assert "metric" not in message
 
 
@@ -208,16 +210,16 @@ def test_fit_weights_each_test_by_its_noise() -> None:
 @pytest.mark.parametrize("arms", [1, 2, 3])
 @pytest.mark.parametrize("name", list(coverage.NOISES))
 def test_the_right_number_of_arms_in_97_of_100(name: str, arms: int) -> None:
-    found = [order.chosen(arms, coverage.NOISES[name], seed) for seed in range(100)]
-    assert found.count(arms) >= 97
+    result = [order.chosen(arms, coverage.NOISES[name], seed) for seed in range(100)]
+    assert result.count(arms) >= 97
 
 
 def test_hidden_fast_arm_lies_outside_the_valid_band(paper_seal: GeneralizedMaxwell) -> None:
     """Reference 0.5: an arm of 12.5 ms leaves next to no trace in a hold after a 1 s ramp."""
     hidden = paper_seal + GeneralizedMaxwell(0.0, (50.0,), (0.0125,))
-    found = fit(prepare(simulate_relaxation(hidden, seed=2).test), arms=2, method="hold")
-    assert found.band[1] < 0.4
-    assert found.model.loss_factor(omega=2 * np.pi * 12.71) < 0.02
+    result = fit(prepare(simulate_relaxation(hidden, seed=2).test), arms=2, method="hold")
+    assert result.band[1] < 0.4
+    assert result.model.loss_factor(omega=2 * np.pi * 12.71) < 0.02
     assert hidden.loss_factor(omega=2 * np.pi * 12.71) > 0.07
 
 
@@ -238,21 +240,21 @@ def test_contact_error_widens_the_intervals(seed: int) -> None:
     made = simulate_relaxation(PAPER, rig=Rig(gap=0.5e-3), seed=seed)
     prepared = prepare(made.test)
     assert prepared.contact_error > 0
-    found = restrict_to_noise(fit(prepared, arms=2))
+    result = restrict_to_noise(fit(prepared, arms=2))
     sure = restrict_to_noise(fit(replace(prepared, contact_error=0.0), arms=2))
-    error = formal_errors(found)
+    error = formal_errors(result)
     assert error["k"][0] > 1.25 * sure.standard_error["k"][0]
-    assert abs(found.model.k[0] - PAPER.k[0]) < 3.5 * error["k"][0]
-    assert abs(found.model.k_inf - PAPER.k_inf) < 3.5 * error["k_inf"]
+    assert abs(result.model.k[0] - PAPER.k[0]) < 3.5 * error["k"][0]
+    assert abs(result.model.k_inf - PAPER.k_inf) < 3.5 * error["k_inf"]
 
 
 def test_in_parallel_doubles_stiffness_and_error() -> None:
-    one = fit(prepare(simulate_relaxation(PAPER, seed=0).test), arms=2)
-    two = one.in_parallel(2)
-    assert two.model == 2 * one.model
-    assert two.standard_error["k"] == pytest.approx([2 * se for se in one.standard_error["k"]])
-    assert two.standard_error["tau"] == pytest.approx(one.standard_error["tau"])
-    assert two.steps[-1].message == f"2 in parallel of fit {one._identity}"
+    item = fit(prepare(simulate_relaxation(PAPER, seed=0).test), arms=2)
+    two = item.in_parallel(2)
+    assert two.model == 2 * item.model
+    assert two.standard_error["k"] == pytest.approx([2 * se for se in item.standard_error["k"]])
+    assert two.standard_error["tau"] == pytest.approx(item.standard_error["tau"])
+    assert two.steps[-1].message == f"2 in parallel of fit {item._identity}"
 
 
 def test_what_was_taken_out_of_the_motion_is_a_step() -> None:
@@ -265,11 +267,11 @@ def test_what_was_taken_out_of_the_motion_is_a_step() -> None:
 def test_fit_tries_more_arms_than_auto_on_request() -> None:
     # a delay that may be 5 ms does for a fast arm
     prepared = prepare(simulate_relaxation(PAPER, seed=4).test, machine=Machine(sync=1e-3))
-    auto, asked = fit(prepared), fit(prepared, arms=5)
+    auto, requested = fit(prepared), fit(prepared, arms=5)
     tried = [order.arms for order in auto.evidence.orders]
     assert tried == [0, 1, 2, 3]
-    assert asked.model.arms > max(tried)
-    assert asked.evidence.orders[-1].sse < auto.evidence.orders[-1].sse
+    assert requested.model.arms > max(tried)
+    assert requested.evidence.orders[-1].sse < auto.evidence.orders[-1].sse
 
 
 @pytest.mark.parametrize(("memory", "most"), [(1.0, 1.7), (3.0, 2.0)])
@@ -278,19 +280,19 @@ def test_intervals_bear_a_wander_that_the_scatter_hides(memory: float, most: flo
     n, rate, seal = 20_500, 500, GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5021, 16.416))
     time = np.arange(n) / rate
     x = 8e-3 * np.clip(time - 1, 0, 1)
-    clean, kept = seal.force(time, x), np.exp(-1 / rate / memory)
+    clean, decay = seal.force(time, x), np.exp(-1 / rate / memory)
     away = []
     for seed in range(24):
         rng = np.random.default_rng(seed)
-        steps = rng.standard_normal(n + 10_000) * np.sqrt(1 - kept**2)
-        wander = lfilter([0.1], [1.0, -kept], steps)[-n:]
+        steps = rng.standard_normal(n + 10_000) * np.sqrt(1 - decay**2)
+        wander = lfilter([0.1], [1.0, -decay], steps)[-n:]
         force = clean + 3e-3 * (rng.standard_normal(n) + wander)
-        found = fit(
+        result = fit(
             prepare(RelaxationTest(time=time, displacement=x, force=force, units="SI")),
             arms=2,
             method="hold",
         )
-        error, model = formal_errors(found), found.model
+        error, model = formal_errors(result), result.model
         away.append(
             [
                 (model.k_inf - seal.k_inf) / error["k_inf"],

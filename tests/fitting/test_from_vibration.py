@@ -33,8 +33,8 @@ def isolator_frf() -> FRF:
 
 
 def misfit_db(model: GeneralizedMaxwell, frf: FRF) -> tuple[float, float]:
-    told = predict_frf(model, mass=5.0, frequency=frf.frequency)
-    db = 20 * np.log10(np.abs(told.value) / np.abs(frf.value))
+    message = predict_frf(model, mass=5.0, frequency=frf.frequency)
+    db = 20 * np.log10(np.abs(message.value) / np.abs(frf.value))
     return float(np.sqrt(np.mean(db**2))), float(np.abs(db).max())
 
 
@@ -65,32 +65,32 @@ def test_zhang_and_richards_ladder(
     isolator_frf: FRF, options: dict[str, object], rms: float, largest: float
 ) -> None:
     """A Voigt solid cannot, one arm nearly, two arms do, three are exact."""
-    found = identify(isolator_frf, mass=5.0, band=(5, 100), rig=EXACT_RIG, **options)
-    assert found.method == "frf"
-    assert misfit_db(found.model, isolator_frf) == pytest.approx((rms, largest), rel=0.02, abs=1e-6)
+    fit = identify(isolator_frf, mass=5.0, band=(5, 100), rig=EXACT_RIG, **options)
+    assert fit.method == "frf"
+    assert misfit_db(fit.model, isolator_frf) == pytest.approx((rms, largest), rel=0.02, abs=1e-6)
 
 
 def test_three_arms_are_recovered_exactly(isolator_frf: FRF) -> None:
-    found = identify(isolator_frf, mass=5.0, band=(5, 100), arms=3, rig=EXACT_RIG)
-    assert found.model.k_inf == pytest.approx(1e5, rel=1e-8)
-    assert found.model.k == pytest.approx(ISOLATOR.k, rel=1e-7)
-    assert found.model.tau == pytest.approx(ISOLATOR.tau, rel=1e-7)
-    assert found.status is Status.CONVERGED
+    fit = identify(isolator_frf, mass=5.0, band=(5, 100), arms=3, rig=EXACT_RIG)
+    assert fit.model.k_inf == pytest.approx(1e5, rel=1e-8)
+    assert fit.model.k == pytest.approx(ISOLATOR.k, rel=1e-7)
+    assert fit.model.tau == pytest.approx(ISOLATOR.tau, rel=1e-7)
+    assert fit.status is Status.CONVERGED
 
 
 def test_constraints_are_obeyed(isolator_frf: FRF) -> None:
     """One arm can have the frequency, the damping and the static stiffness, not the curve."""
-    found = identify(
+    fit = identify(
         isolator_frf, mass=5.0, band=(5, 100), arms=1, rig=EXACT_RIG,
         known=KnownSolid(
             static_stiffness=1e5, natural_frequency=28.0756, damping_ratio=0.0996519
         ),
     )  # fmt: skip
-    (mode,) = model_modes(found.model, 5.0)
-    assert found.model.k_inf == pytest.approx(1e5, rel=1e-5)
+    (mode,) = model_modes(fit.model, 5.0)
+    assert fit.model.k_inf == pytest.approx(1e5, rel=1e-5)
     assert mode.frequency == pytest.approx(28.0756, rel=1e-5)
     assert mode.damping_ratio == pytest.approx(0.0996519, rel=1e-5)
-    assert misfit_db(found.model, isolator_frf)[0] > 0.2
+    assert misfit_db(fit.model, isolator_frf)[0] > 0.2
 
 
 def test_a_constraint_with_a_standard_deviation_bends(isolator_frf: FRF) -> None:
@@ -118,11 +118,11 @@ def test_a_constraint_with_a_standard_deviation_bends(isolator_frf: FRF) -> None
 def test_poles_of_maxwell_voigt_reproduce_row_15() -> None:
     """m = 1 kg, k_v = k_m = 1e4 N/m, c_v = 10, c_m = 50 N s/m."""
     solid = GeneralizedMaxwell(1e4, (1e4,), (50 / 1e4,), 10.0)
-    found = poles(solid, 1.0)
-    ringing = found[found.imag > 0][0]
+    result = poles(solid, 1.0)
+    ringing = result[result.imag > 0][0]
     assert abs(ringing) / (2 * np.pi) == pytest.approx(18.265016, abs=1e-6)
     assert -ringing.real / abs(ringing) == pytest.approx(0.253326, abs=1e-6)
-    assert found[found.imag == 0].real == pytest.approx([-151.855], abs=1e-3)
+    assert result[result.imag == 0].real == pytest.approx([-151.855], abs=1e-3)
     frf = predict_frf(solid, mass=1.0, frequency=np.linspace(1, 100, 199))
     again = identify(frf, mass=1.0, band=(1, 100), arms=1, rig=EXACT_RIG, known=VOIGT)
     assert again.model.b == pytest.approx(10.0, rel=1e-5)
@@ -144,22 +144,22 @@ def test_identify_selects_a_dashpot_only_if_present() -> None:
     maxwell = GeneralizedMaxwell(4e4, (2e4,), (0.008,))
     zener = noisy(predict_frf(maxwell, mass=2.0, frequency=lines), 0.01, 3)
     options = {"mass": 2.0, "known": KnownSolid("auto"), "band": (3, 60), "rig": EXACT_RIG}
-    found = identify(voigt, **options)  # type: ignore[arg-type]
-    assert (found.model.arms, found.model.b > 0) == (0, True)
-    found = identify(zener, **options)  # type: ignore[arg-type]
-    assert (found.model.arms, found.model.b > 0) == (1, False)
+    fit = identify(voigt, **options)  # type: ignore[arg-type]
+    assert (fit.model.arms, fit.model.b > 0) == (0, True)
+    fit = identify(zener, **options)  # type: ignore[arg-type]
+    assert (fit.model.arms, fit.model.b > 0) == (1, False)
 
 
 @settings(max_examples=8, deadline=None)
 @given(seals=st.floats(0.5, 4), mass=st.floats(1, 20), loss=st.floats(0.1, 0.5))
 def test_identify_returns_the_model_of_one_seal(seals: float, mass: float, loss: float) -> None:
-    one = GeneralizedMaxwell(1e5, (loss * 1e5,), (1 / np.sqrt(seals * 1.2e5 / mass),))
+    model = GeneralizedMaxwell(1e5, (loss * 1e5,), (1 / np.sqrt(seals * 1.2e5 / mass),))
     peak = np.sqrt(seals * 1.2e5 / mass) / (2 * np.pi)
-    frf = predict_frf(seals * one, mass=mass, frequency=np.linspace(0.3, 3, 100) * peak)
-    found = identify(frf, mass=mass, seals=seals, arms=1, rig=EXACT_RIG)
-    assert found.model.k_inf == pytest.approx(1e5, rel=1e-5)
-    assert found.model.k == pytest.approx(one.k, rel=1e-5)
-    assert found.model.tau == pytest.approx(one.tau, rel=1e-5)
+    frf = predict_frf(seals * model, mass=mass, frequency=np.linspace(0.3, 3, 100) * peak)
+    fit = identify(frf, mass=mass, seals=seals, arms=1, rig=EXACT_RIG)
+    assert fit.model.k_inf == pytest.approx(1e5, rel=1e-5)
+    assert fit.model.k == pytest.approx(model.k, rel=1e-5)
+    assert fit.model.tau == pytest.approx(model.tau, rel=1e-5)
 
 
 def test_a_windowed_record_needs_no_correction() -> None:
@@ -167,9 +167,9 @@ def test_a_windowed_record_needs_no_correction() -> None:
     lines = np.arange(5, 41, 0.5)
     solid = GeneralizedMaxwell(300.0, (33.0,), (0.0125,))
     frf = predict_frf(solid, mass=0.052, frequency=lines, shift=2.3)
-    found = identify(frf, mass=0.052, arms=1, band=(5, 40), rig=EXACT_RIG)
-    assert found.model.k == pytest.approx((33.0,), rel=1e-6)
-    assert found.model.tau == pytest.approx((0.0125,), rel=1e-6)
+    fit = identify(frf, mass=0.052, arms=1, band=(5, 40), rig=EXACT_RIG)
+    assert fit.model.k == pytest.approx((33.0,), rel=1e-6)
+    assert fit.model.tau == pytest.approx((0.0125,), rel=1e-6)
 
 
 def test_a_cut_record_needs_no_correction() -> None:
@@ -178,20 +178,20 @@ def test_a_cut_record_needs_no_correction() -> None:
     solid = GeneralizedMaxwell(300.0, (20.0,), (0.1,))
     value = accelerance(solid, 0.052, 2j * np.pi * lines, 2.0, 0.004)
     frf = FRF(lines, value, record=2.0, pulse=0.004, units="SI")
-    found = identify(frf, mass=0.052, arms=1, band=(5, 40), rig=EXACT_RIG)
-    assert found.model.k_inf == pytest.approx(300.0, rel=1e-4)
-    assert found.model.k == pytest.approx((20.0,), rel=1e-3)
-    assert found.model.tau == pytest.approx((0.1,), rel=1e-3)
+    fit = identify(frf, mass=0.052, arms=1, band=(5, 40), rig=EXACT_RIG)
+    assert fit.model.k_inf == pytest.approx(300.0, rel=1e-4)
+    assert fit.model.k == pytest.approx((20.0,), rel=1e-3)
+    assert fit.model.tau == pytest.approx((0.1,), rel=1e-3)
 
 
 def test_identify_estimates_an_unknown_mass(isolator_frf: FRF) -> None:
-    found = identify(
+    fit = identify(
         noisy(isolator_frf, 0.005, 4),
         band=(5, 100),
         arms=3,
         rig=HammerRig(gain_sd=0.0, delay_sd=0.0),
     )
-    mass = next(item for item in found.estimate.nuisance if item.name == "mass")
+    mass = next(item for item in fit.estimate.nuisance if item.name == "mass")
     assert mass.value == pytest.approx(5.0, rel=0.01)
     assert abs(mass.value - 5.0) < 4 * mass.standard_error
 
@@ -201,34 +201,34 @@ def test_identify_reports_gain_and_delay() -> None:
     lines = np.linspace(5, 100, 191)
     clean = predict_frf(solid, mass=5.0, frequency=lines)
     late = replace(clean, value=clean.value * np.exp(-2j * np.pi * lines * 2e-4))
-    found = identify(
+    fit = identify(
         noisy(late, 0.003, 5),
         mass=5.0,
         band=(5, 100),
         arms=1,
         rig=HammerRig(gain_sd=0.0, delay_sd=1e-3),
     )
-    delay = next(item for item in found.estimate.nuisance if item.name == "delay")
+    delay = next(item for item in fit.estimate.nuisance if item.name == "delay")
     assert delay.value == pytest.approx(2e-4, abs=4 * delay.standard_error)
     assert delay.standard_error < 2e-5
-    assert found.model.k == pytest.approx((3e4,), rel=0.05)
+    assert fit.model.k == pytest.approx((3e4,), rel=0.05)
 
 
 def test_another_mode_in_the_band_is_noticed(isolator_frf: FRF) -> None:
     other = predict_frf(GeneralizedMaxwell(2e5, b=40.0), mass=2.0, frequency=LINES)
     both = noisy(replace(isolator_frf, value=isolator_frf.value + 0.3 * other.value), 0.003, 6)
-    found = identify(both, mass=5.0, band=(5, 100), arms=1, rig=EXACT_RIG)
-    told = next(check for check in found.checks if check.name == "lines_explained")
-    assert told.failed
-    assert "A second mode" in told.message
+    fit = identify(both, mass=5.0, band=(5, 100), arms=1, rig=EXACT_RIG)
+    message = next(check for check in fit.checks if check.name == "lines_explained")
+    assert message.failed
+    assert "A second mode" in message.message
 
 
 def test_arms_that_the_lines_reject_are_not_returned() -> None:
     spring = GeneralizedMaxwell(4e4, b=40.0)
     measured = noisy(predict_frf(spring, mass=2.0, frequency=np.linspace(3, 60, 115)), 0.01, 7)
-    found = identify(measured, mass=2.0, band=(3, 60), arms=3, rig=EXACT_RIG, known=VOIGT)
-    assert found.model.arms < 3 or not found.evidence.orders[0].significant
-    assert found.status in {Status.FEWER_ARMS, Status.NOT_IDENTIFIED, Status.TAU_AT_BOUND}
+    fit = identify(measured, mass=2.0, band=(3, 60), arms=3, rig=EXACT_RIG, known=VOIGT)
+    assert fit.model.arms < 3 or not fit.evidence.orders[0].significant
+    assert fit.status in {Status.FEWER_ARMS, Status.NOT_IDENTIFIED, Status.TAU_AT_BOUND}
 
 
 @pytest.mark.slow
@@ -237,8 +237,8 @@ def test_intervals_cover_the_truth() -> None:
     frf = predict_frf(solid, mass=5.0, frequency=LINES)
     hits = np.zeros(3)
     for seed in range(100):
-        found = identify(noisy(frf, 0.01, seed), mass=5.0, band=(5, 100), arms=1, rig=EXACT_RIG)
-        limits = found.intervals(0.95)
+        fit = identify(noisy(frf, 0.01, seed), mass=5.0, band=(5, 100), arms=1, rig=EXACT_RIG)
+        limits = fit.intervals(0.95)
         for i, (name, value) in enumerate((("k_inf", 1e5), ("k", 3e4), ("tau", 0.006))):
             low, high = limits["k_inf"] if name == "k_inf" else limits[name][0]  # type: ignore[literal-required]
             hits[i] += low <= value <= high
@@ -287,7 +287,7 @@ def test_what_cannot_be_is_refused(
 
 
 @pytest.mark.parametrize(
-    ("noun", "words"),
+    ("result", "words"),
     [
         (lambda: HammerRig(mass_sd=-1.0), "mass_sd = -1.0"),
         (lambda: HammerRig(delay_sd=float("nan")), "delay_sd = nan"),
@@ -296,16 +296,16 @@ def test_what_cannot_be_is_refused(
         (lambda: KnownSolid(damping_ratio=2.0), "if it is in per cent, give 0.02"),
     ],
 )
-def test_rig_and_priors_refuse_invalid_values(noun: Callable[[], object], words: str) -> None:
+def test_rig_and_priors_refuse_invalid_values(result: Callable[[], object], words: str) -> None:
     with pytest.raises(DataError, match=words):
-        noun()
+        result()
 
 
 def test_known_solid_converts_to_si_units_once() -> None:
-    known = KnownSolid(static_stiffness=("1N/mm", "20N/m"), natural_frequency="12Hz")
-    assert known.static_stiffness == (1000.0, 20.0)
-    assert known.natural_frequency == (12.0, 0.0)
-    assert replace(known) == known
+    expected = KnownSolid(static_stiffness=("1N/mm", "20N/m"), natural_frequency="12Hz")
+    assert expected.static_stiffness == (1000.0, 20.0)
+    assert expected.natural_frequency == (12.0, 0.0)
+    assert replace(expected) == expected
     assert HammerRig("2g", delay_sd="0.1ms") == HammerRig(0.002, delay_sd=1e-4)
 
 
@@ -317,8 +317,8 @@ def test_a_strange_number_of_arms_is_refused(isolator_frf: FRF) -> None:
 identify_room = import_module("dashpot.fitting.identification.identify")
 
 
-@pytest.mark.parametrize(("worse", "found"), [(1.009, [1, 2]), (1.011, [1])])
-def test_order_selection_ignores_an_optimum_worse_than_fewer_arms(monkeypatch, worse, found):
+@pytest.mark.parametrize(("worse", "result"), [(1.009, [1, 2]), (1.011, [1])])
+def test_order_selection_ignores_an_optimum_worse_than_fewer_arms(monkeypatch, worse, result):
     """Their optimum leaves no more than that of fewer: a descent that ended above it counts not."""
 
     @dataclass(frozen=True)
@@ -338,4 +338,6 @@ def test_order_selection_ignores_an_optimum_worse_than_fewer_arms(monkeypatch, w
     monkeypatch.setattr(identify_room, "_spread", lambda problem, before: [None])
     monkeypatch.setattr(identify_room, "descend", make_descent)
     monkeypatch.setattr(FakeProblem, "pack", lambda self, start: start, raising=False)
-    assert [one.number for one in identify_room._candidates(FakeProblem(), [1, 2], None)] == found
+    assert [
+        candidate.number for candidate in identify_room._candidates(FakeProblem(), [1, 2], None)
+    ] == result

@@ -88,21 +88,21 @@ def test_joint_fit_narrows_the_error_of_the_mass(joint: Fit) -> None:
 
 def test_joint_fit_estimates_the_mass(broad_frf: FRF, broad_test: RampHold, broad_fit: Fit) -> None:
     """The relaxation gives the stiffness, the lines above the peak the mass."""
-    found = identify(broad_frf, tests=broad_test, fit=broad_fit, seals=2)
-    assert mass_of(found) == pytest.approx(BROAD_MASS, rel=0.015)
-    after = held_against(broad_frf, found, mass_of(found))
+    result = identify(broad_frf, tests=broad_test, fit=broad_fit, seals=2)
+    assert mass_of(result) == pytest.approx(BROAD_MASS, rel=0.015)
+    after = held_against(broad_frf, result, mass_of(result))
     assert abs(after.frequency_error) < 0.002
     assert abs(10 ** (after.ratio_db / 20) - 1) < 0.05
 
 
 def test_joint_fit_reports_changed_parameters(joint: Fit, broad_fit: Fit) -> None:
-    moved = {item.name: item for item in joint.evidence.parameter_changes}
-    assert moved["k_inf"].before == broad_fit.model.k_inf
-    assert moved["k_inf"].after == joint.model.k_inf
+    items = {item.name: item for item in joint.evidence.parameter_changes}
+    assert items["k_inf"].before == broad_fit.model.k_inf
+    assert items["k_inf"].after == joint.model.k_inf
     new = [item for item in joint.evidence.parameter_changes if item.before is None]
     assert {item.name for item in new} == {"k_1", "tau_1"}
     assert joint.model.arms == broad_fit.model.arms + 1
-    slow = moved[f"tau_{joint.model.arms}"]
+    slow = items[f"tau_{joint.model.arms}"]
     assert slow.before == broad_fit.model.tau[-1]
     assert slow.before_se is not None
     assert slow.after_se <= slow.before_se
@@ -127,13 +127,13 @@ def test_joint_fit_recovers_the_true_arm_of_a_simple_pair() -> None:
     sd = 0.01 * np.abs(clean.value) / np.sqrt(2)
     noise = draw.standard_normal(len(sd)) + 1j * draw.standard_normal(len(sd))
     frf = replace(clean, value=clean.value + sd * noise, sd=sd)
-    found = identify(
+    result = identify(
         frf, tests=held, mass=0.11, seals=2, arms=3, rig=HammerRig(0.0, 0.0, 0.0),
         band=(4, 40),
     )  # fmt: skip
-    se = formal_errors(restrict_to_noise(found))
-    assert found.model.k[0] == pytest.approx(50.0, abs=4 * se["k"][0])
-    assert found.model.tau[0] == pytest.approx(0.0125, abs=4 * se["tau"][0])
+    se = formal_errors(restrict_to_noise(result))
+    assert result.model.k[0] == pytest.approx(50.0, abs=4 * se["k"][0])
+    assert result.model.tau[0] == pytest.approx(0.0125, abs=4 * se["tau"][0])
     # the reference: 0.3 and 1.6 % at 1 kHz; here 200 Hz
     assert se["k"][0] / 50 < 0.01
     assert se["tau"][0] / 0.0125 < 0.03
@@ -142,13 +142,13 @@ def test_joint_fit_recovers_the_true_arm_of_a_simple_pair() -> None:
 def test_two_relaxation_tests_and_a_hammer(broad_frf: FRF, broad_test: RampHold) -> None:
     """Each test keeps its own tare, drift and noise."""
     second = prepare(simulate_relaxation(BROAD, seed=11, ramp_time=0.3, hold_time=20.0).test)
-    found = identify(broad_frf, tests=[broad_test, second], mass=BROAD_MASS, seals=2)
+    result = identify(broad_frf, tests=[broad_test, second], mass=BROAD_MASS, seals=2)
     omega = 2 * np.pi * 12.71
-    assert found.model.loss_factor(omega=omega) == pytest.approx(
+    assert result.model.loss_factor(omega=omega) == pytest.approx(
         BROAD.loss_factor(omega=omega), rel=0.03
     )
     assembled = [
-        check for check in found.checks if check.name == "hammer_agrees_with_relaxation_test"
+        check for check in result.checks if check.name == "hammer_agrees_with_relaxation_test"
     ]
     assert len(assembled) == 2
     assert all(check.passed for check in assembled)
@@ -157,26 +157,26 @@ def test_two_relaxation_tests_and_a_hammer(broad_frf: FRF, broad_test: RampHold)
 def test_identify_uses_an_earlier_fit_as_a_prior(
     broad_frf: FRF, broad_fit: Fit, joint: Fit
 ) -> None:
-    found = identify(
+    result = identify(
         broad_frf, fit=broad_fit, mass=BROAD_MASS, seals=2, arms=broad_fit.model.arms + 1
     )
-    assert found.method == "joint"
+    assert result.method == "joint"
     omega = 2 * np.pi * 12.71
-    assert found.model.storage(omega=omega) == pytest.approx(
+    assert result.model.storage(omega=omega) == pytest.approx(
         joint.model.storage(omega=omega), rel=0.02
     )
-    assert found.model.loss(omega=omega) == pytest.approx(joint.model.loss(omega=omega), rel=0.05)
-    assert found.model.k_inf == pytest.approx(broad_fit.model.k_inf, rel=0.01)
+    assert result.model.loss(omega=omega) == pytest.approx(joint.model.loss(omega=omega), rel=0.05)
+    assert result.model.k_inf == pytest.approx(broad_fit.model.k_inf, rel=0.01)
 
 
 def test_tests_that_contradict_each_other_are_noticed(broad_frf: FRF, broad_test: RampHold) -> None:
     """The relaxation of a seal twice as stiff: half of it under the hammer explains both."""
     stiff = replace(broad_test, force=2 * broad_test.force)
-    found = identify(broad_frf, tests=stiff, mass=BROAD_MASS, seals=2, arms=4)
-    failed = {check.name for check in found.checks if check.failed}
+    result = identify(broad_frf, tests=stiff, mass=BROAD_MASS, seals=2, arms=4)
+    failed = {check.name for check in result.checks if check.failed}
     assert "tests_agree" in failed
-    assert get_hammer_stiffness_factor(found) == pytest.approx(0.5, rel=0.02)
-    assert found.model.k_inf == pytest.approx(2 * BROAD.k_inf, rel=0.05)
+    assert get_hammer_stiffness_factor(result) == pytest.approx(0.5, rel=0.02)
+    assert result.model.k_inf == pytest.approx(2 * BROAD.k_inf, rel=0.05)
 
 
 def test_fewer_arms_than_the_relaxation_shows_are_refused(
@@ -256,14 +256,14 @@ def test_errors_follow_arms_that_cross(broad_frf: FRF) -> None:
         NuisancePriors(Prior(BROAD_MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4)),
         Constraints(),
     )
-    told = []
+    message = []
     for order in ([0, 1, 2, 3, 4], [0, 2, 1, 4, 3]):
         here = replace(problem, sought=Arms(2))
         theta = np.log([190.0, 30.0, 120.0, 0.01, 0.5])[order]
         theta = np.concatenate((theta, [np.log(0.11), 0.0, 0.0]))
-        told.append(_physical(Candidate(here, here.build_problem(theta).solve_linear(theta))))
-    for one, other in zip(*(each[1:] for each in told), strict=True):
-        np.testing.assert_allclose(one, other, rtol=1e-9)
+        message.append(_physical(Candidate(here, here.build_problem(theta).solve_linear(theta))))
+    for item, other in zip(*(item[1:] for item in message), strict=True):
+        np.testing.assert_allclose(item, other, rtol=1e-9)
 
 
 def test_a_dashpot_that_has_faded_has_no_error(broad_frf: FRF) -> None:
@@ -302,13 +302,13 @@ def test_the_joint_fit_holds_over_seeds() -> None:
     for seed in range(10):
         held = prepare(simulate_relaxation(BROAD, seed=seed).test)
         frf = estimate_frf(simulate_impact(BROAD, mass=BROAD_MASS, seed=seed).test)
-        own = fit(held)
-        found = identify(frf, tests=held, fit=own, mass=BROAD_MASS, seals=2)
-        after = held_against(frf, found, mass_of(found))
+        individual = fit(held)
+        result = identify(frf, tests=held, fit=individual, mass=BROAD_MASS, seals=2)
+        after = held_against(frf, result, mass_of(result))
         assert abs(after.frequency_error) < 0.002
         assert abs(10 ** (after.ratio_db / 20) - 1) < 0.05
         omega = 2 * np.pi * 12.71
-        assert found.model.loss_factor(omega=omega) == pytest.approx(
+        assert result.model.loss_factor(omega=omega) == pytest.approx(
             BROAD.loss_factor(omega=omega), rel=0.02
         )
 
@@ -319,50 +319,59 @@ def test_the_joint_fit_holds_over_seeds() -> None:
 @pytest.mark.parametrize("rig", ["compliance 50 um/N", "crosshead creep 20 um"])
 def test_intervals_of_a_joint_fit_include_rig_errors(rig: str) -> None:
     """A hammer tells nothing of the machine of the relaxation test, whose errors it bears."""
-    one = next(verdict_records([TRUTHS[0]], [rig], 0))
-    held = prepare(RelaxationTest(one.time, one.displacement, one.force, units="SI"))
-    seal, mass = one.seal.solid, one.seal.mass_at(12.7, 2)
+    record = next(verdict_records([TRUTHS[0]], [rig], 0))
+    held = prepare(RelaxationTest(record.time, record.displacement, record.force, units="SI"))
+    seal, mass = record.seal.solid, record.seal.mass_at(12.7, 2)
     solid = GeneralizedMaxwell(seal.k_inf, tuple(seal.k), tuple(seal.tau))
     clean = predict_frf(2 * solid, mass=mass, frequency=np.arange(4, 40, 0.1))
     draw, sd = np.random.default_rng(0), 0.01 * np.abs(clean.value)
     noise = draw.standard_normal(len(sd)) + 1j * draw.standard_normal(len(sd))
     frf = replace(clean, value=clean.value + sd * noise / np.sqrt(2), sd=sd)
-    found = identify(frf, tests=held, mass=mass, seals=2, arms=2, rig=HammerRig(cable=0.0))
+    result = identify(frf, tests=held, mass=mass, seals=2, arms=2, rig=HammerRig(cable=0.0))
     truth = {"k_1": solid.k[0], "tau_1": solid.tau[0], "k_2": solid.k[1], "tau_2": solid.tau[1]}
-    known, quiet = (
-        e.confidence_limits(found.solid, 0.95) for e in (found.estimate, found.estimate.noise_only)
+    confidence_limits, quiet = (
+        e.confidence_limits(result.solid, 0.95)
+        for e in (result.estimate, result.estimate.noise_only)
     )
-    assert all(known[name][0] < value < known[name][1] for name, value in truth.items())
+    assert all(
+        confidence_limits[name][0] < value < confidence_limits[name][1]
+        for name, value in truth.items()
+    )
     assert not quiet["k_1"][0] < truth["k_1"] < quiet["k_1"][1]
-    assert known["k_1"][1] - known["k_1"][0] < 0.15 * truth["k_1"]
+    assert confidence_limits["k_1"][1] - confidence_limits["k_1"][0] < 0.15 * truth["k_1"]
     # an earlier fit of the same test, without its record, brings the same doubts
     earlier = fit(held, arms=2)
     hangs = HammerRig(cable=0.0)
     again = identify(frf, fit=earlier, mass=mass, seals=2, arms=2, rig=hangs)
-    again = again.estimate.confidence_limits(found.solid, 0.95)
+    again = again.estimate.confidence_limits(result.solid, 0.95)
     for name in truth:
-        assert np.ptp(again[name]) == pytest.approx(np.ptp(known[name]), rel=0.3)
+        assert np.ptp(again[name]) == pytest.approx(np.ptp(confidence_limits[name]), rel=0.3)
 
 
 def test_intervals_at_several_temperatures_include_rig_errors() -> None:
     seal, records = TRUTHS[0], []
     for kelvin, a, b in ((296.15, 1.0, 1.0), (273.15, 20.0, 0.95)):
-        moved = replace(
+        variant = replace(
             seal, k_inf=b * seal.k_inf, k=tuple(b * k for k in seal.k),
             tau=tuple(a * tau for tau in seal.tau),
         )  # fmt: skip
-        one = read(Seal(moved), protocol_of(moved), RIGS["compliance 50 um/N"], seed=int(kelvin))
+        record = read(
+            Seal(variant), protocol_of(variant), RIGS["compliance 50 um/N"], seed=int(kelvin)
+        )
         there = Specimen(temperature=kelvin)
-        test = RelaxationTest(one.time, one.displacement, one.force, specimen=there, units="SI")
+        test = RelaxationTest(
+            record.time, record.displacement, record.force, specimen=there, units="SI"
+        )
         records.append(prepare(test))
-    found = fit(records, arms=2)
-    known, quiet = (
-        e.confidence_limits(found.solid, 0.95) for e in (found.estimate, found.estimate.noise_only)
+    result = fit(records, arms=2)
+    confidence_limits, quiet = (
+        e.confidence_limits(result.solid, 0.95)
+        for e in (result.estimate, result.estimate.noise_only)
     )
     for j, (k, tau) in enumerate(zip(seal.k, seal.tau, strict=True), start=1):
-        assert known[f"k_{j}"][0] < k < known[f"k_{j}"][1]
-        assert known[f"tau_{j}"][0] < tau < known[f"tau_{j}"][1]
+        assert confidence_limits[f"k_{j}"][0] < k < confidence_limits[f"k_{j}"][1]
+        assert confidence_limits[f"tau_{j}"][0] < tau < confidence_limits[f"tau_{j}"][1]
     assert not quiet["k_1"][0] < seal.k[0] < quiet["k_1"][1]
-    assert np.ptp(known["k_1"]) < 0.15 * seal.k[0]
-    assert get_error_label(found) == "± noise"
-    assert get_error_label(replace(found, estimate=found.estimate.noise_only)) == "± SE"
+    assert np.ptp(confidence_limits["k_1"]) < 0.15 * seal.k[0]
+    assert get_error_label(result) == "± noise"
+    assert get_error_label(replace(result, estimate=result.estimate.noise_only)) == "± SE"

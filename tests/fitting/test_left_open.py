@@ -37,21 +37,21 @@ def press_seal(solid: GeneralizedMaxwell, *, hold: float = 40.0, seed: int = 0) 
 def test_limits_contain_an_arm_slower_than_the_hold(tau: float, hold: float, method: str) -> None:
     """The fit's own k_inf misses the truth; what is left open holds it."""
     solid, test = with_slow_arm(tau), press_seal(with_slow_arm(tau), hold=hold)
-    found = fit(test, method=method)
-    assert found.model.k_inf > 1.005 * solid.k_inf
-    left, T = found.stiffness_limits, test.hold_time
-    assert left is not None
-    assert left["k_inf"][0] == 0.0 < solid.k_inf < left["k_inf"][1]
-    for (low, high), at in ((left["k_end"], T), (left["k_3end"], 3 * T)):
+    result = fit(test, method=method)
+    assert result.model.k_inf > 1.005 * solid.k_inf
+    stiffness_limits, T = result.stiffness_limits, test.hold_time
+    assert stiffness_limits is not None
+    assert stiffness_limits["k_inf"][0] == 0.0 < solid.k_inf < stiffness_limits["k_inf"][1]
+    for (low, high), at in ((stiffness_limits["k_end"], T), (stiffness_limits["k_3end"], 3 * T)):
         assert low < solid.relaxation(at) < high
-    assert np.ptp(left["k_3end"]) > np.ptp(left["k_end"])
-    check = next(check for check in found.checks if check.name == "hold_long_enough")
+    assert np.ptp(stiffness_limits["k_3end"]) > np.ptp(stiffness_limits["k_end"])
+    check = next(check for check in result.checks if check.name == "hold_long_enough")
     assert check.failed
 
 
 def test_a_hold_that_is_long_enough_passes() -> None:
-    found = fit(press_seal(PAPER, hold=120.0))
-    assert next(c for c in found.checks if c.name == "hold_long_enough").passed
+    result = fit(press_seal(PAPER, hold=120.0))
+    assert next(c for c in result.checks if c.name == "hold_long_enough").passed
 
 
 def test_stated_drift_narrows_the_end_of_the_hold() -> None:
@@ -59,29 +59,29 @@ def test_stated_drift_narrows_the_end_of_the_hold() -> None:
     test = press_seal(PAPER)
     rigid = {"compliance": 0.0, "creep": 0.0, "rest": 1e5}
     free = fit(replace(test, machine=Machine(**rigid))).stiffness_limits
-    known = fit(replace(test, machine=Machine(drift=1e-5, **rigid))).stiffness_limits
+    stiffness_limits = fit(replace(test, machine=Machine(drift=1e-5, **rigid))).stiffness_limits
     assert free is not None
-    assert known is not None
-    assert np.ptp(known["k_end"]) < 0.7 * np.ptp(free["k_end"])
-    assert np.ptp(known["k_3end"]) < 0.7 * np.ptp(free["k_3end"])
+    assert stiffness_limits is not None
+    assert np.ptp(stiffness_limits["k_end"]) < 0.7 * np.ptp(free["k_end"])
+    assert np.ptp(stiffness_limits["k_3end"]) < 0.7 * np.ptp(free["k_3end"])
 
 
 def test_no_weight_of_the_best_at_k_inf_is_no_limit_of_zero() -> None:
     """A power law flows on: the best spectrum has no spring, yet one may be there."""
     tau = np.geomspace(1e-3, 1e4, 40)
     solid = GeneralizedMaxwell(0.0, tuple(30 * tau**-0.15), tuple(tau))
-    left = fit(press_seal(solid)).stiffness_limits
-    assert left is not None
-    assert left["k_inf"][1] > 0.3 * left["k_end"][1]
-    assert left["k_end"][0] < solid.relaxation(40.0) < left["k_end"][1]
+    stiffness_limits = fit(press_seal(solid)).stiffness_limits
+    assert stiffness_limits is not None
+    assert stiffness_limits["k_inf"][1] > 0.3 * stiffness_limits["k_end"][1]
+    assert stiffness_limits["k_end"][0] < solid.relaxation(40.0) < stiffness_limits["k_end"][1]
 
 
 def test_several_tests_share_what_they_know() -> None:
-    one, two = (press_seal(BROAD, seed=seed) for seed in (1, 2))
-    alone, both = fit(one).stiffness_limits, fit([one, two]).stiffness_limits
-    assert alone is not None
+    item, two = (press_seal(BROAD, seed=seed) for seed in (1, 2))
+    stiffness_limits, both = fit(item).stiffness_limits, fit([item, two]).stiffness_limits
+    assert stiffness_limits is not None
     assert both is not None
-    assert np.ptp(both["k_end"]) < np.ptp(alone["k_end"])
+    assert np.ptp(both["k_end"]) < np.ptp(stiffness_limits["k_end"])
     assert both["k_end"][0] < BROAD.relaxation(40.0) < both["k_end"][1]
 
 
@@ -92,24 +92,24 @@ def test_several_depths_leave_open_what_the_deepest_feels() -> None:
         prepare(simulate_relaxation(BROAD, depth=depth, rig=rig, seed=seed).test)
         for depth, seed in ((4e-3, 3), (6e-3, 2), (8e-3, 1))
     ]
-    found = fit(tests)
-    assert found.elastic_law is not None
-    assert found.elastic_law.kind == "piecewise"
-    left, truth = found.stiffness_limits, (1 + 4000.0 * 8e-3**2) * BROAD
-    assert left is not None
-    T = found.evidence.end_of_hold.end_time  # type: ignore[union-attr]
+    result = fit(tests)
+    assert result.elastic_law is not None
+    assert result.elastic_law.kind == "piecewise"
+    stiffness_limits, truth = result.stiffness_limits, (1 + 4000.0 * 8e-3**2) * BROAD
+    assert stiffness_limits is not None
+    T = result.evidence.end_of_hold.end_time  # type: ignore[union-attr]
     for name, t in (("k_end", T), ("k_3end", 3 * T)):
-        for solid in (truth, found.model):
-            assert left[name][0] < solid.relaxation(t) < left[name][1]  # type: ignore[literal-required]
-    assert np.ptp(left["k_end"]) < 0.04 * left["k_end"][1]
+        for solid in (truth, result.model):
+            assert stiffness_limits[name][0] < solid.relaxation(t) < stiffness_limits[name][1]  # type: ignore[literal-required]
+    assert np.ptp(stiffness_limits["k_end"]) < 0.04 * stiffness_limits["k_end"][1]
 
 
 def test_end_of_hold_round_trips_through_json(broad_fit: Fit) -> None:
     again = from_json(to_json(broad_fit))
     assert again.evidence.end_of_hold == broad_fit.evidence.end_of_hold
-    kept = to_document(broad_fit)["end_of_hold_limits"]
-    assert kept["k_inf"] == list(broad_fit.stiffness_limits["k_inf"])
-    assert set(kept) == {
+    retained = to_document(broad_fit)["end_of_hold_limits"]
+    assert retained["k_inf"] == list(broad_fit.stiffness_limits["k_inf"])
+    assert set(retained) == {
         "k_inf", "k_end", "k_at_3_end", "end_time", "slope_limit", "if_machine_named",
         "k_at_10_end", "test_kind",
     }  # fmt: skip
@@ -135,10 +135,10 @@ def test_end_of_hold_states_known_and_unknown_stiffness() -> None:
 
 
 def test_a_verdict_is_no_surer_of_the_stiffness_than_the_limits_at_the_end_of_the_hold() -> None:
-    found = a_fit(PAPER, band=(0.004, 0.32))
-    exact = replace(found.estimate, covariance=1e-12 * np.eye(len(found.estimate.parameters)))
-    k = float(found.model.relaxation(40.0))
+    result = a_fit(PAPER, band=(0.004, 0.32))
+    exact = replace(result.estimate, covariance=1e-12 * np.eye(len(result.estimate.parameters)))
+    k = float(result.model.relaxation(40.0))
     end = EndOfHold(40.0, (0.95 * k, 1.05 * k), (0.9 * k, k), (0.0, k), 0.1 * k)
-    told = replace(found, estimate=exact, evidence=replace(found.evidence, end_of_hold=end))
-    assert told._error_in_band[0] == pytest.approx(0.05)
-    assert "the stiffness is known to ±5 %" in told.verdict.message
+    message = replace(result, estimate=exact, evidence=replace(result.evidence, end_of_hold=end))
+    assert message._error_in_band[0] == pytest.approx(0.05)
+    assert "the stiffness is known to ±5 %" in message.verdict.message

@@ -114,9 +114,9 @@ def test_specimens_in_one_fit_are_answered_with_the_whole_batch_line(tmp_path, m
         rows = "\n".join(map("{:.4f},{:.5f},{:.6f}".format, *columns))
         names.append(f"seal {i}.csv")
         (tmp_path / names[-1]).write_text(f"time [s],displacement [mm],force [N]\n{rows}\n")
-    told = ran("fit", *names)
-    verdict = " ".join(told.stdout.split())
-    assert re.match(r"Do not use: tests \d and \d are not of one seal\.", verdict), told.stdout
-    assert "next: dashpot batch 'seal 0.csv' 'seal 1.csv' 'seal 2.csv' -o lot" in told.stderr, (
-        told.stderr
+    result = ran("fit", *names)
+    verdict = " ".join(result.stdout.split())
+    assert re.match(r"Do not use: tests \d and \d are not of one seal\.", verdict), result.stdout
+    assert "next: dashpot batch 'seal 0.csv' 'seal 1.csv' 'seal 2.csv' -o lot" in result.stderr, (
+        result.stderr
     )

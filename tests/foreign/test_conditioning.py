@@ -25,20 +25,20 @@ from dashpot.preprocessing.prepare import prepare
 THREE = Arms("three arms", 200.0, (40.0, 30.0, 50.0), (0.3, 6.0, 40.0))
 
 
-def read(one: ConditionedRecord) -> dp.RelaxationTest:
-    return dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")
+def read(record: ConditionedRecord) -> dp.RelaxationTest:
+    return dp.RelaxationTest(record.time, record.displacement, record.force, units="SI")
 
 
-def fit_record(one: ConditionedRecord, **how: object) -> tuple[RampHold, Fit]:
-    ready = prepare(read(one), **how)
+def fit_record(record: ConditionedRecord, **how: object) -> tuple[RampHold, Fit]:
+    ready = prepare(read(record), **how)
     return ready, dp.fit(ready)
 
 
-def list_missed_limits(one: ConditionedRecord, found: Fit, hold: float) -> list[str]:
+def list_missed_limits(record: ConditionedRecord, fit: Fit, hold: float) -> list[str]:
     """The limits that do not hold the truth."""
     return [
         name
-        for name, (low, truth, high) in limits_of(one, found.stiffness_limits or {}, hold).items()
+        for name, (low, truth, high) in limits_of(record, fit.stiffness_limits or {}, hold).items()
         if not low <= truth <= high
     ]
 
@@ -50,32 +50,36 @@ def checks_of(ready: RampHold) -> Mapping[str, dp.Check]:
 @pytest.mark.parametrize("bonded", [False, True])
 @pytest.mark.parametrize("kind", HISTORIES)
 def test_a_seal_with_a_history_is_called_use_and_is_right(kind: str, bonded: bool) -> None:
-    one = make_conditioned_record(
+    record = make_conditioned_record(
         0, 7, kind=kind, bonded=bonded, mullins=0.0, truth=THREE, rest=2.0, rate=100.0
     )
-    ready, found = fit_record(one)
-    assert found.verdict.use == "use"
-    assert not list_missed_limits(one, found, ready.hold_time)
-    assert found.model.relaxation(one.hold) == pytest.approx(THREE.relaxation(one.hold), rel=0.01)
+    ready, result = fit_record(record)
+    assert result.verdict.use == "use"
+    assert not list_missed_limits(record, result, ready.hold_time)
+    assert result.model.relaxation(record.hold) == pytest.approx(
+        THREE.relaxation(record.hold), rel=0.01
+    )
     # the zero of compression is the first contact of the first loading
-    assert ready.depth == pytest.approx(one.depth, rel=1e-3)
-    assert len(ready.time) == len(one.time)
+    assert ready.depth == pytest.approx(record.depth, rel=1e-3)
+    assert len(ready.time) == len(record.time)
     assert "followed from the first sample on" in checks_of(ready)["single_loading"].message
 
 
 @pytest.mark.parametrize("rig", RIGS)
 def test_a_history_on_another_bench_holds_too(rig: str) -> None:
-    one = make_conditioned_record(3, 5, kind="cycles", mullins=0.0, truth=THREE, rest=2.0, rig=rig)
-    ready, found = fit_record(one)
-    assert found.verdict.use == "use"
-    assert not list_missed_limits(one, found, ready.hold_time)
+    record = make_conditioned_record(
+        3, 5, kind="cycles", mullins=0.0, truth=THREE, rest=2.0, rig=rig
+    )
+    ready, result = fit_record(record)
+    assert result.verdict.use == "use"
+    assert not list_missed_limits(record, result, ready.hold_time)
 
 
 def test_the_face_is_that_of_the_truth() -> None:
-    one = make_conditioned_record(
+    record = make_conditioned_record(
         0, 7, kind="cycles", bonded=False, mullins=0.0, truth=THREE, rest=2.0
     )
-    ready = prepare(read(one))
+    ready = prepare(read(record))
     at = int(np.searchsorted(ready.time, ready.onset))
     assert ready.plate is not None
     set_there = float(ready.displacement[at])
@@ -86,73 +90,79 @@ def test_the_face_is_that_of_the_truth() -> None:
 
 def test_a_seal_that_softens_is_not_called_use() -> None:
     for number, kind in enumerate(HISTORIES):
-        one = make_conditioned_record(
+        record = make_conditioned_record(
             number, 3, kind=kind, mullins=0.15, truth=THREE, rest=2.0, rate=100.0
         )
-        ready, found = fit_record(one)
-        assert found.verdict.use != "use" or not list_missed_limits(one, found, ready.hold_time)
+        ready, result = fit_record(record)
+        assert result.verdict.use != "use" or not list_missed_limits(
+            record, result, ready.hold_time
+        )
         if kind in {"cycles", "cycles with holds", "other speeds"}:
             assert checks_of(ready)["history_explained"].failed
 
 
 def test_fit_reports_missing_rows_of_the_history() -> None:
-    one = make_conditioned_record(
+    record = make_conditioned_record(
         0, 7, kind="cycles", mullins=0.0, truth=THREE, rest=5.0, rate=100.0
     )
-    moves = np.flatnonzero(np.abs(np.diff(one.displacement)) > 1e-5)
+    moves = np.flatnonzero(np.abs(np.diff(record.displacement)) > 1e-5)
     gone = slice(int(moves[20]), int(moves[20]) + 120)
-    time, x, force = (np.delete(part, gone) for part in (one.time, one.displacement, one.force))
-    found = dp.fit(dp.RelaxationTest(time, x, force, units="SI"))
-    assert "history_explained" in found.verdict.reasons
+    time, x, force = (
+        np.delete(part, gone) for part in (record.time, record.displacement, record.force)
+    )
+    fit = dp.fit(dp.RelaxationTest(time, x, force, units="SI"))
+    assert "history_explained" in fit.verdict.reasons
 
 
 def test_a_record_that_begins_pressed_is_not_called_use() -> None:
-    one = make_conditioned_record(
+    record = make_conditioned_record(
         0, 7, kind="cycles", bonded=False, mullins=0.0, truth=THREE, rest=5.0
     )
-    top = int(np.argmax(one.displacement > 0.99 * one.depth))
-    late = dp.RelaxationTest(one.time[top:], one.displacement[top:], one.force[top:], units="SI")
+    top = int(np.argmax(record.displacement > 0.99 * record.depth))
+    late = dp.RelaxationTest(
+        record.time[top:], record.displacement[top:], record.force[top:], units="SI"
+    )
     assert dp.fit(late).verdict.use != "use"
 
 
 def test_a_rest_that_is_stated_narrows_the_limits() -> None:
-    one = make_conditioned_record(
+    record = make_conditioned_record(
         0, 7, kind="cycles", bonded=False, mullins=0.0, truth=THREE, shown=False
     )
     ends = []
     for rest in (None, "1min", "1h"):
-        _, found = fit_record(one, machine=dp.Machine(rest=rest, compliance=0.0, creep=0.0))
-        assert found.stiffness_limits is not None
-        ends.append(float(np.ptp(found.stiffness_limits["k_end"])))
+        _, result = fit_record(record, machine=dp.Machine(rest=rest, compliance=0.0, creep=0.0))
+        assert result.stiffness_limits is not None
+        ends.append(float(np.ptp(result.stiffness_limits["k_end"])))
     assert ends[0] > ends[1] > ends[2]
 
 
 def test_hold_fit_refuses_earlier_loadings() -> None:
-    one = make_conditioned_record(0, 7, kind="cycles", mullins=0.0, truth=THREE, rest=2.0)
+    record = make_conditioned_record(0, 7, kind="cycles", mullins=0.0, truth=THREE, rest=2.0)
     with pytest.raises(dp.FitError, match="earlier loadings"):
-        dp.fit(prepare(read(one)), method="hold")
+        dp.fit(prepare(read(record)), method="hold")
 
 
 @pytest.mark.slow
 def test_verdict_use_is_reliable_for_conditioned_seals() -> None:
     """Of 140: "use" holds k(T), k(3T) and k_inf in 94 %, sound ones are "use" in 70 %."""
-    used = held = sound = sound_used = 0
+    used = held = intact = valid = 0
     for number in range(140):
-        one = make_conditioned_record(number, 20)
+        record = make_conditioned_record(number, 20)
         try:
-            ready, found = fit_record(one)
+            ready, result = fit_record(record)
         except dp.DashpotError:
-            sound += one.sound
+            intact += record.sound
             continue
-        use = found.verdict.use == "use"
+        use = result.verdict.use == "use"
         used, held = (
             used + use,
-            held + (use and not list_missed_limits(one, found, ready.hold_time)),
+            held + (use and not list_missed_limits(record, result, ready.hold_time)),
         )
-        sound, sound_used = sound + one.sound, sound_used + (one.sound and use)
+        intact, valid = intact + record.sound, valid + (record.sound and use)
     assert used >= 50
     assert held >= 0.94 * used
-    assert sound_used >= 0.7 * sound
+    assert valid >= 0.7 * intact
 
 
 @pytest.mark.parametrize("rest", [30.0, 400.0])
@@ -163,15 +173,15 @@ def test_second_depth_of_a_record_is_a_separate_depth(rest: float) -> None:
     plate = np.interp(time, corners, levels)
     _, force = press_solid(THREE, 0.02, plate, bonded=False)
     force += np.random.default_rng(3).normal(0.0, 2e-3, len(time))
-    found = dp.fit(dp.RelaxationTest(time, plate, force, units="SI"), elastic="by-depth")
-    assert [at.depth for at in found.evidence.stiffness_by_depth] == pytest.approx(
+    fit = dp.fit(dp.RelaxationTest(time, plate, force, units="SI"), elastic="by-depth")
+    assert [at.depth for at in fit.evidence.stiffness_by_depth] == pytest.approx(
         [4e-3, 8e-3], rel=2e-3
     )
-    assert [at.k_inf for at in found.evidence.stiffness_by_depth] == pytest.approx(
+    assert [at.k_inf for at in fit.evidence.stiffness_by_depth] == pytest.approx(
         [200.0, 200.0], rel=0.05
     )
     # what the second still remembers of the first is said
-    assert ("earlier_loading_negligible" in found.verdict.reasons) == (rest < 100)
+    assert ("earlier_loading_negligible" in fit.verdict.reasons) == (rest < 100)
 
 
 @pytest.mark.parametrize(
@@ -185,10 +195,10 @@ def test_second_depth_of_a_record_is_a_separate_depth(rest: float) -> None:
     ],
 )
 def test_a_header_may_state_the_rest(line: str, seconds: float | None, tmp_path: Path) -> None:
-    one = make_conditioned_record(
+    record = make_conditioned_record(
         0, 7, kind="cycles", mullins=0.0, truth=THREE, shown=False, rate=50.0
     )
-    rows = np.column_stack((one.time, 1e3 * one.displacement, one.force))
+    rows = np.column_stack((record.time, 1e3 * record.displacement, record.force))
     text = "\n".join(",".join(f"{value:.7g}" for value in row) for row in rows)
     path = tmp_path / "seal.csv"
     path.write_text(f"{line}\ntime [s],displacement [mm],force [N]\n{text}\n", encoding="utf-8")

@@ -15,14 +15,14 @@ from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.solids.jenkins import Jenkins
 
 T = np.geomspace(1e-3, 1e3, 40)
-ARMS = [one for one in TRUTHS if len(one.k) < 10]
+ARMS = [truth for truth in TRUTHS if len(truth.k) < 10]
 
 
 def model(solid):
     return dp.GeneralizedMaxwell(solid.k_inf, solid.k, solid.tau)
 
 
-@pytest.mark.parametrize("solid", [TABLE_1, BROAD, *ARMS[4:30:6]], ids=lambda one: one.name)
+@pytest.mark.parametrize("solid", [TABLE_1, BROAD, *ARMS[4:30:6]], ids=lambda item: item.name)
 def test_relaxation_stiffness_and_force_agree(solid):
     ours = model(solid)
     np.testing.assert_allclose(ours.relaxation(T), solid.relaxation(T), rtol=1e-13)
@@ -68,17 +68,17 @@ def test_creep_friction_and_rubber_agree():
 
 
 def test_a_record_reads_back_and_is_fitted_within_its_interval(tmp_path):
-    one = read(Seal(TABLE_1), Protocol(), Rig(noise=1e-3, bias=0.0), name="Table 1")
+    item = read(Seal(TABLE_1), Protocol(), Rig(noise=1e-3, bias=0.0), name="Table 1")
     path = tmp_path / "one.csv"
-    path.write_text(one.text(), "utf-8")
+    path.write_text(item.text(), "utf-8")
     test = read_relaxation(path)
-    np.testing.assert_array_equal(test.force, one.force)
-    np.testing.assert_array_equal(test.time, one.time)
+    np.testing.assert_array_equal(test.force, item.force)
+    np.testing.assert_array_equal(test.time, item.time)
     record = prepare(test)
-    found = fit(record, arms=2)
-    bounds = found.stiffness_limits
+    result = fit(record, arms=2)
+    bounds = result.stiffness_limits
     assert bounds is not None
     for name, times in (("k_end", 1), ("k_3end", 3), ("k_inf", np.inf)):
         low, high = bounds[name]
-        assert low <= one.seal.secant(times * record.hold_time) <= high
-    assert found.model.tau == pytest.approx(TABLE_1.tau, rel=0.05)
+        assert low <= item.seal.secant(times * record.hold_time) <= high
+    assert result.model.tau == pytest.approx(TABLE_1.tau, rel=0.05)

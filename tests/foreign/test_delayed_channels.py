@@ -51,7 +51,7 @@ class Claim:
 
 def share(claims: list[Claim]) -> float:
     """How many hold."""
-    return float(np.mean([one.holds for one in claims]))
+    return float(np.mean([claim.holds for claim in claims]))
 
 
 def machine(sync: float | None) -> dp.Machine | None:
@@ -61,8 +61,8 @@ def machine(sync: float | None) -> dp.Machine | None:
 # -- creep -----------------------------------------------------------------------------------------
 
 
-def crept(one: Sheet, sync: float | None = None) -> dp.Fit:
-    test = dp.CreepTest(one["time"], 1e-3 * one["displacement"], one["force"], units="SI")
+def crept(sheet: Sheet, sync: float | None = None) -> dp.Fit:
+    test = dp.CreepTest(sheet["time"], 1e-3 * sheet["displacement"], sheet["force"], units="SI")
     return dp.fit(test, machine=machine(sync))
 
 
@@ -70,19 +70,20 @@ def crept(one: Sheet, sync: float | None = None) -> dp.Fit:
 def late_creep() -> tuple[tuple[Sheet, dp.Fit], ...]:
     # by sevens, so that each delay meets each rate and each number of arms in turn
     return tuple(
-        (one, crept(one)) for one in (make_delayed_sheet("creep", 7 * i) for i in range(EVERY))
+        (sheet, crept(sheet))
+        for sheet in (make_delayed_sheet("creep", 7 * i) for i in range(EVERY))
     )
 
 
 @pytest.mark.slow
 def test_the_limits_of_a_creep_test_hold_whichever_channel_is_late():
     missed = []
-    for one, fit in late_creep():
+    for sheet, fit in late_creep():
         end = fit.evidence.end_of_hold
         for name, times in (("k_end", 1), ("k_3end", 3)):
             low, high = fit.stiffness_limits[name]
-            if not low <= over_displacement(one.truth["solid"], times * end.end_time) <= high:
-                missed.append(f"{one.name}: {name}")
+            if not low <= over_displacement(sheet.truth["solid"], times * end.end_time) <= high:
+                missed.append(f"{sheet.name}: {name}")
     assert len(missed) <= (1 - HOLD) * 2 * EVERY, missed
 
 
@@ -93,23 +94,23 @@ def test_a_creep_test_with_late_channels_stays_usable_and_says_the_delay():
         crept(make_delayed_sheet("creep", 7 * i, 0.0)).verdict.use == "use" for i in range(EVERY)
     ]
     used = [fit.verdict.use == "use" for _, fit in fits]
-    assert np.mean([one for one, sound in zip(used, in_step, strict=True) if sound]) >= 0.8
-    for one, fit in fits:
+    assert np.mean([item for item, intact in zip(used, in_step, strict=True) if intact]) >= 0.8
+    for sheet, fit in fits:
         delay = next(part for part in fit.estimate.nuisance if part.name == "delay")
         # one arm too few stands in the delay for what it gave
         assert delay.value == pytest.approx(
-            one.truth["late"], abs=0.004 + 0.6 * abs(delay.prior_sd)
+            sheet.truth["late"], abs=0.004 + 0.6 * abs(delay.prior_sd)
         )
-        step = float(np.median(np.diff(one["time"])))
+        step = float(np.median(np.diff(sheet["time"])))
         assert delay.prior_sd == pytest.approx(max(step, 5e-3))
 
 
 @pytest.mark.parametrize("late", LATE)
 def test_creep_fit_tolerates_a_delay_of_one_sample(late):
     """The fault: half a sample at 50 Hz made k of the fast arms up to 24 % wrong, and was "use"."""
-    one = make_delayed_sheet("creep", 5, late, 50.0)
-    fit, solid = crept(one), one.truth["solid"]
-    t = np.geomspace(0.04, one.truth["hold"], 20)
+    sheet = make_delayed_sheet("creep", 5, late, 50.0)
+    fit, solid = crept(sheet), sheet.truth["solid"]
+    t = np.geomspace(0.04, sheet.truth["hold"], 20)
     assert fit.verdict.use == "use"
     assert fit.solid.relaxation(t) == pytest.approx(solid.relaxation(t), rel=0.005)
 
@@ -123,28 +124,30 @@ def test_a_load_of_two_samples_claims_no_loss_between_samples(late):
     load = np.interp(clock, [4.0, 4.1], [0.0, 5.0])
     fade = np.exp(-fine / tau)
     give = tau / fine * (1 - fade)
-    arms, moved, path = np.zeros(3), 0.0, np.empty(len(clock))
+    arms, variant, path = np.zeros(3), 0.0, np.empty(len(clock))
     for i, force in enumerate(load):
-        now = (force + (k * give).sum() * moved - (fade * arms).sum()) / (k_inf + (k * give).sum())
-        arms, moved = fade * arms + k * give * (now - moved), now
-        path[i] = moved
+        now = (force + (k * give).sum() * variant - (fade * arms).sum()) / (
+            k_inf + (k * give).sum()
+        )
+        arms, variant = fade * arms + k * give * (now - variant), now
+        path[i] = variant
     random = np.random.default_rng(11)
     t = np.arange(0.0, 64.0, 1 / rate)
     x = np.interp(t - late / rate, clock, path) + 1e-3 * random.standard_normal(len(t))
     F = np.interp(t, clock, load) + 1e-3 * random.standard_normal(len(t))
-    found = dp.fit(dp.CreepTest(t, x, F, units="s, mm, N"))
-    assert found.verdict.use != "do not use"
-    assert found.band[1] <= 0.1 * rate / (2 * pi) * (1 + 1e-9)
-    s_lines = 2j * pi * np.geomspace(*found.band, 20)[:, None]
+    fit = dp.fit(dp.CreepTest(t, x, F, units="s, mm, N"))
+    assert fit.verdict.use != "do not use"
+    assert fit.band[1] <= 0.1 * rate / (2 * pi) * (1 + 1e-9)
+    s_lines = 2j * pi * np.geomspace(*fit.band, 20)[:, None]
     truth = k_inf + (k * s_lines * tau / (1 + s_lines * tau)).sum(1)
-    K = found.model.complex_stiffness(omega=s_lines[:, 0].imag)
+    K = fit.model.complex_stiffness(omega=s_lines[:, 0].imag)
     off = (K.imag / K.real) / (truth.imag / truth.real) - 1
-    assert np.abs(off).max() <= found._error_in_band[1]
+    assert np.abs(off).max() <= fit._error_in_band[1]
 
 
 def test_creep_fit_uses_the_stated_clock_error():
-    one = make_delayed_sheet("creep", 5, -1.0, 50.0)
-    sure, usual = crept(one, 0.0), crept(one)
+    sheet = make_delayed_sheet("creep", 5, -1.0, 50.0)
+    sure, usual = crept(sheet, 0.0), crept(sheet)
     errors = [
         next(part for part in fit.estimate.nuisance if part.name == "delay")
         for fit in (sure, usual)
@@ -159,8 +162,8 @@ def test_creep_fit_uses_the_stated_clock_error():
 
 
 def test_a_creep_test_takes_nothing_else_of_a_machine():
-    one = make_delayed_sheet("creep", 5, 0.0, 50.0)
-    test = dp.CreepTest(one["time"], 1e-3 * one["displacement"], one["force"], units="SI")
+    sheet = make_delayed_sheet("creep", 5, 0.0, 50.0)
+    test = dp.CreepTest(sheet["time"], 1e-3 * sheet["displacement"], sheet["force"], units="SI")
     with pytest.raises(dp.DashpotError, match=r"drift= does not suit a creep test.*takes sync"):
         dp.fit(test, machine=dp.Machine(drift=1e-3))
 
@@ -168,91 +171,97 @@ def test_a_creep_test_takes_nothing_else_of_a_machine():
 # -- loops -----------------------------------------------------------------------------------------
 
 
-def fit_loops(one: Sheet, sync: float | None = None) -> AmplitudeFit:
-    test = dp.RelaxationTest(one["time"], 1e-3 * one["displacement"], one["force"], units="SI")
-    found = fit_amplitude_record(test, machine=machine(sync)).fit
-    assert isinstance(found, AmplitudeFit)
-    return found
+def fit_loops(sheet: Sheet, sync: float | None = None) -> AmplitudeFit:
+    test = dp.RelaxationTest(
+        sheet["time"], 1e-3 * sheet["displacement"], sheet["force"], units="SI"
+    )
+    fit = fit_amplitude_record(test, machine=machine(sync)).fit
+    assert isinstance(fit, AmplitudeFit)
+    return fit
 
 
-def loss_of(one: Sheet, found: AmplitudeFit) -> Claim:
+def loss_of(sheet: Sheet, amplitude_fit: AmplitudeFit) -> Claim:
     """Of a vanishing loop, in which sliders stick."""
-    truth = one.truth["seal"].stiffness(2 * pi * one.truth["frequency"]).imag
-    line = found.lines[0]
+    truth = sheet.truth["seal"].stiffness(2 * pi * sheet.truth["frequency"]).imag
+    line = amplitude_fit.lines[0]
     return Claim("loss", line.loss, line.loss_se, truth)
 
 
 def test_loss_of_delayed_loops_is_within_its_error():
     claims = []
     for seed in range(EVERY):
-        one = make_delayed_sheet("loops", seed)
-        claims.append(loss_of(one, fit_loops(one)))
-    assert share(claims) >= HOLD, [one for one in claims if not one.holds]
+        sheet = make_delayed_sheet("loops", seed)
+        claims.append(loss_of(sheet, fit_loops(sheet)))
+    assert share(claims) >= HOLD, [claim for claim in claims if not claim.holds]
 
 
 def test_stated_clocks_narrow_the_loss_of_loops():
-    one = make_delayed_sheet("loops", 13, 0.0)
-    usual, sure = fit_loops(one), fit_loops(one, 0.0)
-    step = float(np.median(np.diff(one["time"])))
+    sheet = make_delayed_sheet("loops", 13, 0.0)
+    usual, sure = fit_loops(sheet), fit_loops(sheet, 0.0)
+    step = float(np.median(np.diff(sheet["time"])))
     assert (usual.delay_sd, sure.delay_sd) == pytest.approx((max(step, 5e-3), 0.01 * step))
     assert sure.lines[0].loss_se < 0.3 * usual.lines[0].loss_se
-    omega_x_delay = 2 * pi * one.truth["frequency"] * usual.delay_sd
+    omega_x_delay = 2 * pi * sheet.truth["frequency"] * usual.delay_sd
     # K'' is off by K' sin(w d): to first order in the delay
     assert usual.lines[0].loss_se == pytest.approx(
         usual.lines[0].storage * np.sin(omega_x_delay), rel=0.15
     )
-    stated = fit_loops(one, 4 * usual.delay_sd)
+    stated = fit_loops(sheet, 4 * usual.delay_sd)
     assert stated.lines[0].loss_se > 3 * usual.lines[0].loss_se
 
 
 # -- pressed and released --------------------------------------------------------------------------
 
 
-def fit_cld(one: Sheet, sync: float | None = None) -> dp.CLD:
+def fit_cld(sheet: Sheet, sync: float | None = None) -> dp.CLD:
     test = dp.CLDTest(
-        1e-3 * one["displacement"], one["force"], one["time"], dp.Specimen(length=0.1), units="SI"
+        1e-3 * sheet["displacement"],
+        sheet["force"],
+        sheet["time"],
+        dp.Specimen(length=0.1),
+        units="SI",
     )
-    return cld(test, at=0.6 * one.truth["seal"].depth, machine=machine(sync))
+    return cld(test, at=0.6 * sheet.truth["seal"].depth, machine=machine(sync))
 
 
-def claims_of(one: Sheet, found: dp.CLD) -> list[Claim]:
-    x, force, top = cycle_of(one, found.cycle.number)
-    at, felt = found.nominal.compression, np.maximum(x, 0.0)
-    put = np.trapezoid(force[: top + 1], felt[: top + 1])
-    given = -np.trapezoid(force[top:], felt[top:])
-    nominal, cycle = found.nominal, found.cycle
+def claims_of(sheet: Sheet, result: dp.CLD) -> list[Claim]:
+    x, force, top = cycle_of(sheet, result.cycle.number)
+    at, sensed = result.nominal.compression, np.maximum(x, 0.0)
+    put = np.trapezoid(force[: top + 1], sensed[: top + 1])
+    inputs = -np.trapezoid(force[top:], sensed[top:])
+    nominal, cycle = result.nominal, result.cycle
     way_in = float(np.interp(at, x[: top + 1], force[: top + 1]))
     back = float(np.interp(-at, -x[top:], force[top:]))
     return [
         Claim("loading", nominal.loading, nominal.loading_se, way_in),
         Claim("unloading", nominal.unloading, nominal.unloading_se, back),
-        Claim("hysteresis", cycle.hysteresis, cycle.hysteresis_se, float(1 - given / put)),
+        Claim("hysteresis", cycle.hysteresis, cycle.hysteresis_se, float(1 - inputs / put)),
     ]
 
 
 def test_force_and_work_of_delayed_cld_are_within_their_errors():
     records = [make_delayed_sheet("cld", seed) for seed in range(2 * EVERY)]
-    found = [(one, fit_cld(one)) for one in records]
-    claims = [claim for one, each in found for claim in claims_of(one, each)]
-    assert share(claims) >= HOLD, [one for one in claims if not one.holds]
-    assert np.mean([each.verdict.use == "use" for _, each in found]) >= 0.8
+    result = [(record, fit_cld(record)) for record in records]
+    claims = [claim for item, element in result for claim in claims_of(item, element)]
+    assert share(claims) >= HOLD, [claim for claim in claims if not claim.holds]
+    assert np.mean([fit.verdict.use == "use" for _, fit in result]) >= 0.8
 
 
 def test_stated_clocks_narrow_the_dissipated_work_of_a_cld():
-    one = make_delayed_sheet("cld", 7, 0.0, 50.0)
-    usual, sure = fit_cld(one), fit_cld(one, 0.0)
+    sheet = make_delayed_sheet("cld", 7, 0.0, 50.0)
+    usual, sure = fit_cld(sheet), fit_cld(sheet, 0.0)
     assert sure.cycle.hysteresis_se < 0.05 * usual.cycle.hysteresis_se
     assert sure.nominal.unloading_se < 0.5 * usual.nominal.unloading_se
-    assert all(claim.holds for claim in claims_of(one, usual))
+    assert all(claim.holds for claim in claims_of(sheet, usual))
     # of a force that rises and falls at a speed v the work that is lost grows by 2 v d of its peak
     grown = 2 * usual.cycle.speed * usual.delay_sd * usual.cycle.peak / usual.cycle.energy
     assert usual.cycle.hysteresis_se == pytest.approx(grown, rel=0.25)
 
 
 def test_without_a_clock_a_delay_is_of_samples_and_cannot_be_stated():
-    one = make_delayed_sheet("cld", 7, 0.0, 50.0)
-    test = dp.CLDTest(1e-3 * one["displacement"], one["force"], units="SI")
-    timed = fit_cld(one)
+    sheet = make_delayed_sheet("cld", 7, 0.0, 50.0)
+    test = dp.CLDTest(1e-3 * sheet["displacement"], sheet["force"], units="SI")
+    timed = fit_cld(sheet)
     assert cld(test).delay_sd == 1.0
     assert cld(test).cycle.hysteresis_se == pytest.approx(timed.cycle.hysteresis_se, rel=0.05)
     with pytest.raises(dp.DashpotError, match="has no clock"):
@@ -264,12 +273,12 @@ def test_without_a_clock_a_delay_is_of_samples_and_cannot_be_stated():
 
 @pytest.mark.parametrize("late", LATE)
 def test_impact_fit_uses_only_the_force_and_no_delay(late):
-    one = drop(2, 0.0, 20.0)
-    moved = late_by(np.repeat(one["acceleration"], 1), late, 1)
-    mass = one.truth["specimen"].mass
+    sheet = drop(2, 0.0, 20.0)
+    variant = late_by(np.repeat(sheet["acceleration"], 1), late, 1)
+    mass = sheet.truth["specimen"].mass
     still, other = (
-        dp.fit(dp.DropTest(one["time"], one["force"], each, units="SI"), mass=mass)
-        for each in (one["acceleration"], moved)
+        dp.fit(dp.DropTest(sheet["time"], sheet["force"], item, units="SI"), mass=mass)
+        for item in (sheet["acceleration"], variant)
     )
     assert [fact.value for fact in other.facts] == [fact.value for fact in still.facts]
     assert other.verdict.use == still.verdict.use

@@ -14,7 +14,7 @@ from dashpot.extensions.materials.drop.elastic_law import ElasticLawPrior
 from dashpot.extensions.materials.drop.fit import fit_drop_tests
 
 
-def fit_impacts(of: DropSet, seed: int, *, known: bool) -> DropFit:
+def fit_impacts(of: DropSet, seed: int, *, expected: bool) -> DropFit:
     """The fit of three impacts, of a law that is free or known to 1 %."""
     random, specimen = np.random.default_rng([seed, 77]), of.specimen
     tests = [
@@ -22,7 +22,7 @@ def fit_impacts(of: DropSet, seed: int, *, known: bool) -> DropFit:
         for time, force in zip(of.time, of.force, strict=True)
     ]
     relaxation, law = make_relaxation_fit(specimen, random), ElasticLawPrior.free()
-    if known:
+    if expected:
         c = np.array(specimen.c)
         sd = np.maximum(0.01 * c, 0.003 * c[0] / specimen.depth ** np.arange(3))
         off = c + sd * random.standard_normal(3)
@@ -49,14 +49,14 @@ SHAPES = {
 
 
 @pytest.mark.parametrize(
-    "way", [one if one == "friction 2 %" else pytest.param(one, marks=pytest.mark.slow)
-            for one in ("", *SHAPES)]
+    "way", [item if item == "friction 2 %" else pytest.param(item, marks=pytest.mark.slow)
+            for item in ("", *SHAPES)]
 )  # fmt: skip
 def test_unmodelled_force_of_specimen_or_sensor_is_marked(way: str) -> None:
-    found = fit_impacts(drop_set(way, 2), 2, known=False)
-    (check,) = [one for one in found.checks if one.name == "impact_residual_structureless"]
+    drop_fit = fit_impacts(drop_set(way, 2), 2, expected=False)
+    (check,) = [check for check in drop_fit.checks if check.name == "impact_residual_structureless"]
     assert check.passed is (way == "")
-    assert (found.verdict.use == "use") is (way == "")
+    assert (drop_fit.verdict.use == "use") is (way == "")
     if way:
         assert f"is most like {SHAPES[way]}" in check.message
 
@@ -64,21 +64,21 @@ def test_unmodelled_force_of_specimen_or_sensor_is_marked(way: str) -> None:
 @pytest.mark.slow
 def test_usable_drop_fits_cover_simulated_loss_factor() -> None:
     """Of specimens and sensors within the model and outside, 12 of each way."""
-    used, missed, sound = 0, 0, 0
+    used, missed, intact = 0, 0, 0
     for way in (*WAYS, "fractional"):
         for seed in range(100, 112):
             of = drop_set(way, seed)
-            found = fit_impacts(of, seed, known=bool(seed % 2))
-            if found.verdict.use != "use":
+            drop_fit = fit_impacts(of, seed, expected=bool(seed % 2))
+            if drop_fit.verdict.use != "use":
                 continue
             loss, peak = (
-                found["loss_factor"],
-                dp.predict(found.fit, drop=OTHER, mass=of.specimen.mass),
+                drop_fit["loss_factor"],
+                dp.predict(drop_fit.fit, drop=OTHER, mass=of.specimen.mass),
             )
-            truth = of.specimen.loss_factor(found.frequency)
+            truth = of.specimen.loss_factor(drop_fit.frequency)
             held = loss.low < truth < loss.high and peak.answers[0].low < of.peak
-            used, sound = used + 1, sound + (way == "")
+            used, intact = used + 1, intact + (way == "")
             missed += not (held and of.peak < peak.answers[0].high)
-    assert sound >= 0.6 * 12
+    assert intact >= 0.6 * 12
     # of these 4 of 26, of the seeds by which the limit was set 6 of 82; 82 of 220 without the check
     assert missed <= 0.2 * used

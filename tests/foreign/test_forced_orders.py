@@ -12,9 +12,9 @@ from dashpot.extensions.curves.dynamic.fit import fit_dynamic
 from dashpot.extensions.curves.modulus.fit import fit_modulus
 
 
-def fit_order(one: ForcedOrder, arms: int) -> dp.Fit:
+def fit_order(forced_order: ForcedOrder, arms: int) -> dp.Fit:
     """The fit of a test by so many arms."""
-    test = one.test
+    test = forced_order.test
     if not isinstance(test, Curve):
         record = dp.RelaxationTest(test.time, test.displacement, test.force, units="SI")
         return dp.fit(record, arms=arms)
@@ -26,25 +26,25 @@ def fit_order(one: ForcedOrder, arms: int) -> dp.Fit:
     return fit_dynamic(dp.DynamicTest(test.at, *test.values, unit="Pa", units="SI"), arms=arms)
 
 
-def list_failed_checks(found: dp.Fit) -> set[str]:
-    return {check.name for check in found.checks if check.failed}
+def list_failed_checks(fit: dp.Fit) -> set[str]:
+    return {check.name for check in fit.checks if check.failed}
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_fewer_arms_than_the_truth_are_no_use_and_as_many_are(kind: str) -> None:
-    for one in generate_forced_orders(kind, 3, seed=5):
-        for arms in range(1, one.arms):
-            found = fit_order(one, arms)
-            assert found.verdict.use != "use", (one.arms, arms)
-            assert "arms_enough" in list_failed_checks(found)
-        enough = fit_order(one, one.arms)
+    for forced_order in generate_forced_orders(kind, 3, seed=5):
+        for arms in range(1, forced_order.arms):
+            fit = fit_order(forced_order, arms)
+            assert fit.verdict.use != "use", (forced_order.arms, arms)
+            assert "arms_enough" in list_failed_checks(fit)
+        enough = fit_order(forced_order, forced_order.arms)
         assert enough.verdict.use == "use", enough.verdict
         assert "arms_enough" not in list_failed_checks(enough)
 
 
 def test_the_check_says_what_either_number_leaves_and_which_to_take() -> None:
-    one = next(generate_forced_orders("ramp and hold", 1, seed=6))
-    check = next(check for check in fit_order(one, 1).checks if check.name == "arms_enough")
+    item = next(generate_forced_orders("ramp and hold", 1, seed=6))
+    check = next(check for check in fit_order(item, 1).checks if check.name == "arms_enough")
     assert check.message.startswith("1 arm leaves ")
     assert "2 arms leave " in check.message
     assert check.remedy is not None
@@ -54,6 +54,6 @@ def test_the_check_says_what_either_number_leaves_and_which_to_take() -> None:
 def test_a_misfit_that_leaves_few_independent_samples_is_no_noise() -> None:
     """Of one arm for two without any noise the residuals are equal to a handful of samples."""
     test = dp.simulate("relaxation", hold="40s", noise_free=True)
-    found = dp.fit(test, arms=1)
-    assert {"arms_enough", "samples_independent"} <= list_failed_checks(found)
-    assert found.verdict.use != "use"
+    fit = dp.fit(test, arms=1)
+    assert {"arms_enough", "samples_independent"} <= list_failed_checks(fit)
+    assert fit.verdict.use != "use"

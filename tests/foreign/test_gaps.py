@@ -15,20 +15,20 @@ import dashpot as dp
 CLAIMED = 1.0
 
 
-def off_its_claim(found: dp.Fit, one: Curve) -> float:
+def off_its_claim(fit: dp.Fit, curve: Curve) -> float:
     """The largest error over the band, over what the fit says of it."""
-    lines = np.geomspace(*found.band, 60)
-    errors = off(one.solid, lines, found.solid.complex_stiffness(omega=2 * np.pi * lines))
-    return max(error / claim for error, claim in zip(errors, found._error_in_band, strict=True))
+    lines = np.geomspace(*fit.band, 60)
+    errors = off(curve.solid, lines, fit.solid.complex_stiffness(omega=2 * np.pi * lines))
+    return max(error / claim for error, claim in zip(errors, fit._error_in_band, strict=True))
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_curve_with_a_gap_is_used_with_the_truth_outside(kind: str) -> None:
     used = [
-        (one.name, off_its_claim(found, one))
-        for one in generate_gapped_curves(kind, 8, seed=43)
-        for found in [fit_curve(one)]
-        if found.verdict.use == "use"
+        (curve.name, off_its_claim(fit, curve))
+        for curve in generate_gapped_curves(kind, 8, seed=43)
+        for fit in [fit_curve(curve)]
+        if fit.verdict.use == "use"
     ]
     assert len(used) >= 4
     assert not [name for name, error in used if error > CLAIMED]
@@ -36,9 +36,11 @@ def test_no_curve_with_a_gap_is_used_with_the_truth_outside(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_whole_curve_stays_in_use(kind: str) -> None:
-    every = [(fit_curve(one), one) for one in generate_gapped_curves(kind, 4, seed=44, whole=True)]
+    every = [
+        (fit_curve(curve), curve) for curve in generate_gapped_curves(kind, 4, seed=44, whole=True)
+    ]
     # of creep any record may hide a slow flow
-    assert sum(found.verdict.use == "use" for found, _ in every) >= 3
+    assert sum(fit.verdict.use == "use" for fit, _ in every) >= 3
     assert all(off_its_claim(*pair) <= CLAIMED for pair in every)
 
 
@@ -47,24 +49,24 @@ def test_the_band_of_a_modulus_ends_at_a_gap_that_hides_an_arm() -> None:
     solid = Solid.arms("three", 10e6, (30e6, 40e6, 20e6), (0.02, 0.4, 6.0))
     random = np.random.default_rng(1)
     every = np.concatenate((np.linspace(2e-3, 10e-3, 30), np.geomspace(3.0, 60.0, 100)))
-    found = fit_curve(measure_curve("curve", "hole", solid, every, random))
+    fit = fit_curve(measure_curve("curve", "hole", solid, every, random))
     whole = fit_curve(
         measure_curve("curve", "no hole", solid, np.geomspace(2e-3, 60.0, 130), random)
     )
-    assert found.band[1] < 0.16 or found.band[0] > 5.0
+    assert fit.band[1] < 0.16 or fit.band[0] > 5.0
     assert whole.band[0] < 0.01
     assert whole.band[1] > 10
-    assert (found.verdict.use, whole.verdict.use) == ("use", "use")
+    assert (fit.verdict.use, whole.verdict.use) == ("use", "use")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_of_many_curves_with_gaps_few_miss(kind: str) -> None:
     errors = [
-        off_its_claim(found, one)
-        for one in generate_gapped_curves(kind, 60, seed=45)
-        for found in [fit_curve(one)]
-        if found.verdict.use == "use"
+        off_its_claim(fit, curve)
+        for curve in generate_gapped_curves(kind, 60, seed=45)
+        for fit in [fit_curve(curve)]
+        if fit.verdict.use == "use"
     ]
     assert len(errors) >= 30
     assert np.mean(np.array(errors) > CLAIMED) <= 0.04

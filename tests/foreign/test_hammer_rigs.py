@@ -33,10 +33,10 @@ def solid_of(hits, record, **how):
 def errors(fit, record):
     """Errors of the size of K and of the loss factor at the resonance, relative, and their SE."""
     omega, truth = record.truth["omega"], record.truth["stiffness"]
-    found = fit.solid.complex_stiffness(omega=omega)
+    stiffness = fit.solid.complex_stiffness(omega=omega)
     se = fit.estimate.errors_of_vibration(fit.model, np.array([1j * omega]))
-    loss = (found.imag / found.real) / (truth.imag / truth.real) - 1
-    return (abs(found) / abs(truth) - 1, loss), se
+    loss = (stiffness.imag / stiffness.real) / (truth.imag / truth.real) - 1
+    return (abs(stiffness) / abs(truth) - 1, loss), se
 
 
 def test_the_generator_imports_nothing_of_dashpot():
@@ -79,12 +79,12 @@ def test_the_noise_shows_an_exponential_window(seed, rig, tmp_path):
     frf = hits.frf()
     assert frf.shift_sd < 0.06 / rig.window
     assert frf.shift == pytest.approx(1 / rig.window, abs=4 * frf.shift_sd)
-    (step,) = [one for one in frf.steps if one.name == "recorded_window"]
+    (step,) = [step for step in frf.steps if step.name == "recorded_window"]
     assert "noise" in step.message
     mode = frf.modes()[0]
     assert abs(mode.damping_ratio - damping(record)) < 4 * mode.damping_ratio_se + 5e-5
-    found = solid_of(hits, record, machine=dp.Machine(cable=0))
-    (size, loss), se = errors(found, record)
+    model = solid_of(hits, record, machine=dp.Machine(cable=0))
+    (size, loss), se = errors(model, record)
     assert abs(size) < NORMAL * se[0]
     assert abs(loss) < 3 * se[1]
 
@@ -105,10 +105,10 @@ def test_honest_channels_have_none(seed, rig, tmp_path):
 def test_a_window_whose_noise_rounds_to_nothing_is_no_use(step, tmp_path):
     record = strike_block(3, Rig(window=0.8, step=step))
     hits = dp.read(write_record(record, tmp_path))
-    found = solid_of(hits, record)
-    assert found.verdict.use != "use"
+    model = solid_of(hits, record)
+    assert model.verdict.use != "use"
     assert dp.fit(hits).verdict.use != "use"
-    (check,) = [one for one in found.checks if one.name == "window_decay_determined"]
+    (check,) = [check for check in model.checks if check.name == "window_decay_determined"]
     assert check.failed
     assert "window" in check.message
 
@@ -130,9 +130,9 @@ def test_what_is_stated_is_taken_and_what_the_noise_contradicts_is_no_use(tmp_pa
     path = write_record(record, tmp_path)
     assert dp.read(path, window_decay="0.8s").frf().shift == 1.25
     for wrong in ("2s", "0s"):
-        found = dp.fit(dp.read(path, window_decay=wrong))
-        assert found.verdict.use == "use with care"
-        assert "window" in found.verdict.message
+        fit = dp.fit(dp.read(path, window_decay=wrong))
+        assert fit.verdict.use == "use with care"
+        assert "window" in fit.verdict.message
 
 
 def test_frf_estimates_an_unstated_window_decay_from_the_noise(tmp_path):
@@ -255,8 +255,8 @@ def test_identify_intervals_cover_a_cable(seed, tmp_path):
     # assumed: a standard deviation of 1.5 %; 3 % would be two of them, beyond a 95 % interval
     record = strike_block(seed, Rig(cable=(0.01, 0.015, 0.02, 0.02)[seed]))
     hits = dp.read(write_record(record, tmp_path))
-    found = solid_of(hits, record)
-    (size, loss), se = errors(found, record)
+    model = solid_of(hits, record)
+    (size, loss), se = errors(model, record)
     assert abs(size) < NORMAL * se[0]
     assert abs(loss) < NORMAL * se[1]
     # hung free, a cable adds nothing: what is then claimed does not hold it
@@ -277,9 +277,9 @@ def test_identify_intervals_cover_a_stiffer_cable_that_is_stated(seed, tmp_path)
 @pytest.mark.parametrize("seed", range(3))
 def test_identify_of_a_valid_rig_has_verdict_use_and_its_numbers(seed, tmp_path):
     record = strike_block(seed)
-    found = solid_of(dp.read(write_record(record, tmp_path)), record)
-    (size, loss), se = errors(found, record)
-    assert found.verdict.use == "use"
+    model = solid_of(dp.read(write_record(record, tmp_path)), record)
+    (size, loss), se = errors(model, record)
+    assert model.verdict.use == "use"
     assert abs(size) < 0.005
     assert abs(loss) < 0.01
     assert se[0] < 0.025
@@ -291,8 +291,8 @@ def test_identify_of_a_valid_rig_has_verdict_use_and_its_numbers(seed, tmp_path)
 def test_fit_reports_an_unstated_number_of_seals(tmp_path):
     record = strike_block(3)
     hits = dp.read(write_record(record, tmp_path))
-    alone = dp.fit(hits, mass=record.truth["mass"])
-    (check,) = [one for one in alone.checks if one.name == "seals_counted"]
+    fit = dp.fit(hits, mass=record.truth["mass"])
+    (check,) = [check for check in fit.checks if check.name == "seals_counted"]
     assert "1 seal is assumed" in check.message
-    told = dp.fit(hits, mass=record.truth["mass"], seals=1)
-    assert "seals_counted" not in {one.name for one in told.checks}
+    message = dp.fit(hits, mass=record.truth["mass"], seals=1)
+    assert "seals_counted" not in {check.name for check in message.checks}

@@ -19,24 +19,24 @@ SHORT = ("none",)
 
 def claims(names: tuple[str, ...], seed: int, *, every: int = 1) -> Iterator[tuple[float, dp.Fit]]:
     """The largest error over the band over what is said of it, of each that is called "use"."""
-    for one in verdict_records(TRUTHS[::every], list(names), seed):
-        test = dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")
-        found = dp.fit(prepare(test, machine=dp.Machine(**one.told)))
-        if found.verdict.use != "use":
+    for record in verdict_records(TRUTHS[::every], list(names), seed):
+        test = dp.RelaxationTest(record.time, record.displacement, record.force, units="SI")
+        fit = dp.fit(prepare(test, machine=dp.Machine(**record.told)))
+        if fit.verdict.use != "use":
             continue
-        lines = np.geomspace(*found.band, 40)
-        K = found.model_at(one.seal.depth).complex_stiffness(omega=2 * np.pi * lines)
-        errors = off(one.seal, lines, K)
-        yield max(e / c for e, c in zip(errors, found._error_in_band, strict=True)), found
+        lines = np.geomspace(*fit.band, 40)
+        K = fit.model_at(record.seal.depth).complex_stiffness(omega=2 * np.pi * lines)
+        errors = off(record.seal, lines, K)
+        yield max(e / c for e, c in zip(errors, fit._error_in_band, strict=True)), fit
 
 
 def test_a_headline_is_right_and_no_loss_factor_worse_than_30_percent_is_in_use() -> None:
     every = list(claims(SHORT, 7, every=4))
     assert len(every) >= 7
     assert max(error for error, _ in every) <= 1.0
-    for _, found in every:
-        assert found._error_in_band[1] <= 0.3
-        assert f"±{100 * found._error_in_band[1]:.2g} %" in str(found.verdict)
+    for _, fit in every:
+        assert fit._error_in_band[1] <= 0.3
+        assert f"±{100 * fit._error_in_band[1]:.2g} %" in str(fit.verdict)
 
 
 @pytest.mark.slow

@@ -39,12 +39,12 @@ def fit_of(made: Record) -> dp.Fit:
     return fit(prepare(test, machine=dp.Machine(**made.told)))
 
 
-def get_check(found: dp.Fit, name: str):
-    return next(one for one in found.checks if one.name == name)
+def get_check(result: dp.Fit, name: str):
+    return next(check for check in result.checks if check.name == name)
 
 
-def limits_hold(made: Record, found: dp.Fit, hold: float) -> bool:
-    limits = found.stiffness_limits
+def limits_hold(made: Record, result: dp.Fit, hold: float) -> bool:
+    limits = result.stiffness_limits
     return all(
         (name == "k_inf" or limits[name][0] <= made.seal.secant(times * hold))
         and made.seal.secant(times * hold) <= limits[name][1]
@@ -54,8 +54,8 @@ def limits_hold(made: Record, found: dp.Fit, hold: float) -> bool:
 
 @pytest.mark.parametrize("rig", [name for name in LYING if name != "force repeated at 5 Hz"])
 def test_a_frozen_channel_is_no_use(rig):
-    _, found = fit_rig(rig)
-    assert found.verdict.use != "use"
+    _, result = fit_rig(rig)
+    assert result.verdict.use != "use"
 
 
 def test_a_force_that_is_renewed_at_a_slow_rate_is_no_use():
@@ -80,11 +80,11 @@ def test_the_check_names_the_channel(rig):
 @pytest.mark.parametrize("truth", range(3))
 @pytest.mark.parametrize("rig", HONEST)
 def test_readings_check_accepts_coarse_and_noiseless_records(rig, truth):
-    made, found = fit_rig(rig, truth)
-    assert get_check(found, "readings_not_repeated").value == 0
-    assert found.verdict.use == "use"
+    made, result = fit_rig(rig, truth)
+    assert get_check(result, "readings_not_repeated").value == 0
+    assert result.verdict.use == "use"
     # limits count noise: of a record that has none they are of the order of what arms may miss
-    assert rig == "without noise" or limits_hold(made, found, found.evidence.end_of_hold.end_time)
+    assert rig == "without noise" or limits_hold(made, result, result.evidence.end_of_hold.end_time)
 
 
 @pytest.mark.parametrize("seconds", [1.0, 5.0, 20.0])
@@ -108,18 +108,18 @@ def test_readings_check_detects_freezes_of_any_length(noise, rate, seconds):
 @pytest.mark.parametrize("truth", range(3))
 @pytest.mark.parametrize("rig", HUNTING)
 def test_a_servo_that_hunts_on_record_is_answered_by_the_seal(rig, truth):
-    made, found = fit_rig(rig, truth)
-    assert not any("hum" in step.message for step in found.steps)
-    assert found.verdict.use == "use"
-    assert limits_hold(made, found, found.evidence.end_of_hold.end_time)
+    made, result = fit_rig(rig, truth)
+    assert not any("hum" in step.message for step in result.steps)
+    assert result.verdict.use == "use"
+    assert limits_hold(made, result, result.evidence.end_of_hold.end_time)
 
 
 @pytest.mark.parametrize("rig", PICKED_UP)
 def test_the_mains_in_both_channels_are_hum(rig):
-    made, found = fit_rig(rig)
-    assert any("50.02 Hz" in step.message for step in found.steps)
-    assert found.verdict.use == "use"
-    assert limits_hold(made, found, found.evidence.end_of_hold.end_time)
+    made, result = fit_rig(rig)
+    assert any("50.02 Hz" in step.message for step in result.steps)
+    assert result.verdict.use == "use"
+    assert limits_hold(made, result, result.evidence.end_of_hold.end_time)
 
 
 @pytest.mark.parametrize("rate", [10.0, 50.0])
@@ -128,11 +128,11 @@ def test_fit_accepts_sent_staircases(levels, rate):
     """After an unloading the force recovers, and a path that was sent is no coarse encoder."""
     way = STAIRS[levels]
     made = press_steps(Seal(TABLE_1, depth=max(way)), way, rate=rate, seed=2)
-    found = fit_of(made)
-    assert get_check(found, "force_relaxes").passed
-    assert get_check(found, "depth_resolved").passed
-    assert found.verdict.use == "use"
-    assert limits_hold(made, found, found.evidence.end_of_hold.end_time)
+    result = fit_of(made)
+    assert get_check(result, "force_relaxes").passed
+    assert get_check(result, "depth_resolved").passed
+    assert result.verdict.use == "use"
+    assert limits_hold(made, result, result.evidence.end_of_hold.end_time)
 
 
 @pytest.mark.parametrize("rate", [2e-3, 5e-3, 2e-2])
@@ -140,7 +140,7 @@ def test_a_force_that_swells_after_an_unloading_is_not_explained(rate):
     made = press_steps(Seal(TABLE_1, depth=8e-3), STAIRS["eased by a quarter"], seed=3)
     swollen = made.force + rate * np.maximum(made.time - 13, 0)
     test = dp.RelaxationTest(made.time, made.displacement, swollen, units="SI")
-    found = fit(prepare(test))
-    assert found.verdict.use != "use"
+    result = fit(prepare(test))
+    assert result.verdict.use != "use"
     if rate > 2e-3:
-        assert get_check(found, "force_relaxes").failed
+        assert get_check(result, "force_relaxes").failed

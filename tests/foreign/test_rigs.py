@@ -44,25 +44,25 @@ def test_there_are_forty_rigs():
 
 @pytest.mark.parametrize("name", RIGS)
 def test_a_rig_keeps_its_truth_and_repeats_to_the_byte(name):
-    one, again, other = (read(SEAL, SENT, RIGS[name], seed=s, name=name) for s in (1, 1, 2))
-    assert one.text() == again.text() != other.text()
-    assert len(one.time) == len(one.force) == len(one.pure) == len(one.compression)
-    assert np.all(np.isfinite(one.force))
-    assert np.all(np.diff(one.time) > 0)
-    assert one.seal.solid is TABLE_1
-    assert one.k(3) == pytest.approx(
-        float(TABLE_1.relaxation(36.0)) + one.seal.friction / one.seal.depth
+    record, again, other = (read(SEAL, SENT, RIGS[name], seed=s, name=name) for s in (1, 1, 2))
+    assert record.text() == again.text() != other.text()
+    assert len(record.time) == len(record.force) == len(record.pure) == len(record.compression)
+    assert np.all(np.isfinite(record.force))
+    assert np.all(np.diff(record.time) > 0)
+    assert record.seal.solid is TABLE_1
+    assert record.k(3) == pytest.approx(
+        float(TABLE_1.relaxation(36.0)) + record.seal.friction / record.seal.depth
     )
-    assert one.done[-1][0] == "quantise_record"
+    assert record.done[-1][0] == "quantise_record"
 
 
 def test_foreign_record_is_the_truth_plus_noise():
-    one = read(SEAL, replace(SENT, hold=40.0), seed=3)
-    error = one.force - one.pure - 0.05
+    record = read(SEAL, replace(SENT, hold=40.0), seed=3)
+    error = record.force - record.pure - 0.05
     assert np.std(error) == pytest.approx(np.hypot(2e-3, 1 / 1280 / 12**0.5), rel=0.03)
     assert abs(np.mean(error)) < 1e-4
-    assert np.max(np.abs(one.displacement - one.compression)) <= 0.5e-6 * (1 + 1e-9)
-    assert one.text().startswith("time [s],displacement [mm],force [N]\n0.0,0.0,")
+    assert np.max(np.abs(record.displacement - record.compression)) <= 0.5e-6 * (1 + 1e-9)
+    assert record.text().startswith("time [s],displacement [mm],force [N]\n0.0,0.0,")
 
 
 def test_a_ramp_is_where_it_is_sent():
@@ -81,25 +81,27 @@ def test_a_ramp_is_where_it_is_sent():
 
 
 def test_a_machine_that_gives_is_a_spring_in_series():
-    one, before = apply_step(rigs.gives, compliance=50e-6)
-    np.testing.assert_allclose(one.compression + 50e-6 * one.pure, before.displacement, atol=2e-15)
-    np.testing.assert_array_equal(one.displacement, before.displacement)
+    record, before = apply_step(rigs.gives, compliance=50e-6)
+    np.testing.assert_allclose(
+        record.compression + 50e-6 * record.pure, before.displacement, atol=2e-15
+    )
+    np.testing.assert_array_equal(record.displacement, before.displacement)
     with pytest.raises(ValueError, match="too large"):
         apply_step(rigs.gives, compliance=1.0)
 
 
 def test_foreign_crosshead_creep_is_recorded_or_not():
     for seen in (False, True):
-        one, before = apply_step(rigs.creeps, by=20e-6, seen=seen)
+        record, before = apply_step(rigs.creeps, by=20e-6, seen=seen)
         crept = 20e-6 * np.log(13.0)
-        assert one.compression[-1] - before.compression[-1] == pytest.approx(crept)
-        assert one.displacement[-1] - before.displacement[-1] == pytest.approx(crept * seen)
-        moved = one.seal.force(one.compression, one.step)
-        np.testing.assert_array_equal(one.force, moved)
+        assert record.compression[-1] - before.compression[-1] == pytest.approx(crept)
+        assert record.displacement[-1] - before.displacement[-1] == pytest.approx(crept * seen)
+        force = record.seal.force(record.compression, record.step)
+        np.testing.assert_array_equal(record.force, force)
 
 
 def test_a_seal_that_warms_relaxes_by_its_reduced_time():
-    one, before = apply_step(rigs.warms, decades=0.12)
+    item, before = apply_step(rigs.warms, decades=0.12)
     np.testing.assert_allclose(apply_step(rigs.warms, decades=1e-9)[0].pure, before.pure, atol=1e-9)
     # arm by arm: dq/dt = dx/dt - q a(t)/tau, its decay exact in each step
     rate = 0.12 * np.log(10) / before.time[-1]
@@ -110,7 +112,7 @@ def test_a_seal_that_warms_relaxes_by_its_reduced_time():
         for i, dx in enumerate(np.diff(before.compression)):
             q[i + 1] = q[i] * np.exp(-z[i]) - dx * np.expm1(-z[i]) / z[i]
         force = force + k * q
-    np.testing.assert_allclose(one.pure, force, atol=1e-6 * force.max())
+    np.testing.assert_allclose(item.pure, force, atol=1e-6 * force.max())
 
 
 def test_a_chain_lags_and_filters_by_its_response():
@@ -126,10 +128,10 @@ def test_a_chain_lags_and_filters_by_its_response():
         wave = replace(before, force=1 + np.sin(2 * np.pi * 20 * t))
         passed = rigs.low_pass(wave, RANDOM, cut=20.0, order=order, kind=kind).force
         late = passed[t > 8] - 1
-        found = np.hypot(
+        hypot = np.hypot(
             *(2 * np.mean(late * f(2 * np.pi * 20 * t[t > 8])) for f in (np.sin, np.cos))
         )
-        assert found == pytest.approx(gain or 0.5**0.5, rel=1e-3)
+        assert hypot == pytest.approx(gain or 0.5**0.5, rel=1e-3)
         # one from the start on, and at last
         assert passed[0] == pytest.approx(1.0)
         still = rigs.low_pass(before, RANDOM, cut=20.0, order=order, kind=kind).force
@@ -153,8 +155,8 @@ def test_noise_has_its_size_and_memory():
 
 def test_hum_drift_and_wave_have_their_sizes():
     def compute_added_force(step, **words):
-        one, before = apply_step(step, **words)
-        return before.time, one.force - before.force
+        record, before = apply_step(step, **words)
+        return before.time, record.force - before.force
 
     t, hum = compute_added_force(rigs.hums, size=5e-3, hertz=50.0, overtones=2)
     for n, size in [(1, 5e-3), (3, 5e-3 / 3), (5, 5e-3 / 9)]:
@@ -167,11 +169,11 @@ def test_hum_drift_and_wave_have_their_sizes():
 
 
 def test_readings_come_in_steps_and_rows_are_lost():
-    one = read(SEAL, SENT, RIGS["force quantum 10 mN"])
-    np.testing.assert_allclose(one.force / 10e-3, np.round(one.force / 10e-3), atol=1e-9)
-    one = read(SEAL, SENT, RIGS["encoder 60 um"])
+    record = read(SEAL, SENT, RIGS["force quantum 10 mN"])
+    np.testing.assert_allclose(record.force / 10e-3, np.round(record.force / 10e-3), atol=1e-9)
+    record = read(SEAL, SENT, RIGS["encoder 60 um"])
     np.testing.assert_allclose(
-        one.displacement / 60e-6, np.round(one.displacement / 60e-6), atol=1e-9
+        record.displacement / 60e-6, np.round(record.displacement / 60e-6), atol=1e-9
     )
     lost = read(SEAL, SENT, RIGS["dropped rows and jitter"])
     assert len(lost.time) == pytest.approx(0.9 * 250 * 14, rel=0.03)
@@ -198,9 +200,9 @@ def test_where_contact_is():
 
 
 def test_foreign_friction_is_a_share_of_the_equilibrium_force():
-    one, plain = (read(SEAL, SENT, replace(DRY, friction=f)) for f in (0.03, 0.0))
-    assert one.pure[-1] - plain.pure[-1] == pytest.approx(0.03 * 196.5 * 8e-3)
-    assert one.k(np.inf) == pytest.approx(1.03 * 196.5)
+    record, plain = (read(SEAL, SENT, replace(DRY, friction=f)) for f in (0.03, 0.0))
+    assert record.pure[-1] - plain.pure[-1] == pytest.approx(0.03 * 196.5 * 8e-3)
+    assert record.k(np.inf) == pytest.approx(1.03 * 196.5)
 
 
 def test_a_laws_force_at_rest_is_its_secants():
@@ -212,30 +214,34 @@ def test_a_laws_force_at_rest_is_its_secants():
 
 
 def test_the_catalogue_is_named_and_spread():
-    found = list(relaxation_records(48))
-    assert len({one.name for one in found}) == 48
-    assert {one.protocol.rate for one in found} == set(RATES)
-    assert {next(n for n in NOISES if f"| {n} |" in one.name) for one in found} == set(NOISES)
-    assert all(0.05 <= one.protocol.ramp <= 5 for one in found)
-    assert all(10 <= one.protocol.hold <= 300 and len(one.time) < 180_000 for one in found)
+    records = list(relaxation_records(48))
+    assert len({record.name for record in records}) == 48
+    assert {record.protocol.rate for record in records} == set(RATES)
+    assert {next(n for n in NOISES if f"| {n} |" in record.name) for record in records} == set(
+        NOISES
+    )
+    assert all(0.05 <= record.protocol.ramp <= 5 for record in records)
+    assert all(
+        10 <= record.protocol.hold <= 300 and len(record.time) < 180_000 for record in records
+    )
     (again,) = list(relaxation_records(1))
-    assert again.text() == found[0].text()
+    assert again.text() == records[0].text()
 
 
 def test_every_truth_meets_every_rig():
-    names = [one.name for one in verdict_records(TRUTHS[:2], ["none", "drift .2 mN/s"])]
+    names = [record.name for record in verdict_records(TRUTHS[:2], ["none", "drift .2 mN/s"])]
     assert names == [
         f"{truth} | {rig}" for truth in ("Table 1", "broad") for rig in ("none", "drift .2 mN/s")
     ]
-    sent = [protocol_of(one) for one in TRUTHS]
-    assert all(10 <= one.hold <= 80.5 and 0.3 <= one.ramp <= 2.02 for one in sent)
-    assert len({(one.depth, one.ramp) for one in sent}) == 42
+    sent = [protocol_of(truth) for truth in TRUTHS]
+    assert all(10 <= item.hold <= 80.5 and 0.3 <= item.ramp <= 2.02 for item in sent)
+    assert len({(item.depth, item.ramp) for item in sent}) == 42
 
 
 def test_foreign_rig_accepts_a_custom_step():
     twice = Rig(reading=(partial(rigs.drifts, rate=1e-3), partial(rigs.drifts, rate=-1e-3)))
-    one = read(SEAL, SENT, replace(twice, noise=0.0, count=0.0, bias=0.0))
-    np.testing.assert_allclose(one.force, one.pure, atol=1e-15)
-    assert [name for name, _ in one.done] == [
+    record = read(SEAL, SENT, replace(twice, noise=0.0, count=0.0, bias=0.0))
+    np.testing.assert_allclose(record.force, record.pure, atol=1e-15)
+    assert [name for name, _ in record.done] == [
         "sample_record", "noisy", "drifts", "drifts", "quantise_record"
     ]  # fmt: skip

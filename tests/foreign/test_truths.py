@@ -17,7 +17,7 @@ EACH = [draw_truth(family, 3) for family in FAMILIES]
 
 
 def make_cases(solids):
-    return {"argvalues": solids, "ids": [one.name for one in solids]}
+    return {"argvalues": solids, "ids": [solid.name for solid in solids]}
 
 
 @pytest.mark.parametrize("alpha", [0.3, 0.5, 0.75])
@@ -36,18 +36,22 @@ def test_the_fractional_zener_relaxes_as_mittag_leffler():
     alpha, n = 0.7, np.arange(60)[:, None]
     early = T[T < 0.3]
     series = np.sum((-((early / 0.3) ** alpha)) ** n / np.vectorize(gamma)(alpha * n + 1), axis=0)
-    one = Solid.fractional("", 100.0, 50.0, 0.3, alpha)
-    np.testing.assert_allclose(one.relaxation(early), 100 + 50 * series, rtol=1e-8)
+    fractional = Solid.fractional("", 100.0, 50.0, 0.3, alpha)
+    np.testing.assert_allclose(fractional.relaxation(early), 100 + 50 * series, rtol=1e-8)
 
 
 def test_foreign_power_law_and_its_stiffness_agree():
-    one = Solid.power_law("", 100.0, 50.0, 0.02, 0.2)
-    np.testing.assert_allclose(one.relaxation(T), 100 + 50 * (1 + T / 0.02) ** -0.2, rtol=5e-8)
+    power_law = Solid.power_law("", 100.0, 50.0, 0.02, 0.2)
+    np.testing.assert_allclose(
+        power_law.relaxation(T), 100 + 50 * (1 + T / 0.02) ** -0.2, rtol=5e-8
+    )
     for s in (0.01, 1.0, 80.0):
         # the same sum at a real rate, against the integral
-        found = 100 + sum(k * s * t / (1 + s * t) for k, t in zip(one.k, one.tau, strict=True))
+        result = 100 + sum(
+            k * s * t / (1 + s * t) for k, t in zip(power_law.k, power_law.tau, strict=True)
+        )
         whole = quad(lambda u, s: np.exp(-u) * (1 + u / s / 0.02) ** -0.2, 0, 60, (s,))[0]
-        assert found == pytest.approx(100 + 50 * whole, rel=1e-7)
+        assert result == pytest.approx(100 + 50 * whole, rel=1e-7)
 
 
 @pytest.mark.parametrize("solid", **make_cases(TRUTHS))
@@ -67,10 +71,10 @@ def test_every_truth_is_passive_and_ends_where_it_says(solid):
 
 
 def test_truths_are_42_others_by_another_seed_and_in_a_seals_range():
-    assert len({one.name for one in TRUTHS}) == len(TRUTHS) == 42
+    assert len({truth.name for truth in TRUTHS}) == len(TRUTHS) == 42
     assert draw_truth("3 arms", 1) == draw_truth("3 arms", 1) != draw_truth("3 arms", 2)
-    for one in TRUTHS:
-        assert 50 < one.relaxation(40.0) < 2000
+    for item in TRUTHS:
+        assert 50 < item.relaxation(40.0) < 2000
 
 
 def compute_by_recursion(solid, x, step):
@@ -134,10 +138,10 @@ def test_the_stiffness_is_that_of_a_steady_vibration(solid):
     last = slice(-2000, None)
     # a slow remainder of the start is a straight line by now
     columns = np.stack((np.sin(omega * t), np.cos(omega * t), np.ones_like(t), t))[:, last]
-    found = np.linalg.lstsq(columns.T, solid.force(x, 1 / 2000)[last], rcond=None)[0]
+    result = np.linalg.lstsq(columns.T, solid.force(x, 1 / 2000)[last], rcond=None)[0]
     # a polygon's first harmonic
     seen = np.sinc(5.0 / 2000) ** 2
-    assert 1e3 * (found[0] + 1j * found[1]) == pytest.approx(
+    assert 1e3 * (result[0] + 1j * result[1]) == pytest.approx(
         complex(solid.stiffness(omega)), rel=2e-4
     )
     assert seen == pytest.approx(1, abs=1e-4)
@@ -146,12 +150,12 @@ def test_the_stiffness_is_that_of_a_steady_vibration(solid):
 @pytest.mark.parametrize("solid", **make_cases(EACH))
 def test_forces_superpose_and_wait(solid):
     random = np.random.default_rng(0)
-    one, two = 1e-3 * random.standard_normal((2, 900))
-    one[0] = two[0] = 0.0
-    both = solid.force(one, 0.01) + 2 * solid.force(two, 0.01)
-    np.testing.assert_allclose(solid.force(one + 2 * two, 0.01), both, atol=1e-9)
-    later = solid.force(np.concatenate((np.zeros(50), one)), 0.01)
-    np.testing.assert_allclose(later[50:], solid.force(one, 0.01), atol=1e-9)
+    value, two = 1e-3 * random.standard_normal((2, 900))
+    value[0] = two[0] = 0.0
+    both = solid.force(value, 0.01) + 2 * solid.force(two, 0.01)
+    np.testing.assert_allclose(solid.force(value + 2 * two, 0.01), both, atol=1e-9)
+    later = solid.force(np.concatenate((np.zeros(50), value)), 0.01)
+    np.testing.assert_allclose(later[50:], solid.force(value, 0.01), atol=1e-9)
 
 
 def test_the_peak_of_the_papers_block_and_its_limits():

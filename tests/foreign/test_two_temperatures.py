@@ -27,36 +27,40 @@ def shift_solid(solid: Solid, kelvin: float, part: float = 1.0) -> Solid:
     return replace(solid, k_inf=b_t * solid.k_inf, k=tuple(b_t * k for k in solid.k), tau=tau)
 
 
-def pair(solid: Solid, seed: int, **apart: float) -> dp.Fit:
+def pair(solid: Solid, seed: int, **separate: float) -> dp.Fit:
     tests = []
     for kelvin in (ROOM, FRIDGE):
-        one = read(
-            Seal(shift_solid(solid, kelvin, **apart)),
+        record = read(
+            Seal(shift_solid(solid, kelvin, **separate)),
             Protocol(hold=40.0),
             SOUND,
             seed=seed + round(kelvin),
         )
         warm = dp.Specimen(temperature=kelvin)
         tests.append(
-            dp.RelaxationTest(one.time, one.displacement, one.force, specimen=warm, units="SI")
+            dp.RelaxationTest(
+                record.time, record.displacement, record.force, specimen=warm, units="SI"
+            )
         )
     return fit(tests)
 
 
-def off(found: dp.Fit, solid: Solid) -> float:
+def off(result: dp.Fit, solid: Solid) -> float:
     """Relative error of the loss factor at 12.71 Hz."""
-    K, true = found.solid.complex_stiffness(omega=OMEGA), solid.stiffness(OMEGA)
+    K, true = result.solid.complex_stiffness(omega=OMEGA), solid.stiffness(OMEGA)
     return float(abs(K.imag / K.real / (true.imag / true.real) - 1))
 
 
 def test_fit_reports_shifts_that_differ_between_arms() -> None:
     """By the data alone: what is held of the slope beforehand leaves it at 2 standard errors."""
-    found = pair(HIDDEN, 2, part=0.8)
-    assert off(found, HIDDEN) > 0.05
-    (slope,) = [one for one in found.estimate.nuisance if one.name == "shift slope"]
+    result = pair(HIDDEN, 2, part=0.8)
+    assert off(result, HIDDEN) > 0.05
+    (slope,) = [item for item in result.estimate.nuisance if item.name == "shift slope"]
     assert abs(slope.value) < 3 * slope.standard_error
     (simple,) = [
-        one for one in found.verdict.failed_checks if one.name == "thermorheologically_simple"
+        failed_check
+        for failed_check in result.verdict.failed_checks
+        if failed_check.name == "thermorheologically_simple"
     ]
     assert "By the data alone slow arms shift" in simple.message
 
@@ -72,14 +76,14 @@ def test_two_temperatures_tell_the_loss_factor_of_arms() -> None:
     for seed, solid in enumerate(solids):
         true = solid.stiffness(OMEGA)
         for again in range(5):
-            found = pair(solid, seed + 1000 * again)
-            close.append(off(found, solid) < 0.03)
-            for held, one in ((inside, found), (by_noise, restrict_to_noise(found))):
-                low, high = parameter_band(one, [HERTZ]).loss_factor[:, 0]
+            result = pair(solid, seed + 1000 * again)
+            close.append(off(result, solid) < 0.03)
+            for held, item in ((inside, result), (by_noise, restrict_to_noise(result))):
+                low, high = parameter_band(item, [HERTZ]).loss_factor[:, 0]
                 held.append(low <= true.imag / true.real <= high)
             # what the noise does not tell to 3 % may be off by more, nothing else
-            told = high - low < 0.06 * true.imag / true.real
-            assert close[-1] or not told
+            message = high - low < 0.06 * true.imag / true.real
+            assert close[-1] or not message
     assert np.mean(close) >= 0.95
     assert np.mean(inside) >= 0.95
     assert 0.9 <= np.mean(by_noise) < 1.0
@@ -89,5 +93,5 @@ def test_two_temperatures_tell_the_loss_factor_of_arms() -> None:
 @pytest.mark.parametrize("family", ["fractional", "springpot", "power law"])
 def test_a_power_law_that_shows_is_used_with_care(family: str) -> None:
     solid = draw_truth(family, 200)
-    found = pair(solid, 0)
-    assert found.verdict.use == "use with care"
+    result = pair(solid, 0)
+    assert result.verdict.use == "use with care"

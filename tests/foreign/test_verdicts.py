@@ -28,8 +28,8 @@ def line(use="use", right=True, group="none", **limits):
     truth = 1.0 if right else 1.2
     names = ("frf", "peak_frequency", "peak_height", "k_end", "k_3end", "k_inf")
     three = {name: [0.9, truth, 1.1] for name in names} | limits
-    said = {"limits": three} if use != "refused" else {}
-    return {"group": group, "rig": True, "use": use, "cpu": 0.1, **said}
+    message = {"limits": three} if use != "refused" else {}
+    return {"group": group, "rig": True, "use": use, "cpu": 0.1, **message}
 
 
 def some(used_held=0, used=0, doubted_held=0, doubted=0, group="none"):
@@ -52,9 +52,9 @@ def test_held_counts_limits_with_their_ends_and_rejects_missing_ones(verdicts):
 
 
 def test_half_widths_are_of_the_truth_and_of_a_logarithm(verdicts):
-    one = line(k_end=[3.0, 2.0, 4.0], frf=[1.0, 1.0, np.e**3])
-    assert verdicts.half_width(one, "k_end") == pytest.approx(0.25)
-    assert verdicts.half_width(one, "frf") == pytest.approx(1.5)
+    item = line(k_end=[3.0, 2.0, 4.0], frf=[1.0, 1.0, np.e**3])
+    assert verdicts.half_width(item, "k_end") == pytest.approx(0.25)
+    assert verdicts.half_width(item, "frf") == pytest.approx(1.5)
     assert verdicts.half_width(line(frf=[0.0, 1.0, 2.0]), "frf") == np.inf
 
 
@@ -82,7 +82,7 @@ def test_a_disturbance_is_doubted_where_a_fifth_or_fewer_are_used(verdicts):
 
 
 @pytest.mark.parametrize(
-    ("counts", "said"),
+    ("counts", "message"),
     [
         # misses of 10 that are used: 3 may be of 15 %, 4 may not (.0873, .1500)
         ((7, 10, 0, 0), ["held"]),
@@ -97,8 +97,8 @@ def test_a_disturbance_is_doubted_where_a_fifth_or_fewer_are_used(verdicts):
         ((0, 2, 0, 8), []),
     ],
 )
-def test_goals_of_a_disturbance(verdicts, counts, said):
-    assert verdicts.Row.of("one", some(*counts)).faults == said
+def test_goals_of_a_disturbance(verdicts, counts, message):
+    assert verdicts.Row.of("one", some(*counts)).faults == message
 
 
 def test_goals_of_all(verdicts):

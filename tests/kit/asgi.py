@@ -43,21 +43,23 @@ class Client:
             "query_string": query.encode(), "root_path": "", "http_version": "1.1",
             "headers": [(name.encode(), value.encode()) for name, value in sent.items()],
         }  # fmt: skip
-        told: list[Any] = []
+        output: list[Any] = []
 
         async def receive() -> dict[str, Any]:
             return {"type": "http.request", "body": content, "more_body": False}
 
         async def send(message: Any) -> None:
-            told.append(message)
+            output.append(message)
 
         asyncio.run(self.app(scope, receive, send))
-        start = told[0]
-        found = {name.decode(): value.decode() for name, value in start["headers"]}
-        if "set-cookie" in found:
-            name, _, value = found["set-cookie"].partition(";")[0].partition("=")
+        start = output[0]
+        texts = {name.decode(): value.decode() for name, value in start["headers"]}
+        if "set-cookie" in texts:
+            name, _, value = texts["set-cookie"].partition(";")[0].partition("=")
             self.cookies[name] = value
-        return Answer(start["status"], found, b"".join(one.get("body", b"") for one in told[1:]))
+        return Answer(
+            start["status"], texts, b"".join(item.get("body", b"") for item in output[1:])
+        )
 
     def get(self, target: str, **how: Any) -> Answer:
         """Ask for something."""

@@ -50,7 +50,7 @@ class Truth:
     def text(self, *, head: str = "time [s],displacement [mm],force [N]", clock: bool = True,
              rows: slice = slice(None)) -> str:  # fmt: skip
         columns = [self.time, 1e3 * self.displacement, self.force][not clock :]
-        table = np.column_stack([one[rows] for one in columns])
+        table = np.column_stack([column[rows] for column in columns])
         names = head if clock else head.partition(",")[2]
         return "\n".join([names, *(",".join(f"{v:.9g}" for v in row) for row in table), ""])
 
@@ -67,10 +67,10 @@ def compute_relaxed_force(
     decay = np.exp(-step / tau)
     mean = g * (1 - decay) * tau / step
     arm, e, force = np.zeros(len(arms)), 0.0, np.zeros(len(wanted))
-    for i, asked in enumerate(wanted):
+    for i, value in enumerate(wanted):
         passed = decay * arm
-        force[i] = asked + np.sum(passed + mean * (asked - e))
-        last, e = e, asked
+        force[i] = value + np.sum(passed + mean * (value - e))
+        last, e = e, value
         if force[i] <= 0 or not met[i]:
             force[i], e = 0.0, (mean.sum() * last - passed.sum()) / (1 + mean.sum())
         arm = passed + mean * (e - last)
@@ -137,9 +137,9 @@ def fit_of(law, *, arms=ARMS, scale=1.0, depth=8e-3):
     """A fit that knows the relaxation, and the secant stiffness at a depth."""
     k = scale * float(law(np.array([depth]))[0]) / depth
     model = dp.GeneralizedMaxwell(k, tuple(k * g for g, _ in arms), tuple(tau for _, tau in arms))
-    found = handmade.study().fit
-    evidence = replace(found.evidence, band=(1e-3, 10.0), stiffness_by_depth=(), checks=())
-    return replace(found, solid=model, elastic_law=ElasticLaw.linear(k, depth), evidence=evidence)
+    fit = handmade.study().fit
+    evidence = replace(fit.evidence, band=(1e-3, 10.0), stiffness_by_depth=(), checks=())
+    return replace(fit, solid=model, elastic_law=ElasticLaw.linear(k, depth), evidence=evidence)
 
 
 def dashpot_and_arms(
@@ -164,10 +164,10 @@ def dashpot_and_arms(
     x = np.interp(time, knots, [-gap, depth, -gap, depth, -gap])
     pressed_by = np.maximum(x, 0.0)
     force = stiffening(pressed_by) + c(pressed_by) * np.gradient(x, time) * (x > 0)
-    moved = np.diff(pressed_by, prepend=0.0)
+    increment = np.diff(pressed_by, prepend=0.0)
     for k, tau in arms:
         decay, arm = float(np.exp(-step / tau)), 0.0
-        for i, by in enumerate((moved * (1 - decay) * tau / step).tolist()):
+        for i, by in enumerate((increment * (1 - decay) * tau / step).tolist()):
             arm = decay * arm + by
             force[i] += k * arm
     clean = np.maximum(force, 0.0)[::8]

@@ -108,8 +108,10 @@ def _force(seal: str, temperature: float, t: np.ndarray, bench: Bench) -> np.nda
     k_inf, k, tau = SEALS[seal]
     b = bench.stiffer if temperature != REFERENCE else 1.0
     force = k_inf * np.clip(t, 0.0, bench.ramp) * bench.depth / bench.ramp
-    for one, time in zip(k, tau, strict=True):
-        force = force + one * arm(t, time * 10 ** (log10_a(temperature) * bench.apart(time)), bench)
+    for value, time in zip(k, tau, strict=True):
+        force = force + value * arm(
+            t, time * 10 ** (log10_a(temperature) * bench.apart(time)), bench
+        )
     return b * temperature / REFERENCE * force
 
 
@@ -117,23 +119,23 @@ def _warming(seal: str, temperature: float, t: np.ndarray, bench: Bench) -> np.n
     """Arms by steps of the clock in reduced time: decays change as the seal warms."""
     k_inf, k, tau = SEALS[seal]
     at = temperature + bench.warms * np.clip(t - t[0], 0, None) / (t[-1] - t[0])
-    a = 10 ** np.array([log10_a(one) for one in at])
+    a = 10 ** np.array([log10_a(item) for item in at])
     x = np.clip(t, 0.0, bench.ramp) * bench.depth / bench.ramp
-    moved, step = np.diff(x), np.diff(t)
+    increment, step = np.diff(x), np.diff(t)
     force = k_inf * x
-    for one, time in zip(k, tau, strict=True):
+    for value, time in zip(k, tau, strict=True):
         z = step / (time * 0.5 * (a[1:] + a[:-1]))
         decay, mean, q = np.exp(-z), -np.expm1(-z) / z, np.zeros(len(t))
         for i in range(len(step)):
-            q[i + 1] = decay[i] * q[i] + mean[i] * moved[i]
-        force = force + one * q
+            q[i + 1] = decay[i] * q[i] + mean[i] * increment[i]
+        force = force + value * q
     return at / REFERENCE * force
 
 
 def records(seal: str, celsius: Sequence[float], seed: int, **changes: object):
     """Records at several temperatures, of the usual bench but for some changes."""
     bench = replace(Bench(), **changes)
-    return [a_test(seal, one, seed, bench) for one in celsius]
+    return [a_test(seal, item, seed, bench) for item in celsius]
 
 
 def loss_factor(seal: str, frequency: float = RESONANCE, celsius: float = 23.0) -> float:
@@ -147,5 +149,5 @@ def complex_stiffness(seal: str, frequency: float = RESONANCE, celsius: float = 
     k_inf, k, tau = SEALS[seal]
     temperature = celsius + 273.15
     s = 2j * np.pi * frequency * 10 ** log10_a(temperature)
-    sums = sum(one * s * time / (1 + s * time) for one, time in zip(k, tau, strict=True))
+    sums = sum(value * s * time / (1 + s * time) for value, time in zip(k, tau, strict=True))
     return temperature / REFERENCE * (k_inf + sums)

@@ -386,19 +386,19 @@ def waiting(items: Iterable[Any], root: str = "tests/") -> list[Any]:
         name = item.nodeid.partition("[")[0].removeprefix(root)
         if name in KEPT:
             cases[name].append(item)
-    found = []
-    for name, each in cases.items():
-        kept = spread(len(each), KEPT[name])
-        found += [item for i, item in enumerate(each) if i not in kept]
-    return found
+    result = []
+    for name, case in cases.items():
+        scatter = spread(len(case), KEPT[name])
+        result += [item for i, item in enumerate(case) if i not in scatter]
+    return result
 
 
-def spread(count: int, kept: int) -> set[int]:
+def spread(count: int, retained: int) -> set[int]:
     """So many of the numbers below a count, from both ends and between.
 
     >>> sorted(spread(7, 3)), spread(5, 1), spread(3, 0)
     ([0, 3, 6], {0}, set())
     """
-    if kept < 2:
-        return set(range(min(kept, count)))
-    return {round(i * (count - 1) / (kept - 1)) for i in range(kept)}
+    if retained < 2:
+        return set(range(min(retained, count)))
+    return {round(i * (count - 1) / (retained - 1)) for i in range(retained)}

@@ -23,31 +23,31 @@ OFF = 0.1
 NAMES = {"k_end": 1.0, "k_3end": 3.0, "k_10end": 10.0, "k_inf": np.inf}
 
 
-def fit_curve(one: Curve) -> dp.Fit:
+def fit_curve(curve: Curve) -> dp.Fit:
     """The fit of a curve, of no stated error."""
-    if one.kind == "curve":
-        return fit_modulus(dp.RelaxationModulus(one.at, one.values, units="SI"))
-    if one.kind == "creep":
-        return fit_creep(dp.CreepCompliance(one.at, one.values, unit="1/Pa", units="SI"))
-    return fit_dynamic(dp.DynamicTest(one.at, *one.values, unit="Pa", units="SI"))
+    if curve.kind == "curve":
+        return fit_modulus(dp.RelaxationModulus(curve.at, curve.values, units="SI"))
+    if curve.kind == "creep":
+        return fit_creep(dp.CreepCompliance(curve.at, curve.values, unit="1/Pa", units="SI"))
+    return fit_dynamic(dp.DynamicTest(curve.at, *curve.values, unit="Pa", units="SI"))
 
 
-def evaluate_curve(one: Curve) -> dict[str, object]:
+def evaluate_curve(curve: Curve) -> dict[str, object]:
     """The verdict, every limit with its truth, and how the plateau of the fit lies to the true."""
-    found = fit_curve(one)
-    end = found.evidence.end_of_hold
+    fit = fit_curve(curve)
+    end = fit.evidence.end_of_hold
     limits = {}
     if end is not None:
         for name, times in NAMES.items():
             low, high = getattr(end, name)
-            limits[name] = (float(low), one.truth(times), float(high))
-    true = one.truth(np.inf)
+            limits[name] = (float(low), curve.truth(times), float(high))
+    true = curve.truth(np.inf)
     return {
-        "use": found.verdict.use,
-        "reason": [check.name for check in found.verdict.failed_checks],
+        "use": fit.verdict.use,
+        "reason": [check.name for check in fit.verdict.failed_checks],
         "limits": limits,
-        "off": bool(abs(found.model.k_inf - true) > OFF * true),
-        "settled": bool(one.settled and true > 0),
+        "off": bool(abs(fit.model.k_inf - true) > OFF * true),
+        "settled": bool(curve.settled and true > 0),
     }
 
 
@@ -65,16 +65,18 @@ class Score:
     @classmethod
     def of(cls, lines: Iterable[Mapping]) -> Score:
         lines = list(lines)
-        asked = [line["limits"] for line in lines if line["limits"]]
+        requested = [line["limits"] for line in lines if line["limits"]]
         used = [line for line in lines if line["use"] == "use"]
-        sound = [line for line in lines if line["settled"] and not line["off"]]
+        intact = [line for line in lines if line["settled"] and not line["off"]]
         held = {
-            name: float(np.mean([_is_within(*limits[name]) for limits in asked])) if asked else 1.0
+            name: float(np.mean([_is_within(*limits[name]) for limits in requested]))
+            if requested
+            else 1.0
             for name in NAMES
         }
         return cls(
             len(lines), held, len(used), sum(line["off"] for line in used),
-            len(sound), sum(line["use"] == "use" for line in sound),
+            len(intact), sum(line["use"] == "use" for line in intact),
         )  # fmt: skip
 
 

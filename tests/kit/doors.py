@@ -35,8 +35,8 @@ _MOTIONS = "xyzabc"
 def parse_matrix(words: str) -> np.ndarray:
     """The matrix of such words."""
     K = np.zeros((6, 6))
-    said = words.split()
-    for name, value in zip(said[::2], map(float, said[1::2]), strict=True):
+    message = words.split()
+    for name, value in zip(message[::2], map(float, message[1::2]), strict=True):
         i, j = map(_MOTIONS.index, name)
         K[i, j] = K[j, i] = value
     return K
@@ -63,7 +63,7 @@ def six_by_six(place: np.ndarray, way: np.ndarray, k: np.ndarray) -> np.ndarray:
     return (rows.T * k) @ rows
 
 
-def compute_largest_difference(found: np.ndarray, exact: np.ndarray) -> float:
+def compute_largest_difference(values: np.ndarray, exact: np.ndarray) -> float:
     """Largest difference of two such matrices, over the root of its two diagonal terms."""
     size = np.sqrt(np.outer(exact.diagonal(), exact.diagonal()))
-    return float((np.abs(found - exact) / size).max())
+    return float((np.abs(values - exact) / size).max())

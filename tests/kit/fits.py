@@ -23,12 +23,12 @@ from dashpot.solids.maxwell import Solid
 PARTS = {"estimate": ParameterEstimate, "evidence": Evidence, "provenance": Provenance}
 
 
-def list_failed_checks(found: Any) -> set[str]:
+def list_failed_checks(result: Any) -> set[str]:
     """The names of its checks that failed, notes too."""
-    return {check.name for check in found.checks if check.failed}
+    return {check.name for check in result.checks if check.failed}
 
 
-def a_fit(solid: Solid, *, relative: float = 0.01, **given: object) -> Fit:
+def a_fit(solid: Solid, *, relative: float = 0.01, **inputs: object) -> Fit:
     """A fit of `solid` with equal relative errors of every parameter, or as said."""
     model = solid.maxwell
     if isinstance(solid, FractionalZener):
@@ -43,7 +43,7 @@ def a_fit(solid: Solid, *, relative: float = 0.01, **given: object) -> Fit:
         Evidence((0.004, 0.32)),
         Provenance("full"),
     )
-    return replace_fields(usual, **given)
+    return replace_fields(usual, **inputs)
 
 
 def restrict_to_noise(fit: Fit) -> Fit:
@@ -51,13 +51,15 @@ def restrict_to_noise(fit: Fit) -> Fit:
     return replace(fit, estimate=fit.estimate.noise_only)
 
 
-def replace_fields(fit: Fit, **given: object) -> Fit:
+def replace_fields(fit: Fit, **inputs: object) -> Fit:
     """The fit with some fields of its own or of its parts replaced."""
     for part, kind in PARTS.items():
-        own = {one.name: given.pop(one.name) for one in fields(kind) if one.name in given}
-        if own:
-            given[part] = replace(getattr(fit, part), **own)
-    return replace(fit, **given)
+        individual = {
+            field.name: inputs.pop(field.name) for field in fields(kind) if field.name in inputs
+        }
+        if individual:
+            inputs[part] = replace(getattr(fit, part), **individual)
+    return replace(fit, **inputs)
 
 
 def formal_errors(fit):

@@ -21,10 +21,10 @@ def write_fmu(solid, form, folder: Path, **arguments) -> str:
     unit = TARGETS["fmu"](solid, **{"units": "SI", "form": form} | arguments)
     name = unit.description.identifier
     path = folder / f"{form}_{name}.fmu"
-    own = "dashpot.extensions.solver_inputs.fmi"
+    individual = "dashpot.extensions.solver_inputs.fmi"
     with (
-        patch(f"{own}.archive.find_platforms", return_value=()),
-        patch(f"{own}.binaries.find_platforms", return_value=()),
+        patch(f"{individual}.archive.find_platforms", return_value=()),
+        patch(f"{individual}.binaries.find_platforms", return_value=()),
     ):
         path.write_bytes(unit.file_content)
     opened = folder / path.stem
@@ -59,14 +59,14 @@ def driven(time, value, names=("x", "v")):
     return table(time, **dict(zip(names, (value, slope), strict=True)))
 
 
-def integrate(path, form, times, given, names, *, start=None):
+def integrate(path, form, times, inputs, names, *, start=None):
     """Model Exchange by an integrator that sets the inputs whenever it asks for a derivative."""
     import fmpy
     from fmpy.fmi2 import FMU2Model
     from fmpy.fmi3 import FMU3Model
 
     folder, read = fmpy.extract(path), fmpy.read_model_description(path)
-    where = {each.name: each.valueReference for each in read.modelVariables}
+    where = {variable.name: variable.valueReference for variable in read.modelVariables}
     words = {
         "guid": read.guid, "unzipDirectory": folder, "instanceName": "one",
         "modelIdentifier": read.modelExchange.modelIdentifier,
@@ -89,7 +89,7 @@ def integrate(path, form, times, given, names, *, start=None):
         unit.setTime(time)
         states[:] = y
         unit.setContinuousStates(states.ctypes.data_as(pointer), n)
-        set_real([where[name] for name in names], list(given(time)))
+        set_real([where[name] for name in names], list(inputs(time)))
 
     def derivative(time, y):
         place(time, y)
@@ -100,13 +100,13 @@ def integrate(path, form, times, given, names, *, start=None):
         derivative, times[[0, -1]], np.zeros(n) if start is None else start, t_eval=times,
         rtol=1e-10, atol=1e-14, max_step=np.diff(times).max(),
     )  # fmt: skip
-    outputs = [each.name for each in read.modelVariables if each.causality == "output"]
-    found = {name: [] for name in outputs}
+    outputs = [variable.name for variable in read.modelVariables if variable.causality == "output"]
+    result = {name: [] for name in outputs}
     for time, y in zip(times, run.y.T, strict=True):
         place(time, y)
         for name, value in zip(outputs, get_real([where[o] for o in outputs]), strict=True):
-            found[name].append(value)
+            result[name].append(value)
     unit.terminate()
     unit.freeInstance()
     shutil.rmtree(folder)
-    return {name: np.array(values) for name, values in found.items()} | {"states": run.y.T}
+    return {name: np.array(values) for name, values in result.items()} | {"states": run.y.T}

@@ -106,10 +106,10 @@ class Fuzzer:
     def survives(self, task: str, content: bytes) -> None:
         """Fail unless a task ends in a value or a refusal, and soon."""
         self.tries += 1
-        message = self._tried(task, content, apart=False)
+        message = self._tried(task, content, separate=False)
         if message is None:
             self.deaths += 1
-            message = self._tried(task, content, apart=True)
+            message = self._tried(task, content, separate=True)
         if message != "":
             place = Path(tempfile.gettempdir()) / f"dashpot-{task}-{os.getpid()}"
             place.write_bytes(content)
@@ -121,7 +121,7 @@ class Fuzzer:
             self._process.communicate()
             self._process = None
 
-    def _tried(self, task: str, content: bytes, *, apart: bool) -> str | None:
+    def _tried(self, task: str, content: bytes, *, separate: bool) -> str | None:
         if self._process is None:
             self._process = subprocess.Popen(
                 [sys.executable, "-W", "error", "-m", "kit.fuzzing"], stdin=subprocess.PIPE,
@@ -129,18 +129,18 @@ class Fuzzer:
                 env={**os.environ, **CHILD_ENVIRONMENT, "PYTHONPATH": os.pathsep.join(sys.path)},
             )  # fmt: skip
         # on a busy machine a mutant waits far longer than it works; who works too long is reported
-        clock = threading.Timer((_APART if apart else _BESIDE) * SECONDS, self._process.kill)
+        clock = threading.Timer((_APART if separate else _BESIDE) * SECONDS, self._process.kill)
         clock.start()
         try:
             with contextlib.suppress(OSError):
-                _put(self._process.stdin, task.encode(), b"apart" * apart, content)
-            found = _got(self._process.stdout, 1)
+                _put(self._process.stdin, task.encode(), b"apart" * separate, content)
+            result = _got(self._process.stdout, 1)
         finally:
             clock.cancel()
-        if found is None:
+        if result is None:
             self.close()
             return None
-        return found[0].decode()
+        return result[0].decode()
 
 
 def _put(stream: BinaryIO, *parts: bytes) -> None:
@@ -186,12 +186,12 @@ class _Parsers:
                 return self.child(what, function, raw, options, columns=columns)
             function = function if columns is None else partial(function, columns=columns)
             narrow = ReadOptions(sheet=options.sheet, segment=options.segment)
-            found = child_process.run_parser(what, function, raw, narrow)
+            answer = child_process.run_parser(what, function, raw, narrow)
             with Path(os.devnull).open("wb") as out:
-                message_protocol.send_answer(out, found)
+                message_protocol.send_answer(out, answer)
         except DashpotError as error:
             return ReadError(str(error))
-        return found
+        return answer
 
 
 def main() -> None:
@@ -209,13 +209,13 @@ def main() -> None:
     os.dup2(2, 1)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "fuzz"
-        while (asked := _got(sys.stdin.buffer, 3)) is not None:
-            path.write_bytes(asked[2])
-            parsers.apart = bool(asked[1])
+        while (requested := _got(sys.stdin.buffer, 3)) is not None:
+            path.write_bytes(requested[2])
+            parsers.apart = bool(requested[1])
             parsers.kept.clear()
             before, message = time.process_time(), ""
             try:
-                TASKS[asked[0].decode()](path)
+                TASKS[requested[0].decode()](path)
             except BaseException:  # noqa: BLE001
                 message = traceback.format_exc()
             spent = time.process_time() - before

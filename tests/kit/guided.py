@@ -38,14 +38,14 @@ def main() -> None:
     if find_spec("atheris") is None:
         sys.exit("the fuzzer is missing: pip install atheris (Linux, and no newer Python than it)")
     minutes, folder = float(sys.argv[1]), Path(sys.argv[2])
-    corpus, found = folder / "corpus", folder / "found"
-    for one in (corpus, found):
-        one.mkdir(parents=True, exist_ok=True)
+    corpus, result = folder / "corpus", folder / "found"
+    for item in (corpus, result):
+        item.mkdir(parents=True, exist_ok=True)
     seeds = plant_corpus(corpus)
     until = time.monotonic() + 60 * minutes
-    while (left := until - time.monotonic()) > 1:
+    while (residual := until - time.monotonic()) > 1:
         # a reader that breaks ends the fuzzer, which begins again from what it has found
-        run_fuzzer(corpus, f"-max_total_time={left:.0f}", f"-artifact_prefix={found}/")
+        run_fuzzer(corpus, f"-max_total_time={residual:.0f}", f"-artifact_prefix={result}/")
     small = folder / "small"
     shutil.rmtree(small, ignore_errors=True)
     small.mkdir()
@@ -55,7 +55,7 @@ def main() -> None:
     shutil.rmtree(corpus)
     small.rename(corpus)
     save_corpus(corpus, seeds)
-    sys.exit(broken(found))
+    sys.exit(broken(result))
 
 
 def run_fuzzer(*words: str | Path) -> None:
@@ -80,14 +80,16 @@ def plant_corpus(corpus: Path) -> set[str]:
 
     with tempfile.TemporaryDirectory() as place:
         good = [*write_format_examples(Path(place)).values()]
-    seeds = [(0, one) for one in (*good, *(one.content for one in TABLE))]
+    seeds = [(0, item) for item in (*good, *(item.content for item in TABLE))]
     seeds.append((1, b"<FTSensor><Calibration></Calibration></FTSensor>"))
     seeds.append((2, dump_profile(ReadOptions(time="t", units={"force": "N"}, rate=1e3)).encode()))
     seeds.append((3, json.dumps(to_document(two_arms())).encode()))
-    given = {name_content(one): one for one in (bytes([which]) + one for which, one in seeds)}
-    for name, one in {**given, **{name_content(one): one for one in read(KEPT)}}.items():
-        (corpus / name).write_bytes(one)
-    return set(given)
+    inputs = {
+        name_content(item): item for item in (bytes([which]) + value for which, value in seeds)
+    }
+    for name, element in {**inputs, **{name_content(item): item for item in read(KEPT)}}.items():
+        (corpus / name).write_bytes(element)
+    return set(inputs)
 
 
 def name_content(content: bytes) -> str:
@@ -106,21 +108,21 @@ def read(packed: Path) -> list[bytes]:
 def save_corpus(corpus: Path, seeds: set[str]) -> None:
     """Keep a corpus but its seeds beside this file, without a date: the same files, same bytes."""
     with zipfile.ZipFile(KEPT, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as file:
-        for one in sorted(one for one in corpus.iterdir() if one.name not in seeds):
-            file.writestr(zipfile.ZipInfo(one.name), one.read_bytes())
+        for path in sorted(item for item in corpus.iterdir() if item.name not in seeds):
+            file.writestr(zipfile.ZipInfo(path.name), path.read_bytes())
 
 
-def broken(found: Path) -> int:
+def broken(path: Path) -> int:
     """Try what broke a reader by itself; 1 if anything breaks again."""
     worst = 0
-    for one in sorted(found.iterdir()):
-        content = one.read_bytes()
+    for item in sorted(path.iterdir()):
+        content = item.read_bytes()
         with contextlib.closing(Fuzzer()) as fuzzer:
             try:
                 fuzzer.survives(task_of(content), content[1:])
-                one.unlink()
+                item.unlink()
             except AssertionError as error:
-                print(f"{one}: {error}")
+                print(f"{item}: {error}")
                 worst = 1
     return worst
 

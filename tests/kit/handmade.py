@@ -118,7 +118,7 @@ def make_single_arm_fit() -> Fit:
 @cache
 def two_arms() -> Fit:
     """N = 2, the chosen one, with the table of orders."""
-    two, one = fit_at((0.46, 15.9)), make_single_arm_fit()
+    two, item = fit_at((0.46, 15.9)), make_single_arm_fit()
     orders = tuple(
         OrderScore(
             fit.model.arms,
@@ -127,7 +127,7 @@ def two_arms() -> Fit:
             True,
             fit.model,
         )
-        for fit in (one, two)
+        for fit in (item, two)
     )
     return replace_fields(two, orders=orders)
 

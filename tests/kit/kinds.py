@@ -20,8 +20,8 @@ def answer(time: Array, x: Array) -> Array:
         arm = np.zeros_like(time)
         for i in range(1, len(time)):
             h = time[i] - time[i - 1]
-            left = np.exp(-h / tau)
-            arm[i] = arm[i - 1] * left + k * tau * (x[i] - x[i - 1]) / h * (1 - left)
+            decay = np.exp(-h / tau)
+            arm[i] = arm[i - 1] * decay + k * tau * (x[i] - x[i - 1]) / h * (1 - decay)
         force = force + arm
     return force
 
@@ -85,13 +85,13 @@ def hammer(columns: str = "hammer [N],acceleration 1 [m/s^2],acceleration 2 [m/s
     force = np.zeros(count)
     pulse = 20 * np.sin(np.pi * (np.arange(6) + 0.5) / 6)
     pole = (-LOSS + np.sqrt(complex(LOSS**2 - 4 * MASS * 640))) / (2 * MASS)
-    moved = np.zeros(count)
+    displacement = np.zeros(count)
     ringing = np.imag(np.exp(pole * time)) / (MASS * pole.imag) / rate
     for start in (200, 2200, 4200):
         force[start : start + 6] = pulse
         for k, push in enumerate(pulse):
-            moved[start + k :] += push * ringing[: count - start - k]
-    acceleration = np.gradient(np.gradient(moved, 1 / rate), 1 / rate)
+            displacement[start + k :] += push * ringing[: count - start - k]
+    acceleration = np.gradient(np.gradient(displacement, 1 / rate), 1 / rate)
     noise = 0.01 * np.random.default_rng(4).standard_normal((2, count))
     return csv(f"time [s],{columns}", time, force, *(acceleration + noise))
 

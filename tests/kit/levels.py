@@ -90,11 +90,13 @@ SLIDERS = (Jenkins(100.0, 0.05), Jenkins(60.0, 0.012), Jenkins(30.0, 0.003))
 STIFFENS = Cubic(2e7)
 
 
-def a_level_fit(solid=ARMS, beside=(*SLIDERS, STIFFENS), **others) -> LevelFit:
+def a_level_fit(solid=ARMS, neighbour=(*SLIDERS, STIFFENS), **others) -> LevelFit:
     """Arms, sliders and a cubic spring as FRFs at two levels tell them."""
-    known = {
+    expected = {
         "source": (Source("low.csv", "0" * 64), Source("high.csv", "1" * 64)),
         "specimen": Specimen(length=0.1, temperature=296.15),
         "levels": (0.02, 0.5),
     } | others
-    return LevelFit(solid, beside, (1e-4, 2e-3), (8.0, 20.0), 0.01, 0.1, (), MASS, 2.0, **known)
+    return LevelFit(
+        solid, neighbour, (1e-4, 2e-3), (8.0, 20.0), 0.01, 0.1, (), MASS, 2.0, **expected
+    )

@@ -12,9 +12,9 @@ ROWS = 60
 def truth() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Time s, displacement mm, force N, to be printed with 5 decimals."""
     time = np.round(0.1 * np.arange(ROWS), 5)
-    moved = np.round(np.clip(time - 0.5, 0, 1) * 8.0, 5)
-    force = np.round(0.2 * moved + 0.3 * np.where(time > 1.5, np.exp(-(time - 1.5)), 0.0), 5)
-    return time, moved, force
+    displacement = np.round(np.clip(time - 0.5, 0, 1) * 8.0, 5)
+    force = np.round(0.2 * displacement + 0.3 * np.where(time > 1.5, np.exp(-(time - 1.5)), 0.0), 5)
+    return time, displacement, force
 
 
 def table(

@@ -19,8 +19,8 @@ ROW = {
 def lot_of(rows):
     """Return a lot of rows, which need no more than what is their own."""
     made = [
-        {**ROW, "file": f"{i:04}.csv", "lot": "", "seal": "", "repeat": "", **one}
-        for i, one in enumerate(rows)
+        {**ROW, "file": f"{i:04}.csv", "lot": "", "seal": "", "repeat": "", **row}
+        for i, row in enumerate(rows)
     ]
     return dp.Lot(pl.DataFrame(made, infer_schema_length=None).sort("file"), 0)
 

@@ -37,9 +37,9 @@ def table(
 
 def bench(*factors: float, head: Sequence[str] = BENCH) -> str:
     """The seal's file with its columns times factors, under a heading."""
-    found = rows("seal_8mm.csv")
+    result = rows("seal_8mm.csv")
     times = factors or (1.0, 1.0, 1.0)
-    return table(head, ([a * b for a, b in zip(row, times, strict=True)] for row in found))
+    return table(head, ([a * b for a, b in zip(row, times, strict=True)] for row in result))
 
 
 def comma(digits: int) -> Callable[[float], str]:
@@ -49,8 +49,8 @@ def comma(digits: int) -> Callable[[float], str]:
 
 def hammer(*order: int, head: Sequence[str] = HAMMER) -> str:
     """The hammer's file with its columns in another order, under a heading."""
-    found = rows("hammer.csv")
-    return table(head, ([row[i] for i in order] if order else row for row in found))
+    result = rows("hammer.csv")
+    return table(head, ([row[i] for i in order] if order else row for row in result))
 
 
 def quote_lines(text: str) -> str:

@@ -53,16 +53,16 @@ def _inline(tree: ast.AST) -> Iterator[re.Pattern]:
 def patterns() -> dict[str, re.Pattern]:
     """Every pattern by its own text."""
     root = Path(dashpot.reading.__file__).parent
-    found = [*_find_patterns(PlainRows(Dialect(";", ".", ("number",)), (0,)).blank)]
+    result = [*_find_patterns(PlainRows(Dialect(";", ".", ("number",)), (0,)).blank)]
     for path in sorted(root.rglob("*.py")):
         parts = path.relative_to(root).with_suffix("").parts
         module = importlib.import_module(
             ".".join(("dashpot.reading", *parts)).removesuffix(".__init__")
         )
         for value in vars(module).values():
-            found += _find_patterns(value)
-        found += _inline(ast.parse(path.read_text(encoding="utf-8")))
-    return {str(pattern.pattern): pattern for pattern in found}
+            result += _find_patterns(value)
+        result += _inline(ast.parse(path.read_text(encoding="utf-8")))
+    return {str(pattern.pattern): pattern for pattern in result}
 
 
 def try_all(tried: dict[str, re.Pattern]) -> None:

@@ -17,10 +17,10 @@ def make_bench_plan(**words: Any) -> Plan:
 
     With ``force_alone`` there is no machine: nothing but the noise of the force.
     """
-    alone, values = words.pop("force_alone", False), []
+    single, values = words.pop("force_alone", False), []
     for cls in (Bench, Machine, SupposedSeal, HammerPlan):
-        own = {one.name for one in fields(cls)} & words.keys()
-        values.append(cls(**{name: words.pop(name) for name in own}))
+        individual = {field.name for field in fields(cls)} & words.keys()
+        values.append(cls(**{name: words.pop(name) for name in individual}))
     bench, machine, seal, hammer = values
-    bench = replace(bench, machine=None if alone else machine)
+    bench = replace(bench, machine=None if single else machine)
     return plan(bench, seal=seal, hammer=hammer, **({"at": 12.71} | words))

@@ -141,10 +141,10 @@ def run_opensees(form: str, procedure: str, case: str) -> float:
         input=json.dumps(task), capture_output=True, text=True, timeout=300, check=False,
     )  # fmt: skip
     assert run.returncode == 0, run.stderr
-    found = json.loads(next(line for line in run.stdout.splitlines() if line.startswith("{")))
-    if "missing" in found:
-        raise Missing(f"OpenSeesPy does not run here ({found['missing']})")
-    answer = np.array(found["answer"])
+    document = json.loads(next(line for line in run.stdout.splitlines() if line.startswith("{")))
+    if "missing" in document:
+        raise Missing(f"OpenSeesPy does not run here ({document['missing']})")
+    answer = np.array(document["answer"])
     from_rest = np.insert(t, 0, 0.0)
     exact = struck_exactly(solid, from_rest)[1:] if struck else pressed_exactly(solid, t)
     error = np.abs(answer - exact)
@@ -198,10 +198,10 @@ def run_tcl(form: str, procedure: str, case: str) -> float:
             [python, "-m", "opensees", str(script)], capture_output=True, text=True, timeout=300,
             check=False,
         )  # fmt: skip
-    found = re.findall(r"force (\S+)", run.stdout + run.stderr)
-    assert len(found) == 500, run.stderr[-2000:]
+    matches = re.findall(r"force (\S+)", run.stdout + run.stderr)
+    assert len(matches) == 500, run.stderr[-2000:]
     exact = pressed_exactly(SEAL, 0.01 * np.arange(1, 501))
-    return float(np.abs(np.array(found, float) - exact).max() / exact.max())
+    return float(np.abs(np.array(matches, float) - exact).max() / exact.max())
 
 
 # -- FMI -------------------------------------------------------------------------------------------
@@ -217,19 +217,19 @@ def run_fmu(form: str, procedure: str, case: str) -> float:
     struck = case == STRUCK
     dt, end = (1e-4, 0.5) if struck else (0.01, 5.0)
     t = dt * np.arange(round(end / dt) + 1)
-    given = np.interp(t, *PULSE) if struck else np.minimum(t, 1.0) * DEPTH
+    inputs = np.interp(t, *PULSE) if struck else np.minimum(t, 1.0) * DEPTH
     names = ("F", "F_rate") if struck else ("x", "v")
     with tempfile.TemporaryDirectory() as name:
         path = write_fmu(SEAL, form, Path(name), **({"mass": MASS} if struck else {}))
         if procedure == EXCHANGE:
-            found = integrate(path, form, t, lambda time: (np.interp(time, t, given), 0.0), names)
+            record = integrate(path, form, t, lambda time: (np.interp(time, t, inputs), 0.0), names)
         else:
             kind = "CoSimulation" if procedure == CO_SIMULATION else "ModelExchange"
-            signal = driven(t, given, names)
-            found = simulate(
+            signal = driven(t, inputs, names)
+            record = simulate(
                 path, kind, input=signal, stop_time=end, output_interval=dt, relative_tolerance=1e-8
             )
-    answer = np.asarray(found["x" if struck else "F"])[: len(t)]
+    answer = np.asarray(record["x" if struck else "F"])[: len(t)]
     exact = struck_exactly(SEAL, t) if struck else pressed_exactly(SEAL, t)
     return float(np.abs(answer - exact).max() / np.abs(exact).max())
 
@@ -254,15 +254,15 @@ def ccx(deck: str) -> str:
 
 def read_printed(dat: str, block: str, node: int = 2) -> tuple[np.ndarray, np.ndarray]:
     """Times, and first components of a node, of the blocks of one kind."""
-    time, found, wanted = [], [], False
+    time, result, wanted = [], [], False
     for line in dat.splitlines():
         if line.lstrip().startswith(("displacements", "forces")):
             wanted = line.lstrip().startswith(block)
             if wanted:
                 time.append(float(line.split()[-1]))
         elif wanted and line.split()[:1] == [str(node)]:
-            found.append(float(line.split()[1]))
-    return np.array(time), np.array(found)
+            result.append(float(line.split()[1]))
+    return np.array(time), np.array(result)
 
 
 PRESS_STEPS = {
@@ -311,12 +311,12 @@ def strike_calculix(form: str, procedure: str, case: str) -> float:
         "*STEP, INC=100000", "*MODAL DYNAMIC", "1.e-4, 0.5", "*CLOAD, AMPLITUDE=PULSE", "2, 1, 1.",
         "*NODE PRINT, NSET=MOVING", "U", "*END STEP", "",
     ])  # fmt: skip
-    t, moved = read_printed(ccx(deck), "displacements")
+    t, displacement = read_printed(ccx(deck), "displacements")
     keep = t > 0
-    t, moved = t[keep], moved[keep]
+    t, displacement = t[keep], displacement[keep]
     grid = 1e-4 * np.arange(5001)
     exact = np.interp(t, grid, struck_exactly(SEAL, grid))
-    return float(np.abs(moved - exact).max() / np.abs(exact).max())
+    return float(np.abs(displacement - exact).max() / np.abs(exact).max())
 
 
 def find_ccx_version() -> str:
@@ -396,11 +396,11 @@ def run_nastran(form: str, procedure: str, case: str) -> float:
         exact = 1 / (SEAL.complex_stiffness(omega=omega) - MASS * omega**2)
         return float(np.abs((real + 1j * imaginary) / exact - 1).max())
     rows = re.findall(r"^ +(\S+) +G +(\S+) ", run.stdout, flags=re.MULTILINE)
-    t, moved = np.array(rows, dtype=float).T
+    t, displacement = np.array(rows, dtype=float).T
     assert len(t) == 501, run.stdout[-2000:]
     grid = 1e-4 * np.arange(5001)
     exact = struck_exactly(SEAL, grid)
-    return float(np.abs(moved - np.interp(t, grid, exact)).max() / np.abs(exact).max())
+    return float(np.abs(displacement - np.interp(t, grid, exact)).max() / np.abs(exact).max())
 
 
 # -- FElupe ----------------------------------------------------------------------------------------

@@ -20,10 +20,10 @@ def alive(process: int) -> bool:
 
 def children(process: int) -> list[int]:
     """Those that any of its threads started."""
-    found: set[int] = set()
+    result: set[int] = set()
     for task in Path(f"/proc/{process}/task").glob("*/children"):
         try:
-            found.update(map(int, task.read_text().split()))
+            result.update(map(int, task.read_text().split()))
         except OSError:  # the thread, or all of it, has ended meanwhile
             continue
-    return sorted(found)
+    return sorted(result)

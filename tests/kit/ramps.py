@@ -96,8 +96,8 @@ def qlv(law: Law, bench: Bench, *, depth: float = DEPTH, seed: int = 0,
     time, x = motion(bench, depth)
     laws = arm_laws or [law] * len(k)
     force = law(x)
-    for one, weight, t in zip(laws, k, tau, strict=True):
-        force = force + weight * memory(time, one(x), t)
+    for function, weight, t in zip(laws, k, tau, strict=True):
+        force = force + weight * memory(time, function(x), t)
     return record_force(time, x, force, bench, depth=depth, seed=seed)
 
 
@@ -128,8 +128,8 @@ def tape(stretch: float = 0.16, *, seed: int = 0) -> RampHold:
 
     tau = np.geomspace(1.0, 600.0, 5)
     force = law(x)
-    for one, k in zip(tau, 0.8 * tau**-0.12, strict=True):
-        force = force + k * memory(time, law(x), float(one))
+    for value, k in zip(tau, 0.8 * tau**-0.12, strict=True):
+        force = force + k * memory(time, law(x), float(value))
     return record_force(time, x, force, bench, depth=float(x[time > 20].mean()), seed=seed)
 
 

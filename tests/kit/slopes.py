@@ -28,8 +28,8 @@ def hold_slopes(
             ends.append(A @ beta - y)
         return (ends[1] - ends[0]) / (2 * h)
 
-    for i, (one, column) in enumerate(zip(problem.parameters, rows.slope(beta).T, strict=True)):
-        h = step * one.scale
+    for i, (item, column) in enumerate(zip(problem.parameters, rows.slope(beta).T, strict=True)):
+        h = step * item.scale
         expected = (4 * differentiate(i, h) - differentiate(i, 2 * h)) / 3
         size = np.abs(expected).max() or 1.0
         np.testing.assert_allclose(column, expected, atol=rtol * size, rtol=0, err_msg=f"theta {i}")

@@ -29,13 +29,13 @@ def run_ccx(deck: str, folder: Path) -> str:
 
 def read_printed(dat: str, block: str, node: int) -> np.ndarray:
     """First components of a node in the blocks of one kind."""
-    found, wanted = [], False
+    result, wanted = [], False
     for line in dat.splitlines():
         if line.lstrip().startswith(("displacements", "forces")):
             wanted = line.lstrip().startswith(block)
         elif wanted and line.split()[:1] == [str(node)]:
-            found.append(float(line.split()[1]))
-    return np.array(found)
+            result.append(float(line.split()[1]))
+    return np.array(result)
 
 
 def receptance(dat: str, node: int) -> tuple[np.ndarray, np.ndarray]:
@@ -98,10 +98,10 @@ def run_opensees(task: dict, script: str = RUN) -> np.ndarray:
         input=json.dumps(task), capture_output=True, text=True, timeout=120, check=False,
     )  # fmt: skip
     assert run.returncode == 0, run.stderr
-    found = json.loads(next(line for line in run.stdout.splitlines() if line.startswith("{")))
-    if "missing" in found:
-        pytest.skip(f"OpenSeesPy does not run here ({found['missing']}): pip install openseespy")
-    return np.array(found["force"])
+    document = json.loads(next(line for line in run.stdout.splitlines() if line.startswith("{")))
+    if "missing" in document:
+        pytest.skip(f"OpenSeesPy does not run here ({document['missing']}): pip install openseespy")
+    return np.array(document["force"])
 
 
 PULSE = (

@@ -56,8 +56,10 @@ def moduli(seed=0, *, noise=0.005, temperatures=TEMPERATURES, points=12):
     """Relaxation moduli, two decades at each temperature."""
     draw = np.random.default_rng(seed).standard_normal
     time = np.geomspace(1.0, 100.0, points)
-    decay = [np.exp(-time[:, None] / (TAU * 10 ** wlf(one))) @ H for one in temperatures]
-    value = np.concatenate([(PLATEAU + one) * (1 + noise * draw(points)) for one in decay])
+    decay = [
+        np.exp(-time[:, None] / (TAU * 10 ** wlf(temperature))) @ H for temperature in temperatures
+    ]
+    value = np.concatenate([(PLATEAU + value) * (1 + noise * draw(points)) for value in decay])
     return RelaxationModulus(
         np.tile(time, len(temperatures)),
         value,
@@ -69,13 +71,13 @@ def moduli(seed=0, *, noise=0.005, temperatures=TEMPERATURES, points=12):
 def compliances(*, noise=0.005, seed=1, rubbery=True, flow=0.0):
     """Creep compliances, two decades at each temperature, one test each; `flow` in 1/(Pa s)."""
     draw = np.random.default_rng(seed).standard_normal
-    time, found = np.geomspace(1.0, 100.0, 14), []
+    time, result = np.geomspace(1.0, 100.0, 14), []
     for kelvin in TEMPERATURES:
         reduced = time / 10 ** wlf(kelvin)
         rise = -np.expm1(-reduced[:, None] / TAU) @ (SHARE / SHARE.sum())
         value = (1 / GLASSY + rise / PLATEAU + flow * reduced) * (1 + noise * draw(len(time)))
         b_t = kelvin / REFERENCE if rubbery else 1.0
-        found.append(
+        result.append(
             CreepCompliance(time, value / b_t, specimen=Specimen(temperature=kelvin), units="SI")
         )
-    return found
+    return result

@@ -84,9 +84,9 @@ class Seal:
     def _dense(cls, k_inf, k, log_tau, kind) -> Seal:
         """Keep 10 ns to 4 months; what is slower is a spring, what is faster is nothing."""
         slow = float(k[log_tau > np.log(1e7)].sum())
-        kept = (log_tau > np.log(1e-8)) & (log_tau <= np.log(1e7)) & (k > 1e-12)
-        order = np.argsort(log_tau[kept])
-        k, tau = k[kept][order], np.exp(log_tau[kept][order])
+        mask = (log_tau > np.log(1e-8)) & (log_tau <= np.log(1e7)) & (k > 1e-12)
+        order = np.argsort(log_tau[mask])
+        k, tau = k[mask][order], np.exp(log_tau[mask][order])
         return cls(float(k_inf), (*k.tolist(), slow), (*tau.tolist(), _SPRING), kind)
 
     def relaxation(self, t):
@@ -304,9 +304,9 @@ def _plate(clock, bench: Bench):
 def _answer(seal: Seal, law: Law, plate, clock, bench: Bench):
     """Compression and force of the seal; the machine gives way by C F (a fixed point)."""
     late = np.maximum(clock - bench.baseline - bench.ramp, 0.0)
-    unseen = bench.creep * bench.depth * -np.expm1(-late / 12.0)
+    hidden = bench.creep * bench.depth * -np.expm1(-late / 12.0)
     slipped = bench.slip * (clock > bench.baseline + 0.7 * bench.ramp)
-    free = np.maximum(plate + unseen - slipped, 0.0)
+    free = np.maximum(plate + hidden - slipped, 0.0)
     step = clock[1] - clock[0]
     x, force = free, np.zeros_like(free)
     for _ in range(12 if bench.compliance else 1):
@@ -523,11 +523,13 @@ def _real_poles(seal: Seal, mass: float, seals: float):
 # ---------------------------------------------------------------------------
 
 
-def relaxation_test(one: Trial):
+def relaxation_test(item: Trial):
     """The record as `read_relaxation` would give it."""
     from dashpot.datamodel.relaxation import RelaxationTest
 
-    return RelaxationTest(time=one.time, displacement=one.displacement, force=one.force, units="SI")
+    return RelaxationTest(
+        time=item.time, displacement=item.displacement, force=item.force, units="SI"
+    )
 
 
 def impact_test(hits: Hammering):

@@ -44,41 +44,41 @@ class Outcome:
         return any(self.errors.get(name, 0.0) > limit for name, limit in WRONG.items())
 
 
-def evaluate_record(one: Trial, *, bounds: bool = False) -> Outcome:
+def evaluate_record(trial: Trial, *, bounds: bool = False) -> Outcome:
     """Prepare and fit a record, and hold verdict and result against the truth.
 
     A record that is refused is one that is not to be used. `bounds` asks whether the limits over
     unseen arms hold the truth at every line of `LINES`.
     """
     try:
-        record = prepare(relaxation_test(one))
+        record = prepare(relaxation_test(trial))
         fit = fit_tests(record)
     except DashpotError as error:
-        return Outcome(one.name, "do not use", ((type(error).__name__, "stop"),), {})
+        return Outcome(trial.name, "do not use", ((type(error).__name__, "stop"),), {})
     failed = tuple((check.name, check.grade) for check in fit.checks if check.failed)
-    inside = _is_inside(one, fit, record) if bounds else None
-    return Outcome(one.name, fit.verdict.use, failed, _errors(one, fit), inside)
+    inside = _is_inside(trial, fit, record) if bounds else None
+    return Outcome(trial.name, fit.verdict.use, failed, _errors(trial, fit), inside)
 
 
-def _errors(one: Trial, fit: dp.Fit) -> dict[str, float]:
+def _errors(trial: Trial, fit: dp.Fit) -> dict[str, float]:
     """Relative errors; 0 where three standard errors explain them."""
     omega = 2 * np.pi * np.geomspace(fit.band[0], max(fit.band[1], fit.band[0]), 21)
-    true, found = one.seal.stiffness(omega), fit.model.complex_stiffness(omega=omega)
+    true, stiffness = trial.seal.stiffness(omega), fit.model.complex_stiffness(omega=omega)
     k, tau = (np.array(values)[:, None] for values in (fit.model.k, fit.model.tau))
     passed = 1j * omega * tau / (1 + 1j * omega * tau)
-    decay = np.exp(-one.end / tau)
-    end = float(fit.model.relaxation(one.end))
-    missed = np.abs(found - true)
+    decay = np.exp(-trial.end / tau)
+    end = float(fit.model.relaxation(trial.end))
+    missed = np.abs(stiffness - true)
     honest = missed < 3 * _error(fit, passed, k * passed / (1 + 1j * omega * tau))
-    off = abs(end - one.k_end())
-    known = off < 3 * float(_error(fit, decay, k * decay * one.end / tau)[0])
-    tangent = one.tangent(one.bench.depth) * one.seal.k_inf
-    by_law = tangent if fit.elastic_law is None else fit.elastic_law.tangent(one.bench.depth)
+    off = abs(end - trial.k_end())
+    expected = off < 3 * float(_error(fit, decay, k * decay * trial.end / tau)[0])
+    tangent = trial.tangent(trial.bench.depth) * trial.seal.k_inf
+    by_law = tangent if fit.elastic_law is None else fit.elastic_law.tangent(trial.bench.depth)
     return {
-        "k_end": 0.0 if known else off / one.k_end(),
+        "k_end": 0.0 if expected else off / trial.k_end(),
         "band": float(np.max(np.where(honest, 0.0, missed / np.abs(true)))),
         # of one law, k_inf apart: the secant is judged by the two others
-        "tangent": abs(float(by_law) / max(fit.model.k_inf, 1e-9) * one.seal.k_inf / tangent - 1),
+        "tangent": abs(float(by_law) / max(fit.model.k_inf, 1e-9) * trial.seal.k_inf / tangent - 1),
     }
 
 
@@ -90,11 +90,11 @@ def _error(fit: dp.Fit, of_k, of_ln_tau):
     return np.sqrt(np.einsum("im,ij,jm->m", slopes.conj(), covariance, slopes).real)
 
 
-def _is_inside(one: Trial, fit: dp.Fit, record: dp.RampHold) -> bool:
+def _is_inside(trial: Trial, fit: dp.Fit, record: dp.RampHold) -> bool:
     from dashpot.fitting.prediction_bounds import unseen_arm_band
 
     band = unseen_arm_band(fit, record, LINES)
-    true = one.stiffness_at(2 * np.pi * np.asarray(LINES), one.bench.depth)
+    true = trial.stiffness_at(2 * np.pi * np.asarray(LINES), trial.bench.depth)
     return bool(
         np.all((band.storage[:, 0] <= true.real) & (true.real <= band.storage[:, 1]))
         and np.all((band.loss[:, 0] <= true.imag) & (true.imag <= band.loss[:, 1]))
@@ -105,20 +105,20 @@ def table(groups: Mapping[str, Iterable[Outcome]]) -> str:
     """The shares of each verdict, and of the wrong results that are said to be of use."""
     head = ("records", "n", "use", "care", "not", "wrong", "of them use")
     rows = ["{:<22}{:>4}{:>7}{:>7}{:>7}{:>7}{:>13}".format(*head)]
-    for name, each in groups.items():
-        found = tuple(each)
-        share = Counter(one.use for one in found)
-        wrong = [one for one in found if one.wrong]
-        used = sum(one.use == "use" for one in wrong)
-        shares = (share[use] / len(found) for use in ("use", "use with care", "do not use"))
+    for name, group in groups.items():
+        result = tuple(group)
+        share = Counter(item.use for item in result)
+        wrong = [item for item in result if item.wrong]
+        used = sum(item.use == "use" for item in wrong)
+        shares = (share[use] / len(result) for use in ("use", "use with care", "do not use"))
         rows.append(
-            f"{name:<22}{len(found):>4}"
+            f"{name:<22}{len(result):>4}"
             + "".join(f"{100 * part:>6.0f}%" for part in shares)
             + f"{len(wrong):>7}{used:>13}"
         )
     return "\n".join(rows)
 
 
-def failures(found: Iterable[Outcome]) -> Counter[tuple[str, str]]:
+def failures(outcomes: Iterable[Outcome]) -> Counter[tuple[str, str]]:
     """How often each check failed, by grade."""
-    return Counter(failed for one in found for failed in one.failed)
+    return Counter(failed for outcome in outcomes for failed in outcome.failed)

@@ -57,10 +57,10 @@ def dense(time: np.ndarray, force: np.ndarray, sd: np.ndarray | float, start: np
     def residual(p: np.ndarray) -> np.ndarray:
         return (compute_hold(time, p[0], p[1 : arms + 1], np.exp(p[arms + 1 :])) - force) / sd
 
-    found = least_squares(
+    result = least_squares(
         residual, start, jac="3-point", x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15
     )
-    return found.x, float(np.square(residual(found.x)).sum())
+    return result.x, float(np.square(residual(result.x)).sum())
 
 
 @pytest.mark.parametrize("grid", GRIDS)
@@ -70,28 +70,28 @@ def test_compressed_optimum_is_the_full_optimum(grid: str, arms: int) -> None:
     force = noisy(time, arms)
     block = hold_block(time, force, depth=DEPTH, ramp_time=RAMP)
     assert len(block.target) < 300
-    found = solve([block], arms)
-    assert found.converged
+    solution = solve([block], arms)
+    assert solution.converged
     # the full record, every sample a row, descended from the compressed optimum
-    full = solve([block.exact], arms, log_tau_start=found.log_tau)
-    assert full.samples == found.samples == len(time)
-    assert found.sse == pytest.approx(full.sse, rel=1e-10)
-    np.testing.assert_allclose(found.log_tau, full.log_tau, atol=1e-8)
-    np.testing.assert_allclose(found.arms, full.arms, rtol=1e-8)
-    np.testing.assert_allclose(found.fixed, full.fixed, rtol=1e-8)
+    full = solve([block.exact], arms, log_tau_start=solution.log_tau)
+    assert full.samples == solution.samples == len(time)
+    assert solution.sse == pytest.approx(full.sse, rel=1e-10)
+    np.testing.assert_allclose(solution.log_tau, full.log_tau, atol=1e-8)
+    np.testing.assert_allclose(solution.arms, full.arms, rtol=1e-8)
+    np.testing.assert_allclose(solution.fixed, full.fixed, rtol=1e-8)
 
 
 @pytest.mark.parametrize("arms", [1, 2, 3])
 def test_the_optimum_is_scipys_on_every_sample(arms: int) -> None:
     time = GRIDS["uniform"][::4]
     force = noisy(time, arms)
-    found = solve([hold_block(time, force, depth=DEPTH, ramp_time=RAMP)], arms)
+    solution = solve([hold_block(time, force, depth=DEPTH, ramp_time=RAMP)], arms)
     k, tau = ARMS[arms]
     x, sse = dense(time, force, 1.0, np.concatenate(([196.5], k, np.log(tau))))
-    assert found.sse == pytest.approx(sse, rel=1e-10)
-    assert found.sse <= sse * (1 + 1e-11)
+    assert solution.sse == pytest.approx(sse, rel=1e-10)
+    assert solution.sse <= sse * (1 + 1e-11)
     # scipy stops where the SSE is flat: its parameters are good to about 1e-6
-    np.testing.assert_allclose(found.log_tau, x[arms + 1 :], atol=2e-5)
+    np.testing.assert_allclose(solution.log_tau, x[arms + 1 :], atol=2e-5)
 
 
 def test_weighted_record() -> None:
@@ -99,12 +99,12 @@ def test_weighted_record() -> None:
     sd = 0.002 * (1 + 4 * np.exp(-time / 3))
     force = noisy(time, 2, sd)
     block = hold_block(time, force, depth=DEPTH, ramp_time=RAMP, weights=1 / sd)
-    found = solve([block], 2)
-    full = solve([block.exact], 2, log_tau_start=found.log_tau)
+    solution = solve([block], 2)
+    full = solve([block.exact], 2, log_tau_start=solution.log_tau)
     assert len(block.target) < 300
-    assert found.sse == pytest.approx(full.sse, rel=1e-10)
-    assert found.sse == pytest.approx(len(time), rel=0.05)
-    np.testing.assert_allclose(found.log_tau, full.log_tau, atol=1e-8)
+    assert solution.sse == pytest.approx(full.sse, rel=1e-10)
+    assert solution.sse == pytest.approx(len(time), rel=0.05)
+    np.testing.assert_allclose(solution.log_tau, full.log_tau, atol=1e-8)
 
 
 @pytest.mark.parametrize("grid", ["uniform", "jittered"])
@@ -117,13 +117,13 @@ def test_ramp_and_hold(grid: str) -> None:
     clean = DEPTH / RAMP * (196.5 * rising[:, 0] + shape)
     force = clean + 0.3 + 0.01 * GENERATOR.standard_normal(len(time))
     block = hold_block(time, force, depth=DEPTH, ramp_time=RAMP, ramp=True, offset="offset")
-    found = solve([block], 2)
-    full = solve([block.exact], 2, log_tau_start=found.log_tau)
+    solution = solve([block], 2)
+    full = solve([block.exact], 2, log_tau_start=solution.log_tau)
     assert len(block.target) < 400
-    assert found.sse == pytest.approx(full.sse, rel=1e-10)
-    np.testing.assert_allclose(found.log_tau, full.log_tau, atol=1e-8)
-    np.testing.assert_allclose(np.exp(found.log_tau), tau, rtol=0.1)
-    assert found.coefficient("offset") == pytest.approx(0.3, abs=0.01)
+    assert solution.sse == pytest.approx(full.sse, rel=1e-10)
+    np.testing.assert_allclose(solution.log_tau, full.log_tau, atol=1e-8)
+    np.testing.assert_allclose(np.exp(solution.log_tau), tau, rtol=0.1)
+    assert solution.coefficient("offset") == pytest.approx(0.3, abs=0.01)
 
 
 @given(log_tau=st.floats(np.log(4e-3), np.log(400)), grid=st.sampled_from(sorted(GRIDS)))
@@ -190,8 +190,8 @@ def test_small_records_stay_raw() -> None:
     ],
 )
 def test_uniform_up_to_rounding(time: np.ndarray, step: float | None) -> None:
-    found = uniform_step(time)
-    assert found == pytest.approx(step) if step else found is None
+    result = uniform_step(time)
+    assert result == pytest.approx(step) if step else result is None
 
 
 BadCall = Callable[[], object]

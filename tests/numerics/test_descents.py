@@ -90,11 +90,11 @@ def test_profile_with_too_few_arms_equals_brute_force_refit(
     time = np.linspace(0.0, 10.0, 400)
     values = 1.0 + 0.8 * np.exp(-time / 0.3) + 0.5 * np.exp(-time / 4.0)
     block = hold_block(time, values)
-    found = solve([block], 1)
-    scale = found.sse / 8.0
-    asked = ProfileTarget(coordinate, index, step=0.02, scale=scale)
-    ((value, deviance),) = profiles(Stack([block]), found, [asked], limit=20.0)
-    c, k, ln_tau = *found.beta, found.log_tau[0]
+    solution = solve([block], 1)
+    scale = solution.sse / 8.0
+    profile_target = ProfileTarget(coordinate, index, step=0.02, scale=scale)
+    ((value, deviance),) = profiles(Stack([block]), solution, [profile_target], limit=20.0)
+    c, k, ln_tau = *solution.beta, solution.log_tau[0]
 
     def compute_refit_cost(at: float) -> float:
         def residual(q: np.ndarray) -> np.ndarray:
@@ -110,13 +110,13 @@ def test_profile_with_too_few_arms_equals_brute_force_refit(
 
     rises = deviance < 16.0
     assert rises.sum() > 8
-    expected = [(compute_refit_cost(at) - found.sse) / scale for at in value[rises]]
+    expected = [(compute_refit_cost(at) - solution.sse) / scale for at in value[rises]]
     assert deviance[rises] == pytest.approx(np.array(expected), abs=2e-3, rel=1e-3)
 
 
-@pytest.mark.parametrize(("carried", "felt"), [(1.001e-12, 1.001e-12), (0.999e-12, 1e-12)])
+@pytest.mark.parametrize(("carried", "sensed"), [(1.001e-12, 1.001e-12), (0.999e-12, 1e-12)])
 def test_the_steps_of_a_parameter_that_has_faded_are_damped_as_if_it_carried_a_little(
-    carried, felt
+    carried, sensed
 ):
     """Else damping would not shorten them, and a refused step would stop all others first."""
 
@@ -126,7 +126,7 @@ def test_the_steps_of_a_parameter_that_has_faded_are_damped_as_if_it_carried_a_l
 
     wide = [-10.0, -10.0], [10.0, 10.0]
     step = _trial(Point(), None, 10.0, wide)
-    assert step[1] == pytest.approx(-1e-12 / (carried + 10.0 * felt), rel=1e-9)
+    assert step[1] == pytest.approx(-1e-12 / (carried + 10.0 * sensed), rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -168,9 +168,9 @@ def test_a_descent_follows_a_valley_that_bends():
         J = np.array([[-600.0 * x, 300.0], [-1.0, 0.0]])
         return Rows(-np.array([300.0 * (y - x * x), 1.0 - x]), np.empty((2, 0)), lambda _: J)
 
-    found = require_optimum(
+    optimum = require_optimum(
         Problem(model, [Parameter(-3.0, 3.0)] * 2), [np.array([-1.2, 1.0])], most=200
     )
-    assert found.theta == pytest.approx(np.ones(2), abs=1e-9)
-    assert found.stationary
+    assert optimum.theta == pytest.approx(np.ones(2), abs=1e-9)
+    assert optimum.stationary
     assert len(taken) < 200

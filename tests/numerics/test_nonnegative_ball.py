@@ -22,12 +22,12 @@ def relaxation_columns(per_decade: int = 64) -> tuple[np.ndarray, np.ndarray]:
 
 def test_confidence_region_least_squares_equals_scipy_nnls() -> None:
     columns, target = relaxation_columns()
-    found = NonnegativeConfidenceRegion(columns, target).least()
+    least = NonnegativeConfidenceRegion(columns, target).least()
     other = nnls(columns, target)[0]
-    assert (found >= 0).all()
-    ours, theirs = (np.sum((columns @ s - target) ** 2) for s in (found, other))
+    assert (least >= 0).all()
+    ours, theirs = (np.sum((columns @ s - target) ** 2) for s in (least, other))
     assert ours == pytest.approx(theirs, rel=1e-10)
-    again = NonnegativeConfidenceRegion(columns, target).least(found + 0.1)
+    again = NonnegativeConfidenceRegion(columns, target).least(least + 0.1)
     assert np.sum((columns @ again - target) ** 2) == pytest.approx(theirs, rel=1e-10)
 
 
@@ -39,13 +39,15 @@ def test_the_farthest_point_lies_on_the_ball_and_none_is_farther() -> None:
     draw = np.random.default_rng(1)
     for _ in range(6):
         aim = draw.standard_normal(columns.shape[1])
-        found = NonnegativeConfidenceRegion(columns, target).find_farthest_point(aim, squared, best)
-        left = target - columns @ found
-        assert (found >= 0).all()
-        assert left @ left == pytest.approx(squared, rel=1e-9)
-        on = found > 0
-        multiplier = -float(columns[:, on][:, 0] @ left) / aim[on][0]
-        gain = columns.T @ left + multiplier * aim
+        farthest_point = NonnegativeConfidenceRegion(columns, target).find_farthest_point(
+            aim, squared, best
+        )
+        residual = target - columns @ farthest_point
+        assert (farthest_point >= 0).all()
+        assert residual @ residual == pytest.approx(squared, rel=1e-9)
+        on = farthest_point > 0
+        multiplier = -float(columns[:, on][:, 0] @ residual) / aim[on][0]
+        gain = columns.T @ residual + multiplier * aim
         assert multiplier > 0
         assert np.abs(gain[on]).max() < 1e-6
         assert gain[~on].max() < 1e-6
@@ -108,11 +110,13 @@ def test_equal_columns_do_not_turn_in_a_circle() -> None:
     )
     aim = np.zeros(len(best))
     aim[[0, columns.shape[1]]] = 1.0
-    found = NonnegativeConfidenceRegion(twice, target).find_farthest_point(aim, squared, best)
-    alone = NonnegativeConfidenceRegion(columns, target).find_farthest_point(
+    farthest_point = NonnegativeConfidenceRegion(twice, target).find_farthest_point(
+        aim, squared, best
+    )
+    single = NonnegativeConfidenceRegion(columns, target).find_farthest_point(
         aim[: columns.shape[1]], squared, once
     )
-    assert aim @ found == pytest.approx(alone[0], rel=1e-6)
+    assert aim @ farthest_point == pytest.approx(single[0], rel=1e-6)
 
 
 def test_fewer_samples_than_terms_bound_nothing() -> None:
@@ -128,14 +132,14 @@ def test_fewer_samples_than_terms_bound_nothing() -> None:
 def test_confidence_region_answer_is_independent_of_earlier_queries() -> None:
     """Faces that are remembered, grown and shrunk are those that are factored anew."""
     columns, target = relaxation_columns(16)
-    asked = NonnegativeConfidenceRegion(columns, target)
-    best = asked.least()
+    requested = NonnegativeConfidenceRegion(columns, target)
+    best = requested.least()
     squared = float(np.sum((columns @ best - target) ** 2)) + 0.01
     draw, t = np.random.default_rng(3), np.geomspace(0.01, 1000, columns.shape[1])
     aims = [draw.standard_normal(columns.shape[1]) for _ in range(8)]
-    aims += [np.exp(-one / t) for one in np.geomspace(0.1, 100, 40)]
+    aims += [np.exp(-value / t) for value in np.geomspace(0.1, 100, 40)]
     for aim in aims:
-        before, anew = asked, NonnegativeConfidenceRegion(columns, target)
+        before, anew = requested, NonnegativeConfidenceRegion(columns, target)
         reach = aim @ anew.find_farthest_point(aim, squared, best)
         assert aim @ before.find_farthest_point(aim, squared, best) == pytest.approx(
             reach, rel=1e-9

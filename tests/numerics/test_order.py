@@ -35,9 +35,9 @@ def test_a_gain_below_the_floor_is_no_gain() -> None:
 def test_correlated_residuals_are_less_evidence() -> None:
     """A gain of 2 % in SSE convinces 10 000 samples and not the 100 they are worth."""
     for effective, convinced in ((10_000.0, True), (100.0, False)):
-        one = bic(1.0, effective=effective, parameters=3)
+        item = bic(1.0, effective=effective, parameters=3)
         two = bic(0.98, effective=effective, parameters=5)
-        assert (two < one) is convinced
+        assert (two < item) is convinced
 
 
 @pytest.mark.parametrize(

@@ -49,15 +49,15 @@ def noisy(seed: int, sd: float = 0.02) -> np.ndarray:
 @pytest.mark.parametrize("slopes", [True, False])
 def test_the_optimum_is_that_of_a_library_over_everything(slopes: bool) -> None:
     y = noisy(1)
-    found = require_optimum(decay(y, slopes=slopes), [np.array([1.5])])
+    optimum = require_optimum(decay(y, slopes=slopes), [np.array([1.5])])
 
     def compute_residual(x: np.ndarray) -> np.ndarray:
         return x[1] + x[2] * np.exp(-TIME / np.exp(x[0])) - y
 
     other = least_squares(compute_residual, [0.0, 1.0, 1.0], xtol=1e-15, ftol=1e-15, gtol=1e-15)
-    np.testing.assert_allclose(found.values, other.x, rtol=1e-5 if not slopes else 1e-7)
-    assert found.cost == pytest.approx(2 * other.cost, rel=1e-10)
-    assert found.stationary
+    np.testing.assert_allclose(optimum.values, other.x, rtol=1e-5 if not slopes else 1e-7)
+    assert optimum.cost == pytest.approx(2 * other.cost, rel=1e-10)
+    assert optimum.stationary
 
 
 @given(st.floats(-3, 3), st.integers(0, 50))
@@ -79,7 +79,7 @@ def test_the_slope_is_the_difference_of_the_model() -> None:
 
 def test_a_start_in_a_bad_place_is_not_followed() -> None:
     y = noisy(2)
-    starts = [np.array([one]) for one in (-4.9, 0.0, 4.9)]
+    starts = [np.array([item]) for item in (-4.9, 0.0, 4.9)]
     both = [decay(y).solve(starts, rough=rough) for rough in (0, 3)]
     assert both[0] is not None
     assert both[1] is not None
@@ -96,22 +96,22 @@ def test_valleys_do_not_repeat_a_visited_valley() -> None:
         return Rows(-np.array([x * (x - 3), 1.0]), np.empty((2, 0)), lambda _: slope)
 
     problem = Problem(model, [Parameter(-50.0, 80.0, 10.0)])
-    starts = [np.array([one]) for one in (-9.0, 39.0, 8.0)]
-    found = problem.valleys(starts, same=0.1)
-    np.testing.assert_allclose([one.theta[0] for one in found], [0.0, 30.0], atol=1e-8)
+    starts = [np.array([item]) for item in (-9.0, 39.0, 8.0)]
+    optimums = problem.valleys(starts, same=0.1)
+    np.testing.assert_allclose([optimum.theta[0] for optimum in optimums], [0.0, 30.0], atol=1e-8)
     # within `is_same_unit` of the first it is left
     assert 1e-4 < abs(theta[-1]) < 0.1
     assert len(problem.valleys(starts)) == 3
 
 
 def test_a_parameter_stays_in_its_range() -> None:
-    found = require_optimum(
+    optimum = require_optimum(
         Problem(decay(noisy(3)).model, [Parameter(0.5, 2.0)], positive=True), [np.array([9.0])]
     )
-    assert found.theta[0] == 0.5
-    low, high, _ = found.problem.bounds
-    assert ((found.theta <= low) | (found.theta >= high)).any()
-    assert found.stationary
+    assert optimum.theta[0] == 0.5
+    low, high, _ = optimum.problem.bounds
+    assert ((optimum.theta <= low) | (optimum.theta >= high)).any()
+    assert optimum.stationary
 
 
 def test_sizes_of_parameters_do_not_change_the_optimum() -> None:
@@ -125,21 +125,23 @@ def test_sizes_of_parameters_do_not_change_the_optimum() -> None:
         return rows._replace(slope=lambda beta: slope(beta) / 1e4)
 
     scaled = Problem(model, [Parameter(-5e4, 5e4, 1e4)], positive=True)
-    one, other = require_optimum(base, [np.ones(1)]), require_optimum(scaled, [np.full(1, 1e4)])
-    assert other.theta[0] / 1e4 == pytest.approx(one.theta[0], rel=1e-9)
-    known = estimate(other)
-    assert known.standard_error[0] == pytest.approx(1e4 * estimate(one).standard_error[0], rel=1e-6)
+    optimum, other = require_optimum(base, [np.ones(1)]), require_optimum(scaled, [np.full(1, 1e4)])
+    assert other.theta[0] / 1e4 == pytest.approx(optimum.theta[0], rel=1e-9)
+    uncertainty = estimate(other)
+    assert uncertainty.standard_error[0] == pytest.approx(
+        1e4 * estimate(optimum).standard_error[0], rel=1e-6
+    )
 
 
 def test_exact_data_are_followed_to_rounding() -> None:
-    found = require_optimum(decay(noisy(0, sd=0.0)), [np.array([1.0])])
-    np.testing.assert_allclose(found.values, [np.log(0.7), 2.0, 1.0], rtol=1e-10)
+    optimum = require_optimum(decay(noisy(0, sd=0.0)), [np.array([1.0])])
+    np.testing.assert_allclose(optimum.values, [np.log(0.7), 2.0, 1.0], rtol=1e-10)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize(("off", "kept"), [(0.249, True), (0.251, False)])
+@pytest.mark.parametrize(("off", "retained"), [(0.249, True), (0.251, False)])
 def test_hessian_correction_is_reused_if_it_predicts_the_fall(
-    off: float, kept: bool, sign: int
+    off: float, retained: bool, sign: int
 ) -> None:
     """A parabola whose J'J lacks 1 of 3: the true fall, and one that is a quarter off."""
     step, gradient = np.array([-1.0]), np.array([3.0])
@@ -147,7 +149,7 @@ def test_hessian_correction_is_reused_if_it_predicts_the_fall(
     fall = -float(step @ (2 * gradient + (curvature + lacking) @ step))
     old = SimpleNamespace(sse=10.0, gradient=gradient, curvature=curvature)
     new = SimpleNamespace(sse=10.0 - fall * (1 + sign * off))
-    assert _foretold(lacking, old, new, step) is kept
+    assert _foretold(lacking, old, new, step) is retained
     assert _foretold(None, old, new, step)
 
 
@@ -163,8 +165,8 @@ def test_where_a_model_says_nothing_no_descent_begins_and_none_ends() -> None:
     assert problem.solve([np.array([2.0])]) is None
     with pytest.raises(FitError, match="says nothing"):
         require_optimum(problem, [np.array([2.0])])
-    found = require_optimum(problem, [np.array([2.0]), np.array([0.9])])
-    assert found.theta[0] == pytest.approx(
+    optimum = require_optimum(problem, [np.array([2.0]), np.array([0.9])])
+    assert optimum.theta[0] == pytest.approx(
         require_optimum(decay(y), [np.zeros(1)]).theta[0], abs=1e-8
     )
 
@@ -182,11 +184,11 @@ def test_gauge_selects_one_of_equivalent_optima() -> None:
     def gauge(theta: np.ndarray) -> np.ndarray:
         return theta.mean() + np.array([0.5, -0.5])
 
-    found = require_optimum(
+    optimum = require_optimum(
         Problem(model, [Parameter(), Parameter()], True, gauge=gauge), [np.zeros(2)]
     )
-    assert found.theta[0] - found.theta[1] == pytest.approx(1.0)
-    assert found.theta.sum() == pytest.approx(
+    assert optimum.theta[0] - optimum.theta[1] == pytest.approx(1.0)
+    assert optimum.theta.sum() == pytest.approx(
         require_optimum(decay(y), [np.zeros(1)]).theta[0], abs=1e-6
     )
 
@@ -203,10 +205,10 @@ def test_solve_linear_with_sign_constraints_equals_a_library(seed: int, q: int, 
     beta, basis = solve_linear(A, y, must)
     columns = np.column_stack((A, -A[:, ~must]))
     assert (beta[must] >= 0).all()
-    left = np.linalg.norm(y - A @ beta)
-    assert left == pytest.approx(nnls(columns, y)[1], rel=1e-9)
+    norm = np.linalg.norm(y - A @ beta)
+    assert norm == pytest.approx(nnls(columns, y)[1], rel=1e-9)
     np.testing.assert_allclose(basis().T @ basis(), np.eye(basis().shape[1]), atol=1e-12)
-    assert np.linalg.norm(y - basis() @ (basis().T @ y)) == pytest.approx(left, rel=1e-9)
+    assert np.linalg.norm(y - basis() @ (basis().T @ y)) == pytest.approx(norm, rel=1e-9)
 
 
 @pytest.mark.parametrize("q", [MANY, MANY + 1])
@@ -239,10 +241,10 @@ def test_of_dependent_columns_the_first_carries_the_weight(positive: bool) -> No
     assert basis().shape == (5, 1)
 
 
-@pytest.mark.parametrize(("apart", "rank"), [(3e-14, 1), (1e-12, 2)])
-def test_columns_are_dependent_where_rounding_parts_them(apart: float, rank: int) -> None:
+@pytest.mark.parametrize(("separate", "rank"), [(3e-14, 1), (1e-12, 2)])
+def test_columns_are_dependent_where_rounding_parts_them(separate: float, rank: int) -> None:
     A = np.ones((6, 2))
-    A[0, 1] += apart
+    A[0, 1] += separate
     assert solve_linear(A, np.arange(6.0))[1]().shape == (6, rank)
 
 
@@ -272,16 +274,16 @@ def test_estimate_of_a_line_equals_the_textbook() -> None:
     generator = np.random.default_rng(7)
     y = 3 + 2 * np.linspace(-1, 1, 200) + generator.standard_normal(200)
     best = require_optimum(line(y))
-    known = estimate(best, noises=[white_noise(best)])
+    uncertainty = estimate(best, noises=[white_noise(best)])
     x = np.linspace(-1, 1, 200)
     variance = best.sse / 198
-    np.testing.assert_allclose(known.standard_error**2, variance / np.array([200, x @ x]))
-    two = known.derive_quantity(lambda beta: np.array([beta[0] + beta[1], beta[0] * 2]))
+    np.testing.assert_allclose(uncertainty.standard_error**2, variance / np.array([200, x @ x]))
+    two = uncertainty.derive_quantity(lambda beta: np.array([beta[0] + beta[1], beta[0] * 2]))
     np.testing.assert_allclose(
         two.standard_error**2, variance * np.array([1 / 200 + 1 / (x @ x), 4 / 200]), rtol=1e-8
     )
-    assert known.dof == 198
-    assert known.quantile() == pytest.approx(1.972, abs=1e-3)
+    assert uncertainty.dof == 198
+    assert uncertainty.quantile() == pytest.approx(1.972, abs=1e-3)
 
 
 def test_estimate_with_a_prior_is_narrower() -> None:
@@ -290,9 +292,9 @@ def test_estimate_with_a_prior_is_narrower() -> None:
     y = 3 + generator.standard_normal(50)
     best = require_optimum(line(y, priors=np.float64(1.0)))
     assert len(best.residual) == 50
-    known = estimate(best, noises=[white_noise(best, variance=1.0)])
+    uncertainty = estimate(best, noises=[white_noise(best, variance=1.0)])
     x = np.linspace(-1, 1, 50)
-    assert known.covariance[1, 1] == pytest.approx(1 / (x @ x + 1))
+    assert uncertainty.covariance[1, 1] == pytest.approx(1 / (x @ x + 1))
     assert best.sse < best.cost
 
 
@@ -300,10 +302,10 @@ def test_estimate_uses_the_noise_of_each_record() -> None:
     generator = np.random.default_rng(9)
     y = np.concatenate((generator.standard_normal(100), 10 * generator.standard_normal(300)))
     A = np.repeat([[1.0, 0.0], [0.0, 1.0]], [100, 300], axis=0)
-    known = estimate(require_optimum(Problem(lambda _: Rows(y, A))), parts=[100, 300])
-    ratio = known.standard_error * np.sqrt([100, 300])
+    uncertainty = estimate(require_optimum(Problem(lambda _: Rows(y, A))), parts=[100, 300])
+    ratio = uncertainty.standard_error * np.sqrt([100, 300])
     np.testing.assert_allclose(ratio, [1.0, 10.0], rtol=0.25)
-    assert len(known.noises) == 2
+    assert len(uncertainty.noises) == 2
 
 
 def test_estimate_gives_no_error_at_zero_unless_requested() -> None:
@@ -329,33 +331,35 @@ def test_derived_quantity_of_undetermined_parameters_is_undetermined() -> None:
     x = np.linspace(-1, 1, 50)
     A = np.column_stack((x, np.ones(50), np.ones(50)))
     best = require_optimum(Problem(lambda _: Rows(x + 1, A)))
-    known = estimate(best, noises=[white_noise(best, variance=1.0)])
-    found = known.derive_quantity(lambda values: np.array([2 * values[0], values[0] + values[1]]))
-    np.testing.assert_allclose(found.covariance, [[4 / (x @ x), 0.0], [0.0, np.inf]])
+    uncertainty = estimate(best, noises=[white_noise(best, variance=1.0)])
+    derived_quantity = uncertainty.derive_quantity(
+        lambda values: np.array([2 * values[0], values[0] + values[1]])
+    )
+    np.testing.assert_allclose(derived_quantity.covariance, [[4 / (x @ x), 0.0], [0.0, np.inf]])
 
 
 def test_a_systematic_error_moves_as_the_refit_does() -> None:
     y, small = noisy(10), 1e-4 * np.sin(TIME)
     best = require_optimum(decay(y), [np.zeros(1)])
-    known = estimate(best)
+    uncertainty = estimate(best)
     refitted = require_optimum(decay(y + small), [best.theta])
-    by = estimate_parameter_shift(known, -small)
+    by = estimate_parameter_shift(uncertainty, -small)
     np.testing.assert_allclose(by, refitted.values - best.values, rtol=0.02, atol=1e-6)
-    assert (known.add_parameter_error(by).standard_error > known.standard_error).all()
+    assert (uncertainty.add_parameter_error(by).standard_error > uncertainty.standard_error).all()
 
 
-def ends(known: Estimate, index: int = 0) -> tuple[float, float]:
+def ends(expected: Estimate, index: int = 0) -> tuple[float, float]:
     """Of a profile interval."""
-    found = known.profile(index)
-    low, high = (float(found[i].known.optimum.theta[index]) for i in (0, -1))
+    profile = expected.profile(index)
+    low, high = (float(profile[i].known.optimum.theta[index]) for i in (0, -1))
     return low, high
 
 
 def test_a_profile_of_a_nearly_linear_theta_is_its_interval() -> None:
     best = require_optimum(decay(noisy(11, sd=0.002)), [np.zeros(1)])
-    known = estimate(best, noises=[white_noise(best)])
-    half = known.quantile() * known.standard_error[0]
-    low, high = ends(known)
+    uncertainty = estimate(best, noises=[white_noise(best)])
+    half = uncertainty.quantile() * uncertainty.standard_error[0]
+    low, high = ends(uncertainty)
     np.testing.assert_allclose([best.theta[0] - low, high - best.theta[0]], half, rtol=0.02)
 
 
@@ -364,11 +368,11 @@ def test_a_profile_ends_where_the_deviance_is_that_of_the_level() -> None:
     y = noisy(12, sd=0.3)
     best = require_optimum(decay(y), [np.zeros(1)])
     noise = white_noise(best)
-    known = estimate(best, noises=[noise])
-    for end in ends(known):
+    uncertainty = estimate(best, noises=[noise])
+    for end in ends(uncertainty):
         held = decay(y).solve_linear(np.array([end]))
         t = np.sqrt((held.cost - best.cost) / noise.power)
-        assert t == pytest.approx(known.quantile(), rel=0.01)
+        assert t == pytest.approx(uncertainty.quantile(), rel=0.01)
 
 
 def test_profile_slice_equals_the_problem_with_one_fixed_parameter() -> None:
@@ -381,20 +385,20 @@ def test_profile_slice_equals_the_problem_with_one_fixed_parameter() -> None:
 
     problem = Problem(model, [Parameter(-6.0, 6.0)] * 2, positive=True)
     best = require_optimum(problem, [np.array([-1.6, 0.2])])
-    known = estimate(best, noises=[white_noise(best)])
-    slices = known.profile(0)
-    roots = [one.root for one in slices]
-    assert roots[0] == pytest.approx(known.quantile(), rel=0.01)
+    uncertainty = estimate(best, noises=[white_noise(best)])
+    slices = uncertainty.profile(0)
+    roots = [item.root for item in slices]
+    assert roots[0] == pytest.approx(uncertainty.quantile(), rel=0.01)
     assert min(roots) == roots[len(slices) // 2] == 0
     for root, held in slices:
         theta = held.optimum.theta
         again = require_optimum(problem.fix_parameter(0, theta[0]), [best.theta[1:]])
         np.testing.assert_allclose(theta[1:], again.theta, atol=1e-3)
         assert root**2 == pytest.approx(
-            (again.cost - best.cost) / known.noises[0].power, rel=1e-2, abs=1e-6
+            (again.cost - best.cost) / uncertainty.noises[0].power, rel=1e-2, abs=1e-6
         )
         assert held.standard_error[0] == 0
-        assert (held.standard_error[1:] < known.standard_error[1:]).all()
+        assert (held.standard_error[1:] < uncertainty.standard_error[1:]).all()
 
 
 def test_a_profile_that_nothing_ends_goes_to_the_range() -> None:
@@ -422,8 +426,8 @@ def test_the_score_prefers_what_is_there(sd: float) -> None:
     for truth in (1, 2):
         y = 2 + np.exp(-TIME / 0.3) + (truth == 2) * np.exp(-TIME / 4)
         y = y + sd * np.random.default_rng(14).standard_normal(len(y))
-        found = [arms(n, y) for n in (1, 2, 3)]
-        scores = [score(one, len(y), floor=100 * one.nothing) for one in found]
+        armss = [arms(n, y) for n in (1, 2, 3)]
+        scores = [score(item, len(y), floor=100 * item.nothing) for item in armss]
         assert int(np.argmin(scores)) + 1 == truth
 
 

@@ -43,8 +43,8 @@ def brute(values: np.ndarray, optimum: Solution, held: str, at: float) -> float:
 
     first = {"c": [k1, k2, a, b], "ln tau": [c, k1, k2, a], "ln b": [c, k1, a, b]}[held]
     # the slow arm follows the value that is held, wholly or in part
-    moved = at - (b + np.log(k2)) if held == "ln b" else 0.0
-    shifts = {0.0, moved, 0.7 * moved, -1.0, 1.0}
+    variant = at - (b + np.log(k2)) if held == "ln b" else 0.0
+    shifts = {0.0, variant, 0.7 * variant, -1.0, 1.0}
     starts = [np.array(first) + shift * np.array([0, 0, 0, 1]) for shift in sorted(shifts)]
     relaxing = 1 if held == "ln tau" else 2  # ln tau has any sign
     lowest = np.concatenate((np.zeros(4 - relaxing), np.full(relaxing, -np.inf)))
@@ -71,25 +71,25 @@ def test_profile_is_the_brute_force_refit(
     step: float,
 ) -> None:
     stack, optimum, values = problem
-    asked = ProfileTarget(coordinate, index, step=step, scale=NOISE**2)
-    ((value, deviance),) = profiles(stack, optimum, [asked], limit=11.0)
+    profile_target = ProfileTarget(coordinate, index, step=step, scale=NOISE**2)
+    ((value, deviance),) = profiles(stack, optimum, [profile_target], limit=11.0)
     assert np.all(np.diff(value) > 0)
     best = int(np.argmin(deviance))
     assert deviance[best] == 0.0
     assert np.all(np.diff(deviance[best:]) >= -1e-6)
     assert np.all(np.diff(deviance[: best + 1]) <= 1e-6)
     lowest = brute(values, optimum, held, float(value[best]))
-    for at, found in list(zip(value, deviance, strict=True))[:: max(1, len(value) // 8)]:
+    for at, result in list(zip(value, deviance, strict=True))[:: max(1, len(value) // 8)]:
         expected = (brute(values, optimum, held, float(at)) - lowest) / NOISE**2
-        assert found == pytest.approx(expected, abs=2e-3, rel=2e-3)
+        assert result == pytest.approx(expected, abs=2e-3, rel=2e-3)
 
 
 def test_a_side_the_data_leave_open_ends_at_the_window(
     problem: tuple[Stack, Solution, np.ndarray],
 ) -> None:
     stack, optimum, _ = problem
-    asked = ProfileTarget(Coordinate.LOG_TAU, 1, step=0.1, scale=1e3)
-    ((value, deviance),) = profiles(stack, optimum, [asked], limit=11.0)
+    profile_target = ProfileTarget(Coordinate.LOG_TAU, 1, step=0.1, scale=1e3)
+    ((value, deviance),) = profiles(stack, optimum, [profile_target], limit=11.0)
     assert deviance.max() < 11.0
     assert (value[0], value[-1]) == pytest.approx(stack.bounds)
 
@@ -103,11 +103,11 @@ def test_where_the_noise_is_louder_the_same_sse_means_less(
     def relative_gain(beta: np.ndarray, log_tau: np.ndarray) -> float:
         return float(np.exp(2.0 * max(log_tau[1] - optimum.log_tau[1], 0.0)))
 
-    asked = [
+    profile_targets = [
         ProfileTarget(Coordinate.LOG_TAU, 1, step=0.1, scale=NOISE**2, relative_gain=noise)
         for noise in (None, relative_gain)
     ]
-    plain, met = profiles(stack, optimum, asked, limit=11.0)
+    plain, met = profiles(stack, optimum, profile_targets, limit=11.0)
     best = float(optimum.log_tau[1])
     for value, deviance in zip(*met, strict=True):
         quiet = float(np.interp(value, *plain))
@@ -128,16 +128,18 @@ def test_an_arm_that_the_data_do_without_may_be_anything(seed: int) -> None:
     noise = NOISE * np.random.default_rng(seed).standard_normal(len(TIME))
     values = 1.0 + 0.8 * np.exp(-TIME / 0.3) + noise
     block = hold_block(TIME, values)
-    found = solve([block], 2)
-    assert found.order == 2
-    arm = int(np.argmin(found.arms[0]))
+    solution = solve([block], 2)
+    assert solution.order == 2
+    arm = int(np.argmin(solution.arms[0]))
     coordinates = (Coordinate.LINEAR, 0), (Coordinate.LINEAR, 1 + arm), (Coordinate.LOG_B, arm)
-    asked = [ProfileTarget(kind, index, step=0.02, scale=NOISE**2) for kind, index in coordinates]
-    asked.append(ProfileTarget(Coordinate.LOG_TAU, arm, step=0.2, scale=NOISE**2))
-    plateau, *own = profiles(Stack([block]), found, asked, limit=11.0)
-    without = (solve([block], 1).sse - found.sse) / NOISE**2
+    profile_targets = [
+        ProfileTarget(kind, index, step=0.02, scale=NOISE**2) for kind, index in coordinates
+    ]
+    profile_targets.append(ProfileTarget(Coordinate.LOG_TAU, arm, step=0.2, scale=NOISE**2))
+    plateau, *individual = profiles(Stack([block]), solution, profile_targets, limit=11.0)
+    without = (solve([block], 1).sse - solution.sse) / NOISE**2
     assert without < 2.0
-    for value, deviance in own:
+    for value, deviance in individual:
         assert value[0] < value[-1]
         assert max(deviance[0], deviance[-1]) == pytest.approx(without, abs=0.02)
         assert deviance.max() < 2.0
@@ -146,23 +148,23 @@ def test_an_arm_that_the_data_do_without_may_be_anything(seed: int) -> None:
     assert plateau[1][-1] > 11.0
     # so slow that it is a plateau, so slow that its b is none, too fast to show
     later = TIME[1:]  # a strain takes time: no sample meets all of an arm at once
-    one = np.stack((np.ones(len(later)), np.exp(-later / 0.3)), axis=1)
-    alone = np.linalg.lstsq(one, values[1:], rcond=None)[1][0]
+    stack = np.stack((np.ones(len(later)), np.exp(-later / 0.3)), axis=1)
+    single = np.linalg.lstsq(stack, values[1:], rcond=None)[1][0]
     for held, k, tau in ((0, 0.2, 1e6), (2, 1e-7, 1e9), (2, 1e3, 1e-9)):
-        columns = np.column_stack((one, np.exp(-later / tau)))
+        columns = np.column_stack((stack, np.exp(-later / tau)))
         rest = values[1:] - k * columns[:, held]
-        left = np.linalg.lstsq(np.delete(columns, held, axis=1), rest, rcond=None)[1][0]
-        assert left <= alone * (1 + 1e-3)
+        residual = np.linalg.lstsq(np.delete(columns, held, axis=1), rest, rcond=None)[1][0]
+        assert residual <= single * (1 + 1e-3)
 
 
 def test_an_arm_that_is_needed_has_ends_though_another_is_spare() -> None:
     """A spare arm does not take the place of a slow one whose tau is known to a fifth."""
     noise = NOISE * np.random.default_rng(3).standard_normal(len(TIME))
     block = hold_block(TIME, 1.0 + 0.8 * np.exp(-TIME / 0.3) + 0.3 * np.exp(-TIME / 4.0) + noise)
-    found = solve([block], 3)
-    assert found.order == 3
-    slow = int(np.argmin(np.abs(found.log_tau - np.log(4.0))))
-    asked = ProfileTarget(Coordinate.LINEAR, 1 + slow, step=0.02, scale=NOISE**2)
-    ((value, deviance),) = profiles(Stack([block]), found, [asked], limit=11.0)
+    solution = solve([block], 3)
+    assert solution.order == 3
+    slow = int(np.argmin(np.abs(solution.log_tau - np.log(4.0))))
+    profile_target = ProfileTarget(Coordinate.LINEAR, 1 + slow, step=0.02, scale=NOISE**2)
+    ((value, deviance),) = profiles(Stack([block]), solution, [profile_target], limit=11.0)
     assert deviance[0] > 11.0
     assert value[0] > 0.05

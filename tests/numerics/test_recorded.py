@@ -51,11 +51,11 @@ def force_of(x: np.ndarray, arms: int, *, sd: float = 5e-3, time: np.ndarray = T
     return total + sd * np.random.default_rng(arms).standard_normal(len(x))
 
 
-def same(found: Solution, full: Solution) -> None:
-    assert found.sse == pytest.approx(full.sse, rel=1e-9)
-    np.testing.assert_allclose(found.log_tau, full.log_tau, atol=1e-8)
-    np.testing.assert_allclose(found.arms, full.arms, rtol=1e-8)
-    np.testing.assert_allclose(found.fixed, full.fixed, rtol=1e-6, atol=1e-8)
+def same(solution: Solution, full: Solution) -> None:
+    assert solution.sse == pytest.approx(full.sse, rel=1e-9)
+    np.testing.assert_allclose(solution.log_tau, full.log_tau, atol=1e-8)
+    np.testing.assert_allclose(solution.arms, full.arms, rtol=1e-8)
+    np.testing.assert_allclose(solution.fixed, full.fixed, rtol=1e-6, atol=1e-8)
 
 
 def test_columns_are_boltzmann_superposition() -> None:
@@ -120,8 +120,8 @@ def test_gram_matrix_is_that_of_every_sample(
     )
     p = dense.shape[1] - 1 - len(tau)
     values = seen.gram(tau, Force.from_motion(seen, rows.target), derivative=False)
-    kept = np.r_[:p, -1]
-    np.testing.assert_allclose(values, gram[np.ix_(kept, kept)], rtol=1e-12)
+    retained = np.r_[:p, -1]
+    np.testing.assert_allclose(values, gram[np.ix_(retained, retained)], rtol=1e-12)
 
 
 @pytest.mark.parametrize("history", HISTORIES)
@@ -136,11 +136,11 @@ def test_the_column_of_a_late_force_is_that_of_every_sample(
     late = DelayedForce.from_arms(
         arms, np.array([30.0, 20.0, 10.0]), tau, 200.0, np.gradient(x, TIME)[here]
     )
-    found = block.with_delay("delay", late).evaluate(np.log([0.1, 5.0]))
+    result = block.with_delay("delay", late).evaluate(np.log([0.1, 5.0]))
     every = block.exact.with_column("delay", late.column).evaluate(np.log([0.1, 5.0]))
     short, long = (
         np.column_stack((rows.fixed, rows.arms, rows.d_arms, rows.target))
-        for rows in (found, every)
+        for rows in (result, every)
     )
     scale = np.linalg.norm(long, axis=0)
     scale = np.maximum(scale, 0.1 * scale[0] * (scale < scale[0]))
@@ -154,19 +154,19 @@ def test_the_column_of_a_late_force_is_that_of_every_sample(
 def test_correlated_optimum_is_the_full_optimum(history: str, arms: int) -> None:
     x = HISTORIES[history]
     block = recorded_block(TIME, x, force_of(x, arms), offset="offset")
-    found = solve([block], arms)
-    assert found.converged
-    same(found, solve([block.exact], arms, log_tau_start=found.log_tau))
+    solution = solve([block], arms)
+    assert solution.converged
+    same(solution, solve([block.exact], arms, log_tau_start=solution.log_tau))
 
 
 def test_hold_only_window_with_drift() -> None:
     x = HISTORIES["ramp and hold"]
     force = force_of(x, 2) + 0.02 * TIME
     block = recorded_block(TIME, x, force, window=slice(160, None), drift="drift")
-    found = solve([block], 2)
-    same(found, solve([block.exact], 2, log_tau_start=found.log_tau))
-    assert found.coefficient("drift") == pytest.approx(0.02, rel=0.05)
-    assert found.samples == len(TIME) - 160
+    solution = solve([block], 2)
+    same(solution, solve([block.exact], 2, log_tau_start=solution.log_tau))
+    assert solution.coefficient("drift") == pytest.approx(0.02, rel=0.05)
+    assert solution.samples == len(TIME) - 160
 
 
 def test_the_optimum_is_scipys_with_lfilter() -> None:
@@ -175,20 +175,20 @@ def test_the_optimum_is_scipys_with_lfilter() -> None:
 
     x = HISTORIES["steps and chirp"]
     force = force_of(x, 2)
-    h, moved = TIME[1], np.diff(x, prepend=0.0)
+    h, steps = TIME[1], np.diff(x, prepend=0.0)
 
     def residual(p: np.ndarray) -> np.ndarray:
         model = p[0] * x
         for k, tau in ((p[1], np.exp(p[3])), (p[2], np.exp(p[4]))):
             a = np.exp(-h / tau)
-            model = model + k * lfilter([(1 - a) * tau / h], [1, -a], moved)
+            model = model + k * lfilter([(1 - a) * tau / h], [1, -a], steps)
         return model - force
 
     start = [196.5, 117.5, 17.8, np.log(0.5), np.log(16)]
     dense = least_squares(residual, start, x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15)
-    found = solve([recorded_block(TIME, x, force)], 2)
-    assert found.sse == pytest.approx(2 * dense.cost, rel=1e-9)
-    np.testing.assert_allclose(found.log_tau, dense.x[3:], atol=1e-5)
+    solution = solve([recorded_block(TIME, x, force)], 2)
+    assert solution.sse == pytest.approx(2 * dense.cost, rel=1e-9)
+    np.testing.assert_allclose(solution.log_tau, dense.x[3:], atol=1e-5)
 
 
 def test_any_grid_and_weights_take_the_recursion() -> None:
@@ -200,13 +200,13 @@ def test_any_grid_and_weights_take_the_recursion() -> None:
     force = force_of(x, 2, sd=0.0, time=time) + sd * rng.standard_normal(len(time))
     block = recorded_block(time, x, force, weights=1 / sd)
     assert block.exact is block
-    found = solve([block], 2)
-    assert found.converged
-    np.testing.assert_allclose(found.tau, [0.5021, 16.416], rtol=0.3)
-    assert found.sse == pytest.approx(len(time), rel=0.15)
+    solution = solve([block], 2)
+    assert solution.converged
+    np.testing.assert_allclose(solution.tau, [0.5021, 16.416], rtol=0.3)
+    assert solution.sse == pytest.approx(len(time), rel=0.15)
     orders = solve_orders([block], 2)
     assert [order.order for order in orders] == [0, 1, 2]
-    assert orders[2].sse == pytest.approx(found.sse, rel=1e-9)
+    assert orders[2].sse == pytest.approx(solution.sse, rel=1e-9)
 
 
 def make_jittered_record(count: int, history: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -224,11 +224,11 @@ def test_reduced_optimum_is_the_full_optimum(history: str, arms: int) -> None:
     block = recorded_block(time, x, force, offset="offset", weights=weights, window=slice(40, 4900))
     assert len(block.evaluate(np.zeros(1)).target) < 120
     assert block.samples == block.exact.samples == 4860
-    found = solve([block], arms)
-    full = solve([block.exact], arms, log_tau_start=found.log_tau)
-    assert found.sse == pytest.approx(full.sse, rel=1e-10)
-    np.testing.assert_allclose(found.log_tau, full.log_tau, atol=1e-8)
-    np.testing.assert_allclose(found.arms, full.arms, rtol=1e-8)
+    solution = solve([block], arms)
+    full = solve([block.exact], arms, log_tau_start=solution.log_tau)
+    assert solution.sse == pytest.approx(full.sse, rel=1e-10)
+    np.testing.assert_allclose(solution.log_tau, full.log_tau, atol=1e-8)
+    np.testing.assert_allclose(solution.arms, full.arms, rtol=1e-8)
 
 
 @pytest.mark.parametrize(("doubtful", "correlated"), [(3000, True), (3001, False)])
@@ -246,12 +246,12 @@ def test_weights_that_end_in_ones_leave_the_rest_correlated(
     assert block.rotated_basis == correlated
     assert block.samples == block.exact.samples == 6001 - 40
     assert len(block.exact.target) == 6001 - 40
-    found = solve([block], 2)
-    same(found, solve([block.exact], 2, log_tau_start=found.log_tau))
-    assert found.fixed_names == ("k_inf", "offset", "bump")
+    solution = solve([block], 2)
+    same(solution, solve([block.exact], 2, log_tau_start=solution.log_tau))
+    assert solution.fixed_names == ("k_inf", "offset", "bump")
     bare = recorded_block(TIME, x, force, window=here, offset="offset", weights=weights)
     wider = solve([bare.with_column("bump", (weights * bump)[here])], 2)
-    same(wider, found)
+    same(wider, solution)
 
 
 @pytest.mark.parametrize("count", [1, 30, 300])
@@ -262,8 +262,8 @@ def test_recorded_block_retains_a_few_doubtful_samples(count: int) -> None:
     weights = np.where(sample < 40 + count, 0.2, 1.0)
     bump = {"bump": 1.0 * (sample % 7 == 5)}
     block = recorded_block(TIME, x, force_of(x, 2), window=here, weights=weights, columns=bump)
-    found = solve([block], 2)
-    same(found, solve([block.exact], 2, log_tau_start=found.log_tau))
+    solution = solve([block], 2)
+    same(solution, solve([block.exact], 2, log_tau_start=solution.log_tau))
 
 
 def test_weights_before_the_window_do_not_matter() -> None:
@@ -278,9 +278,9 @@ def test_arms_far_slower_than_the_window_are_reduced() -> None:
     x = HISTORIES["ramp and hold"]
     force = force_of(x, 2)
     low, high = recorded_block(TIME, x, force).window
-    asked = [recorded_block(TIME, x, force, reach=(low, n * high)) for n in (10.0, 10.001)]
-    assert [block.rotated_basis for block in asked] == [True, False]
-    same(solve(asked[:1], 2), solve(asked[1:], 2))
+    data_blocks = [recorded_block(TIME, x, force, reach=(low, n * high)) for n in (10.0, 10.001)]
+    assert [block.rotated_basis for block in data_blocks] == [True, False]
+    same(solve(data_blocks[:1], 2), solve(data_blocks[1:], 2))
 
 
 @given(log_tau=st.lists(st.floats(np.log(0.02), np.log(300)), min_size=2, max_size=2, unique=True))
@@ -314,11 +314,11 @@ def test_a_record_that_starts_loaded_is_reduced_too() -> None:
 
 def test_exact_data_come_back_to_ten_digits_and_no_further_arm() -> None:
     x = HISTORIES["ramp and hold"]
-    found = solve([recorded_block(TIME, x, force_of(x, 2, sd=0.0))], 4)
-    assert found.order == 2
-    np.testing.assert_allclose(found.tau, [0.5021, 16.416], rtol=1e-9)
-    np.testing.assert_allclose(found.arms, [[117.5, 17.8]], rtol=1e-9)
-    assert found.sse < 1e-18
+    solution = solve([recorded_block(TIME, x, force_of(x, 2, sd=0.0))], 4)
+    assert solution.order == 2
+    np.testing.assert_allclose(solution.tau, [0.5021, 16.416], rtol=1e-9)
+    np.testing.assert_allclose(solution.arms, [[117.5, 17.8]], rtol=1e-9)
+    assert solution.sse < 1e-18
 
 
 def test_orders_and_certificate_work_in_turning_coordinates() -> None:
@@ -359,13 +359,15 @@ def test_what_the_correlations_lose_to_rounding_comes_from_every_sample(
     monkeypatch.setattr(displacement_correlation, "upper_factor", fail_rounding)
     sampled = block.evaluate(at, derivative)
     assert len(sampled.target) == len(closed.target)
-    one, two = (
-        np.column_stack((found.fixed, found.arms, found.d_arms, found.target))
-        for found in (closed, sampled)
+    column_stack, two = (
+        np.column_stack((model.fixed, model.arms, model.d_arms, model.target))
+        for model in (closed, sampled)
     )
     scale = np.linalg.norm(two, axis=0)
     np.testing.assert_allclose(
-        (one / scale).T @ (one / scale), (two / scale).T @ (two / scale), atol=1e-9
+        (column_stack / scale).T @ (column_stack / scale),
+        (two / scale).T @ (two / scale),
+        atol=1e-9,
     )
 
 

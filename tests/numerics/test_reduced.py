@@ -44,9 +44,9 @@ def test_the_band_on_an_uneven_clock(broad_fit: Fit, broad_test: RampHold) -> No
     step = np.diff(broad_test.time)[0]
     shake = 0.1 * step * np.random.default_rng(3).uniform(-1, 1, len(broad_test.time))
     # on a machine that is known: unknown clocks leave the highest storage to the noise alone
-    known = replace(broad_test, machine=Machine(sync="1ms", compliance=0.0, drift="20uN/s"))
-    shaken = replace(known, time=known.time + shake)
-    even = unseen_arm_band(broad_fit, known, [1.0, 12.71])
+    expected = replace(broad_test, machine=Machine(sync="1ms", compliance=0.0, drift="20uN/s"))
+    shaken = replace(expected, time=expected.time + shake)
+    even = unseen_arm_band(broad_fit, expected, [1.0, 12.71])
     start = clock.process_time()
     noise_gain_differs = unseen_arm_band(broad_fit, shaken, [1.0, 12.71])
     assert clock.process_time() - start < 20

@@ -72,24 +72,24 @@ def test_gradient_and_curvature_are_those_of_the_reduced_residual(log_tau: list[
     scale = np.abs(point.curvature).max()
     np.testing.assert_allclose(point.curvature, jacobian.T @ jacobian, rtol=1e-4, atol=1e-6 * scale)
     step = 1e-6 * np.arange(1, len(theta) + 1)
-    moved = point_at(stack, theta + step)
-    np.testing.assert_allclose(point.ahead(step).beta, moved.beta, rtol=1e-7, atol=1e-8)
+    variant = point_at(stack, theta + step)
+    np.testing.assert_allclose(point.ahead(step).beta, variant.beta, rtol=1e-7, atol=1e-8)
     # and not by chance: the step is seen
     if len(theta) == 1:
-        assert np.abs(moved.beta - point.beta).max() > 1e-7
+        assert np.abs(variant.beta - point.beta).max() > 1e-7
 
 
 def test_full_jacobian_is_the_derivative_of_the_model() -> None:
     blocks = two_depths()
-    found = solve(blocks, 2)
-    jacobian = full_jacobian(blocks, found)
+    solution = solve(blocks, 2)
+    jacobian = full_jacobian(blocks, solution)
     assert jacobian.names == (
         "k_inf@0", "drift", "k_inf@1",
         "k_1@0", "k_2@0", "k_1@1", "k_2@1",
         "ln_tau_1", "ln_tau_2",
     )  # fmt: skip
     stack = Stack(blocks)
-    parameters = np.concatenate((found.fixed, found.arms.ravel(), found.log_tau))
+    parameters = np.concatenate((solution.fixed, solution.arms.ravel(), solution.log_tau))
 
     def model(p: np.ndarray) -> np.ndarray:
         return stack.evaluate(p[-2:], derivative=False).phi @ p[:-2]
@@ -109,29 +109,29 @@ def test_stacked_optimum_is_scipys() -> None:
     from scipy.optimize import least_squares
 
     blocks = [replace(block.exact, arm_group=block.arm_group) for block in two_depths()]
-    found = solve(two_depths(), 2)
+    solution = solve(two_depths(), 2)
     stack = Stack(blocks)
 
     def residual(p: np.ndarray) -> np.ndarray:
         rows = stack.evaluate(p[-2:], derivative=False)
         return rows.phi @ p[:-2] - rows.target
 
-    start = np.concatenate((found.fixed, found.arms.ravel(), found.log_tau)) * 1.1
+    start = np.concatenate((solution.fixed, solution.arms.ravel(), solution.log_tau)) * 1.1
     dense = least_squares(residual, start, x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15)
-    assert found.sse == pytest.approx(2 * dense.cost, rel=1e-9)
-    np.testing.assert_allclose(found.log_tau, dense.x[-2:], atol=1e-5)
-    assert found.samples == 2 * len(TIME)
+    assert solution.sse == pytest.approx(2 * dense.cost, rel=1e-9)
+    np.testing.assert_allclose(solution.log_tau, dense.x[-2:], atol=1e-5)
+    assert solution.samples == 2 * len(TIME)
 
 
 def test_no_junk_arm_on_clean_data() -> None:
     clean = decay([3.0], [2.0])
     for arms in (1, 2, 3):
-        found = solve([hold_block(TIME, clean)], arms)
-        assert found.order == 1
-        assert found.requested == arms
-        assert found.converged
-        np.testing.assert_allclose(found.tau, [3.0], rtol=1e-10)
-        np.testing.assert_allclose(found.arms, [[2.0]], rtol=1e-10)
+        solution = solve([hold_block(TIME, clean)], arms)
+        assert solution.order == 1
+        assert solution.requested == arms
+        assert solution.converged
+        np.testing.assert_allclose(solution.tau, [3.0], rtol=1e-10)
+        np.testing.assert_allclose(solution.arms, [[2.0]], rtol=1e-10)
     orders = solve_orders([hold_block(TIME, clean)], 4)
     assert [order.order for order in orders] == [0, 1]
 
@@ -139,30 +139,30 @@ def test_no_junk_arm_on_clean_data() -> None:
 @pytest.mark.parametrize("tau", [2e-3, 3000.0])
 def test_an_arm_outside_the_window_is_never_called_converged(tau: float) -> None:
     data = decay([3.0, tau], [2.0, 1.5]) + noise(1, 1e-3)
-    found = solve([hold_block(TIME, data)], 2)
-    low, high = np.exp(found.bounds)
-    assert found.order < 2 or not found.converged or (low < found.tau).all()
-    assert (found.tau >= low).all()
-    assert (found.tau <= high * (1 + 1e-12)).all()
-    assert found.at_bound.any() == (not found.converged)
+    solution = solve([hold_block(TIME, data)], 2)
+    low, high = np.exp(solution.bounds)
+    assert solution.order < 2 or not solution.converged or (low < solution.tau).all()
+    assert (solution.tau >= low).all()
+    assert (solution.tau <= high * (1 + 1e-12)).all()
+    assert solution.at_bound.any() == (not solution.converged)
 
 
 def test_rising_data_have_no_positive_arm() -> None:
-    found = solve([hold_block(TIME, 5 - np.exp(-TIME / 3) + noise(2))], 2)
-    assert found.order == 0
-    assert found.sse > 0
+    solution = solve([hold_block(TIME, 5 - np.exp(-TIME / 3) + noise(2))], 2)
+    assert solution.order == 0
+    assert solution.sse > 0
     signed = solve([hold_block(TIME, 5 - np.exp(-TIME / 3) + noise(2))], 1, signed=True)
     assert signed.arms[0, 0] == pytest.approx(-1, abs=0.02)
 
 
 def test_equilibrium_stiffness_is_never_negative() -> None:
     data = decay([2.0, 20.0], [2.0, 1.0], k_inf=-0.05) + noise(3, 1e-3)
-    found = solve([hold_block(TIME, data)], 2)
-    assert found.coefficient("k_inf") >= 0
-    assert (found.arms > 0).all()
+    solution = solve([hold_block(TIME, data)], 2)
+    assert solution.coefficient("k_inf") >= 0
+    assert (solution.arms > 0).all()
     free = solve([hold_block(TIME, data, k_inf="level")], 2)
     assert free.coefficient("level") == pytest.approx(-0.05, abs=0.02)
-    assert free.sse < found.sse
+    assert free.sse < solution.sse
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -175,12 +175,12 @@ def test_solve_orders_omits_no_order_with_gain(seed: int, sd: float) -> None:
     some = solve_orders([block], 6, negligible=20.0)
     assert [s.sse for s in some[:-1]] == [s.sse for s in every[: len(some) - 1]]
     spare = len(TIME) - len(every)
-    for left_out in every[len(some) - 1 :]:
-        assert some[-2].sse - left_out.sse < 20.0 * some[-2].sse / spare
+    for residual in every[len(some) - 1 :]:
+        assert some[-2].sse - residual.sse < 20.0 * some[-2].sse / spare
     # the orders beyond are there for the asking, from one start each
-    beyond = solve_orders([block], 6, negligible=20.0, every=True)
-    assert [s.sse for s in beyond[: len(some)]] == [s.sse for s in some]
-    assert all(b.sse < a.sse for a, b in pairwise(beyond))
+    solutions = solve_orders([block], 6, negligible=20.0, every=True)
+    assert [s.sse for s in solutions[: len(some)]] == [s.sse for s in some]
+    assert all(b.sse < a.sse for a, b in pairwise(solutions))
     # it is not stopped for nothing, nor late
     before = [some[i].sse - some[i + 1].sse for i in range(len(some) - 2)]
     assert all(gain > 20.0 * some[i + 1].sse / len(TIME) for i, gain in enumerate(before[:-1]))
@@ -204,27 +204,27 @@ def test_solve_orders_agree_with_single_solves() -> None:
 def test_units_of_force_and_time_do_not_matter(force: float, clock: float) -> None:
     """SSE scales with force squared, arms with force, relaxation times with the clock."""
     data = decay([0.5, 9.0], [2.0, 1.0]) + noise(12)
-    one = solve([hold_block(TIME, data)], 2)
+    solution = solve([hold_block(TIME, data)], 2)
     other = solve([hold_block(TIME * 10**clock, data * 10**force)], 2)
-    assert other.sse == pytest.approx(one.sse * 100**force, rel=1e-9)
-    np.testing.assert_allclose(other.tau, one.tau * 10**clock, rtol=1e-9)
-    np.testing.assert_allclose(other.arms, one.arms * 10**force, rtol=1e-8)
+    assert other.sse == pytest.approx(solution.sse * 100**force, rel=1e-9)
+    np.testing.assert_allclose(other.tau, solution.tau * 10**clock, rtol=1e-9)
+    np.testing.assert_allclose(other.arms, solution.arms * 10**force, rtol=1e-8)
 
 
 @given(st.permutations(range(3)))
 @settings(max_examples=6, deadline=None)
 def test_the_order_of_the_blocks_does_not_matter(order: list[int]) -> None:
     blocks = [hold_block(TIME, decay([0.5, 9.0], [2.0, 1.0]) + noise(20 + i)) for i in range(3)]
-    one, other = solve(blocks, 2), solve([blocks[i] for i in order], 2)
-    assert other.sse == pytest.approx(one.sse, rel=1e-11)
-    np.testing.assert_allclose(other.log_tau, one.log_tau, atol=1e-9)
+    solution, other = solve(blocks, 2), solve([blocks[i] for i in order], 2)
+    assert other.sse == pytest.approx(solution.sse, rel=1e-11)
+    np.testing.assert_allclose(other.log_tau, solution.log_tau, atol=1e-9)
 
 
 def test_solve_of_duplicate_tests_doubles_the_sse() -> None:
     block = hold_block(TIME, decay([0.5, 9.0], [2.0, 1.0]) + noise(30))
-    one, two = solve([block], 2), solve([block, block], 2)
-    assert two.sse == pytest.approx(2 * one.sse, rel=1e-11)
-    np.testing.assert_allclose(two.log_tau, one.log_tau, atol=1e-9)
+    solution, two = solve([block], 2), solve([block, block], 2)
+    assert two.sse == pytest.approx(2 * solution.sse, rel=1e-11)
+    np.testing.assert_allclose(two.log_tau, solution.log_tau, atol=1e-9)
 
 
 def test_results_repeat_to_the_last_digit() -> None:
@@ -236,13 +236,13 @@ def test_results_repeat_to_the_last_digit() -> None:
 def test_solve_near_the_optimum_returns_the_same_optimum(seed: int) -> None:
     force = decay([0.2, 0.5, 9.0], [1.0, 0.9, 0.6]) + noise(seed, 3e-2)
     block = hold_block(TIME, force)
-    alone = solve([block], 3, negligible=20.0)
-    beside = solve([block], 3, near=alone.log_tau + 0.05, negligible=20.0)
-    np.testing.assert_allclose(beside.log_tau, alone.log_tau, atol=1e-7)
-    assert beside.evaluations < alone.evaluations
+    solution = solve([block], 3, negligible=20.0)
+    neighbour = solve([block], 3, near=solution.log_tau + 0.05, negligible=20.0)
+    np.testing.assert_allclose(neighbour.log_tau, solution.log_tau, atol=1e-7)
+    assert neighbour.evaluations < solution.evaluations
     # where more arms gain more than that, what is near is one start of many
     few = solve([block], 2, near=np.log([0.3, 9.0]), negligible=20.0)
-    assert few.sse > 1.01 * alone.sse
+    assert few.sse > 1.01 * solution.sse
     assert few.log_tau.tolist() == solve([block], 2, negligible=20.0).log_tau.tolist()
 
 
@@ -280,11 +280,11 @@ def test_certificate_agrees_with_dense_nonnegative_least_squares() -> None:
 
     data = decay([0.5, 9.0], [1.0, 2.0]) + noise(7, 1e-2)
     block = hold_block(TIME[::20], data[::20])
-    found = solve([block], 1)
+    solution = solve([block], 1)
     tau = np.geomspace(*block.window, 400)
     columns = np.column_stack((np.ones(len(block.target)), np.exp(-TIME[::20, None] / tau)))
-    gap = 1 - nnls(columns, data[::20])[1] ** 2 / found.sse
-    assert certificate([block], found).gap == pytest.approx(gap, rel=1e-4)
+    gap = 1 - nnls(columns, data[::20])[1] ** 2 / solution.sse
+    assert certificate([block], solution).gap == pytest.approx(gap, rel=1e-4)
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -297,11 +297,11 @@ def test_global_optimum_without_a_start(seed: int) -> None:
     data = np.round((decay(list(tau), list(k)) + noise(seed, 1e-3)) * 1280) / 1280
     block = hold_block(TIME, data)
     stack = Stack([block])
-    found = solve([block], arms)
+    solution = solve([block], arms)
     for _ in range(10):
         local = descend(stack, np.sort(generator.uniform(*stack.bounds, arms)))
         if local is not None and (local.point.beta >= 0).all():
-            assert found.sse <= (local.point.sse + stack.floor) * (1 + 1e-6)
+            assert solution.sse <= (local.point.sse + stack.floor) * (1 + 1e-6)
 
 
 def test_stack_joins_frequency_data_and_a_hold() -> None:
@@ -315,9 +315,9 @@ def test_stack_joins_frequency_data_and_a_hold() -> None:
     weight = np.full(40, 1 / sd)
     spectrum = frequency_block(omega, stiffness, weights=(weight, weight), dashpot=True)
     hold = hold_block(TIME, decay([0.5, 9.0], [2.0, 1.0]) + noise(9), weights=TIME * 0 + 100)
-    alone = solve([spectrum], 2)
-    np.testing.assert_allclose(alone.tau, tau, rtol=0.02)
-    assert alone.coefficient("b") == pytest.approx(0.01, rel=0.05)
+    solution = solve([spectrum], 2)
+    np.testing.assert_allclose(solution.tau, tau, rtol=0.02)
+    assert solution.coefficient("b") == pytest.approx(0.01, rel=0.05)
     joint = solve([spectrum, hold], 2)
     np.testing.assert_allclose(joint.tau, tau, rtol=0.02)
     assert joint.fixed_names == ("k_inf", "b")
@@ -337,8 +337,8 @@ def test_nonnegative_least_squares_is_scipys(seed: int, rows: int, columns: int)
     generator = np.random.default_rng(seed)
     a, y = generator.standard_normal((rows, columns)), generator.standard_normal(rows)
     expected, norm = nnls(a, y)
-    found = nonnegative(a.T @ a, a.T @ y)
-    np.testing.assert_allclose(found, expected, atol=1e-8)
+    result = nonnegative(a.T @ a, a.T @ y)
+    np.testing.assert_allclose(result, expected, atol=1e-8)
     active = nonnegative_columns(a, y, np.ones(columns, dtype=bool))
     rest = y - a[:, active] @ np.linalg.lstsq(a[:, active], y, rcond=None)[0]
     assert np.linalg.norm(rest) == pytest.approx(norm, rel=1e-9)

@@ -54,13 +54,13 @@ def test_the_best_set_of_grid_points_is_that_of_brute_force(arms: int, seen: int
         where = best_of(combinations(range(0, 16, 3), 3))
         near = [range(max(i - 2, 0), min(i + 3, 16)) for i in where]
         where = best_of(chosen for chosen in product(*near) if len(set(chosen)) == 3 and where)
-    found = SETS[arms](grid)
+    result = SETS[arms](grid)
     if not where:
-        assert found is None
+        assert result is None
     else:
-        assert found is not None
+        assert result is not None
         step = grid.log_tau[1] - grid.log_tau[0]
-        off = np.abs(np.sort(found) - grid.log_tau[sorted(where)]).max()
+        off = np.abs(np.sort(result) - grid.log_tau[sorted(where)]).max()
         assert off <= (step if arms == 2 else 0)
 
 
@@ -69,10 +69,10 @@ def test_a_pair_is_started_from_between_the_grid_points() -> None:
     for _ in range(24):
         stack = Stack([hold_block(TIME, record(2))])
         grid = Grid(stack, 48)
-        start, found = find_best_pair(grid), solve(stack.blocks, 2).log_tau
+        start, log_tau = find_best_pair(grid), solve(stack.blocks, 2).log_tau
         assert start is not None
-        from_start.append(np.abs(start - found).max())
-        from_points.append(np.abs(grid.log_tau[:, None] - found).min(axis=0).max())
+        from_start.append(np.abs(start - log_tau).max())
+        from_points.append(np.abs(grid.log_tau[:, None] - log_tau).min(axis=0).max())
     # a pair that the noise hides is found elsewhere, so the middle one is asked
     assert np.median(from_start) < 0.5 * np.median(from_points)
 

@@ -60,31 +60,31 @@ def parse_values(table: str) -> np.ndarray:
     return np.array(table.split(), dtype=float)
 
 
-def digits(found: np.ndarray, certified: tuple[float, ...]) -> float:
+def digits(values: np.ndarray, certified: tuple[float, ...]) -> float:
     """Correct digits of the worst value; the certificate itself has eleven."""
-    error = np.abs(found - np.array(certified)) / np.abs(certified)
+    error = np.abs(values - np.array(certified)) / np.abs(certified)
     return float(min(11.0, -np.log10(error.max() + 1e-11)))
 
 
 @pytest.mark.parametrize("name", CERTIFIED)
 def test_lanczos_without_a_start(name: str) -> None:
     table, amplitudes, rates, rate_errors, sse = CERTIFIED[name]
-    found = exponential_sum(LANCZOS_X, parse_values(table), terms=3)
-    assert found.converged
-    assert min(digits(found.rates, rates), digits(found.amplitudes, amplitudes)) >= 10
+    result = exponential_sum(LANCZOS_X, parse_values(table), terms=3)
+    assert result.converged
+    assert min(digits(result.rates, rates), digits(result.amplitudes, amplitudes)) >= 10
     if sse is not None:
-        assert found.sse == pytest.approx(sse, rel=2e-10)
-        np.testing.assert_allclose(found.rate_errors, rate_errors, rtol=1e-6)
+        assert result.sse == pytest.approx(sse, rel=2e-10)
+        np.testing.assert_allclose(result.rate_errors, rate_errors, rtol=1e-6)
 
 
 def test_mgh17_without_a_start_needs_a_negative_amplitude() -> None:
-    found = exponential_sum(MGH17_X, parse_values(MGH17), terms=2, constant=True, signed=True)
-    assert digits(found.rates, (1.2867534640e-02, 2.2122699662e-02)) >= 10
-    assert digits(found.amplitudes, (1.9358469127e00, -1.4646871366e00)) >= 10
-    assert digits(np.array([found.constant]), (3.7541005211e-01,)) >= 10
-    assert found.sse == pytest.approx(5.4648946975e-05, rel=1e-10)
-    assert found.constant_error == pytest.approx(2.0723153551e-03, rel=1e-6)
-    assert found.certificate is None
+    result = exponential_sum(MGH17_X, parse_values(MGH17), terms=2, constant=True, signed=True)
+    assert digits(result.rates, (1.2867534640e-02, 2.2122699662e-02)) >= 10
+    assert digits(result.amplitudes, (1.9358469127e00, -1.4646871366e00)) >= 10
+    assert digits(np.array([result.constant]), (3.7541005211e-01,)) >= 10
+    assert result.sse == pytest.approx(5.4648946975e-05, rel=1e-10)
+    assert result.constant_error == pytest.approx(2.0723153551e-03, rel=1e-6)
+    assert result.certificate is None
 
 
 @given(
@@ -98,18 +98,18 @@ def test_exact_data_anywhere_on_the_axis_come_back(shift: float, rates: list[flo
     x = np.linspace(0, 3, 120)
     slow, fast = sorted(rates)
     y = 2 * np.exp(-slow * x) + 3 * np.exp(-fast * x)
-    found = exponential_sum(x + shift, y, terms=2)
-    np.testing.assert_allclose(found.rates, [slow, fast], rtol=1e-8)
-    np.testing.assert_allclose(found(x + shift), y, atol=1e-10)
+    result = exponential_sum(x + shift, y, terms=2)
+    np.testing.assert_allclose(result.rates, [slow, fast], rtol=1e-8)
+    np.testing.assert_allclose(result(x + shift), y, atol=1e-10)
 
 
 def test_a_term_that_is_not_there_is_not_invented() -> None:
     x = np.linspace(0, 5, 200)
-    found = exponential_sum(x, 2 * np.exp(-x), terms=3)
-    assert len(found.rates) == 1
-    assert found.rates[0] == pytest.approx(1, rel=1e-10)
-    assert found.certificate is not None
-    assert found.certificate.optimal
+    result = exponential_sum(x, 2 * np.exp(-x), terms=3)
+    assert len(result.rates) == 1
+    assert result.rates[0] == pytest.approx(1, rel=1e-10)
+    assert result.certificate is not None
+    assert result.certificate.optimal
 
 
 def test_weights_are_inverse_standard_deviations() -> None:
@@ -117,11 +117,11 @@ def test_weights_are_inverse_standard_deviations() -> None:
     x = np.linspace(0, 5, 200)
     sd = np.where(x < 1, 1e-3, 1e-1)
     y = 2 * np.exp(-3 * x) + 1 + sd * generator.normal(size=200)
-    found = exponential_sum(x, y, terms=1, constant=True, weights=1 / sd)
+    result = exponential_sum(x, y, terms=1, constant=True, weights=1 / sd)
     plain = exponential_sum(x, y, terms=1, constant=True)
-    assert abs(found.rates[0] - 3) < 4 * found.rate_errors[0]
-    assert found.rate_errors[0] < plain.rate_errors[0]
-    assert found.sse == pytest.approx(200, rel=0.4)
+    assert abs(result.rates[0] - 3) < 4 * result.rate_errors[0]
+    assert result.rate_errors[0] < plain.rate_errors[0]
+    assert result.sse == pytest.approx(200, rel=0.4)
 
 
 def test_refusals_say_what_to_do() -> None:

@@ -46,14 +46,14 @@ def test_autocovariance_correction_is_independent_of_the_cutoff(cycles: float, l
     residual = wave - wave.mean()
     gamma = autocovariance(residual)
     taken = 1.0 - np.arange(n) / n  # of a constant, whose column of Q is 1 / sqrt(n)
-    kept = gamma[: geyer_cut(gamma)]
+    retained = gamma[: geyer_cut(gamma)]
     for _ in range(3):
-        kappa = max(1.0, 2.0 * kept.sum() / kept[0] - 1.0)
-        given = gamma + gamma[0] * min(kappa, n / 2.0) * taken / n
-        kept = given[: geyer_cut(given)]
-    assert (len(kept) > n // 3) is late
-    found = noise_of(residual, np.ones((n, 1)))
-    np.testing.assert_allclose(found.autocovariance, kept, atol=1e-12)
+        kappa = max(1.0, 2.0 * retained.sum() / retained[0] - 1.0)
+        inputs = gamma + gamma[0] * min(kappa, n / 2.0) * taken / n
+        retained = inputs[: geyer_cut(inputs)]
+    assert (len(retained) > n // 3) is late
+    noise = noise_of(residual, np.ones((n, 1)))
+    np.testing.assert_allclose(noise.autocovariance, retained, atol=1e-12)
 
 
 def test_the_cut_stops_where_a_pair_of_lags_falls_to_zero() -> None:
@@ -67,8 +67,8 @@ def test_the_cut_stops_where_a_pair_of_lags_falls_to_zero() -> None:
 def test_lag_by_lag_is_the_sequence_up_to_its_cut(n: int, memory: float) -> None:
     noise = autoregressive(np.random.default_rng(n), n, memory)
     whole = autocovariance(noise)
-    found, _ = initial_sequence(noise)
-    np.testing.assert_allclose(found, whole[: geyer_cut(whole)], atol=1e-13)
+    result, _ = initial_sequence(noise)
+    np.testing.assert_allclose(result, whole[: geyer_cut(whole)], atol=1e-13)
 
 
 def test_kappa_of_white_and_of_autoregressive_noise() -> None:
@@ -84,24 +84,24 @@ def test_kappa_of_white_and_of_autoregressive_noise() -> None:
 def test_a_wander_lost_in_the_scatter_shows_in_means() -> None:
     """A tenth of the scatter that remembers 500 samples: eleven times the power at slow arms."""
     n, memory, share = 20_000, 500, 0.1
-    found, white_found = [], []
+    result, outcome = [], []
     for seed in range(40):
         rng = np.random.default_rng(seed)
-        scatter, kept = rng.standard_normal(n), np.exp(-1 / memory)
-        steps = rng.standard_normal(2 * n) * np.sqrt(1 - kept**2)
-        wander = lfilter([1.0], [1.0, -kept], steps)[n:]
-        found.append(noise_of(scatter + share * wander).power)
-        white_found.append(noise_of(scatter).power)
-    assert np.median(found) == pytest.approx(1 + 2 * share**2 * memory, rel=0.35)
-    assert np.mean(np.array(found) > 3) > 0.9
-    assert np.mean(np.array(white_found) < 1.3) > 0.95
+        scatter, decay = rng.standard_normal(n), np.exp(-1 / memory)
+        steps = rng.standard_normal(2 * n) * np.sqrt(1 - decay**2)
+        wander = lfilter([1.0], [1.0, -decay], steps)[n:]
+        result.append(noise_of(scatter + share * wander).power)
+        outcome.append(noise_of(scatter).power)
+    assert np.median(result) == pytest.approx(1 + 2 * share**2 * memory, rel=0.35)
+    assert np.mean(np.array(result) > 3) > 0.9
+    assert np.mean(np.array(outcome) < 1.3) > 0.95
 
 
 def test_means_that_show_nothing_leave_the_correlations_of_neighbours() -> None:
     rng = np.random.default_rng(3)
-    alone = noise_of(autoregressive(rng, 5000, 0.6))
-    assert len(alone.autocovariance) < 100
-    assert alone.kappa == pytest.approx(4.0, rel=0.25)
+    noise = noise_of(autoregressive(rng, 5000, 0.6))
+    assert len(noise.autocovariance) < 100
+    assert noise.kappa == pytest.approx(4.0, rel=0.25)
 
 
 def test_white_noise_scales_by_n_less_p() -> None:
@@ -120,16 +120,16 @@ def test_autocovariance_correction_counts_shared_parameters_once(
         x = np.random.default_rng(seed).uniform(-1, 1, 240)
         J = x[:, None] ** np.arange(4)
         r = np.random.default_rng(seed + 1000).standard_normal(240)
-        left = r - J @ np.linalg.lstsq(J, r, rcond=None)[0]
-        known = directions(np.split(J, records), shared=shared)
-        each = [
+        residual = r - J @ np.linalg.lstsq(J, r, rcond=None)[0]
+        expected = directions(np.split(J, records), shared=shared)
+        noises = [
             noise_of(part, columns)
-            for part, columns in zip(np.split(left, records), known.columns, strict=True)
+            for part, columns in zip(np.split(residual, records), expected.columns, strict=True)
         ]
-        powers += [noise.autocovariance[0] for noise in each]
-        kappas += [noise.kappa for noise in each]
-        assert sum(columns.absorbed_count for columns in known.columns) == pytest.approx(4)
-        assert n == each[0].samples
+        powers += [noise.autocovariance[0] for noise in noises]
+        kappas += [noise.kappa for noise in noises]
+        assert sum(columns.absorbed_count for columns in expected.columns) == pytest.approx(4)
+        assert n == noises[0].samples
     assert np.mean(powers) == pytest.approx(1.0, rel=0.03)
     # chance alone lets short records look correlated
     assert np.median(kappas) < 1.25
@@ -139,20 +139,20 @@ def test_directions_shared_with_the_covariance_take_the_same_from_the_noise() ->
     rng = np.random.default_rng(8)
     time = np.linspace(0.0, 40.0, 4000)
     jacobian = np.stack((np.ones(4000), np.exp(-time / 2), time * np.exp(-time / 2)), axis=1)
-    known = directions([jacobian, np.diag([1e-3, 2.0, 5.0])])
-    alone = sandwich([jacobian[:, :2]], [Noise(4000, 0.9 ** np.arange(200), 19.0, 0.2)])
+    expected = directions([jacobian, np.diag([1e-3, 2.0, 5.0])])
+    covariance = sandwich([jacobian[:, :2]], [Noise(4000, 0.9 ** np.arange(200), 19.0, 0.2)])
     shared = directions([jacobian[:, :2]])
     residual = ResidualSeries(autoregressive(rng, 4000, 0.98))
-    own = noise_of(residual.values, jacobian)
+    noise = noise_of(residual.values, jacobian)
     # a residual that was asked already, without columns, answers as a new one
-    assert len(noise_of(residual).autocovariance) < len(own.autocovariance)
-    found = noise_of(residual, known.columns[0])
-    np.testing.assert_allclose(found.autocovariance, own.autocovariance, rtol=1e-9)
-    assert found.kappa > 20.0
+    assert len(noise_of(residual).autocovariance) < len(noise.autocovariance)
+    result = noise_of(residual, expected.columns[0])
+    np.testing.assert_allclose(result.autocovariance, noise.autocovariance, rtol=1e-9)
+    assert result.kappa > 20.0
     # transforms once padded for many lags serve few
     shared.columns[0].spectra(8000)
     again = sandwich(shared, [Noise(4000, 0.9 ** np.arange(200), 19.0, 0.2)])
-    np.testing.assert_allclose(again, alone, rtol=1e-9)
+    np.testing.assert_allclose(again, covariance, rtol=1e-9)
 
 
 def test_rounding_is_not_noise() -> None:
@@ -178,8 +178,8 @@ def test_sandwich_is_the_dense_toeplitz_form() -> None:
     toeplitz = np.where(lag < 12, gamma[np.minimum(lag, 11)], 0.0)
     inverse = np.linalg.inv(jacobian.T @ jacobian)
     dense = inverse @ jacobian.T @ toeplitz @ jacobian @ inverse
-    found = sandwich([jacobian], [Noise(150, gamma, 9.0, 0.4)])
-    np.testing.assert_allclose(found, dense, rtol=2e-2)
+    covariance = sandwich([jacobian], [Noise(150, gamma, 9.0, 0.4)])
+    np.testing.assert_allclose(covariance, dense, rtol=2e-2)
 
 
 @pytest.mark.parametrize("lags", [2, 5, 8, 9])
@@ -190,8 +190,8 @@ def test_the_noise_of_few_lags_is_the_dense_toeplitz_form(lags: int) -> None:
     toeplitz = np.maximum(1.0 - lag / lags, 0.0)
     inverse = np.linalg.inv(jacobian.T @ jacobian)
     dense = inverse @ jacobian.T @ toeplitz @ jacobian @ inverse
-    found = sandwich([jacobian], [Noise(150, gamma, 1.0, 2.0)])
-    np.testing.assert_allclose(found, dense, rtol=1e-9)
+    covariance = sandwich([jacobian], [Noise(150, gamma, 1.0, 2.0)])
+    np.testing.assert_allclose(covariance, dense, rtol=1e-9)
 
 
 def test_covariance_is_robust_to_a_nearly_undetermined_parameter() -> None:
@@ -201,15 +201,15 @@ def test_covariance_is_robust_to_a_nearly_undetermined_parameter() -> None:
     jacobian = np.column_stack((np.ones_like(time), time, decays))
     steps = np.cumsum(np.random.default_rng(1).standard_normal((5, len(time))), axis=1)
     noise = Noise(len(time), np.array([2.0, 0.5]), 1.5, 1.5)
-    found = sandwich([jacobian], [noise], others=[lambda columns: steps @ columns])
+    covariance = sandwich([jacobian], [noise], others=[lambda columns: steps @ columns])
     orthonormal, triangle = np.linalg.qr(jacobian)
-    shifted, moved = orthonormal[1:].T @ orthonormal[:-1], steps @ orthonormal
-    middle = 2.0 * np.eye(7) + 0.5 * (shifted + shifted.T) + moved.T @ moved
+    shifted, variant = orthonormal[1:].T @ orthonormal[:-1], steps @ orthonormal
+    middle = 2.0 * np.eye(7) + 0.5 * (shifted + shifted.T) + variant.T @ variant
     expected = np.linalg.solve(triangle, np.linalg.solve(triangle, middle).T)
     size = np.sqrt(np.diag(expected))
     assert size[0] > 1e3 * size[3]
-    assert np.linalg.eigvalsh(found / np.outer(size, size))[0] > -1e-12
-    np.testing.assert_allclose(found, expected, rtol=1e-8)
+    assert np.linalg.eigvalsh(covariance / np.outer(size, size))[0] > -1e-12
+    np.testing.assert_allclose(covariance, expected, rtol=1e-8)
 
 
 def test_covariance_uses_the_noise_of_each_record() -> None:
@@ -267,8 +267,8 @@ def test_white_noise_is_even_and_slow_noise_is_not() -> None:
     jacobian = np.exp(-t[:, None] / [0.02, 0.2, 2.0]) * [1.0, 1e3, 1e-3]
 
     def ratio(columns: np.ndarray, noise: Noise) -> float:
-        known = directions([columns])
-        return noise_gain_ratio(known, [known.compute_record_gain(0, noise)])
+        expected = directions([columns])
+        return noise_gain_ratio(expected, [expected.compute_record_gain(0, noise)])
 
     assert ratio(jacobian, Noise(400, np.array([0.5]), 1.0, 2.0)) == pytest.approx(1.0)
     gamma = 0.97 ** np.arange(200) - 0.97**200

@@ -72,11 +72,11 @@ def test_in_the_metric_of_white_noise_the_fit_is_least_squares(
     block = whitened_block(exact, white())
     plain = [solve([exact], n) for n in (0, 1, 2)]
     metric = [solve([block], n) for n in (0, 1, 2)]
-    for one, other in zip(plain, metric, strict=True):
-        np.testing.assert_allclose(one.log_tau, other.log_tau, atol=1e-6)
-        np.testing.assert_allclose(one.fixed, other.fixed, rtol=1e-6, atol=1e-8)
-    falls = -np.diff([one.sse for one in plain]) / 1e-4
-    np.testing.assert_allclose(-np.diff([one.sse for one in metric]), falls, rtol=1e-6)
+    for item, other in zip(plain, metric, strict=True):
+        np.testing.assert_allclose(item.log_tau, other.log_tau, atol=1e-6)
+        np.testing.assert_allclose(item.fixed, other.fixed, rtol=1e-6, atol=1e-8)
+    falls = -np.diff([element.sse for element in plain]) / 1e-4
+    np.testing.assert_allclose(-np.diff([element.sse for element in metric]), falls, rtol=1e-6)
 
 
 def test_the_columns_are_those_of_the_record_at_any_relaxation_time() -> None:
@@ -85,9 +85,9 @@ def test_the_columns_are_those_of_the_record_at_any_relaxation_time() -> None:
     block = whitened_block(exact, white(1.0))
     at = np.log([0.05, 0.17, 0.9, 4.4, 30.0, 100.0])
     mine, theirs = block.evaluate(at), exact.evaluate(at)
-    for one, other in ((mine.arms, theirs.arms), (mine.d_arms, theirs.d_arms)):
+    for value, other in ((mine.arms, theirs.arms), (mine.d_arms, theirs.d_arms)):
         scale = np.sqrt(np.diag(other.T @ other))
-        difference = (one.T @ one - other.T @ other) / np.outer(scale, scale)
+        difference = (value.T @ value - other.T @ other) / np.outer(scale, scale)
         assert np.abs(difference).max() < 1e-6
     np.testing.assert_allclose(mine.target @ mine.arms, theirs.target @ theirs.arms, rtol=1e-6)
 
@@ -117,7 +117,7 @@ def test_whitened_block_has_the_errors_of_generalised_least_squares(
 def test_averaging_length_follows_the_noise_of_each_record() -> None:
     """Against the dense form, under slow noise and beside it white: means of 4 and of 1."""
     records, noises = [make_hold_block(), make_recorded_block()], [slow(8.0), white()]
-    assert [compute_averaging_length(one) for one in noises] == [4, 1]
+    assert [compute_averaging_length(noise) for noise in noises] == [4, 1]
     solution = solve(records, 2)
     gain = NoiseGain(records, noises, solution)
     jacobian = full_jacobian(records, solution).matrix
@@ -191,11 +191,11 @@ def test_the_noise_that_meets_a_change_is_its_dense_quadratic_form(
     beta, log_tau = solution.beta, solution.log_tau
     before = exact.evaluate(log_tau)
     for shift in np.array([[0.0, 1.2], [0.4, 0.0], [-0.3, -0.5]]):
-        moved_to = log_tau + shift
-        after = exact.evaluate(moved_to)
+        variant = log_tau + shift
+        after = exact.evaluate(variant)
         change = np.concatenate((after.fixed - before.fixed, after.arms - before.arms), axis=1)
         change = change @ beta
-        assert noise_gain.evaluate(beta, moved_to) == pytest.approx(
+        assert noise_gain.evaluate(beta, variant) == pytest.approx(
             change @ dense @ change / (change @ change), rel=0.02
         )
 

@@ -27,8 +27,8 @@ def loss_factor_sd(solid: GeneralizedMaxwell, rows: np.ndarray) -> float:
     n = solid.arms
 
     def loss_factor(q: np.ndarray) -> float:
-        one = GeneralizedMaxwell(q[0], tuple(q[1 : 1 + n]), tuple(np.exp(q[1 + n :])))
-        return float(one.loss_factor(omega=2 * np.pi * AT))
+        model = GeneralizedMaxwell(q[0], tuple(q[1 : 1 + n]), tuple(np.exp(q[1 + n :])))
+        return float(model.loss_factor(omega=2 * np.pi * AT))
 
     slope = np.zeros(rows.shape[1])
     for i in range(len(p)):
@@ -45,8 +45,8 @@ def make_bench(method: str = "full", machine: Machine | None = None) -> Bench:
 
 
 def places(*celsius: float, b_t: float | None = None) -> list[Repeat]:
-    found = [plan_repeat(each + 273.15, ROOM, SHIFT) for each in celsius]
-    return found if b_t is None else [Repeat(e.temperature, e.a_t, b_t) for e in found]
+    repeats = [plan_repeat(value + 273.15, ROOM, SHIFT) for value in celsius]
+    return repeats if b_t is None else [Repeat(e.temperature, e.a_t, b_t) for e in repeats]
 
 
 @pytest.mark.parametrize(
@@ -115,8 +115,8 @@ def test_the_sensitivities_are_slopes_of_both_forces():
     def records(q: np.ndarray) -> np.ndarray:
         tau, (a, b), g = np.exp(q[1 + n : 1 + 2 * n]), np.exp(q[11:13]), q[-1]
         warm = GeneralizedMaxwell(q[0], tuple(q[1 : 1 + n]), tuple(tau))
-        moved = tau * a ** (1 + g * np.log10(tau / 0.5))
-        cold = GeneralizedMaxwell(b * q[0], tuple(b * q[1 : 1 + n]), tuple(moved))
+        variant = tau * a ** (1 + g * np.log10(tau / 0.5))
+        cold = GeneralizedMaxwell(b * q[0], tuple(b * q[1 : 1 + n]), tuple(variant))
         return np.concatenate((force(warm, *q[7:9]), force(cold, *q[13:15])))
 
     # delays and a seal that warms have tests of their own
@@ -127,12 +127,12 @@ def test_the_sensitivities_are_slopes_of_both_forces():
         step[i] = 1e-5 * max(1.0, abs(p[i]))
         columns.append((records(p + step) - records(p - step)) / (2 * step[i]))
     J = np.array(columns).T / bench.noise
-    felt = HIDDEN.shift_to_temperature(there.a_t, there.b_t)
-    known = np.zeros((7, len(p)))
-    known[:3, 7:10] = np.diag(1 / bench.prior_sd(HIDDEN))
-    known[3:6, 13:16] = np.diag(1 / bench.prior_sd(felt))
-    known[6, 17] = 1 / 0.03
-    expected = J.T @ J + (known.T @ known)[np.ix_(keep, keep)]
+    shift = HIDDEN.shift_to_temperature(there.a_t, there.b_t)
+    stated = np.zeros((7, len(p)))
+    stated[:3, 7:10] = np.diag(1 / bench.prior_sd(HIDDEN))
+    stated[3:6, 13:16] = np.diag(1 / bench.prior_sd(shift))
+    stated[6, 17] = 1 / 0.03
+    expected = J.T @ J + (stated.T @ stated)[np.ix_(keep, keep)]
     information = (rows.T @ rows)[np.ix_(keep, keep)]
     scale = np.sqrt(np.diag(expected))
     np.testing.assert_allclose(
@@ -142,8 +142,8 @@ def test_the_sensitivities_are_slopes_of_both_forces():
 
 def test_unknown_shift_slope_widens_the_error():
     rows = [build_planned_rows(HIDDEN, make_bench(), places(0), sd).rows for sd in (0.0, 0.03, 0.3)]
-    known, usual_doubt, unknown = (loss_factor_sd(HIDDEN, each) for each in rows)
-    assert known < usual_doubt < unknown
+    expected, usual_doubt, unknown = (loss_factor_sd(HIDDEN, row) for row in rows)
+    assert expected < usual_doubt < unknown
 
 
 def make_plan(**changes: object) -> Plan:
@@ -151,52 +151,52 @@ def make_plan(**changes: object) -> Plan:
 
 
 def test_the_plan_puts_the_cold_test_into_its_table():
-    told = make_plan(cold="0degC")
-    assert told.expected.repeated == (273.15,)
-    assert [place.temperature for place in told.repeats] == [273.15]
-    shown = [(e.method, e.repeated) for e in told.alternatives]
+    plan = make_plan(cold="0degC")
+    assert plan.expected.repeated == (273.15,)
+    assert [place.temperature for place in plan.repeats] == [273.15]
+    shown = [(e.method, e.repeated) for e in plan.alternatives]
     assert shown[:3] == [("full", ()), ("hold", (273.15,)), ("hold", ())]
-    alone = make_plan().expected.loss_factor_sd
-    assert told.alternatives[0].loss_factor_sd == alone
+    single = make_plan().expected.loss_factor_sd
+    assert plan.alternatives[0].loss_factor_sd == single
     # what the rig may do unseen, in the cold and at room temperature, is as much as the noise again
     rows = build_planned_rows(HIDDEN, make_bench(machine=Machine()), places(0)).rows
-    assert told.expected.loss_factor_sd > 1.5 * loss_factor_sd(HIDDEN, rows)
+    assert plan.expected.loss_factor_sd > 1.5 * loss_factor_sd(HIDDEN, rows)
     quiet = make_plan(cold="0degC", force_alone=True).expected.loss_factor_sd
     bare = loss_factor_sd(HIDDEN, build_planned_rows(HIDDEN, make_bench(), places(0)).rows)
     assert quiet == pytest.approx(bare, rel=1e-4)
-    assert told.advice[0] == (
+    assert plan.advice[0] == (
         "Repeat it at 0 degC and fit all together. The loss factor at 12.71 Hz is then known to "
         "±1.77 % instead of ±82.8 %, if all arms shift alike."
     )
-    assert told.advice[1] == (
+    assert plan.advice[1] == (
         "Test at a third temperature, such as 10 degC, too. Two temperatures cannot show arms "
         "that shift apart."
     )
-    assert str(told).splitlines()[2].endswith("1.77 %  and at 0 degC")
-    assert told.band == pytest.approx((1 / (80 * np.pi), SHIFT.a_t(273.15) / np.pi))
+    assert str(plan).splitlines()[2].endswith("1.77 %  and at 0 degC")
+    assert plan.band == pytest.approx((1 / (80 * np.pi), SHIFT.a_t(273.15) / np.pi))
 
 
 def test_three_temperatures_are_advised_no_further():
-    told = make_plan(cold=(273.15, "10degC"))
-    assert told.advice[0].startswith("Repeat it at 0 and 10 degC and fit all together")
-    assert not any("third" in line for line in told.advice)
-    shown = [(e.method, e.repeated) for e in told.alternatives]
+    plan = make_plan(cold=(273.15, "10degC"))
+    assert plan.advice[0].startswith("Repeat it at 0 and 10 degC and fit all together")
+    assert not any("third" in line for line in plan.advice)
+    shown = [(e.method, e.repeated) for e in plan.alternatives]
     assert shown[1:3] == [("full", (273.15,)), ("full", (283.15,))]
-    assert told.expected.loss_factor_sd < told.alternatives[1].loss_factor_sd
+    assert plan.expected.loss_factor_sd < plan.alternatives[1].loss_factor_sd
 
 
 def test_plan_recommends_a_cold_test():
-    told = make_plan()
-    offered = told.alternatives[-2]
-    assert offered.repeated == (273.15,)
-    assert "epeat it at 0 degC (±1.77 %)" in told.advice[0]
+    plan = make_plan()
+    alternative = plan.alternatives[-2]
+    assert alternative.repeated == (273.15,)
+    assert "epeat it at 0 degC (±1.77 %)" in plan.advice[0]
     assert make_plan(model=BROAD, ramp_time=0.01).advice[0].startswith("Record each hit")
 
 
-@pytest.mark.parametrize(("celsius", "offered"), [(10.01, True), (9.99, False), (-5.0, False)])
-def test_plan_recommends_a_refrigerator_only_for_a_warm_room(celsius, offered):
-    told = make_plan(temperature=celsius + 273.15)
-    assert any(e.repeated for e in told.alternatives) == offered
+@pytest.mark.parametrize(("celsius", "choices"), [(10.01, True), (9.99, False), (-5.0, False)])
+def test_plan_recommends_a_refrigerator_only_for_a_warm_room(celsius, choices):
+    plan = make_plan(temperature=celsius + 273.15)
+    assert any(e.repeated for e in plan.alternatives) == choices
     glassy = make_plan(law=type(SHIFT).universal(glass=263.16, reference=ROOM))
     assert not any(e.repeated for e in glassy.alternatives)
 

@@ -45,8 +45,8 @@ LSB = 1 / 1280
 @cache
 def a_foreign_record(baseline: float) -> RelaxationTest:
     """Of Table 1, by a rig that shares no line with the project."""
-    one = read(ForeignSeal(TABLE_1), Protocol(rate=250.0, baseline=baseline))
-    return RelaxationTest(one.time, one.displacement, one.force, units="SI")
+    item = read(ForeignSeal(TABLE_1), Protocol(rate=250.0, baseline=baseline))
+    return RelaxationTest(item.time, item.displacement, item.force, units="SI")
 
 
 def expected_force_error(
@@ -68,8 +68,8 @@ def expected_force_error(
 def test_plan_reproduces_row_b3(ramp_time: float, hold: float, full: float) -> None:
     """SD of the loss factor at 12.71 Hz with an arm of 50 N/m at 12.5 ms."""
     for method, expected in (("hold", hold), ("full", full)):
-        told = expected_force_error((50.0, 0.0125), ramp_time=ramp_time, method=method)
-        assert told.loss_factor_sd == pytest.approx(expected, rel=0.015)
+        message = expected_force_error((50.0, 0.0125), ramp_time=ramp_time, method=method)
+        assert message.loss_factor_sd == pytest.approx(expected, rel=0.015)
 
 
 @pytest.mark.parametrize(
@@ -96,13 +96,13 @@ def test_the_table_of_vibration_4b(
 def test_a_faster_ramp_mends_it() -> None:
     """3 % arm, 1 LSB: 97, 29, 9.7, 2.7, 1.0 %."""
     arm = (0.03 * PAPER.k_0, 0.0125)
-    told = [
+    message = [
         make_bench_plan(
             method="hold", noise=LSB, arm=arm, ramp_time=c, force_alone=True
         ).expected.arm_sd
         for c in (1.0, 0.3, 0.1, 0.03, 0.01)
     ]
-    assert told == pytest.approx([0.97, 0.29, 0.097, 0.027, 0.0105], rel=0.015)
+    assert message == pytest.approx([0.97, 0.29, 0.097, 0.027, 0.0105], rel=0.015)
 
 
 def test_the_sensitivities_are_slopes_of_the_force() -> None:
@@ -133,12 +133,16 @@ def test_planned_priors_equal_those_of_the_fit() -> None:
     bench = Bench(8e-3, 1.0, 20.0, 1000.0, 4.5e-3, "full", 1.5, Machine(sync=2e-3))
     seal = Seal.of_arms(PAPER.k_inf, PAPER.k, PAPER.tau)
     made = record(seal, TrialBench(hold=20.0, count=0.0))
-    known = build_load_cell_priors(prepare(relaxation_test(made), machine=bench.machine))
+    load_cell_priors = build_load_cell_priors(prepare(relaxation_test(made), machine=bench.machine))
     planned = bench.prior_sd(PAPER)
-    assert planned == pytest.approx([known.offset.sd, known.drift.sd, known.delay.sd], rel=0.2)
+    assert planned == pytest.approx(
+        [load_cell_priors.offset.sd, load_cell_priors.drift.sd, load_cell_priors.delay.sd], rel=0.2
+    )
     held = replace(bench, method="hold").prior_sd(PAPER)
-    assert held == pytest.approx([known.offset.sd, known.limit_drift.sd], rel=0.2)
-    assert known.limit_drift.sd > 1.05 * known.drift.sd
+    assert held == pytest.approx(
+        [load_cell_priors.offset.sd, load_cell_priors.limit_drift.sd], rel=0.2
+    )
+    assert load_cell_priors.limit_drift.sd > 1.05 * load_cell_priors.drift.sd
     sheet = Bench(8e-3, 1.0, 20.0, 1000.0, 4.5e-3, "full", 1.5, Machine(drift=0.2e-3))
     assert sheet.prior_sd(PAPER)[1] < 0.2e-3  # of a baseline and a data sheet together
     assert sheet.prior_sd(PAPER)[2] == pytest.approx(5e-3)
@@ -156,10 +160,10 @@ def test_the_bound_with_its_priors_is_the_scatter_of_a_posterior_mode() -> None:
     estimate = np.linalg.pinv(rows)
     drawn = sd * random.standard_normal((2000, 3))
     data = drawn @ J[:, -3:].T + bench.noise * random.standard_normal((2000, len(J)))
-    found = np.hstack((data / bench.noise, np.zeros((2000, 3)))) @ estimate.T
-    told = expected_error(model, bench, 12.71, 0)
-    assert told.arm_sd is not None
-    assert found[:, 1].std() / 33.0 == pytest.approx(told.arm_sd, rel=0.06)
+    result = np.hstack((data / bench.noise, np.zeros((2000, 3)))) @ estimate.T
+    message = expected_error(model, bench, 12.71, 0)
+    assert message.arm_sd is not None
+    assert result[:, 1].std() / 33.0 == pytest.approx(message.arm_sd, rel=0.06)
 
 
 def test_the_bound_is_what_a_fit_finds() -> None:
@@ -170,21 +174,23 @@ def test_the_bound_is_what_a_fit_finds() -> None:
     x = 8e-3 * np.clip(t / 0.2, 0, 1)
     force = truth.force(t, x) + 1e-3 * np.random.default_rng(4).standard_normal(len(t))
     held = RampHold(t, x, force, 0.0, 0.2, float(t[-1]), 8e-3)
-    found = restrict_to_noise(fit(held, arms=3, nuisance=()))
-    told = expected_force_error(arm, ramp_time=0.2, hold_time=20.8, rate=500.0, noise=1e-3, at=3.0)
-    assert told.arm_sd is not None
-    assert found.standard_error["k"][0] / arm[0] == pytest.approx(told.arm_sd, rel=0.1)
+    result = restrict_to_noise(fit(held, arms=3, nuisance=()))
+    message = expected_force_error(
+        arm, ramp_time=0.2, hold_time=20.8, rate=500.0, noise=1e-3, at=3.0
+    )
+    assert message.arm_sd is not None
+    assert result.standard_error["k"][0] / arm[0] == pytest.approx(message.arm_sd, rel=0.1)
 
 
 @settings(max_examples=15, deadline=None)
 @given(factor=st.floats(1.5, 10), at=st.floats(0.5, 30))
 def test_noise_scales_the_bound_and_samples_its_root(factor: float, at: float) -> None:
     options = {"hold_time": 10.0, "rate": 200.0, "at": at, "arm": (30.0, 0.02)}
-    one = expected_force_error(**options)
+    item = expected_force_error(**options)
     louder = expected_force_error(**options, noise=5e-3 * factor)
-    assert louder.loss_factor_sd == pytest.approx(factor * one.loss_factor_sd, rel=1e-6)
+    assert louder.loss_factor_sd == pytest.approx(factor * item.loss_factor_sd, rel=1e-6)
     denser = expected_force_error(**(options | {"rate": 800.0}))
-    assert denser.loss_factor_sd == pytest.approx(one.loss_factor_sd / 2, rel=0.15)
+    assert denser.loss_factor_sd == pytest.approx(item.loss_factor_sd / 2, rel=0.15)
 
 
 def test_what_the_fit_must_find_costs_something() -> None:
@@ -194,23 +200,23 @@ def test_what_the_fit_must_find_costs_something() -> None:
     )
     late = make_bench_plan(sync=8e-3).expected
     assert late.loss_factor_sd > make_bench_plan().expected.loss_factor_sd
-    lost, usual, told = (
+    lost, usual, message = (
         make_bench_plan(**of).arms[1].half_tau for of in ({"drift": 5e-3}, {}, {"drift": 1e-5})
     )
-    assert lost > usual > 2 * told
+    assert lost > usual > 2 * message
 
 
 def test_plan_with_a_hammer_test_determines_the_arm() -> None:
     """Vibration reference 4b: jointly the 10 % arm is known to 1.1 %, the loss factor to 0.92 %."""
-    told = make_bench_plan(
+    plan = make_bench_plan(
         noise=LSB, method="hold", arm=(0.10 * PAPER.k_0, 0.0125), force_alone=True
     )
-    joint = told.alternatives[-1]
+    joint = plan.alternatives[-1]
     assert joint.method == "joint"
     assert joint.arm_sd == pytest.approx(0.011, rel=0.1)
     assert joint.loss_factor_sd == pytest.approx(0.0092, rel=0.1)
-    assert "dd a hammer test" in told.advice[0]
-    assert "0.951 %" in told.advice[0]
+    assert "dd a hammer test" in plan.advice[0]
+    assert "0.951 %" in plan.advice[0]
 
 
 def test_the_hammers_sensitivities_are_slopes_of_the_response() -> None:
@@ -232,9 +238,9 @@ def test_the_hammers_sensitivities_are_slopes_of_the_response() -> None:
 
 
 def test_a_model_with_an_arm_there_needs_no_other() -> None:
-    told = make_bench_plan(model=PAPER + GeneralizedMaxwell(0.0, (20.0,), (0.016,)))
-    assert told.arm is None
-    assert told.expected.arm_sd is None
+    plan = make_bench_plan(model=PAPER + GeneralizedMaxwell(0.0, (20.0,), (0.016,)))
+    assert plan.arm is None
+    assert plan.expected.arm_sd is None
     assert make_bench_plan().arm == pytest.approx((0.1 * PAPER.k_0, 1 / (2 * np.pi * 12.71)))
 
 
@@ -253,13 +259,13 @@ def test_the_record_for_table_1() -> None:
 
 def test_the_record_is_for_the_solid_that_is_supposed() -> None:
     """An arm that is supposed damps, so the mass rings for less long."""
-    told = make_bench_plan()
-    assert told.record.for_lines == pytest.approx(6.86, abs=0.01)
+    plan = make_bench_plan()
+    assert plan.record.for_lines == pytest.approx(6.86, abs=0.01)
     assert (
         "Record each hit for 6.86 s (44.4 s if no arm of the seal adds damping there)"
-        in told.advice[1]
+        in plan.advice[1]
     )
-    assert make_bench_plan(model=told.model).record.for_lines == pytest.approx(6.86, abs=0.01)
+    assert make_bench_plan(model=plan.model).record.for_lines == pytest.approx(6.86, abs=0.01)
 
 
 def test_short_records_hide_the_peak() -> None:
@@ -295,10 +301,10 @@ def test_the_spectrum_of_a_half_sine(duration: float, part: float) -> None:
     t = duration * (nodes + 1) / 2
     pulse = np.sin(np.pi * t / duration) * weights
     ratio = abs(np.sum(pulse * np.exp(-2j * np.pi * f * t))) / np.sum(pulse)
-    found = half_sine(duration, f)
-    assert 10 ** (found.level_db / 20) == pytest.approx(ratio, rel=1e-6, abs=1e-9)
-    assert half_sine(duration, found.band_10db).level_db == pytest.approx(-10, abs=1e-6)
-    assert half_sine(duration, found.band_20db).level_db == pytest.approx(-20, abs=1e-6)
+    result = half_sine(duration, f)
+    assert 10 ** (result.level_db / 20) == pytest.approx(ratio, rel=1e-6, abs=1e-9)
+    assert half_sine(duration, result.band_10db).level_db == pytest.approx(-10, abs=1e-6)
+    assert half_sine(duration, result.band_20db).level_db == pytest.approx(-20, abs=1e-6)
 
 
 # -- advice -----------------------------------------------------------------------------------
@@ -306,53 +312,53 @@ def test_the_spectrum_of_a_half_sine(duration: float, part: float) -> None:
 
 def test_user_story_4() -> None:
     """ "I need the loss factor at 12.71 Hz to 10 %": ramp in 0.1 s or hit a block."""
-    told = make_bench_plan(record=4.0, pulse=0.015)
-    words = " ".join(told.advice)
+    plan = make_bench_plan(record=4.0, pulse=0.015)
+    words = " ".join(plan.advice)
     assert "Ramp in 33.3 ms" in words
     assert "fit both together" in words
     assert "6.86 s (44.4 s if no arm of the seal adds damping there) instead of 4 s" in words
-    assert {c.name: c.passed for c in told.checks} == {
+    assert {c.name: c.passed for c in plan.checks} == {
         "loss_factor_determined": False,
         "inside_valid_band": False,
         "record_long_enough": False,
         "tip_excites": True,
     }
-    text = str(told)
+    text = str(plan)
     assert "expected standard deviation at 12.71 Hz" in text
     assert "121 %" in text
 
 
 def test_plan_gives_no_advice_for_a_good_test() -> None:
-    told = make_bench_plan(ramp_time=0.03, record=60.0, pulse=0.01, noise=1e-3)
-    assert told.expected.loss_factor_sd < 0.1
-    assert len(told.advice) == 1
-    assert told.advice[0].startswith("This test determines the loss factor")
+    plan = make_bench_plan(ramp_time=0.03, record=60.0, pulse=0.01, noise=1e-3)
+    assert plan.expected.loss_factor_sd < 0.1
+    assert len(plan.advice) == 1
+    assert plan.advice[0].startswith("This test determines the loss factor")
 
 
 def test_fit_the_ramp_too() -> None:
-    told = make_bench_plan(ramp_time=0.1, method="hold")
-    assert "fit ramp and hold together" in told.advice[0]
+    plan = make_bench_plan(ramp_time=0.1, method="hold")
+    assert "fit ramp and hold together" in plan.advice[0]
 
 
 def test_plan_states_the_gain_of_naming_the_machine() -> None:
     """A baseline of 10 s, and a machine whose give and creep are known."""
-    told = make_bench_plan()
-    assert told.end.time == 40.0
-    assert told.end.stiffness == pytest.approx(float(told.model.relaxation(40.0)))
-    assert told.end.if_machine_named < 0.5 * told.end.half_width
-    assert told.end.message in str(told)
-    assert "Record a baseline of 10 s" in told.end.message
-    known = make_bench_plan(baseline=10.0, compliance=0.0, creep=0.0).end
-    assert known.half_width == pytest.approx(told.end.if_machine_named)
-    assert known.message == (
+    plan = make_bench_plan()
+    assert plan.end.time == 40.0
+    assert plan.end.stiffness == pytest.approx(float(plan.model.relaxation(40.0)))
+    assert plan.end.if_machine_named < 0.5 * plan.end.half_width
+    assert plan.end.message in str(plan)
+    assert "Record a baseline of 10 s" in plan.end.message
+    end = make_bench_plan(baseline=10.0, compliance=0.0, creep=0.0).end
+    assert end.half_width == pytest.approx(plan.end.if_machine_named)
+    assert end.message == (
         f"At the end of the hold the stiffness k(40.0 s) would be known to about "
-        f"{100 * known.half_width:#.2g} %."
+        f"{100 * end.half_width:#.2g} %."
     )
     # each alone gives a part of it
-    for one in ({"baseline": 10.0}, {"compliance": 0.0}, {"creep": 0.0}, {"drift": 1e-5}):
-        assert known.half_width < make_bench_plan(**one).end.half_width < told.end.half_width
+    for item in ({"baseline": 10.0}, {"compliance": 0.0}, {"creep": 0.0}, {"drift": 1e-5}):
+        assert end.half_width < make_bench_plan(**item).end.half_width < plan.end.half_width
     # by eq. 5 as by ramp and hold: what hides the end is in both
-    assert make_bench_plan(method="hold").end == told.end
+    assert make_bench_plan(method="hold").end == plan.end
 
 
 @pytest.mark.parametrize(
@@ -379,14 +385,14 @@ def test_planned_arm_errors_agree_with_a_fit(
 ) -> None:
     """A record of another rig: what its fit prints of every arm is what was foretold."""
     record = prepare(a_foreign_record(baseline), machine=Machine(**machine))
-    found = fit(record, arms=2, method=method)
+    result = fit(record, arms=2, method=method)
     foretold = make_bench_plan(
         rate=250.0, noise=2e-3, baseline=baseline, method=method, **machine
     ).arms
-    known = {fact.name: fact for fact in list_known_values(found)}
+    facts = {fact.name: fact for fact in list_known_values(result)}
     for j, arm in enumerate(foretold, start=1):
         for name in ("k", "tau", "b"):
-            fact = known[f"{name}_{j}"]
+            fact = facts[f"{name}_{j}"]
             half = np.log(fact.high / fact.low) / 2
             assert getattr(arm, f"half_{name}") == pytest.approx(half, rel=0.25)
 
@@ -397,12 +403,12 @@ def test_naming_the_machine_narrows_each_arm() -> None:
         make_bench_plan(),
         make_bench_plan(baseline=10.0, compliance=0.0, creep=0.0, sync=0.0),
     )
-    for one, other in zip(usual.arms, named.arms, strict=True):
+    for arm, other in zip(usual.arms, named.arms, strict=True):
         for name in ("k", "tau", "b"):
-            left = getattr(one, f"named_{name}")
-            assert left == pytest.approx(getattr(other, f"half_{name}"))
+            residual = getattr(arm, f"named_{name}")
+            assert residual == pytest.approx(getattr(other, f"half_{name}"))
             # what is left of a fast arm's time is the room's doing
-            assert left < 0.95 * getattr(one, f"half_{name}")
+            assert residual < 0.95 * getattr(arm, f"half_{name}")
     assert make_bench_plan(drift=2e-5).arms[1].half_tau < 0.4 * usual.arms[1].half_tau
     assert make_bench_plan(compliance=0.0).arms[0].half_k < 0.2 * usual.arms[0].half_k
     lines = str(usual).splitlines()
@@ -412,18 +418,18 @@ def test_naming_the_machine_narrows_each_arm() -> None:
 
 
 def _percents(arm: ExpectedArm) -> list[str]:
-    each = [getattr(arm, f"{w}_{n}") for w in ("half", "named") for n in ("k", "tau", "b")]
-    return [part for half in each for part in format_percent(half).split()]
+    item = [getattr(arm, f"{w}_{n}") for w in ("half", "named") for n in ("k", "tau", "b")]
+    return [part for half in item for part in format_percent(half).split()]
 
 
 def test_no_ramp_will_do() -> None:
-    told = make_bench_plan(noise=1.0)
-    assert "No faster ramp that was tried gives ±10 %" in told.advice[0]
+    plan = make_bench_plan(noise=1.0)
+    assert "No faster ramp that was tried gives ±10 %" in plan.advice[0]
 
 
 def test_a_tip_that_is_too_soft() -> None:
-    told = make_bench_plan(pulse=0.2)
-    assert any("Use a harder tip" in line and "80.2 ms" in line for line in told.advice)
+    plan = make_bench_plan(pulse=0.2)
+    assert any("Use a harder tip" in line and "80.2 ms" in line for line in plan.advice)
 
 
 def test_the_band_is_that_of_hold_and_ramp() -> None:

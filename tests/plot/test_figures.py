@@ -132,10 +132,10 @@ def test_every_figure_says_where_it_comes_from(pictures, name):
 
 def test_stamp_states_available_specimen_data():
     who = replace(S.fit.specimen, name="Door seal", lot="L24", date="2026-11-21")
-    said = plot.stamp(S.fit.source, who, mass=0.1148, seals=2)
+    message = plot.stamp(S.fit.source, who, mass=0.1148, seals=2)
     for part in ("SIMULATED", "seal_8mm.csv", "Door seal", "lot L24", "2026-11-21",
                  "114.8 g on 2 seals"):  # fmt: skip
-        assert part in said
+        assert part in message
     assert plot.stamp() == ""
     many = [replace(S.fit.source[0], file=f"{i}.csv", simulated=False) for i in range(4)]
     assert plot.stamp(many[:3]) == "0.csv, 1.csv, 2.csv"
@@ -160,20 +160,20 @@ def test_matplotlib_is_loaded_for_png_and_pdf_only_and_pyplot_never():
 def test_the_drawn_residual_is_the_residual_of_the_fit():
     still = replace(S.prepared, displacement_noise=0.0)  # made by hand from this very motion
     when, force = fitted_force(S.fit, still)
-    left = S.prepared.force[: len(when)] - force
-    assert np.sqrt(np.mean(left**2)) == pytest.approx(S.fit.estimate.residual.rms, rel=1e-6)
+    residual = S.prepared.force[: len(when)] - force
+    assert np.sqrt(np.mean(residual**2)) == pytest.approx(S.fit.estimate.residual.rms, rel=1e-6)
 
 
 @pytest.mark.parametrize("method", ["full", "hold"])
 def test_the_drawn_residual_is_that_of_a_real_fit(method):
     test = prepare(simulate_relaxation(PAPER, hold_time=10.0).test)
-    found = fit(test, arms=2, method=method)
-    when, force = fitted_force(found, test)
-    left = np.interp(when, test.time - test.onset, test.force) - force
+    result = fit(test, arms=2, method=method)
+    when, force = fitted_force(result, test)
+    residual = np.interp(when, test.time - test.onset, test.force) - force
     # a full fit leaves the time before contact out, eq. 5 that in which the plate settles
     fitted = when > (0 if method == "full" else 1.2 * test.ramp_time)
-    assert np.sqrt(np.mean(left[fitted] ** 2)) == pytest.approx(
-        found.estimate.residual.rms, rel=3e-3
+    assert np.sqrt(np.mean(residual[fitted] ** 2)) == pytest.approx(
+        result.estimate.residual.rms, rel=3e-3
     )
 
 
@@ -192,16 +192,16 @@ def test_segments_figure_uses_units_of_the_record():
         S.prepared, displacement=1e-4 * S.prepared.displacement, depth=1e-4 * S.prepared.depth,
         force=1e-6 * S.prepared.force, force_noise=1e-6 * S.prepared.force_noise,
     )  # fmt: skip
-    moved, pushed = plot.segments(small).strips[0]
-    assert [moved.y.label, pushed.y.label] == ["compression, µm", "force, µN"]
+    variant, pushed = plot.segments(small).strips[0]
+    assert [variant.y.label, pushed.y.label] == ["compression, µm", "force, µN"]
     assert max(line.y.max() for line in lines(pushed)) == pytest.approx(S.prepared.force.max())
 
 
 def test_log_time_starts_within_the_ramp_even_if_sampling_slows_down_in_the_hold():
-    kept = np.unique(np.round(np.geomspace(1, len(S.prepared.time) - 1, 400)).astype(int))
+    retained = np.unique(np.round(np.geomspace(1, len(S.prepared.time) - 1, 400)).astype(int))
     sparse = replace(
-        S.prepared, time=S.prepared.time[kept], displacement=S.prepared.displacement[kept],
-        force=S.prepared.force[kept],
+        S.prepared, time=S.prepared.time[retained], displacement=S.prepared.displacement[retained],
+        force=S.prepared.force[retained],
     )  # fmt: skip
     start, _ = plot.fit(S.fit, sparse).panels[0].x.limits
     assert start <= 0.1 * sparse.ramp_time
@@ -232,7 +232,7 @@ def test_fitted_force_of_several_depths_uses_each_stiffness():
 
 def test_fits_to_show_has_one_fit_per_order_ascending():
     shown = fits_to_show(S.fit, (S.fit, *S.alternatives))
-    assert [one.model.arms for one in shown] == [1, 2]
+    assert [item.model.arms for item in shown] == [1, 2]
 
 
 def test_the_spike_that_thinning_must_not_hide_is_drawn():
@@ -275,12 +275,12 @@ def test_stiffness_figure_is_solid_in_the_band_and_dashed_outside(pictures):
 
 @pytest.mark.parametrize("endless", ["some", "all"])
 def test_a_bound_that_no_test_sets_runs_out_at_the_top_of_a_finite_axis(endless):
-    found = a_fit(PAPER)
+    result = a_fit(PAPER)
     f = np.geomspace(1e-3, 100, 61)
-    tops = np.where((f > 1) | (endless == "all"), np.inf, 2 * found.solid.k_0)
+    tops = np.where((f > 1) | (endless == "all"), np.inf, 2 * result.solid.k_0)
     edges = np.array([0 * f, tops])
     bounds = StiffnessBounds(f, edges, edges, edges)
-    picture = plot.stiffness(found, unseen=bounds)
+    picture = plot.stiffness(result, unseen=bounds)
     for strip in picture.strips:
         for panel in strip:
             assert np.isfinite(panel.y.limits).all()
@@ -301,32 +301,32 @@ def test_stiffness_shows_newtons_per_millimetre(pictures):
 
 
 def test_stiffness_figure_of_a_fractional_model_draws_it_with_its_arms():
-    found = a_fit(SEAL)
+    result = a_fit(SEAL)
     for panel, name, factor in zip(
-        plot.stiffness(found).panels, ("storage", "loss", "loss_factor"), (1e-3, 1e-3, 1.0),
+        plot.stiffness(result).panels, ("storage", "loss", "loss_factor"), (1e-3, 1e-3, 1.0),
         strict=True,
     ):  # fmt: skip
         curve = first(panel, "relaxation fit")
-        own = factor * getattr(SEAL, name)(frequency=curve.x)
-        known = np.isfinite(curve.y)
-        assert curve.y[known] == pytest.approx(own[known], rel=1e-12)
-    tips = marks(plot.spectrum(found).panels[0], Dots)[0]
+        individual = factor * getattr(SEAL, name)(frequency=curve.x)
+        finite = np.isfinite(curve.y)
+        assert curve.y[finite] == pytest.approx(individual[finite], rel=1e-12)
+    tips = marks(plot.spectrum(result).panels[0], Dots)[0]
     assert len(tips.x) == SEAL.maxwell.arms > 20
-    curve = first(plot.dynamic_stiffness(S.direct, fit=found).panels[1], "relaxation fit")
+    curve = first(plot.dynamic_stiffness(S.direct, fit=result).panels[1], "relaxation fit")
     omega = 2 * np.pi * curve.x
     assert curve.y == pytest.approx(SEAL.loss(omega=omega) / omega, rel=1e-12)
-    when, force = fitted_force(found, replace(S.prepared, displacement_noise=0.0))
+    when, force = fitted_force(result, replace(S.prepared, displacement_noise=0.0))
     assert force == pytest.approx(
         SEAL.force(when, S.prepared.displacement[: len(when)]), rel=1e-9, abs=1e-9
     )
 
 
 def test_a_material_is_drawn_in_megapascals():
-    found, _ = make_modulus_fit()
-    panel = plot.stiffness(found).panels[0]
+    result, _ = make_modulus_fit()
+    panel = plot.stiffness(result).panels[0]
     assert panel.y.label == "storage modulus E′, MPa"
     assert max(np.nanmax(line.y) for line in lines(panel)) == pytest.approx(3.0, 0.01)
-    stems = plot.spectrum(found).panels[0]
+    stems = plot.spectrum(result).panels[0]
     assert stems.y.label == "modulus E, MPa"
     assert stems.y.limits[1] == pytest.approx(2.4, 0.1)
 
@@ -335,8 +335,8 @@ def test_a_modulus_and_a_sweep_are_drawn_with_what_was_measured(pictures):
     upper, lower = pictures["modulus"].panels
     points = first(upper, "measured")
     assert points.y == pytest.approx(1 + 2 * np.exp(-CURVE / 0.1))
-    left = marks(lower, Dots)[0]
-    assert np.abs(left.y).max() < 0.1  # per cent: the data have no noise
+    residual = marks(lower, Dots)[0]
+    assert np.abs(residual.y).max() < 0.1  # per cent: the data have no noise
     data = sweep()
     for panel, name in zip(pictures["dynamic"].panels, ("storage", "loss"), strict=False):
         points = first(panel, "measured")
@@ -403,7 +403,9 @@ def test_spectrum_figure_has_a_stem_per_arm_and_hatches_outside_the_band(picture
 
 @pytest.mark.parametrize("name", ["comparison", "resonance", "hero"])
 def test_the_peaks_are_marked_where_they_are_and_named(pictures, name):
-    panel = next(one for one in pictures[name].panels if one.y.label.startswith("accelerance"))
+    panel = next(
+        panel for panel in pictures[name].panels if panel.y.label.startswith("accelerance")
+    )
     c = S.comparison
     measured, predicted, joint = marks(panel, Tag)
     assert (measured.x, measured.y, measured.dot) == (c.measured_hz, c.measured_peak, "filled")
@@ -418,7 +420,9 @@ def test_the_peaks_are_marked_where_they_are_and_named(pictures, name):
 
 @pytest.mark.parametrize("name", ["comparison", "resonance", "hero"])
 def test_a_joint_solid_shows_on_both_sides_of_the_measured_line_that_it_lies_under(pictures, name):
-    panel = next(one for one in pictures[name].panels if one.y.label.startswith("accelerance"))
+    panel = next(
+        panel for panel in pictures[name].panels if panel.y.label.startswith("accelerance")
+    )
     order = [line.label for line in lines(panel) if line.label]
     assert order == ["joint model", "predicted from relaxation", "measured"]
     joint, measured = first(panel, "joint model"), first(panel, "measured")
@@ -434,7 +438,9 @@ def test_a_joint_fit_that_failed_lies_over_the_prediction_and_has_no_peak():
 
 @pytest.mark.parametrize("name", ["comparison", "resonance", "hero", "prediction"])
 def test_predicted_curve_lies_inside_its_bounds(pictures, name):
-    panel = next(one for one in pictures[name].panels if one.y.label.startswith("accelerance"))
+    panel = next(
+        panel for panel in pictures[name].panels if panel.y.label.startswith("accelerance")
+    )
     bound = first(panel, "95 % bounds over all spectra")
     assert bound.hatched
     curve = next(line for line in lines(panel) if line.pen.dashes)
@@ -448,16 +454,16 @@ def test_predicted_curve_lies_inside_its_bounds(pictures, name):
 
 @pytest.mark.parametrize("kind", ["receptance", "mobility", "accelerance", "dynamic_stiffness"])
 def test_every_kind_of_prediction_is_drawn_with_what_it_leaves_open(kind):
-    one = S.prediction.to(kind)
+    frf = S.prediction.to(kind)
     size = np.abs(S.prediction.value)
     f = S.prediction.frequency
-    panel = plot.frf(one, interval=(f, np.array([0.8 * size, 1.25 * size]))).panels[0]
+    panel = plot.frf(frf, interval=(f, np.array([0.8 * size, 1.25 * size]))).panels[0]
     area, curve = marks(panel, Area)[0], lines(panel)[0]
-    own = np.interp(f, curve.x, curve.y)
+    interpolated = np.interp(f, curve.x, curve.y)
     for edge, factor in ((area.low, 0.8), (area.high, 1.25)):
         at = np.interp(f, area.x, edge)
         near = np.abs(f / 12.3 - 1) > 0.2  # between the lines of a sharp peak it is no line
-        assert at[near] == pytest.approx(factor * own[near], rel=2e-3)
+        assert at[near] == pytest.approx(factor * interpolated[near], rel=2e-3)
 
 
 def test_a_joint_fit_that_fails_looks_failed():
@@ -467,10 +473,10 @@ def test_a_joint_fit_that_fails_looks_failed():
     curve = first(panel, "joint model, failed")
     assert curve.pen.colour == "bad"
     assert curve.pen.dashes
-    sound = plot.comparison(S.comparison, joint=replace(failed, checks=())).panels[0]
-    assert first(sound, "joint model").pen.colour == "joint"
-    told = plot.comparison(S.comparison, joint=S.joint_comparison, failed=True).panels[0]
-    assert first(told, "joint model, failed").pen.colour == "bad"
+    intact = plot.comparison(S.comparison, joint=replace(failed, checks=())).panels[0]
+    assert first(intact, "joint model").pen.colour == "joint"
+    message = plot.comparison(S.comparison, joint=S.joint_comparison, failed=True).panels[0]
+    assert first(message, "joint model, failed").pen.colour == "bad"
     lame = replace_fields(S.joint, checks=(bad,))
     for picture in (
         plot.spectrum(S.fit, joint=lame),
@@ -487,10 +493,10 @@ def test_tag_replaces_the_key_entry_of_the_same_panel_only():
     axes = Scale("x", (0.0, 1.0)), Scale("y", (0.0, 1.0))
     line = Line(np.array([0.0, 1.0]), np.array([0.0, 1.0]), Pen("fit", 1.0), "latch")
     tag = Tag(1.0, 1.0, "latch", "ink", end=True)
-    apart = Picture("apart", "", ((Panel(*axes, (tag,)),), (Panel(*axes, (line,)),)))
-    beside = Picture("beside", "", ((Panel(*axes, (tag, line)),), (Panel(*axes, (line,)),)))
-    assert [mark.label for mark in apart.key] == ["latch"]
-    assert beside.key == ()
+    picture = Picture("apart", "", ((Panel(*axes, (tag,)),), (Panel(*axes, (line,)),)))
+    neighbour = Picture("beside", "", ((Panel(*axes, (tag, line)),), (Panel(*axes, (line,)),)))
+    assert [mark.label for mark in picture.key] == ["latch"]
+    assert neighbour.key == ()
 
 
 def test_a_resonance_without_damping_does_not_stretch_the_axis():
@@ -541,7 +547,7 @@ def test_phase_does_not_wrap_through_the_noise_of_an_accelerance(pictures):
 
 def test_an_frf_without_coherence_or_scatter_has_no_strip_for_it():
     bare = replace(S.measured, coherence=None, sd=None, averages=1)
-    assert [one.y.label for one in plot.frf(bare).panels] == ["accelerance, 1/kg", "phase, °"]
+    assert [panel.y.label for panel in plot.frf(bare).panels] == ["accelerance, 1/kg", "phase, °"]
 
 
 def test_an_frf_that_starts_at_zero_frequency_is_drawn_on_log_axes():
@@ -554,10 +560,10 @@ def test_an_frf_that_starts_at_zero_frequency_is_drawn_on_log_axes():
 
 
 def test_hits_of_an_undersampled_pulse_show_its_few_samples():
-    one = slice(0, S.impact.starts[1], 10)
+    item = slice(0, S.impact.starts[1], 10)
     few = replace(
-        S.impact, time=S.impact.time[one], force=S.impact.force[one],
-        acceleration=S.impact.acceleration[:, one], starts=(0,),
+        S.impact, time=S.impact.time[item], force=S.impact.force[item],
+        acceleration=S.impact.acceleration[:, item], starts=(0,),
     )  # fmt: skip
     pulses, spectra, *_ = plot.hits(few, replace(S.measured, hits=())).panels
     assert all(len(line.x) >= 6 for line in lines(pulses))

@@ -52,12 +52,12 @@ def test_another_process_gives_the_same_svg(figure):
 
 
 def test_svgs_share_a_page_without_sharing_an_id(figure):
-    one, two = (plot.to_svg(replace(figure, name=name)) for name in ("one", "two"))
-    ids = [set(re.findall(r'\bid="([^"]*)"', text)) for text in (one, two)]
+    svg, two = (plot.to_svg(replace(figure, name=name)) for name in ("one", "two"))
+    ids = [set(re.findall(r'\bid="([^"]*)"', text)) for text in (svg, two)]
     assert ids[0]
     assert not ids[0] & ids[1]
     assert all(name.startswith("one-") for name in ids[0])
-    used = set(re.findall(r"url\(#([^)]*)\)", one))
+    used = set(re.findall(r"url\(#([^)]*)\)", svg))
     assert used <= ids[0]
 
 
@@ -66,7 +66,7 @@ def test_an_svg_is_plain_xml_whose_letters_are_letters_and_whose_colours_are_of_
     root = ET.fromstring(text)  # noqa: S314
     assert root.tag.endswith("svg")
     assert root.attrib["aria-label"] == 'N = 2 & "more"'
-    words = [one.text for one in root.iter("{http://www.w3.org/2000/svg}text")]
+    words = [item.text for item in root.iter("{http://www.w3.org/2000/svg}text")]
     assert {"relaxation time τ, s", "stiffness k, N/mm", "joint model"} <= set(words)
     assert "seal_8mm.csv" in words
     assert "var(" not in text

@@ -12,21 +12,23 @@ S = handmade.study()
 
 
 def tags(picture):
-    return [one.text for one in picture.panels[0].marks if isinstance(one, Tag)]
+    return [item.text for item in picture.panels[0].marks if isinstance(item, Tag)]
 
 
 def test_frf_figure_tags_peak_frequency_height_and_width():
     drawn = frf(S.measured, labels=("measured",))
-    told, wide = tags(drawn)
+    message, wide = tags(drawn)
     hz = S.measured.frequency[np.argmax(np.abs(S.measured.value))]
-    assert float(told.split()[1]) == pytest.approx(hz, abs=0.2)
-    assert told.endswith("1/kg")
+    assert float(message.split()[1]) == pytest.approx(hz, abs=0.2)
+    assert message.endswith("1/kg")
     # the width at half the power, between lines of it, and drawn as wide
     size = np.abs(S.measured.value)
     above = S.measured.frequency[size >= size.max() / np.sqrt(2)]
     step = S.measured.frequency[1] - S.measured.frequency[0]
     assert float(wide.split()[0]) == pytest.approx(np.ptp(above) + step, abs=step)
-    bar = next(one for one in drawn.panels[0].marks if isinstance(one, Line) and len(one.x) == 2)
+    bar = next(
+        curve for curve in drawn.panels[0].marks if isinstance(curve, Line) and len(curve.x) == 2
+    )
     assert float(wide.split()[0]) == pytest.approx(np.ptp(bar.x), rel=0.05)
     # of several the first peak alone is named
     assert len(tags(frf(S.measured, S.measured, labels=("measured", "again")))) == 1
@@ -42,16 +44,16 @@ def test_the_end_of_a_band_is_no_peak():
 @pytest.mark.parametrize("kind", ["receptance", "transmissibility"])
 def test_other_kinds_are_drawn_without(kind):
     pred = dp.predict(S.fit, mass="114.8g", seals=2, base=kind == "transmissibility")
-    found = pred.frf if kind == "transmissibility" else pred.frf.to(kind)
-    assert not tags(frf(found, labels=("predicted",)))
+    result = pred.frf if kind == "transmissibility" else pred.frf.to(kind)
+    assert not tags(frf(result, labels=("predicted",)))
 
 
 def test_frf_figure_shades_the_valid_band_or_states_it():
     pred = dp.predict(S.fit, mass="114.8g", seals=2)
     upper = pred.plot().panels[0]
     assert "extrapolated" in upper.note
-    assert not [one for one in upper.marks if isinstance(one, Span)]
+    assert not [item for item in upper.marks if isinstance(item, Span)]
     inside = frf(pred.frf, informed=(5.0, 20.0)).panels[0]
-    (span,) = (one for one in inside.marks if isinstance(one, Span))
+    (span,) = (item for item in inside.marks if isinstance(item, Span))
     assert (span.low, span.high) == (5.0, 20.0)
     assert not inside.note

@@ -45,9 +45,9 @@ def test_column_layout_pairs_drawings_and_separates_figures() -> None:
     column = [(full, len(row)) for full, row in picture.resize("column").strip_rows]
     assert column == [(1, 1)] * 3 + [(2, 2), (2, 2), (2, 1)]
     # one alone has all the width of a column, and is no larger than the others where it has not
-    alone = replace(picture, strips=((shape,),) * 6, rows=(1, 5))
-    assert [full for full, _ in alone.resize("column").strip_rows] == [1, 2, 2, 2]
-    assert [full for full, _ in alone.strip_rows] == [3, 3, 3]
+    single = replace(picture, strips=((shape,),) * 6, rows=(1, 5))
+    assert [full for full, _ in single.resize("column").strip_rows] == [1, 2, 2, 2]
+    assert [full for full, _ in single.strip_rows] == [3, 3, 3]
 
 
 def test_letters_keep_their_size() -> None:

@@ -18,21 +18,21 @@ def record(seed: int, size: int) -> tuple[np.ndarray, np.ndarray]:
 @given(st.integers(0, 10_000), st.integers(2, 3000), st.integers(1, 200), st.booleans())
 def test_the_highest_and_the_lowest_sample_of_every_bin_stay(seed, size, bins, log):
     x, y = record(seed, size)
-    kept_x, kept_y = downsample_to_extremes(x, y, bins=bins, log=log)
-    assert len(kept_x) <= max(2 * bins, size if size <= 2 * bins else 0)
-    assert np.all(np.diff(kept_x) > 0)
+    retained, selected = downsample_to_extremes(x, y, bins=bins, log=log)
+    assert len(retained) <= max(2 * bins, size if size <= 2 * bins else 0)
+    assert np.all(np.diff(retained) > 0)
     # only samples, none invented
-    place = np.searchsorted(x, kept_x)
-    assert np.array_equal(x[place], kept_x)
-    assert np.array_equal(y[place], kept_y)
+    place = np.searchsorted(x, retained)
+    assert np.array_equal(x[place], retained)
+    assert np.array_equal(y[place], selected)
     scale = np.log(x) if log else x
     edges = np.linspace(scale[0], scale[-1], bins + 1)
     label = np.clip(np.searchsorted(edges, scale, side="right") - 1, 0, bins - 1)
     for part in np.unique(label):
         inside = y[label == part]
-        shown = kept_y[label[place] == part]
+        shown = selected[label[place] == part]
         # a sample on an edge may fall to either side: allow the neighbours
-        near = kept_y[np.abs(label[place] - part) <= 1]
+        near = selected[np.abs(label[place] - part) <= 1]
         assert near.max() >= inside.max()
         assert near.min() <= inside.min()
         assert shown.size or near.size

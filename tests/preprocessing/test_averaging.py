@@ -36,10 +36,10 @@ def long_record(
 def test_a_solid_answers_a_mean_with_a_mean(monkeypatch: pytest.MonkeyPatch) -> None:
     _, few = long_record(monkeypatch)
     assert len(few.time) == 41_001 // 5
-    found = fit(few, arms=2).model
-    assert found.k_inf == pytest.approx(SEAL.k_inf, rel=1e-4)
-    assert found.k == pytest.approx(SEAL.k, rel=1e-3)
-    assert found.tau == pytest.approx(SEAL.tau, rel=1e-3)
+    model = fit(few, arms=2).model
+    assert model.k_inf == pytest.approx(SEAL.k_inf, rel=1e-4)
+    assert model.k == pytest.approx(SEAL.k, rel=1e-3)
+    assert model.tau == pytest.approx(SEAL.tau, rel=1e-3)
 
 
 @pytest.mark.parametrize("count", [0.0, 20e-6])
@@ -47,13 +47,13 @@ def test_estimates_and_errors_stay(monkeypatch: pytest.MonkeyPatch, count: float
     whole, few = long_record(monkeypatch, noise=3e-3, count=count)
     assert few.encoder_step == pytest.approx(whole.encoder_step)
     assert few.force_noise == pytest.approx(whole.force_noise / np.sqrt(5), rel=0.1)
-    one, other = fit(whole, arms=2), fit(few, arms=2)
-    errors = np.sqrt(np.diag(one.covariance))
+    item, other = fit(whole, arms=2), fit(few, arms=2)
+    errors = np.sqrt(np.diag(item.covariance))
     np.testing.assert_allclose(np.sqrt(np.diag(other.covariance)), errors, rtol=0.25)
     away = [
-        other.model.k_inf - one.model.k_inf,
-        *np.subtract(other.model.k, one.model.k),
-        *np.log(np.divide(other.model.tau, one.model.tau)),
+        other.model.k_inf - item.model.k_inf,
+        *np.subtract(other.model.k, item.model.k),
+        *np.log(np.divide(other.model.tau, item.model.tau)),
     ]
     assert np.all(np.abs(away) < 0.5 * errors)
     assert "averaged each 5 of 41001 samples" in few.steps[-1].message
@@ -87,9 +87,9 @@ def test_prepare_of_a_long_record_needs_memory_of_ten_channels() -> None:
     test = RelaxationTest(time, x, 300 * x + hum + noise, units="SI")
     tracemalloc.start()
     try:
-        found = prepare(test, judged=False)
+        ramp_hold = prepare(test, judged=False)
         _, most = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()
-    assert [round(line.frequency) for line in found.hum] == [50]
+    assert [round(line.frequency) for line in ramp_hold.hum] == [50]
     assert most < 10 * time.nbytes

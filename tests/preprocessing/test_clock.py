@@ -16,10 +16,10 @@ def leapt(at: int, by: float) -> np.ndarray:
 
 @pytest.mark.parametrize("at", [0, 3, 500, len(EVEN) - 2])
 def test_find_clock_jumps_detects_a_jump_at_any_position(at: int) -> None:
-    (one,) = find_clock_jumps(leapt(at, 0.1))
-    assert one.at == at
-    assert one.step == pytest.approx(0.11)
-    assert one.beside == pytest.approx(0.01)
+    (item,) = find_clock_jumps(leapt(at, 0.1))
+    assert item.at == at
+    assert item.step == pytest.approx(0.11)
+    assert item.beside == pytest.approx(0.01)
     assert not find_clock_jumps(leapt(at, 0.08))
 
 
@@ -45,7 +45,7 @@ def test_a_machine_that_logs_as_its_reading_changes_does_not_tick_evenly() -> No
     jittered = EVEN + 0.004 * random.uniform(-1, 1, len(EVEN))
     dropped = EVEN[random.uniform(size=len(EVEN)) > 0.1]
     waits = np.cumsum(random.exponential(0.01, len(EVEN)))
-    evenly = [has_few_pauses(one) for one in (EVEN, jittered, dropped, leapt(500, 10.0), waits)]
+    evenly = [has_few_pauses(item) for item in (EVEN, jittered, dropped, leapt(500, 10.0), waits)]
     assert evenly == [True, True, True, True, False]
     # pauses between bursts, as of a rounded reading
     assert not has_few_pauses(EVEN - 0.008 * (np.arange(len(EVEN)) % 10))

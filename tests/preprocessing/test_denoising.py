@@ -65,11 +65,11 @@ def test_the_top_of_a_swing_is_no_flicker(hertz: float) -> None:
     assert off.max() < 3.5e-6
 
 
-@pytest.mark.parametrize(("counts", "kept"), [(1, False), (MOST_FLICKER + 0.5, True)])
-def test_flicker_of_one_count_is_removed(counts: float, kept: bool) -> None:
+@pytest.mark.parametrize(("counts", "retained"), [(1, False), (MOST_FLICKER + 0.5, True)])
+def test_flicker_of_one_count_is_removed(counts: float, retained: bool) -> None:
     values = np.zeros(21)
     values[10] = counts * 1e-6
-    assert bool(_without_flicker(values, 1e-6)[10]) is kept
+    assert bool(_without_flicker(values, 1e-6)[10]) is retained
 
 
 def test_the_running_median_is_that_of_seven_neighbours() -> None:

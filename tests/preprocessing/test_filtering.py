@@ -52,10 +52,10 @@ def test_zero_phase_is_forwards_and_backwards():
     wave = np.sin(2 * np.pi * 3 * time)
     b, a = signal.butter(2, 5.0, fs=100)
     middle = slice(200, 800)
-    found = Filter("lowpass", cutoff=5.0)(time, wave)[middle]
-    np.testing.assert_allclose(found, signal.filtfilt(b, a, wave)[middle], atol=1e-6)
+    result = Filter("lowpass", cutoff=5.0)(time, wave)[middle]
+    np.testing.assert_allclose(result, signal.filtfilt(b, a, wave)[middle], atol=1e-6)
     gain = np.abs(signal.freqz(b, a, [3.0], fs=100)[1][0]) ** 2
-    np.testing.assert_allclose(found, gain * wave[middle], atol=1e-4)
+    np.testing.assert_allclose(result, gain * wave[middle], atol=1e-4)
 
 
 def test_a_causal_filter_delays_and_starts_settled():
@@ -87,12 +87,12 @@ def test_a_notch_takes_out_the_hum_and_a_median_the_glitch():
 )
 def test_the_bias_on_eq_5_is_the_references(ideal: RampHold, text: str, k_1: float, tau_1: float):
     check = check_filter_bias(filter_record(ideal, parse_filter(text)))
-    found = dict(
+    result = dict(
         part.rsplit(" by ", 1)
         for part in check.message.split("hold, ")[1].split(". ")[0].split(", ")
     )
-    assert float(found["k_1"].strip(" %")) == pytest.approx(k_1, abs=0.3)
-    assert float(found["tau_1"].strip(" %")) == pytest.approx(tau_1, abs=0.35)
+    assert float(result["k_1"].strip(" %")) == pytest.approx(k_1, abs=0.3)
+    assert float(result["tau_1"].strip(" %")) == pytest.approx(tau_1, abs=0.35)
 
 
 def test_filter_bias_check_rejects_slow_and_causal_filters(ideal: RampHold):

@@ -44,10 +44,10 @@ def test_frozen_runs_detects_a_freeze_with_its_ends(noise, count, first, length)
     values = read(1e-3 * noise, count)
     last = min(first + length, len(values)) - 1
     values[first : last + 1] = values[first]
-    found = find_stuck_runs(values, since=TIME)
-    assert len(found) == 1
+    index_array = find_stuck_runs(values, since=TIME)
+    assert len(index_array) == 1
     # a neighbour may happen to read the same
-    assert np.abs(found[0] - (first, last)).max() <= 5
+    assert np.abs(index_array[0] - (first, last)).max() <= 5
 
 
 def test_frozen_runs_detects_a_noiseless_channel_that_stops():

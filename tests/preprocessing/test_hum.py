@@ -25,7 +25,7 @@ def lines_of(force: np.ndarray, *, noise: float) -> tuple[Hum, ...]:
     """Of a hold as long as it says, behind two seconds of something else."""
     time = np.concatenate((np.arange(-2000, 0) / 1000, TIME))
     lines, total, _ = hum_lines(time, force, slice(2000, 2000 + len(force)), noise=noise)
-    np.testing.assert_array_equal(total, sum((one.force(time) for one in lines), 0 * time))
+    np.testing.assert_array_equal(total, sum((line.force(time) for line in lines), 0 * time))
     return lines
 
 
@@ -36,10 +36,10 @@ def default(seed: int) -> RampHold:
 @pytest.mark.parametrize(("frequency", "alias"), [(50.0, 50.0), (37.3, 37.3), (1050.0, 50.0)])
 def test_hum_lines_are_detected_at_their_alias(frequency: float, alias: float) -> None:
     hum = 3e-3 * np.sin(2 * np.pi * frequency * TIME + 0.4)
-    (found,) = lines_of(noisy(0) + hum, noise=4e-3)
-    assert found.frequency == pytest.approx(alias, abs=2e-3)
-    assert found.amplitude == pytest.approx(3e-3, rel=0.05)
-    np.testing.assert_allclose(found.force(TIME), hum, atol=3e-4)
+    (result,) = lines_of(noisy(0) + hum, noise=4e-3)
+    assert result.frequency == pytest.approx(alias, abs=2e-3)
+    assert result.amplitude == pytest.approx(3e-3, rel=0.05)
+    np.testing.assert_allclose(result.force(TIME), hum, atol=3e-4)
 
 
 def test_a_prime_number_of_samples_finds_the_same_line() -> None:
@@ -52,8 +52,8 @@ def test_a_prime_number_of_samples_finds_the_same_line() -> None:
 def test_hum_lines_of_different_size_are_separated() -> None:
     lines = Hum(50.0, 20e-3, 0.0, 0.0), Hum(51.0, 0.0, 1e-3, 0.0)
     force = noisy(1) + sum(line.force(TIME) for line in lines)
-    found = lines_of(force, noise=4e-3)
-    assert [one.frequency for one in found] == pytest.approx([50.0, 51.0], abs=5e-3)
+    result = lines_of(force, noise=4e-3)
+    assert [response.frequency for response in result] == pytest.approx([50.0, 51.0], abs=5e-3)
 
 
 def test_noise_and_relaxation_are_no_hum() -> None:
@@ -66,12 +66,14 @@ def test_noise_and_relaxation_are_no_hum() -> None:
 def test_the_default_rig_is_fitted_to_its_noise() -> None:
     """Its hum and shaking, counted as noise, made every interval 1.6 times too wide."""
     test = default(seed=1)
-    assert sorted(one.frequency for one in test.hum) == pytest.approx([37.0, 50.0], abs=2e-3)
+    assert sorted(response.frequency for response in test.hum) == pytest.approx(
+        [37.0, 50.0], abs=2e-3
+    )
     assert test.force_noise == pytest.approx(4e-3, rel=0.03)
-    found = fit(test, arms=2)
-    assert found.estimate.residual.variance_inflation < 1.2
+    result = fit(test, arms=2)
+    assert result.estimate.residual.variance_inflation < 1.2
     quiet = prepare(simulate_relaxation(PAPER, seed=1, rig=Rig(hum=0.0, vibration=0.0)).test)
-    alike = np.array(found.standard_error["k"]) / fit(quiet, arms=2).standard_error["k"]
+    alike = np.array(result.standard_error["k"]) / fit(quiet, arms=2).standard_error["k"]
     np.testing.assert_allclose(alike, 1.0, atol=0.1)
 
 

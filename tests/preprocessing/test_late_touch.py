@@ -23,9 +23,9 @@ LATE = {
 def compute_air_gap(rig: Rig, gap: float) -> float:
     """The air that preparation takes off, m."""
     changed = Rig(machine=rig.machine, protocol={"gap": gap})
-    one = read(Seal(BROAD), PRESSED, changed, seed=1, name="touch")
-    test = dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")
-    return float(one.displacement.max() - prepare(test).displacement.max())
+    record = read(Seal(BROAD), PRESSED, changed, seed=1, name="touch")
+    test = dp.RelaxationTest(record.time, record.displacement, record.force, units="SI")
+    return float(record.displacement.max() - prepare(test).displacement.max())
 
 
 @pytest.mark.parametrize("rig", LATE)

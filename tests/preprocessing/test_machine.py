@@ -30,41 +30,41 @@ def fit_bench(bench: Bench, machine: dp.Machine | None = None, seed: int = 0) ->
 
 
 def test_the_give_of_the_machine_is_off_the_motion():
-    one = record(PAPER, Bench(compliance=50e-6, rate=RATE).perfect())
-    test = prepare(relaxation_test(one), machine=dp.Machine(compliance=50e-6))
-    np.testing.assert_allclose(test.displacement, one.compression[-len(test.time) :], atol=2e-9)
-    held = one.compression[-len(test.time) :][test.hold]
+    item = record(PAPER, Bench(compliance=50e-6, rate=RATE).perfect())
+    test = prepare(relaxation_test(item), machine=dp.Machine(compliance=50e-6))
+    np.testing.assert_allclose(test.displacement, item.compression[-len(test.time) :], atol=2e-9)
+    held = item.compression[-len(test.time) :][test.hold]
     assert test.depth == pytest.approx(held.mean(), rel=1e-4)
-    travel = one.displacement[-len(test.time) :]
+    travel = item.displacement[-len(test.time) :]
     np.testing.assert_allclose(test.travel[test.displacement > 0], travel[test.displacement > 0])
-    said = next(step for step in test.steps if step.name == "machine")
-    assert "5e-05 m/N" in said.message
+    message = next(step for step in test.steps if step.name == "machine")
+    assert "5e-05 m/N" in message.message
 
 
 def test_encoder_step_is_detected_after_compliance_correction():
     test = relaxation_test(record(PAPER, Bench(compliance=50e-6, hold=10.0)))
-    known = prepare(test, machine=dp.Machine(compliance=50e-6))
-    assert known.encoder_step == pytest.approx(20e-6)
-    x, _ = denoise_displacement(known)
-    one = record(PAPER, Bench(compliance=50e-6, hold=10.0).perfect())
-    assert np.abs(x - one.compression[-len(x) :]).max() < 10e-6
+    ramp_hold = prepare(test, machine=dp.Machine(compliance=50e-6))
+    assert ramp_hold.encoder_step == pytest.approx(20e-6)
+    x, _ = denoise_displacement(ramp_hold)
+    item = record(PAPER, Bench(compliance=50e-6, hold=10.0).perfect())
+    assert np.abs(x - item.compression[-len(x) :]).max() < 10e-6
 
 
 def test_a_rig_that_is_not_described_changes_nothing():
     test = relaxation_test(record(PAPER, Bench(hold=5.0, rate=RATE)))
-    plain, told = prepare(test), prepare(test, machine=dp.Machine())
-    assert np.array_equal(plain.displacement, told.displacement)
+    plain, ramp_hold = prepare(test), prepare(test, machine=dp.Machine())
+    assert np.array_equal(plain.displacement, ramp_hold.displacement)
     assert plain.travel is plain.displacement
-    assert plain.steps == told.steps
+    assert plain.steps == ramp_hold.steps
 
 
 def test_compliance_correction_restores_the_stiffness():
-    sound = fit_bench(Bench(rate=RATE))
+    fit = fit_bench(Bench(rate=RATE))
     bench = Bench(compliance=50e-6, rate=RATE)
-    silent, known = fit_bench(bench), fit_bench(bench, dp.Machine(compliance=50e-6))
-    assert silent.model.k_inf / sound.model.k_inf - 1 == pytest.approx(-0.0098, abs=0.001)
-    assert known.model.k_inf / sound.model.k_inf == pytest.approx(1, abs=1e-3)
-    np.testing.assert_allclose(known.model.k, sound.model.k, rtol=2e-3)
+    silent, expected = fit_bench(bench), fit_bench(bench, dp.Machine(compliance=50e-6))
+    assert silent.model.k_inf / fit.model.k_inf - 1 == pytest.approx(-0.0098, abs=0.001)
+    assert expected.model.k_inf / fit.model.k_inf == pytest.approx(1, abs=1e-3)
+    np.testing.assert_allclose(expected.model.k, fit.model.k, rtol=2e-3)
 
 
 def test_force_filter_is_detected_as_delay_and_corrected_by_name():
@@ -72,18 +72,18 @@ def test_force_filter_is_detected_as_delay_and_corrected_by_name():
         return float(fit.model.loss(omega=OMEGA))
 
     # K'' is a hundredth of K' here: 1 % of it is a delay of 1.3 us
-    sound = loss(fit_bench(Bench()))
+    intact = loss(fit_bench(Bench()))
     bench = Bench(force_filter=10.0)
     unnamed = fit_bench(bench)
-    (late,) = [one.value for one in unnamed.estimate.nuisance if one.name == "delay"]
+    (late,) = [quantity.value for quantity in unnamed.estimate.nuisance if quantity.name == "delay"]
     assert late == pytest.approx(1 / (2 * np.pi * 10.0), rel=0.02)
     (message,) = [step.message for step in unnamed.provenance.steps if step.name == "lag"]
     assert re.fullmatch(
         r"put the motion behind a low-pass of 1\d(\.\d)? ms, as the force comes", message
     )
     assert "clocks_agree" in [check.name for check in unnamed.checks if check.failed]
-    assert loss(unnamed) / sound == pytest.approx(1, abs=0.005)
-    assert loss(fit_bench(bench, dp.Machine(force_filter=10.0))) / sound == pytest.approx(
+    assert loss(unnamed) / intact == pytest.approx(1, abs=0.005)
+    assert loss(fit_bench(bench, dp.Machine(force_filter=10.0))) / intact == pytest.approx(
         1, abs=0.01
     )
 
@@ -144,9 +144,9 @@ def test_a_ramp_and_hold_has_no_oven():
 
 def test_a_described_rig_survives_the_archive():
     test = relaxation_test(record(PAPER, Bench(hold=5.0, rate=RATE)))
-    known = prepare(test, machine=dp.Machine(sync=5e-4, compliance=50e-6))
-    again = from_json(to_json(known))
-    assert again.machine == known.machine
-    job = Job("seal.csv", machine=known.machine)
+    ramp_hold = prepare(test, machine=dp.Machine(sync=5e-4, compliance=50e-6))
+    again = from_json(to_json(ramp_hold))
+    assert again.machine == ramp_hold.machine
+    job = Job("seal.csv", machine=ramp_hold.machine)
     assert from_json(to_json(job)) == job
-    assert np.array_equal(again.displacement, known.displacement)
+    assert np.array_equal(again.displacement, ramp_hold.displacement)

@@ -23,8 +23,8 @@ TIME = np.arange(0, 30, 0.05)
 def test_a_ramp_of_few_samples_is_a_ramp(every: int) -> None:
     time = TIME[20::every]  # the ramp begins at the first sample
     force = answer(TIME, ramp_and_hold(TIME))[20::every]
-    found = prepare(RelaxationTest(time, ramp_and_hold(time), force, units="SI"))
-    assert found.depth == pytest.approx(8e-3)
+    ramp_hold = prepare(RelaxationTest(time, ramp_and_hold(time), force, units="SI"))
+    assert ramp_hold.depth == pytest.approx(8e-3)
 
 
 @pytest.mark.parametrize(("settling", "late"), [(0.98, True), (1.02, False)])

@@ -38,15 +38,15 @@ def raw(simulation: SimulatedRelaxation) -> RelaxationTest:
 
 
 def check(prepared: RampHold, name: str) -> Check:
-    return next(found for found in prepared.checks if found.name == name)
+    return next(result for result in prepared.checks if result.name == name)
 
 
 def list_failed_checks(prepared: RampHold) -> list[str]:
-    return [found.name for found in prepared.checks if found.failed]
+    return [result.name for result in prepared.checks if result.failed]
 
 
 def step(prepared: RampHold, name: str) -> str:
-    return next(found.message for found in prepared.steps if found.name == name)
+    return next(result.message for result in prepared.steps if result.name == name)
 
 
 def ideal(*, rate: float = 1000.0, force=None) -> RelaxationTest:
@@ -82,46 +82,46 @@ def ideal(*, rate: float = 1000.0, force=None) -> RelaxationTest:
 )
 def test_onset_ramp_depth_and_hold_of_the_virtual_rig(model, rig: Rig, seed: int):
     made = simulate_relaxation(model, rig=rig, seed=seed)
-    found, truth = prepare(made.test), made.truth
+    ramp_hold, truth = prepare(made.test), made.truth
     quantum_time = (rig.encoder or 20e-6) / 8e-3
-    assert found.onset == pytest.approx(truth.onset, abs=1 / rig.rate + quantum_time)
-    assert found.ramp_time == pytest.approx(truth.ramp_end - truth.onset, abs=5e-3)
-    assert found.ramp_time == pytest.approx(1.0, abs=7e-3)
+    assert ramp_hold.onset == pytest.approx(truth.onset, abs=1 / rig.rate + quantum_time)
+    assert ramp_hold.ramp_time == pytest.approx(truth.ramp_end - truth.onset, abs=5e-3)
+    assert ramp_hold.ramp_time == pytest.approx(1.0, abs=7e-3)
     held = truth.displacement[-1] - truth.contact
-    assert found.depth == pytest.approx(held, abs=QUANTUM)
-    assert found.hold_time == pytest.approx(made.test.time[-1] - truth.ramp_end, abs=0.01)
-    assert list_failed_checks(found) == []
+    assert ramp_hold.depth == pytest.approx(held, abs=QUANTUM)
+    assert ramp_hold.hold_time == pytest.approx(made.test.time[-1] - truth.ramp_end, abs=0.01)
+    assert list_failed_checks(ramp_hold) == []
 
 
 def test_the_compression_is_zero_before_contact_and_as_recorded_after(raw: RelaxationTest):
-    found = prepare(raw)
-    assert np.abs(found.displacement[found.time < 1.5]).max() == 0.0
-    after = found.time > 1.6
-    np.testing.assert_allclose(found.displacement[after], raw.displacement[after], atol=1e-15)
-    np.testing.assert_array_equal(found.time, raw.time)
-    assert found.specimen == raw.specimen
+    ramp_hold = prepare(raw)
+    assert np.abs(ramp_hold.displacement[ramp_hold.time < 1.5]).max() == 0.0
+    after = ramp_hold.time > 1.6
+    np.testing.assert_allclose(ramp_hold.displacement[after], raw.displacement[after], atol=1e-15)
+    np.testing.assert_array_equal(ramp_hold.time, raw.time)
+    assert ramp_hold.specimen == raw.specimen
 
 
 def test_the_tare_is_the_mean_of_the_baseline(raw: RelaxationTest):
-    found = prepare(raw)
-    assert found.force[found.time < 1.5].mean() == pytest.approx(0.0, abs=2e-4)
-    tared = raw.force[0] - found.reading[0]
+    ramp_hold = prepare(raw)
+    assert ramp_hold.force[ramp_hold.time < 1.5].mean() == pytest.approx(0.0, abs=2e-4)
+    tared = raw.force[0] - ramp_hold.reading[0]
     assert tared == pytest.approx(0.05, abs=5e-4)
-    assert "tare of 50" in step(found, "tare")
-    assert "the baseline drifts by" in step(found, "tare")
-    assert "no drift taken off" in step(found, "tare")
+    assert "tare of 50" in step(ramp_hold, "tare")
+    assert "the baseline drifts by" in step(ramp_hold, "tare")
+    assert "no drift taken off" in step(ramp_hold, "tare")
 
 
 def test_nothing_is_filtered_by_default(raw: RelaxationTest):
-    found = prepare(raw)
-    np.testing.assert_allclose(np.diff(found.reading), np.diff(raw.force), atol=1e-12)
-    assert "filter" not in [s.name for s in found.steps]
+    ramp_hold = prepare(raw)
+    np.testing.assert_allclose(np.diff(ramp_hold.reading), np.diff(raw.force), atol=1e-12)
+    assert "filter" not in [s.name for s in ramp_hold.steps]
 
 
 def test_the_noise_of_both_channels_is_measured(raw: RelaxationTest):
-    found = prepare(raw)
-    assert found.force_noise == pytest.approx(4e-3, rel=0.05)
-    assert found.displacement_noise == pytest.approx(QUANTUM / 12**0.5, rel=1e-6)
+    ramp_hold = prepare(raw)
+    assert ramp_hold.force_noise == pytest.approx(4e-3, rel=0.05)
+    assert ramp_hold.displacement_noise == pytest.approx(QUANTUM / 12**0.5, rel=1e-6)
     rough = prepare(simulate_relaxation(PAPER, rig=Rig(encoder=0, position_noise=5e-6)).test)
     assert rough.displacement_noise == pytest.approx(5e-6, rel=0.05)
 
@@ -129,10 +129,10 @@ def test_the_noise_of_both_channels_is_measured(raw: RelaxationTest):
 def test_preparation_keeps_the_source(raw: RelaxationTest):
     source = Source(file="seal.csv", sha256="0" * 64)
     specimen = Specimen(length=0.05, height=0.02)
-    found = prepare(replace(raw, source=source, specimen=specimen))
-    assert found.source == source
-    assert found.specimen == specimen
-    assert [s.name for s in found.steps] == [
+    ramp_hold = prepare(replace(raw, source=source, specimen=specimen))
+    assert ramp_hold.source == source
+    assert ramp_hold.specimen == specimen
+    assert [s.name for s in ramp_hold.steps] == [
         "orientation", "segments", "contact", "tare", "ramp", "hum",
     ]  # fmt: skip
 
@@ -147,21 +147,21 @@ def test_preparation_keeps_the_source(raw: RelaxationTest):
 def test_prepare_recovers_an_ideal_ramp_exactly(delay: float, c: float, depth: float, rate: float):
     time = np.arange(round((delay + 10 * c) * rate)) / rate
     x = depth * np.clip((time - delay) / c, 0, 1)
-    found = prepare(
+    ramp_hold = prepare(
         RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x), units="SI")
     )
-    assert found.onset == pytest.approx(delay, abs=1e-6)
-    assert found.ramp_end == pytest.approx(delay + c, abs=1e-6)
-    assert found.depth == pytest.approx(depth, rel=1e-9)
-    assert found.hold_end == time[-1]
+    assert ramp_hold.onset == pytest.approx(delay, abs=1e-6)
+    assert ramp_hold.ramp_end == pytest.approx(delay + c, abs=1e-6)
+    assert ramp_hold.depth == pytest.approx(depth, rel=1e-9)
+    assert ramp_hold.hold_end == time[-1]
 
 
 @given(scale=st.floats(1e-3, 60), shift=st.floats(-10, 10), later=st.floats(-100, 100))
 @settings(max_examples=20)
 def test_units_and_zeros_do_not_matter(scale: float, shift: float, later: float):
     first = ideal(rate=200.0)
-    found = prepare(first)
-    moved = prepare(
+    ramp_hold = prepare(first)
+    variant = prepare(
         RelaxationTest(
             time=first.time + later,
             displacement=scale * (first.displacement + shift * 8e-3),
@@ -169,9 +169,9 @@ def test_units_and_zeros_do_not_matter(scale: float, shift: float, later: float)
             units="SI",
         )
     )
-    assert moved.onset - later == pytest.approx(found.onset, abs=1e-6)
-    assert moved.ramp_time == pytest.approx(found.ramp_time, abs=1e-6)
-    assert moved.depth == pytest.approx(scale * found.depth, rel=1e-6)
+    assert variant.onset - later == pytest.approx(ramp_hold.onset, abs=1e-6)
+    assert variant.ramp_time == pytest.approx(ramp_hold.ramp_time, abs=1e-6)
+    assert variant.depth == pytest.approx(scale * ramp_hold.depth, rel=1e-6)
 
 
 # -- signs ----------------------------------------------------------------------------------------
@@ -188,12 +188,12 @@ def test_units_and_zeros_do_not_matter(scale: float, shift: float, later: float)
 )
 def test_compression_is_made_positive(raw: RelaxationTest, plate: int, cell: int, sentence: str):
     expected = prepare(raw)
-    found = prepare(
+    ramp_hold = prepare(
         replace(raw, displacement=plate * raw.displacement + 3e-3, force=cell * raw.force)
     )
-    assert sentence in step(found, "orientation")
-    np.testing.assert_allclose(found.displacement, expected.displacement, atol=1e-12)
-    np.testing.assert_allclose(found.force, expected.force, atol=1e-12)
+    assert sentence in step(ramp_hold, "orientation")
+    np.testing.assert_allclose(ramp_hold.displacement, expected.displacement, atol=1e-12)
+    np.testing.assert_allclose(ramp_hold.force, expected.force, atol=1e-12)
 
 
 def test_prepare_accepts_a_sign(raw: RelaxationTest):
@@ -216,22 +216,22 @@ def test_a_force_on_both_sides_of_zero_is_refused(raw: RelaxationTest):
 
 def test_prepare_removes_and_reports_an_air_gap():
     made = simulate_relaxation(PAPER, rig=Rig(gap=0.5e-3))
-    found = prepare(made.test)
-    assert "an air gap of 0.5" in step(found, "contact")
-    assert "crosses an air gap of 0.5 mm" in check(found, "contact_found").message
-    assert found.displacement[-1] == pytest.approx(8e-3, abs=QUANTUM)
+    ramp_hold = prepare(made.test)
+    assert "an air gap of 0.5" in step(ramp_hold, "contact")
+    assert "crosses an air gap of 0.5 mm" in check(ramp_hold, "contact_found").message
+    assert ramp_hold.displacement[-1] == pytest.approx(8e-3, abs=QUANTUM)
     # the way through the air lengthens the baseline
-    assert check(found, "baseline_recorded").value > 1500
-    assert np.abs(found.displacement[found.time < found.onset - 0.01]).max() == 0.0
+    assert check(ramp_hold, "baseline_recorded").value > 1500
+    assert np.abs(ramp_hold.displacement[ramp_hold.time < ramp_hold.onset - 0.01]).max() == 0.0
 
 
 def test_the_error_of_the_contact_is_its_scatter():
     errors, stated = [], []
     for seed in range(12):
         made = simulate_relaxation(PAPER, hold_time=10.0, rig=Rig(gap=0.5e-3), seed=seed)
-        found = prepare(made.test)
-        errors.append(found.depth - (made.truth.displacement[-1] - 0.5e-3))
-        stated.append(found.contact_error)
+        ramp_hold = prepare(made.test)
+        errors.append(ramp_hold.depth - (made.truth.displacement[-1] - 0.5e-3))
+        stated.append(ramp_hold.contact_error)
     assert 0.5 < np.sqrt(np.mean(np.square(errors))) / np.mean(stated) < 2.0
     assert prepare(simulate_relaxation(PAPER, hold_time=2.0).test).contact_error == 0.0
 
@@ -246,47 +246,49 @@ def test_find_contact_is_independent_of_block_size(monkeypatch):
 
 
 def test_prepare_accepts_a_contact(raw: RelaxationTest):
-    found = prepare(raw, contact=1e-3)
-    assert found.depth == pytest.approx(7e-3, abs=1e-6)
-    assert found.onset == pytest.approx(prepare(raw).onset + 0.125, abs=1e-3)
-    assert "Contact was given" in check(found, "contact_found").message
+    ramp_hold = prepare(raw, contact=1e-3)
+    assert ramp_hold.depth == pytest.approx(7e-3, abs=1e-6)
+    assert ramp_hold.onset == pytest.approx(prepare(raw).onset + 0.125, abs=1e-3)
+    assert "Contact was given" in check(ramp_hold, "contact_found").message
     turned = replace(raw, displacement=-raw.displacement)
-    assert prepare(turned, contact=-1e-3).depth == found.depth
+    assert prepare(turned, contact=-1e-3).depth == ramp_hold.depth
 
 
 def test_an_uncertain_contact_fails_its_check():
     rig = Rig(gap=1e-3, noise=0.2)
-    found = prepare(simulate_relaxation(PAPER, rig=rig, seed=1).test)
-    assert found.depth == pytest.approx(8e-3, abs=0.3e-3)
-    assert check(found, "contact_found").failed
-    assert "The depth is known to" in check(found, "contact_found").message
+    ramp_hold = prepare(simulate_relaxation(PAPER, rig=rig, seed=1).test)
+    assert ramp_hold.depth == pytest.approx(8e-3, abs=0.3e-3)
+    assert check(ramp_hold, "contact_found").failed
+    assert "The depth is known to" in check(ramp_hold, "contact_found").message
 
 
 def test_prepare_distinguishes_a_preload_from_a_small_offset(raw: RelaxationTest):
     assert prepare(raw).preload == 0.0
-    found = prepare(replace(raw, force=raw.force + 0.3))
-    assert found.preload == pytest.approx(0.35, abs=1e-3)
-    assert list_failed_checks(found) == ["preload_absent"]
-    assert "the stiffnesses are those about that preload" in check(found, "preload_absent").message
+    ramp_hold = prepare(replace(raw, force=raw.force + 0.3))
+    assert ramp_hold.preload == pytest.approx(0.35, abs=1e-3)
+    assert list_failed_checks(ramp_hold) == ["preload_absent"]
+    assert (
+        "the stiffnesses are those about that preload" in check(ramp_hold, "preload_absent").message
+    )
 
 
 def test_a_record_that_starts_on_the_ramp_has_no_tare():
     whole = ideal()
-    kept = whole.time >= 1.5
-    found = prepare(
+    mask = whole.time >= 1.5
+    ramp_hold = prepare(
         RelaxationTest(
-            time=whole.time[kept],
-            displacement=whole.displacement[kept],
-            force=whole.force[kept] + 0.2,
+            time=whole.time[mask],
+            displacement=whole.displacement[mask],
+            force=whole.force[mask] + 0.2,
             units="SI",
         )
     )
-    assert list_failed_checks(found) == ["baseline_recorded", "preload_absent"]
-    assert "The record has 1 sample before contact" in check(found, "baseline_recorded").message
-    assert step(found, "tare").startswith("no tare: the record starts on the ramp")
-    assert found.onset == pytest.approx(1.5, abs=1e-6)
-    assert found.preload == pytest.approx(0.2)
-    assert found.force[0] == pytest.approx(0.2)
+    assert list_failed_checks(ramp_hold) == ["baseline_recorded", "preload_absent"]
+    assert "The record has 1 sample before contact" in check(ramp_hold, "baseline_recorded").message
+    assert step(ramp_hold, "tare").startswith("no tare: the record starts on the ramp")
+    assert ramp_hold.onset == pytest.approx(1.5, abs=1e-6)
+    assert ramp_hold.preload == pytest.approx(0.2)
+    assert ramp_hold.force[0] == pytest.approx(0.2)
 
 
 # -- drift ----------------------------------------------------------------------------------------
@@ -294,23 +296,23 @@ def test_a_record_that_starts_on_the_ramp_has_no_tare():
 
 def test_prepare_removes_drift_only_on_request():
     drifting = simulate_relaxation(PAPER, rig=Rig(baseline=20.0, drift=2e-3)).test
-    kept, given_, seen = (prepare(drifting, drift=d) for d in (None, 2e-3, "baseline"))
-    assert kept.force[-1] - given_.force[-1] == pytest.approx(2e-3 * (61 - 10), rel=0.01)
-    assert seen.force[-1] == pytest.approx(given_.force[-1], abs=1e-3)
-    assert "2 mN/s taken off" in step(given_, "tare")
+    ramp_hold, inputs, seen = (prepare(drifting, drift=d) for d in (None, 2e-3, "baseline"))
+    assert ramp_hold.force[-1] - inputs.force[-1] == pytest.approx(2e-3 * (61 - 10), rel=0.01)
+    assert seen.force[-1] == pytest.approx(inputs.force[-1], abs=1e-3)
+    assert "2 mN/s taken off" in step(inputs, "tare")
 
 
 def test_an_impossible_drift_is_refused(raw: RelaxationTest):
     with pytest.raises(DataError, match="drift = 'auto'; expected a number in N/s, 'baseline'"):
         prepare(raw, drift="auto")
     whole = ideal()
-    kept = whole.time >= 1.5
+    mask = whole.time >= 1.5
     with pytest.raises(DataError, match="drift='baseline' was asked for, but 1 samples lie before"):
         prepare(
             RelaxationTest(
-                time=whole.time[kept],
-                displacement=whole.displacement[kept],
-                force=whole.force[kept],
+                time=whole.time[mask],
+                displacement=whole.displacement[mask],
+                force=whole.force[mask],
                 units="SI",
             ),
             drift="baseline",
@@ -322,12 +324,12 @@ def test_an_impossible_drift_is_refused(raw: RelaxationTest):
 
 def test_a_staircase_keeps_its_first_ramp_and_its_last_hold():
     test, _, _ = simulate_path(PAPER, path=((1.0, 4e-3), (11.0, 4e-3), (12.0, 8e-3), (42.0, 8e-3)))
-    found = prepare(test)
-    assert found.onset == pytest.approx(1.526, abs=2e-3)
-    assert found.ramp_time == pytest.approx(1.0, abs=5e-3)
-    assert found.hold_end == pytest.approx(43.5)
-    assert found.depth == pytest.approx(8e-3, abs=QUANTUM)
-    message = check(found, "single_loading").message
+    ramp_hold = prepare(test)
+    assert ramp_hold.onset == pytest.approx(1.526, abs=2e-3)
+    assert ramp_hold.ramp_time == pytest.approx(1.0, abs=5e-3)
+    assert ramp_hold.hold_end == pytest.approx(43.5)
+    assert ramp_hold.depth == pytest.approx(8e-3, abs=QUANTUM)
+    message = check(ramp_hold, "single_loading").message
     assert "It has 2 ramps. The fit of ramp and hold follows them all" in message
     first = prepare(test, hold_end=12.0)
     assert first.depth == pytest.approx(4e-3, abs=QUANTUM)
@@ -338,14 +340,14 @@ def test_a_staircase_keeps_its_first_ramp_and_its_last_hold():
 def test_an_approach_through_air_is_no_ramp(gap: float):
     path = ((1.0, 5e-3), (6.0, 5e-3), (7.0625, 13.5e-3), (37.0, 13.5e-3))
     test, truth, _ = simulate_path(PAPER, path=path, rig=Rig(gap=gap))
-    found = prepare(test)
+    ramp_hold = prepare(test)
     lag = 2 * 0.6 / (2 * np.pi * 6) - 5e-3
-    assert found.onset == pytest.approx(1.5 + 6.0 + (gap - 5e-3) / 8e-3 + lag, abs=5e-3)
-    assert found.ramp_end == pytest.approx(1.5 + 7.0625 + lag, abs=5e-3)
-    assert found.depth == pytest.approx(truth[-1] - gap, abs=QUANTUM)
-    assert "ramps. The fit" not in check(found, "single_loading").message
-    assert list_failed_checks(found) == []
-    np.testing.assert_array_equal(prepare(replace(test, force=-test.force)).force, found.force)
+    assert ramp_hold.onset == pytest.approx(1.5 + 6.0 + (gap - 5e-3) / 8e-3 + lag, abs=5e-3)
+    assert ramp_hold.ramp_end == pytest.approx(1.5 + 7.0625 + lag, abs=5e-3)
+    assert ramp_hold.depth == pytest.approx(truth[-1] - gap, abs=QUANTUM)
+    assert "ramps. The fit" not in check(ramp_hold, "single_loading").message
+    assert list_failed_checks(ramp_hold) == []
+    np.testing.assert_array_equal(prepare(replace(test, force=-test.force)).force, ramp_hold.force)
 
 
 def test_prepare_refuses_a_contact_deeper_than_the_hold(raw: RelaxationTest):
@@ -355,11 +357,11 @@ def test_prepare_refuses_a_contact_deeper_than_the_hold(raw: RelaxationTest):
 
 def test_prepare_excludes_an_unloading_after_the_hold():
     test, _, _ = simulate_path(PAPER, path=((1.0, 8e-3), (31.0, 8e-3), (32.0, 0.0), (35.0, 0.0)))
-    found = prepare(test)
-    assert found.hold_end == pytest.approx(32.5, abs=0.02)
-    assert found.time[-1] == found.hold_end
-    assert found.displacement[-1] == pytest.approx(8e-3, abs=QUANTUM)
-    assert list_failed_checks(found) == []
+    ramp_hold = prepare(test)
+    assert ramp_hold.hold_end == pytest.approx(32.5, abs=0.02)
+    assert ramp_hold.time[-1] == ramp_hold.hold_end
+    assert ramp_hold.displacement[-1] == pytest.approx(8e-3, abs=QUANTUM)
+    assert list_failed_checks(ramp_hold) == []
 
 
 @pytest.fixture(scope="module")
@@ -374,11 +376,11 @@ def cycles() -> RelaxationTest:
 def test_of_several_loadings_the_longest_hold_is_used_and_the_choice_listed(
     cycles: RelaxationTest,
 ):
-    found = prepare(cycles)
-    assert found.onset == pytest.approx(15.526, abs=3e-3)
-    assert found.hold_time == pytest.approx(20.0, abs=0.05)
-    assert list_failed_checks(found) == ["single_loading"]
-    message = check(found, "single_loading").message
+    ramp_hold = prepare(cycles)
+    assert ramp_hold.onset == pytest.approx(15.526, abs=3e-3)
+    assert ramp_hold.hold_time == pytest.approx(20.0, abs=0.05)
+    assert list_failed_checks(ramp_hold) == ["single_loading"]
+    message = check(ramp_hold, "single_loading").message
     assert "The record has 3 loadings with a hold; cycle 3 is fitted" in message
     assert "2 moves towards the seal before it" in message
     assert "cycle 3 is fitted, because its hold is the longest" in message
@@ -411,18 +413,18 @@ def test_the_error_names_the_file(raw: RelaxationTest):
 
 
 def test_swapped_columns_are_noticed(raw: RelaxationTest):
-    found = prepare(replace(raw, displacement=1e-3 * raw.force, force=1e3 * raw.displacement))
-    assert "columns_plausible" in list_failed_checks(found)
-    assert "Force and displacement look swapped" in check(found, "columns_plausible").message
+    ramp_hold = prepare(replace(raw, displacement=1e-3 * raw.force, force=1e3 * raw.displacement))
+    assert "columns_plausible" in list_failed_checks(ramp_hold)
+    assert "Force and displacement look swapped" in check(ramp_hold, "columns_plausible").message
 
 
 # -- times given ----------------------------------------------------------------------------------
 
 
 def test_prepare_accepts_times(raw: RelaxationTest):
-    found = prepare(raw, onset=1.5, ramp_end=2.5, hold_end=20.0)
-    assert (found.onset, found.ramp_end, found.hold_end) == (1.5, 2.5, 20.0)
-    assert found.time[-1] == 20.0
+    ramp_hold = prepare(raw, onset=1.5, ramp_end=2.5, hold_end=20.0)
+    assert (ramp_hold.onset, ramp_hold.ramp_end, ramp_hold.hold_end) == (1.5, 2.5, 20.0)
+    assert ramp_hold.time[-1] == 20.0
     assert prepare(raw, onset=1.51).onset == 1.51
     assert prepare(raw, ramp_end=2.6).ramp_end == 2.6
 
@@ -431,8 +433,8 @@ def test_prepare_uses_stated_times_of_a_fast_creeping_hold():
     time = np.arange(2000) / 100
     x = 1e-3 * np.clip(time - 1, 0, 1) + 1e-3 * np.clip(time - 2, 0, None) ** 0.7
     test = RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x), units="SI")
-    found = prepare(test, onset=1.0, ramp_end=2.0, hold_end=19.0)
-    assert found.hold_time == 17.0
+    ramp_hold = prepare(test, onset=1.0, ramp_end=2.0, hold_end=19.0)
+    assert ramp_hold.hold_time == 17.0
 
 
 @pytest.mark.parametrize(
@@ -463,9 +465,9 @@ def test_a_saturated_force_is_refused(raw: RelaxationTest, ceiling: float):
 
 @pytest.mark.once
 def test_prepare_without_checks_is_the_same_and_refuses_the_same(raw: RelaxationTest):
-    found = prepare(raw, judged=False)
-    assert found.checks == ()
-    assert replace(found, checks=prepare(raw).checks) == prepare(raw)
+    ramp_hold = prepare(raw, judged=False)
+    assert ramp_hold.checks == ()
+    assert replace(ramp_hold, checks=prepare(raw).checks) == prepare(raw)
     with pytest.raises(DataError, match="clipped"):
         prepare(replace(raw, force=np.minimum(raw.force, 0.7 * raw.force.max())), judged=False)
 
@@ -497,9 +499,9 @@ def test_a_force_that_does_not_answer_is_refused(raw: RelaxationTest):
 
 
 def test_prepare_reports_an_oversized_load_cell(raw: RelaxationTest):
-    found = prepare(raw, force_range=70.0)
-    assert list_failed_checks(found) == ["load_cell_range_used"]
-    assert "3 % of the load cell's 70 N" in check(found, "load_cell_range_used").message
+    ramp_hold = prepare(raw, force_range=70.0)
+    assert list_failed_checks(ramp_hold) == ["load_cell_range_used"]
+    assert "3 % of the load cell's 70 N" in check(ramp_hold, "load_cell_range_used").message
     assert list_failed_checks(prepare(raw, force_range=10.0)) == []
     with pytest.raises(DataError, match=r"force_range = 0.*expected a number > 0"):
         prepare(raw, force_range=0.0)
@@ -508,43 +510,46 @@ def test_prepare_reports_an_oversized_load_cell(raw: RelaxationTest):
 # -- samples that are missing, few, uneven or wild ------------------------------------------------
 
 
-def some(raw: RelaxationTest, kept) -> RelaxationTest:
+def some(raw: RelaxationTest, retained) -> RelaxationTest:
     return replace(
-        raw, time=raw.time[kept], displacement=raw.displacement[kept], force=raw.force[kept]
+        raw,
+        time=raw.time[retained],
+        displacement=raw.displacement[retained],
+        force=raw.force[retained],
     )
 
 
 def test_prepare_reports_a_gap_in_the_ramp(raw: RelaxationTest):
-    found = prepare(some(raw, (raw.time < 1.7) | (raw.time > 2.3)))
-    assert list_failed_checks(found) == ["samples_unbroken", "clock_steady"]
+    ramp_hold = prepare(some(raw, (raw.time < 1.7) | (raw.time > 2.3)))
+    assert list_failed_checks(ramp_hold) == ["samples_unbroken", "clock_steady"]
     assert (
         "The longest pause between samples, up to one ramp time after the ramp, is 0.6"
-        in check(found, "samples_unbroken").message
+        in check(ramp_hold, "samples_unbroken").message
     )
-    assert found.ramp_time == pytest.approx(1.0, abs=0.02)
+    assert ramp_hold.ramp_time == pytest.approx(1.0, abs=0.02)
 
 
 def test_any_sampling_will_do(raw: RelaxationTest):
     drawn = np.sort(np.random.default_rng(1).choice(len(raw.time), 3000, replace=False))
-    found = prepare(some(raw, drawn))
-    assert found.onset == pytest.approx(1.526, abs=3e-3)
-    assert found.ramp_time == pytest.approx(1.0, abs=5e-3)
+    ramp_hold = prepare(some(raw, drawn))
+    assert ramp_hold.onset == pytest.approx(1.526, abs=3e-3)
+    assert ramp_hold.ramp_time == pytest.approx(1.0, abs=5e-3)
     late = 2600 + np.geomspace(1, 39000, 60).astype(int)
     logged = np.unique(np.concatenate((np.arange(0, 2600, 50), late)))
-    found = prepare(some(raw, logged))
-    assert found.ramp_time == pytest.approx(1.0, abs=5e-3)
-    assert found.hold_end == raw.time[int(logged[-1])]
+    ramp_hold = prepare(some(raw, logged))
+    assert ramp_hold.ramp_time == pytest.approx(1.0, abs=5e-3)
+    assert ramp_hold.hold_end == raw.time[int(logged[-1])]
 
 
 def test_a_dozen_rows_are_enough():
     time = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0, 20.0, 40.0])
     x = 8e-3 * np.clip(time - 1, 0, 1)
-    found = prepare(
+    ramp_hold = prepare(
         RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x), units="SI")
     )
-    assert found.onset == pytest.approx(1.0)
-    assert found.ramp_end == pytest.approx(2.0)
-    assert found.depth == pytest.approx(8e-3)
+    assert ramp_hold.onset == pytest.approx(1.0)
+    assert ramp_hold.ramp_end == pytest.approx(2.0)
+    assert ramp_hold.depth == pytest.approx(8e-3)
 
 
 def test_prepare_refuses_times_out_of_order(raw: RelaxationTest):
@@ -553,18 +558,18 @@ def test_prepare_refuses_times_out_of_order(raw: RelaxationTest):
 
 
 def test_five_samples_a_second_still_show_the_ramp(raw: RelaxationTest):
-    found = prepare(some(raw, slice(None, None, 200)))
-    assert found.ramp_time == pytest.approx(1.0, abs=0.01)
+    ramp_hold = prepare(some(raw, slice(None, None, 200)))
+    assert ramp_hold.ramp_time == pytest.approx(1.0, abs=0.01)
 
 
 def test_a_step_joins_two_samples():
     time = np.arange(5000) / 100
     x = np.where(time >= 1, 8e-3, 0.0)
-    found = prepare(
+    ramp_hold = prepare(
         RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x), units="SI")
     )
-    assert found.onset == pytest.approx(0.99)
-    assert found.ramp_time == pytest.approx(0.01)
+    assert ramp_hold.onset == pytest.approx(0.99)
+    assert ramp_hold.ramp_time == pytest.approx(0.01)
 
 
 def test_prepare_ignores_and_reports_single_spikes(raw: RelaxationTest):
@@ -572,26 +577,26 @@ def test_prepare_ignores_and_reports_single_spikes(raw: RelaxationTest):
     force, x = raw.force.copy(), raw.displacement.copy()
     force[[700, 1900, 9000]] += 5.0
     x[[2000, 9500]] += 5e-3
-    found = prepare(replace(raw, force=force, displacement=x))
-    assert list_failed_checks(found) == ["spikes_absent"]
-    assert "3 are of the force, 2 of the displacement" in check(found, "spikes_absent").message
-    assert found.onset == pytest.approx(expected.onset, abs=1e-3)
-    assert found.ramp_end == pytest.approx(expected.ramp_end, abs=1e-3)
-    assert found.force[5000] == pytest.approx(expected.force[5000], abs=1e-5)
+    ramp_hold = prepare(replace(raw, force=force, displacement=x))
+    assert list_failed_checks(ramp_hold) == ["spikes_absent"]
+    assert "3 are of the force, 2 of the displacement" in check(ramp_hold, "spikes_absent").message
+    assert ramp_hold.onset == pytest.approx(expected.onset, abs=1e-3)
+    assert ramp_hold.ramp_end == pytest.approx(expected.ramp_end, abs=1e-3)
+    assert ramp_hold.force[5000] == pytest.approx(expected.force[5000], abs=1e-5)
     mended = prepare(replace(raw, force=force, displacement=x), filter="median:3")
     assert np.abs(mended.force - expected.force).max() < 0.05
 
 
 def test_prepare_applies_reports_and_checks_a_filter(raw: RelaxationTest):
-    found = prepare(raw, filter="lowpass:5Hz")
-    assert found.steps[-1].name == "filter"
-    assert dict(found.steps[-1].parameters) == {"filter": "lowpass:5Hz"}
-    assert found.unfiltered is not None
-    np.testing.assert_array_equal(found.unfiltered.force, prepare(raw).force)
-    assert "filter_bias" in {check.name for check in fit(found).checks if check.failed}
-    assert found.force_noise == prepare(raw).force_noise
-    late = found.time > 10
-    assert np.std(np.diff(found.force[late])) < 0.1 * np.std(np.diff(raw.force[raw.time > 10]))
+    ramp_hold = prepare(raw, filter="lowpass:5Hz")
+    assert ramp_hold.steps[-1].name == "filter"
+    assert dict(ramp_hold.steps[-1].parameters) == {"filter": "lowpass:5Hz"}
+    assert ramp_hold.unfiltered is not None
+    np.testing.assert_array_equal(ramp_hold.unfiltered.force, prepare(raw).force)
+    assert "filter_bias" in {check.name for check in fit(ramp_hold).checks if check.failed}
+    assert ramp_hold.force_noise == prepare(raw).force_noise
+    late = ramp_hold.time > 10
+    assert np.std(np.diff(ramp_hold.force[late])) < 0.1 * np.std(np.diff(raw.force[raw.time > 10]))
     with pytest.raises(DataError, match="filter 'smooth' is not known"):
         prepare(raw, filter="smooth")
 
@@ -605,14 +610,14 @@ def test_the_muscle_records_start_on_their_ramp(real_data: Path, kind: str, ramp
     rows = np.loadtxt(
         real_data / "titin-ramp-hold" / f"Avg{kind}_{ramp:g}s.csv", delimiter=",", skiprows=1
     )
-    found = prepare(
+    ramp_hold = prepare(
         RelaxationTest(time=rows[:, 0], displacement=rows[:, 1], force=rows[:, 2], units="SI")
     )
-    assert found.onset == pytest.approx(2.0, abs=0.005 * ramp)
-    assert found.ramp_time == pytest.approx(ramp, rel=2e-3)
-    assert found.depth == pytest.approx(1.1754 - 0.9498, abs=5e-4)
-    assert found.hold_end == rows[-1, 0]
-    assert "baseline_recorded" in list_failed_checks(found)
+    assert ramp_hold.onset == pytest.approx(2.0, abs=0.005 * ramp)
+    assert ramp_hold.ramp_time == pytest.approx(ramp, rel=2e-3)
+    assert ramp_hold.depth == pytest.approx(1.1754 - 0.9498, abs=5e-4)
+    assert ramp_hold.hold_end == rows[-1, 0]
+    assert "baseline_recorded" in list_failed_checks(ramp_hold)
 
 
 def test_prepare_of_the_afm_record_excludes_its_retraction(shared_data: Path):
@@ -620,31 +625,31 @@ def test_prepare_of_the_afm_record_excludes_its_retraction(shared_data: Path):
     rows = np.array(
         [line.split() for line in text.splitlines() if line and line[0] != "#"], dtype=float
     )
-    found = prepare(
+    ramp_hold = prepare(
         RelaxationTest(time=rows[:, 2], displacement=rows[:, 0], force=rows[:, 1], units="SI")
     )
     # 800 samples of extension, 75000 of pause, then the retraction
-    assert len(found.time) == 75800
-    assert found.hold_end == pytest.approx(15.1599, abs=1e-6)
-    assert found.hold_time == pytest.approx(15.0, abs=0.01)
-    assert found.ramp_end == pytest.approx(0.1625, abs=0.003)
+    assert len(ramp_hold.time) == 75800
+    assert ramp_hold.hold_end == pytest.approx(15.1599, abs=1e-6)
+    assert ramp_hold.hold_time == pytest.approx(15.0, abs=0.01)
+    assert ramp_hold.ramp_end == pytest.approx(0.1625, abs=0.003)
     # the tip flies 6 micrometres through the air first
-    assert found.onset == pytest.approx(0.123, abs=0.003)
-    assert found.depth == pytest.approx(2.0e-6, abs=0.1e-6)
-    assert found.force.max() == pytest.approx(2.2e-6, rel=0.02)
-    assert "displacement counts downwards" in step(found, "orientation")
-    assert np.abs(found.displacement[found.time < 0.12]).max() == 0.0
+    assert ramp_hold.onset == pytest.approx(0.123, abs=0.003)
+    assert ramp_hold.depth == pytest.approx(2.0e-6, abs=0.1e-6)
+    assert ramp_hold.force.max() == pytest.approx(2.2e-6, rel=0.02)
+    assert "displacement counts downwards" in step(ramp_hold, "orientation")
+    assert np.abs(ramp_hold.displacement[ramp_hold.time < 0.12]).max() == 0.0
 
 
 def test_the_tiny_record_of_101_rows(real_data: Path):
     rows = np.loadtxt(real_data / "rheos-data-time" / "data_time.csv", delimiter=",")
-    found = prepare(
+    ramp_hold = prepare(
         RelaxationTest(time=rows[:, 0], displacement=rows[:, 1], force=rows[:, 2], units="s, mm, N")
     )
-    assert found.onset == pytest.approx(1.0, abs=1e-9)
-    assert found.ramp_end == pytest.approx(3.0, abs=1e-9)
-    assert found.depth == pytest.approx(2e-3)
-    assert list_failed_checks(found) == []
+    assert ramp_hold.onset == pytest.approx(1.0, abs=1e-9)
+    assert ramp_hold.ramp_end == pytest.approx(3.0, abs=1e-9)
+    assert ramp_hold.depth == pytest.approx(2e-3)
+    assert list_failed_checks(ramp_hold) == []
 
 
 @pytest.mark.parametrize(
@@ -657,5 +662,5 @@ def test_the_adhesive_climbs_in_steps(real_data: Path, name: str, columns, ramps
     sheet = openpyxl.load_workbook(path).active
     rows = np.array([row[:3] for row in sheet.iter_rows(values_only=True)], dtype=float)
     time, force, x = (rows[:, i] for i in columns)
-    found = prepare(RelaxationTest(time=time, displacement=x, force=force, units="s, mm, N"))
-    assert f"It has {ramps} ramps" in check(found, "single_loading").message
+    ramp_hold = prepare(RelaxationTest(time=time, displacement=x, force=force, units="s, mm, N"))
+    assert f"It has {ramps} ramps" in check(ramp_hold, "single_loading").message

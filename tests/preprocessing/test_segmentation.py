@@ -183,9 +183,9 @@ def test_a_partial_unloading_stays_within_the_loading():
 def test_prepare_merges_a_stepwise_axis_into_one_ramp(ramp, axis, interval, rate):
     seal = Seal.of_arms(196.5, (117.5, 17.8), (0.5021, 16.416))
     bench = Bench(ramp=ramp, axis=axis, interval=interval, damping=0.6, rate=rate, hold=30.0)
-    found = prepare(relaxation_test(record(seal, bench)))
-    assert found.ramp_time == pytest.approx(ramp, rel=0.15)
-    assert found.depth == pytest.approx(8e-3, rel=2e-3)
+    ramp_hold = prepare(relaxation_test(record(seal, bench)))
+    assert ramp_hold.ramp_time == pytest.approx(ramp, rel=0.15)
+    assert ramp_hold.depth == pytest.approx(8e-3, rel=2e-3)
 
 
 def test_find_segments_keeps_a_staircase_of_holds():

@@ -19,14 +19,16 @@ CHILDREN = {"test_bombs", "test_child"}
 
 def parsed_here(what, function, raw, options, *, columns=None):
     """Return what the parent receives from a child, without its limits."""
-    said = {name: getattr(options, name) for name in parent_process.CHILD_OPTIONS}
-    asked = ReadOptions(**said)
+    values = {name: getattr(options, name) for name in parent_process.CHILD_OPTIONS}
+    read_options = ReadOptions(**values)
     pipe = BytesIO()
     function = function if columns is None else partial(function, columns=columns)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # as a child does
         try:
-            message_protocol.send_answer(pipe, child_process.run_parser(what, function, raw, asked))
+            message_protocol.send_answer(
+                pipe, child_process.run_parser(what, function, raw, read_options)
+            )
         except DashpotError as error:
             raise ReadError(str(error)) from None
     pipe.seek(0)

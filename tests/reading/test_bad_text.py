@@ -62,8 +62,8 @@ def test_read_asks_whether_a_comma_is_decimal(tmp_path: Path) -> None:
 def test_decimal_comma_is_stated(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_text(HEAD + table(";", decimal=","))
-    found = inspect_file(path)
-    assert (found.delimiter, found.decimal) == ("semicolon", "comma")
+    inspection = inspect_file(path)
+    assert (inspection.delimiter, inspection.decimal) == ("semicolon", "comma")
 
 
 def test_mixed_marks_are_stated(tmp_path: Path) -> None:
@@ -126,8 +126,8 @@ def test_single_remark_does_not_split_a_record(tmp_path: Path) -> None:
 
 # row 6: swapped columns
 def test_swapped_columns_are_refused_unless_they_are_named(tmp_path: Path) -> None:
-    time, moved, force = truth()
-    text = HEAD + table(";", columns=(time, force, moved))
+    time, displacement, force = truth()
+    text = HEAD + table(";", columns=(time, force, displacement))
     get_refusal(tmp_path, text, "look swapped", "--column displacement=", "--column force=")
     read(tmp_path, text, force="Force")
 
@@ -152,9 +152,9 @@ def test_no_header_asks_for_every_column(tmp_path: Path) -> None:
 
 
 def test_read_asks_which_of_two_displacements(tmp_path: Path) -> None:
-    time, moved, force = truth()
+    time, displacement, force = truth()
     text = "Zeit [s];Traversenweg absolut [mm];Standardweg [mm];Kraft [N]\n" + table(
-        ";", columns=(time, moved, moved + 1, force)
+        ";", columns=(time, displacement, displacement + 1, force)
     )
     get_refusal(tmp_path, text, "'Traversenweg absolut [mm]' and 'Standardweg [mm]' could each be")
     test = read(tmp_path, text, displacement="Standardweg")
@@ -165,8 +165,10 @@ def test_read_asks_which_of_two_displacements(tmp_path: Path) -> None:
 
 def test_read_asks_by_number_which_of_two_specimens(tmp_path: Path) -> None:
     head = ";".join(("Time [s]", "Weg [mm]", "Kraft [N]") * 2) + "\n"
-    time, moved, force = truth()
-    text = head + table(";", columns=(time, moved, force, time + 1, moved + 1, 2 * force))
+    time, displacement, force = truth()
+    text = head + table(
+        ";", columns=(time, displacement, force, time + 1, displacement + 1, 2 * force)
+    )
     get_refusal(tmp_path, text, "2 sets of columns could each be the test", "--file-part segment=1")
     test = read(tmp_path, text, segment=2)
     np.testing.assert_allclose(test.time - test.time[0], time - time[0], atol=1e-9)
@@ -176,14 +178,16 @@ def test_read_asks_by_number_which_of_two_specimens(tmp_path: Path) -> None:
     assert len(read(tmp_path, text, **named).time) == ROWS
 
 
-@pytest.mark.parametrize(("apart", "asks"), [(0.0, False), (1e-3, False), (1.1e-3, True)])
+@pytest.mark.parametrize(("separate", "asks"), [(0.0, False), (1e-3, False), (1.1e-3, True)])
 def test_a_column_that_stands_twice_is_no_question(
-    tmp_path: Path, apart: float, asks: bool
+    tmp_path: Path, separate: float, asks: bool
 ) -> None:
-    time, moved, force = truth()
+    time, displacement, force = truth()
     again = force.copy()
-    again[-1] += apart * np.ptp(force)
-    text = "t [s];z [mm];F1 [N];F2 [mN]\n" + table(";", columns=(time, moved, force, 1e3 * again))
+    again[-1] += separate * np.ptp(force)
+    text = "t [s];z [mm];F1 [N];F2 [mN]\n" + table(
+        ";", columns=(time, displacement, force, 1e3 * again)
+    )
     if asks:
         get_refusal(
             tmp_path, text, "'F1 [N]' and 'F2 [mN]' could each be the force", '--column force="F1"'
@@ -194,8 +198,8 @@ def test_a_column_that_stands_twice_is_no_question(
 
 
 def test_no_clock_asks_for_the_rate(tmp_path: Path) -> None:
-    _, moved, force = truth()
-    text = "Kraft_N;Position_mm\n" + table(";", columns=(force, moved), decimal=",")
+    _, displacement, force = truth()
+    text = "Kraft_N;Position_mm\n" + table(";", columns=(force, displacement), decimal=",")
     get_refusal(tmp_path, text, "looks like time", "--rate 1000Hz")
     get_refusal(tmp_path, "Sampling rate: 10 Hz\n" + text, "header says", "--rate 10Hz")
     test = read(tmp_path, text, rate=10.0)
@@ -299,8 +303,8 @@ def test_rows_that_are_hardly_alike_have_their_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seconds: float, refuses: bool
 ) -> None:
     monkeypatch.setattr(raw_file, "compute_time_allowed", lambda _: seconds)
-    time, moved, force = truth()
-    rows = (f"{t};{x};{f}\n# {t}" for t, x, f in zip(time, moved, force, strict=True))
+    time, displacement, force = truth()
+    rows = (f"{t};{x};{f}\n# {t}" for t, x, f in zip(time, displacement, force, strict=True))
     text = HEAD + "\n".join(rows) + "\n"
     if refuses:
         with pytest.raises(ReadError, match=r"took more than 0 s to read up to line \d+"):
@@ -331,15 +335,17 @@ def test_all_readings_of_a_file_share_its_time(
 def test_repeated_remark_is_parsed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from dashpot.reading.text import rows
 
-    asked, known = [], rows.find_header_change
+    requested, find_header_change = [], rows.find_header_change
     monkeypatch.setattr(
-        rows, "find_header_change", lambda *about: asked.append(about) or known(*about)
+        rows,
+        "find_header_change",
+        lambda *about: requested.append(about) or find_header_change(*about),
     )
-    time, moved, force = truth()
-    each = zip(time, moved, force, strict=True)
-    text = HEAD + "".join(f"{t};{x};{f}\n# a word\n" for t, x, f in each)
+    time, displacement, force = truth()
+    item = zip(time, displacement, force, strict=True)
+    text = HEAD + "".join(f"{t};{x};{f}\n# a word\n" for t, x, f in item)
     assert len(read(tmp_path, text).time) == len(time)
-    assert len(asked) <= 2
+    assert len(requested) <= 2
 
 
 def test_swap_check_ignores_columns_without_rows() -> None:

@@ -50,23 +50,23 @@ def test_a_bomb_costs_a_gibibyte_and_half_a_minute_at_most(
         [sys.executable, "-c", PROBE, path], capture_output=True, text=True, check=True, timeout=40,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
     )  # fmt: skip
-    message, own, child = json.loads(done.stdout)
-    assert max(own, child) < 1 << 20
+    message, individual, child = json.loads(done.stdout)
+    assert max(individual, child) < 1 << 20
     expected = BOMBS[build]
     assert message.startswith("ReadError: bomb: ") if expected else not message
     # readers of other versions find it out later
-    assert any(one in message for one in expected.split(" | "))
+    assert any(word in message for word in expected.split(" | "))
 
 
-@pytest.mark.parametrize("beyond", [0, 1])
-def test_a_sheet_is_refused_where_its_blank_cells_are_too_many(tmp_path: Path, beyond: int) -> None:
+@pytest.mark.parametrize("excess", [0, 1])
+def test_a_sheet_is_refused_where_its_blank_cells_are_too_many(tmp_path: Path, excess: int) -> None:
     place = tmp_path / "far.xls"
     xls(place, sheet(), more=number(20_000, 0))
     could_be_filled = place.stat().st_size // 4
     width = (2**16 + could_be_filled) // 20_001 + 1
-    row = (2**16 + could_be_filled) // width - 1 + beyond
+    row = (2**16 + could_be_filled) // width - 1 + excess
     xls(place, sheet(), more=number(row, width - 1))
-    if not beyond:
+    if not excess:
         rows = sheets(open_raw(place), ReadOptions())["One"].decode().split("\n")
         assert rows[len(sheet()) : row] == [""] * (row - len(sheet()))
         assert rows[row] == "\t" * (width - 1) + "7"
@@ -119,9 +119,9 @@ def test_data_of_another_file_is_refused(
     tmp_path: Path, external_file: Path, kind: str, message: str
 ) -> None:
     path = tmp_path / "a.h5"
-    time, moved, _ = truth()
+    time, displacement, _ = truth()
     with h5py.File(path, "w") as file:
-        file["time_s"], file["displacement_mm"] = time, moved
+        file["time_s"], file["displacement_mm"] = time, displacement
         add_link(file, kind, external_file)
     with pytest.raises(ReadError, match=message):
         read_relaxation(path)
@@ -148,8 +148,8 @@ def test_hdf5_data_linked_twice_is_read_once(tmp_path: Path) -> None:
         file["nowhere"] = h5py.SoftLink("/none")
         file["run/self"] = file
     for group in (None, "run", "again/self/run"):
-        found = inspect_file(path, options=ReadOptions(sheet=group))
-        assert len(found.columns) == 3
+        inspection = inspect_file(path, options=ReadOptions(sheet=group))
+        assert len(inspection.columns) == 3
     np.testing.assert_allclose(read_relaxation(path).force, truth()[2])
     for group in ("soft", "nowhere", "none/run", "run/time_s/more"):
         with pytest.raises(ReadError, match=f"--file-part sheet={group}: there is no such group"):
@@ -162,9 +162,9 @@ def test_what_was_never_written_is_not_read_as_zeros(tmp_path: Path) -> None:
         for name, values in zip(("time_s", "displacement_mm"), truth(), strict=False):
             file[name] = values
         file.create_dataset("force_N", (len(truth()[0]),), "f8")
-    found = inspect_file(path)
-    assert any("'force_N' was never written and was passed over" in w for w in found.warnings)
-    assert len(found.columns) == 2
+    inspection = inspect_file(path)
+    assert any("'force_N' was never written and was passed over" in w for w in inspection.warnings)
+    assert len(inspection.columns) == 2
 
 
 def test_a_count_of_channels_is_not_their_names(tmp_path: Path) -> None:

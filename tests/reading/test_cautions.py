@@ -60,7 +60,7 @@ def test_what_can_change_a_number_caps_the_verdict_and_is_printed(
     for command in ("fit", "inspect"):
         assert words in " ".join(did(command, path).output.split())
     document = run_json("fit", path)
-    check = next(one for one in document["checks"] if one["name"] == "numbers_unambiguous")
+    check = next(check for check in document["checks"] if check["name"] == "numbers_unambiguous")
     assert check["passed"] is False
     assert words in check["message"]
     assert "--" not in check["message"]
@@ -72,7 +72,7 @@ def test_what_changes_no_number_costs_nothing(tmp_path: Path, head: str) -> None
     path.write_text(format_table(head, (TIME, MOVED, FORCE)))
     fitted = dp.fit(dp.read(path))
     assert fitted.verdict.use == "use"
-    assert not any(one.name == "numbers_unambiguous" for one in fitted.checks)
+    assert not any(check.name == "numbers_unambiguous" for check in fitted.checks)
 
 
 @pytest.mark.parametrize("rate", [20.0, 100.0, 250.0])
@@ -117,8 +117,8 @@ def test_saved_record_keeps_its_cautions(tmp_path: Path) -> None:
     place = tmp_path / "files" / "one" / "seal.csv"
     place.write_text(path.read_text())
     for _ in range(2):  # as read, and as kept
-        kept = record_cache.relaxation(str(place), options=ReadOptions(), specimen=None)
-        assert dp.fit(kept).verdict.reasons == ("numbers_unambiguous",)
+        relaxation = record_cache.relaxation(str(place), options=ReadOptions(), specimen=None)
+        assert dp.fit(relaxation).verdict.reasons == ("numbers_unambiguous",)
 
 
 def test_every_kind_of_result_is_capped(tmp_path: Path) -> None:
@@ -127,7 +127,7 @@ def test_every_kind_of_result_is_capped(tmp_path: Path) -> None:
     modulus = 1 + 0.4 * np.exp(-time / 0.3) + 0.3 * np.exp(-time / 30)
     path = tmp_path / "modulus.csv"
     path.write_text(format_table("Gain: 10\ntime [s];relaxation modulus [MPa]", (time, modulus)))
-    assert "numbers_unambiguous" in [one.name for one in dp.fit(dp.read(path)).checks]
+    assert "numbers_unambiguous" in [check.name for check in dp.fit(dp.read(path)).checks]
     hits = np.arange(0, 1, 1e-3)
     ring = np.exp(-10 * hits) * np.sin(80 * hits)
     pulse = 20 * np.exp(-(((hits - 0.05) / 0.002) ** 2))
@@ -135,5 +135,5 @@ def test_every_kind_of_result_is_capped(tmp_path: Path) -> None:
     path.write_text(
         format_table("Gain: 10\ntime [s];force [N];acceleration [m/s^2]", (hits, pulse, ring))
     )
-    assert "numbers_unambiguous" in [one.name for one in dp.fit(dp.read(path)).checks]
+    assert "numbers_unambiguous" in [check.name for check in dp.fit(dp.read(path)).checks]
     assert "Gain: 10" in did("inspect", path).output

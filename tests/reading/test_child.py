@@ -33,12 +33,12 @@ def run(function, raw: RawFile = RAW, options: ReadOptions | None = None):
 
 def children() -> set[str]:
     """Processes whose parent is this one, the dead and unburied among them."""
-    found: set[str] = set()
-    for one in Path(f"/proc/{os.getpid()}/task").iterdir():
+    result: set[str] = set()
+    for path in Path(f"/proc/{os.getpid()}/task").iterdir():
         # a thread may end between being listed and being asked
         with suppress(FileNotFoundError, ProcessLookupError):
-            found.update((one / "children").read_text().split())
-    return found
+            result.update((path / "children").read_text().split())
+    return result
 
 
 def test_a_table_comes_through_whole() -> None:
@@ -57,8 +57,8 @@ def test_a_table_comes_through_whole() -> None:
 def test_a_large_file_is_read_from_its_place(tmp_path: Path) -> None:
     path = tmp_path / "a.bin"
     path.write_bytes(RAW.held)
-    found = run(misbehaving.behaves, RawFile("a.bin", path))
-    np.testing.assert_array_equal(found.load([1]).values[:, 0], [1, 3, 5, 7])
+    process = run(misbehaving.behaves, RawFile("a.bin", path))
+    np.testing.assert_array_equal(process.load([1]).values[:, 0], [1, 3, 5, 7])
 
 
 def test_what_a_library_prints_is_not_the_answer() -> None:
@@ -152,8 +152,8 @@ def test_a_child_that_is_led_astray_is_not_believed(junk: bytes) -> None:
 
 def test_parser_processes_run_in_many_threads() -> None:
     with ThreadPoolExecutor(4) as pool:
-        found = list(pool.map(run, [misbehaving.behaves] * 8))
-    assert {table.format for table in found} == {"bytes"}
+        result = list(pool.map(run, [misbehaving.behaves] * 8))
+    assert {table.format for table in result} == {"bytes"}
 
 
 def test_the_keyboard_ends_parent_and_child(tmp_path: Path) -> None:
@@ -177,8 +177,8 @@ def test_the_keyboard_ends_parent_and_child(tmp_path: Path) -> None:
             assert parent.poll() is None
             time.sleep(0.01)
         os.killpg(parent.pid, signal.SIGINT)
-        _, said = parent.communicate()
-    assert b"KeyboardInterrupt" in said
+        _, message = parent.communicate()
+    assert b"KeyboardInterrupt" in message
     assert not Path(f"/proc/{mark.read_text()}").exists()
 
 

@@ -47,7 +47,7 @@ def test_complex_cells_are_read(
     tmp_path: Path, sign: str, of: Callable[[complex], str], head: list[str]
 ) -> None:
     if sign == " ":
-        head = [one.replace(" [", "[") for one in head]
+        head = [text.replace(" [", "[") for text in head]
     decimal = comma if of is WRITTEN["Excel"][1] else str
     names = [sign.join(head[i : i + 2]) for i in range(0, len(head), 2)]
     rows = [

@@ -23,7 +23,7 @@ def notes(record: object) -> str:
     """What was noted of the file that a record is from."""
     source = record.source  # type: ignore[attr-defined]
     sources = source if isinstance(source, tuple) else (source,)
-    return " ".join(note for one in sources for note in one.notes)
+    return " ".join(note for source in sources for note in source.notes)
 
 
 @pytest.mark.parametrize("row", TABLE, ids=lambda row: row.name)
@@ -33,9 +33,9 @@ def test_crafted_file_has_its_stated_outcome(tmp_path: Path, row: Row) -> None:
     if row.outcome in {"right", "noted"}:
         record = row.read(path)
         row.truth.holds(record, row)
-        found = inspect_file(path)
-        assert found.kind == row.truth.kind
-        assert not found.questions
+        inspection = inspect_file(path)
+        assert inspection.kind == row.truth.kind
+        assert not inspection.questions
         assert all(word in notes(record) for word in row.message), notes(record)
         return
     with pytest.raises(ReadError) as caught:

@@ -49,8 +49,8 @@ def pack_force(scale: float, offset: float, kind: str) -> np.ndarray:
 def test_scale_and_offset_of_cf_are_applied(
     tmp_path: Path, kind: str, scale: float, offset: float
 ) -> None:
-    said = {"scale_factor": scale, **({"add_offset": offset} if offset else {})}
-    path = hdf5(tmp_path / "a.h5", stored=pack_force(scale, offset, kind), force=said)
+    values = {"scale_factor": scale, **({"add_offset": offset} if offset else {})}
+    path = hdf5(tmp_path / "a.h5", stored=pack_force(scale, offset, kind), force=values)
     test = read_relaxation(path)
     np.testing.assert_allclose(test.force, FORCE, atol=0.51 * scale)
     assert not test.source.cautions  # a rule of the format: nothing is in doubt
@@ -84,29 +84,29 @@ def test_a_scale_of_named_fields_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "said",
+    "values",
     [
         {"_FillValue": np.int32(-9990)}, {"missing_value": np.array([-9990, 7])},
         {"valid_range": np.array([-100, 1 << 20])}, {"valid_min": -100},
         {"_FillValue": np.float32(-9990), "scale_factor": 1.0},
     ],
 )  # fmt: skip
-def test_fill_values_are_no_numbers(tmp_path: Path, said: dict[str, Any]) -> None:
+def test_fill_values_are_no_numbers(tmp_path: Path, values: dict[str, Any]) -> None:
     scale = 1e-3
     stored = pack_force(scale, 0.0, "i4")
     gaps = [700, 710, 711]
     stored[gaps] = -9990
-    path = hdf5(tmp_path / "a.h5", stored=stored, force={"scale_factor": scale, **said})
-    if said.get("scale_factor"):
-        path = hdf5(tmp_path / "b.h5", stored=np.where(stored == -9990, -9990, FORCE), force=said)
+    path = hdf5(tmp_path / "a.h5", stored=stored, force={"scale_factor": scale, **values})
+    if values.get("scale_factor"):
+        path = hdf5(tmp_path / "b.h5", stored=np.where(stored == -9990, -9990, FORCE), force=values)
     test = read_relaxation(path)
     np.testing.assert_allclose(test.time, np.delete(TIME, gaps))
     np.testing.assert_allclose(test.force, np.delete(FORCE, gaps), atol=scale)
 
 
 def test_a_zero_of_the_clock_as_cf_writes_it(tmp_path: Path) -> None:
-    said = {"units": "milliseconds since 2026-03-01 08:00:00"}
-    path = hdf5(tmp_path / "a.h5", time=said)
+    values = {"units": "milliseconds since 2026-03-01 08:00:00"}
+    path = hdf5(tmp_path / "a.h5", time=values)
     with h5py.File(path, "r+") as file:
         file["time"][...] = 1e3 * TIME
     np.testing.assert_allclose(read_relaxation(path).time, TIME, atol=1e-9)
@@ -115,22 +115,22 @@ def test_a_zero_of_the_clock_as_cf_writes_it(tmp_path: Path) -> None:
 # one rule for fill values, full scales, signs and steps
 
 
-def write_hdf5(path: Path, values: Any, said: dict[str, Any], of_file: dict[str, Any]) -> None:
-    hdf5(path, stored=values, force=said, of_file=of_file)
+def write_hdf5(path: Path, values: Any, message: dict[str, Any], of_file: dict[str, Any]) -> None:
+    hdf5(path, stored=values, force=message, of_file=of_file)
 
 
-def write_tdms(path: Path, values: Any, said: dict[str, Any], of_file: dict[str, Any]) -> None:
+def write_tdms(path: Path, values: Any, message: dict[str, Any], of_file: dict[str, Any]) -> None:
     with TdmsWriter(str(path)) as writer:
         writer.write_segment([RootObject(of_file)] + [
             ChannelObject("a", name, values if name == "force" else column, properties={
-                "unit_string": UNITS[name], **(said if name == "force" else {})})
+                "unit_string": UNITS[name], **(message if name == "force" else {})})
             for name, column in COLUMNS.items()
         ])  # fmt: skip
 
 
-def write_matlab(path: Path, values: Any, said: dict[str, Any], of_file: dict[str, Any]) -> None:
+def write_matlab(path: Path, values: Any, message: dict[str, Any], of_file: dict[str, Any]) -> None:
     content = {name: {"data": column, "unit": UNITS[name]} for name, column in COLUMNS.items()}
-    content["force"] |= {"data": values, **said}
+    content["force"] |= {"data": values, **message}
     savemat(path, content | of_file, appendmat=False)
 
 
@@ -158,16 +158,18 @@ UNCHANGED = {
 def test_read_asks_what_changes_the_numbers_in_every_format(
     tmp_path: Path, form: str, case: str
 ) -> None:
-    values, said, of_file, says = STATED[case]
-    WRITERS[form](tmp_path / "a", values, said, of_file)
+    values, message, of_file, says = STATED[case]
+    WRITERS[form](tmp_path / "a", values, message, of_file)
     with pytest.raises(ReadError, match=f"stated beside its numbers, .*{says}"):
         read_relaxation(tmp_path / "a")
 
 
 @pytest.mark.parametrize("form", WRITERS)
-@pytest.mark.parametrize("said", UNCHANGED.values(), ids=UNCHANGED)
-def test_read_takes_what_changes_no_number(tmp_path: Path, form: str, said: dict[str, Any]) -> None:
-    WRITERS[form](tmp_path / "a", FORCE, said, {})
+@pytest.mark.parametrize("values", UNCHANGED.values(), ids=UNCHANGED)
+def test_read_takes_what_changes_no_number(
+    tmp_path: Path, form: str, values: dict[str, Any]
+) -> None:
+    WRITERS[form](tmp_path / "a", FORCE, values, {})
     assert not read_relaxation(tmp_path / "a").source.cautions
 
 
@@ -268,8 +270,8 @@ RATES = {
 def test_hdf5_asks_for_the_rate_of_a_clock_attribute(
     tmp_path: Path, name: str, value: Any, of: str
 ) -> None:
-    said = {"of_file": {name: value}} if of == "file" else {"force": {name: value}}
-    path = hdf5(tmp_path / "a.h5", leave=("time",), **said)
+    message = {"of_file": {name: value}} if of == "file" else {"force": {name: value}}
+    path = hdf5(tmp_path / "a.h5", leave=("time",), **message)
     assert recognise(path).kind == "relaxation"
     with pytest.raises(ReadError, match=f"--rate {RATE:g}Hz"):
         read_relaxation(path)
@@ -292,8 +294,8 @@ def test_a_hold_without_a_clock_is_no_cld(tmp_path: Path, head: str) -> None:
     path = tmp_path / "a.csv"
     path.write_text(format_table(head, (MOVED, FORCE)))
     assert recognise(path).kind == "relaxation"
-    asked = "--rate 1000Hz" if head == TEXTS["nothing"] else f"--rate {RATE:g}Hz"
-    with pytest.raises(ReadError, match=asked):
+    requested = "--rate 1000Hz" if head == TEXTS["nothing"] else f"--rate {RATE:g}Hz"
+    with pytest.raises(ReadError, match=requested):
         read_relaxation(path)
 
 
@@ -316,8 +318,8 @@ def test_a_press_and_release_without_a_clock_is_a_cld(tmp_path: Path) -> None:
     "name", ["t0", "start_time", "StartOffset", "wf_start_offset", "delay_s", "trigger_offset"]
 )
 def test_hdf5_refuses_channels_with_different_starts(tmp_path: Path, name: str) -> None:
-    for said in ({"displacement": {name: 0.0}, "force": {name: 0.1}}, {"force": {name: 0.1}}):
-        path = hdf5(tmp_path / "a.h5", leave=("time",), **said)
+    for message in ({"displacement": {name: 0.0}, "force": {name: 0.1}}, {"force": {name: 0.1}}):
+        path = hdf5(tmp_path / "a.h5", leave=("time",), **message)
         with pytest.raises(ReadError, match=f"start at different times.*{name} = 0.1"):
             read_relaxation(path, options=ReadOptions(rate=RATE))
     both = hdf5(tmp_path / "b.h5", displacement={name: 0.1}, force={name: 0.1})
@@ -346,8 +348,8 @@ def test_hdf5_asks_about_a_calibration_group(tmp_path: Path) -> None:
 
 
 def test_channels_of_other_rates_are_refused(tmp_path: Path) -> None:
-    said = {"displacement": {"sample_rate": 10.0}, "force": {"sample_rate": RATE}}
-    path = hdf5(tmp_path / "a.h5", leave=("time",), **said)
+    values = {"displacement": {"sample_rate": 10.0}, "force": {"sample_rate": RATE}}
+    path = hdf5(tmp_path / "a.h5", leave=("time",), **values)
     with pytest.raises(ReadError, match="different rates"):
         read_relaxation(path, options=ReadOptions(rate=RATE))
 
@@ -358,7 +360,7 @@ def test_instants_of_hdf5_are_a_clock(tmp_path: Path, kind: str) -> None:
     path = hdf5(tmp_path / "a.h5", leave=("time",))
     with h5py.File(path, "r+") as file:
         if kind == "text":
-            file["time"] = [str(one) + "Z" for one in stamps]
+            file["time"] = [str(item) + "Z" for item in stamps]
         else:
             file["time"] = stamps.astype(h5py.opaque_dtype(stamps.dtype))
     np.testing.assert_allclose(read_relaxation(path).time, TIME, atol=1e-6)

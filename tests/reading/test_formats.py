@@ -40,9 +40,9 @@ from dashpot.registry import FORMATS
 
 
 def same(test) -> None:
-    time, moved, force = truth()
+    time, displacement, force = truth()
     np.testing.assert_allclose(test.time, time, atol=1e-9)
-    np.testing.assert_allclose(test.displacement, moved * 1e-3, atol=1e-12)
+    np.testing.assert_allclose(test.displacement, displacement * 1e-3, atol=1e-12)
     np.testing.assert_allclose(test.force, force, atol=1e-9)
 
 
@@ -79,16 +79,16 @@ def test_lvm_reads_records_stacked_under_a_header(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("one", "other", "words"),
+    ("name", "other", "words"),
     [("N\tm/s^2", "kN\tm/s^2", "units: N, m/s"), ("Hammer\tR", "R\tHammer", "names of channels")],
 )
 def test_lvm_segments_that_differ_are_refused(
-    tmp_path: Path, one: str, other: str, words: str
+    tmp_path: Path, name: str, other: str, words: str
 ) -> None:
     path = tmp_path / "hits.lvm"
     text = lvm(segments=2).replace("Response", "R")
-    at = text.rindex(one)
-    path.write_text(text[:at] + other + text[at + len(one) :])
+    at = text.rindex(name)
+    path.write_text(text[:at] + other + text[at + len(name) :])
     with pytest.raises(ReadError, match=words):
         read_impact(path)
 
@@ -129,8 +129,8 @@ def test_tdms_groups_are_records(tmp_path: Path) -> None:
     test = read_impact(tmp_path / "a.tdms")
     assert test.starts == (0, 50, 100)
     np.testing.assert_allclose(test.time[:50], 1e-3 * np.arange(50))
-    one = read_impact(tmp_path / "a.tdms", options=ReadOptions(sheet="Hit 2"))
-    assert one.starts == (0,)
+    item = read_impact(tmp_path / "a.tdms", options=ReadOptions(sheet="Hit 2"))
+    assert item.starts == (0,)
 
 
 @pytest.mark.parametrize("late", [5e-3, 2.5e-3])
@@ -154,19 +154,19 @@ def test_tdms_channels_that_begin_together_keep_every_sample(tmp_path: Path) -> 
 def test_tdms_scaling_is_applied(tmp_path: Path, of: str) -> None:
     from nptdms import ChannelObject, GroupObject, RootObject, TdmsWriter
 
-    time, moved, force = truth()
+    time, displacement, force = truth()
     scale = {
         "NI_Number_Of_Scales": 1, "NI_Scale[0]_Scale_Type": "Linear",
         "NI_Scale[0]_Linear_Slope": 0.001, "NI_Scale[0]_Linear_Y_Intercept": 0.0,
         "NI_Scale[0]_Linear_Input_Source": 0xFFFFFFFF, "NI_Scaling_Status": "unscaled",
     }  # fmt: skip
-    columns = {("Time", "s"): time, ("Position", "mm"): moved, ("Load", "N"): force}
+    columns = {("Time", "s"): time, ("Position", "mm"): displacement, ("Load", "N"): force}
     channels = []
     for (name, unit), values in columns.items():
-        own = scale if (of, name) == ("channel", "Load") else {}
-        scaled = own or of != "channel"  # what a group or a file says is of all its channels
+        individual = scale if (of, name) == ("channel", "Load") else {}
+        scaled = individual or of != "channel"  # what a group or a file says is of all its channels
         raw = np.round(values * 1e3).astype(np.int32) if scaled else values
-        channels.append(ChannelObject("g", name, raw, {"unit_string": unit, **own}))
+        channels.append(ChannelObject("g", name, raw, {"unit_string": unit, **individual}))
     whole = RootObject(scale if of == "file" else {})
     with TdmsWriter(str(tmp_path / "a.tdms")) as writer:
         writer.write_segment([whole, GroupObject("g", scale if of == "group" else {}), *channels])
@@ -176,24 +176,28 @@ def test_tdms_scaling_is_applied(tmp_path: Path, of: str) -> None:
 
 # MAT and HDF5
 def test_mat_vectors(tmp_path: Path) -> None:
-    time, moved, force = truth()
-    savemat(tmp_path / "a.mat", {"time_s": time, "displacement_mm": moved, "force_N": force})
+    time, displacement, force = truth()
+    savemat(tmp_path / "a.mat", {"time_s": time, "displacement_mm": displacement, "force_N": force})
     same(read_relaxation(tmp_path / "a.mat"))
 
 
 def test_mat_structs_with_units(tmp_path: Path) -> None:
-    time, moved, force = truth()
+    time, displacement, force = truth()
     channels = {
         name: {"data": values, "unit": unit}
-        for name, values, unit in (("time", time, "s"), ("Weg", moved, "mm"), ("Kraft", force, "N"))
+        for name, values, unit in (
+            ("time", time, "s"),
+            ("Weg", displacement, "mm"),
+            ("Kraft", force, "N"),
+        )
     }
     savemat(tmp_path / "a.mat", {"test": channels, "operator": "nobody"})
     same(read_relaxation(tmp_path / "a.mat"))
 
 
 def test_mat_with_a_rate_asks_for_it(tmp_path: Path) -> None:
-    _, moved, force = truth()
-    savemat(tmp_path / "a.mat", {"displacement_mm": moved, "force_N": force, "fs": 10.0})
+    _, displacement, force = truth()
+    savemat(tmp_path / "a.mat", {"displacement_mm": displacement, "force_N": force, "fs": 10.0})
     with pytest.raises(
         ReadError, match=r"the file says fs = 10; if that is right, add --rate 10Hz"
     ):
@@ -333,8 +337,8 @@ def test_jpk_text(tmp_path: Path) -> None:
             "# units: mm N s\n#\n"
         )
 
-    time, moved, force = truth()
-    rows = table(" ", columns=(moved, force, time)).splitlines(keepends=True)
+    time, displacement, force = truth()
+    rows = table(" ", columns=(displacement, force, time)).splitlines(keepends=True)
     path = tmp_path / "a.txt"
     path.write_text(
         head(0, "extend") + "".join(rows[:20]) + "\n" + head(1, "pause") + "".join(rows[20:])
@@ -481,14 +485,14 @@ def test_every_format_is_recognised_by_its_bytes(tmp_path: Path) -> None:
     others = [*FORMATS["wav"].marks, *FORMATS["arrow"].marks]
     made |= {f"mark {i}": mark + bytes(9) for i, mark in enumerate(others)}
     made |= {f"unread {i}": mark + bytes(9) for i, mark in enumerate(FORMATS["unread"].marks)}
-    found = {format_of(RawFile(name, None, content)) for name, content in made.items()}
+    ofs = {format_of(RawFile(name, None, content)) for name, content in made.items()}
     modules = {
         path.stem
         for folder in (Path(formats.__file__), Path(binary.__file__))
         for path in folder.parent.glob("*.py")
         if re.search(r"^def read\(", path.read_text("utf-8"), re.MULTILINE)
     }
-    assert found == modules, "add a file to `write_format_examples` of tests/kit/instruments"
+    assert ofs == modules, "add a file to `write_format_examples` of tests/kit/instruments"
     heads = [content[:40].removeprefix(b"\xef\xbb\xbf") for content in made.values()]
     rest = {mark for mark, _ in formats._MAGIC if not any(head.startswith(mark) for head in heads)}
     assert rest == {b"MATLAB 7.3 MAT-file"}  # an HDF5 file under another head

@@ -30,9 +30,9 @@ TRIOS = {"Properties": {"Name": "a"}, "Results": [
 
 @pytest.fixture(scope="module")
 def good(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    found = write_format_examples(tmp_path_factory.mktemp("good"))
-    assert set(found) == set(FORMATS)
-    return found
+    format_examples = write_format_examples(tmp_path_factory.mktemp("good"))
+    assert set(format_examples) == set(FORMATS)
+    return format_examples
 
 
 @tries(100)
@@ -58,16 +58,16 @@ def test_any_text(fuzzer: Fuzzer, content: bytes) -> None:
 
 
 @tries(400)
-@given(content=st.sampled_from(DIALECTS).flatmap(lambda one: draw_damaged_bytes(one.content)))
+@given(content=st.sampled_from(DIALECTS).flatmap(lambda item: draw_damaged_bytes(item.content)))
 def test_wounded_text(fuzzer: Fuzzer, content: bytes) -> None:
     fuzzer.survives("read_all", content)
 
 
 def test_readers_survive_the_saved_fuzz_corpus(fuzzer: Fuzzer) -> None:
-    found = guided.read(guided.KEPT)
-    assert found
-    for one in found:
-        fuzzer.survives(guided.task_of(one), one[1:])
+    record = guided.read(guided.KEPT)
+    assert record
+    for item in record:
+        fuzzer.survives(guided.task_of(item), item[1:])
 
 
 @pytest.mark.parametrize("name", FORMATS)

@@ -64,10 +64,10 @@ def write_kind(folder: Path, name: str) -> Path:
 @pytest.mark.parametrize("name", FILES)
 def test_each_kind_is_named(tmp_path: Path, name: str) -> None:
     kind = FILES[name][1]
-    (found,) = inspect_files([write_kind(tmp_path, name)]).files
-    assert found.kind == kind
-    assert found.use == RECOGNISED[kind].use
-    assert not found.questions
+    (result,) = inspect_files([write_kind(tmp_path, name)]).files
+    assert result.kind == kind
+    assert result.use == RECOGNISED[kind].use
+    assert not result.questions
 
 
 def test_every_kind_has_a_file() -> None:
@@ -104,8 +104,8 @@ def test_who_names_the_columns_knows_what_the_file_is(tmp_path: Path) -> None:
     path.write_text(hammer("force [N],c [mm],acceleration [m/s^2]"))
     with pytest.raises(ReadError, match="this is a hammer test"):
         read_relaxation(path)
-    found = read_relaxation(path, options=ReadOptions(displacement="c", units={"c": "mm"}))
-    assert len(found.time) == 6000
+    test = read_relaxation(path, options=ReadOptions(displacement="c", units={"c": "mm"}))
+    assert len(test.time) == 6000
 
 
 @pytest.mark.parametrize(
@@ -141,10 +141,10 @@ def test_a_complex_response_of_a_binary_file_is_an_frf(tmp_path: Path, suffix: s
     with pytest.raises(ReadError, match=r'--units "real=\(m/s\^2\)/N".*--units "frequency=Hz"'):
         read_frf(path)
     units = {"frequency": "Hz", "real": "(m/s^2)/N"}
-    found = read_frf(path, options=ReadOptions(units=units))
-    assert found.quantity is Kind.ACCELERANCE
-    np.testing.assert_allclose(found.value, value)
-    np.testing.assert_allclose(found.coherence, coherence)
+    frf = read_frf(path, options=ReadOptions(units=units))
+    assert frf.quantity is Kind.ACCELERANCE
+    np.testing.assert_allclose(frf.value, value)
+    np.testing.assert_allclose(frf.coherence, coherence)
 
 
 def test_read_frf_asks_which_of_two_responses(tmp_path: Path) -> None:
@@ -161,23 +161,23 @@ def test_read_frf_asks_which_of_two_responses(tmp_path: Path) -> None:
     named = {"real": "H2 real", "imaginary": "H2 imag"}
     with pytest.raises(ReadError, match="'coh 1' and 'coh 2' could each be the coherence"):
         read_frf(path, options=ReadOptions(**named))
-    found = read_frf(path, options=ReadOptions(**named, coherence="7"))
-    np.testing.assert_allclose(found.value, half * 9.80665, rtol=1e-6)
-    assert found.coherence is not None
-    assert found.coherence[0] == pytest.approx(0.9)
+    frf = read_frf(path, options=ReadOptions(**named, coherence="7"))
+    np.testing.assert_allclose(frf.value, half * 9.80665, rtol=1e-6)
+    assert frf.coherence is not None
+    assert frf.coherence[0] == pytest.approx(0.9)
 
 
 def test_a_record_without_its_ramp_says_so(tmp_path: Path) -> None:
     path = tmp_path / "late.csv"
     for settling, begins in ((0.0, "after its ramp"), (1e-5, "within its ramp, or after it")):
         path.write_text(late(settling))
-        (found,) = inspect_files([path]).files
-        assert f"the record begins {begins}" in found.refusal
-        assert "start recording a second before the ramp" in found.refusal.lower()
+        (result,) = inspect_files([path]).files
+        assert f"the record begins {begins}" in result.refusal
+        assert "start recording a second before the ramp" in result.refusal.lower()
 
 
 @pytest.mark.parametrize(
-    ("head", "asked", "likelier", "meant"),
+    ("head", "requested", "likelier", "meant"),
     [
         ("time [s],x [m],force [N]", r"travel is 8 m", "displacement=mm", ""),
         ("time [s],x [mm],force [MN]", r"force is 2\.\d+ MN", "force=kN", ""),
@@ -185,17 +185,17 @@ def test_a_record_without_its_ramp_says_so(tmp_path: Path) -> None:
     ],
 )
 def test_read_asks_about_an_implausible_size(
-    tmp_path: Path, head: str, asked: str, likelier: str, meant: str
+    tmp_path: Path, head: str, requested: str, likelier: str, meant: str
 ) -> None:
     path = tmp_path / "seal.csv"
     path.write_text(bench(ramp_and_hold(), head=head))
-    with pytest.raises(ReadError, match=rf"{asked}.*--units {likelier}"):
+    with pytest.raises(ReadError, match=rf"{requested}.*--units {likelier}"):
         read_relaxation(path)
     for unit in filter(None, (likelier, meant)):  # 8 m no one means, whatever is said
         role, _, word = unit.partition("=")
-        found = read_relaxation(path, options=ReadOptions(units={role: word}))
-        assert len(found.time) == 500
-    with pytest.raises(ReadError, match=asked):
+        test = read_relaxation(path, options=ReadOptions(units={role: word}))
+        assert len(test.time) == 500
+    with pytest.raises(ReadError, match=requested):
         read_relaxation(path, options=ReadOptions(units={"stress": "MPa"}))
 
 
@@ -213,8 +213,8 @@ def test_inspect_asks_for_all_that_a_hammer_file_leaves_open(tmp_path: Path) -> 
     with pytest.raises(ReadError) as caught:
         read_impact(path)
     message = str(caught.value)
-    asked = '--column acceleration="ch2" --column acceleration="ch3" --column hammer="ch1"'
-    assert asked in message
+    requested = '--column acceleration="ch2" --column acceleration="ch3" --column hammer="ch1"'
+    assert requested in message
     named = ReadOptions(hammer="2", acceleration=("ch2", "ch3"))
     with pytest.raises(ReadError, match=r'"hammer=N,acceleration=m/s\^2"'):
         read_impact(path, options=named)
@@ -230,9 +230,9 @@ def test_moduli_with_primes_are_a_sweep(tmp_path: Path, head: str) -> None:
     path = tmp_path / "PI.osc"
     table = "".join("\t".join(map(str, row)) + "\n" for row in rows)
     path.write_text(head + table)
-    found = read_dynamic(path)
-    np.testing.assert_allclose(found.omega, [0.1, 1.0, 10.0])
-    np.testing.assert_allclose(found.loss, [1.0, 2.0, 1.5])
+    test = read_dynamic(path)
+    np.testing.assert_allclose(test.omega, [0.1, 1.0, 10.0])
+    np.testing.assert_allclose(test.loss, [1.0, 2.0, 1.5])
     path.write_text(head.replace("rad/s\tPa\tPa\n", "").replace(" [rad/s]", "") + table)
     with pytest.raises(ReadError, match="frequency=rad/s"):
         read_dynamic(path)
@@ -255,10 +255,10 @@ def test_inspect_file_explains_a_sweep_with_frequency_in_its_header(
     rows = "".join(f"{0.01 * 2**i:.5g},{5 / (1 + i)},{0.6 / (1 + i)},.12\n" for i in range(9))
     head = "Frequency: 10 Hz\n\nstrain [%],storage [MPa],loss [MPa],Tan(delta)\n"
     path.write_text(head + rows)
-    found = inspect_file(path)
-    assert found.kind == "not-a-test"
-    assert "no frequency. Write a column 'frequency [Hz]'" in found.reason
-    assert [one.name for one in found.columns][-1] == "Tan(delta)"
+    inspection = inspect_file(path)
+    assert inspection.kind == "not-a-test"
+    assert "no frequency. Write a column 'frequency [Hz]'" in inspection.reason
+    assert [column.name for column in inspection.columns][-1] == "Tan(delta)"
     # and no column of another unit is proposed for a ramp
     assert suggest_relaxation_options(path) == ""
     rows = "".join(f"10,{line}\n" for line in rows.splitlines())

@@ -50,13 +50,13 @@ def test_padding_of_a_hammer_record_is_removed(tmp_path: Path) -> None:
     assert (len(test.time), test.starts) == (len(TIME), (0,))
 
 
-def pairs(clock: np.ndarray, moved: np.ndarray, unit: str = "s") -> str:
+def pairs(clock: np.ndarray, displacement: np.ndarray, unit: str = "s") -> str:
     """Columns in pairs: a displacement on a clock of its own, and the force of the truth."""
     rows = []
     for i in range(max(len(clock), len(TIME))):
-        left = [f"{clock[i]:.6f}", f"{moved[i]:.6f}"] if i < len(clock) else ["", ""]
+        residual = [f"{clock[i]:.6f}", f"{displacement[i]:.6f}"] if i < len(clock) else ["", ""]
         right = [f"{TIME[i]:.5f}", f"{FORCE[i]:.5f}"] if i < len(TIME) else ["", ""]
-        rows.append([*left, *right])
+        rows.append([*residual, *right])
     return join_rows(rows, f"Time ({unit});Position (mm);Time (s);Load (N)")
 
 
@@ -138,16 +138,16 @@ def test_a_symbol_over_its_unit_is_a_name(row: list[str], *, units: bool) -> Non
     ],
 )
 def test_a_comment_for_each_column_names_it(lines: list[str], names: list[str]) -> None:
-    found = header.read_header(lines, Dialect(" ", ".", ("number",) * 3, first=len(lines)))
-    assert [one.name for one in found.columns] == names
+    result = header.read_header(lines, Dialect(" ", ".", ("number",) * 3, first=len(lines)))
+    assert [column.name for column in result.columns] == names
     if names[0]:
-        assert [one.unit for one in found.columns] == ["s", "mm", "N"]
+        assert [column.unit for column in result.columns] == ["s", "mm", "N"]
 
 
 @pytest.mark.parametrize(("first", "unit"), [("Index", None), ("Nr.", None), ("Zeit", "s")])
 def test_a_column_that_counts_has_no_unit(first: str, unit: str | None) -> None:
     lines = [f"{first};Weg;Kraft", "s;mm" if unit else "mm;N"]
-    found = header.read_header(lines, Dialect(";", ".", ("number",) * 3, first=2, cells=3))
-    assert found.columns[0].unit == unit
-    assert found.columns[1].unit == "mm"
-    assert bool(found.uneven) is bool(unit)
+    result = header.read_header(lines, Dialect(";", ".", ("number",) * 3, first=2, cells=3))
+    assert result.columns[0].unit == unit
+    assert result.columns[1].unit == "mm"
+    assert bool(result.uneven) is bool(unit)

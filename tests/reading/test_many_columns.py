@@ -45,30 +45,30 @@ def wide(count: int) -> FileTable:
 def test_column_names_that_differ_by_a_number_are_scored_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    judged: list[str] = []
+    verdicts: list[str] = []
     inner = role_assignment._scores
     monkeypatch.setattr(
         role_assignment,
         "_scores",
-        lambda one, options: judged.append(one.name) or inner(one, options),
+        lambda item, options: verdicts.append(item.name) or inner(item, options),
     )
     role_assignment._compute_file_scores.cache_clear()
     assert detect_table_kind(wide(5000), ReadOptions())[0] == "relaxation"
     # three names, ten of one digit, and one for all of more
-    assert len(judged) <= 14
+    assert len(verdicts) <= 14
 
 
 def test_score_columns_scans_a_table_once_for_all_roles(monkeypatch: pytest.MonkeyPatch) -> None:
     table, gone = wide(20), []
     inner = role_assignment.scores
     monkeypatch.setattr(
-        role_assignment, "scores", lambda one, options: gone.append(one) or inner(one, options)
+        role_assignment, "scores", lambda item, options: gone.append(item) or inner(item, options)
     )
     for role in get_args(Role):
         assert score_columns(table, role, ReadOptions()) == {
             i: value
-            for i, one in enumerate(table.columns)
-            if (value := score(one, role, ReadOptions()))
+            for i, column in enumerate(table.columns)
+            if (value := score(column, role, ReadOptions()))
         }
     assert len(gone) == 23 * (1 + len(get_args(Role)))  # once, and once a role by the oracle
     units = ReadOptions(units={"temperature": "K"})
@@ -81,38 +81,38 @@ def test_score_columns_scans_a_table_once_for_all_roles(monkeypatch: pytest.Monk
     ["Force {}", "Weg_{}", "tan delta {}", "sg{}", "gamma{}", "Kraft max [{}]", "x{}", "力{}"],
 )
 def test_a_number_says_nothing(name: str) -> None:
-    one, other = name.format("17"), name.format("40372")
-    assert replace_channel_number(one) == replace_channel_number(other)
+    item, other = name.format("17"), name.format("40372")
+    assert replace_channel_number(item) == replace_channel_number(other)
     bare = vocabulary._matches.__wrapped__  # what each says where its number is kept
-    assert bare(one) == bare(other) == matches(one)
+    assert bare(item) == bare(other) == matches(item)
     for words in (vocabulary.EXTREMES, vocabulary.DERIVED):
-        alone, inside = vocabulary._split_search_words(words)
-        said = [
-            not alone.isdisjoint(vocabulary._split_name_words(name))
+        single, inside = vocabulary._split_search_words(words)
+        message = [
+            not single.isdisjoint(vocabulary._split_name_words(name))
             or any(word in name for word in inside)
-            for name in (one, other)
+            for name in (item, other)
         ]
-        assert said == [has_word(one, words)] * 2
+        assert message == [has_word(item, words)] * 2
 
 
 def test_meaningless_column_names_are_scored_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    judged: list[str] = []
+    verdicts: list[str] = []
     inner = role_assignment._scores
     monkeypatch.setattr(
         role_assignment,
         "_scores",
-        lambda one, options: judged.append(one.name) or inner(one, options),
+        lambda item, options: verdicts.append(item.name) or inner(item, options),
     )
     role_assignment._compute_file_scores.cache_clear()
     rng = np.random.default_rng(29)
     names = ["".join(rng.choice([*"bghjkqw"], 7)) for _ in range(500)]
     dull = [role_assignment.scores(Column(name, "degC"), ReadOptions()) for name in names]
-    assert judged == [""]
+    assert verdicts == [""]
     assert dull == [inner(Column(name, "degC"), ReadOptions()) for name in names]
     for words in (vocabulary.COMMANDED, vocabulary.DERIVED, vocabulary.EXTREMES, vocabulary.STATIC):
-        told = Column(f"{names[0]} {words[0]}", "degC")
-        assert role_assignment.scores(told, ReadOptions()) == inner(told, ReadOptions())
-        assert role_assignment.scores(told, ReadOptions()) != dull[0]
+        column = Column(f"{names[0]} {words[0]}", "degC")
+        assert role_assignment.scores(column, ReadOptions()) == inner(column, ReadOptions())
+        assert role_assignment.scores(column, ReadOptions()) != dull[0]
 
 
 @pytest.mark.parametrize(("sign", "mark"), [(",", "."), (";", ","), ("\t", "."), ("|", ",")])
@@ -127,11 +127,11 @@ def test_plain_numbers_throughout_leave_nothing_to_try(
         "_best_run",
         lambda window, *by, **how: tried.append(by) or inner(window, *by, **how),
     )
-    found = dialect.find_dialect(["a name", *rows])
-    assert found is not None
-    assert (found.delimiter, found.mark, found.first, tried) == (sign, mark, 1, [])
+    result = dialect.find_dialect(["a name", *rows])
+    assert result is not None
+    assert (result.delimiter, result.mark, result.first, tried) == (sign, mark, 1, [])
     monkeypatch.setattr(dialect, "_plainly", lambda *_: None)
-    assert dialect.find_dialect(["a name", *rows]) == found
+    assert dialect.find_dialect(["a name", *rows]) == result
     assert tried
 
 
@@ -179,8 +179,8 @@ def test_inspect_file_reads_a_line_of_a_million_characters(tmp_path: Path) -> No
     place = tmp_path / "wide.csv"
     place.write_text(text(300, cell="21." + "5" * 3600))
     assert 1 << 20 < len(place.read_text().splitlines()[-1]) < LONGEST
-    found = inspect_file(place)
-    assert (found.kind, found.rows, len(found.columns)) == ("relaxation", 8, 300)
+    inspection = inspect_file(place)
+    assert (inspection.kind, inspection.rows, len(inspection.columns)) == ("relaxation", 8, 300)
 
 
 def test_read_reports_too_many_columns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -203,8 +203,8 @@ def test_how_wide_a_line_may_be(sign: str) -> None:
     assert is_overlong("1" * (LONGEST + 1))
 
 
-@pytest.mark.parametrize(("copies", "asked"), [(8, False), (9, True)])
-def test_assign_asks_about_many_columns_before_loading(copies: int, *, asked: bool) -> None:
+@pytest.mark.parametrize(("copies", "requested"), [(8, False), (9, True)])
+def test_assign_asks_about_many_columns_before_loading(copies: int, *, requested: bool) -> None:
     loaded: list[int] = []
     same = wide(copies)
 
@@ -214,8 +214,8 @@ def test_assign_asks_about_many_columns_before_loading(copies: int, *, asked: bo
 
     table = FileTable("made", same.columns, load)
     answer = role_assignment.assign(table, "temperature", ReadOptions())
-    assert isinstance(answer, role_assignment.Question) is asked
-    assert len(loaded) == (0 if asked else 2 + copies)
+    assert isinstance(answer, role_assignment.Question) is requested
+    assert len(loaded) == (0 if requested else 2 + copies)
 
 
 def test_decimal_marks_in_blocks_equal_those_by_column(
@@ -247,8 +247,8 @@ def test_columns_are_handed_over_in_blocks(at_a_time: int, monkeypatch: pytest.M
     stream = io.BytesIO()
     message_protocol.send_answer(stream, FileTable("made", columns, make_loader(values)))
     stream.seek(0)
-    found = message_protocol.receive_answer(stream, message_protocol.receive(stream))
-    assert (found.load(range(7)).values == values).all()
+    answer = message_protocol.receive_answer(stream, message_protocol.receive(stream))
+    assert (answer.load(range(7)).values == values).all()
     assert not stream.read()
 
 
@@ -279,10 +279,10 @@ def test_channels_of_tdms_are_read_without_an_object_of_its_library_for_each(
                         for i, n in enumerate(names)
                     ]
                 )
-        found = tdms.read(RawFile(place.name, place, place.read_bytes()), ReadOptions())
-        loaded = found.load(range(21))
+        record = tdms.read(RawFile(place.name, place, place.read_bytes()), ReadOptions())
+        loaded = record.load(range(21))
         assert loaded.segments == ("a'b",)
-        assert [(c.name, c.unit) for c in found.columns] == [
+        assert [(c.name, c.unit) for c in record.columns] == [
             ("time", "s"),
             *((n, "N") for n in names),
         ]
@@ -315,14 +315,14 @@ def test_a_table_is_cut_where_the_screen_ends(more: int, *, cut: bool) -> None:
 
 
 def test_unit_row_test_stops_early_on_a_row_of_names(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[str] = []
+    requested: list[str] = []
     inner = header._unit_shape
-    monkeypatch.setattr(header, "_unit_shape", lambda word: asked.append(word) or inner(word))
+    monkeypatch.setattr(header, "_unit_shape", lambda word: requested.append(word) or inner(word))
     assert not header._holds_units([f"ch{i} a" for i in range(1000)])
-    assert len(asked) == 401
-    asked.clear()
+    assert len(requested) == 401
+    requested.clear()
     assert not header._holds_units([f"ch{i}" for i in range(1000)])
-    assert len(asked) <= 11  # of names that differ by a number alone, one speaks for all
+    assert len(requested) <= 11  # of names that differ by a number alone, one speaks for all
 
 
 @pytest.mark.parametrize(("words", "units"), [(4, True), (5, False)])
@@ -334,16 +334,16 @@ def test_unit_row_needs_six_of_ten_cells(words: int, *, units: bool) -> None:
 def test_assign_asks_once_about_columns_that_differ_by_a_number(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    judged: list[str] = []
+    verdicts: list[str] = []
     inner = role_assignment._is_mislabelled
     monkeypatch.setattr(
         role_assignment,
         "_is_mislabelled",
-        lambda one, role: judged.append(one.name) or inner(one, role),
+        lambda item, role: verdicts.append(item.name) or inner(item, role),
     )
     question = role_assignment.assign(wide(5000), "frequency", ReadOptions())
     assert isinstance(question, role_assignment.Question)
-    assert len(judged) <= 14
+    assert len(verdicts) <= 14
 
 
 @pytest.mark.parametrize(("forces", "loads"), [(8, [2]), (40, [])])

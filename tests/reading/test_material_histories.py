@@ -28,11 +28,11 @@ def read_record(path: Path, **answer: Any) -> Any:
 
 def assert_holds(record: Any, history: History) -> None:
     time, strain, stress = history.truth
-    moved, pushed = history.sign
+    displacement, pushed = history.sign
     columns = ("displacement", "force") if hasattr(record, "force") else ("strain", "stress")
     read_strain, read_stress = (getattr(record, name) for name in columns)
     np.testing.assert_allclose(record.time - record.time[0], time - time[0], atol=2e-3)
-    np.testing.assert_allclose(moved * read_strain, strain, rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(displacement * read_strain, strain, rtol=1e-5, atol=1e-6)
     np.testing.assert_allclose(pushed * read_stress, 1e6 * stress, rtol=1e-5, atol=10)
 
 

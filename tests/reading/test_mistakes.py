@@ -48,13 +48,13 @@ SWAPPED_BENCH = ("time [s]", "force [N]", "displacement [mm]")
 def replace_heading(heading: str, head: tuple[str, ...]) -> list[str]:
     """A head with one heading changed."""
     word = heading.partition(" ")[0]
-    return [heading if word and one.startswith(word) else one for one in head]
+    return [heading if word and text.startswith(word) else text for text in head]
 
 
 def answer(message: str) -> ReadOptions:
     """The options that a message proposes, as a user would paste them."""
     words = shlex.split(re.search(r"if so, add (.*)", message)[1])  # type: ignore[index]
-    given: dict[str, list[str]] = {}
+    inputs: dict[str, list[str]] = {}
     units: dict[str, str] = {}
     for flag, value in zip(words[::2], words[1::2], strict=True):
         if flag == "--units":
@@ -62,9 +62,9 @@ def answer(message: str) -> ReadOptions:
             continue
         assert flag == "--column"
         role, _, name = value.partition("=")
-        given.setdefault(role, []).append(name)
-    several = tuple(given.pop("acceleration", ()))
-    named = {name: values[0] for name, values in given.items()}
+        inputs.setdefault(role, []).append(name)
+    several = tuple(inputs.pop("acceleration", ()))
+    named = {name: values[0] for name, values in inputs.items()}
     return ReadOptions(units=units, acceleration=several, **named)
 
 
@@ -124,22 +124,22 @@ def _role(mistake: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("one", "other"),
+    ("name", "other"),
     [(a, b) for a, b in combinations(UNITS, 2) if _role(a) != _role(b)],
 )
-def test_answered_question_leads_to_no_other(tmp_path: Path, one: str, other: str) -> None:
+def test_answered_question_leads_to_no_other(tmp_path: Path, name: str, other: str) -> None:
     """Two columns in wrong units: what is asked together is answered together."""
     path = tmp_path / "seal.csv"
-    factors = tuple(a * b for a, b in zip(UNITS[one][0], UNITS[other][0], strict=True))
-    head = replace_heading(UNITS[other][1], tuple(replace_heading(UNITS[one][1], BENCH)))
+    factors = tuple(a * b for a, b in zip(UNITS[name][0], UNITS[other][0], strict=True))
+    head = replace_heading(UNITS[other][1], tuple(replace_heading(UNITS[name][1], BENCH)))
     path.write_text(bench(*factors, head=tuple(head)))
     try:
         read_relaxation(path)
     except ReadError as error:
-        asked = ReadOptions(
+        read_options = ReadOptions(
             units=parse_units(",".join(re.findall(r"--units (\S+=\w+)", str(error))))
         )
-        read_relaxation(path, options=asked)
+        read_relaxation(path, options=read_options)
 
 
 def test_read_relaxation_accepts_a_unit_stated_by_option(tmp_path: Path) -> None:
@@ -263,22 +263,22 @@ def frf(path: Path, head: str, *columns: np.ndarray) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("unit", "phase", "asked", "meant"),
+    ("unit", "phase", "requested", "meant"),
     [
         ("deg", np.angle(OF_A_MASS), "rad", "deg"),
         ("rad", np.angle(OF_A_MASS, deg=True), "deg", "rad"),
     ],
 )
 def test_read_frf_asks_about_a_phase_in_the_other_unit(
-    tmp_path: Path, unit: str, phase: np.ndarray, asked: str, meant: str
+    tmp_path: Path, unit: str, phase: np.ndarray, requested: str, meant: str
 ) -> None:
     head = f"frequency [Hz],magnitude [(m/s^2)/N],phase [{unit}]"
     path = frf(tmp_path / "frf.csv", head, LINES, np.abs(OF_A_MASS), phase)
-    with pytest.raises(ReadError, match=f'Then add --units "phase={asked}"'):
+    with pytest.raises(ReadError, match=f'Then add --units "phase={requested}"'):
         read_frf(path)
     read_frf(path, options=ReadOptions(units={"phase": meant}))
-    found = read_frf(path, options=ReadOptions(units={"phase": asked}))
-    np.testing.assert_allclose(found.value, OF_A_MASS)
+    result = read_frf(path, options=ReadOptions(units={"phase": requested}))
+    np.testing.assert_allclose(result.value, OF_A_MASS)
 
 
 def test_decibels_and_per_cents_are_no_plain_numbers(tmp_path: Path) -> None:
@@ -302,8 +302,8 @@ def test_read_frf_asks_about_kilohertz(tmp_path: Path) -> None:
     with pytest.raises(ReadError, match="is the unit of frequency Hz"):
         read_frf(path)
     for unit, top in (("Hz", 39.5), ("kHz", 39500.0)):
-        given = ReadOptions(units={"frequency": unit})
-        assert read_frf(path, options=given).frequency[-1] == pytest.approx(top)
+        read_options = ReadOptions(units={"frequency": unit})
+        assert read_frf(path, options=read_options).frequency[-1] == pytest.approx(top)
 
 
 @pytest.mark.parametrize("roles", list(combinations(("time", "displacement", "force"), 2)))
@@ -315,8 +315,8 @@ def test_inspect_asks_as_the_reader_about_a_column_with_two_roles(
     named = {"time": "t", "displacement": "x", "force": "F", roles[0]: "x", roles[1]: "x"}
     options = ReadOptions(**named, units={"time": "s", "displacement": "mm", "force": "N"})
     message = f"'x' would be both {roles[0]} and {roles[1]}"
-    found = inspect_file(place, options=options)
-    assert message in [one.message.partition(";")[0] for one in found.questions]
+    inspection = inspect_file(place, options=options)
+    assert message in [question.message.partition(";")[0] for question in inspection.questions]
     with pytest.raises(ReadError, match="'x' would be both"):
         read_relaxation(place, options=options)
 

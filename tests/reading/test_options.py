@@ -35,7 +35,7 @@ OPTIONS = st.builds(
 
 
 def test_every_field_is_drawn_above() -> None:
-    names = {one.name for one in fields(ReadOptions)} - {"own"}
+    names = {field.name for field in fields(ReadOptions)} - {"own"}
     drawn = {name for name in names if f"{name}=" in Path(__file__).read_text(encoding="utf-8")}
     assert drawn == names
 

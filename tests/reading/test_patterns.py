@@ -15,9 +15,9 @@ SCRIPT = Path(__file__).parents[1] / "kit" / "patterns.py"
 pytest.importorskip("resource")
 
 
-def last_line(*given: str) -> str:
+def last_line(*inputs: str) -> str:
     """What the child prints last; the kernel ends it where a pattern takes too long."""
-    command = [sys.executable, str(SCRIPT), *given]
+    command = [sys.executable, str(SCRIPT), *inputs]
     ended = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
     return ended.stdout.splitlines()[-1]
 

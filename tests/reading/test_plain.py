@@ -132,9 +132,9 @@ def test_the_fast_way_reads_the_same_bits_or_refuses_with_the_same_words(table):
 def test_digits_of_even_columns_are_read_to_the_nearest_double(rows):
     """Of all columns whose numbers have fifteen digits at most."""
     lines = "".join(";".join(row) + "\n" for row in rows)
-    found = split_line_cells(lines.encode(), ord(";"))
+    parted_lines = split_line_cells(lines.encode(), ord(";"))
     wanted = [i for i in range(3) if all(sum(map(str.isdigit, row[i])) <= 15 for row in rows)]
-    values = found.numbers(wanted, b".")
+    values = parted_lines.numbers(wanted, b".")
     assert values.tobytes() == np.array([[float(row[i]) for i in wanted] for row in rows]).tobytes()
 
 
@@ -146,16 +146,16 @@ def test_digits_of_even_columns_are_read_to_the_nearest_double(rows):
 @pytest.mark.parametrize("first", [True, False])
 def test_split_line_cells_leaves_an_irregular_number_unparsed(odd, first):
     rows = [f"{odd};1", "2.5;1"] if first else ["2.5;1", f"{odd};1"]
-    found = split_line_cells("".join(f"{row}\n" for row in rows).encode("latin-1"), ord(";"))
-    assert found.numbers((0,), b".") is None
+    parted_lines = split_line_cells("".join(f"{row}\n" for row in rows).encode("latin-1"), ord(";"))
+    assert parted_lines.numbers((0,), b".") is None
 
 
 @given(st.lists(numerals.filter(lambda text: not text.endswith("-0")), min_size=1, max_size=30))
 def test_the_fast_way_reads_the_nearest_double(cells):
     """Python's own conversion rounds correctly, whatever the decimal."""
     reader = PlainRows(Dialect(",", ".", ("number",)), (0,))
-    found = reader._from_json("".join(f"{text}\n" for text in cells).encode(), 0)
-    assert found[:, 0].tobytes() == np.array([float(text) for text in cells]).tobytes()
+    from_json = reader._from_json("".join(f"{text}\n" for text in cells).encode(), 0)
+    assert from_json[:, 0].tobytes() == np.array([float(text) for text in cells]).tobytes()
 
 
 CLOCKS = {
@@ -181,8 +181,8 @@ CLOCKS = {
 @pytest.mark.parametrize("times", CLOCKS.values(), ids=CLOCKS)
 def test_clock_times_are_read_the_same_however(times, mark, order):
     """In blocks and one by one: the same bits, notes and questions."""
-    rows = [f'1{mark}5;{"" if i % 3 else chr(34)}{one}{"" if i % 3 else chr(34)};{i}'
-            for i, one in enumerate(40 * times)]  # fmt: skip
+    rows = [f'1{mark}5;{"" if i % 3 else chr(34)}{item}{"" if i % 3 else chr(34)};{i}'
+            for i, item in enumerate(40 * times)]  # fmt: skip
     text = "".join(f"{row}\n" for row in rows)
     how = Dialect(";", mark, ("number", "clock", "number"), cells=3)
     heading = Heading(tuple(map(Column, "abc")), ("", order, ""))
@@ -196,14 +196,14 @@ def test_ordinary_clock_times_are_read_in_blocks(word):
     """Else the law above would hold of nothing."""
     how = Dialect(";", ".", ("clock", "number"), cells=2)
     reader = PlainRows(how, (0, 1), {0: ClockColumn("")})
-    assert reader.read("".join(f"{one};1.5\n" for one in CLOCKS[word])) is not None
+    assert reader.read("".join(f"{item};1.5\n" for item in CLOCKS[word])) is not None
 
 
 @pytest.mark.parametrize(("sign", "mark"), [(",", "."), (";", ","), (" ", "."), (" ", ",")])
 def test_even_rows_are_read_by_their_digits(sign, mark):
     """Else the laws above would hold of nothing."""
     rows = [["0.50", "-1.2", "7"], ["12.12", "10.0", "-0"], ["0.00", "0.5", "1"]]
-    text = "".join(sign.join(one.rjust(6 * sign.isspace()) for one in row) + "\n" for row in rows)
+    text = "".join(sign.join(item.rjust(6 * sign.isspace()) for item in row) + "\n" for row in rows)
     reader = PlainRows(Dialect(sign, mark, ("number",) * 3), (2, 0))
     others = patch.multiple(PlainRows, _parse=None, _from_json=None)
     with others:
@@ -247,7 +247,7 @@ def grouped_tables(draw: st.DrawFn) -> tuple[str, Dialect, tuple[int, ...]]:
     # what a column holds that nobody asks for is looked at by the row alone
     row = st.tuples(*(cells if i in wanted else value for i in range(3))).map(list)
     rows = draw(st.lists(row, min_size=1, max_size=8))
-    rows = [[f'"{one}"' for one in row] if quoted else row for row in rows]
+    rows = [[f'"{item}"' for item in row] if quoted else row for row in rows]
     text = "".join(sign.join(row) + "\n" for row in rows)
     return (
         text,

@@ -22,12 +22,12 @@ HAMMER = "lvm-read/long_single_header_multi_ch.lvm"
 
 def test_jpk_record(shared_data: Path) -> None:
     path = shared_data / "rheosafm-jpk-relaxation" / "AFM_relaxation.txt"
-    found = inspect_file(path)
-    assert (found.kind, found.rows, found.even) == ("relaxation", 76600, True)
-    assert [(s.name, s.rows) for s in found.segments] == [
+    inspection = inspect_file(path)
+    assert (inspection.kind, inspection.rows, inspection.even) == ("relaxation", 76600, True)
+    assert [(s.name, s.rows) for s in inspection.segments] == [
         ("extend", 800), ("pause", 75000), ("retract", 800),
     ]  # fmt: skip
-    assert found.rate == pytest.approx(5000.0)
+    assert inspection.rate == pytest.approx(5000.0)
     start = time.process_time()
     test = read_relaxation(path)
     assert time.process_time() - start < 1.0
@@ -61,10 +61,10 @@ def test_two_hits_of_a_hammer(real_data: Path) -> None:
     ],
 )
 def test_lvm_varieties(real_data: Path, name: str, rows: int, names: tuple[str, ...]) -> None:
-    found = inspect_file(real_data / "lvm-read" / f"{name}.lvm")
-    assert found.format == "LVM"
-    assert found.rows == rows
-    numbers = {c.name for c in found.columns if c.first and c.first[0] is not None}
+    inspection = inspect_file(real_data / "lvm-read" / f"{name}.lvm")
+    assert inspection.format == "LVM"
+    assert inspection.rows == rows
+    numbers = {c.name for c in inspection.columns if c.first and c.first[0] is not None}
     assert set(names) <= numbers
 
 
@@ -76,9 +76,9 @@ def test_a_short_lvm_with_decimal_commas(real_data: Path) -> None:
 
 def test_testxpert(shared_data: Path) -> None:
     (path,) = (shared_data / "formats" / "zwick").glob("*.TXT")
-    found = inspect_file(path)
-    assert found.rows == 5734
-    assert [c.unit for c in found.columns] == ["s", "N", "mm", "mm", "mm", "mm"]
+    inspection = inspect_file(path)
+    assert inspection.rows == 5734
+    assert [c.unit for c in inspection.columns] == ["s", "N", "mm", "mm", "mm", "mm"]
     with pytest.raises(ReadError, match="could each be the displacement"):
         read_relaxation(path)
     # its clock was scrambled before it was published
@@ -174,8 +174,8 @@ def test_a_modulus_over_time_is_sent_to_its_command(real_data: Path) -> None:
 
 
 def test_rheometer_headers(shared_data: Path) -> None:
-    found = inspect_file(shared_data / "formats" / "rheometer_dma" / "relaxation_test.csv")
-    names = [(c.name, c.unit) for c in found.columns]
+    inspection = inspect_file(shared_data / "formats" / "rheometer_dma" / "relaxation_test.csv")
+    names = [(c.name, c.unit) for c in inspection.columns]
     assert names == [
         ("Time", "s"), ("Shear Strain", "%"), ("Shear Stress", "Pa"), ("Relaxation Modulus", "Pa"),
     ]  # fmt: skip
@@ -199,6 +199,6 @@ def test_uff_varieties(real_data: Path) -> None:
 @pytest.mark.parametrize("number", range(1, 8))
 def test_two_columns_of_anything(real_data: Path, number: int) -> None:
     path = real_data / "pyrespect-time-tests" / f"test{number}.dat"
-    found = inspect_file(path)
-    assert found.rows == sum(bool(line.strip()) for line in path.read_text().splitlines())
-    assert len(found.columns) == 2
+    inspection = inspect_file(path)
+    assert inspection.rows == sum(bool(line.strip()) for line in path.read_text().splitlines())
+    assert len(inspection.columns) == 2

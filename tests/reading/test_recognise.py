@@ -49,12 +49,12 @@ def format_both_moduli(*, swept: float = 1.0, frequency: np.ndarray = SPREAD) ->
 @pytest.mark.parametrize("name", FILES)
 def test_every_example_is_its_kind_to_whoever_asks(tmp_path: Path, name: str) -> None:
     path = write_content(tmp_path, FILES[name].write(), name)
-    found = recognise(path)
+    recognised = recognise(path)
     # a blank test has the columns of a relaxation test: the user says that it is one
     kind = "relaxation" if name.startswith("rig_") else FILES[name].kind
-    assert found.kind == kind == inspect_file(path).kind
-    assert found.kind_title == get_kind_label(found.kind)
-    assert found.use == inspect_file(path).use != ""
+    assert recognised.kind == kind == inspect_file(path).kind
+    assert recognised.kind_title == get_kind_label(recognised.kind)
+    assert recognised.use == inspect_file(path).use != ""
 
 
 # -- a sweep that holds the record behind it, too --------------------------------------------------
@@ -75,8 +75,10 @@ def test_every_example_is_its_kind_to_whoever_asks(tmp_path: Path, name: str) ->
 def test_of_a_sweep_with_its_record_the_columns_named_decide(
     tmp_path: Path, options: dict[str, str], kind: str
 ) -> None:
-    path, asked = write_content(tmp_path, format_both_moduli()), ReadOptions(**options)
-    assert recognise(path, asked).kind == inspect_file(path, options=asked).kind == kind
+    path, read_options = write_content(tmp_path, format_both_moduli()), ReadOptions(**options)
+    assert (
+        recognise(path, read_options).kind == inspect_file(path, options=read_options).kind == kind
+    )
 
 
 def test_both_are_read_by_who_takes_them(tmp_path: Path) -> None:
@@ -154,8 +156,10 @@ def test_so_does_a_force_where_the_displacement_goes_on(
 ) -> None:
     """Of a plate that only shakes no load is held."""
     force = 1 - part / 2 + part * CLOCK / CLOCK[-1]
-    moved = 3 + onward * np.sqrt(CLOCK) + 1e-3 * np.sin(40 * CLOCK)
-    path = write_content(tmp_path, csv("time [s],displacement [mm],force [N]", CLOCK, moved, force))
+    displacement = 3 + onward * np.sqrt(CLOCK) + 1e-3 * np.sin(40 * CLOCK)
+    path = write_content(
+        tmp_path, csv("time [s],displacement [mm],force [N]", CLOCK, displacement, force)
+    )
     assert recognise(path).kind == kind
 
 
@@ -208,8 +212,8 @@ def test_recognise_takes_a_modulus_column_only_if_named(tmp_path: Path) -> None:
 def test_recognise_accepts_a_requested_kind(tmp_path: Path) -> None:
     path = write_content(tmp_path, FILES["cld_1.csv"].write())
     assert recognise(path).kind == "cld"
-    found = recognise(path, kind="relaxation")
-    assert (found.kind, found.reason) == ("relaxation", "as was said")
+    recognised = recognise(path, kind="relaxation")
+    assert (recognised.kind, recognised.reason) == ("relaxation", "as was said")
     assert inspect_file(path, options=ReadOptions(kind="relaxation")).kind == "relaxation"
 
 
@@ -229,8 +233,8 @@ def test_a_kind_that_there_is_not_is_answered_with_the_nearest(
 
 def test_recognise_identifies_documents_by_schema(tmp_path: Path) -> None:
     path = write_content(tmp_path, to_json(a_fit(PAPER)), "fit.json")
-    found = recognise(path)
-    assert (found.kind, found.stored, found.kind_title) == ("fit", True, "a fit")
+    recognised = recognise(path)
+    assert (recognised.kind, recognised.stored, recognised.kind_title) == ("fit", True, "a fit")
     assert inspect_file(path).sha256
     other = write_content(tmp_path, '{\n"schema" : "dashpot/hyperelastic@2"}', "law.json")
     assert recognise(other).kind == "hyperelastic"
@@ -247,7 +251,7 @@ def test_json_of_others_is_read_as_a_table(tmp_path: Path) -> None:
     [
         ("[door]\nmass = '25kg'\n", "door"),
         (dump_profile(ReadOptions(force="Kraft", rate=1e3, units={"force": "N"})), "profile"),
-        ("\n".join(f"[{one}]" for one in sorted(PROFILE)), "profile"),
+        ("\n".join(f"[{item}]" for item in sorted(PROFILE)), "profile"),
         ("[k_end]\nlower = '2N/mm'\n", "unclear"),
     ],
 )
@@ -322,9 +326,9 @@ def test_recognise_caches_few_files(tmp_path: Path) -> None:
 def test_a_load_in_a_unit_of_mass_is_proposed_as_a_weight(
     tmp_path: Path, unit: str, force: str
 ) -> None:
-    time, moved, pushed = press_and_hold(20.0)
+    time, displacement, pushed = press_and_hold(20.0)
     head = f"Time [s];Displacement [mm];Load [{unit}]"
-    (tmp_path / "a.csv").write_text(table_of(head, [time, moved, pushed]), "utf-8")
+    (tmp_path / "a.csv").write_text(table_of(head, [time, displacement, pushed]), "utf-8")
     assert f'--column force="Load" --units "force={force}"' in suggest_relaxation_options(
         tmp_path / "a.csv"
     )

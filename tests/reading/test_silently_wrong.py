@@ -30,17 +30,17 @@ def with_force(tmp_path: Path, *force: str) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("mark", "beside", "left_out"),
+    ("mark", "neighbour", "residual"),
     [("9999", "1999.80000", True), ("9999", "1999.90000", False), ("-999.99", "1.00000", True),
      ("99.9", "1.00000", False), ("9989", "1.00000", False)],
 )  # fmt: skip
 def test_a_mark_of_no_reading_is_nines_far_away(
-    tmp_path: Path, mark: str, beside: str, left_out: bool
+    tmp_path: Path, mark: str, neighbour: str, residual: bool
 ) -> None:
     sure = ReadOptions(units={"force": "N"})  # kilonewtons are meant
-    test = read_relaxation(with_force(tmp_path, "1.00000", mark, beside), options=sure)
-    assert (len(test.time) == len(truth()[0]) - 1) is left_out
-    assert any("a mark of no reading" in note for note in test.source.notes) is left_out
+    test = read_relaxation(with_force(tmp_path, "1.00000", mark, neighbour), options=sure)
+    assert (len(test.time) == len(truth()[0]) - 1) is residual
+    assert any("a mark of no reading" in note for note in test.source.notes) is residual
 
 
 @pytest.mark.parametrize(("second", "joined_up"), [("30.0", True), ("31.0", False)])
@@ -66,15 +66,15 @@ def test_truncated_number_is_detected_after_four_rows(rows: int, cut: bool) -> N
 
 
 @pytest.mark.parametrize(
-    ("values", "left"),
+    ("values", "residual"),
     [([1.6, 800.0], True), ([1.6, 1000.0], False), ([1.6, 0.9], False), ([1.6, 2.5], False),
      ([800.0, 2.0], True), ([1.6, 800.0, 1.0625], False),
      ([1e307, 8.0], False), ([1.625, 999.0, 0.0, np.nan], True)],
 )  # fmt: skip
 def test_only_numbers_that_thousands_marks_could_make_are_looked_at(
-    values: list[float], left: bool
+    values: list[float], residual: bool
 ) -> None:
-    assert (decimal_marks.find_undecided_columns(np.array([values]).T) == {0}) is left
+    assert (decimal_marks.find_undecided_columns(np.array([values]).T) == {0}) is residual
 
 
 def test_whole_numbers_in_a_later_block_raise_the_question(tmp_path: Path) -> None:
@@ -92,10 +92,10 @@ def test_decimal_mark_is_decided_by_every_row(tmp_path: Path) -> None:
     head, rows = "Time (ms);Position (mm);Load (N)\n", 90_000
     text = [f"{100 + i / 10:.1f};{i % 8};{100 + i % 800}.00" for i in range(rows)]
     path = tmp_path / "long.csv"
-    for last, asked in (("1.250", True), ("1.25", False)):
+    for last, requested in (("1.250", True), ("1.25", False)):
         path.write_text(head + "\n".join([*text, f"99999.5;{last};1.25"]) + "\n")
         assert path.stat().st_size > 1 << 20
-        if asked:
+        if requested:
             with pytest.raises(ReadError, match=r"'1\.250' can mean 1\.250 or 1250"):
                 read_relaxation(path)
         else:
@@ -192,8 +192,8 @@ def test_read_frf_refuses_parts_in_different_units(tmp_path: Path) -> None:
     path.write_text(join_rows(rows, "Frequency (Hz);Real (g/N);Imag ((m/s^2)/N)"))
     with pytest.raises(ReadError, match="the real part is in 'g/N', the imaginary part in"):
         read_frf(path)
-    said = read_frf(path, options=ReadOptions(units={"real": "(m/s^2)/N"}))
-    np.testing.assert_allclose(said.value, 1.0 + 0.1j)
+    frf = read_frf(path, options=ReadOptions(units={"real": "(m/s^2)/N"}))
+    np.testing.assert_allclose(frf.value, 1.0 + 0.1j)
 
 
 def test_a_second_header_holds_until_the_next(tmp_path: Path) -> None:

@@ -84,10 +84,10 @@ def real(folder: Path) -> list[tuple[Path, ReadOptions]]:
     muscle = ReadOptions(units={"time": "s", "displacement": "um", "force": "mN"})
     return [
         *(
-            (folder / "oca-cyclic-shear-relaxation" / one, make_options(c))
-            for one, c in ADHESIVES.items()
+            (folder / "oca-cyclic-shear-relaxation" / name, make_options(c))
+            for name, c in ADHESIVES.items()
         ),
-        *((folder / "titin-ramp-hold" / one, muscle) for one in MUSCLES),
+        *((folder / "titin-ramp-hold" / value, muscle) for value in MUSCLES),
         (folder / "rheos-data-time" / "data_time.csv", make_options(("1", "3", "2"))),
     ]
 

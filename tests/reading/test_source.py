@@ -35,8 +35,8 @@ def test_devices_are_refused(path: str) -> None:
 def test_folders_and_sockets_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ReadError, match="is a folder; give the file to read"):
         open_raw(tmp_path)
-    with socket.socket(socket.AF_UNIX) as one:
-        one.bind(str(tmp_path / "s"))
+    with socket.socket(socket.AF_UNIX) as item:
+        item.bind(str(tmp_path / "s"))
         with pytest.raises(ReadError, match="is a socket; give the file to read"):
             open_raw(tmp_path / "s")
 

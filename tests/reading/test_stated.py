@@ -45,8 +45,8 @@ def read(path: Path, *header: str, specimen: Specimen | None = None) -> Relaxati
     ],
 )
 def test_a_line_of_the_header(tmp_path: Path, line: str, celsius: float | None) -> None:
-    found = read(tmp_path / "a.csv", line).specimen.temperature
-    assert found == (None if celsius is None else pytest.approx(celsius + 273.15, abs=1e-9))
+    temperature = read(tmp_path / "a.csv", line).specimen.temperature
+    assert temperature == (None if celsius is None else pytest.approx(celsius + 273.15, abs=1e-9))
 
 
 @pytest.mark.parametrize(
@@ -112,11 +112,11 @@ def test_a_column_of_temperature_says_it_and_how_far_it_rose(tmp_path: Path) -> 
     risen = with_column(tmp_path / "a.csv", np.linspace(272.65, 274.65, count)).specimen
     assert risen.temperature == pytest.approx(273.65, abs=0.01)
     assert risen.warmed == pytest.approx(2.0, rel=1e-3)
-    checks = {one.name: one for one in prepare(read_relaxation(tmp_path / "a.csv")).checks}
+    checks = {check.name: check for check in prepare(read_relaxation(tmp_path / "a.csv")).checks}
     assert checks["temperature_held"].failed
     other = read_relaxation(tmp_path / "a.csv", specimen=Specimen(temperature=296.15))
     assert other.specimen.temperature == 296.15
-    assert {one.name: one for one in prepare(other).checks}["temperature_as_stated"].failed
+    assert {check.name: check for check in prepare(other).checks}["temperature_as_stated"].failed
     # what rubber is not tested at, and what has no unit, is not taken
     assert with_column(tmp_path / "b.csv", np.zeros(count)).specimen == Specimen()
     path = tmp_path / "a.csv"
@@ -127,8 +127,8 @@ def test_a_column_of_temperature_says_it_and_how_far_it_rose(tmp_path: Path) -> 
 def test_the_first_line_says_that_the_file_was_overruled() -> None:
     test = simulate_relaxation(PAPER, rig=Rig(rate=100.0)).test
     overruled = Specimen(temperature=346.55, stated_temperature=296.15)
-    found = fit(prepare(replace(test, specimen=overruled)), arms=2, law="linear")
-    assert "The file says 23 degC, and 73.4 degC was given" in found.verdict.message
+    result = fit(prepare(replace(test, specimen=overruled)), arms=2, law="linear")
+    assert "The file says 23 degC, and 73.4 degC was given" in result.verdict.message
 
 
 def test_stated_temperature_keeps_other_specimen_data(tmp_path: Path) -> None:

@@ -142,8 +142,8 @@ def test_state_unit_joins_what_contradicts(name: str, unit: str | None, stated: 
 
 def test_inspect_shows_stated_units(tmp_path: Path) -> None:
     write_text(tmp_path / "a", [("time", "s"), ("travel", "mm"), ("load", "g")])
-    found = inspect_file(tmp_path / "a", options=ReadOptions(units={"force": "gf"}))
-    assert [column.unit for column in found.columns] == ["s", "mm", "gf"]
+    inspection = inspect_file(tmp_path / "a", options=ReadOptions(units={"force": "gf"}))
+    assert [column.unit for column in inspection.columns] == ["s", "mm", "gf"]
 
 
 @pytest.mark.parametrize(

@@ -24,9 +24,9 @@ from dashpot.reading.readers.header_metadata import stated_window, window_rate
     ],
 )
 def test_a_window_is_read_with_its_unit(lines, rate):
-    found = stated_window(lines, record=4.0)
-    assert found is not None
-    assert found.rate == pytest.approx(rate)
+    result = stated_window(lines, record=4.0)
+    assert result is not None
+    assert result.rate == pytest.approx(rate)
 
 
 @pytest.mark.parametrize(
@@ -38,9 +38,9 @@ def test_a_window_is_read_with_its_unit(lines, rate):
     ],
 )
 def test_a_window_without_a_clear_decay_is_stated_all_the_same(lines):
-    found = stated_window(lines)
-    assert found is not None
-    assert found.rate is None
+    result = stated_window(lines)
+    assert result is not None
+    assert result.rate is None
     rate, stated, notes = window_rate(lines, ReadOptions())
     assert (rate, stated) == (None, True)
     assert "exponential window" in notes[0]

@@ -38,11 +38,11 @@ finite = st.floats(-1e6, 1e6, allow_nan=False, width=64).filter(
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.tuples(finite, finite), min_size=8, max_size=30))
 def test_relaxation_round_trip(tmp_path_factory: pytest.TempPathFactory, pairs) -> None:
-    moved, force = np.array(pairs).T
-    moved, force = 1e-7 * moved, 0.1 * force  # of sizes that a test may have
-    assume(np.ptp(moved) == 0 or np.ptp(moved) > 1e-6)
+    displacement, force = np.array(pairs).T
+    displacement, force = 1e-7 * displacement, 0.1 * force  # of sizes that a test may have
+    assume(np.ptp(displacement) == 0 or np.ptp(displacement) > 1e-6)
     assume(np.ptp(force) == 0 or np.abs(force).max() > 1e-12)
-    test = RelaxationTest(np.arange(len(moved)) / 7.0, moved, force, units="SI")
+    test = RelaxationTest(np.arange(len(displacement)) / 7.0, displacement, force, units="SI")
     path = tmp_path_factory.mktemp("w") / "a.csv"
     text = write_relaxation(test, path)
     assert text == path.read_text()
@@ -77,17 +77,19 @@ def test_impact_round_trip_keeps_records_and_names(tmp_path: Path) -> None:
 
 def test_several_impact_files_are_records(tmp_path: Path) -> None:
     rng = np.random.default_rng(1)
-    one = ImpactTest(np.arange(50) / 100, rng.normal(size=50), rng.normal(size=(1, 50)), units="SI")
+    record = ImpactTest(
+        np.arange(50) / 100, rng.normal(size=50), rng.normal(size=(1, 50)), units="SI"
+    )
     paths = [tmp_path / "a.csv", tmp_path / "b.csv"]
     for path in paths:
-        write_impact(one, path)
-        one = replace(one, force=2 * one.force)
+        write_impact(record, path)
+        record = replace(record, force=2 * record.force)
     test = read_impact(paths)
     assert test.starts == (0, 50)
     assert [source.file for source in test.source] == ["a.csv", "b.csv"]
     with pytest.raises(ReadError, match=r"same bytes as .*a\.csv: its hits would count twice"):
         read_impact([paths[0], paths[0]])
-    write_impact(replace(one, channels=("other",)), paths[1])
+    write_impact(replace(record, channels=("other",)), paths[1])
     with pytest.raises(ReadError, match="give files of one set-up"):
         read_impact(paths)
     with pytest.raises(ReadError, match="no impact file given"):
@@ -96,15 +98,15 @@ def test_several_impact_files_are_records(tmp_path: Path) -> None:
         read_impact(paths[0], options=ReadOptions(cycle=2))
 
 
-@pytest.mark.parametrize(("rate", "one_set"), [(100.5, True), (102.0, False), (400.0, False)])
-def test_read_impact_refuses_files_of_two_rates(tmp_path: Path, rate: float, one_set: bool) -> None:
+@pytest.mark.parametrize(("rate", "item"), [(100.5, True), (102.0, False), (400.0, False)])
+def test_read_impact_refuses_files_of_two_rates(tmp_path: Path, rate: float, item: bool) -> None:
     # read at the rate of the first, hits of four times as many samples ring four times as slowly
     signal = np.random.default_rng(1).normal(size=(2, 50))
     paths = [tmp_path / "a.csv", tmp_path / "b.csv"]
-    for path, each, sign in zip(paths, (100.0, rate), (1, -1), strict=True):
-        time = np.arange(50) / each
+    for path, value, sign in zip(paths, (100.0, rate), (1, -1), strict=True):
+        time = np.arange(50) / value
         write_impact(ImpactTest(time, sign * signal[0], signal[1:], units="SI"), path)
-    if one_set:  # as 50 samples tell it
+    if item:  # as 50 samples tell it
         assert read_impact(paths).rate == pytest.approx(100)
         return
     with pytest.raises(ReadError, match=rf"b\.csv is sampled at {rate:g} Hz, but .*at 100 Hz"):
@@ -131,26 +133,28 @@ def test_frf_round_trip(tmp_path: Path, kind: Kind, measured: bool) -> None:
     written = frf(kind, measured=measured)
     write_frf(written, tmp_path / "a.csv", comments=["a comment"])
     assert replace(read_frf(tmp_path / "a.csv"), source=()) == written
-    kept = "transmissibility" if kind.over_base else "frf"
-    assert inspect_file(tmp_path / "a.csv").kind == kept
+    retained = "transmissibility" if kind.over_base else "frf"
+    assert inspect_file(tmp_path / "a.csv").kind == retained
 
 
 def test_frf_of_another_origin(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     rows = "".join(f"{f};{f / 10};{-90}\n" for f in range(1, 20))
     path.write_text("Frequency (Hz);Magnitude (g/N);Phase (deg)\n" + rows)
-    found = read_frf(path)
-    assert found.quantity is Kind.ACCELERANCE
-    np.testing.assert_allclose(found.value, -1j * np.arange(1, 20) / 10 * 9.80665)
+    result = read_frf(path)
+    assert result.quantity is Kind.ACCELERANCE
+    np.testing.assert_allclose(result.value, -1j * np.arange(1, 20) / 10 * 9.80665)
     path.write_text("Frequency (Hz);Magnitude;Phase (deg)\n" + rows)
     with pytest.raises(ReadError, match=r"no unit, and so makes no FRF; expected motion per force"):
         read_frf(path)
-    given = ReadOptions(units={"magnitude": "(m/s^2)/N"})
-    np.testing.assert_allclose(read_frf(path, options=given).value[0], -0.1j)
+    read_options = ReadOptions(units={"magnitude": "(m/s^2)/N"})
+    np.testing.assert_allclose(read_frf(path, options=read_options).value[0], -0.1j)
     path.write_text("Frequency (Hz);Magnitude (dB);Phase (deg)\n" + rows)
     with pytest.raises(ReadError, match=r"--units \"magnitude=\(m/s\^2\)/N\""):
         read_frf(path)
-    np.testing.assert_allclose(read_frf(path, options=given).value[0], -1j * 10 ** (0.1 / 20))
+    np.testing.assert_allclose(
+        read_frf(path, options=read_options).value[0], -1j * 10 ** (0.1 / 20)
+    )
     path.write_text("Frequency (Hz);Magnitude (m/N);Phase\n" + rows)
     with pytest.raises(ReadError, match=r"'Phase' \(phase\) has no unit; add --units \"phase=deg"):
         read_frf(path)
@@ -166,13 +170,13 @@ def test_frf_of_another_origin(tmp_path: Path) -> None:
 def test_uff_round_trip(tmp_path: Path, kind: Kind) -> None:
     written = frf(kind)
     (tmp_path / "a.uff").write_bytes(frf_uff(written))
-    found = read_frf(tmp_path / "a.uff")
-    assert (found.quantity, found.shift, found.record, found.averages) == (kind, 0.25, 8.0, 5)
-    np.testing.assert_allclose(found.frequency, written.frequency, rtol=1e-6)
-    np.testing.assert_allclose(found.value, written.value, rtol=1e-10)
-    np.testing.assert_allclose(found.coherence, written.coherence, rtol=1e-6)
+    result = read_frf(tmp_path / "a.uff")
+    assert (result.quantity, result.shift, result.record, result.averages) == (kind, 0.25, 8.0, 5)
+    np.testing.assert_allclose(result.frequency, written.frequency, rtol=1e-6)
+    np.testing.assert_allclose(result.value, written.value, rtol=1e-10)
+    np.testing.assert_allclose(result.coherence, written.coherence, rtol=1e-6)
     assert inspect_file(tmp_path / "a.uff").kind == "frf"
-    assert any("SI: m, N, K" in note for note in found.source[0].notes)
+    assert any("SI: m, N, K" in note for note in result.source[0].notes)
 
 
 def test_uff_keeps_what_pyuff_reads(tmp_path: Path) -> None:

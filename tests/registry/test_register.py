@@ -111,23 +111,26 @@ def test_nobody_else_names_a_kind() -> None:
     # such as "creep" are words of much else
     kinds = {"cld", "indentation", "stress-strain", "cyclic", "dma", "csr", *SWEEP_KINDS}
     texts = {path: path.read_text(encoding="utf-8") for path in SOURCE.rglob("*.py")}
-    found = {
+    posixes = {
         path.relative_to(SOURCE).as_posix()
         for path, text in texts.items()
         if any(f'"{kind}"' in text for kind in kinds)  # to parse every file takes seconds
         for node in ast.walk(ast.parse(text))
         if isinstance(node, ast.Constant) and node.value in kinds
     }
-    places = {next((room for room in NAMED if name.startswith(room)), name) for name in found}
+    places = {
+        next((reference for reference in NAMED if name.startswith(reference)), name)
+        for name in posixes
+    }
     assert places == set(NAMED)
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("examples")
-    for name, one in FILES.items():
-        if one.kind or name.startswith("rig_"):
-            (place / name).write_text(one.write(), encoding="utf-8")
+    for name, file in FILES.items():
+        if file.kind or name.startswith("rig_"):
+            (place / name).write_text(file.write(), encoding="utf-8")
     return place
 
 
@@ -140,23 +143,23 @@ def test_every_recognised_kind_is_registered() -> None:
 def test_every_reference_of_a_kind_resolves(kind: KindOfTest) -> None:
     for word in words(kind):
         assert load_object(word) is not None
-    for noun in kind.classes:
-        assert isinstance(load_object(noun), type)
+    for result in kind.classes:
+        assert isinstance(load_object(result), type)
     if kind.app_form:
         assert asks_of(kind.name)
         assert callable(load_object(f"{kind.app_form}:fit_form_files"))
     assert not kind.alternative_kind or KINDS[kind.alternative_kind].app_form
     if kind.checks:
         stage = load_object(f"{kind.checks}:__name__")
-        assert any(one.judge.__module__ == stage for one in REGISTER.values())
+        assert any(item.judge.__module__ == stage for item in REGISTER.values())
 
 
 @pytest.mark.parametrize("kind", ROWS)
 def test_commands_named_by_a_kind_exist(kind: KindOfTest) -> None:
-    said = RECOGNISED[kind.name].use if kind.name in RECOGNISED else ""
-    asked = re.findall(r"dashpot ([a-z]+)", f"{said} {kind.lot_hint}")
-    assert set(asked) <= set(COMMANDS)
-    assert asked or not kind.fit_route or kind.name in SAID
+    message = RECOGNISED[kind.name].use if kind.name in RECOGNISED else ""
+    matches = re.findall(r"dashpot ([a-z]+)", f"{message} {kind.lot_hint}")
+    assert set(matches) <= set(COMMANDS)
+    assert matches or not kind.fit_route or kind.name in SAID
     assert bool(kind.fit_route) == bool(kind.fit)
 
 
@@ -167,21 +170,21 @@ def test_options_and_columns_named_by_a_kind_exist(kind: KindOfTest) -> None:
     assert bool(kind.columns) == bool(kind.lot_row)
 
 
-@pytest.mark.parametrize("name", [name for name, one in FILES.items() if one.kind])
+@pytest.mark.parametrize("name", [name for name, file in FILES.items() if file.kind])
 def test_every_example_is_recognised_as_its_kind(folder: Path, name: str) -> None:
-    (found,) = inspect_files([folder / name]).files
-    assert found.kind == FILES[name].kind
+    (result,) = inspect_files([folder / name]).files
+    assert result.kind == FILES[name].kind
 
 
 def test_every_kind_that_is_fitted_has_an_example() -> None:
-    without = set(KINDS) - {one.kind for one in FILES.values()}
+    without = set(KINDS) - {file.kind for file in FILES.values()}
     assert without == NO_EXAMPLE, "name its `examples` in its row"
 
 
 @pytest.mark.parametrize("name", OWN_ROWS)
 def test_batch_row_of_a_kind_fills_its_columns(folder: Path, name: str) -> None:
     kind, piece = KINDS[name], OWN_ROWS[name]
-    file = next(file for file, one in FILES.items() if one.kind == name)
+    file = next(file for file, item in FILES.items() if item.kind == name)
     result, numbers = load_object(kind.lot_row)(folder / file, piece)
     assert set(kind.columns) <= set(numbers)
     assert result.verdict.use
@@ -245,19 +248,19 @@ MADE: dict[str, Callable[[Path], object]] = {
 
 
 def test_every_class_with_a_schema_is_tested() -> None:
-    nouns = [load_object(noun) for kind in KINDS.values() for noun in kind.classes]
-    kept = {noun.__name__ for noun in nouns if issubclass(noun, Serialisable) and noun.schema
-            and noun._is_loadable}  # fmt: skip
-    assert kept == set(MADE), "add one of each to MADE"
+    nouns = [load_object(result) for kind in KINDS.values() for result in kind.classes]
+    classes = [result for result in nouns if issubclass(result, Serialisable)]
+    retained = {result.__name__ for result in classes if result.schema and result._is_loadable}
+    assert retained == set(MADE), "add one of each to MADE"
 
 
 @pytest.mark.parametrize("name", MADE)
 def test_a_document_comes_back_as_it_was(folder: Path, name: str) -> None:
-    noun = MADE[name](folder)
-    text = to_json(noun)
-    found = json.loads(text)
-    assert schemas()[found["schema"]] is type(noun)
-    assert json.loads(to_json(from_json(text))) == found
+    result = MADE[name](folder)
+    text = to_json(result)
+    document = json.loads(text)
+    assert schemas()[document["schema"]] is type(result)
+    assert json.loads(to_json(from_json(text))) == document
 
 
 def test_a_document_row_is_named_by_the_schema_of_its_class() -> None:

@@ -63,21 +63,21 @@ RESULTS = {
 
 @pytest.mark.parametrize("name", RESULTS)
 def test_page_of_every_kind_has_the_same_structure(name):
-    found = RESULTS[name]()
-    page = html(found)
-    shown = kind_page(found)
+    result = RESULTS[name]()
+    page = html(result)
+    shown = kind_page(result)
     for part in ('class="who"', 'id="verdict"', 'class="lights"', 'id="numbers"', 'id="checks"'):
         assert page.count(part) == 1, part
-    assert f">{found.verdict.use.capitalize()}<" in page
-    worst = max((one.mark for one in shown.lights), key=ORDER.index)
-    assert (VERDICT_COLOURS[found.verdict.use] == "good") == (worst in {"good", "note"})
+    assert f">{result.verdict.use.capitalize()}<" in page
+    worst = max((item.mark for item in shown.lights), key=ORDER.index)
+    assert (VERDICT_COLOURS[result.verdict.use] == "good") == (worst in {"good", "note"})
     (link,) = re.findall(
         rf'download="{shown.name}.json" href="data:application/json;base64,([^"]+)"', page
     )
-    assert json.loads(base64.b64decode(link)) == json.loads(json.dumps(found.to_dict()))
-    rows = [one for group in shown.groups for one in group.rows]
+    assert json.loads(base64.b64decode(link)) == json.loads(json.dumps(result.to_dict()))
+    rows = [item for group in shown.groups for item in group.rows]
     assert rows
-    assert all(one.value for one in rows)
+    assert all(quantity.value for quantity in rows)
     assert "nan" not in unescape(re.sub(r"<script.*|<style.*?</style>|href=\S+", "", page)).split()
 
 
@@ -86,49 +86,54 @@ def test_page_of_every_kind_has_the_same_structure(name):
 def test_lights_are_as_bad_as_the_worst_check(name, grade):
     # whatever part asks a question, some light tells how it was answered
     checks = (Check("sound", True, "It is."), Check(name, False, "It is not.", grade=grade))
-    said = "as it should be"
-    found = lights(checks, Topic("Test", message=said), Topic("Peak", {"asked"}, said))
-    marks = {one.name: one.mark for one in found}
+    message = "as it should be"
+    result = lights(checks, Topic("Test", message=message), Topic("Peak", {"asked"}, message))
+    marks = {item.name: item.mark for item in result}
     assert marks.pop("Peak" if name == "asked" else "Test") == {
         "note": "note", "limit": "care", "stop": "bad",
     }[grade]  # fmt: skip
     assert set(marks.values()) <= {"good", "note"}
     # what is sound may say so in words; what is not never does
-    said = next(one.message for one in found if (one.name == "Peak") == (name == "asked"))
-    assert ("should" in said) == (grade == "note")
+    message = next(check.message for check in result if (check.name == "Peak") == (name == "asked"))
+    assert ("should" in message) == (grade == "note")
 
 
 def test_page_row_shows_only_available_limits():
-    known = row(ReportedValue("k", 100.0, 90.0, 110.0, "N/m"))
-    assert (known.value, known.low, known.high, known.unit) == ("0.100", "0.090", "0.110", "N/mm")
-    alone, held = (
+    expected = row(ReportedValue("k", 100.0, 90.0, 110.0, "N/m"))
+    assert (expected.value, expected.low, expected.high, expected.unit) == (
+        "0.100",
+        "0.090",
+        "0.110",
+        "N/mm",
+    )
+    single, held = (
         row(ReportedValue("k", 100.0, unit="N/m")),
         row(ReportedValue.from_error("k", 100.0, 0.0, unit="N/m")),
     )
-    assert (alone.low, alone.high) == (held.low, held.high) == ("", "")
+    assert (single.low, single.high) == (held.low, held.high) == ("", "")
     most = row(ReportedValue("k", 100.0, np.nan, 110.0, "N/m"))
     assert (most.low, bool(most.high)) == ("unknown", True)
 
 
 def test_pieces_are_named_at_the_end_of_their_lines():
-    found = dp.fit(press_specimen(), press_specimen(1.04), press_specimen(0.97), compression="6mm")
-    picture = cld_figure(found.specimens, limits=(1.4, 1.6))
-    tags = [one for one in picture.panels[0].marks if isinstance(one, Tag) and one.end]
-    assert len({one.colour for one in tags}) == 3
+    fit = dp.fit(press_specimen(), press_specimen(1.04), press_specimen(0.97), compression="6mm")
+    picture = cld_figure(fit.specimens, limits=(1.4, 1.6))
+    tags = [item for item in picture.panels[0].marks if isinstance(item, Tag) and item.end]
+    assert len({tag.colour for tag in tags}) == 3
     (frame,) = arrange_sheet(picture).strips[0].laid.frames
-    words = {one.text: one for one in frame.words}
+    words = {word.text: word for word in frame.words}
     # from the top down in the order of their lines, and none upon another
-    heights = [words[one.text].y for one in sorted(tags, key=lambda one: -one.y)]
+    heights = [words[tag.text].y for tag in sorted(tags, key=lambda curve: -curve.y)]
     assert all(np.diff(heights) >= 14)
     assert "asked 1.4 to 1.6 N" in words
-    many = cld_figure([replace(found.specimens[0])] * 4)
-    assert not [one for one in many.panels[0].marks if isinstance(one, Tag) and one.end]
+    many = cld_figure([replace(fit.specimens[0])] * 4)
+    assert not [item for item in many.panels[0].marks if isinstance(item, Tag) and item.end]
 
 
 def test_pieces_at_speeds_have_the_speed_at_their_line():
-    found = [specimen_at(speed) for speed in (0.1, 1.0)]
-    (panel,) = cld_figure(found).panels
-    assert [one.text for one in panel.marks if isinstance(one, Tag)] == ["0.04 mm/s", "0.4 mm/s"]
+    clds = [specimen_at(speed) for speed in (0.1, 1.0)]
+    (panel,) = cld_figure(clds).panels
+    assert [item.text for item in panel.marks if isinstance(item, Tag)] == ["0.04 mm/s", "0.4 mm/s"]
 
 
 def specimen_at(speed: float) -> CLD:
@@ -161,11 +166,11 @@ def test_page_lists_each_finding_and_file_once():
     bad = Check("of_the_file", False, "It is not.", grade="stop")
     noted = Check("aside", False, "It is odd.", grade="note")
     checks = (*S.fit.checks, bad, noted, noted)
-    found = replace_fields(S.fit, checks=checks, source=(source, source))
-    told = build_page_contents(found)
-    weighty = list(told["weighty"])
+    fit = replace_fields(S.fit, checks=checks, source=(source, source))
+    message = build_page_contents(fit)
+    weighty = list(message["weighty"])
     assert weighty.count(bad) == weighty.count(noted) == 1
-    assert told["title"].count(source.file) == 1
+    assert message["title"].count(source.file) == 1
 
 
 def held_in(page: str) -> dict[str, str]:
@@ -206,13 +211,13 @@ def test_deck_of_a_page_equals_that_of_its_command(name, tmp_path):
     files = held_in(page)
     assert list(dict.fromkeys(files)) == names
     (tmp_path / "fit.json").write_text(files["fit.json"])
-    decks = [files[one] for one in names if one.startswith("model.")]
+    decks = [files[name] for name in names if name.startswith("model.")]
     commands = re.findall(r"the same as (dashpot export [^<]*)", unescape(page))
     for deck, command in zip(decks, commands, strict=True):
         words = shlex.split(command)
-        said = ran("export", tmp_path / words[2], *words[3:])
-        assert said.exit_code == 0, said.output
-        assert said.stdout == deck
+        result = ran("export", tmp_path / words[2], *words[3:])
+        assert result.exit_code == 0, result.output
+        assert result.stdout == deck
         # a material has moduli, and no length of contact
         assert (" MPa" in deck.partition("k_inf = ")[2].splitlines()[0]) == (name != "a seal")
         assert ("contact length" in deck) == (name == "a seal")
@@ -220,11 +225,11 @@ def test_deck_of_a_page_equals_that_of_its_command(name, tmp_path):
 
 def test_what_a_page_holds_of_both_tests_is_read_by_other_commands_and_no_calmer_than_it():
     grave = Check("high_frequency_mass_agrees", False, "The mass is another.", grade="stop")
-    found = Identified(S.fit, DirectStiffness(S.direct), (grave,), S.static_equilibrium)
-    (name,) = [one for one in held_in(html(found)) if one not in {"numbers.json"}]
-    kept = from_json(held_in(html(found))[name])
-    assert kept.verdict.use == found.verdict.use == "do not use"
-    assert kept._identity == S.fit._identity
+    identified = Identified(S.fit, DirectStiffness(S.direct), (grave,), S.static_equilibrium)
+    (name,) = [item for item in held_in(html(identified)) if item not in {"numbers.json"}]
+    retained = from_json(held_in(html(identified))[name])
+    assert retained.verdict.use == identified.verdict.use == "do not use"
+    assert retained._identity == S.fit._identity
     calm = Identified(S.fit, DirectStiffness(S.direct), (), S.static_equilibrium)
     assert calm._saved_result is S.fit
 
@@ -232,15 +237,17 @@ def test_what_a_page_holds_of_both_tests_is_read_by_other_commands_and_no_calmer
 def test_constant_of_a_shift_law_shows_interval_or_noise_error():
     law = WLF(7.0, 120.0, 296.15)
     shifts = (Shift(283.15, 0.77, 0.01), Shift(296.15, 0.0, 0.0))
-    moved = TemperatureShifts(law, shifts, np.zeros((4, 4)), ("c1", "c2"), np.diag([0.01, 4.0]))
+    temperature_shifts = TemperatureShifts(
+        law, shifts, np.zeros((4, 4)), ("c1", "c2"), np.diag([0.01, 4.0])
+    )
     for noise, title, row_ in (
         (None, "WLF about 23 °C", ("C1", "7.00", "6.80", "7.20")),
         (S.fit.estimate.covariance, "WLF about 23 °C (± noise)", ("C1", "7.00 ± 0.10", "", "")),
     ):
         estimate = replace(S.fit.estimate, noise_covariance=noise)
-        shown = kind_page(replace_fields(S.fit, temperatures=moved, estimate=estimate))
-        (one,) = [group for group in shown.groups if group.title == title]
-        assert one.rows[0][:4] == row_
+        shown = kind_page(replace_fields(S.fit, temperatures=temperature_shifts, estimate=estimate))
+        (item,) = [group for group in shown.groups if group.title == title]
+        assert item.rows[0][:4] == row_
 
 
 def test_a_light_counts_its_checks_as_the_verdict_does() -> None:
@@ -251,7 +258,7 @@ def test_a_light_counts_its_checks_as_the_verdict_does() -> None:
 
 def test_numbers_are_grouped_by_record() -> None:
     names = ("loss factor", "a.csv, impact 1: speed", "a.csv, impact 1: contact", "b.csv: speed")
-    told = group_by_record(ReportedValue(name, 1.0, unit="m") for name in names)
-    assert [(one.title, [row.name for row in one.rows]) for one in told] == [
+    groups = group_by_record(ReportedValue(name, 1.0, unit="m") for name in names)
+    assert [(group.title, [row.name for row in group.rows]) for group in groups] == [
         ("", ["loss factor"]), ("a.csv, impact 1", ["speed", "contact"]), ("b.csv", ["speed"]),
     ]  # fmt: skip

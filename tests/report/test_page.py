@@ -174,8 +174,8 @@ def count_visible_words(text: str) -> int:
 
 
 def test_words_are_counted_that_stand_unfolded():
-    said = '<p>one two</p><details><summary>three</summary><div class="body">no</div></details>'
-    assert count_visible_words(said) == 3
+    message = '<p>one two</p><details><summary>three</summary><div class="body">no</div></details>'
+    assert count_visible_words(message) == 3
 
 
 @pytest.mark.parametrize("page", ["whole_page", "bench"])
@@ -303,23 +303,23 @@ def test_report_counts_checks_consistently(whole_page):
     passed = sum(bool(check.passed) for check in counted)
     heading = whole_page[whole_page.index('<details id="checks"') :].partition("</summary>")[0]
     assert f"{passed} of {len(counted)}" in heading
-    assert {int(one) for one in re.findall(r"\b[Aa]ll (\d+)", Page(whole_page).text)} <= {
+    assert {int(match) for match in re.findall(r"\b[Aa]ll (\d+)", Page(whole_page).text)} <= {
         len(counted)
     }
 
 
 def test_the_numbers_of_the_first_table_are_those_of_the_recommendation(whole_page):
-    found = recommend_solid(S)
+    recommendation = recommend_solid(S)
     table = whole_page[
         whole_page.index('<table class="answer">') : whole_page.index("From and to are the 95")
     ]
     cells = [re.findall(r"<td[^>]*>([^<]*)</td>", row) for row in table.split("<tr>")[1:]]
     numbers = [row for row in cells if row]
-    answers = (*found.under_mass, *found.one_seal)
+    answers = (*recommendation.under_mass, *recommendation.one_seal)
     assert len(numbers) == len(answers) + 1 == 6
-    for row, one in zip(numbers, answers, strict=False):
+    for row, answer in zip(numbers, answers, strict=False):
         factor = {"Hz": 1.0, "%": 100.0, "1/kg": 1.0, "N/mm": 1e-3, "": 1.0}[row[3]]
-        for cell, value in zip(row[:3], (one.value, one.low, one.high), strict=True):
+        for cell, value in zip(row[:3], (answer.value, answer.low, answer.high), strict=True):
             assert float(cell) == pytest.approx(factor * value, rel=0.02)
     assert "Valid band</th>" in table
     assert numbers[-1][:4] == ["", "0.0040", "40", "Hz"]  # of the joint model
@@ -327,10 +327,10 @@ def test_the_numbers_of_the_first_table_are_those_of_the_recommendation(whole_pa
 
 def test_report_table_and_figure_show_the_same_peak():
     """Between the lines that are drawn, too."""
-    alone = replace(S, comparison=None, measured=None, impact=None, direct=None, joint=None,
+    single = replace(S, comparison=None, measured=None, impact=None, direct=None, joint=None,
                     joint_comparison=None)  # fmt: skip
-    page = html(alone)
-    (frequency, *_) = [one.value for one in recommend_solid(alone).under_mass]
+    page = html(single)
+    (frequency, *_) = [quantity.value for quantity in recommend_solid(single).under_mass]
     tag = float(re.search(r">predicted ([\d.]+) Hz, ", page)[1])
     assert tag == pytest.approx(frequency, abs=0.006)
 
@@ -361,27 +361,27 @@ def decks(page: str) -> dict[str, str]:
     }
 
 
-@pytest.mark.parametrize("known", [True, False])
-def test_a_deck_of_the_page_is_that_of_the_command_line(tmp_path, known):
+@pytest.mark.parametrize("expected", [True, False])
+def test_a_deck_of_the_page_is_that_of_the_command_line(tmp_path, expected):
     """Over the band alone, and with a mark for what is not known of the specimen."""
-    who = Specimen(temperature=296.15, length=0.1) if known else Specimen()
+    who = Specimen(temperature=296.15, length=0.1) if expected else Specimen()
     arms = GeneralizedMaxwell(196.4, (117.0, 17.9), (0.5, 16.4))
     fit = a_fit(arms, relative=1e-3, specimen=who)
     page = html(replace(handmade.bench_only(), fit=fit))
-    kept = tmp_path / "fit.json"
-    kept.write_text(to_json(fit))
-    found = decks(page)
-    assert set(found) == {"model.bdf", "model.inp"}
+    mask = tmp_path / "fit.json"
+    mask.write_text(to_json(fit))
+    result = decks(page)
+    assert set(result) == {"model.bdf", "model.inp"}
     commands = re.findall(r"the same as (dashpot export [^<]*)", unescape(page))
-    for deck, command in zip(found.values(), commands, strict=True):
+    for deck, command in zip(result.values(), commands, strict=True):
         words = shlex.split(command)[2:]
-        said = ran("export", kept, *words[1:])
-        assert said.exit_code == 0, said.output
-        assert said.stdout == deck
-        assert ("OVERRIDE: the test temperature is not stated" in deck) is not known
-    assert "EXTRAPOLATED:" not in found["model.bdf"]
+        message = ran("export", mask, *words[1:])
+        assert message.exit_code == 0, message.output
+        assert message.stdout == deck
+        assert ("OVERRIDE: the test temperature is not stated" in deck) is not expected
+    assert "EXTRAPOLATED:" not in result["model.bdf"]
     text = Page(page).text
-    assert ("state temperature and contact length" in text) is not known
+    assert ("state temperature and contact length" in text) is not expected
     assert "Solver inputs are valid from 0.004 to 0.32 Hz" in text
 
 
@@ -417,9 +417,9 @@ def test_report_shows_the_recommended_model(whole_page, sketch):
     assert with_error(tau, S.joint.standard_error["tau"][3]) in part
     assert "four Maxwell arms" in text
     assert "The model of the relaxation test alone, one seal" in text
-    alone = sketch(handmade.bench_only())
-    assert "The recommended model of the relaxation test, one seal" in alone
-    assert "The model of the relaxation test alone" not in alone
+    single = sketch(handmade.bench_only())
+    assert "The recommended model of the relaxation test, one seal" in single
+    assert "The model of the relaxation test alone" not in single
 
 
 def test_note_on_a_rejected_model_appears_only_in_the_list(sketch):
@@ -437,8 +437,8 @@ def test_note_on_a_rejected_model_appears_only_in_the_list(sketch):
     assert "Fit of the relaxation test. The plateau is not known." in first(
         replace(study, fit=earlier)
     )
-    alone = replace(study, joint=None, joint_comparison=None, comparison=None, measured=None)
-    assert "Fit of the relaxation test. The fastest arm is too fast." in first(alone)
+    single = replace(study, joint=None, joint_comparison=None, comparison=None, measured=None)
+    assert "Fit of the relaxation test. The fastest arm is too fast." in first(single)
     assert "fastest arm is too fast" in sketch(study)
 
 
@@ -549,12 +549,12 @@ def test_hits_are_listed_with_the_reason_of_a_rejection(whole_page):
 
 
 def test_report_lists_parameters_changed_by_the_hammer_test(sketch):
-    moved = (
+    variant = (
         ParameterChange("k_inf", 196.5, 0.5, 197.5, 0.5, "N/m"),
         ParameterChange("tau_1", None, None, 0.0117, 0.0003, "s"),
         ParameterChange("b", 1.0, None, 2.0, 0.1, "N s/m"),
     )
-    text = sketch(replace(S, joint=replace_fields(S.joint, parameter_changes=moved)))
+    text = sketch(replace(S, joint=replace_fields(S.joint, parameter_changes=variant)))
     assert "What the hammer test changed" in text
     assert "+0.51 % +2.0" in text
     assert "τ₁, s 0.01170 ± 0.00030 new" in text
@@ -615,8 +615,8 @@ def test_without_a_hammer_the_page_says_so_and_leaves_the_rest_out(bench):
 
 
 def test_report_with_a_mass_only_calls_its_prediction_untested():
-    alone = replace(handmade.bench_only(), mass=S.mass, prediction=S.prediction)
-    text = html(alone)
+    single = replace(handmade.bench_only(), mass=S.mass, prediction=S.prediction)
+    text = html(single)
     assert 'id="figure-frf"' in text
     assert "no hammer test was given" in Page(text).text
     assert "Predicted, without a hammer test" in Page(text).text
@@ -626,16 +626,18 @@ def test_report_with_a_mass_only_calls_its_prediction_untested():
 def test_an_inferred_mass_is_called_inferred(sketch):
     text = sketch(replace(S, mass_inferred=True))
     assert "was found from the measured FRF, so the agreement in frequency proves nothing" in text
-    found = replace(S, mass_inferred=True)
-    assert first_screen.under_mass(found, recommend_solid(found))[0].endswith("found from the FRF")
+    result = replace(S, mass_inferred=True)
+    assert first_screen.under_mass(result, recommend_solid(result))[0].endswith(
+        "found from the FRF"
+    )
 
 
 def test_a_fit_in_trouble_says_so_at_the_top(sketch):
     bad = Check("force_residual_small", False, "The model misses the force.", grade="stop")
     lame = replace_fields(S.fit, status=Status.TAU_AT_BOUND, checks=(bad,))
     text = sketch(replace(handmade.bench_only(), fit=lame))
-    told = text.index("Do not use The model misses the force.")
-    assert told < text.index("One seal behaves as a spring")
+    message = text.index("Do not use The model misses the force.")
+    assert message < text.index("One seal behaves as a spring")
     assert f"Optimiser: {Status.TAU_AT_BOUND.value}." in text
 
 
@@ -681,8 +683,8 @@ def test_no_word_of_code_stands_on_the_page(whole_page, bench):
         part = page[: page.index('<details id="assumptions">')]
         part = re.sub(r'<span class="mono">.*?</span>', "", part, flags=re.DOTALL)
         text = Page(part).text.replace("seal_8mm.csv", "").replace("dashpot/", "")
-        found = CODE.search(text)
-        assert not found, text[found.start() - 60 : found.end() + 60]
+        match = CODE.search(text)
+        assert not match, text[match.start() - 60 : match.end() + 60]
 
 
 # -- safe -------------------------------------------------------------------------------------
@@ -725,12 +727,12 @@ def test_marks_default_to_none():
 
 
 def test_two_tests_that_disagree_do_not_read_like_a_success():
-    told = Explanation(
+    explanation = Explanation(
         "stiffness", 1.15, 0.002, "1", 0.15, 2800.0, True, "the seals are 15 % stiffer"
     )
-    rival = replace(told, name="k_inf", is_sufficient=False, message="k_inf is 24 % larger")
+    rival = replace(explanation, name="k_inf", is_sufficient=False, message="k_inf is 24 % larger")
     needed = (Nuisance("stiffness_factor", 1.15, 0.01, "1"),)
-    joint = replace_fields(S.joint, explanations=(told, rival), nuisance=needed)
+    joint = replace_fields(S.joint, explanations=(explanation, rival), nuisance=needed)
     text = Page(html(replace(S, joint=joint))).text
     assert "k∞ is 24" in text
     assert "stiffness factor 1.150" in text

@@ -63,8 +63,8 @@ def test_an_axis_that_friction_stops_far_away_ends_within_a_count(friction: floa
     assert abs(home[-1] - 8e-3) < 0.02e-3
     assert home.max() < 1.01 * 8e-3
     # by the rate alone: an integrator that knows only its zone never begins
-    alone = Axis(friction=friction, standstill=0.0).follow(reference)
-    assert 8e-3 - alone[-1] > 0.1e-3
+    single = Axis(friction=friction, standstill=0.0).follow(reference)
+    assert 8e-3 - single[-1] > 0.1e-3
 
 
 def test_a_limited_axis_does_not_wind_up():

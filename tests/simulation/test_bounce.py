@@ -52,8 +52,8 @@ def test_the_response_agrees_with_an_ordinary_integrator():
         slope, (0, time[-1]), np.zeros(4), t_eval=time, rtol=1e-9, atol=1e-12, max_step=5e-4
     )
     expected = np.array([slope(t, y)[1] for t, y in zip(time, done.y.T, strict=True)])
-    found, _ = Oscillator.from_solid(solid, mass).acceleration(time, (pulse,))
-    np.testing.assert_allclose(found, expected, atol=2e-6)
+    result, _ = Oscillator.from_solid(solid, mass).acceleration(time, (pulse,))
+    np.testing.assert_allclose(result, expected, atol=2e-6)
 
 
 @settings(max_examples=25)
@@ -66,9 +66,9 @@ def test_the_response_agrees_with_an_ordinary_integrator():
 def test_two_pulses_are_the_sum_of_each(start: float, duration: float, peak: float, later: float):
     oscillator = Oscillator.from_solid(2 * BROAD, BROAD_MASS)
     time = np.arange(400) / 1000
-    one, two = HalfSine(start, duration, peak), HalfSine(start + later, 0.02, 1.0)
-    both, _ = oscillator.acceleration(time, (one, two))
-    first, _ = oscillator.acceleration(time, (one,))
+    half_sine, two = HalfSine(start, duration, peak), HalfSine(start + later, 0.02, 1.0)
+    both, _ = oscillator.acceleration(time, (half_sine, two))
+    first, _ = oscillator.acceleration(time, (half_sine,))
     second, _ = oscillator.acceleration(time, (two,))
     np.testing.assert_allclose(both, first + second, atol=1e-9)
 

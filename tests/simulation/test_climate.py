@@ -37,13 +37,13 @@ BROAD_AT = (
 
 @pytest.mark.parametrize(("celsius", "storage", "loss_factor", "peak", "height"), BROAD_AT)
 def test_the_broad_seal_follows_temperature(celsius, storage, loss_factor, peak, height):
-    felt = Climate(celsius + 273.15).shift_seal(BROAD)
-    assert 1e-3 * felt.storage(omega=OMEGA) == pytest.approx(storage, rel=3e-6)
-    assert felt.loss_factor(omega=OMEGA) == pytest.approx(loss_factor, rel=6e-6)
+    model = Climate(celsius + 273.15).shift_seal(BROAD)
+    assert 1e-3 * model.storage(omega=OMEGA) == pytest.approx(storage, rel=3e-6)
+    assert model.loss_factor(omega=OMEGA) == pytest.approx(loss_factor, rel=6e-6)
     lines = peak + np.linspace(-2e-3, 2e-3, 4001)
-    found = np.abs(accelerance(2 * felt, BROAD_MASS, 2j * np.pi * lines))
-    assert lines[np.argmax(found)] == pytest.approx(peak, abs=6e-6)
-    assert found.max() == pytest.approx(height, rel=6e-5)
+    magnitude = np.abs(accelerance(2 * model, BROAD_MASS, 2j * np.pi * lines))
+    assert lines[np.argmax(magnitude)] == pytest.approx(peak, abs=6e-6)
+    assert magnitude.max() == pytest.approx(height, rel=6e-5)
 
 
 def test_the_hidden_seal_is_the_papers_with_the_arm_it_supposes():
@@ -66,16 +66,16 @@ def test_cold_relaxation_equals_warm_relaxation_on_a_shifted_clock(law):
 def test_a_record_is_of_the_seal_at_its_temperature():
     rig = replace(Rig().noise_free(), rate=100.0)
     made = simulate_relaxation(BROAD, hold_time=2.0, rig=rig, climate=Climate(273.15))
-    felt = shift_to_temperature(BROAD, 273.15, SHIFT)
-    assert made.truth.model == felt
+    shift = shift_to_temperature(BROAD, 273.15, SHIFT)
+    assert made.truth.model == shift
     assert made.test.specimen.temperature == 273.15
     np.testing.assert_allclose(
         made.truth.force,
-        felt.force(made.test.time, made.test.displacement),
+        shift.force(made.test.time, made.test.displacement),
         atol=2e-3 * made.truth.force.max(),
     )
-    told = json.loads(truth_json(made.truth))["climate"]
-    assert told == {
+    message = json.loads(truth_json(made.truth))["climate"]
+    assert message == {
         "temperature": 273.15,
         "law": {"c1": SHIFT.c1, "c2": SHIFT.c2, "reference": 296.15},
     }
@@ -114,9 +114,9 @@ def test_the_file_states_the_temperature_and_reading_takes_it(tmp_path):
     assert test.specimen.temperature == 273.15
     assert test.source is not None
     assert "temperature 0 degC: the header says 'temperature: 0 degC'" in test.source.notes
-    told = json.loads((tmp_path / "cold.truth.json").read_text())
-    felt = shift_to_temperature(HIDDEN, 273.15, WLF(8.0, 110.0, 293.15))
-    np.testing.assert_allclose(told["model"]["tau"], felt.tau)
+    document = json.loads((tmp_path / "cold.truth.json").read_text())
+    shift = shift_to_temperature(HIDDEN, 273.15, WLF(8.0, 110.0, 293.15))
+    np.testing.assert_allclose(document["model"]["tau"], shift.tau)
     assert ran(*words[:-1], tmp_path / "warm.csv").exit_code == 0
     assert read_relaxation(tmp_path / "warm.csv").specimen.temperature is None
 
@@ -130,7 +130,7 @@ def test_a_hammer_file_states_it_too(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("inputs", "message"),
     [
         (("--wlf", "8,110K"), "expected C1,C2,T_r"),
         (("--wlf", "8,110K,20"), "has no unit"),
@@ -139,7 +139,7 @@ def test_a_hammer_file_states_it_too(tmp_path):
         (("--temperature", "-80degC", "--wlf", "8,50K,0degC"), "diverges"),
     ],
 )
-def test_what_is_no_law_is_refused(tmp_path, given, message):
-    ended = ran("simulate", "relaxation", *given, "-o", tmp_path / "a.csv")
+def test_what_is_no_law_is_refused(tmp_path, inputs, message):
+    ended = ran("simulate", "relaxation", *inputs, "-o", tmp_path / "a.csv")
     assert ended.exit_code == 2
     assert message in " ".join(ended.output.split())

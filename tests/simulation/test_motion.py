@@ -75,8 +75,8 @@ def test_a_softening_that_leaves_nothing_is_refused(share: float):
 def test_a_load_cell_warms_up():
     rig = replace(Rig().noise_free(), warming=0.1, warming_time=5.0)
     made = simulate_relaxation(PAPER, hold_time=10.0, rig=rig)
-    moved = made.test.force - made.truth.force
-    np.testing.assert_allclose(moved, 0.1 * (1 - np.exp(-made.test.time / 5.0)), atol=1e-12)
+    variant = made.test.force - made.truth.force
+    np.testing.assert_allclose(variant, 0.1 * (1 - np.exp(-made.test.time / 5.0)), atol=1e-12)
 
 
 def test_the_temperature_of_a_motion_is_stated():
@@ -95,9 +95,9 @@ def test_cycles_of_a_seal_that_softens_are_read_as_such(tmp_path):
         here.chdir(tmp_path)
         made = ran(*words.split(), "--follow", "cycles.csv", "-o", "cld.csv")
         assert made.exit_code == 0, made.output
-        found = cld(read_cld("cld.csv"))
+        result = cld(read_cld("cld.csv"))
     # of a spring nothing else changes: the fourth carries 1 - 0.12 (1 - e^-2) of the first
-    assert found.softening == pytest.approx(0.12 * (1 - np.exp(-2)), abs=1e-4)
+    assert result.softening == pytest.approx(0.12 * (1 - np.exp(-2)), abs=1e-4)
 
 
 def test_a_file_that_leaves_a_question_open_is_sent_to_inspect(tmp_path):

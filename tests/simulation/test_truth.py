@@ -17,25 +17,25 @@ def test_simulated_relaxation_has_a_stamp_and_truth():
     assert lines[0].startswith("simulated by dashpot")
     assert "not a measurement" in lines[0]
     assert "seed 7" in lines[1]
-    told = json.loads(truth_json(truth))
-    assert told["schema"] == "dashpot/truth@1"
-    assert told["simulated"] is True
-    assert told["kind"] == "relaxation"
-    assert tuple(told["model"]["k"]) == PAPER.k
-    assert tuple(told["model"]["tau"]) == PAPER.tau
-    assert told["onset"] == truth.onset
-    assert told["rig"]["axis"]["frequency"] == 6.0
-    assert "force" not in told
+    document = json.loads(truth_json(truth))
+    assert document["schema"] == "dashpot/truth@1"
+    assert document["simulated"] is True
+    assert document["kind"] == "relaxation"
+    assert tuple(document["model"]["k"]) == PAPER.k
+    assert tuple(document["model"]["tau"]) == PAPER.tau
+    assert document["onset"] == truth.onset
+    assert document["rig"]["axis"]["frequency"] == 6.0
+    assert "force" not in document
 
 
 def test_simulated_impact_has_a_stamp_and_truth():
     truth = simulate_impact(BROAD, mass=BROAD_MASS, hits=2, rig=Hammer(record=1.0)).truth
     assert "virtual hammer" in stamp(truth)[0]
-    told = json.loads(truth_json(truth))
-    assert told["kind"] == "impact"
-    assert told["mass"] == BROAD_MASS
-    assert [hit["peak"] for hit in told["hits"]] == [hit.peak for hit in truth.hits]
-    assert complex(*told["bounce_poles"][0]) == truth.bounce_poles[0]
+    document = json.loads(truth_json(truth))
+    assert document["kind"] == "impact"
+    assert document["mass"] == BROAD_MASS
+    assert [hit["peak"] for hit in document["hits"]] == [hit.peak for hit in truth.hits]
+    assert complex(*document["bounce_poles"][0]) == truth.bounce_poles[0]
 
 
 def test_what_is_unlimited_is_null():

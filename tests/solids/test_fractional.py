@@ -22,11 +22,11 @@ def test_its_numbers_are_those_of_park() -> None:
     assert (at.real, at.imag) == pytest.approx((5.5, 1.863961), abs=5e-7)
     assert PARK.loss_factor(omega=10.0) == pytest.approx(0.451257, abs=5e-7)
     t = [1e-4, 0.01, 1.0, 40.0]
-    found = PARK.relaxation(t)
-    assert found == pytest.approx([9.06811282, 4.84825219, 1.50526893, 1.08027555], abs=6e-9)
+    relaxation = PARK.relaxation(t)
+    assert relaxation == pytest.approx([9.06811282, 4.84825219, 1.50526893, 1.08027555], abs=6e-9)
     held = PARK.ramp_hold_force([0.5, 1, 2, 10, 41], depth=1.0, ramp_time=1.0)
-    known = [1.13520731, 1.93059394, 1.41917984, 1.16471294, 1.07978013]
-    assert held == pytest.approx(known, abs=6e-9)
+    expected = [1.13520731, 1.93059394, 1.41917984, 1.16471294, 1.07978013]
+    assert held == pytest.approx(expected, abs=6e-9)
     ramps = [float(PARK.ramp_hold_force([c], depth=1.0, ramp_time=c)[0]) for c in t]
     assert ramps == pytest.approx([9.36540701, 6.00366469, 1.93059394, 1.15834124], abs=6e-9)
 
@@ -42,10 +42,10 @@ def test_with_a_half_it_is_the_error_function() -> None:
     t = np.geomspace(1e-6, 1e5, 89)
     x = np.sqrt(t / PARK.tau)
     np.testing.assert_allclose(PARK.relaxation(t), 1 + 9 * erfcx(x), rtol=2e-11)
-    for each in t[[0, 40, 88]]:
-        x = np.sqrt(each / PARK.tau)
+    for value in t[[0, 40, 88]]:
+        x = np.sqrt(value / PARK.tau)
         mean = (erfcx(x) - 1 + 2 * x / np.sqrt(np.pi)) / x**2
-        ramp = PARK.ramp_hold_force([each], depth=1.0, ramp_time=each)
+        ramp = PARK.ramp_hold_force([value], depth=1.0, ramp_time=value)
         assert ramp[0] == pytest.approx(1 + 9 * mean, rel=1e-10 + 1e-15 / x**2)
 
 
@@ -115,9 +115,12 @@ def test_fractional_slope_of_one_is_a_zener_model() -> None:
 
 
 def test_the_ends_are_taken_in_either_order() -> None:
-    one, other = FractionalZener(200.0, 500.0, 0.05, 0.5), FractionalZener(500.0, 200.0, 0.05, 0.5)
-    assert one == other
-    assert (one.k_inf, one.k_0) == (200.0, 500.0)
+    fractional_zener, other = (
+        FractionalZener(200.0, 500.0, 0.05, 0.5),
+        FractionalZener(500.0, 200.0, 0.05, 0.5),
+    )
+    assert fractional_zener == other
+    assert (fractional_zener.k_inf, fractional_zener.k_0) == (200.0, 500.0)
 
 
 def test_solids_stand_side_by_side() -> None:
@@ -126,23 +129,23 @@ def test_solids_stand_side_by_side() -> None:
     assert joined == FractionalZener(3.0, 12.0, 0.01, 0.5, 0.3) == spring + PARK + dashpot
     assert PARK + PARK == 2 * PARK == FractionalZener(2.0, 20.0, 0.01, 0.5)
     arm = GeneralizedMaxwell(1.0, (4.0,), (3.0,))
-    beside: Solid = arm + FractionalZener(5.0, 1.0, 0.1, 0.3) + PARK
-    assert isinstance(beside, Parallel)
-    assert len(beside.parts) == 3
+    solid: Solid = arm + FractionalZener(5.0, 1.0, 0.1, 0.3) + PARK
+    assert isinstance(solid, Parallel)
+    assert len(solid.parts) == 3
     K = arm.complex_stiffness(omega=OMEGA) + PARK.complex_stiffness(omega=OMEGA)
     K = K + FractionalZener(5.0, 1.0, 0.1, 0.3).complex_stiffness(omega=OMEGA)
-    np.testing.assert_allclose((2 * beside).complex_stiffness(omega=OMEGA), 2 * K, rtol=1e-13)
-    np.testing.assert_allclose(beside.maxwell.complex_stiffness(omega=OMEGA), K, atol=2e-3)
-    assert (beside.k_inf, beside.k_0) == pytest.approx((3.0, 20.0))
+    np.testing.assert_allclose((2 * solid).complex_stiffness(omega=OMEGA), 2 * K, rtol=1e-13)
+    np.testing.assert_allclose(solid.maxwell.complex_stiffness(omega=OMEGA), K, atol=2e-3)
+    assert (solid.k_inf, solid.k_0) == pytest.approx((3.0, 20.0))
     t, x = np.linspace(0, 2, 40), np.linspace(0, 1, 40)
-    parts = sum(part.force(t, x) for part in beside.parts)
-    np.testing.assert_allclose(beside.force(t, x), parts, rtol=1e-12)
+    parts = sum(part.force(t, x) for part in solid.parts)
+    np.testing.assert_allclose(solid.force(t, x), parts, rtol=1e-12)
 
 
 def test_fractional_model_includes_a_parallel_dashpot() -> None:
     damped = FractionalZener(10.0, 1.0, 0.01, 0.5, b=0.4)
-    apart = PARK.complex_stiffness(omega=OMEGA) + 0.4j * OMEGA
-    np.testing.assert_allclose(damped.complex_stiffness(omega=OMEGA), apart, rtol=1e-13)
+    separate = PARK.complex_stiffness(omega=OMEGA) + 0.4j * OMEGA
+    np.testing.assert_allclose(damped.complex_stiffness(omega=OMEGA), separate, rtol=1e-13)
     assert damped.maxwell.b == 0.4
     ramp = damped.ramp_hold_force([0.5], depth=1.0, ramp_time=1.0)
     assert ramp[0] == pytest.approx(1.13520731 + 0.4, abs=6e-9)
@@ -151,11 +154,11 @@ def test_fractional_model_includes_a_parallel_dashpot() -> None:
 @pytest.mark.parametrize("alpha", [0.3, 0.6, 0.9])
 def test_weights_are_differentiated(alpha: float) -> None:
     u, step = np.arange(-12.0, 9.0, 0.2), 1e-6
-    found = weights_at(u, alpha)
+    weights = weights_at(u, alpha)
     by_alpha = weights_at(u, alpha + step).value - weights_at(u, alpha - step).value
     by_log_tau = weights_at(u - step, alpha).value - weights_at(u + step, alpha).value
-    np.testing.assert_allclose(found.by_alpha, by_alpha / (2 * step), atol=1e-8)
-    np.testing.assert_allclose(found.by_log_tau, by_log_tau / (2 * step), atol=1e-8)
+    np.testing.assert_allclose(weights.by_alpha, by_alpha / (2 * step), atol=1e-8)
+    np.testing.assert_allclose(weights.by_log_tau, by_log_tau / (2 * step), atol=1e-8)
 
 
 @pytest.mark.parametrize("solid", [PARK, Parallel((PARK, GeneralizedMaxwell(1.0, (2.0,), (0.5,))))])

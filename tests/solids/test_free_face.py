@@ -39,8 +39,8 @@ def test_the_plate_never_enters_the_seal_nor_pulls_at_it() -> None:
     assert np.all(force >= 0)
     # where they are apart there is no force
     assert np.all(force[face > plate + 1e-9] == 0)
-    apart = np.flatnonzero(face > plate + 1e-9)
-    assert len(apart) > 100
+    separate = np.flatnonzero(face > plate + 1e-9)
+    assert len(separate) > 100
     # and where they are not, it is that of the motion of the face
     np.testing.assert_allclose(SOLID.force(time, face), force, atol=2e-3 * force.max())
 
@@ -71,8 +71,8 @@ def test_a_spring_and_an_uneven_clock_are_taken_as_well() -> None:
     face, force = face_under_plate(GeneralizedMaxwell(200.0), time, plate - 1e-3)
     np.testing.assert_allclose(face, np.maximum(plate - 1e-3, 0.0), atol=1e-12)
     np.testing.assert_allclose(force, 200.0 * face, atol=1e-9)
-    kept = np.sort(np.random.default_rng(2).permutation(len(time))[: 2 * len(time) // 3])
-    kept = np.unique(np.append(kept, 0))
+    retained = np.sort(np.random.default_rng(2).permutation(len(time))[: 2 * len(time) // 3])
+    retained = np.unique(np.append(retained, 0))
     even, _ = face_under_plate(SOLID, time, plate)
-    some, _ = face_under_plate(SOLID, time[kept], plate[kept])
-    np.testing.assert_allclose(some, even[kept], atol=0.01 * 8e-3)
+    some, _ = face_under_plate(SOLID, time[retained], plate[retained])
+    np.testing.assert_allclose(some, even[retained], atol=0.01 * 8e-3)

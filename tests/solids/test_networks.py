@@ -36,7 +36,7 @@ def stiffness(tree, s):
         return np.full_like(s, rest)
     if word == "dashpot":
         return rest * s
-    parts = [stiffness(each, s) for each in rest]
+    parts = [stiffness(item, s) for item in rest]
     return sum(parts) if word == "parallel" else 1 / sum(1 / part for part in parts)
 
 
@@ -97,10 +97,10 @@ def test_zener_and_its_kelvin_form_are_the_same_solid():
     by_hand = net.series(net.spring(k_g), net.kelvin_voigt(k_v, k_v * tau))
     k_inf = k_g * k_v / (k_g + k_v)
     expected = net.zener(k_inf, k_g - k_inf, tau=tau * k_v / (k_g + k_v))
-    for each in (solid, by_hand):
-        assert each.k_inf == pytest.approx(expected.k_inf)
-        assert each.k == pytest.approx(expected.k)
-        assert each.tau == pytest.approx(expected.tau)
+    for model in (solid, by_hand):
+        assert model.k_inf == pytest.approx(expected.k_inf)
+        assert model.k == pytest.approx(expected.k)
+        assert model.tau == pytest.approx(expected.tau)
 
 
 def test_kelvin_chain_creeps_as_it_is_written():

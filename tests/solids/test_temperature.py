@@ -79,11 +79,11 @@ def test_a_shifted_solid_answers_slower_and_stiffer():
 def test_vertical_shift_interpolates_and_extrapolates():
     law = dp.solids.FreeShifts((273.15, 296.15), (1.5, 0.0), 296.15)
     shifts = (Shift(273.15, 1.5, 0.01, 0.9, 0.001), Shift(296.15, 0.0, 0.0))
-    found = TemperatureShifts(law, shifts, np.zeros((4, 4)))
-    assert found.tested_range == (273.15, 296.15)
-    assert found.b_t(273.15) == pytest.approx(0.9)
-    assert found.b_t(296.15) == 1.0
-    assert found.b_t(284.65) == pytest.approx(np.sqrt(0.9))
-    assert found.b_t(319.15) == pytest.approx(1 / 0.9)
+    temperature_shifts = TemperatureShifts(law, shifts, np.zeros((4, 4)))
+    assert temperature_shifts.tested_range == (273.15, 296.15)
+    assert temperature_shifts.b_t(273.15) == pytest.approx(0.9)
+    assert temperature_shifts.b_t(296.15) == 1.0
+    assert temperature_shifts.b_t(284.65) == pytest.approx(np.sqrt(0.9))
+    assert temperature_shifts.b_t(319.15) == pytest.approx(1 / 0.9)
     with pytest.raises(dp.DataError, match="covariance"):
         TemperatureShifts(law, shifts, np.zeros((3, 3)))

@@ -49,45 +49,45 @@ def test_it_holds_a_system() -> None:
     np.testing.assert_allclose(frf.value, closed_form(LINES), rtol=1e-12)
     (mode,) = newton_modes(system)
     assert mode.converged
-    left = MASS * mode.pole**2 + 2 * SEAL.stiffness_at(mode.pole)
-    assert abs(left) < 1e-9 * 2 * SEAL.k_0
+    residual = MASS * mode.pole**2 + 2 * SEAL.stiffness_at(mode.pole)
+    assert abs(residual) < 1e-9 * 2 * SEAL.k_0
     (same,) = model_modes(2 * SEAL, MASS)
     assert mode.pole == pytest.approx(same.pole, rel=1e-9)
-    ringing = [each for each in complex_modes(system) if each.oscillates]
+    ringing = [complex_mode for complex_mode in complex_modes(system) if complex_mode.oscillates]
     assert ringing[0].pole == pytest.approx(mode.pole, rel=1e-3)
 
 
 def test_a_system_on_it_moves_as_on_its_arms() -> None:
     t = np.linspace(0.0, 0.3, 61)
-    moved = [
+    displacements = [
         respond(
             System((point_mass("block", MASS),), (Mount(solid, ("block", "ground")),)),
             t, force={"block.z": np.sin(40 * t)},
         ).displacement
         for solid in (SEAL, SEAL.maxwell)
     ]  # fmt: skip
-    np.testing.assert_allclose(*moved, rtol=1e-12)
-    assert np.abs(moved[0]).max() > 1e-4
+    np.testing.assert_allclose(*displacements, rtol=1e-12)
+    assert np.abs(displacements[0]).max() > 1e-4
 
 
 def test_it_is_compared_as_its_test_saw_it() -> None:
     s = 2j * np.pi * LINES + 1.5
     measured = FRF(LINES, accelerance(2 * SEAL, MASS, s, 1.0), shift=1.5, record=1.0, units="SI")
-    given = predict_frf(2 * SEAL, mass=MASS, frequency=LINES)
-    found = compare(given, measured, model=SEAL, seals=2)
-    assert found.frac == pytest.approx(1.0, abs=1e-12)
-    assert abs(found.frequency_error) < 1e-9
-    assert sum(arm.loss_share for arm in found.arms) == pytest.approx(1.0)
+    frf = predict_frf(2 * SEAL, mass=MASS, frequency=LINES)
+    comparison = compare(frf, measured, model=SEAL, seals=2)
+    assert comparison.frac == pytest.approx(1.0, abs=1e-12)
+    assert abs(comparison.frequency_error) < 1e-9
+    assert sum(arm.loss_share for arm in comparison.arms) == pytest.approx(1.0)
 
 
 def test_arms_faster_than_the_pulse_leave_nothing_at_the_end_of_the_record() -> None:
     s = 2j * np.pi * LINES
     slow = FractionalZener(900.0, 400.0, 0.01, 0.45)
-    found = accelerance(2 * slow, MASS, s, 8.0, pulse=0.01)
+    result = accelerance(2 * slow, MASS, s, 8.0, pulse=0.01)
     assert slow.maxwell.tau[0] < 1e-9
     whole = accelerance(2 * slow, MASS, s)
-    np.testing.assert_allclose(found, whole, rtol=1e-3)
-    assert np.abs(found - whole).max() > 0
+    np.testing.assert_allclose(result, whole, rtol=1e-3)
+    assert np.abs(result - whole).max() > 0
 
 
 def test_a_flat_spectrum_of_a_hundred_decades_leaves_its_poles_their_digits() -> None:
@@ -97,9 +97,9 @@ def test_a_flat_spectrum_of_a_hundred_decades_leaves_its_poles_their_digits() ->
     cut = accelerance(2 * flat, MASS, s, 2.0, pulse=0.01)
     # in the band of the lines few of its arms are more than springs and dashpots
     few = flat.arms(1e-7, (1e-2, 1e4))
-    known = accelerance(2 * few, MASS, s, 2.0, pulse=0.01)
-    assert np.abs(cut - known).max() < 1e-4 * np.abs(known).max()
-    assert np.abs(cut - accelerance(2 * flat, MASS, s)).max() > 0.5 * np.abs(known).max()
+    expected = accelerance(2 * few, MASS, s, 2.0, pulse=0.01)
+    assert np.abs(cut - expected).max() < 1e-4 * np.abs(expected).max()
+    assert np.abs(cut - accelerance(2 * flat, MASS, s)).max() > 0.5 * np.abs(expected).max()
 
 
 def test_mass_for_peak_recovers_the_mass() -> None:

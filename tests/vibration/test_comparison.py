@@ -132,8 +132,8 @@ def test_an_arm_is_seen_only_if_its_errors_say_so() -> None:
         parameter_changes=(ParameterChange("k_1", None, None, 117.5, 1.0, "N/m"),),
         method="joint",
     )
-    told = compare(frf, frf, fit=joint, seals=2)
-    assert [arm.seen_by_relaxation for arm in told.arms] == [False, True]
+    comparison = compare(frf, frf, fit=joint, seals=2)
+    assert [arm.seen_by_relaxation for arm in comparison.arms] == [False, True]
 
 
 def test_without_a_covariance_the_band_decides() -> None:
@@ -141,8 +141,8 @@ def test_without_a_covariance_the_band_decides() -> None:
     bare = replace_fields(
         a_fit(PAPER), parameters=(), covariance=np.zeros((0, 0)), band=(0.004, 0.1)
     )
-    told = compare(frf, frf, fit=bare, seals=2)
-    assert [arm.seen_by_relaxation for arm in told.arms] == [False, True]
+    comparison = compare(frf, frf, fit=bare, seals=2)
+    assert [arm.seen_by_relaxation for arm in comparison.arms] == [False, True]
 
 
 def test_with_two_curves_only_there_are_no_arms() -> None:
@@ -175,7 +175,7 @@ def test_the_weight_of_the_block_and_the_depth_of_the_test() -> None:
 def test_a_frequency_that_agrees_bears_out_the_other_operating_point() -> None:
     frf = predict_frf(2 * PAPER, mass=0.1040426, frequency=np.arange(4.0, 40.0, 0.05))
     same = compare(frf, frf, fit=a_fit(PAPER), seals=2)
-    assert not [found.name for found in same.checks if found.failed]
+    assert not [result.name for result in same.checks if result.failed]
     assert same.verdict.use == "use"
     assert same.verdict.message == same.message
     assert same.message.startswith("The prediction matches the measurement: peak at 12.71 Hz")
@@ -267,9 +267,9 @@ def test_acceleration_in_g_is_noticed() -> None:
 
 def test_compare_reports_a_peak_between_lines() -> None:
     frf = predict_frf(2 * PAPER, mass=MASS, frequency=LINES)
-    told = check(compare(frf, frf), "lines_resolve_the_peak")
-    assert told.failed
-    assert "Record longer" in told.message_with_remedy
+    message = check(compare(frf, frf), "lines_resolve_the_peak")
+    assert message.failed
+    assert "Record longer" in message.message_with_remedy
 
 
 def test_too_few_lines_are_refused() -> None:

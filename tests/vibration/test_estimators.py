@@ -90,9 +90,9 @@ def test_hs_is_h1_without_force_noise_and_h2_without_response_noise():
 
 
 def test_coherence_of_a_single_hit_is_none():
-    one = spectra(hits=1, response_noise=1.0)
-    assert coherence(one) is None
-    assert random_error(one, estimate(one)) is None
+    item = spectra(hits=1, response_noise=1.0)
+    assert coherence(item) is None
+    assert random_error(item, estimate(item)) is None
 
 
 def test_the_random_error_agrees_with_the_coherence_formula():

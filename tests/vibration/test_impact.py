@@ -30,8 +30,8 @@ def error(frf, model, mass=MASS, low=5.0, high=50.0):
 
 
 def check(frf, name):
-    (found,) = [check for check in frf.checks if check.name == name]
-    return found
+    (result,) = [check for check in frf.checks if check.name == name]
+    return result
 
 
 # -- the known FRF ------------------------------------------------------------------------------
@@ -66,8 +66,8 @@ def test_the_exponential_window_is_exact_on_the_shifted_line(strike, paper_seal,
 
 def test_the_exponential_window_is_as_gentle_as_the_decay_allows(strike, broad_seal, paper_seal):
     ringing = estimate_frf(strike(record=2.0), window="exponential")
-    left = np.exp(-2 * (0.354171 + ringing.shift))
-    assert 0.003 < left < 0.02
+    decay = np.exp(-2 * (0.354171 + ringing.shift))
+    assert 0.003 < decay < 0.02
     decayed = estimate_frf(strike(2 * broad_seal, 0.114829829, record=8.0), window="exponential")
     assert decayed.shift == 0
     assert any("not needed" in step.message for step in decayed.steps)
@@ -103,19 +103,19 @@ def test_continuous_record_and_separate_records_give_the_same_frf(strike, broad_
         acceleration=test.acceleration,
         units="SI",
     )
-    apart, together = estimate_frf(test), estimate_frf(joined)
+    frf, together = estimate_frf(test), estimate_frf(joined)
     assert together.averages == 4
     assert [hit.accepted for hit in together.hits] == [True] * 4
     assert [hit.time for hit in together.hits] == pytest.approx([0.1, 8.1, 16.1, 24.1], abs=2e-3)
-    assert apart.modes()[0].damping_ratio == pytest.approx(
+    assert frf.modes()[0].damping_ratio == pytest.approx(
         together.modes()[0].damping_ratio, rel=2e-3
     )
 
 
 def test_tests_in_several_files_are_averaged(strike):
-    one = estimate_frf([strike(seed=1), strike(seed=2), strike(seed=3)])
-    assert one.averages == 3
-    assert [hit.name for hit in one.hits] == ["1", "2", "3"]
+    frf = estimate_frf([strike(seed=1), strike(seed=2), strike(seed=3)])
+    assert frf.averages == 3
+    assert [hit.name for hit in frf.hits] == ["1", "2", "3"]
 
 
 def test_estimate_frf_accepts_record_length_and_pretrigger(strike):
@@ -154,8 +154,8 @@ def test_estimate_frf_refuses_opposite_polarity_unless_stated(strike):
     )
     with pytest.raises(DataError, match=r"opposite polarity.*acceleration 2 against.*\(1, -1\)"):
         estimate_frf(both)
-    told = estimate_frf(both, polarity=(1, -1))
-    np.testing.assert_allclose(told.value, estimate_frf(test).value, rtol=1e-9)
+    frf = estimate_frf(both, polarity=(1, -1))
+    np.testing.assert_allclose(frf.value, estimate_frf(test).value, rtol=1e-9)
 
 
 def wandering(test: ImpactTest, size: float, seed: int) -> ImpactTest:
@@ -223,20 +223,20 @@ def test_hits_of_all_heights_agree_on_a_linear_seal(strike, paper_seal):
 
 
 def test_amplitude_check_states_the_softening_per_doubling(strike, paper_seal):
-    told = check(struck_alike(strike, paper_seal, softens=0.01), "amplitude_linear")
-    assert told.failed
-    assert "change the stiffness by -1 % per doubling" in told.message
+    message = check(struck_alike(strike, paper_seal, softens=0.01), "amplitude_linear")
+    assert message.failed
+    assert "change the stiffness by -1 % per doubling" in message.message
     damped = check(struck_alike(strike, paper_seal, softens=0.0, damps=0.2), "amplitude_linear")
     assert damped.failed
 
 
 @pytest.mark.slow
 def test_a_trend_is_not_seen_where_there_is_none(strike, paper_seal):
-    found = [
+    checks = [
         check(estimate_frf(strike(record=8.0, hits=5, noise=NOISE, seed=s)), "amplitude_linear")
         for s in range(60)
     ]
-    assert sum(one.failed for one in found) <= 2
+    assert sum(item.failed for item in checks) <= 2
 
 
 def test_frf_of_a_single_hit_has_no_coherence(strike):
@@ -476,10 +476,10 @@ def test_trend_of_hits_has_the_published_error():
 
         every = [compute_trend(published) for _ in range(400)]
         assert np.sqrt(
-            np.mean([one.detectable_stiffness_change**2 for one in every])
+            np.mean([item.detectable_stiffness_change**2 for item in every])
         ) == pytest.approx(published, rel=0.06)
         seen = [
-            abs(one.stiffness) > t_quantile(0.95, count - 2) * one.stiffness_line.se
-            for one in every
+            abs(model.stiffness) > t_quantile(0.95, count - 2) * model.stiffness_line.se
+            for model in every
         ]
         assert np.mean(seen) == pytest.approx(0.8, abs=0.06)

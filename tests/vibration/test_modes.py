@@ -185,9 +185,9 @@ def test_modes_separates_several_modes(record, shift):
     )
     f = np.arange(1, 160) / 4
     frf = FRF(f, _modal(f, true, record, shift), record=record, shift=shift, units="SI")
-    found = frf.modes(band=(2, 39))
-    assert len(found) == 3
-    for mode, expected in zip(found, true, strict=True):  # largest residue first
+    modes = frf.modes(band=(2, 39))
+    assert len(modes) == 3
+    for mode, expected in zip(modes, true, strict=True):  # largest residue first
         assert mode.frequency == pytest.approx(expected.frequency, rel=1e-4)
         assert mode.damping_ratio == pytest.approx(expected.damping_ratio, rel=1e-2)
         assert mode.residue == pytest.approx(expected.residue, rel=1e-2)
@@ -201,9 +201,9 @@ def test_modes_of_a_mode_with_noise_has_no_spurious_mode():
         noise = random.standard_normal(len(f)) + 1j * random.standard_normal(len(f))
         sd = 0.2
         value = _modal(f, (Mode(12.0, 0.02, -0.05j),)) + sd * noise
-        found = FRF(f, value, sd=np.full(len(f), sd), units="SI").modes()
-        assert len(found) == 1
-        assert found[0].frequency == pytest.approx(12.0, abs=4 * found[0].frequency_se)
+        modes = FRF(f, value, sd=np.full(len(f), sd), units="SI").modes()
+        assert len(modes) == 1
+        assert modes[0].frequency == pytest.approx(12.0, abs=4 * modes[0].frequency_se)
 
 
 def test_flat_lines_have_no_mode():
@@ -213,8 +213,8 @@ def test_flat_lines_have_no_mode():
 
 def test_modes_returns_the_requested_number():
     f = np.arange(1, 160) / 4
-    found = FRF(f, _modal(f, (Mode(9.0, 0.02, -0.05j),)), units="SI").modes(count=2, band=(2, 39))
-    assert len(found) == 2
+    modes = FRF(f, _modal(f, (Mode(9.0, 0.02, -0.05j),)), units="SI").modes(count=2, band=(2, 39))
+    assert len(modes) == 2
 
 
 def test_the_kernel_is_the_transform_over_the_record():

@@ -46,10 +46,8 @@ def test_a_straight_law_changes_nothing() -> None:
     solid = predict_frf(SEALS * TABLE_1, mass=MASS, frequency=LINES)
     for fit in (a_fit(TABLE_1), straight()):
         for compression in (None, 1e-3):
-            found = predict_frf(
-                fit, mass=MASS, seals=SEALS, frequency=LINES, compression=compression
-            )
-            np.testing.assert_array_equal(found.value, solid.value)
+            frf = predict_frf(fit, mass=MASS, seals=SEALS, frequency=LINES, compression=compression)
+            np.testing.assert_array_equal(frf.value, solid.value)
 
 
 @pytest.mark.parametrize("fit", [straight(), hard()], ids=["straight", "hardening"])
@@ -73,8 +71,8 @@ def test_at_the_tested_depth_of_a_straight_piece_the_factor_is_its_tangent() -> 
     point = operating_point(hard(), MassOnSeals(MASS, SEALS, 8e-3))
     assert point.factor == law().ratio[-1]
     assert point.given
-    found = point.solid(hard())
-    assert found == hard().model_at(8e-3)
+    solid = point.solid(hard())
+    assert solid == hard().model_at(8e-3)
 
 
 @settings(max_examples=100, deadline=None)
@@ -84,14 +82,14 @@ def test_at_the_tested_depth_of_a_straight_piece_the_factor_is_its_tangent() -> 
 )
 def test_compression_inverts_force(shape: list[float], part: float) -> None:
     # what is soft is soft by a part of what is stiff, or not there at all
-    shape, part = [one if one > 1e-6 else 0.0 for one in shape], part if part > 1e-6 else 0.0
+    shape, part = [item if item > 1e-6 else 0.0 for item in shape], part if part > 1e-6 else 0.0
     knots = np.linspace(0.0, 8e-3, len(shape))
     mean = float(np.trapezoid(shape, knots)) / 8e-3
     if mean < 0.05 or (shape[-1] < 1e-3 and part > 1):
         return
-    found = ElasticLaw(tuple(knots), tuple(np.array(shape) / mean), 196.5)
-    wanted = part * float(found.force(8e-3))
-    assert float(found.force(found.compression(wanted))) == pytest.approx(
+    elastic_law = ElasticLaw(tuple(knots), tuple(np.array(shape) / mean), 196.5)
+    wanted = part * float(elastic_law.force(8e-3))
+    assert float(elastic_law.force(elastic_law.compression(wanted))) == pytest.approx(
         wanted, rel=1e-9, abs=1e-12
     )
 
@@ -103,9 +101,9 @@ def test_no_compression_carries_what_a_law_cannot() -> None:
 
 
 def test_seals_and_compression_belong_to_a_fit() -> None:
-    for given_too in ({"seals": 2.0}, {"compression": 1e-3}):
+    for inputs in ({"seals": 2.0}, {"compression": 1e-3}):
         with pytest.raises(DataError, match="belong to a fit"):
-            predict_frf(TABLE_1, mass=MASS, frequency=LINES, **given_too)
+            predict_frf(TABLE_1, mass=MASS, frequency=LINES, **inputs)
     with pytest.raises(DataError, match="modulus"):
         predict_frf(replace(straight(), unit="Pa"), mass=MASS, frequency=LINES)
 
@@ -129,9 +127,9 @@ def test_operating_point_outside_the_test_extends_the_last_tangent() -> None:
     carried = law().force(8e-3) + law().tangent(8e-3) * (point.compression - 8e-3)
     assert SEALS * float(carried) == pytest.approx(9.80665)
     frf = predict_frf(hard(), mass=1.0, seals=SEALS, frequency=LINES)
-    told = {c.name: c for c in compare(frf, frf, fit=hard(), mass=1.0, seals=SEALS).checks}
-    assert told["operating_point"].failed
-    assert "last tangent" in told["operating_point"].message
+    values = {c.name: c for c in compare(frf, frf, fit=hard(), mass=1.0, seals=SEALS).checks}
+    assert values["operating_point"].failed
+    assert "last tangent" in values["operating_point"].message
 
 
 def test_predict_frf_without_frequencies_covers_the_peak() -> None:
@@ -165,9 +163,9 @@ def test_a_comparison_needs_the_mass_where_the_stiffness_depends_on_it() -> None
     frf = predict_frf(hard(), mass=MASS, seals=SEALS, frequency=LINES)
     with pytest.raises(DataError, match="give --mass"):
         compare(frf, frf, fit=hard(), seals=SEALS)
-    given_point = predict_frf(hard(), mass=MASS, seals=SEALS, frequency=LINES, compression=2.6e-3)
-    told = compare(given_point, frf, fit=hard(), seals=SEALS, compression=2.6e-3)
-    assert told.predicted_hz < told.measured_hz
+    point = predict_frf(hard(), mass=MASS, seals=SEALS, frequency=LINES, compression=2.6e-3)
+    comparison = compare(point, frf, fit=hard(), seals=SEALS, compression=2.6e-3)
+    assert comparison.predicted_hz < comparison.measured_hz
 
 
 def test_thrice_the_tested_depth_is_too_deep() -> None:

@@ -142,8 +142,8 @@ def ring_of_beams(bulb, count=160):
     free = np.setdiff1d(np.arange(len(whole)), [1, 2, len(whole) - 3, len(whole) - 1])
     load = np.zeros(len(whole))
     load[-2] = 0.5  # half the load on each side of the top
-    moved = np.linalg.solve(whole[np.ix_(free, free)], load[free])[-1]
-    return 1 / (2 * moved)
+    variant = np.linalg.solve(whole[np.ix_(free, free)], load[free])[-1]
+    return 1 / (2 * variant)
 
 
 def peak_of(K, mass, near=60.0):
@@ -195,23 +195,23 @@ def sweeps(seed=0, noise=0.01):
         E = RUBBER.complex_stiffness(omega=2 * np.pi * f * a)
         E = E * (1 + noise * (rng.normal(size=len(f)) + 1j * rng.normal(size=len(f))) / np.sqrt(2))
         rows.append((f, E.real, E.imag, np.full(len(f), T)))
-    return DynamicTest(*(np.concatenate(each) for each in zip(*rows, strict=True)), units="SI")
+    return DynamicTest(*(np.concatenate(item) for item in zip(*rows, strict=True)), units="SI")
 
 
 @pytest.mark.once
 def test_from_sweeps_to_two_discs_on_a_shaker():
     """One factor from the lightest mass; the others, and ten times the level, are foretold."""
     master = dp.solids.superpose(sweeps(), reference="23degC")
-    found = fit_dynamic(master)
+    fit = fit_dynamic(master)
     true = RUBBER * (2 * Disc(0.02, 0.012).factor() * 0.93)  # bonds that are not perfect
     masses = (0.15, 0.4, 1.0)
     real = [peak_of(true.complex_stiffness, mass) for mass in masses]
-    factor = geometry_factor(found.solid, mass=masses[0], peak=real[0][0])
-    part = found.part(factor)
+    factor = geometry_factor(fit.solid, mass=masses[0], peak=real[0][0])
+    part = fit.part(factor)
     assert part.unit == "N/m"
     for mass, (hz, height) in zip(masses, real, strict=True):
-        told, peak = peak_of(part.solid.complex_stiffness, mass)
-        assert told == pytest.approx(hz, rel=0.02)
+        message, peak = peak_of(part.solid.complex_stiffness, mass)
+        assert message == pytest.approx(hz, rel=0.02)
         assert peak == pytest.approx(height, rel=0.15)
 
     def phi(X, d=0.5, X_c=4e-5, m=0.5):
@@ -285,8 +285,8 @@ class TestCommand:
         return str(fit)
 
     def peak(self, *words):
-        found = run_json("predict", *words, "--base", "--band", "5:300Hz")
-        return found["peak"]["frequency_hz"]
+        document = run_json("predict", *words, "--base", "--band", "5:300Hz")
+        return document["peak"]["frequency_hz"]
 
     def test_predict_accepts_a_shape_or_a_resonance(self, dma):
         mass = ["--mass", "400g", "--seals", "2"]
@@ -301,14 +301,14 @@ class TestCommand:
         words = ["predict", dma, "--mass", "10g", "--resonance-mass", "10g", "--base"]
         # the sweep ended before its plateau: within it that comes first
         for hz, first in (("900Hz", "plateau_determined"), ("1100Hz", "prediction_in_valid_band")):
-            asked = [*words, "--resonance", hz, "--band", "100:2000Hz"]
-            said = run_json(*asked)["verdict"]
-            assert said["failed_checks"][0] == first
-            assert ("prediction_in_valid_band" in said["failed_checks"]) == (hz == "1100Hz")
-            grade, message = said["verdict_grade"].capitalize(), said["message"]
+            requested = [*words, "--resonance", hz, "--band", "100:2000Hz"]
+            verdict = run_json(*requested)["verdict"]
+            assert verdict["failed_checks"][0] == first
+            assert ("prediction_in_valid_band" in verdict["failed_checks"]) == (hz == "1100Hz")
+            grade, message = verdict["verdict_grade"].capitalize(), verdict["message"]
             first_line = f"{grade}: {message[0].lower()}{message[1:50]}"
-            assert ran(*asked).stdout.startswith(first_line)
-        assert said["failed_checks"][0] == "prediction_in_valid_band"
+            assert ran(*requested).stdout.startswith(first_line)
+        assert verdict["failed_checks"][0] == "prediction_in_valid_band"
 
     @pytest.mark.parametrize(
         ("words", "message"),

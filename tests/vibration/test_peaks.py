@@ -49,16 +49,16 @@ def test_the_standard_error_is_the_scatter() -> None:
     solid = GeneralizedMaxwell(300.0, (40.0,), (0.0125,))
     clean = predict_frf(solid, mass=0.05, frequency=lines)
     sd = 0.02 * np.abs(clean.value)
-    found = []
+    result = []
     for seed in range(200):
         draw = np.random.default_rng(seed).standard_normal((2, len(lines)))
-        found.append(
+        result.append(
             find_peak(replace(clean, value=clean.value + sd * (draw[0] + 1j * draw[1]), sd=sd))
         )
-    spread = np.std([peak.frequency for peak in found])
-    assert spread == pytest.approx(np.mean([peak.frequency_se for peak in found]), rel=0.35)
-    spread = np.std([peak.damping_ratio for peak in found])
-    assert spread == pytest.approx(np.mean([peak.damping_se for peak in found]), rel=0.35)
+    spread = np.std([peak.frequency for peak in result])
+    assert spread == pytest.approx(np.mean([peak.frequency_se for peak in result]), rel=0.35)
+    spread = np.std([peak.damping_ratio for peak in result])
+    assert spread == pytest.approx(np.mean([peak.damping_se for peak in result]), rel=0.35)
 
 
 def test_coherence_gives_the_scatter() -> None:
@@ -112,7 +112,7 @@ def test_a_cut_response_against_quadrature(record: float, shift: float) -> None:
     t = np.linspace(0, record, 200001)
     impulse = (weight * np.exp(p * t[:, None])).sum(axis=1).real
     s = np.array([3.0, 12.6, 30.0]) * 2j * np.pi + shift
-    transform = np.array([np.trapezoid(impulse * np.exp(-one * t), t) for one in s]) + 1 / mass
+    transform = np.array([np.trapezoid(impulse * np.exp(-value * t), t) for value in s]) + 1 / mass
     assert accelerance(PAPER, mass, s, record) == pytest.approx(transform, rel=2e-5, abs=1e-2)
 
 

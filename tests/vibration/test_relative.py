@@ -49,9 +49,9 @@ def write_export(path, frf, over, under, *, header=None):
 @pytest.mark.parametrize("under", ["mm", "mm/s", "g"])
 @pytest.mark.parametrize("kind", ["transmissibility", RELATIVE])
 def test_a_motion_over_a_motion_of_any_derivative(tmp_path, over, under, kind):
-    known = over_base(np.arange(2.0, 40.0, 1.0), kind)
-    read = read_frf(write_export(tmp_path / "t.csv", known, over, under))
-    assert read.value == pytest.approx(known.value, rel=1e-12)
+    transmissibility = over_base(np.arange(2.0, 40.0, 1.0), kind)
+    read = read_frf(write_export(tmp_path / "t.csv", transmissibility, over, under))
+    assert read.value == pytest.approx(transmissibility.value, rel=1e-12)
     assert read.quantity == "transmissibility"  # whose motion it is a unit does not tell
 
 
@@ -72,20 +72,20 @@ F = np.arange(5.0, 40.0, 1.0)
     ],
 )
 def test_a_transmissibility_as_other_labs_write_it(tmp_path, head, scale, units):
-    known, path = over_base(F, "transmissibility"), tmp_path / "t.csv"
-    size = np.abs(known.value)
+    transmissibility, path = over_base(F, "transmissibility"), tmp_path / "t.csv"
+    size = np.abs(transmissibility.value)
     shown = 20 * np.log10(size) if scale is None else scale * size
-    rows = np.column_stack((F, shown, np.degrees(np.angle(known.value))))
+    rows = np.column_stack((F, shown, np.degrees(np.angle(transmissibility.value))))
     np.savetxt(path, rows, delimiter=",", comments="", header=head)
     read = read_frf(path, options=ReadOptions(units=units))
-    assert read.value == pytest.approx(known.value, rel=1e-9)
+    assert read.value == pytest.approx(transmissibility.value, rel=1e-9)
     assert read.quantity == "transmissibility"
 
 
 def test_a_name_says_that_it_is_relative(tmp_path):
-    path, known = tmp_path / "t.csv", over_base(F)
+    path, transmissibility = tmp_path / "t.csv", over_base(F)
     head = "Frequency [Hz],Relative transmissibility Re [-],Im [-]"
-    rows = np.column_stack((F, known.value.real, known.value.imag))
+    rows = np.column_stack((F, transmissibility.value.real, transmissibility.value.imag))
     np.savetxt(path, rows, delimiter=",", comments="", header=head)
     assert read_frf(path).quantity == RELATIVE
 
@@ -109,20 +109,22 @@ def test_fit_reports_missing_data_of_a_transmissibility(tmp_path, head, message)
 
 
 def test_square_seconds_are_a_displacement_over_an_acceleration(tmp_path):
-    known = over_base(np.arange(2.0, 40.0, 1.0))
-    read = read_frf(write_export(tmp_path / "t.csv", known, "m", "m/s^2", header="s^2"))
-    assert read.value == pytest.approx(known.value, rel=1e-12)
+    transmissibility = over_base(np.arange(2.0, 40.0, 1.0))
+    read = read_frf(write_export(tmp_path / "t.csv", transmissibility, "m", "m/s^2", header="s^2"))
+    assert read.value == pytest.approx(transmissibility.value, rel=1e-12)
 
 
 def test_it_is_the_accelerance_times_the_mass_and_no_other_knows_its_coherence():
     f = np.arange(5.0, 30.0, 0.5)
-    known = replace(over_base(f), coherence=np.linspace(0.9, 0.99, len(f)), averages=8)
-    forced = known.to("accelerance", mass=PAPER_MASS)
-    assert forced.random_sd == pytest.approx(known.random_sd / PAPER_MASS, rel=1e-12)
-    absolute = known.to("transmissibility")
-    assert absolute.value == pytest.approx(1 + known.value, rel=1e-12)
-    assert absolute.random_sd == pytest.approx(known.random_sd, rel=1e-12)
-    assert known.to("transmissibility").to(RELATIVE).value == pytest.approx(known.value, rel=1e-9)
+    expected = replace(over_base(f), coherence=np.linspace(0.9, 0.99, len(f)), averages=8)
+    forced = expected.to("accelerance", mass=PAPER_MASS)
+    assert forced.random_sd == pytest.approx(expected.random_sd / PAPER_MASS, rel=1e-12)
+    absolute = expected.to("transmissibility")
+    assert absolute.value == pytest.approx(1 + expected.value, rel=1e-12)
+    assert absolute.random_sd == pytest.approx(expected.random_sd, rel=1e-12)
+    assert expected.to("transmissibility").to(RELATIVE).value == pytest.approx(
+        expected.value, rel=1e-9
+    )
 
 
 def test_a_degree_of_a_relative_sensor_hurts_above_the_resonance_and_not_below():
@@ -130,9 +132,9 @@ def test_a_degree_of_a_relative_sensor_hurts_above_the_resonance_and_not_below()
     f = np.array([5.0, 8.0, 10.0, 12.7, 15.0, 20.0, 50.0])
     share = []
     for kind in (RELATIVE, "transmissibility"):
-        found = dynamic_stiffness(over_base(f, kind), PAPER_MASS)
-        K = found.storage + 1j * found.loss
-        share.append(np.pi / 180 * np.abs(found.by_phase / K)[[0, -1]])
+        result = dynamic_stiffness(over_base(f, kind), PAPER_MASS)
+        K = result.storage + 1j * result.loss
+        share.append(np.pi / 180 * np.abs(result.by_phase / K)[[0, -1]])
     assert share[0] == pytest.approx([0.015, 0.25], rel=0.05)
     assert share[1] == pytest.approx([0.095, 0.0163], rel=0.05)
 
@@ -149,27 +151,27 @@ def test_lines_without_scatter_count_by_what_was_measured():
 def test_a_solid_is_identified_whatever_the_gain_and_delay_of_the_sensor():
     gain, delay = 1.012, -1e-4
     f, rng = np.arange(6.0, 30.0, 0.2), np.random.default_rng(1)
-    known = dp.systems.predict_frf(2 * BROAD, mass=BROAD_MASS, frequency=f, kind=RELATIVE)
-    sd = 0.003 * np.abs(known.value) / np.sqrt(2)
+    frf = dp.systems.predict_frf(2 * BROAD, mass=BROAD_MASS, frequency=f, kind=RELATIVE)
+    sd = 0.003 * np.abs(frf.value) / np.sqrt(2)
     noise = sd * (rng.normal(size=len(f)) + 1j * rng.normal(size=len(f)))
-    seen = gain * np.exp(-known.s * delay) * known.value
-    found = identify(replace(known, value=seen + noise, sd=sd), mass=BROAD_MASS, seals=2, arms=2)
+    seen = gain * np.exp(-frf.s * delay) * frf.value
+    fit = identify(replace(frf, value=seen + noise, sd=sd), mass=BROAD_MASS, seals=2, arms=2)
     w = 2 * np.pi * np.array([9.0, 12.71, 18.0])
-    assert found.model.storage(omega=w) == pytest.approx(BROAD.storage(omega=w), rel=0.01)
-    told = {one.name: one for one in found.estimate.nuisance}
-    assert told["gain"].value == pytest.approx(gain, abs=3e-3)
-    assert told["delay"].value == pytest.approx(delay, abs=2e-5)
+    assert fit.model.storage(omega=w) == pytest.approx(BROAD.storage(omega=w), rel=0.01)
+    values = {item.name: item for item in fit.estimate.nuisance}
+    assert values["gain"].value == pytest.approx(gain, abs=3e-3)
+    assert values["delay"].value == pytest.approx(delay, abs=2e-5)
 
 
 @pytest.mark.parametrize("coupled", [0.0, 3e-3])
 def test_its_limits_are_those_of_the_accelerance_times_the_mass(coupled):
     w = 2 * np.pi * np.array([5.0, 12.0, 20.0])
     K = PAPER.complex_stiffness(omega=w)
-    one = PredictedFRF(MassOnSeals(PAPER_MASS, 2.0, coupled=coupled), Kind(RELATIVE)).magnitude(
-        K, w
-    )
+    magnitude = PredictedFRF(
+        MassOnSeals(PAPER_MASS, 2.0, coupled=coupled), Kind(RELATIVE)
+    ).magnitude(K, w)
     other = PredictedFRF(MassOnSeals(PAPER_MASS, 2.0), Kind.ACCELERANCE).magnitude(K, w)
-    assert one == pytest.approx((PAPER_MASS + coupled) * other, rel=1e-12)
+    assert magnitude == pytest.approx((PAPER_MASS + coupled) * other, rel=1e-12)
 
 
 RATE = 256.0
@@ -219,9 +221,9 @@ def test_transmissibility_omits_lines_of_noise(relative_record):
     frf = estimate_transmissibility(replace(relative_record, base=noisy))
     assert frf.frequency[-1] < 85
     assert frf.frequency[np.abs(frf.value).argmax()] == pytest.approx(12.6, abs=0.4)
-    apart = replace(relative_record, mass=rng.normal(size=n))
+    separate = replace(relative_record, mass=rng.normal(size=n))
     with pytest.raises(DataError, match="does not answer the base"):
-        estimate_transmissibility(apart)
+        estimate_transmissibility(separate)
 
 
 def test_the_mass_is_the_motion_that_is_named(relative_record, tmp_path):
@@ -247,13 +249,15 @@ def test_the_command_line_takes_it(relative_record, tmp_path):
     done = ran("fit", path, *words, "-o", out)
     assert done.exit_code == 0, done.output
     assert done.stdout.startswith("Use with care: ")
-    found = run_json("fit", out, *mass, "--seals", 2, "--arms", 2)
-    near = np.interp([9.0, 18.0], found["direct"]["frequency_hz"], found["direct"]["stiffness"])
+    document = run_json("fit", out, *mass, "--seals", 2, "--arms", 2)
+    near = np.interp(
+        [9.0, 18.0], document["direct"]["frequency_hz"], document["direct"]["stiffness"]
+    )
     assert near == pytest.approx(BROAD.storage(omega=2 * np.pi * np.array([9.0, 18.0])), rel=0.03)
     turned = write_test(tmp_path / "turned.csv", relative_record, sign=-1)
-    said = " ".join(ran("fit", turned, *words).stdout.split())
-    assert said.startswith("Do not use: ")
-    assert "the relative motion has the opposite sign" in said
+    text = " ".join(ran("fit", turned, *words).stdout.split())
+    assert text.startswith("Do not use: ")
+    assert "the relative motion has the opposite sign" in text
 
 
 @pytest.mark.parametrize(

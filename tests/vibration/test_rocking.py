@@ -38,8 +38,8 @@ def real_hits(real_data: Path) -> ImpactTest:
 
 
 def check(frf, name):
-    (found,) = [check for check in frf.checks if check.name == name]
-    return found
+    (result,) = [check for check in frf.checks if check.name == name]
+    return result
 
 
 def height(frf, at):
@@ -61,10 +61,10 @@ def test_both_accelerometers_hear_both_modes_of_the_real_block(real_hits, channe
 
 
 def test_the_real_block_bounces_in_phase_and_rocks_out_of_phase(real_hits):
-    one, two = (estimate_frf(real_hits, combine=name) for name in ("m_1", "m_2"))
+    item, two = (estimate_frf(real_hits, combine=name) for name in ("m_1", "m_2"))
     for at, sign in ((19.763, 1), (21.147, -1)):
         residues = [
-            min(frf.modes(), key=lambda m: abs(m.frequency - at)).residue for frf in (one, two)
+            min(frf.modes(), key=lambda m: abs(m.frequency - at)).residue for frf in (item, two)
         ]
         assert np.sign((residues[0] * residues[1].conjugate()).real) == sign
 
@@ -99,9 +99,9 @@ def test_mean_of_accelerometers_cancels_rocking(broad_seal):
     """Hits scattered by 3 mm: coherence holds for the mean and breaks for one accelerometer."""
     rig = replace(Hammer().noise_free(), record=8.0, eccentricity=3e-3)
     test = simulate_impact(broad_seal, mass=MASS, hits=10, rig=rig).test
-    mean, one = (estimate_frf(test, combine=c).band(5, 40) for c in ("mean", "acceleration 1"))
+    mean, band = (estimate_frf(test, combine=c).band(5, 40) for c in ("mean", "acceleration 1"))
     assert mean.coherence.min() > 0.999
-    assert one.coherence.min() < 0.8
+    assert band.coherence.min() < 0.8
 
 
 def test_damping_survives_hits_off_centre(broad_seal):
@@ -119,8 +119,8 @@ def test_weighted_accelerometers_cancel_rocking_better_than_the_mean(broad_seal)
     bounce = test.acceleration.mean(axis=0)
     swing = test.acceleration[0] - bounce
     # the second accelerometer moves in to 60 % of its distance
-    moved = replace(test, acceleration=np.vstack((bounce + swing, bounce - 0.6 * swing)))
-    mean, weighted = estimate_frf(moved), estimate_frf(moved, combine="weighted")
+    variant = replace(test, acceleration=np.vstack((bounce + swing, bounce - 0.6 * swing)))
+    mean, weighted = estimate_frf(variant), estimate_frf(variant, combine="weighted")
     assert mean.band(14, 19).coherence.min() < weighted.band(14, 19).coherence.min()
     (step,) = [step for step in weighted.steps if step.name == "combine"]
     weights = [float(value) for _, value in step.parameters]

@@ -40,9 +40,9 @@ def over_base(name="broad", frequency=AT):
 
 @pytest.mark.parametrize("name", SEALS)
 def test_transmissibility_reproduces_reference_values(name):
-    found = over_base(name)
-    assert np.abs(found.value) == pytest.approx(SIZES[name], abs=6e-7)
-    assert found.unit == "m/m"
+    transmissibility = over_base(name)
+    assert np.abs(transmissibility.value) == pytest.approx(SIZES[name], abs=6e-7)
+    assert transmissibility.unit == "m/m"
     seal, mass, isolated = SEALS[name]
     assert dp.systems.isolation_frequency(2 * seal, mass) == pytest.approx(isolated, rel=1e-7)
     there = over_base(name, [isolated * (1 - 1e-4), isolated * (1 + 1e-4)])
@@ -61,42 +61,48 @@ PER_FORCE = ["accelerance", "receptance", "mobility", "dynamic_stiffness"]
 @pytest.mark.parametrize("kind", [*PER_FORCE, "relative_transmissibility"])
 def test_the_mass_leads_there_and_back(kind):
     seal, mass, _ = SEALS["broad"]
-    known = over_base()
-    other = known.to(kind, mass=mass)
-    asked = dp.systems.predict_frf(2 * seal, mass=mass, frequency=AT, kind=kind)
-    assert other.value == pytest.approx(asked.value, rel=1e-11)
-    assert other.to("transmissibility", mass=mass).value == pytest.approx(known.value, rel=1e-11)
+    transmissibility = over_base()
+    other = transmissibility.to(kind, mass=mass)
+    frf = dp.systems.predict_frf(2 * seal, mass=mass, frequency=AT, kind=kind)
+    assert other.value == pytest.approx(frf.value, rel=1e-11)
+    assert other.to("transmissibility", mass=mass).value == pytest.approx(
+        transmissibility.value, rel=1e-11
+    )
 
 
 def test_the_stiffness_comes_back_and_its_errors_are_those_of_the_ratio():
     seal, mass, _ = SEALS["broad"]
     f = np.arange(4.0, 32.0, 0.01)
-    known = over_base(frequency=f)
-    found = dynamic_stiffness(known, mass)
+    transmissibility = over_base(frequency=f)
+    result = dynamic_stiffness(transmissibility, mass)
     K = (2 * seal).complex_stiffness(omega=2 * np.pi * f)
-    assert found.storage == pytest.approx(K.real, rel=1e-12, abs=1e-12 * abs(K).max())
-    assert found.loss == pytest.approx(K.imag, abs=1e-12 * abs(K).max())
+    assert result.storage == pytest.approx(K.real, rel=1e-12, abs=1e-12 * abs(K).max())
+    assert result.loss == pytest.approx(K.imag, abs=1e-12 * abs(K).max())
     turn = 1e-6
-    turned = dynamic_stiffness(replace(known, value=known.value * np.exp(1j * turn)), mass)
+    turned = dynamic_stiffness(
+        replace(transmissibility, value=transmissibility.value * np.exp(1j * turn)), mass
+    )
     degree = np.pi / 180 / turn
-    assert found.loss_phase == pytest.approx(degree * abs(turned.loss - K.imag), rel=1e-3, abs=1e-2)
-    heavy = dynamic_stiffness(known, 1.01 * mass)
+    assert result.loss_phase == pytest.approx(
+        degree * abs(turned.loss - K.imag), rel=1e-3, abs=1e-2
+    )
+    heavy = dynamic_stiffness(transmissibility, 1.01 * mass)
     assert heavy.storage == pytest.approx(1.01 * K.real, rel=1e-10)
-    assert found.storage_mass == pytest.approx(0.01 * K.real, rel=1e-10)
+    assert result.storage_mass == pytest.approx(0.01 * K.real, rel=1e-10)
 
 
 @pytest.mark.parametrize("kind", ["transmissibility", "relative_transmissibility", "accelerance"])
 def test_what_errors_do_to_storage_and_loss_factor(kind):
     seal, mass, _ = SEALS["broad"]
     f, d = np.array([5.0, 9.0, 11.0, 13.0, 16.0, 25.0]), 1e-6
-    known = dp.systems.predict_frf(2 * seal, mass=mass, frequency=f, kind=kind)
-    whole = dynamic_stiffness(known, mass, seals=2)
-    turned = replace(known, value=known.value * np.exp(1j * d))
-    moved = {
+    frf = dp.systems.predict_frf(2 * seal, mass=mass, frequency=f, kind=kind)
+    whole = dynamic_stiffness(frf, mass, seals=2)
+    turned = replace(frf, value=frf.value * np.exp(1j * d))
+    variant = {
         "phase": dynamic_stiffness(turned, mass, seals=2),
-        "mass": dynamic_stiffness(known, mass * (1 + d), seals=2),
+        "mass": dynamic_stiffness(frf, mass * (1 + d), seals=2),
     }
-    for name, other in moved.items():
+    for name, other in variant.items():
         storage, loss = whole.changes(name, d)
         assert storage / d == pytest.approx((other.storage / whole.storage - 1) / d, abs=1e-3)
         assert loss / d == pytest.approx((other.loss_factor - whole.loss_factor) / d, abs=1e-3)
@@ -111,30 +117,30 @@ def test_the_first_lines_say_what_a_degree_and_a_percent_do(tmp_path):
     def direct(mass):
         return run_json(*words, f"{1e3 * mass:.9g}g")["direct"]
 
-    one = direct(PAPER_MASS)
-    effect = {name: one["sensitivity"][name] for name in ("mass_1_percent", "phase_1_degree")}
-    heavier = np.array(direct(1.01 * PAPER_MASS)["stiffness"]) / one["stiffness"] - 1
+    entry = direct(PAPER_MASS)
+    effect = {name: entry["sensitivity"][name] for name in ("mass_1_percent", "phase_1_degree")}
+    heavier = np.array(direct(1.01 * PAPER_MASS)["stiffness"]) / entry["stiffness"] - 1
     assert effect["mass_1_percent"]["stiffness_relative"] == pytest.approx(heavier, abs=1e-7)
     write_frf(replace(frf, value=frf.value * np.exp(1j * np.pi / 180)), path)
-    gained = np.array(direct(PAPER_MASS)["loss_factor"]) - one["loss_factor"]
+    gained = np.array(direct(PAPER_MASS)["loss_factor"]) - entry["loss_factor"]
     near = (f > 11) & (f < 16)  # to first order, where a degree is little
     got = np.array(effect["phase_1_degree"]["loss_factor"])
     assert got[near] == pytest.approx(gained[near], rel=0.1, abs=2e-3)
     head = ran(*words, "104g").stdout.splitlines()[:12]
-    said = "  1 degree of phase, 1 % of mass: change of the storage, %, and of the loss factor"
-    assert said in head
+    message = "  1 degree of phase, 1 % of mass: change of the storage, %, and of the loss factor"
+    assert message in head
     assert any("1 deg: %" in line for line in head)
 
 
 def test_degree_of_phase_masks_the_loss_off_resonance():
     mass = PAPER_MASS
-    known = over_base("paper", np.array([5.0, 12.71, 30.0]))
-    K = 2 * PAPER.complex_stiffness(omega=2 * np.pi * known.frequency)
-    w2 = mass * (2 * np.pi * known.frequency) ** 2
+    transmissibility = over_base("paper", np.array([5.0, 12.71, 30.0]))
+    K = 2 * PAPER.complex_stiffness(omega=2 * np.pi * transmissibility.frequency)
+    w2 = mass * (2 * np.pi * transmissibility.frequency) ** 2
     assert (K.imag / K.real) == pytest.approx([0.0225, 0.00887, 0.00376], rel=5e-3)
-    turned = known.value * np.exp(1j * np.pi / 180)
+    turned = transmissibility.value * np.exp(1j * np.pi / 180)
     seen = w2 * turned / (turned - 1)
-    mine = 1 / replace(known, value=turned).to("receptance", mass=mass).value + w2
+    mine = 1 / replace(transmissibility, value=turned).to("receptance", mass=mass).value + w2
     assert mine == pytest.approx(seen, rel=1e-10)
     size = np.abs(seen.imag / seen.real)
     assert size == pytest.approx([0.0727, 0.00887, 0.0181], rel=0.02)
@@ -145,13 +151,13 @@ def test_degree_of_phase_masks_the_loss_off_resonance():
 
 def test_the_scatter_is_that_of_the_ratio():
     mass = BROAD_MASS
-    known = over_base()
-    sized = replace(known, sd=0.01 * np.abs(known.value))
+    transmissibility = over_base()
+    sized = replace(transmissibility, sd=0.01 * np.abs(transmissibility.value))
     assert sized.to("accelerance", mass=mass).sd == pytest.approx(sized.sd / mass)
-    hits = replace(known, coherence=np.full(len(AT), 0.9), averages=4)
+    hits = replace(transmissibility, coherence=np.full(len(AT), 0.9), averages=4)
     assert hits.to("accelerance", mass=mass).random_sd == pytest.approx(hits.random_sd / mass)
-    alone = replace(hits, averages=0).to("accelerance", mass=mass)
-    assert alone.random_sd == pytest.approx(2 * hits.random_sd / mass)
+    frf = replace(hits, averages=0).to("accelerance", mass=mass)
+    assert frf.random_sd == pytest.approx(2 * hits.random_sd / mass)
 
 
 def test_two_transmissibilities_are_compared_by_their_mass():
@@ -160,9 +166,9 @@ def test_two_transmissibilities_are_compared_by_their_mass():
     predicted = dp.systems.predict_frf(
         2 * PAPER, mass=BROAD_MASS, frequency=f, kind="transmissibility"
     )
-    told = compare(predicted, measured, mass=BROAD_MASS)
-    forced = [one.to("accelerance", mass=BROAD_MASS) for one in (predicted, measured)]
-    assert told.frac == pytest.approx(compare(*forced, mass=BROAD_MASS).frac)
+    comparison = compare(predicted, measured, mass=BROAD_MASS)
+    forced = [item.to("accelerance", mass=BROAD_MASS) for item in (predicted, measured)]
+    assert comparison.frac == pytest.approx(compare(*forced, mass=BROAD_MASS).frac)
     assert compare(measured, measured, mass=BROAD_MASS).frac == pytest.approx(1)
     with pytest.raises(DataError, match="only the mass between them"):
         compare(predicted, measured)
@@ -213,19 +219,17 @@ def test_a_solid_is_identified_on_a_base_whatever_its_sensors_gain_and_delay(sol
     w = 2 * np.pi * np.array([9.0, 12.71, 18.0])
     for seed, gain, delay in ((0, 1.012, -1e-4), (1, 0.99, 1.5e-4)):
         frf = noisy(2 * solid, mass, f, gain=gain, delay=delay, seed=seed)
-        found = identify(frf, mass=mass, seals=2)
-        K = found.model.complex_stiffness(omega=w)
+        fit = identify(frf, mass=mass, seals=2)
+        K = fit.model.complex_stiffness(omega=w)
         assert np.abs(K.real / solid.storage(omega=w) - 1).max() < 0.01
         # beside the resonance a delay is a loss; at it, it is not
         assert abs(K[1].imag / solid.loss(omega=w[1]) - 1) < 0.03
-        seen = {one.name: one for one in found.estimate.nuisance}
+        seen = {item.name: item for item in fit.estimate.nuisance}
         assert abs(seen["gain"].value - gain) < 4 * seen["gain"].standard_error
 
 
-@pytest.mark.parametrize(
-    ("kind", "told_apart"), [("transmissibility", False), ("accelerance", True)]
-)
-def test_lines_that_nobody_measured_tell_an_arm_a_hundred_times_slower(kind, told_apart):
+@pytest.mark.parametrize(("kind", "message"), [("transmissibility", False), ("accelerance", True)])
+def test_lines_that_nobody_measured_tell_an_arm_a_hundred_times_slower(kind, message):
     """Table 1 by hand, from 1 Hz: at the lowest line the arm of 16.4 s has turned 103 rad."""
     f = np.linspace(1.0, 50.0, 99)
     s, mass = 2j * np.pi * f, 0.1040426
@@ -237,25 +241,25 @@ def test_lines_that_nobody_measured_tell_an_arm_a_hundred_times_slower(kind, tol
 
     K = 2 * stiffness(196.5, [117.5, 17.8], tau)
     value = K / (K + mass * s**2) if kind == "transmissibility" else s**2 / (K + mass * s**2)
-    found = identify(dp.FRF(f, value, kind, units="SI"), mass=mass, seals=2, arms=2, band=(1, 50))
-    assert found.status is (Status.CONVERGED if told_apart else Status.NOT_IDENTIFIED)
-    again = 2 * stiffness(found.model.k_inf, found.model.k, found.model.tau)
+    fit = identify(dp.FRF(f, value, kind, units="SI"), mass=mass, seals=2, arms=2, band=(1, 50))
+    assert fit.status is (Status.CONVERGED if message else Status.NOT_IDENTIFIED)
+    again = 2 * stiffness(fit.model.k_inf, fit.model.k, fit.model.tau)
     assert np.abs(again / K - 1).max() < 1e-10
-    known = next(check for check in found.checks if check.name == "arms_identified")
-    assert known.passed is told_apart
+    expected = next(check for check in fit.checks if check.name == "arms_identified")
+    assert expected.passed is message
     # over a base the line at 1 Hz shows a 160th of the stiffness: of 1e-9 no arm so slow is known
-    assert told_apart or known.message.startswith("1 of the 2 arms (relaxation time 16.4 s) is not")
-    assert list_undetermined_times(found) == (() if told_apart else found.model.tau[1:])
-    first = text.fit(found, asked=2).lines[0]
-    assert ("relaxation time 16.4 s not determined" in first) is not told_apart
+    assert message or expected.message.startswith("1 of the 2 arms (relaxation time 16.4 s) is not")
+    assert list_undetermined_times(fit) == (() if message else fit.model.tau[1:])
+    first = text.fit(fit, asked=2).lines[0]
+    assert ("relaxation time 16.4 s not determined" in first) is not message
     # its stiffness in the band is known all the same
-    assert found.verdict.use == "use"
-    assert found.model.tau == pytest.approx(tau, rel=1e-4)
+    assert fit.verdict.use == "use"
+    assert fit.model.tau == pytest.approx(tau, rel=1e-4)
     # of the lines: what a rig may add unseen moves arms that so few of them tell apart
-    covariance = found.estimate.noise_only.covariance
-    error = dict(zip(found.estimate.parameters, np.sqrt(np.diag(covariance)), strict=True))
+    covariance = fit.estimate.noise_only.covariance
+    error = dict(zip(fit.estimate.parameters, np.sqrt(np.diag(covariance)), strict=True))
     assert error["ln_tau_1"] < 0.01
-    assert error["ln_tau_2"] < 0.02 if told_apart else error["ln_tau_2"] > 1
+    assert error["ln_tau_2"] < 0.02 if message else error["ln_tau_2"] > 1
 
 
 def test_identify_over_a_base_refuses_an_unknown_mass():
@@ -293,8 +297,8 @@ ETA = (0.02, 0.1, 0.3, 0.6)
 
 
 def first_words(T, f):
-    found = add_frf_checks(dp.FRF(f, T, "transmissibility", units="SI"), None, mass=0.1)
-    return verdict(found.checks)
+    frf = add_frf_checks(dp.FRF(f, T, "transmissibility", units="SI"), None, mass=0.1)
+    return verdict(frf.checks)
 
 
 @pytest.mark.parametrize("eta", ETA)
@@ -306,7 +310,9 @@ def test_valid_transmissibility_is_never_rejected_as_another_ratio(eta, ends):
         odd = gain * np.exp(1j * np.radians(turn))
         z = np.random.default_rng(seed).normal(size=(2, len(f)))
         T = lossy(eta, f) * odd * (1 + 0.007 * (z[0] + 1j * z[1]))
-        assert [one.name for one in first_words(T, f).failed_checks] == ["line_errors_stated"]
+        assert [failed_check.name for failed_check in first_words(T, f).failed_checks] == [
+            "line_errors_stated"
+        ]
 
 
 @pytest.mark.parametrize("eta", ETA)
@@ -315,10 +321,10 @@ def test_valid_transmissibility_is_never_rejected_as_another_ratio(eta, ends):
 def test_fit_reports_another_ratio_first(name, ends, eta):
     wrong, cause = WRONG[name]
     f = 12.7 * np.linspace(*ends, 300)
-    said = first_words(wrong(lossy(eta, f)), f)
-    assert said.use == "do not use"
-    assert said.failed_checks[0].name == "mass_over_base"
-    assert cause in said.message
+    message = first_words(wrong(lossy(eta, f)), f)
+    assert message.use == "do not use"
+    assert message.failed_checks[0].name == "mass_over_base"
+    assert cause in message.message
 
 
 def test_the_first_line_of_each_command_tells_another_ratio(tmp_path):
@@ -331,8 +337,8 @@ def test_the_first_line_of_each_command_tells_another_ratio(tmp_path):
     for words in (["compare", fit], ["fit", "--arms", 1]):
         done = ran(*words, path, *mass)
         assert done.stdout.startswith("Do not use: below 12.7 Hz the transmissibility is not that")
-        said = run_json(*words, path, *mass)
-        assert said["verdict"]["failed_checks"][0] == "mass_over_base"
+        document = run_json(*words, path, *mass)
+        assert document["verdict"]["failed_checks"][0] == "mass_over_base"
 
 
 @pytest.mark.parametrize(
@@ -356,9 +362,9 @@ def test_a_file_of_another_lab_is_compared_and_identified(tmp_path, header, unit
         json.dumps({"schema": "dashpot/fit@2", "model": {"k_inf": PAPER.k_inf, "arms": arms}})
     )
     mass = ["--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2", *units]
-    said = run_json("compare", fit, path, *mass, "--plot", tmp_path / "t.svg")
-    assert said["checks"]
-    assert said["frac"] > 0.99
+    document = run_json("compare", fit, path, *mass, "--plot", tmp_path / "t.svg")
+    assert document["checks"]
+    assert document["frac"] > 0.99
     direct = run_json("fit", path, *mass, "--arms", 1)["direct"]
     at = np.interp(14.0, direct["frequency_hz"], direct["stiffness"])
     assert at == pytest.approx(PAPER.storage(omega=2 * np.pi * 14), rel=0.05)
@@ -371,18 +377,18 @@ def test_the_command_line_predicts_over_a_base(tmp_path):
         json.dumps({"schema": "dashpot/fit@2", "model": {"k_inf": PAPER.k_inf, "arms": arms}})
     )
     words = ["predict", str(fit), "--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2", "--base"]
-    found = run_json(*words, "--plot", tmp_path / "t.svg")
-    assert (found["kind"], found["unit"]) == ("transmissibility", "m/m")
-    assert found["isolation_hz"] == pytest.approx(17.974582, rel=1e-7)
-    size = np.hypot(found["real"], found["imag"])
-    assert np.interp(5.0, found["frequency_hz"], size) == pytest.approx(1.183257, rel=1e-4)
+    document = run_json(*words, "--plot", tmp_path / "t.svg")
+    assert (document["kind"], document["unit"]) == ("transmissibility", "m/m")
+    assert document["isolation_hz"] == pytest.approx(17.974582, rel=1e-7)
+    size = np.hypot(document["real"], document["imag"])
+    assert np.interp(5.0, document["frequency_hz"], size) == pytest.approx(1.183257, rel=1e-4)
     # each has limits of its own kind
-    limits = found["limits"]
+    limits = document["limits"]
     assert limits["kind"] == "transmissibility"
     for low, high in np.transpose(limits["parameter"]):
         assert low <= high
-    own = np.interp(limits["frequency_hz"], found["frequency_hz"], size)
-    assert limits["parameter"][0] == pytest.approx(own, rel=0.3)
+    interpolated = np.interp(limits["frequency_hz"], document["frequency_hz"], size)
+    assert limits["parameter"][0] == pytest.approx(interpolated, rel=0.3)
     plain = run_json(*words[:-1])
     assert plain["limits"]["kind"] == "accelerance"
     text = ran(*words).output
@@ -406,9 +412,9 @@ def test_the_limits_are_those_of_what_is_predicted(bench):
     seal, fit = bench
     words = ["predict", fit, "--mass", "114.8g", "--seals", 2]
     words += ["--record", seal, "--band", "10:16Hz", "--points", 51, "-v"]
-    moved = " ".join(ran(*words, "--base").output.split())
-    assert re.search(r"the peak to [\d.]+ to [\d.]+ m/m\.", moved)
-    assert "the transmissibility is extrapolated" in moved
+    variant = " ".join(ran(*words, "--base").output.split())
+    assert re.search(r"the peak to [\d.]+ to [\d.]+ m/m\.", variant)
+    assert "the transmissibility is extrapolated" in variant
 
 
 def test_joint_fit_of_relaxation_and_shaker_is_valid_in_both_bands(bench, tmp_path):
@@ -421,9 +427,9 @@ def test_joint_fit_of_relaxation_and_shaker_is_valid_in_both_bands(bench, tmp_pa
     # a cable of 1.5 % of the seals, which is assumed, would leave the size at 12 Hz open by far
     free = ["--machine", "cable=0"]
     rigid = ["--machine", "compliance=0um/N,creep=0um,cable=0"]
-    found = run_json("fit", seal, path, *on, *rigid, "-o", joint)
-    assert found["method"] == "joint"
-    model = found["model"]
+    document = run_json("fit", seal, path, *on, *rigid, "-o", joint)
+    assert document["method"] == "joint"
+    model = document["model"]
     solid = dp.GeneralizedMaxwell(
         model["k_inf"], [a["k"] for a in model["arms"]], [a["tau"] for a in model["arms"]]
     )
@@ -434,8 +440,8 @@ def test_joint_fit_of_relaxation_and_shaker_is_valid_in_both_bands(bench, tmp_pa
 
     def size(stiffer):
         solid, kind = 2 * stiffer * PAPER, "transmissibility"
-        found = dp.systems.predict_frf(solid, mass=PAPER_MASS, frequency=[f], kind=kind)
-        return abs(found.value[0])
+        frf = dp.systems.predict_frf(solid, mass=PAPER_MASS, frequency=[f], kind=kind)
+        return abs(frf.value[0])
 
     assert limits[0] <= size(1) <= limits[1]
     # what is left is of the table and of the mass that moves along
@@ -450,9 +456,9 @@ def test_joint_fit_of_relaxation_and_shaker_is_valid_in_both_bands(bench, tmp_pa
 
 def limits_near(f, joint, on):
     """The line of a prediction over a base nearest to f, and its limits by the errors of a fit."""
-    known = run_json("predict", joint, *on, "--base")["limits"]
-    at = np.argmin(np.abs(np.array(known["frequency_hz"]) - f))
-    return known["frequency_hz"][at], np.array(known["parameter"])[:, at]
+    limits = run_json("predict", joint, *on, "--base")["limits"]
+    at = np.argmin(np.abs(np.array(limits["frequency_hz"]) - f))
+    return limits["frequency_hz"][at], np.array(limits["parameter"])[:, at]
 
 
 class TestErrorsOfTheRatio:
@@ -461,9 +467,9 @@ class TestErrorsOfTheRatio:
     KNOWN = over_base("paper", np.array([5.0, 12.71, 50.0]))
     PHASE = np.pi / 180
 
-    def off(self, turned, known=KNOWN):
+    def off(self, turned, expected=KNOWN):
         """Relative error of the stiffness, of values off by a factor each."""
-        wrong = replace(known, value=known.value * turned).to("receptance", mass=PAPER_MASS)
+        wrong = replace(expected, value=expected.value * turned).to("receptance", mass=PAPER_MASS)
         K = 1 / wrong.value + PAPER_MASS * wrong.omega**2
         return np.abs(K / (2 * PAPER.complex_stiffness(omega=wrong.omega)) - 1)
 
@@ -479,11 +485,11 @@ class TestErrorsOfTheRatio:
 
     def test_by_chance(self):
         f = np.full(4000, 9.0) + np.arange(4000) * 1e-9
-        known = over_base("paper", f)
+        transmissibility = over_base("paper", f)
         z = np.random.default_rng(2).normal(size=(2, len(f)))
-        found = self.off(1 + 0.01 * (z[0] + 1j * z[1]), known)
-        due = 0.01 * np.sqrt(2) / np.abs(known.value - 1).mean()
-        assert np.sqrt(np.mean(found**2)) == pytest.approx(due, rel=0.03)
+        off = self.off(1 + 0.01 * (z[0] + 1j * z[1]), transmissibility)
+        due = 0.01 * np.sqrt(2) / np.abs(transmissibility.value - 1).mean()
+        assert np.sqrt(np.mean(off**2)) == pytest.approx(due, rel=0.03)
 
     def test_the_band_in_which_a_degree_leaves_the_loss(self):
         """.01 of the loss factor wants |T - 1| >= 1.75: 0.80 to 1.53 of the resonance."""

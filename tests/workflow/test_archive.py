@@ -124,12 +124,12 @@ NOUNS = [
 ]
 
 
-@pytest.mark.parametrize("noun", NOUNS, ids=lambda noun: type(noun).__name__)
-def test_round_trip(noun):
-    text = to_json(noun)
+@pytest.mark.parametrize("result", NOUNS, ids=lambda result: type(result).__name__)
+def test_round_trip(result):
+    text = to_json(result)
     again = from_json(text)
-    assert type(again) is type(noun)
-    assert again == noun
+    assert type(again) is type(result)
+    assert again == result
     assert to_json(again) == text
 
 
@@ -144,25 +144,25 @@ def test_models_come_back_to_the_last_bit(k_inf, arms):
 
 
 def test_a_fit_speaks_the_contract():
-    found = json.loads(to_json(FIT))
-    assert found["schema"] == "dashpot/fit@2"
-    assert found["status"] == "not_identified"
-    assert found["ok"] is False
-    assert found["model"]["arms"][0] == {"k": 117.5, "tau": 0.5021, "b": 117.5 * 0.5021}
-    assert found["band_hz"] == [0.004, 0.32]
-    assert found["standard_error"]["k_inf"] is None
-    assert found["interval_95"]["k_inf"][0] == 0
-    assert found["standard_error"]["arms"][1]["k"] is None  # infinite: not known
-    assert found["residual"]["n"] == 41000
-    assert found["source"][0]["sha256"] == "0" * 64
+    document = json.loads(to_json(FIT))
+    assert document["schema"] == "dashpot/fit@2"
+    assert document["status"] == "not_identified"
+    assert document["ok"] is False
+    assert document["model"]["arms"][0] == {"k": 117.5, "tau": 0.5021, "b": 117.5 * 0.5021}
+    assert document["band_hz"] == [0.004, 0.32]
+    assert document["standard_error"]["k_inf"] is None
+    assert document["interval_95"]["k_inf"][0] == 0
+    assert document["standard_error"]["arms"][1]["k"] is None  # infinite: not known
+    assert document["residual"]["n"] == 41000
+    assert document["source"][0]["sha256"] == "0" * 64
 
 
 def test_a_fit_of_several_temperatures_speaks_the_contract():
-    found = json.loads(to_json(replace(FIT, temperatures=LAWS[0])))["temperature"]
-    assert found["reference"] == 296.15
-    assert found["law"] == {"kind": "wlf", "c1": 6.9, "c2": 129.6}
+    temperature = json.loads(to_json(replace(FIT, temperatures=LAWS[0])))["temperature"]
+    assert temperature["reference"] == 296.15
+    assert temperature["law"] == {"kind": "wlf", "c1": 6.9, "c2": 129.6}
     cold = {"temperature": 273.15, "log10_a_t": 1.5, "se": 0.01, "b_t": 0.9, "b_t_se": 0.001}
-    assert found["shifts"][0] == cold
+    assert temperature["shifts"][0] == cold
 
 
 def test_the_least_temperature_of_the_contract_is_read():
@@ -303,7 +303,7 @@ def test_any_bytes_are_read_or_refused(content):
 def test_altered_document_is_read_or_refused(data):
     """A key renamed, dropped or given another type: a result or an error, never a guess."""
     whole = json.loads(to_json(data.draw(st.sampled_from([MODEL, FIT, NOUNS[-1], INSPECTIONS]))))
-    place = data.draw(st.sampled_from([one for one in objects(whole) if one]))
+    place = data.draw(st.sampled_from([item for item in objects(whole) if item]))
     key = data.draw(st.sampled_from(sorted(place)))
     change = data.draw(st.sampled_from(["rename", "drop", [], {}, "text", None, True, 1e400, -1]))
     value = place.pop(key)

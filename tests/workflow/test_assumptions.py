@@ -20,8 +20,8 @@ ROOT = Path(__file__).parents[2]
 SOURCES = Path(dashpot.__file__).parent
 
 
-@pytest.mark.parametrize("one", ASSUMPTIONS, ids=lambda one: one.name)
-def test_every_check_and_option_named_exists(one: Assumption) -> None:
+@pytest.mark.parametrize("assumption", ASSUMPTIONS, ids=lambda item: item.name)
+def test_every_check_and_option_named_exists(assumption: Assumption) -> None:
     for file in (*SOURCES.rglob("checks.py"), *SOURCES.rglob("checks/*.py")):
         import_module("dashpot." + ".".join(file.relative_to(SOURCES).with_suffix("").parts))
     context = click.Context(main)
@@ -30,12 +30,12 @@ def test_every_check_and_option_named_exists(one: Assumption) -> None:
         way
         for command in commands
         if command
-        for each in command.params
-        for way in iterate_spellings(each)
+        for parameter in command.params
+        for way in iterate_spellings(parameter)
     }
-    assert set(one.checks) <= {name for _, name in REGISTER}
-    assert set(one.options) <= options
-    assert one.checks
+    assert set(assumption.checks) <= {name for _, name in REGISTER}
+    assert set(assumption.options) <= options
+    assert assumption.checks
 
 
 def iterate_spellings(option: click.Parameter) -> Iterator[str]:
@@ -54,12 +54,14 @@ def test_the_page_is_the_list() -> None:
     assert spec.loader is not None
     written = module_from_spec(spec)
     spec.loader.exec_module(written)
-    kept = written.PAGE.read_text(encoding="utf-8")
-    assert written.page() == kept, "run `python docs/assumptions.py`"
+    text = written.PAGE.read_text(encoding="utf-8")
+    assert written.page() == text, "run `python docs/assumptions.py`"
 
 
 def test_what_checks_say_of_an_assumption() -> None:
-    clocks = next(one for one in ASSUMPTIONS if one.name == "synchronous clocks")
+    clocks = next(
+        assumption for assumption in ASSUMPTIONS if assumption.name == "synchronous clocks"
+    )
     good, bad, silent = (Check("delay_plausible", passed, "") for passed in (True, False, None))
     assert clocks.state([good, silent]) == "not contradicted"
     assert clocks.state([good, bad]) == "contradicted"

@@ -60,15 +60,15 @@ def sweep(tmp_path_factory):
 
 
 def test_fit_files_uses_the_relaxation_fit_for_ramp_and_hold(seal):
-    found, (test,) = fit_files([seal], arms=1)
-    assert found.method == "full"
+    result, (test,) = fit_files([seal], arms=1)
+    assert result.method == "full"
     assert test.depth == pytest.approx(8e-3, rel=0.01)
     assert fit_files([seal], arms=1, method="hold")[0].method == "hold"
 
 
 def test_depth_law_applies_or_refuses_options(two_depths):
-    found, _ = fit_files(two_depths, arms=2, depth_law=True)
-    assert [at.depth for at in found.evidence.stiffness_by_depth] == pytest.approx(
+    result, _ = fit_files(two_depths, arms=2, depth_law=True)
+    assert [at.depth for at in result.evidence.stiffness_by_depth] == pytest.approx(
         [4e-3, 8e-3], rel=0.01
     )
     choices = (
@@ -83,8 +83,8 @@ def test_depth_law_applies_or_refuses_options(two_depths):
 
 
 def test_a_sweep_is_fitted_as_a_sweep(sweep):
-    found, (data,) = fit_files([sweep], arms=2)
-    assert found.method == "dynamic"
+    result, (data,) = fit_files([sweep], arms=2)
+    assert result.method == "dynamic"
     assert len(data.frequency) == 9
 
 
@@ -134,10 +134,10 @@ def test_identify_files_refuses_a_fit_with_its_test():
 
 
 def test_an_inspection_says_what_preparation_sees(seal, sweep):
-    found = inspect_files([seal, sweep])
-    assert found.files[0].preparation.ramp_time == pytest.approx(1.0, abs=0.02)
-    assert found.files[1].preparation is None
-    assert found.checks == found.files[0].preparation.checks
+    inspections = inspect_files([seal, sweep])
+    assert inspections.files[0].preparation.ramp_time == pytest.approx(1.0, abs=0.02)
+    assert inspections.files[1].preparation is None
+    assert inspections.checks == inspections.files[0].preparation.checks
 
 
 def test_inspect_and_read_parse_the_numbers_a_single_time(tmp_path, monkeypatch):
@@ -151,13 +151,15 @@ def test_inspect_and_read_parse_the_numbers_a_single_time(tmp_path, monkeypatch)
     monkeypatch.setattr(
         "dashpot.reading.formats.text.load_rows", lambda *a, **k: parsed.append(1) or plain(*a, **k)
     )
-    (found,) = inspect_files([path]).files
+    (result,) = inspect_files([path]).files
     assert len(parsed) == 1
-    assert "overload mark" in " ".join(found.warnings)
+    assert "overload mark" in " ".join(result.warnings)
     direct = read_relaxation(path)
-    kept = []
-    inspect_files([path], read=lambda file: kept.append(relaxation_in(file, Specimen())) or kept[0])
-    assert kept[0] == direct
+    retained = []
+    inspect_files(
+        [path], read=lambda file: retained.append(relaxation_in(file, Specimen())) or retained[0]
+    )
+    assert retained[0] == direct
 
 
 # -- an FRF from elsewhere ------------------------------------------------------------------------
@@ -189,14 +191,14 @@ def test_what_the_user_says_of_an_frf_is_heeded(foreign):
         compare_files(
             a_fit(PAPER), [foreign], BlockOnSeals(), hammer=HammerChoices(), options=ReadOptions()
         )
-    found = compare_files(
+    frf_comparison = compare_files(
         a_fit(PAPER), [foreign], BlockOnSeals(0.104, 2), hammer=HammerChoices(), options=SAID
     )
-    assert found.comparison.measured_hz == pytest.approx(12.71, abs=0.02)
+    assert frf_comparison.comparison.measured_hz == pytest.approx(12.71, abs=0.02)
 
 
 def test_the_coherence_of_a_file_is_used_and_checked_in_the_band(foreign):
-    found = compare_files(
+    frf_comparison = compare_files(
         a_fit(PAPER),
         [foreign],
         BlockOnSeals(seals=2),
@@ -204,14 +206,14 @@ def test_the_coherence_of_a_file_is_used_and_checked_in_the_band(foreign):
         options=SAID,
         band=(8, 40),
     )
-    assert found.mass == pytest.approx(0.104, rel=1e-2)
-    (coherence,) = [check for check in found.noted if check.name == "coherence"]
+    assert frf_comparison.mass == pytest.approx(0.104, rel=1e-2)
+    (coherence,) = [check for check in frf_comparison.noted if check.name == "coherence"]
     assert coherence.passed
     assert "(12.6 Hz)" in coherence.message
-    found = identify_files(
+    frf_comparison = identify_files(
         [foreign], BlockOnSeals(0.104, 2), hammer=HammerChoices(), options=SAID, band=(8, 40)
     )
-    fit, straight, noted = found.fit, found.direct.of, found.noted
+    fit, straight, noted = frf_comparison.fit, frf_comparison.direct.of, frf_comparison.noted
     (lines,) = [check for check in fit.checks if check.name == "lines_explained"]
     assert "It has coherence but no number of hits" in lines.message
     assert lines.value < 0.1
@@ -230,20 +232,22 @@ def hard(se=0.0):
 
 
 def test_a_prediction_tells_both_solids_and_where_the_mass_rests():
-    found = predict_files(hard(), block=BlockOnSeals(0.104, 2), band=(5.0, 40.0))
+    prediction = predict_files(hard(), block=BlockOnSeals(0.104, 2), band=(5.0, 40.0))
     at = hardening.resting(0.104, 2)
     scale = hardening.tangent(at) / hardening.K_INF
-    told = found.to_dict()
-    assert told["compression"] == pytest.approx(at, rel=5e-3)
-    assert told["depth"] == 8e-3
-    assert not told["extrapolated_law"]
-    assert told["secant"]["frequency"] == pytest.approx(hardening.peak(0.104, 2, 1.0), rel=1e-3)
-    assert told["tangent"]["frequency"] == pytest.approx(hardening.peak(0.104, 2, scale), rel=3e-3)
-    assert found.peak[0] == pytest.approx(hardening.peak(0.104, 2, scale), rel=3e-3)
-    assert "tangent at 3.24 mm" in str(found.at_rest)
-    given = predict_files(hard(), block=BlockOnSeals(0.104, 2, compression=8e-3), band=(5.0, 40.0))
-    assert given.to_dict()["compression"] == 8e-3
-    assert given.peak[0] > found.peak[0]
+    document = prediction.to_dict()
+    assert document["compression"] == pytest.approx(at, rel=5e-3)
+    assert document["depth"] == 8e-3
+    assert not document["extrapolated_law"]
+    assert document["secant"]["frequency"] == pytest.approx(hardening.peak(0.104, 2, 1.0), rel=1e-3)
+    assert document["tangent"]["frequency"] == pytest.approx(
+        hardening.peak(0.104, 2, scale), rel=3e-3
+    )
+    assert prediction.peak[0] == pytest.approx(hardening.peak(0.104, 2, scale), rel=3e-3)
+    assert "tangent at 3.24 mm" in str(prediction.at_rest)
+    inputs = predict_files(hard(), block=BlockOnSeals(0.104, 2, compression=8e-3), band=(5.0, 40.0))
+    assert inputs.to_dict()["compression"] == 8e-3
+    assert inputs.peak[0] > prediction.peak[0]
     assert (
         str(predict_files(a_fit(PAPER), block=BlockOnSeals(0.104), band=(5.0, 40.0)).at_rest) == ""
     )
@@ -254,11 +258,13 @@ def test_limits_carry_the_doubt_of_the_tangent():
     f = np.linspace(8.0, 18.0, 801)
 
     def check_limits(se):
-        found = predict_files(hard(se), block=BlockOnSeals(0.104, 2), band=(8.0, 18.0), lines=801)
-        scale = found.at_rest.point.factor * (1 + 1.5 * 0.02)
+        prediction = predict_files(
+            hard(se), block=BlockOnSeals(0.104, 2), band=(8.0, 18.0), lines=801
+        )
+        scale = prediction.at_rest.point.factor * (1 + 1.5 * 0.02)
         omega = 2 * np.pi * f
         truth = np.abs(omega**2 / (2 * hardening.stiffness(omega, scale) - 0.104 * omega**2))
-        limits = found.to_dict()["limits"]
+        limits = prediction.to_dict()["limits"]
         low, high = np.array(limits["parameter"])
         lines = limits["frequency_hz"]
         return (

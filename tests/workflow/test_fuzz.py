@@ -31,7 +31,7 @@ def documents() -> list[dict[str, object]]:
         handmade.two_arms(), handmade.joint(), handmade.two_arms().model, kelvin_voigt(100.0, 2.0),
         handmade.study().comparison, Job("a.csv", impact=("b.csv",), mass=0.104),
     )  # fmt: skip
-    return [to_document(noun) for noun in nouns]
+    return [to_document(result) for result in nouns]
 
 
 @tries(400)
@@ -43,7 +43,7 @@ def test_altered_documents(fuzzer: Fuzzer, content: bytes) -> None:
 @tries(100)
 @given(
     content=st.sampled_from(documents()).flatmap(
-        lambda one: draw_damaged_bytes(json.dumps(one).encode())
+        lambda item: draw_damaged_bytes(json.dumps(item).encode())
     )
 )
 def test_wounded_documents(fuzzer: Fuzzer, content: bytes) -> None:

@@ -16,7 +16,7 @@ def test_a_factor_has_the_resonance_that_was_measured_at_its_level(softening: fl
     def peak(solid: object, factor: float, mass: float) -> float:
         return 10.0 * (factor / (1 + softening / factor)) ** 0.5
 
-    found = _part_factor(
+    part_factor = _part_factor(
         PartChoices(resonance=14.0, resonance_mass=0.4), 14.0, PAPER, base=True, peak=peak
     )
-    assert peak(PAPER, found, 0.4) == pytest.approx(14.0, rel=1e-4)
+    assert peak(PAPER, part_factor, 0.4) == pytest.approx(14.0, rel=1e-4)

@@ -146,7 +146,7 @@ def test_a_write_that_fails_leaves_what_was_there(tmp_path, monkeypatch, fails):
     monkeypatch.setattr(*((os, "fsync") if fails == "fsync" else (Path, "replace")), full)
     with pytest.raises(OSError, match="No space"):
         write_atomic(path, b"new")
-    assert [(one.name, one.read_text()) for one in tmp_path.iterdir()] == [("fit.json", "old")]
+    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("fit.json", "old")]
 
 
 def test_write_atomic_preserves_permissions_and_devices(tmp_path):

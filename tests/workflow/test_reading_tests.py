@@ -26,10 +26,10 @@ def test_a_ramp_and_hold_is_a_relaxation_test(tmp_path: Path) -> None:
 def test_a_sweep_is_a_dynamic_test(tmp_path: Path) -> None:
     path = tmp_path / "dma.csv"
     path.write_text("f,E_stor,E_loss\nHz,MPa,MPa\n1,10,1\n2,11,1.1\n5,12,1.2\n")
-    found = read_test(path, specimen=Specimen(temperature=296.0))
-    assert isinstance(found, DynamicTest)
-    assert found.storage[0] == pytest.approx(10e6)
-    assert found.specimen.temperature == 296.0
+    bench = read_test(path, specimen=Specimen(temperature=296.0))
+    assert isinstance(bench, DynamicTest)
+    assert bench.storage[0] == pytest.approx(10e6)
+    assert bench.specimen.temperature == 296.0
 
 
 def test_anything_else_keeps_the_sentence_of_the_relaxation_reader(tmp_path: Path) -> None:

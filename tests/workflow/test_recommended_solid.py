@@ -22,35 +22,35 @@ STOP = Check("force_residual_small", False, "The model misses the force.", grade
 
 
 def index_by_name(answers):
-    return {one.quantity: one for one in answers}
+    return {answer.quantity: answer for answer in answers}
 
 
 def test_the_joint_solid_is_recommended_where_the_verdict_allows_it():
-    found = recommend_solid(S)
-    assert (found.recommended, found.joint) == (True, True)
-    assert found.solid is S.joint
+    recommendation = recommend_solid(S)
+    assert (recommendation.recommended, recommendation.joint) == (True, True)
+    assert recommendation.solid is S.joint
 
 
 def test_without_a_joint_fit_it_is_that_of_the_relaxation_test():
-    sound = replace(ALONE, comparison=None, measured=None)
-    found = recommend_solid(sound)
-    assert (found.recommended, found.joint) == (True, False)
-    assert found.solid is S.fit
+    intact = replace(ALONE, comparison=None, measured=None)
+    recommendation = recommend_solid(intact)
+    assert (recommendation.recommended, recommendation.joint) == (True, False)
+    assert recommendation.solid is S.fit
 
 
 def test_nothing_is_recommended_where_the_verdict_says_do_not_use():
     failed = replace(S, joint=replace_fields(S.joint, checks=(STOP,)))
-    found = recommend_solid(failed)
-    assert (found.recommended, found.joint) == (False, False)
-    assert found.solid is S.fit
+    recommendation = recommend_solid(failed)
+    assert (recommendation.recommended, recommendation.joint) == (False, False)
+    assert recommendation.solid is S.fit
 
 
 def test_the_frequency_is_that_of_the_peak_and_the_damping_that_of_the_pole():
     """What a hammer shows is a peak: for one viscous degree of freedom above the pole by 1/sqrt."""
-    found = recommend_solid(S)
+    recommendation = recommend_solid(S)
     mass = next((n.value for n in S.joint.estimate.nuisance if n.name == "mass"), S.mass)
     (mode,) = model_modes(S.seals * S.joint.model, mass)
-    under = index_by_name(found.under_mass)
+    under = index_by_name(recommendation.under_mass)
     zeta = mode.damping_ratio
     assert under["damping"].value == pytest.approx(zeta)
     assert under["frequency"].value == pytest.approx(
@@ -84,48 +84,48 @@ def test_the_height_of_the_peak_is_that_of_the_solid_and_goes_against_the_dampin
 
 @pytest.mark.parametrize("study", [S, ALONE], ids=["joint", "relaxation"])
 def test_every_value_lies_between_its_ends(study):
-    found = recommend_solid(study)
-    for one in (*found.under_mass, *found.one_seal):
-        assert one.low <= one.value <= one.high
+    recommendation = recommend_solid(study)
+    for quantity in (*recommendation.under_mass, *recommendation.one_seal):
+        assert quantity.low <= quantity.value <= quantity.high
 
 
 def test_recommendation_bounds_contain_unresolved_arms():
     """The broad seal's fast arms are out of its reach: the bound knows, an interval does not."""
-    found = recommend_solid(ALONE)
+    recommendation = recommend_solid(ALONE)
     (truth,) = model_modes(2 * BROAD, BROAD_MASS)
-    under, seal = index_by_name(found.under_mass), index_by_name(found.one_seal)
+    under, seal = index_by_name(recommendation.under_mass), index_by_name(recommendation.one_seal)
     omega = 2 * np.pi * under["frequency"].value
-    for one, value in (
+    for quantity, value in (
         (under["damping"], truth.damping_ratio),
         (under["peak"], highest(2 * BROAD, BROAD_MASS, truth.frequency)),
         (seal["dynamic stiffness"], BROAD.storage(omega=omega)),
         (seal["loss factor"], BROAD.loss_factor(omega=omega)),
     ):
-        assert one.bound
-        assert one.low <= value <= one.high
-    assert not any(one.bound for one in recommend_solid(S).under_mass)
+        assert quantity.bound
+        assert quantity.low <= value <= quantity.high
+    assert not any(item.bound for item in recommend_solid(S).under_mass)
 
 
 def test_the_stiffness_at_the_end_of_the_hold_is_that_of_the_test():
     end = EndOfHold(40.0, (190.0, 210.0), (180.0, 210.0), (0.0, 211.0), 1.0)
-    known = replace(ALONE, fit=replace_fields(S.fit, end_of_hold=end))
-    one = index_by_name(recommend_solid(known).one_seal)["end of hold"]
-    assert one.value == pytest.approx(S.fit.model.relaxation(40.0))
-    assert (one.low, one.high, one.at, one.bound) == (190.0, 210.0, 40.0, True)
+    expected = replace(ALONE, fit=replace_fields(S.fit, end_of_hold=end))
+    quantity = index_by_name(recommend_solid(expected).one_seal)["end of hold"]
+    assert quantity.value == pytest.approx(S.fit.model.relaxation(40.0))
+    assert (quantity.low, quantity.high, quantity.at, quantity.bound) == (190.0, 210.0, 40.0, True)
     assert "end of hold" not in index_by_name(recommend_solid(ALONE).one_seal)
 
 
 def test_a_peak_that_nothing_limits_has_no_upper_end():
     open_ended = replace(S.frf_band, peak_frequency=(12.0, math.inf))
-    one = index_by_name(recommend_solid(replace(ALONE, frf_band=open_ended)).under_mass)[
+    frequency = index_by_name(recommend_solid(replace(ALONE, frf_band=open_ended)).under_mass)[
         "frequency"
     ]
-    assert (one.low, one.high) == (12.0, math.inf)
+    assert (frequency.low, frequency.high) == (12.0, math.inf)
 
 
 def test_without_a_mass_the_answers_are_those_of_the_seal_at_the_edge_of_its_band():
-    found = recommend_solid(handmade.bench_only())
-    assert found.under_mass == ()
-    one = index_by_name(found.one_seal)["dynamic stiffness"]
-    assert one.at == S.fit.band[1]
-    assert one.value == pytest.approx(S.fit.model.storage(omega=2 * np.pi * S.fit.band[1]))
+    recommendation = recommend_solid(handmade.bench_only())
+    assert recommendation.under_mass == ()
+    quantity = index_by_name(recommendation.one_seal)["dynamic stiffness"]
+    assert quantity.at == S.fit.band[1]
+    assert quantity.value == pytest.approx(S.fit.model.storage(omega=2 * np.pi * S.fit.band[1]))

@@ -12,17 +12,17 @@ from dashpot.workflow.fit_routing import BENCH, VIBRATION, route
 HITS, FRF, BASE = "impact", "frf", "transmissibility"
 
 
-def meant(*kinds: str, **said: object) -> str:
-    return route({f"{i}.csv": kind for i, kind in enumerate(kinds)}, **said)  # type: ignore[arg-type]
+def meant(*kinds: str, **message: object) -> str:
+    return route({f"{i}.csv": kind for i, kind in enumerate(kinds)}, **message)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("kind", [one.name for one in KINDS.values() if one.fit_route])
+@pytest.mark.parametrize("kind", [kind.name for kind in KINDS.values() if kind.fit_route])
 def test_several_records_of_a_kind_mean_the_same_fit(kind: str) -> None:
     assert meant(kind) == meant(kind, kind) == KINDS[kind].fit_route
 
 
 @pytest.mark.parametrize(
-    ("kinds", "said", "word"),
+    ("kinds", "values", "word"),
     [
         (("relaxation", "dma"), {}, "bench"),
         (("relaxation", "relaxation"), {"masses": 1}, "bench"),
@@ -41,12 +41,14 @@ def test_several_records_of_a_kind_mean_the_same_fit(kind: str) -> None:
         (("indentation",), {"masses": 1}, "indentation"),
     ],
 )
-def test_options_select_the_fit(kinds: tuple[str, ...], said: dict[str, object], word: str) -> None:
-    assert meant(*kinds, **said) == word
+def test_options_select_the_fit(
+    kinds: tuple[str, ...], values: dict[str, object], word: str
+) -> None:
+    assert meant(*kinds, **values) == word
 
 
 @pytest.mark.parametrize(
-    ("kinds", "said", "message"),
+    ("kinds", "values", "message"),
     [
         (("relaxation", HITS), {}, "under a mass. Give the test mass, such as --mass 104g"),
         (("fit", FRF), {"selected": "level"}, "Give the test mass"),
@@ -68,10 +70,10 @@ def test_options_select_the_fit(kinds: tuple[str, ...], said: dict[str, object],
     ],
 )
 def test_unfit_records_are_refused_in_a_sentence(
-    kinds: tuple[str, ...], said: dict[str, object], message: str
+    kinds: tuple[str, ...], values: dict[str, object], message: str
 ) -> None:
     with pytest.raises(ReadError) as caught:
-        meant(*kinds, **said)
+        meant(*kinds, **values)
     assert message in str(caught.value)
 
 

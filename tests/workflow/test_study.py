@@ -78,7 +78,10 @@ def test_the_joint_fit_mends_it(story):
     joint = story.joint_comparison
     assert joint.predicted_hz == pytest.approx(joint.measured_hz, rel=2e-3)
     assert joint.predicted_peak == pytest.approx(joint.measured_peak, rel=0.05)
-    assert any(moved.name.startswith("k_") for moved in story.joint.evidence.parameter_changes)
+    assert any(
+        parameter_change.name.startswith("k_")
+        for parameter_change in story.joint.evidence.parameter_changes
+    )
 
 
 def test_unresolved_arm_band_contains_the_measured_frf(story):

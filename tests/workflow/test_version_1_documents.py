@@ -58,24 +58,24 @@ def without_digest(value: Any) -> Any:
     return [without_digest(item) for item in value] if isinstance(value, list) else value
 
 
-def fill_unknown(former: Any, present: Any) -> Any:
+def fill_unknown(previous: Any, present: Any) -> Any:
     """A former document with the present numbers where it knew none."""
-    if isinstance(former, dict) and isinstance(present, dict):
-        return {key: fill_unknown(item, present.get(key)) for key, item in former.items()}
-    if isinstance(former, list) and isinstance(present, list) and len(former) == len(present):
-        return [fill_unknown(*pair) for pair in zip(former, present, strict=True)]
-    return present if former == "NaN" and isinstance(present, int | float) else former
+    if isinstance(previous, dict) and isinstance(present, dict):
+        return {key: fill_unknown(item, present.get(key)) for key, item in previous.items()}
+    if isinstance(previous, list) and isinstance(present, list) and len(previous) == len(present):
+        return [fill_unknown(*pair) for pair in zip(previous, present, strict=True)]
+    return present if previous == "NaN" and isinstance(present, int | float) else previous
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_converted_document_has_no_version_1_key(name: str) -> None:
     document = json.loads(read_text(name))
     converted = convert_document(document)
-    former = {schema: {*keys, *EVERYWHERE} for schema, keys in RENAMED_KEYS.items()}
+    previous = {schema: {*keys, *EVERYWHERE} for schema, keys in RENAMED_KEYS.items()}
     assert not {
         (schema, place)
         for schema, place in find_places(converted)
-        if place in former.get(schema.replace("@2", "@1"), ())
+        if place in previous.get(schema.replace("@2", "@1"), ())
     }
     assert "dashpot/" in converted["schema"]
     assert not {schema for schema, _ in find_places(converted)} & RENAMED_KEYS.keys()
@@ -102,10 +102,10 @@ def without_texts(value: Any) -> Any:
 def test_version_1_fit_equals_a_new_fit(tmp_path: Path) -> None:
     head, *rows = files()["seal.csv"][0].splitlines()
     (tmp_path / "s.csv").write_text("\n".join([head, *rows[::3]]) + "\n")
-    former = to_document(from_json(read_text("fit")))
+    document = to_document(from_json(read_text("fit")))
     present = to_document(dp.fit(dp.read(tmp_path / "s.csv")))
     worst, where = find_largest_difference(
-        without_texts(without_digest(former)), without_texts(without_digest(present))
+        without_texts(without_digest(document)), without_texts(without_digest(present))
     )
     assert worst < 1e-6, where
 

@@ -32,14 +32,14 @@ def signals(version: str) -> list[Signal]:
     kinds = ["u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"]
     if version >= "4":
         kinds.append("f2")
-    found = [
+    result = [
         Signal((COUNTS - (5 if kind[0] != "u" else 0)).astype(kind), TIME, unit="N", name=kind)
         for kind in kinds
     ]
     for name, conversion in CONVERSIONS.items():
         if version < "4" and name in {"ranges", "table"}:
             continue
-        found.append(
+        result.append(
             Signal(
                 # of whole numbers asammdf takes the wrong range
                 COUNTS.astype("f8" if name == "ranges" else "u2"),
@@ -50,21 +50,21 @@ def signals(version: str) -> list[Signal]:
             )
         )
     if version >= "4":
-        found.append(
+        result.append(
             Signal(
                 COUNTS.astype("f4"), TIME, unit="m/s²", name="invalid",
                 invalidation_bits=COUNTS % 7 == 3,
             )
         )  # fmt: skip
-        found.append(
+        result.append(
             Signal(
                 COUNTS.astype("u1"), TIME, name="states",
                 conversion={f"val_{i}": float(i) for i in range(20)}
                 | {f"text_{i}": f"state {i}".encode() for i in range(20)},
             )
         )  # fmt: skip
-        found.append(Signal(np.array([b"a", b"bc"] * 21), TIME, name="text", encoding="utf-8"))
-    return found
+        result.append(Signal(np.array([b"a", b"bc"] * 21), TIME, name="text", encoding="utf-8"))
+    return result
 
 
 def truth(path: Path) -> dict[str, object]:
@@ -85,7 +85,7 @@ def truth(path: Path) -> dict[str, object]:
 
 
 def main() -> None:
-    found = {}
+    result = {}
     for version in ("2.14", "3.30", "4.00", "4.10"):
         for compression in (1, 2) if version > "4.05" else (0,):
             path = HERE / f"{version}-{compression}.{'mf4' if version > '4' else 'mdf'}"
@@ -94,8 +94,8 @@ def main() -> None:
                 later = TIME[::3] + 0.02
                 file.append([Signal(later**2, later, unit="degC", name="slow")])
                 file.save(path, overwrite=True, compression=compression)
-            found[path.name] = truth(path)
-    text = json.dumps(found, separators=(",", ":"), ensure_ascii=False)
+            result[path.name] = truth(path)
+    text = json.dumps(result, separators=(",", ":"), ensure_ascii=False)
     (HERE / "truth.json").write_text(text + "\n", encoding="utf-8")
 
 

@@ -130,7 +130,7 @@ def test_serial_line_is_opened_read_only_and_must_be_serial(tmp_path):
 def test_lines_are_the_same_however_they_arrive(cut: int):
     lines, whole = Lines(), b"".join([b"x\n", *PLAIN[:200]])
     blocks = [lines.feed(whole[i : i + cut]) for i in range(0, len(whole), cut)]
-    times = np.concatenate([one for one, _ in blocks])
+    times = np.concatenate([item for item, _ in blocks])
     np.testing.assert_allclose(times, TEST.time[:200], atol=1e-4)
     assert lines.notes() == ()
 
@@ -316,13 +316,13 @@ def test_what_was_read_before_a_fault_is_in_the_file(tmp_path):
 
 
 def test_a_full_disk_leaves_whole_rows(tmp_path, monkeypatch):
-    room = [3000]
+    folder = [3000]
     write = os.write
 
     def filling(handle: int, data: bytes) -> int:
-        if not room[0]:
+        if not folder[0]:
             raise OSError(28, "No space left on device")
-        room[0] -= (fits := min(len(data), room[0]))
+        folder[0] -= (fits := min(len(data), folder[0]))
         return write(handle, data[:fits])
 
     monkeypatch.setattr("dashpot.extensions.acquisition.record_to_file.os.write", filling)

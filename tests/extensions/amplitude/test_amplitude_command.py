@@ -48,11 +48,11 @@ def test_a_sweep_is_read_as_a_sweep_of_amplitude(tmp_path, header, scale):
         tmp_path / "sweep.csv", header, np.full(16, 10.0), X * scale[0], K.real, K.imag
     )
     assert inspect_file(path).kind == "strain-sweep"
-    found = ran(path)
+    result = ran(path)
     half = 0.004 * (1 if "Strain" in header else 1e-1)
-    assert found["half_way"] == pytest.approx(half, rel=1e-3)
-    assert found["of"] == ("strain" if "Strain" in header else "m")
-    assert found["law"] == ("factor" if "Strain" in header else "additive")
+    assert result["half_way"] == pytest.approx(half, rel=1e-3)
+    assert result["of"] == ("strain" if "Strain" in header else "m")
+    assert result["law"] == ("factor" if "Strain" in header else "additive")
     # and never as one of frequency
     assert "recognised sweep.csv: an amplitude sweep" in shell.ran("fit", path).stderr
 
@@ -64,7 +64,7 @@ def write_crossed_sweep(
     path, header, *, order=slice(None), jitter=0.0, warm=lambda n, X: 20 + 0 * X, scale=100
 ):
     """Three frequencies by twelve strains: frequency, amplitude, MPa, degC."""
-    hz, X = (each.ravel() for each in np.meshgrid([1.0, 10.0, 100.0], GRID, indexing="ij"))
+    hz, X = (item.ravel() for item in np.meshgrid([1.0, 10.0, 100.0], GRID, indexing="ij"))
     K = 1e3 * hz**0.06 * payne(X)
     T = warm(np.repeat([0, 1, 2], len(GRID)), X)
     hz = hz * (1 + jitter * np.random.default_rng(2).normal(size=len(X)))
@@ -91,8 +91,8 @@ def test_what_is_over_the_whole_cycle_is_turned_into_the_amplitude(tmp_path, col
     header = f"Frequency [Hz],Static strain [%],{column},E' [MPa],E'' [MPa]"
     save_table(name, header, 10 + 0 * GRID, 5 + 0 * GRID, 100 * over * GRID, K.real, K.imag)
     assert ran(name)["half_way"] == pytest.approx(0.004, rel=1e-3)
-    told = shell.ran("fit", name).stdout
-    assert ("it is the amplitude" in told) is (over != 1.0)
+    stdout = shell.ran("fit", name).stdout
+    assert ("it is the amplitude" in stdout) is (over != 1.0)
 
 
 def test_fit_asks_which_of_two_strain_columns(tmp_path):
@@ -124,15 +124,17 @@ def test_strains_at_several_frequencies_are_no_sweep_of_frequency(tmp_path, ampl
         tmp_path / "grid.csv", f"Frequency [Hz],{amplitude},{MODULI}", **words
     )
     assert inspect_file(path).kind == "strain-sweep"
-    found = ran(path)
-    assert [one["frequency_hz"] for one in found["linear"]] == pytest.approx([1, 10, 100], rel=0.01)
-    assert found["half_way"] == pytest.approx(0.004 if "Strain" in amplitude else 4e-5, rel=0.02)
+    result = ran(path)
+    assert [mode["frequency_hz"] for mode in result["linear"]] == pytest.approx(
+        [1, 10, 100], rel=0.01
+    )
+    assert result["half_way"] == pytest.approx(0.004 if "Strain" in amplitude else 4e-5, rel=0.02)
     assert "each frequency recurs" in shell.ran("inspect", path).stdout
 
 
 def test_frequency_sweep_with_varying_amplitude_remains_a_frequency_sweep(tmp_path):
     """A drive at its limit moves a cold rubber less; that is no sweep of amplitude."""
-    hz, T = (each.ravel() for each in np.meshgrid(np.geomspace(1, 50, 8), [-40.0, 0.0, 40.0]))
+    hz, T = (item.ravel() for item in np.meshgrid(np.geomspace(1, 50, 8), [-40.0, 0.0, 40.0]))
     path = tmp_path / "warming.csv"
     header = f"Frequency [Hz],Strain [%],{MODULI}"
     K = 1e6 * np.exp(-T / 20)
@@ -145,21 +147,21 @@ def test_a_sensor_between_mass_and_base_tells_the_same_levels(tmp_path):
         (point_mass("mass", 0.104),), (Mount(SEAL, ("mass", "ground"), friction=SLIDER),)
     )
     hz, base = np.linspace(8, 20, 61), (0.1, 1.0)
-    words = ["--mass", "104g", *(f"--amplitude={one}m/s^2" for one in base)]
+    words = ["--mass", "104g", *(f"--amplitude={item}m/s^2" for item in base)]
     for motion, less in (("absolute", 0), ("relative", 1)):
-        for one in base:
-            found = dp.systems.response_at_level(
+        for element in base:
+            level_response = dp.systems.response_at_level(
                 system, response="mass.z", base="ground.z", frequency=hz,
-                level=one / (2 * np.pi * hz) ** 2,
+                level=element / (2 * np.pi * hz) ** 2,
             )  # fmt: skip
-            value = found.motion / found.level - less
+            value = level_response.motion / level_response.level - less
             header = "frequency [Hz],real [m/m],imaginary [m/m]"
-            save_table(tmp_path / f"{motion}_{one}.csv", header, hz, value.real, value.imag)
-    files = {m: [tmp_path / f"{m}_{one}.csv" for one in base] for m in ("absolute", "relative")}
-    told = ran(*files["absolute"], *words)
+            save_table(tmp_path / f"{motion}_{element}.csv", header, hz, value.real, value.imag)
+    files = {m: [tmp_path / f"{m}_{item}.csv" for item in base] for m in ("absolute", "relative")}
+    result = ran(*files["absolute"], *words)
     same = ran(*files["relative"], *words, "--relative")
-    assert same["amplitudes"] == pytest.approx(told["amplitudes"], rel=1e-9)
-    assert same["verdict"]["verdict_grade"] == told["verdict"]["verdict_grade"] == "use"
+    assert same["amplitudes"] == pytest.approx(result["amplitudes"], rel=1e-9)
+    assert same["verdict"]["verdict_grade"] == result["verdict"]["verdict_grade"] == "use"
     assert ran(*files["relative"], *words)["verdict"]["verdict_grade"] == "do not use"
     columns = 10 + 0 * GRID, 100 * GRID, 2 - GRID, 1 + 0 * GRID, 20 + 0 * GRID
     sweep = save_table(tmp_path / "sweep.csv", f"Frequency [Hz],Strain [%],{MODULI}", *columns)
@@ -174,7 +176,7 @@ def test_a_grid_of_strains_is_no_sweep_of_frequency_whoever_names_its_columns(
     tmp_path, named, tones
 ):
     path = tmp_path / "grid.csv"
-    hz, strain = (each.ravel() for each in np.meshgrid(tones, GRID))
+    hz, strain = (item.ravel() for item in np.meshgrid(tones, GRID))
     K = payne(strain) * hz**0.05
     save_table(
         path, "f [Hz],Dehnung [%],Speicher [MPa],Verlust [MPa]", hz, 100 * strain, K.real, K.imag
@@ -228,19 +230,19 @@ def test_recorded_loops_tell_the_same(tmp_path, noise, drift):
     path = save_table(
         tmp_path / "loops.csv", "time [s],displacement [mm],force [N]", t, 1e3 * x, force
     )
-    found = ran(path, "--plot", tmp_path / "loops.svg")
+    result = ran(path, "--plot", tmp_path / "loops.svg")
     assert "fitted loop" in (tmp_path / "loops.svg").read_text()
-    assert found["unit"] == "N/m"
-    assert [round(one["frequency_hz"], 2) for one in found["linear"]] == [hz]
-    low, high = found["amplitudes"]
+    assert result["unit"] == "N/m"
+    assert [round(mode["frequency_hz"], 2) for mode in result["linear"]] == [hz]
+    low, high = result["amplitudes"]
     assert (low, high) == pytest.approx((sizes[0], sizes[-1]), rel=0.02)
     stuck, free = (
-        float((SEAL + SLIDER).equivalent(2 * np.pi * hz, one).real) for one in (1e-5, 6e-3)
+        float((SEAL + SLIDER).equivalent(2 * np.pi * hz, item).real) for item in (1e-5, 6e-3)
     )
-    assert found["linear"][0]["storage"] == pytest.approx(stuck, rel=0.05)
-    assert found["lost"] == pytest.approx(stuck - free, rel=0.2)
+    assert result["linear"][0]["storage"] == pytest.approx(stuck, rel=0.05)
+    assert result["lost"] == pytest.approx(stuck - free, rel=0.2)
     # the law is one that its BICs prefer: one that no seal has is not among them
-    assert found["orders"][found["law"]] <= min(found["orders"].values()) + 2.0
+    assert result["orders"][result["law"]] <= min(result["orders"].values()) + 2.0
 
 
 def test_fit_reports_the_effect_of_channel_delay_on_loops(tmp_path):
@@ -252,10 +254,10 @@ def test_fit_reports_the_effect_of_channel_delay_on_loops(tmp_path):
     late = np.concatenate([[0.0], x[:-1]])
     columns = (t, 1e3 * late, 400.0 * x)
     path = save_table(tmp_path / "loops.csv", "time [s],displacement [mm],force [N]", *columns)
-    found = ran(path)
-    linear = found["linear"][0]
+    result = ran(path)
+    linear = result["linear"][0]
     assert linear["loss"] / linear["storage"] == pytest.approx(
-        1e-3 * found["loss_factor_per_lag"], rel=0.02
+        1e-3 * result["loss_factor_per_lag"], rel=0.02
     )
     printed = shell.ran("fit", path).stdout
     assert "A delay of 1 ms between the channels would add 0.031 to the loss factor" in printed
@@ -265,13 +267,13 @@ def frfs(folder, levels, friction=SLIDER):
     system = System((point_mass("m", 0.104),), (Mount(SEAL, ("m", "ground"), friction=friction),))
     f, paths = np.linspace(8, 20, 61), []
     for i, level in enumerate(levels):
-        one = dp.systems.response_at_level(
+        frf = dp.systems.response_at_level(
             system, response="m.z", force="m.z", level=level, frequency=f
         ).frf()
         rng = np.random.default_rng(i)
-        H = one.value * (1 + 0.005 * (rng.normal(size=61) + 1j * rng.normal(size=61)))
+        H = frf.value * (1 + 0.005 * (rng.normal(size=61) + 1j * rng.normal(size=61)))
         paths.append(folder / f"frf{i}.csv")
-        write_frf(dp.FRF(f, H, one.quantity, sd=0.005 * np.abs(H), units="SI"), paths[-1])
+        write_frf(dp.FRF(f, H, frf.quantity, sd=0.005 * np.abs(H), units="SI"), paths[-1])
     return paths, system
 
 
@@ -279,7 +281,7 @@ def test_frfs_of_three_levels_foretell_a_fourth(tmp_path):
     levels = (0.005, 0.05, 0.5)
     paths, system = frfs(tmp_path, levels)
     words = [w for level in levels for w in ("--amplitude", f"{level}N")]
-    found = ran(
+    result = ran(
         *paths,
         *words,
         "--mass",
@@ -293,15 +295,15 @@ def test_frfs_of_three_levels_foretell_a_fourth(tmp_path):
         system, response="m.z", force="m.z", level=0.15, frequency=np.linspace(10, 18, 1601)
     )
     top = int(true.amplitude.argmax())
-    asked, beyond = found["at"]
-    assert asked["frequency"] == pytest.approx(float(true.frequency[top]), rel=0.002)
-    assert asked["receptance"] == pytest.approx(true.amplitude[top] / 0.15, rel=0.03)
-    low, high = asked["receptance_interval"]
+    requested, excess = result["at"]
+    assert requested["frequency"] == pytest.approx(float(true.frequency[top]), rel=0.002)
+    assert requested["receptance"] == pytest.approx(true.amplitude[top] / 0.15, rel=0.03)
+    low, high = requested["receptance_interval"]
     assert low < true.amplitude[top] / 0.15 < high
-    covered = [c["passed"] for c in found["checks"] if c["name"] == "amplitude_in_tested_range"]
+    covered = [c["passed"] for c in result["checks"] if c["name"] == "amplitude_in_tested_range"]
     assert covered == [True, False]
-    assert beyond["amplitude"] > found["amplitudes"][1]
-    assert found["verdict"]["verdict_grade"] == "use with care"
+    assert excess["amplitude"] > result["amplitudes"][1]
+    assert result["verdict"]["verdict_grade"] == "use with care"
 
 
 @pytest.mark.parametrize(
@@ -358,7 +360,7 @@ def write_hits(path, heights):
 def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
     """Six hits of 1 to 8 in height: no trend, and how small a one was sought."""
     path = write_hits(tmp_path / "hits.csv", np.geomspace(0.5, 4.0, 6))
-    found = ran(
+    result = ran(
         path,
         "--resonance-amplitude",
         "0.05N",
@@ -368,25 +370,25 @@ def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
         tmp_path / "hits.svg",
     )
     assert "damping ratio, %" in (tmp_path / "hits.svg").read_text()
-    stiffness = found["per_doubling"]["stiffness"]
+    stiffness = result["per_doubling"]["stiffness"]
     assert abs(stiffness["change"]) < 4 * stiffness["se"] < stiffness["found"] * 2 < 0.01
-    low, high = found["amplitudes"]
-    asked, far = found["at"]
-    assert low < asked["amplitude"] < high < far["amplitude"]
-    assert asked["frequency"] == pytest.approx(12.7, rel=0.002)
+    low, high = result["amplitudes"]
+    requested, far = result["at"]
+    assert low < requested["amplitude"] < high < far["amplitude"]
+    assert requested["frequency"] == pytest.approx(12.7, rel=0.002)
     # the steady motion of a mass on a spring at its resonance
-    assert asked["receptance"] == pytest.approx(
+    assert requested["receptance"] == pytest.approx(
         1 / (2 * 0.1 * 0.03 * (2 * np.pi * 12.7) ** 2), rel=0.1
     )
-    assert [c["passed"] for c in found["checks"] if c["name"] == "amplitude_in_tested_range"] == [
+    assert [c["passed"] for c in result["checks"] if c["name"] == "amplitude_in_tested_range"] == [
         True,
         False,
     ]
-    assert found["verdict"]["verdict_grade"] == "use with care"
+    assert result["verdict"]["verdict_grade"] == "use with care"
     belongs = ran(path, "--seals", "2", "--resonance-amplitude", "1N", code=2)
     assert "--seals belongs to FRFs" in belongs
     read = level_files([path], at=[0.05])
-    assert [one.name for one in numbers(read)][:2] == [
+    assert [number.name for number in numbers(read)][:2] == [
         "stiffness per doubling",
         "damping per doubling",
     ]
@@ -400,16 +402,18 @@ def test_fit_compares_stated_levels_with_the_hits(tmp_path):
 
     plain = ran(soft, hard, "--resonance-amplitude", "0.02N")
     assert len(plain["hits"]) == 6
-    told = ran(soft, hard, "--amplitude", "0.11N", "--amplitude", "2N", "--mass", "100g")
-    assert told["per_doubling"] == plain["per_doubling"]
-    passed = {check["name"]: check["passed"] for check in told["checks"]}
+    result = ran(soft, hard, "--amplitude", "0.11N", "--amplitude", "2N", "--mass", "100g")
+    assert result["per_doubling"] == plain["per_doubling"]
+    passed = {check["name"]: check["passed"] for check in result["checks"]}
     assert passed["levels_as_stated"]
     assert passed["high_frequency_mass_agrees"]
-    assert told["verdict"]["verdict_grade"] == plain["verdict"]["verdict_grade"] == "use"
+    assert result["verdict"]["verdict_grade"] == plain["verdict"]["verdict_grade"] == "use"
     odd = ran(soft, hard, "--amplitude", "2N", "--amplitude", "0.11N", "--mass", "130g")
     assert odd["verdict"]["failed_checks"] == ["levels_as_stated", "high_frequency_mass_agrees"]
-    said = next(check["message"] for check in odd["checks"] if check["name"] == "levels_as_stated")
-    assert "The amplitudes belong to each other's files." in said
+    message = next(
+        check["message"] for check in odd["checks"] if check["name"] == "levels_as_stated"
+    )
+    assert "The amplitudes belong to each other's files." in message
     assert "2 hammer files and 1 amplitudes" in ran(soft, hard, "--amplitude", "2N", code=2)
     nothing = ran(soft, hard, "--amplitude", "2N", "--amplitude", "0N", code=2)
     assert "expected a peak force > 0" in nothing
@@ -420,10 +424,10 @@ def test_an_frf_of_hits_is_of_no_level(tmp_path):
     paths, _ = frfs(tmp_path, (0.05, 0.5))
     of_hits = tmp_path / "of_hits.csv"
     write_frf(estimate_frf(read_impact(hits), band="8:20Hz"), of_hits)
-    found = ran(paths[0], of_hits, "--amplitude", "0.05N", "--amplitude", "1N", "--mass", "104g")
-    assert found["verdict"]["failed_checks"][0] == "levels_controlled"
+    result = ran(paths[0], of_hits, "--amplitude", "0.05N", "--amplitude", "1N", "--mass", "104g")
+    assert result["verdict"]["failed_checks"][0] == "levels_controlled"
     message = next(
-        check["message"] for check in found["checks"] if check["name"] == "levels_controlled"
+        check["message"] for check in result["checks"] if check["name"] == "levels_controlled"
     )
     assert "of_hits.csv: an FRF of hits has no single amplitude" in message
     assert "not fitted together" in " ".join(ran(paths[0], hits, "--mass", "1kg", code=2).split())

@@ -83,14 +83,14 @@ def place(tmp_path_factory):
 
 
 def predict(place, *words):
-    asked = ("predict", place / "m.json", "--mass", "400g", "--seals", "2", "--json")
-    return ran(*asked, "--band", "60:160Hz", "--points", "101", *words)
+    requested = ("predict", place / "m.json", "--mass", "400g", "--seals", "2", "--json")
+    return ran(*requested, "--band", "60:160Hz", "--points", "101", *words)
 
 
 def run_predict(place, *words):
-    told = predict(place, "--sweep", str(place / "strain.csv"), *words)
-    assert told.exit_code == 0, told.output
-    return json.loads(told.stdout)
+    prediction = predict(place, "--sweep", str(place / "strain.csv"), *words)
+    assert prediction.exit_code == 0, prediction.output
+    return json.loads(prediction.stdout)
 
 
 DISC = ("--shape", "disc:20mm,12mm")
@@ -99,12 +99,12 @@ BASE = ("--base", "--amplitude", f"{LOW}m/s^2", "--amplitude", f"{HIGH}m/s^2")
 
 def test_a_shaken_base_at_ten_times_the_level(place):
     low, high = run_predict(place, *DISC, *BASE, "--strain-factor", "1")["levels"]
-    for one, level in ((low, LOW), (high, HIGH)):
+    for entry, level in ((low, LOW), (high, HIGH)):
         hz, height = peak(level)
-        assert one["peak"]["frequency_hz"] == pytest.approx(hz, rel=3e-3)
-        assert one["peak"]["value"] == pytest.approx(height, rel=0.02)
-        assert one["strain"] == pytest.approx(one["amplitude"] / HEIGHT)
-        assert one["amplitude"] == pytest.approx(solve_relative_motion(hz, level), rel=0.03)
+        assert entry["peak"]["frequency_hz"] == pytest.approx(hz, rel=3e-3)
+        assert entry["peak"]["value"] == pytest.approx(height, rel=0.02)
+        assert entry["strain"] == pytest.approx(entry["amplitude"] / HEIGHT)
+        assert entry["amplitude"] == pytest.approx(solve_relative_motion(hz, level), rel=0.03)
     change = high["peak"]["frequency_hz"] / low["peak"]["frequency_hz"]
     assert change == pytest.approx(peak(HIGH)[0] / peak(LOW)[0], rel=2e-3)
     assert change < 0.93
@@ -112,13 +112,13 @@ def test_a_shaken_base_at_ten_times_the_level(place):
 
 def test_what_the_strain_measure_leaves_open_holds_either(place):
     """A part in shear beside a sweep in tension is strained by X/h over the root of three."""
-    (one,) = run_predict(place, *DISC, "--amplitude", "1N")["levels"]
-    low, high = one["frequency_between_hz"]
+    (entry,) = run_predict(place, *DISC, "--amplitude", "1N")["levels"]
+    low, high = entry["frequency_between_hz"]
     for factor in (1.0, 1 / np.sqrt(3)):
         hz, height = peak(1.0, factor, base=False)
         assert low * (1 - 3e-3) < hz < high * (1 + 3e-3)
-        known = run_predict(place, *DISC, "--amplitude", "1N", "--strain-factor", str(factor))
-        (same,) = known["levels"]
+        expected = run_predict(place, *DISC, "--amplitude", "1N", "--strain-factor", str(factor))
+        (same,) = expected["levels"]
         assert same["peak"]["frequency_hz"] == pytest.approx(hz, rel=3e-3)
         assert same["peak"]["value"] == pytest.approx(height, rel=0.02)
     assert high / low > 1.01
@@ -127,12 +127,12 @@ def test_what_the_strain_measure_leaves_open_holds_either(place):
 def test_predict_uses_a_resonance_measured_at_another_level(place):
     """One peak, measured where the rubber had softened, gives that of another level."""
     measured = ("--resonance", f"{peak(HIGH)[0]:.5g}Hz", "--resonance-mass", "400g")
-    told = run_predict(
+    message = run_predict(
         place, *measured, "--resonance-amplitude", f"{HIGH}m/s^2", "--height", "12mm", *BASE,
         "--strain-factor", "1",
     )  # fmt: skip
-    for one, level in zip(told["levels"], (LOW, HIGH), strict=True):
-        assert one["peak"]["frequency_hz"] == pytest.approx(peak(level)[0], rel=3e-3)
+    for entry, level in zip(message["levels"], (LOW, HIGH), strict=True):
+        assert entry["peak"]["frequency_hz"] == pytest.approx(peak(level)[0], rel=3e-3)
 
 
 def test_a_modulus_measured_at_a_strain_is_taken_back_to_none(place, tmp_path):
@@ -145,15 +145,15 @@ def test_a_modulus_measured_at_a_strain_is_taken_back_to_none(place, tmp_path):
     header = "Frequency [Hz],E' [MPa],E'' [MPa]"
     np.savetxt(softened / "dma.csv", rows, delimiter=",", header=header, comments="")
     assert ran("fit", softened / "dma.csv", "-o", softened / "m.json").exit_code == 0
-    found = {}
+    result = {}
     part = "--height", "12mm", "--resonance", f"{peak(1e-6)[0]}Hz", "--resonance-mass", "400g"
     for fitted_at in ((), ("--reference-strain", "0.2%")):
-        told = run_predict(softened, *part, *BASE, "--strain-factor", "1", *fitted_at)
-        found[bool(fitted_at)] = told["levels"][1]["peak"]
+        message = run_predict(softened, *part, *BASE, "--strain-factor", "1", *fitted_at)
+        result[bool(fitted_at)] = message["levels"][1]["peak"]
     hz, height = peak(HIGH)
-    assert found[True]["frequency_hz"] == pytest.approx(hz, rel=0.02)
-    assert found[True]["value"] == pytest.approx(height, rel=0.15)
-    assert found[False]["value"] < 0.9 * found[True]["value"]
+    assert result[True]["frequency_hz"] == pytest.approx(hz, rel=0.02)
+    assert result[True]["value"] == pytest.approx(height, rel=0.15)
+    assert result[False]["value"] < 0.9 * result[True]["value"]
 
 
 @pytest.mark.parametrize(("letter", "factor"), [("E", 3**-0.5), ("G", 3**0.5)])
@@ -161,8 +161,8 @@ def test_predict_states_that_a_shear_sweep_may_not_apply(place, tmp_path, letter
     (tmp_path / "m.json").write_bytes((place / "m.json").read_bytes())
     text = (place / "strain.csv").read_text().replace("E'", f"{letter}'")
     (tmp_path / "strain.csv").write_text(text)
-    told = run_predict(tmp_path, *DISC, *BASE)
-    assert told["sweep"]["strain_factors"] == pytest.approx([1.0, factor])
+    message = run_predict(tmp_path, *DISC, *BASE)
+    assert message["sweep"]["strain_factors"] == pytest.approx([1.0, factor])
 
 
 @pytest.mark.parametrize("since", [0.0, 2e-3])
@@ -171,10 +171,10 @@ def test_element_parallel_to_a_solid_is_the_change_since_its_amplitude(law, sinc
     X = np.geomspace(1e-4, 0.1, 24)
     E = 4e6 * payne(X) + (0.75 * 2e9 * X**2 if "cubic" in law else 0)
     sweep = dp.AmplitudeSweep(10 + 0 * X, X, E.real, E.imag, "Pa", "strain", units="SI")
-    found = fit_amplitude(sweep, law=law)
+    amplitude_fit = fit_amplitude(sweep, law=law)
     start = 4e6 * (payne(since) if since else 1.0)
     solid = dp.GeneralizedMaxwell(start.real, (1e-9,), (1.0,))
-    change = found.build_dependence(solid * 1e-3, 1e-3, stretch=0.02, since=since)
+    change = amplitude_fit.build_dependence(solid * 1e-3, 1e-3, stretch=0.02, since=since)
     assert change is not None
     if law == "factor":
         expected = start.real * (payne(X) / payne(since or 1e-12) - 1)
@@ -185,9 +185,9 @@ def test_element_parallel_to_a_solid_is_the_change_since_its_amplitude(law, sinc
 
 @pytest.mark.parametrize(("level", "passes"), [("2m/s^2", True), ("200m/s^2", False)])
 def test_predict_states_first_that_a_level_is_outside_the_sweep(place, level, passes):
-    told = run_predict(place, *DISC, "--base", "--amplitude", level)
-    assert ("amplitude_in_tested_range" in str(told["verdict"])) is not passes
-    assert told["verdict"]["message"].startswith("At 200 m/s^2") is not passes
+    message = run_predict(place, *DISC, "--base", "--amplitude", level)
+    assert ("amplitude_in_tested_range" in str(message["verdict"])) is not passes
+    assert message["verdict"]["message"].startswith("At 200 m/s^2") is not passes
 
 
 @pytest.mark.parametrize(
@@ -219,17 +219,17 @@ def test_what_tells_no_level_is_refused(place, monkeypatch, words, message):
         rows = "".join(f"10,{x},{20 - 5 * x},{2 + x}\n" for x in X)
         header = f"Frequency [Hz],Displacement [mm],Storage [{unit}],Loss [{unit}]\n"
         (place / name).write_text(header + rows)
-    told = predict(place, *words)
-    assert told.exit_code == 2
-    assert message in " ".join(told.stderr.split())
+    prediction = predict(place, *words)
+    assert prediction.exit_code == 2
+    assert message in " ".join(prediction.stderr.split())
 
 
 def test_predict_writes_and_plots_one_level(place, tmp_path):
     words = ("--sweep", str(place / "strain.csv"), *DISC, "--base", "--amplitude", "5m/s^2")
-    told = predict(
+    prediction = predict(
         place, *words, "-o", str(tmp_path / "frf.csv"), "--plot", str(tmp_path / "frf.svg")
     )
-    assert told.exit_code == 0, told.output
+    assert prediction.exit_code == 0, prediction.output
     rows = np.genfromtxt(tmp_path / "frf.csv", delimiter=",", comments="#", skip_header=1)
     rows = rows[np.isfinite(rows).all(axis=1)]
     top = rows[np.hypot(rows[:, 1], rows[:, 2]).argmax()]
@@ -252,8 +252,8 @@ def test_limits_at_a_level_count_what_the_law_leaves(place, tmp_path):
         part = SweptPart((law,), (1.0,), HEIGHT, 0.0, None, record)
         f, T = part.doubt(2e-3, 100.0, ReferencePoint(None, 0.0))
         change = 0.5 * abs(np.log(payne(2e-3).real / payne(1e-7).real))
-        left = 0.2 * 0.05 * off
-        assert f == pytest.approx(np.sqrt(0.02**2 + 2 * left**2 + change**2), rel=0.08)
+        sd = 0.2 * 0.05 * off
+        assert f == pytest.approx(np.sqrt(0.02**2 + 2 * sd**2 + change**2), rel=0.08)
         loss = 2 * 0.05 * off
         assert pytest.approx(2 * np.sqrt(loss**2 + 0.1**2 + 0.05**2), rel=0.1) == T
         far, _ = part.doubt(2e-3, 100.0, ReferencePoint(200.0, 0.0))
@@ -261,11 +261,11 @@ def test_limits_at_a_level_count_what_the_law_leaves(place, tmp_path):
 
 
 def test_limits_at_a_level_hold_the_truth(place):
-    for one, level in zip(run_predict(place, *DISC, *BASE)["levels"], (LOW, HIGH), strict=True):
+    for entry, level in zip(run_predict(place, *DISC, *BASE)["levels"], (LOW, HIGH), strict=True):
         hz, height = peak(level)
-        low, high = one["frequency_between_hz"]
+        low, high = entry["frequency_between_hz"]
         assert low < hz < high
         assert 0.01 < high / low - 1 < 0.25
-        least, most = one["value_between"]
+        least, most = entry["value_between"]
         assert least < height < most
         assert 0.1 < most / least - 1 < 1.0

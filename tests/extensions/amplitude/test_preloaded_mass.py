@@ -47,40 +47,40 @@ SHOT = {
 @pytest.mark.parametrize("case", SHOT)
 def test_harmonics_and_multipliers_are_those_of_shooting(case):
     level, hz, amplitudes, phase, growth = SHOT[case]
-    found = ON_SEALS.shaken(level=level, frequency=hz)
+    result = ON_SEALS.shaken(level=level, frequency=hz)
     near = 1e-4 if case == "contact lost" else 1e-6
     # relative; of the smallest the last digit that the page prints
-    assert 1e3 * found.amplitudes[: len(amplitudes)] == pytest.approx(
+    assert 1e3 * result.amplitudes[: len(amplitudes)] == pytest.approx(
         amplitudes, rel=near, abs=1e-9
     )
-    assert np.degrees(np.angle(found.harmonics[1])) == pytest.approx(phase, abs=1e-4)
-    assert found.growth == pytest.approx(growth, abs=2e-5)
-    assert found.lost == pytest.approx(0.245 if case == "contact lost" else 0.0, abs=2e-3)
+    assert np.degrees(np.angle(result.harmonics[1])) == pytest.approx(phase, abs=1e-4)
+    assert result.growth == pytest.approx(growth, abs=2e-5)
+    assert result.lost == pytest.approx(0.245 if case == "contact lost" else 0.0, abs=2e-3)
 
 
 @pytest.mark.parametrize(
-    ("level", "hz", "linear", "one"),
+    ("level", "hz", "linear", "item"),
     [
         (0.02, 12.0, 0.179333, 0.179490), (0.30, 10.0, 1.027091, 1.038597),
         (0.30, 6.6, 0.572937, 0.574027), (0.75, 8.0, 1.705249, None),
         (0.60, 9.5, 1.806658, None), (2.2, 20.0, 2.340245, None),
     ],
 )  # fmt: skip
-def test_what_fewer_harmonics_find_is_that_far_off(level, hz, linear, one):
+def test_what_fewer_harmonics_find_is_that_far_off(level, hz, linear, item):
     """Linear about rest, and with the mean and one harmonic: what either misses, by shooting."""
     small = ON_SEALS.shaken(level=1e-6, frequency=hz)
     assert 1e9 * level * small.amplitudes[1] == pytest.approx(linear, abs=6e-7)
-    if one is not None:
-        alone = _PressedBalance(ON_SEALS, hz, level, 1)
-        found = alone.harmonics(alone.solve_by_continuation().unknown)
-        assert 1e3 * abs(found[1]) == pytest.approx(one, abs=6e-7)
+    if item is not None:
+        pressed_balance = _PressedBalance(ON_SEALS, hz, level, 1)
+        harmonics = pressed_balance.harmonics(pressed_balance.solve_by_continuation().unknown)
+        assert 1e3 * abs(harmonics[1]) == pytest.approx(item, abs=6e-7)
 
 
 def test_the_seal_opens_when_shaken():
-    found = ON_SEALS.shaken(level="0.6N", frequency="9.5Hz")
+    result = ON_SEALS.shaken(level="0.6N", frequency="9.5Hz")
     assert 1e3 * ON_SEALS.rest == pytest.approx(3.1881952824, abs=1e-10)
-    assert 1e3 * found.shift == pytest.approx(-0.251, abs=5e-4)
-    assert 0 < found.least < ON_SEALS.rest < found.most
+    assert 1e3 * result.shift == pytest.approx(-0.251, abs=5e-4)
+    assert 0 < result.least < ON_SEALS.rest < result.most
 
 
 @pytest.mark.parametrize(
@@ -107,17 +107,19 @@ def test_the_seal_opens_when_shaken():
 )  # fmt: skip
 def test_shaken_mass_follows_large_bouncing_past_the_folds(of, at, amplitudes, growth, lost):
     """By shooting with DOP853 between the instants of contact, apart from dashpot."""
-    found = of.shaken(level=at[0], frequency=at[1])
-    assert 1e3 * found.amplitudes[:4] == pytest.approx(amplitudes, abs=1e-6 * amplitudes[1])
-    assert found.growth == pytest.approx(growth, abs=1e-5)
-    assert found.lost == pytest.approx(lost, abs=5e-4)
+    result = of.shaken(level=at[0], frequency=at[1])
+    assert 1e3 * result.amplitudes[:4] == pytest.approx(amplitudes, abs=1e-6 * amplitudes[1])
+    assert result.growth == pytest.approx(growth, abs=1e-5)
+    assert result.lost == pytest.approx(lost, abs=5e-4)
 
 
 def test_an_orbit_that_does_not_last_is_refused():
-    with pytest.raises(DataError, match="steady answer at the drive's period is unstable") as said:
+    with pytest.raises(
+        DataError, match="steady answer at the drive's period is unstable"
+    ) as message:
         ON_SEALS.shaken(level=2.2, frequency=20.0)
-    assert "grows by 1.74" in str(said.value)
-    assert "twice the period" in str(said.value)
+    assert "grows by 1.74" in str(message.value)
+    assert "twice the period" in str(message.value)
     (orbit,) = ON_SEALS.sweep(level=2.2, frequency=np.array([20.0]))
     assert not orbit.stable
     assert 1e3 * orbit.amplitudes[:4] == pytest.approx(
@@ -128,21 +130,21 @@ def test_an_orbit_that_does_not_last_is_refused():
 def test_sweep_passes_the_fold_and_agrees_with_single_frequencies():
     lines = np.array([10.0, 11.0, 12.76, 14.0, 26.15, 30.0])
     swept = ON_SEALS.sweep(level=0.3, frequency=lines)
-    assert [one.frequency for one in swept] == lines.tolist()
+    assert [response.frequency for response in swept] == lines.tolist()
     # half as fast as twice the resonance it answers at twice the period
-    assert [one.stable for one in swept] == [True] * 4 + [False, True]
-    for one in (swept[0], swept[2]):
-        alone = ON_SEALS.shaken(level=0.3, frequency=one.frequency)
-        assert one.amplitudes[:4] == pytest.approx(alone.amplitudes[:4], abs=2e-6)
-        assert len(one.harmonics) == HARMONICS + 1
+    assert [item.stable for item in swept] == [True] * 4 + [False, True]
+    for element in (swept[0], swept[2]):
+        single = ON_SEALS.shaken(level=0.3, frequency=element.frequency)
+        assert element.amplitudes[:4] == pytest.approx(single.amplitudes[:4], abs=2e-6)
+        assert len(element.harmonics) == HARMONICS + 1
 
 
 def test_what_a_stiffer_law_changes_is_what_it_finds():
     (at,) = ON_SEALS.sweep(level=0.3, frequency=np.array([8.0]))
     harder = PreloadedMass(MASS, 2 * PolynomialLaw((120.0, 1.0005e4, 8e5)), SOLID)
     (there,) = harder.sweep(level=0.3, frequency=np.array([8.0]))
-    moved = ON_SEALS.changes(at, [harder])[0]
-    assert moved[:4] == pytest.approx((there.harmonics - at.harmonics)[:4], rel=1e-2, abs=1e-10)
+    change = ON_SEALS.changes(at, [harder])[0]
+    assert change[:4] == pytest.approx((there.harmonics - at.harmonics)[:4], rel=1e-2, abs=1e-10)
 
 
 def test_a_sweep_jumps_where_its_branch_ends_and_the_end_moves_with_the_law():
@@ -151,16 +153,16 @@ def test_a_sweep_jumps_where_its_branch_ends_and_the_end_moves_with_the_law():
 
     def jump(law):
         of = PreloadedMass(MASS, 2 * law, SOLID)
-        (found,) = of.jumps(of.sweep(level=0.1, frequency=lines))
-        return of, found
+        (result,) = of.jumps(of.sweep(level=0.1, frequency=lines))
+        return of, result
 
     of, (before, after) = jump(ElasticLaw((0.0, 8e-3), (1.0, 1.0), 208.0))
     assert before.stable
     assert after.stable
     assert after.lost > 0.1
     stiffer = ElasticLaw((0.0, 8e-3), (1.0, 1.0), 208.2)
-    (moved,) = of.end_changes(before, [PreloadedMass(MASS, 2 * stiffer, SOLID)])
-    assert moved == pytest.approx(jump(stiffer)[1].before.frequency - before.frequency, rel=0.1)
+    (variant,) = of.end_changes(before, [PreloadedMass(MASS, 2 * stiffer, SOLID)])
+    assert variant == pytest.approx(jump(stiffer)[1].before.frequency - before.frequency, rel=0.1)
 
 
 def test_shaken_mass_of_small_motion_is_linear():
@@ -171,13 +173,13 @@ def test_shaken_mass_of_small_motion_is_linear():
         FractionalZener(200, 160, 0.3, 0.4),
     ):
         of = PreloadedMass(MASS, 2 * LAW, solid)
-        found = of.shaken(level=1e-6, frequency=11.0)
+        result = of.shaken(level=1e-6, frequency=11.0)
         omega = 2 * np.pi * 11.0
         G = complex(solid.complex_stiffness(omega=omega)) / solid.k_inf
         K = 2 * (120 + 2e4 * of.rest + 2.4e6 * of.rest**2) * G
-        assert found.harmonics[1] == pytest.approx(1e-6 / (K - MASS * omega**2), rel=1e-6)
+        assert result.harmonics[1] == pytest.approx(1e-6 / (K - MASS * omega**2), rel=1e-6)
         # the multiplier of a linear system: of its slowest pole
-        assert found.stable
+        assert result.stable
 
 
 def test_knots_answer_as_the_curve_they_lie_on():
@@ -186,10 +188,11 @@ def test_knots_answer_as_the_curve_they_lie_on():
     tangent, deepest = LAW.tangent(knots), float(LAW.force(knots[-1])) / knots[-1]
     mean = np.trapezoid(tangent, knots) / knots[-1]
     law = ElasticLaw(tuple(knots), tuple(tangent / mean), deepest)
-    one, other = (
-        PreloadedMass(MASS, 2 * each, SOLID).shaken(level=0.3, frequency=6.6) for each in (law, LAW)
+    item, other = (
+        PreloadedMass(MASS, 2 * value, SOLID).shaken(level=0.3, frequency=6.6)
+        for value in (law, LAW)
     )
-    assert one.amplitudes[:4] == pytest.approx(other.amplitudes[:4], rel=1e-5, abs=1e-9)
+    assert item.amplitudes[:4] == pytest.approx(other.amplitudes[:4], rel=1e-5, abs=1e-9)
 
 
 class TestRefused:
@@ -242,7 +245,7 @@ def test_shaken_mass_agrees_with_shooting_for_a_general_case():
     a, m, P, F, hz = (900.0, -1.5e5, 2.5e7), 0.25, 3.0, 2.0, 7.0
     solid = GeneralizedMaxwell(500.0, (120.0, 60.0), (4e-3, 0.3), b=0.6)
     of = PreloadedMass(m, PolynomialLaw(a), solid, preload=P)
-    found = of.shaken(level=F, frequency=hz)
+    result = of.shaken(level=F, frequency=hz)
     g, tau, dash, omega = np.array(solid.k) / 500, np.array(solid.tau), 0.6 / 500, 2 * np.pi * hz
 
     def run(y0, **how):
@@ -272,9 +275,9 @@ def test_shaken_mass_agrees_with_shooting_for_a_general_case():
             break
     path = run(y, dense_output=True).sol(np.arange(4096) / 4096 / hz)[0]
     h = np.fft.rfft(path)[:4] / 4096 * np.array([1, 2, 2, 2])
-    assert found.harmonics[:4] == pytest.approx(h, rel=2e-5, abs=2e-8)
-    assert found.growth == pytest.approx(abs(np.linalg.eigvals(J / size[None])).max(), rel=2e-3)
-    assert abs(found.harmonics[2]) > 0.02 * abs(found.harmonics[1])
+    assert result.harmonics[:4] == pytest.approx(h, rel=2e-5, abs=2e-8)
+    assert result.growth == pytest.approx(abs(np.linalg.eigvals(J / size[None])).max(), rel=2e-3)
+    assert abs(result.harmonics[2]) > 0.02 * abs(result.harmonics[1])
 
 
 def test_an_orbit_takes_as_many_harmonics_as_it_needs():

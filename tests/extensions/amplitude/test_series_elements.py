@@ -14,10 +14,10 @@ from dashpot.solids.rate_independent import InParallel
 
 class TestSeries:
     def test_a_spring_and_a_slider_are_a_jenkins_element(self):
-        pair, one = InSeries(spring(100.0), Coulomb(0.05)), Jenkins(100.0, 0.05)
+        pair, jenkins = InSeries(spring(100.0), Coulomb(0.05)), Jenkins(100.0, 0.05)
         x = 1e-3 * np.sin(np.linspace(0, 12, 400))
         t = np.linspace(0, 1, 400)
-        assert pair.path_force(t, x) == pytest.approx(one.force(x), abs=1e-9)
+        assert pair.path_force(t, x) == pytest.approx(jenkins.force(x), abs=1e-9)
 
     def test_series_element_without_slip_is_the_solid(self):
         pair = InSeries(GeneralizedMaxwell(10.0, (5.0,), (0.1,)), Coulomb(1.0))
@@ -92,8 +92,8 @@ class TestSeries:
         x = 1e-3 * np.sin(2 * np.pi * t)
         less = type(slider)(**{**vars(slider), "slip": small * slider.slip})
         large = InSeries(solid, slider).path_force(t, x)
-        found = InSeries(solid, less).path_force(t, small * x) / small
-        assert np.abs(found - large).max() < 1e-9 * np.abs(large).max()
+        result = InSeries(solid, less).path_force(t, small * x) / small
+        assert np.abs(result - large).max() < 1e-9 * np.abs(large).max()
 
 
 def integrate_force(solid, slip, t, x):

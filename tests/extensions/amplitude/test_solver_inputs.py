@@ -51,8 +51,8 @@ def held_to_the_elements(x: np.ndarray, force: np.ndarray) -> None:
         at = slice(first, last + 1)
         energy = np.trapezoid(force[at], x[at])
         secant = (force[last] - force[low]) / (x[last] - x[low])
-        lost = sum(one.energy(size) for one in SLIDERS)
-        ends = ARMS.k_inf + sum(one.secant(size) for one in (*SLIDERS, STIFFENS))
+        lost = sum(slider.energy(size) for slider in SLIDERS)
+        ends = ARMS.k_inf + sum(item.secant(size) for item in (*SLIDERS, STIFFENS))
         print(f"{size:g} m: energy {energy / lost - 1:+.1e}, secant {secant / ends - 1:+.1e}")
         assert energy == pytest.approx(lost, rel=1e-3)
         assert secant == pytest.approx(ends, rel=1e-3)
@@ -110,8 +110,8 @@ REFERENCES = {
 
 @pytest.mark.parametrize("name", REFERENCES)
 def test_a_mass_shaken_in_opensees_moves_as_harmonic_balance_says(name):
-    solid, beside, hz, force, count, X = REFERENCES[name]
-    fit, steps = a_level_fit(solid, beside), 400
+    solid, neighbour, hz, force, count, X = REFERENCES[name]
+    fit, steps = a_level_fit(solid, neighbour), 400
     dt = 1 / hz / steps
     t = dt * np.arange(count * steps + 2)
     turn = np.exp(-2j * np.pi * hz * t)
@@ -119,10 +119,10 @@ def test_a_mass_shaken_in_opensees_moves_as_harmonic_balance_says(name):
         **material(fit, "SI"), "mass": MASS, "dt": dt, "steps": count * steps,
         "path_time": t.tolist(), "path_value": (-force * turn.imag).tolist(),
     }  # fmt: skip
-    moved = run_opensees(task, script=PULSE)[-steps:]
-    found = abs(2 / steps * np.sum(moved * turn[-steps - 1 : -1]))
-    print(f"{name}: amplitude {found:.6e} m, {found / X - 1:+.1e}")
-    assert found == pytest.approx(X, rel=1e-3)
+    variant = run_opensees(task, script=PULSE)[-steps:]
+    magnitude = abs(2 / steps * np.sum(variant * turn[-steps - 1 : -1]))
+    print(f"{name}: amplitude {magnitude:.6e} m, {magnitude / X - 1:+.1e}")
+    assert magnitude == pytest.approx(X, rel=1e-3)
 
 
 def ccx_path(network, units, x, dt, *, procedure, folder):
@@ -204,8 +204,8 @@ def from_ansys(deck: str) -> tuple[Sliders, Curve]:
         if head == "ET":
             kind = cells[1]
         elif head == "R" and kind == "COMBIN40":
-            k, c, mass, gap, slip, beside = map(float, cells[1:])
-            assert (c, mass, gap, beside) == (0, 0, 0, 0)
+            k, c, mass, gap, slip, neighbour = map(float, cells[1:])
+            assert (c, mass, gap, neighbour) == (0, 0, 0, 0)
             sliders.append((k, slip))
         elif head in ("R", "RMORE") and kind == "COMBIN39":
             curve += list(map(float, cells[1 if head == "R" else 0 :]))
@@ -246,7 +246,7 @@ READERS = {
 def test_a_deck_says_the_sliders_and_the_spring(target, units):
     unit = UNIT_SYSTEMS[units]
     sliders, curve = READERS[target](TARGETS[target](a_level_fit(), units=units))
-    exact = [(unit.stiffness(one.k), one.slip / unit.force) for one in SLIDERS]
+    exact = [(unit.stiffness(slider.k), slider.slip / unit.force) for slider in SLIDERS]
     assert np.array(sliders) == pytest.approx(np.array(exact), rel=1e-4)
     x, force = np.array(curve).T * [[unit.length], [unit.force]]
     linear = ARMS.k_inf * x if target == "ansys" else 0.0
@@ -288,7 +288,7 @@ def test_a_form_that_holds_no_friction_says_who_does(target, form):
         else {}
     )
     extra |= {"bulk_modulus": 1e8, "density": 700.0} if target == "lsdyna" else {}
-    assert "slider" not in write(a_level_fit(beside=()), units="SI", form=form, **extra)
+    assert "slider" not in write(a_level_fit(neighbour=()), units="SI", form=form, **extra)
 
 
 @pytest.mark.parametrize("target", CARRIERS)
@@ -338,14 +338,14 @@ def test_export_refuses_options_incompatible_with_friction():
     with pytest.raises(ExportError, match="COMBIN39 must rise at its origin"):
         TARGETS["ansys"](loose, units="SI", allow=("all",))
     assert "NONLINEAR_ELASTIC" in TARGETS["lsdyna"](loose, units="SI", allow=("all",))
-    huge = a_level_fit(beside=(Jenkins(1e31, 1.0),))
+    huge = a_level_fit(neighbour=(Jenkins(1e31, 1.0),))
     with pytest.raises(ExportError, match="a deck holds 0 or numbers from 1e-30"):
         TARGETS["opensees"](huge, units="SI")
 
 
 def test_seals_in_parallel_are_so_many_of_each():
     sliders, curve = from_opensees(deck_for("opensees", a_level_fit(), units="SI", seals=2))
-    assert sliders == [(2 * one.k, 2 * one.slip) for one in SLIDERS]
+    assert sliders == [(2 * slider.k, 2 * slider.slip) for slider in SLIDERS]
     x, force = np.array(curve).T
     assert force == pytest.approx(2 * STIFFENS.unloading(x, np.abs(x)))
     deck = deck_for("opensees", a_level_fit(), units="SI", seals=2)

@@ -92,7 +92,7 @@ def test_loops_of_a_specimen_are_in_newtons_per_millimetre(tmp_path) -> None:
     path = write_record(tmp_path / "loops.csv", loops())
     units = {"displacement": "0.2mm", "force": "50N"}
     options = ReadOptions(displacement="Strain", force="Stress", units=units)
-    part, material = (level_files([path], options=each).fit for each in (options, ReadOptions()))
+    part, material = (level_files([path], options=item).fit for item in (options, ReadOptions()))
     assert part.unit == "N/m"
     ratio = 50e-6 / 20e-3
     assert part.lines[0].storage == pytest.approx(ratio * material.lines[0].storage, rel=1e-6)
@@ -242,7 +242,7 @@ def test_a_sweep_of_the_frequency_is_refused(tmp_path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("head", "strain", "stress", "asked"),
+    ("head", "strain", "stress", "requested"),
     [
         ("Time [s];Strain [%];Stress [MPa]", 1.0, 1.0, "strain=1"),
         ("Time [s];Strain [mm/mm];Stress [MPa]", 100.0, 1.0, "strain=%"),
@@ -250,9 +250,9 @@ def test_a_sweep_of_the_frequency_is_refused(tmp_path) -> None:
         ("Time [s];Strain [%];Stress [kPa]", 100.0, 1.0, "stress=kPa"),
     ],
 )
-def test_loops_of_no_rubber_raise_a_question(tmp_path, head, strain, stress, asked) -> None:
+def test_loops_of_no_rubber_raise_a_question(tmp_path, head, strain, stress, requested) -> None:
     path = write_record(tmp_path / "loops.csv", loops(), head, strain, stress)
-    with pytest.raises(ReadError, match=asked):
+    with pytest.raises(ReadError, match=requested):
         level_files([path])
 
 

@@ -56,11 +56,11 @@ def test_a_cluster_makes_the_same_table_though_a_worker_is_killed(folder, tmp_pa
 
     def kill_worker(by):
         def compute_chunks(chunks, choices):
-            for found in by.computed(chunks, choices):
+            for result in by.computed(chunks, choices):
                 if not killed:
                     killed.append(next(iter(cluster.workers.values())).pid)
                     os.kill(killed[0], signal.SIGKILL)
-                yield found
+                yield result
 
         return by._replace(computed=compute_chunks)
 
@@ -69,9 +69,9 @@ def test_a_cluster_makes_the_same_table_though_a_worker_is_killed(folder, tmp_pa
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
     ) as cluster:
-        found = batch(folder, output="lot", scheduler=cluster.scheduler_address, **QUICK)
+        lot = batch(folder, output="lot", scheduler=cluster.scheduler_address, **QUICK)
     assert killed
-    assert as_bytes(found.table) == as_bytes(whole)
+    assert as_bytes(lot.table) == as_bytes(whole)
     assert len(list(Path("lot").glob("part-*.parquet"))) == 7
     assert batch(folder, output="lot", jobs=1, **QUICK).computed == 0
 
@@ -79,7 +79,7 @@ def test_a_cluster_makes_the_same_table_though_a_worker_is_killed(folder, tmp_pa
 def run_worker(entries, **changes):
     """What a worker of a cluster answers."""
     how = {"choices": json.dumps(to_plain_value(CHOICES)), "folder": ".", "version": __version__}
-    return rows_of(json.dumps([one.packed for one in tasks(entries, CHOICES)]), **(how | changes))
+    return rows_of(json.dumps([task.packed for task in tasks(entries, CHOICES)]), **(how | changes))
 
 
 def test_cluster_worker_refuses_another_version_or_folder(folder, tmp_path):

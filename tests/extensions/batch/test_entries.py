@@ -29,7 +29,9 @@ def working_folder(tmp_path, monkeypatch):
 
 
 def files(*paths, **how):
-    return [Path(one.file).as_posix() for one in find_entries(paths, without=Path("lot"), **how)]
+    return [
+        Path(entry.file).as_posix() for entry in find_entries(paths, without=Path("lot"), **how)
+    ]
 
 
 def test_find_entries_takes_each_file_once(working_folder):
@@ -48,8 +50,8 @@ def test_labels_come_from_the_path_by_place_or_by_name(working_folder):
     (named,) = find_entries(["a/lot*"], by=r"lot(?P<seal>\w)_(?P<lot>\d)", without=Path("lot"))
     assert (named.lot, named.seal) == ("1", "X")
     # a group that took no part says nothing
-    (one,) = find_entries(["b.csv"], by=r"(lot)?b(\.)", without=Path("lot"))
-    assert (one.lot, one.seal) == ("", ".")
+    (item,) = find_entries(["b.csv"], by=r"(lot)?b(\.)", without=Path("lot"))
+    assert (item.lot, item.seal) == ("", ".")
 
 
 CSV = "file,lot,seal,repeat,temperature,mass\na/lotX_1.csv,A,1,2,23degC,104g\nb.csv,B,,,,\n"
@@ -71,9 +73,9 @@ def test_a_manifest_adds_its_files_and_its_labels_win(working_folder, monkeypatc
     assert second == Entry("b.csv", "B")
     # its paths are seen from its own folder, and it is no test itself
     monkeypatch.chdir("a")
-    found = find_entries([".."], manifest=f"../{name}", without=Path("../lot"))
-    assert {one.lot for one in found} == {"", "A", "B"}
-    assert not any(one.file.endswith(name) for one in found)
+    entries = find_entries([".."], manifest=f"../{name}", without=Path("../lot"))
+    assert {entry.lot for entry in entries} == {"", "A", "B"}
+    assert not any(entry.file.endswith(name) for entry in entries)
 
 
 @pytest.mark.parametrize(
@@ -104,8 +106,8 @@ def test_a_toml_that_is_none_is_refused(working_folder, text):
 
 def test_a_listed_file_that_is_missing_stays_listed(working_folder):
     Path("m.csv").write_text("file\ngone.csv\n")
-    (one,) = find_entries([], manifest="m.csv", without=Path("lot"))
-    assert (one.file, one.hashes()) == ("gone.csv", ("",))
+    (item,) = find_entries([], manifest="m.csv", without=Path("lot"))
+    assert (item.file, item.hashes()) == ("gone.csv", ("",))
 
 
 def test_results_among_the_tests_are_none(tmp_path, monkeypatch):
@@ -121,9 +123,9 @@ def test_results_among_the_tests_are_none(tmp_path, monkeypatch):
     everywhere = [f"{folder}{name}" for folder in ("t/", "t/log/", "t/lot/") for name in theirs]
     (of_a_rig,) = set(files("t")) - set(everywhere)
     assert of_a_rig == "t/log/batch.log"
-    assert [Path(one.file).as_posix() for one in find_entries(["t"], without=Path("t"))] == files(
-        "t"
-    )
+    assert [
+        Path(entry.file).as_posix() for entry in find_entries(["t"], without=Path("t"))
+    ] == files("t")
 
 
 @pytest.fixture
@@ -137,8 +139,8 @@ def pairs(tmp_path, monkeypatch):
 
 
 def hammers(*paths, **how):
-    found = find_entries(paths, without=Path("lot"), **how)
-    return {Path(one.file).stem: [Path(h).name for h in one.hammer] for one in found}
+    entries = find_entries(paths, without=Path("lot"), **how)
+    return {Path(entry.file).stem: [Path(h).name for h in entry.hammer] for entry in entries}
 
 
 def test_hammers_are_paired_by_the_name_of_the_test_and_are_no_tests_themselves(pairs):
@@ -148,9 +150,9 @@ def test_hammers_are_paired_by_the_name_of_the_test_and_are_no_tests_themselves(
     assert hammers("t", by=r"(\w)_(\d+)", pair="{lot}_{seal}_hammer*") == by_stem
     # in another folder, and one hammer for all the repeats of a seal
     Path("t/A_2_again.csv").write_text("")
-    elsewhere = hammers("t/A_2.csv", "t/A_2_again.csv", "hits", by=r"(\w)[_-](\d+)",
+    rows = hammers("t/A_2.csv", "t/A_2_again.csv", "hits", by=r"(\w)[_-](\d+)",
                         pair="../hits/{lot}-{seal}.uff")  # fmt: skip
-    assert elsewhere == {"A_2": ["A-2.uff"], "A_2_again": ["A-2.uff"]}
+    assert rows == {"A_2": ["A-2.uff"], "A_2_again": ["A-2.uff"]}
 
 
 def test_find_entries_pairs_a_name_with_pattern_characters(pairs):
@@ -231,22 +233,22 @@ def test_a_task_gives_back_what_it_was_made_of(entry):
 
 
 def test_find_entries_reports_links_outside_and_pipes_unread(tmp_path):
-    rig, beside = tmp_path / "rig", tmp_path / "beside.csv"
+    rig, neighbour = tmp_path / "rig", tmp_path / "beside.csv"
     rig.mkdir()
-    beside.write_text("secret\n")
+    neighbour.write_text("secret\n")
     (rig / "own.csv").write_text("own\n")
     (rig / "alias.csv").symlink_to(rig / "own.csv")
-    (rig / "out.csv").symlink_to(beside)
+    (rig / "out.csv").symlink_to(neighbour)
     (rig / "gone.csv").symlink_to(tmp_path / "nowhere.csv")
     os.mkfifo(rig / "pipe.csv")
-    found = find_entries([rig], without=tmp_path / "lot")
-    asides = {Path(one.file).name: one.aside for one in found}
+    entries = find_entries([rig], without=tmp_path / "lot")
+    asides = {Path(entry.file).name: entry.aside for entry in entries}
     # one file by two names is one test, and what a broken link names is not there
     assert asides.keys() == {"alias.csv", "gone.csv", "out.csv", "pipe.csv"}
     assert not asides["alias.csv"]
     assert "leads out of the folder" in asides["out.csv"]
     assert "a pipe" in asides["pipe.csv"]
-    (out,) = [one for one in found if one.file.endswith("out.csv")]
+    (out,) = [entry for entry in entries if entry.file.endswith("out.csv")]
     assert out.hashes() == ("",)
     answer = row(out, out.hashes(), BatchOptions())
     assert (answer["outcome"], answer["reason"]) == ("refused", out.aside)

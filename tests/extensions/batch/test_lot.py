@@ -68,7 +68,7 @@ def as_bytes(table):
 
 
 def row_of(table, name):
-    return next(one for one in table.to_dicts() if one["file"].endswith(name))
+    return next(output for output in table.to_dicts() if output["file"].endswith(name))
 
 
 def test_batch_has_a_row_for_every_file(complete_table):
@@ -81,8 +81,8 @@ def test_batch_has_a_row_for_every_file(complete_table):
     assert (hammer["measured_Hz"], hammer["k_inf_N_per_m"]) == (pytest.approx(12.7, abs=0.1), None)
     assert "is empty (0 bytes)" in row_of(complete_table, "empty.csv")["reason"]
     assert "no numbers under the header" in row_of(complete_table, "junk.csv")["reason"]
-    one = row_of(complete_table, "lotA_seal3_rep1.csv")
-    assert (one["lot"], one["seal"], one["repeat"]) == ("A", "3", "1")
+    row = row_of(complete_table, "lotA_seal3_rep1.csv")
+    assert (row["lot"], row["seal"], row["repeat"]) == ("A", "3", "1")
     assert row_of(complete_table, "junk.csv")["lot"] == ""
 
 
@@ -102,7 +102,7 @@ def test_the_numbers_are_those_of_a_fit_to_the_last_digit(folder):
     assert (row["k_inf_low_N_per_m"], row["k_inf_high_N_per_m"]) == (None, k_inf[1])
     assert (row["k_end_low_N_per_m"], row["k_end_high_N_per_m"]) == fit.stiffness_limits["k_end"]
     assert row["verdict"] == fit.verdict.use
-    failed = [one.name for one in fit.checks if one.failed and one.grade != "note"]
+    failed = [check.name for check in fit.checks if check.failed and check.grade != "note"]
     assert row["failed_checks"].split() == list(dict.fromkeys(failed))
     assert row["sha256"] == test.source.sha256
     mode = dp.systems.predict_frf(2 * fit.model, mass=0.104).modes()[0]
@@ -176,7 +176,7 @@ def make_lot(rows):
         "kind": "relaxation",
     }
     every |= {"k_inf_se_N_per_m": 0.5, "repeat": ""}
-    table = pl.DataFrame([{**every, "file": f"{i}.csv", **one} for i, one in enumerate(rows)])
+    table = pl.DataFrame([{**every, "file": f"{i}.csv", **row} for i, row in enumerate(rows)])
     return dp.Lot(table, 0)
 
 
@@ -186,29 +186,29 @@ def test_the_scatter_of_a_lot_is_that_of_its_lots_seals_repeats_and_fits():
     for lot in range(6):
         mean = rng.normal(200, 4)
         for seal in range(25):
-            own = rng.normal(mean, 6)
+            individual = rng.normal(mean, 6)
             rows += [
-                {"lot": str(lot), "seal": str(seal), "k_inf_N_per_m": rng.normal(own, 2)}
+                {"lot": str(lot), "seal": str(seal), "k_inf_N_per_m": rng.normal(individual, 2)}
                 for _ in range(4)
             ]
     rows.append({**rows[0], "k_inf_N_per_m": 1e6, "verdict": "do not use"})
     rows.append({**rows[0], "k_inf_N_per_m": 1e6, "outcome": "refused"})
-    found = {one.source: one for one in make_lot(rows).components()}
-    assert list(found) == ["lot", "seal", "repeat", "fit"]
+    result = {component.source: component for component in make_lot(rows).components()}
+    assert list(result) == ["lot", "seal", "repeat", "fit"]
     for source, sd in (("lot", 4), ("seal", 6), ("repeat", np.sqrt(2**2 - 0.5**2))):
-        low, high = found[source].interval
+        low, high = result[source].interval
         assert low <= sd**2 <= high
-    assert found["fit"].variance == pytest.approx(0.25)
+    assert result["fit"].variance == pytest.approx(0.25)
     # one lot: no level of lots; no repeats: seals, in which their tests are hidden
-    one = make_lot(rows[:100])
-    assert [c.source for c in one.components()] == ["seal", "repeat", "fit"]
+    item = make_lot(rows[:100])
+    assert [c.source for c in item.components()] == ["seal", "repeat", "fit"]
     first = make_lot(rows[:600:4])
     assert [c.source for c in first.components()] == ["lot", "seal", "fit"]
     with pytest.raises(DataError, match="no sources to separate"):
         make_lot(rows[:4]).components()
     for name in ("file", "k_9"):
         with pytest.raises(DataError, match="no column of numbers"):
-            one.components(name)
+            item.components(name)
 
 
 def test_what_stands_out_of_its_lot_and_what_was_held_short_is_named():
@@ -289,8 +289,8 @@ def run_and_kill(folder, out, chance, lasts, *, parent):
 def killed_and_completed(folder, whole, out, seed, lasts):
     chance = random.Random(seed)  # noqa: S311 -- when to kill
     run_and_kill(folder, out, chance, lasts, parent=seed % 2 == 0)
-    parts = [pl.read_parquet(one) for one in out.glob("part-*.parquet")]
-    there = sum((one["outcome"] != "died").sum() for one in parts)
+    parts = [pl.read_parquet(path) for path in out.glob("part-*.parquet")]
+    there = sum((entry["outcome"] != "died").sum() for entry in parts)
     again = batch(folder, output=out, jobs=2, **QUICK)
     assert again.computed == 11 - there
     assert as_bytes(again.table) == as_bytes(whole)
@@ -311,9 +311,9 @@ def test_killed_at_random_and_run_again_the_table_is_the_same(
 @pytest.mark.parametrize("jobs", [1, 2, 7, 64])
 @pytest.mark.parametrize("count", [1, 9, 60, 2000])
 def test_no_process_waits_for_the_last_chunk_of_another(count, jobs):
-    found = batch_run._chunks(range(count), jobs)
-    assert [one for chunk in found for one in chunk] == list(range(count))
-    sizes = [len(chunk) for chunk in found]
+    result = batch_run._chunks(range(count), jobs)
+    assert [item for chunk in result for item in chunk] == list(range(count))
+    sizes = [len(chunk) for chunk in result]
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[0] <= batch_run.CHUNK
     assert len(sizes) >= min(jobs, count)
@@ -352,15 +352,15 @@ def test_interrupted_batch_reports_saved_rows_and_resumes(folder, complete_table
         while len(list(tmp_path.glob("part-*"))) < 2 and running.poll() is None:
             time.sleep(0.01)
         os.killpg(running.pid, signal.SIGINT)
-        said = running.stderr.read()
-    kept = len(list(tmp_path.glob("part-*")))
+        record = running.stderr.read()
+    retained = len(list(tmp_path.glob("part-*")))
     assert running.returncode == 130
-    assert said.lstrip() == (
-        f"dashpot: interrupted: {kept} of 11 rows are made and kept in {tmp_path}, and the same "
-        "command goes on from there\n"
+    assert record.lstrip() == (
+        f"dashpot: interrupted: {retained} of 11 rows are made and kept in {tmp_path}, and the "
+        "same command goes on from there\n"
     )
     again = batch(folder, output=tmp_path, jobs=1, **QUICK)
-    assert again.computed == 11 - kept
+    assert again.computed == 11 - retained
     assert as_bytes(again.table) == as_bytes(complete_table)
 
 
@@ -376,8 +376,8 @@ def test_the_results_may_lie_among_the_tests(folder, tmp_path):
     for i in range(3):
         shutil.copy(folder / f"lotA_seal{i}_rep0.csv", tmp_path)
     for computed in (3, 0):
-        found = batch(tmp_path, output=tmp_path, jobs=1, **QUICK)
-        assert (found.outcomes, found.computed) == ({"fitted": 3}, computed)
+        lot = batch(tmp_path, output=tmp_path, jobs=1, **QUICK)
+        assert (lot.outcomes, lot.computed) == ({"fitted": 3}, computed)
 
 
 def test_batch_reports_a_read_only_folder_before_computing(folder, tmp_path, monkeypatch):
@@ -411,10 +411,10 @@ def test_batch_has_a_row_for_a_file_that_kills_workers_and_retries_it(
     env = {**os.environ, "PYTHONPATH": path, "DEATHS": str(deaths)}
     subprocess.run([sys.executable, "-c", code], env=env, check=True)
     assert deaths.read_text() == "x" * LIVES
-    found = pl.read_parquet(out / "*.parquet")
-    assert row_of(found, "lotA_seal1_rep0.csv")["outcome"] == "died"
-    assert f"died {LIVES} times" in row_of(found, "lotA_seal1_rep0.csv")["reason"]
-    assert sum(found["outcome"] == "fitted") == 7
+    parquet = pl.read_parquet(out / "*.parquet")
+    assert row_of(parquet, "lotA_seal1_rep0.csv")["outcome"] == "died"
+    assert f"died {LIVES} times" in row_of(parquet, "lotA_seal1_rep0.csv")["reason"]
+    assert sum(parquet["outcome"] == "fitted") == 7
     again = batch(folder, output=out, jobs=1, **QUICK)
     assert again.computed == 1
     assert as_bytes(again.table) == as_bytes(complete_table)
@@ -443,7 +443,7 @@ def test_the_command_prints_logs_and_judges(folder, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("inputs", "message"),
     [
         ({"quick": True}, "--quick needs the number of arms"),
         ({"mass": 0.0}, "expected a number > 0"),
@@ -456,9 +456,9 @@ def test_the_command_prints_logs_and_judges(folder, tmp_path):
         ({"by": r"(nowhere)"}, "fits none of 11 paths"),
     ],
 )  # fmt: skip
-def test_a_choice_that_makes_no_sense_is_refused(folder, tmp_path, given, message):
+def test_a_choice_that_makes_no_sense_is_refused(folder, tmp_path, inputs, message):
     with pytest.raises(DataError, match=message):
-        batch(folder, output=tmp_path / "lot", **given)
+        batch(folder, output=tmp_path / "lot", **inputs)
     assert not (tmp_path / "lot").exists()
 
 
@@ -490,10 +490,10 @@ def test_texts_and_pictures_of_a_folder_are_ignored_by_name(folder, tmp_path):
     (tmp_path / "readme.txt").write_text("Five seals of batch 7.\nMeasured on 3 Nov 2026 by K.\n")
     (tmp_path / "photo.jpg").write_bytes(b"\xff\xd8\xff\xe0")
     (tmp_path / "cut.txt").write_text("time;displacement;force\n")
-    found = batch(tmp_path, output=tmp_path / "lot", jobs=1, **QUICK)
-    assert found.outcomes == {"ignored": 2, "fitted": 1, "refused": 1}
-    assert {Path(file).name for file in found.ignored_files} == {"readme.txt", "photo.jpg"}
-    assert found.checks[0].message.startswith("1 of 2 files")
+    lot = batch(tmp_path, output=tmp_path / "lot", jobs=1, **QUICK)
+    assert lot.outcomes == {"ignored": 2, "fitted": 1, "refused": 1}
+    assert {Path(file).name for file in lot.ignored_files} == {"readme.txt", "photo.jpg"}
+    assert lot.checks[0].message.startswith("1 of 2 files")
 
 
 def test_csv_begins_with_the_verdict_and_has_no_empty_column(folder, tmp_path):

@@ -64,8 +64,8 @@ def test_the_page_says_what_the_lot_is(lot):
     assert "held for 2.97\xa0s, its lot 5.97\xa0s: left out of the statistics" in page
     assert page.count('<td class="file">') == 13
     # what was not fitted leads, then what stands out
-    told = r'<td class="file">[^<]*/([^<]*)</td>.*?<td class="(bad|care|good)">'
-    first, second, *_ = re.findall(told, page)
+    message = r'<td class="file">[^<]*/([^<]*)</td>.*?<td class="(bad|care|good)">'
+    first, second, *_ = re.findall(message, page)
     assert first == ("&lt;b&gt;junk &amp; co.csv", "bad")
     assert second == ("lotB_seal2_rep1.csv", "care")
     assert set(re.findall(r'href="#([^"]*)', page)) <= set(re.findall(r'id="([^"]*)', page))
@@ -91,32 +91,32 @@ def test_what_comes_from_a_file_is_escaped_and_nothing_is_loaded(lot):
     # what is linked lies beside the page
     linked = set(re.findall(r'(?:src|href)="(?!#)([^"]*)', page))
     assert linked == {"lot.csv", "lot.xlsx", "lot.json"}
-    for kind, found in (
+    for kind, result in (
         ("style", re.findall(r"<style>(.*?)</style>", page, re.DOTALL)),
         ("script", re.findall(r'<script type="module">(.*?)</script>', page, re.DOTALL)),
     ):
-        (one,) = found
-        digest = base64.b64encode(hashlib.sha256(one.encode()).digest()).decode()
+        (item,) = result
+        digest = base64.b64encode(hashlib.sha256(item.encode()).digest()).decode()
         assert f"{kind}-src 'sha256-{digest}'" in unescape(page)
     # the rows that the script reads hold no markup, and are every file
     (rows,) = re.findall(r'<script type="application/json"[^>]*>(.*?)</script>', page, re.DOTALL)
     assert "<" not in rows
-    told = json.loads(rows)
-    assert next(row[0] for row in told["rows"] if "junk" in row[0]).endswith("<b>junk & co.csv")
-    assert len(told["rows"]) == 13
-    assert len({len(row) for row in [told["heads"], *told["rows"]]}) == 1
+    document = json.loads(rows)
+    assert next(row[0] for row in document["rows"] if "junk" in row[0]).endswith("<b>junk & co.csv")
+    assert len(document["rows"]) == 13
+    assert len({len(row) for row in [document["heads"], *document["rows"]]}) == 1
 
 
-def many(**asked):
+def many(**requested):
     """Return a lot of 500 seals in 20 lots, and what it says."""
-    large = lot_of(draw_rows(lots=20, seals=25, repeats=2, **asked))
+    large = lot_of(draw_rows(lots=20, seals=25, repeats=2, **requested))
     limits = [Limits(large.quantity("k_end"), 150.0, 250.0, 1.33)]
     return large, summary(large, limits=limits)
 
 
 def test_a_page_is_as_high_for_many_tests_as_for_few(lot):
-    large, found = many()
-    page = html(large, found=found)
+    large, result = many()
+    page = html(large, found=result)
     assert len(page) < 1_000_000
     # of each table so many rows, and of every chart one dot a lot
     for rows in re.findall(r"<tbody>(.*?)</tbody>", page, re.DOTALL):
@@ -131,8 +131,8 @@ def test_a_page_is_as_high_for_many_tests_as_for_few(lot):
 def test_lot_page_lists_dates_if_stated(lot):
     days = pl.Series("date", [f"2026-11-{2 + i % 2:02}" for i in range(lot.table.height)])
     every = {
-        name: json.loads(re.search(r'id="every"[^>]*>(.*?)</script>', html(one), re.DOTALL)[1])
-        for name, one in (
+        name: json.loads(re.search(r'id="every"[^>]*>(.*?)</script>', html(item), re.DOTALL)[1])
+        for name, item in (
             ("dated", replace(lot, table=lot.table.with_columns(days))),
             ("bare", lot),
         )
@@ -145,20 +145,20 @@ def test_lot_page_lists_dates_if_stated(lot):
 
 
 def test_what_the_page_says_is_what_the_document_says():
-    large, found = many()
-    page, document = unescape(html(large, found=found)), found.to_dict()
+    large, result = many()
+    page, document = unescape(html(large, found=result)), result.to_dict()
     for light in document["summary"]:
         assert light["message"] in page.replace("\xa0", " ")
     assert f">{document['verdict']['verdict_grade'].capitalize()}<" in page
     (of,) = document["statistics"]
-    for one in of["capability"]:
-        assert f"<b>{one['cpk']:.2f}</b>" in page or f">{one['cpk']:.2f}<" in page
+    for entry in of["capability"]:
+        assert f"<b>{entry['cpk']:.2f}</b>" in page or f">{entry['cpk']:.2f}<" in page
 
 
 @pytest.mark.slow
 @needs_browser
 def test_a_point_of_the_chart_leads_to_its_tests(browser):
-    large, found = many()
+    large, result = many()
     script = """
     const lines = () => [...document.querySelectorAll("#rows tbody tr")];
     const rows = () => lines().map((one) => one.cells[1].textContent);
@@ -174,7 +174,7 @@ def test_a_point_of_the_chart_leads_to_its_tests(browser):
     return [first, [...new Set(found)], found.length, rows().length, opened];
     """
     first, lots, of_lot, of_seal, opened = probe(
-        browser, html(large, found=found), script, width=1366, height=768
+        browser, html(large, found=result), script, width=1366, height=768
     )
     assert (first, lots, of_lot, of_seal, opened) == (50, ["L5"], 50, 2, True)
 
@@ -189,11 +189,11 @@ def test_simulated_tests_are_stamped(lot):
 def test_a_quantity_that_no_seal_has_is_no_column(lot):
     stray = lot.table["file"].str.contains("junk")
     pressed = pl.when(stray).then(2.0)
-    beside = replace(lot, table=lot.table.with_columns(cld_force_N=pressed))
-    assert "cld_force" in {one.name for one in beside.quantities}
-    heads = re.findall(r'<th scope="col" class="n">([^<]*)', html(beside))
+    neighbour = replace(lot, table=lot.table.with_columns(cld_force_N=pressed))
+    assert "cld_force" in {quantity.name for quantity in neighbour.quantities}
+    heads = re.findall(r'<th scope="col" class="n">([^<]*)', html(neighbour))
     assert "instantaneous stiffness, N/mm" in heads
-    assert not [one for one in heads if one.startswith("force at nominal")]
+    assert not [head for head in heads if head.startswith("force at nominal")]
 
 
 def test_without_labels_every_test_is_a_point(lot):

@@ -49,30 +49,30 @@ def row_of(entry, choices=ONE_ARM):
 @pytest.mark.parametrize("name", sorted(set(files()) - {"trios.txt"}))
 def test_batch_row_of_every_kind_has_a_fit_or_a_reason(folder, name):
     kind = files()[name][1]
-    found = row_of(Entry(str(folder / name)))
-    assert found["kind"] == kind
+    result = row_of(Entry(str(folder / name)))
+    assert result["kind"] == kind
     others = {"cld", "csr", "cyclic"}
-    assert found["outcome"] == ("fitted" if kind in {*FITTED, *others} else "other")
+    assert result["outcome"] == ("fitted" if kind in {*FITTED, *others} else "other")
     if kind == "cld":
-        assert found["cld_force_N"] > 0
-        assert found["cld_hysteresis"] > 0
-        assert found["k_inf_N_per_m"] is None
+        assert result["cld_force_N"] > 0
+        assert result["cld_hysteresis"] > 0
+        assert result["k_inf_N_per_m"] is None
     elif kind == "cyclic":
-        assert found["loop_storage_N_per_m"] > 0
-        assert found["loop_loss_factor"] > 0
+        assert result["loop_storage_N_per_m"] > 0
+        assert result["loop_loss_factor"] > 0
     elif kind == "csr":
-        assert found["csr_chemical_time_low_s"] > 0
+        assert result["csr_chemical_time_low_s"] > 0
     elif kind in FITTED:
-        material = found["k_inf_N_per_m"] is None
+        material = result["k_inf_N_per_m"] is None
         assert material == (kind not in {"relaxation", "creep"} or name == "compliance.csv")
-        assert found["E_inf_Pa" if material else "k_inf_N_per_m"] >= 0
-        assert (found["E_1_Pa" if material else "k_1_N_per_m"], found["tau_1_s"]) > (0, 0)
-        assert (found["rms_N"] is None) == (kind != "relaxation")
+        assert result["E_inf_Pa" if material else "k_inf_N_per_m"] >= 0
+        assert (result["E_1_Pa" if material else "k_1_N_per_m"], result["tau_1_s"]) > (0, 0)
+        assert (result["rms_N"] is None) == (kind != "relaxation")
     else:
-        assert found["reason"].startswith("it is ")
-        assert found["k_inf_N_per_m"] is None
+        assert result["reason"].startswith("it is ")
+        assert result["k_inf_N_per_m"] is None
     if kind in {"impact", "frf"}:
-        assert found["measured_Hz"] == pytest.approx(14.6, abs=0.1)
+        assert result["measured_Hz"] == pytest.approx(14.6, abs=0.1)
 
 
 def test_quick_batch_row_evaluates_no_checks(folder, monkeypatch):
@@ -97,13 +97,13 @@ def test_batch_row_states_whether_its_file_is_simulated(folder, tmp_path, name):
 def test_batch_row_of_load_deflection_equals_its_command(tmp_path):
     path = press_cycles(softening=0.05).write(tmp_path / "p1.csv")
     choices = BatchOptions(compression=(6e-3,), length=0.05)
-    found = row_of(Entry(str(path)), choices)
-    alone = cld(read_cld(path, specimen=dp.Specimen(length="50mm")), at="6mm")
-    assert found["cld_force_N"] == alone.nominal.loading
-    assert found["cld_per_100mm_N"] == 2 * alone.nominal.loading
-    assert (found["cld_at_m"], found["cld_set_m"]) == (6e-3, alone.set)
-    assert found["cld_hysteresis"] == alone.cycle.hysteresis
-    assert found["verdict"] == alone.verdict.use
+    result = row_of(Entry(str(path)), choices)
+    single = cld(read_cld(path, specimen=dp.Specimen(length="50mm")), at="6mm")
+    assert result["cld_force_N"] == single.nominal.loading
+    assert result["cld_per_100mm_N"] == 2 * single.nominal.loading
+    assert (result["cld_at_m"], result["cld_set_m"]) == (6e-3, single.set)
+    assert result["cld_hysteresis"] == single.cycle.hysteresis
+    assert result["verdict"] == single.verdict.use
     short = row_of(Entry(str(path)), BatchOptions(compression=(12e-3,)))
     assert short["outcome"] == "refused"
     assert "12 mm was asked for" in short["reason"]
@@ -116,11 +116,11 @@ def test_lot_of_load_deflection_pieces_is_evaluated_by_force(tmp_path):
         truth.write(tmp_path / f"p{number}.csv")
     lot = batch(tmp_path, length="50mm", compression="6mm", jobs=1)
     assert lot.main == "cld_per_100mm"
-    forces = [float(one.mean) for one in lot.seals(lot.main)]
+    forces = [float(seal.mean) for seal in lot.seals(lot.main)]
     assert forces[1] / forces[0] == pytest.approx(1.04, abs=0.01)
     (limits,) = read_limits(write_specimen(tmp_path), lot.table.columns)
-    found = summary(lot, quantity=lot.main, limits=[limits])
-    assert found.main.lowest[1].cpk > 0
+    result = summary(lot, quantity=lot.main, limits=[limits])
+    assert result.main.lowest[1].cpk > 0
 
 
 def write_specimen(folder):
@@ -132,41 +132,41 @@ def write_specimen(folder):
 def test_batch_row_of_a_hit_needs_the_indenter_mass(tmp_path):
     path = tmp_path / "hit.csv"
     path.write_text(EXAMPLES["hit.csv"]())
-    found = row_of(Entry(str(path), mass=5e-3), BatchOptions(radius=5e-3))
-    assert found["outcome"] == "fitted"
-    assert found["indent_modulus_Pa"] == pytest.approx(4e6, rel=0.02)
-    assert found["indent_modulus_low_Pa"] < found["indent_modulus_Pa"]
-    assert found["restitution"] == pytest.approx(0.7935, abs=0.003)
+    result = row_of(Entry(str(path), mass=5e-3), BatchOptions(radius=5e-3))
+    assert result["outcome"] == "fitted"
+    assert result["indent_modulus_Pa"] == pytest.approx(4e6, rel=0.02)
+    assert result["indent_modulus_low_Pa"] < result["indent_modulus_Pa"]
+    assert result["restitution"] == pytest.approx(0.7935, abs=0.003)
     assert "indenter's mass" in row_of(Entry(str(path)))["reason"]
 
 
 def test_a_modulus_finds_its_column_by_itself(folder):
-    found = row_of(Entry(str(folder / "modulus.csv")), BatchOptions(arms=1))
-    assert (found["kind"], found["outcome"]) == ("modulus", "fitted")
+    result = row_of(Entry(str(folder / "modulus.csv")), BatchOptions(arms=1))
+    assert (result["kind"], result["outcome"]) == ("modulus", "fitted")
 
 
 def test_a_file_of_no_kind_is_refused_in_the_words_of_its_reader(folder):
-    found = row_of(Entry(str(folder / "trios.txt")))
-    assert (found["kind"], found["outcome"]) == ("creep", "refused")
-    assert "no force is held" in found["reason"]
+    result = row_of(Entry(str(folder / "trios.txt")))
+    assert (result["kind"], result["outcome"]) == ("creep", "refused")
+    assert "no force is held" in result["reason"]
 
 
 def test_a_hammer_is_held_against_its_test_as_the_comparison_does_it(folder):
     bench, hammer = str(folder / "seal.csv"), str(folder / "hammer.csv")
-    found = row_of(Entry(bench, hammer=(hammer,), mass=MASS), replace(ONE_ARM, seals=2))
+    result = row_of(Entry(bench, hammer=(hammer,), mass=MASS), replace(ONE_ARM, seals=2))
     fit = fit_tests(read_relaxation(bench), arms=1)
     agreed = compare_files(
         fit, [hammer], BlockOnSeals(MASS, 2), hammer=HammerChoices(), options=ReadOptions()
     )
     held = agreed.comparison
-    assert (found["predicted_Hz"], found["measured_Hz"]) == (held.predicted_hz, held.measured_hz)
-    assert found["predicted_damping_ratio"] == held.predicted_damping
-    assert found["measured_damping_ratio"] == held.measured_damping
-    assert (found["peak_dB"], found["frac"]) == (held.ratio_db, held.frac)
-    assert found["k_inf_N_per_m"] == fit.model.k_inf
-    assert found["agreement"] == held.verdict.use == "do not use"
-    assert "hammer: " in found["reason"]
-    assert found["verdict"] == fit.verdict.use
+    assert (result["predicted_Hz"], result["measured_Hz"]) == (held.predicted_hz, held.measured_hz)
+    assert result["predicted_damping_ratio"] == held.predicted_damping
+    assert result["measured_damping_ratio"] == held.measured_damping
+    assert (result["peak_dB"], result["frac"]) == (held.ratio_db, held.frac)
+    assert result["k_inf_N_per_m"] == fit.model.k_inf
+    assert result["agreement"] == held.verdict.use == "do not use"
+    assert "hammer: " in result["reason"]
+    assert result["verdict"] == fit.verdict.use
 
 
 @pytest.mark.parametrize(
@@ -183,21 +183,21 @@ def test_a_hammer_that_cannot_be_held_against_it_leaves_the_fit(
 ):
     monkeypatch.chdir(folder)
     entry = replace(Entry("seal.csv", hammer=("frf.csv",), mass=MASS), **changes)
-    found = row_of(entry)
-    assert (found["outcome"], found["agreement"]) == ("fitted", "")
-    assert message in found["reason"]
+    result = row_of(entry)
+    assert (result["outcome"], result["agreement"]) == ("fitted", "")
+    assert message in result["reason"]
 
 
-@pytest.mark.parametrize(("apart", "compared"), [(0.0, True), (30.0, False)])
+@pytest.mark.parametrize(("separate", "compared"), [(0.0, True), (30.0, False)])
 def test_a_hammer_at_another_temperature_says_its_resonance_and_no_agreement(
-    folder, apart, compared
+    folder, separate, compared
 ):
     entry = Entry(str(folder / "seal.csv"), hammer=(str(folder / "frf.csv"),), mass=MASS)
     same = row_of(replace(entry, temperature=296.15))
-    found = row_of(replace(entry, temperature=296.15, hammer_temperature=296.15 + apart))
-    assert found["measured_Hz"] == same["measured_Hz"]
-    assert (found["predicted_Hz"] is not None, found["agreement"] != "") == (compared, compared)
-    assert ("nothing says how the model shifts to 53" in found["reason"]) != compared
+    result = row_of(replace(entry, temperature=296.15, hammer_temperature=296.15 + separate))
+    assert result["measured_Hz"] == same["measured_Hz"]
+    assert (result["predicted_Hz"] is not None, result["agreement"] != "") == (compared, compared)
+    assert ("nothing says how the model shifts to 53" in result["reason"]) != compared
 
 
 @pytest.mark.once
@@ -209,13 +209,13 @@ def test_batch_joint_fit_includes_damping_of_the_hammer_test(folder, tmp_path):
     hammer = tmp_path / "frf.csv"
     hammer.write_text(write_frf(replace(frf, value=frf.value + noise[0] + 1j * noise[1])))
     entry = Entry(str(folder / "seal.csv"), hammer=(str(hammer),), mass=MASS)
-    found = row_of(entry, BatchOptions(arms=2, seals=2, joint=True))
+    result = row_of(entry, BatchOptions(arms=2, seals=2, joint=True))
     (mode,) = frf.modes()
-    assert (found["method"], found["agreement"]) == ("joint", "use with care")
-    assert found["measured_damping_ratio"] == pytest.approx(mode.damping_ratio, rel=0.02)
-    assert found["damping_ratio"] == pytest.approx(mode.damping_ratio, rel=0.02)
-    assert found["frequency_Hz"] == pytest.approx(mode.frequency, rel=2e-3)
-    assert found["predicted_damping_ratio"] < mode.damping_ratio / 2
+    assert (result["method"], result["agreement"]) == ("joint", "use with care")
+    assert result["measured_damping_ratio"] == pytest.approx(mode.damping_ratio, rel=0.02)
+    assert result["damping_ratio"] == pytest.approx(mode.damping_ratio, rel=0.02)
+    assert result["frequency_Hz"] == pytest.approx(mode.frequency, rel=2e-3)
+    assert result["predicted_damping_ratio"] < mode.damping_ratio / 2
 
 
 @pytest.mark.parametrize("which", [0, 1])
@@ -223,12 +223,12 @@ def test_a_file_that_changed_since_it_was_hashed_is_tried_again(folder, which):
     entry = Entry(str(folder / "seal.csv"), hammer=(str(folder / "frf.csv"),))
     hashes = list(entry.hashes())
     hashes[which] = "another"
-    found = row(entry, hashes, ONE_ARM)
-    assert found["outcome"] in AGAIN
-    assert f"{(entry.file, *entry.hammer)[which]} changed while" in found["reason"]
+    result = row(entry, hashes, ONE_ARM)
+    assert result["outcome"] in AGAIN
+    assert f"{(entry.file, *entry.hammer)[which]} changed while" in result["reason"]
 
 
 def test_a_file_that_went_since_it_was_hashed_is_tried_again(tmp_path):
-    found = row(Entry(str(tmp_path / "gone.csv")), ("hash",), ONE_ARM)
-    assert found["outcome"] == "changed"
-    assert found["reason"].endswith("gone.csv went while the batch ran; run it again")
+    result = row(Entry(str(tmp_path / "gone.csv")), ("hash",), ONE_ARM)
+    assert result["outcome"] == "changed"
+    assert result["reason"].endswith("gone.csv went while the batch ran; run it again")

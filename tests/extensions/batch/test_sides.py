@@ -34,9 +34,9 @@ def test_lot_page_lists_runs_on_both_sides_separately() -> None:
 
 
 def test_lot_page_names_a_run_on_one_side_by_its_ends() -> None:
-    (one,) = list_causes([190.0, 191.0, 189.0, 250.0], [0, 1, 2])
-    assert one["name"] == "Lots A to C"
-    assert one["message"].startswith("lie low: 0.1890 to 0.1910 N/mm")
+    (entry,) = list_causes([190.0, 191.0, 189.0, 250.0], [0, 1, 2])
+    assert entry["name"] == "Lots A to C"
+    assert entry["message"].startswith("lie low: 0.1890 to 0.1910 N/mm")
 
 
 def test_a_batch_of_which_nothing_was_fitted_is_not_to_be_used(
@@ -44,7 +44,7 @@ def test_a_batch_of_which_nothing_was_fitted_is_not_to_be_used(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "notes.csv").write_text("a;b\nno;number\n", encoding="utf-8")
-    told = ran("batch", "notes.csv", "-o", "lot", "--jobs", "1")
-    assert told.exit_code == 2, told.output
-    assert told.stdout.startswith("Do not use: 0 of 1 files")
-    assert "notes.csv: " in told.stdout
+    result = ran("batch", "notes.csv", "-o", "lot", "--jobs", "1")
+    assert result.exit_code == 2, result.output
+    assert result.stdout.startswith("Do not use: 0 of 1 files")
+    assert "notes.csv: " in result.stdout

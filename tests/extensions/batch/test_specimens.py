@@ -46,8 +46,8 @@ def test_batch_takes_each_specimen_of_a_file_as_a_row(seals) -> None:
     assert {row["lot"] for row in rows} == {"7"}
     stiffness = np.array([row["k_0_N_per_m"] for row in rows])
     np.testing.assert_allclose(stiffness / stiffness[0], FACTORS, rtol=1e-6)
-    alone, _ = fit_files((seals,), arms=1, options=ReadOptions(segment=2))
-    assert stiffness[1] == alone.model.k_0
+    single, _ = fit_files((seals,), arms=1, options=ReadOptions(segment=2))
+    assert stiffness[1] == single.model.k_0
 
 
 def test_batch_adds_the_specimen_to_a_named_seal(seals) -> None:

@@ -18,7 +18,7 @@ pytestmark = pytest.mark.once
 
 def test_seals_stand_in_the_order_in_which_people_count():
     lot = lot_of(draw_rows(lots=2, seals=11, repeats=1))
-    assert [one.name for one in lot.seals()][:11] == [f"{i}" for i in range(1, 12)]
+    assert [seal.name for seal in lot.seals()][:11] == [f"{i}" for i in range(1, 12)]
     counted = ["9", "10", "b", "seal 9", "seal 10"]
     shuffled = ["seal 10", "b", "10", "9", "seal 9"]
     assert sorted(shuffled, key=make_natural_sort_key) == counted
@@ -49,43 +49,43 @@ def test_quantity_is_resolved_by_column_with_or_without_unit():
     ],
 )
 def test_lot_excludes_a_test_with_other_conditions(column, keeps, breaks, message):
-    for value, left in ((keeps, {}), (breaks, {"L1/1_1.csv": message})):
+    for value, dissimilar in ((keeps, {}), (breaks, {"L1/1_1.csv": message})):
         rows = draw_rows(lots=1, seals=3)
         rows[0][column] = value
         lot = lot_of(rows)
-        assert lot.dissimilar == left
-        assert lot.rows_in_statistics.height == 12 - len(left)
-        (check,) = [one for one in lot.checks if one.name == "tests_alike"]
-        assert check.failed is bool(left)
+        assert lot.dissimilar == dissimilar
+        assert lot.rows_in_statistics.height == 12 - len(dissimilar)
+        (check,) = [check for check in lot.checks if check.name == "tests_alike"]
+        assert check.failed is bool(dissimilar)
 
 
 def test_lot_names_duplicate_records_and_refuses_comparison_with_itself():
     rows = [row | {"sha256": f"{i}"} for i, row in enumerate(draw_rows(lots=1, seals=3, repeats=2))]
-    sound = lot_of(rows)
-    assert sound.copies == {}
-    both = compare_two_lots(("may", sound), ("june", sound), ["k_end"])
-    assert [one.value for one in both.checks if one.name == "records_distinct"] == [6, 0, 0]
+    intact = lot_of(rows)
+    assert intact.copies == {}
+    both = compare_two_lots(("may", intact), ("june", intact), ["k_end"])
+    assert [check.value for check in both.checks if check.name == "records_distinct"] == [6, 0, 0]
     assert both.differences[0].different is both.to_dict()["differences"][0]["different"] is None
     assert "not judged, the lots have six records in common" in str(both)
     assert "no difference" not in str(both)
     others = [row | {"sha256": f"{i}*"} for i, row in enumerate(rows)]
     assert (
-        compare_two_lots(("may", sound), ("june", lot_of(others)), ["k_end"])
+        compare_two_lots(("may", intact), ("june", lot_of(others)), ["k_end"])
         .differences[0]
         .different
         is False
     )
     others[0]["sha256"] = "0"
     assert (
-        compare_two_lots(("may", sound), ("june", lot_of(others)), ["k_end"]).differences[0].shared
+        compare_two_lots(("may", intact), ("june", lot_of(others)), ["k_end"]).differences[0].shared
         == 1
     )
     rows[3]["sha256"] = "0"
     lot = lot_of(rows)
     assert lot.copies == {"L1/2_2.csv": "L1/1_1.csv"}
-    (check,) = [one for one in lot.checks if one.name == "records_distinct"]
+    (check,) = [check for check in lot.checks if check.name == "records_distinct"]
     assert check.failed
-    assert [one.message for one in summary(lot).flags if one.file == "L1/2_2.csv"] == [
+    assert [flag.message for flag in summary(lot).flags if flag.file == "L1/2_2.csv"] == [
         "the same record as L1/1_1.csv: left out of the statistics"
     ]
 
@@ -103,8 +103,8 @@ def test_what_was_not_fitted_or_may_not_be_used_does_not_enter_and_what_needs_ca
     rows[1] |= {"verdict": "do not use", "k_end_N_per_m": 1e6}
     rows[2] |= {"verdict": "use with care"}
     lot = lot_of(rows)
-    assert [len(one.files) for one in lot.seals()] == [2, 2]
-    assert max(one.mean for one in lot.seals()) < 300
+    assert [len(seal.files) for seal in lot.seals()] == [2, 2]
+    assert max(seal.mean for seal in lot.seals()) < 300
 
 
 def test_the_chart_of_seals_knows_how_seals_differ_and_that_of_repeats_how_repeats_do():
@@ -113,9 +113,9 @@ def test_the_chart_of_seals_knows_how_seals_differ_and_that_of_repeats_how_repea
     (charts,) = lot.charts().values()
     assert (charts.means.upper[0] - charts.means.centre) / 200 == pytest.approx(0.09, rel=0.25)
     assert charts.repeats.centre / 200 == pytest.approx(0.003 * 0.921, rel=0.1)  # c_4 of four
-    assert len([one for one in charts.means.signals if "beyond" in one.rule]) <= 1
-    alone = lot_of(draw_rows(lots=1, seals=5, repeats=1)).charts()["L1"]
-    assert alone.repeats is None
+    assert len([signal for signal in charts.means.signals if "beyond" in signal.rule]) <= 1
+    single = lot_of(draw_rows(lots=1, seals=5, repeats=1)).charts()["L1"]
+    assert single.repeats is None
     assert lot_of(draw_rows(lots=1, seals=1)).charts() == {}
 
 
@@ -129,9 +129,9 @@ def test_lots_have_a_chart_whose_groups_are_their_seals():
 
 def test_components_and_gauge_hold_the_truth_of_four_lots():
     lot = lot_of(draw_rows(seed=2, operators=("Kim", "Lee")))
-    found = {one.source: one for one in lot.components("k_end")}
+    result = {component.source: component for component in lot.components("k_end")}
     for source, sd in (("lot", 4), ("seal", 6), ("repeat", 2)):
-        low, high = found[source].interval
+        low, high = result[source].interval
         assert low <= sd**2 <= high, source
     study = lot.gauge()
     assert (study.parts, study.operators, study.tests) == (100, 2, 400)
@@ -140,7 +140,7 @@ def test_components_and_gauge_hold_the_truth_of_four_lots():
     # repeats' variance
     able = lot.capability("k_end", 180, 220)
     assert list(able) == ["L1", "L2", "L3", "L4"]
-    assert all(one.count == 25 and 0 < one.cpk < one.cp < 1.6 for one in able.values())
+    assert all(item.count == 25 and 0 < item.cpk < item.cp < 1.6 for item in able.values())
 
 
 def test_the_table_goes_to_pandas_and_the_charts_to_a_picture(tmp_path):
@@ -165,55 +165,55 @@ def save_lot(place, lot):
 
 
 def test_two_lots_that_differ_and_two_that_do_not(tmp_path):
-    same, apart = (
+    same, lot = (
         lot_of(draw_rows(lots=1, sds=(0, 0.03, 0.01), mean=mean, seed=seed))
         for mean, seed in ((200, 1), (210, 2))
     )
-    found = compare_two_lots(("A", same), ("B", apart), ["k_end"]).differences[0]
-    assert found.different
-    low, high = found.difference.interval
+    difference = compare_two_lots(("A", same), ("B", lot), ["k_end"]).differences[0]
+    assert difference.different
+    low, high = difference.difference.interval
     assert low < 10 < high
-    assert found.difference.counts == (25, 25)
+    assert difference.difference.counts == (25, 25)
     alike = compare_two_lots(
         ("A", same), ("C", lot_of(draw_rows(lots=1, sds=(0, 0.03, 0.01), seed=5)))
     )
-    assert [one.quantity.name for one in alike.differences] == ["k_end", "k_0"]
-    assert not any(one.different for one in alike.differences)
+    assert [difference.quantity.name for difference in alike.differences] == ["k_end", "k_0"]
+    assert not any(difference.different for difference in alike.differences)
     # 25 seals of 3 % find 2.4 %: 2.86 standard errors of 3.04 % times the root of 2/25
     assert alike.differences[0].difference.detectable / 200 == pytest.approx(0.0246, rel=0.3)
 
-    folders = [save_lot(tmp_path / name, one) for name, one in (("may", same), ("june", apart))]
+    folders = [save_lot(tmp_path / name, item) for name, item in (("may", same), ("june", lot))]
     document = run_json("compare", *folders)
     assert document["schema"] == "dashpot/lot-comparison@2"
     assert document["lots"] == ["may", "june"]
-    assert [one["different"] for one in document["differences"]] == [True, True]
-    said = ran("compare", *folders, "--quantity", "k_end").stdout
-    assert "stiffness at the end of the hold: different" in said
-    assert "with a power of 80 %; alike within" in said
-    of_one_name = [save_lot(tmp_path / when / "lot", same) for when in ("may", "june")]
-    assert [name for name, _ in opened_both(of_one_name)] == of_one_name
+    assert [difference["different"] for difference in document["differences"]] == [True, True]
+    stdout = ran("compare", *folders, "--quantity", "k_end").stdout
+    assert "stiffness at the end of the hold: different" in stdout
+    assert "with a power of 80 %; alike within" in stdout
+    item = [save_lot(tmp_path / when / "lot", same) for when in ("may", "june")]
+    assert [name for name, _ in opened_both(item)] == item
 
 
 def test_lots_tested_otherwise_are_not_called_the_same_test():
-    one, other = draw_rows(lots=1), draw_rows(lots=1, seed=1)
+    rows, other = draw_rows(lots=1), draw_rows(lots=1, seed=1)
     for row in other:
         row["depth_m"] = 0.006
-    found = compare_two_lots(("A", lot_of(one)), ("B", lot_of(other)))
-    (check,) = [each for each in found.checks if each.name == "lots_tested_alike"]
+    lot_comparison = compare_two_lots(("A", lot_of(rows)), ("B", lot_of(other)))
+    (check,) = [check for check in lot_comparison.checks if check.name == "lots_tested_alike"]
     assert check.failed
     assert "depth 0.008 and 0.006 m" in check.message
-    fitted = [each.message[:5] for each in found.checks if each.name == "files_fitted"]
+    fitted = [check.message[:5] for check in lot_comparison.checks if check.name == "files_fitted"]
     assert fitted == ["In A,", "In B,"]
-    assert not compare_two_lots(("A", lot_of(one)), ("B", lot_of(one))).checks[0].failed
+    assert not compare_two_lots(("A", lot_of(rows)), ("B", lot_of(rows))).checks[0].failed
 
 
 def test_compare_two_lots_counts_a_test_without_seal_as_one_seal():
     rows = draw_rows(lots=1, seals=4, repeats=2)
     for row in rows:
         row["seal"] = ""
-    found = compare_two_lots(("A", lot_of(rows)), ("B", lot_of(rows)))
-    assert found.differences[0].difference.counts == (8, 8)
-    (check,) = [one for one in found.checks if one.name == "seals_named"]
+    lot_comparison = compare_two_lots(("A", lot_of(rows)), ("B", lot_of(rows)))
+    assert lot_comparison.differences[0].difference.counts == (8, 8)
+    (check,) = [check for check in lot_comparison.checks if check.name == "seals_named"]
     assert check.value == 16
 
 
@@ -227,7 +227,7 @@ def test_open_lot_asks_which_of_several_lots(tmp_path):
     ):
         with pytest.raises(error, match=words):
             open_lot(named)
-    one = lot_of(draw_rows(lots=1, seals=1))
+    lot = lot_of(draw_rows(lots=1, seals=1))
     with pytest.raises(DataError, match="lots of 1 and 1 seals"):
-        compare_two_lots(("A", one), ("B", one))
-    assert np.isfinite(one.seals()[0].mean)
+        compare_two_lots(("A", lot), ("B", lot))
+    assert np.isfinite(lot.seals()[0].mean)

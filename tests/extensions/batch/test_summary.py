@@ -82,19 +82,25 @@ def test_a_seal_passes_where_its_uncertainty_leaves_no_doubt(tmp_path):
     means = (110.0, 100 + 1.001 * guard, 100 + 0.999 * guard, 99.99)
     rows = make_repeated_lot(*means)
     rows.append({"lot": "A", "seal": "lost", "file": "z.csv", "outcome": "refused"})
-    (asked,) = limits(tmp_path, '[k_end]\nlower = "100N/m"')
-    found = check_lot_acceptance(lot_of(rows), asked)
-    assert [one.decision for one in found] == ["pass", "pass", "not proven", "fail", "no result"]
-    assert found[0].guard == pytest.approx(guard, rel=1e-4)
+    (requested,) = limits(tmp_path, '[k_end]\nlower = "100N/m"')
+    seal_decisions = check_lot_acceptance(lot_of(rows), requested)
+    assert [seal_decision.decision for seal_decision in seal_decisions] == [
+        "pass",
+        "pass",
+        "not proven",
+        "fail",
+        "no result",
+    ]
+    assert seal_decisions[0].guard == pytest.approx(guard, rel=1e-4)
     # without repeats the uncertainty is not known
-    alone = check_lot_acceptance(lot_of(rows[:16:4]), asked)
-    assert [(one.decision, one.guard) for one in alone][:2] == [("pass", None), ("pass", None)]
+    single = check_lot_acceptance(lot_of(rows[:16:4]), requested)
+    assert [(item.decision, item.guard) for item in single][:2] == [("pass", None), ("pass", None)]
 
 
 def test_a_guard_band_keeps_its_promise(tmp_path):
     """Of seals truly outside the limit, fewer than one in twenty pass."""
     rng = np.random.default_rng(1)
-    (asked,) = limits(tmp_path, '[k_end]\nlower = "100N/m"')
+    (requested,) = limits(tmp_path, '[k_end]\nlower = "100N/m"')
     passed = 0
     for _ in range(40):
         rows = [
@@ -102,7 +108,10 @@ def test_a_guard_band_keeps_its_promise(tmp_path):
             for i in range(25)
             for _ in range(3)
         ]
-        passed += [one.decision for one in check_lot_acceptance(lot_of(rows), asked)].count("pass")
+        passed += [
+            seal_decision.decision
+            for seal_decision in check_lot_acceptance(lot_of(rows), requested)
+        ].count("pass")
     assert passed / 1000 < 0.05 + 4 * math.sqrt(0.05 * 0.95 / 1000)
 
 
@@ -110,21 +119,22 @@ def test_a_limit_of_a_modulus_is_not_held_against_a_stiffness(tmp_path):
     part, material = "storage_at_5Hz_N_per_m", "storage_at_5Hz_Pa"
     rows = [row | {part: 200.0, material: None} for row in draw_rows(1, 2, 1)]
     rows += [{"lot": "L1", "seal": f"m{i}", part: None, material: 5e6 + i} for i in range(2)]
-    asked = limits(tmp_path, '[storage_at_5Hz_Pa]\nupper = "6MPa"', (part, material))
-    (found,) = summary(lot_of(rows), limits=asked).others
-    assert {(one.seal, one.value) for one in found.judged if one.decision == "pass"} == {
-        ("m0", 5e6), ("m1", 5e6 + 1),
-    }  # fmt: skip
-    assert {one.seal for one in found.judged if one.decision == "no result"} == {"1", "2"}
+    requested = limits(tmp_path, '[storage_at_5Hz_Pa]\nupper = "6MPa"', (part, material))
+    (result,) = summary(lot_of(rows), limits=requested).others
+    passed = {
+        (decision.seal, decision.value) for decision in result.judged if decision.decision == "pass"
+    }
+    assert passed == {("m0", 5e6), ("m1", 5e6 + 1)}
+    assert {item.seal for item in result.judged if item.decision == "no result"} == {"1", "2"}
 
 
 def test_what_operators_add_widens_the_guard_band(tmp_path):
     rows = draw_rows(lots=1, seals=10, sds=(0, 0.03, 0.005), operators=("a", "b"), seed=1)
-    (asked,) = limits(tmp_path, '[k_end]\nlower = "100N/m"')
-    one = check_lot_acceptance(lot_of(rows), asked)[0].guard
+    (requested,) = limits(tmp_path, '[k_end]\nlower = "100N/m"')
+    guard = check_lot_acceptance(lot_of(rows), requested)[0].guard
     for row in rows:
         row["k_end_N_per_m"] += 8 * (row["operator"] == "b")
-    assert check_lot_acceptance(lot_of(rows), asked)[0].guard > 3 * one
+    assert check_lot_acceptance(lot_of(rows), requested)[0].guard > 3 * guard
 
 
 def test_what_stands_out_is_named_and_what_does_not_is_not():
@@ -135,17 +145,17 @@ def test_what_stands_out_is_named_and_what_does_not_is_not():
          "k_end_N_per_m": means[i] + rng.normal(0, 1)}
         for i in range(20) for j in range(4)
     ]  # fmt: skip
-    sound = summary(lot_of(rows))
-    assert sound.flags == ()
+    intact = summary(lot_of(rows))
+    assert intact.flags == ()
     for row in rows[12:16]:
         row["k_end_N_per_m"] += 40  # seal 3
     rows[21]["k_end_N_per_m"] += 12  # one test of seal 5
     flags = summary(lot_of(rows)).flags
-    assert {(one.seal, one.file) for one in flags} == {("3", ""), ("5", ""), ("5", "5_1.csv")}
-    said = {one.seal + one.file: one.message for one in flags}
-    assert "above the median seal of its lot" in said["3"]
-    assert "its repeats scatter by" in said["5"]
-    assert "above the other tests of its seal" in said["55_1.csv"]
+    assert {(flag.seal, flag.file) for flag in flags} == {("3", ""), ("5", ""), ("5", "5_1.csv")}
+    values = {flag.seal + flag.file: flag.message for flag in flags}
+    assert "above the median seal of its lot" in values["3"]
+    assert "its repeats scatter by" in values["5"]
+    assert "above the other tests of its seal" in values["55_1.csv"]
 
 
 HOSTILE = {
@@ -172,36 +182,36 @@ HOSTILE = {
 @pytest.mark.parametrize("rows", HOSTILE.values(), ids=HOSTILE)
 def test_any_lot_has_a_page_a_document_and_a_workbook(rows, tmp_path):
     lot = lot_of(rows)
-    asked = limits(tmp_path, '[k_end]\nlower = "180N/m"\nupper = "220N/m"\ncpk = 1.33\n')
-    found = summary(lot, limits=asked)
-    json.dumps(found.to_dict(), allow_nan=False)
-    page = html(lot, found=found)
+    requested = limits(tmp_path, '[k_end]\nlower = "180N/m"\nupper = "220N/m"\ncpk = 1.33\n')
+    result = summary(lot, limits=requested)
+    json.dumps(result.to_dict(), allow_nan=False)
+    page = html(lot, found=result)
     assert "<i>" not in page
     assert page.count("<svg") == page.count("</svg>")
-    book = openpyxl.load_workbook(BytesIO(workbook(found)))
+    book = openpyxl.load_workbook(BytesIO(workbook(result)))
     assert book["tests"].max_row == lot.table.height + 1
     cells = [cell for sheet in book for row in sheet.iter_rows() for cell in row]
     assert not any(cell.data_type == "f" or cell.hyperlink for cell in cells)
-    for one in found.quantities:
-        for seal in one.judged:
+    for quantity in result.quantities:
+        for seal in quantity.judged:
             assert seal.decision in {"pass", "fail", "not proven", "no result"}
 
 
 def test_workbook_is_recognised_and_reproducible():
-    found = summary(lot_of(draw_rows(2, 3, 2)))
-    made = workbook(found)
+    result = summary(lot_of(draw_rows(2, 3, 2)))
+    made = workbook(result)
     assert is_ours(made[:4096])
-    assert workbook(found) == made
+    assert workbook(result) == made
     book = openpyxl.load_workbook(BytesIO(made))
     seals = {row[2]: row[4] for row in book["seals"].iter_rows(min_row=2, values_only=True)}
-    assert seals["3"] == pytest.approx(found.main.seals[-1].mean)
+    assert seals["3"] == pytest.approx(result.main.seals[-1].mean)
 
 
 def test_workbook_refers_tests_over_the_sheet_limit_to_the_table(monkeypatch):
-    found = summary(lot_of(draw_rows(1, 3, 2)))
-    for rows, width in ((6, found.lot.written_table().width), (5, 1)):
+    result = summary(lot_of(draw_rows(1, 3, 2)))
+    for rows, width in ((6, result.lot.written_table().width), (5, 1)):
         monkeypatch.setattr(workbooks, "_SHEET_ROWS", rows)
-        book = openpyxl.load_workbook(BytesIO(workbook(found)))
+        book = openpyxl.load_workbook(BytesIO(workbook(result)))
         assert book["tests"].max_column == width
         assert book["seals"].max_row == 4
     assert book["tests"]["A2"].value == "6 are more than a sheet has rows: they are in lot.csv"
@@ -209,12 +219,12 @@ def test_workbook_refers_tests_over_the_sheet_limit_to_the_table(monkeypatch):
 
 def test_lot_page_leads_with_a_missed_capability(tmp_path):
     lot = lot_of(draw_rows(2, 25, 2, seed=4))
-    asked = limits(tmp_path, '[k_end]\nlower = "150N/m"\nupper = "250N/m"\ncpk = 3\n')
-    found = summary(lot, limits=asked)
-    page = html(lot, found=found)
+    requested = limits(tmp_path, '[k_end]\nlower = "150N/m"\nupper = "250N/m"\ncpk = 3\n')
+    result = summary(lot, limits=requested)
+    page = html(lot, found=result)
     assert "3.00 is asked" in page
-    (check,) = [one for one in found.checks if one.name == "capability_as_asked"]
-    worst = min(one.cpk for one in found.main.capability.values())
+    (check,) = [check for check in result.checks if check.name == "capability_as_asked"]
+    worst = min(item.cpk for item in result.main.capability.values())
     assert check.failed
     assert check.value == worst
 
@@ -230,9 +240,9 @@ def test_lot_page_leads_with_a_missed_capability(tmp_path):
     ids=["one seal", "all equal", "a lot without a seal that is used", "known"],
 )
 def test_required_capability_that_is_undetermined_fails(tmp_path, rows, unknown):
-    asked = limits(tmp_path, '[k_end]\nlower = "1N/m"\nupper = "999N/m"\ncpk = 1.33\n')
-    found = summary(lot_of(rows), limits=asked).checks
-    (check,) = [one for one in found if one.name == "capability_as_asked"]
+    requested = limits(tmp_path, '[k_end]\nlower = "1N/m"\nupper = "999N/m"\ncpk = 1.33\n')
+    checks = summary(lot_of(rows), limits=requested).checks
+    (check,) = [check for check in checks if check.name == "capability_as_asked"]
     assert check.failed is unknown
     assert ("is not known of one lot" in check.message) is unknown
 
@@ -241,9 +251,9 @@ def test_a_test_that_lacks_the_quantity_of_a_limit_has_no_result(tmp_path):
     rows = [row | {"seal": "", "frequency_Hz": None} for row in draw_rows(1, 3, 1)]
     rows[0]["frequency_Hz"] = 12.0
     rows.append({"lot": "L1", "file": "notes.txt", "outcome": "refused"})
-    (asked,) = limits(tmp_path, '[frequency]\nlower = "10Hz"\n', ("frequency_Hz",))
-    found = check_lot_acceptance(lot_of(rows), asked)
-    assert [(one.seal, one.decision) for one in found] == [
+    (requested,) = limits(tmp_path, '[frequency]\nlower = "10Hz"\n', ("frequency_Hz",))
+    seal_decisions = check_lot_acceptance(lot_of(rows), requested)
+    assert [(seal_decision.seal, seal_decision.decision) for seal_decision in seal_decisions] == [
         ("L1/1_1.csv", "pass"), ("L1/2_1.csv", "no result"), ("L1/3_1.csv", "no result"),
     ]  # fmt: skip
 
@@ -253,20 +263,22 @@ def test_a_test_that_lacks_the_quantity_of_a_limit_has_no_result(tmp_path):
     [((0.0, 0.03, 0.005), "good", "use"), ((0.0, 0.02, 0.02), "bad", "do not use")],
 )
 def test_summary_does_not_release_a_lot_with_an_inadequate_gauge(sds, mark, use):
-    found = summary(lot_of(draw_rows(lots=2, seals=25, repeats=4, sds=sds)))
-    lights = {one.name: one.mark for one in found.lights}
+    result = summary(lot_of(draw_rows(lots=2, seals=25, repeats=4, sds=sds)))
+    lights = {item.name: item.mark for item in result.lights}
     assert lights["measuring"] == mark
-    assert (found.verdict.use == "do not use") == (use == "do not use")
+    assert (result.verdict.use == "do not use") == (use == "do not use")
 
 
 def test_lots_that_shift_are_no_chance_and_a_lot_like_the_others_is():
     still = summary(lot_of(draw_rows(lots=12, seals=25, repeats=1, sds=(0.0, 0.03, 0.0))))
-    moved = summary(lot_of(draw_rows(lots=12, seals=25, repeats=1, sds=(0.02, 0.03, 0.0))))
-    marks = [{one.name: one.mark for one in each.lights}["control"] for each in (still, moved)]
+    variant = summary(lot_of(draw_rows(lots=12, seals=25, repeats=1, sds=(0.02, 0.03, 0.0))))
+    marks = [
+        {item.name: item.mark for item in element.lights}["control"] for element in (still, variant)
+    ]
     assert marks[0] in {"good", "note"}
     assert marks[1] == "care"
     # a run of points is one cause
-    lots = moved.main.lots
+    lots = variant.main.lots
     assert lots is not None
     assert lots.mean.signalling_points == (1, 3, 4)
     assert lots.mean.causes == ((1, 1), (3, 4))
@@ -275,23 +287,23 @@ def test_lots_that_shift_are_no_chance_and_a_lot_like_the_others_is():
 def test_the_verdict_is_as_bad_as_the_worst_light():
     worst = {"use": {"good", "note"}, "use with care": {"care"}, "do not use": {"bad"}}
     for sds in ((0.0, 0.03, 0.005), (0.0, 0.03, 0.012), (0.02, 0.03, 0.005), (0.0, 0.02, 0.02)):
-        found = summary(lot_of(draw_rows(lots=6, seals=12, repeats=3, sds=sds)))
-        mark = max((one.mark for one in found.lights), key=ORDER.index)
-        assert mark in worst[found.verdict.use]
-        assert [one.name for one in found.lights] == ["files", "measuring", "control", "limits"]
+        result = summary(lot_of(draw_rows(lots=6, seals=12, repeats=3, sds=sds)))
+        mark = max((item.mark for item in result.lights), key=ORDER.index)
+        assert mark in worst[result.verdict.use]
+        assert [item.name for item in result.lights] == ["files", "measuring", "control", "limits"]
 
 
 def test_a_copy_is_counted_and_says_nothing():
     rows = draw_rows(lots=1, seals=12, repeats=3)
-    for i, one in enumerate(rows):
-        one["sha256"] = f"{i:064}"
-    alone = summary(lot_of(rows))
+    for i, row in enumerate(rows):
+        row["sha256"] = f"{i:064}"
+    single = summary(lot_of(rows))
     twice = summary(lot_of([*rows, {**rows[0], "file": "again.csv", "seal": "13"}]))
-    assert [len(one.main.seals) for one in (alone, twice)] == [12, 12]
+    assert [len(item.main.seals) for item in (single, twice)] == [12, 12]
     assert twice.lot.copies == {"again.csv": rows[0]["file"]} or len(twice.lot.copies) == 1
     assert "1 copy" in twice.lights[0].message
-    assert "copy" not in alone.lights[0].message
-    assert twice.main.gauge.categories == alone.main.gauge.categories
+    assert "copy" not in single.lights[0].message
+    assert twice.main.gauge.categories == single.main.gauge.categories
 
 
 @pytest.mark.parametrize(
@@ -306,17 +318,19 @@ def test_a_copy_is_counted_and_says_nothing():
 def test_a_capability_that_the_interval_rules_out_is_a_stop(of, by, grade):
     lot = lot_of(draw_rows(lots=1, seals=30, repeats=1, sds=(0.0, 0.02, 0.0)))
     (able,) = lot.capability("k_end", 176.0, 224.0).values()
-    asked = {"cpk": able.cpk, "high": able.cpk_interval[1]}[of] + by
-    limits = [Limits(lot.quantity("k_end"), 176.0, 224.0, asked)]
-    (found,) = (one for one in summary(lot, limits=limits).checks
-                if one.name == "capability_as_asked")  # fmt: skip
-    assert (found.grade if found.failed else None) == grade
+    requested = {"cpk": able.cpk, "high": able.cpk_interval[1]}[of] + by
+    limits = [Limits(lot.quantity("k_end"), 176.0, 224.0, requested)]
+    (result,) = (check for check in summary(lot, limits=limits).checks
+                if check.name == "capability_as_asked")  # fmt: skip
+    assert (result.grade if result.failed else None) == grade
 
 
 def test_summary_reports_frequencies_outside_the_band():
     rows = [row | {"loss_factor_at_12.7Hz": 0.03, "loss_factor_at_0.1Hz": 0.03}
             for row in draw_rows(1, 3, 1)]  # fmt: skip
-    (check,) = [one for one in summary(lot_of(rows)).checks if one.name == "frequencies_in_band"]
+    (check,) = [
+        check for check in summary(lot_of(rows)).checks if check.name == "frequencies_in_band"
+    ]
     assert check.value == 3
     assert "12.7 Hz lies outside" in check.message
 
@@ -337,8 +351,8 @@ def test_the_command_judges_by_limits_and_strict_ends_in_1(tmp_path):
         path.write_text(text)
         done = ran(*common, "--limits", path, "--strict", "--json")
         assert done.exit_code == code, done.output
-        (one,) = json.loads(done.stdout)["statistics"]
-        assert {judge["decision"] for judge in one["decisions"]} == {decision}
+        (entry,) = json.loads(done.stdout)["statistics"]
+        assert {judge["decision"] for judge in entry["decisions"]} == {decision}
     page = (tmp_path / "lot" / "lot.html").read_text()
     assert "0 of two seals" not in page
     assert "outside" in page

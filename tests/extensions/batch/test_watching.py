@@ -43,7 +43,7 @@ def rig(tmp_path, monkeypatch):
 def make_executor():
     def compute_chunks(chunks, choices):
         for chunk in chunks:
-            rows = [row(one.entry, one.hashes, choices) | {KEY: one.key} for one in chunk]
+            rows = [row(item.entry, item.hashes, choices) | {KEY: item.key} for item in chunk]
             yield chunk, rows
 
     yield Executor(1, 1, compute_chunks)
@@ -52,15 +52,15 @@ def make_executor():
 class Story:
     """What happens at which second, and the table after it; interrupted at its end."""
 
-    def __init__(self, *acts, choices=None, **asked):
+    def __init__(self, *acts, choices=None, **requested):
         self.now, self.acts, self.tables = 0.0, list(acts), []
         choices = BatchOptions(**QUICK) if choices is None else choices
-        job = BatchJob(("rig",), Path("lot"), choices, jobs=1, **asked)
+        job = BatchJob(("rig",), Path("lot"), choices, jobs=1, **requested)
         self.lot = watch_batch(job, self.refreshed, wait=self.wait, clock=lambda: self.now)
 
     def refreshed(self, lot):
-        found = {Path(one["file"]).stem: one["outcome"] for one in lot.table.to_dicts()}
-        self.tables.append((self.now, found))
+        outcomes = {Path(output["file"]).stem: output["outcome"] for output in lot.table.to_dicts()}
+        self.tables.append((self.now, outcomes))
 
     def wait(self, seconds):
         if not self.acts:
@@ -92,7 +92,7 @@ def test_watch_waits_for_a_growing_file_and_refits_a_resumed_one(rig):
     growing = [write("a.csv", "".join(lines[:n]), at=t) for n, t in ((20, 0), (30, 1.5), (40, 3))]
     story = Story(*growing, write("a.csv", at=8.0), until(12.0))
     assert [at for at, _ in story.tables] == [5.0, 10.0]
-    assert [found["a"] for _, found in story.tables] == ["refused", "fitted"]
+    assert [entry["a"] for _, entry in story.tables] == ["refused", "fitted"]
     assert story.lot.table.height == 1
 
 
@@ -104,21 +104,21 @@ def test_names_that_change_and_files_that_go_are_followed(rig):
         (7.0, (rig / "b.csv").unlink),
         until(9.0),
     )
-    assert [set(found) for _, found in story.tables] == [{*"abc"}, {*"bc"}, {*"bcz"}, {*"cz"}]
+    assert [set(result) for _, result in story.tables] == [{*"abc"}, {*"bc"}, {*"bcz"}, {*"cz"}]
 
 
 def test_what_is_replaced_by_as_many_bytes_of_the_same_time_is_fitted_again(rig):
     path, other = rig / "a.csv", bench(0.9 * ramp_and_hold())[: len(TEXT)].ljust(len(TEXT), "\n")
     path.write_text(TEXT)
-    told = path.stat()
+    status = path.stat()
 
     def replace():
         Path("beside").write_text(other)
         Path("beside").replace(path)
-        os.utime(path, ns=(told.st_atime_ns, told.st_mtime_ns))
+        os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))
 
     story = Story((3.0, replace), until(7.0))
-    assert path.stat().st_size == told.st_size
+    assert path.stat().st_size == status.st_size
     assert [at for at, _ in story.tables] == [2.0, 5.0]
     assert story.lot.table["depth_m"][0] == pytest.approx(7.2e-3, rel=1e-3)
 
@@ -152,7 +152,7 @@ def test_a_file_that_changes_under_the_fit_is_fitted_when_it_is_still(rig, monke
     monkeypatch.setattr(batch_run, "open_executor", interfere)
     assert made is row
     story = Story(until(9.0))
-    assert [found["a"] for _, found in story.tables][-1] == "fitted"
+    assert [entry["a"] for _, entry in story.tables][-1] == "fitted"
     assert story.tables[0] == (2.0, {"a": "changed"})
 
 
@@ -201,7 +201,7 @@ def test_an_idle_folder_is_only_scanned(rig, search_count):
     story = Story(write("b.csv", at=40.0), write("a_hammer.csv", at=80.0), until(120.0),
                   pair="{stem}_hammer*.csv")  # fmt: skip
     assert len(search_count) <= 3 * before
-    assert [set(found) for _, found in story.tables] == [{"a"}, {*"ab"}, {"b"}, {*"ab"}]
+    assert [set(result) for _, result in story.tables] == [{"a"}, {*"ab"}, {"b"}, {*"ab"}]
     assert [at for at, _ in story.tables] == [2.0, 42.0, 80.0, 82.0]
 
 
@@ -246,9 +246,9 @@ def test_a_folder_whose_hammers_may_be_anywhere_is_sought_each_time(rig, search_
 
 
 def test_what_makes_no_sense_is_refused_before_anything_comes(rig):
-    for asked, message in (({"by": "("}, "no regular"), ({"pair": "x"}, "in braces")):
+    for requested, message in (({"by": "("}, "no regular"), ({"pair": "x"}, "in braces")):
         with pytest.raises(DataError, match=message):
-            Story(**asked)
+            Story(**requested)
     rig.rmdir()
     with pytest.raises(ReadError, match="rig is no folder"):
         Story()
@@ -268,7 +268,7 @@ def test_the_command_keeps_the_page_and_ends_on_a_signal(tmp_path):
         while not page.exists() and running.poll() is None:
             time.sleep(0.05)
         running.send_signal(signal.SIGTERM)
-        said = running.communicate()[0]
+        message = running.communicate()[0]
     assert running.returncode == 0
-    assert b"files       1: 1 fitted" in said
+    assert b"files       1: 1 fitted" in message
     assert "rig/a.csv" in (tmp_path / "lot" / "lot.csv").read_text()

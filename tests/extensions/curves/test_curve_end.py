@@ -38,37 +38,37 @@ def test_foreign_creep_compliance_agrees_with_the_closed_form() -> None:
 
 
 def test_a_curve_that_levels_off_keeps_its_plateau() -> None:
-    found = fit_modulus(curve(ZENER))
-    end = found.evidence.end_of_hold
+    fit = fit_modulus(curve(ZENER))
+    end = fit.evidence.end_of_hold
     assert end is not None
     assert (end.test_kind, end.end_time) == ("curve", 100.0)
     low, high = end.k_10end
     assert 0.8e6 < low < 1e6 < high < 1.02e6
-    assert found.verdict.use == "use"
-    assert found.intervals()["k_inf"] == (0.0, end.k_inf[1])
-    assert list_known_values(found)[0].words == "k(100 s)"
-    assert list_known_values(found)[0].unit == "Pa"
-    assert from_json(to_json(found)) == found
+    assert fit.verdict.use == "use"
+    assert fit.intervals()["k_inf"] == (0.0, end.k_inf[1])
+    assert list_known_values(fit)[0].words == "k(100 s)"
+    assert list_known_values(fit)[0].unit == "Pa"
+    assert from_json(to_json(fit)) == fit
 
 
 def test_fit_modulus_reports_a_missing_plateau_with_valid_limits() -> None:
     """An arm ten times slower than the end is a spring to it."""
     slow = GeneralizedMaxwell(1e6, (1e6, 5e5), (1.0, 300.0))
-    found = fit_modulus(curve(slow, T[T < 30]))
-    assert found.verdict.use == "use with care"
-    assert found.verdict.failed_checks[0].name == "plateau_determined"
-    end = found.evidence.end_of_hold
+    fit = fit_modulus(curve(slow, T[T < 30]))
+    assert fit.verdict.use == "use with care"
+    assert fit.verdict.failed_checks[0].name == "plateau_determined"
+    end = fit.evidence.end_of_hold
     assert end is not None
     for name, times in (("k_end", 1), ("k_3end", 3), ("k_10end", 10), ("k_inf", np.inf)):
         low, high = getattr(end, name)
         assert low <= slow.relaxation(times * end.end_time) <= high
-    assert found.model.k_inf > 1.1 * slow.k_inf
+    assert fit.model.k_inf > 1.1 * slow.k_inf
 
 
 def test_a_curve_that_falls_tells_how_many_times_as_stiff_it_was() -> None:
     """1 + 9 exp(-t / 50) is 10 at first and 2.218 at 100."""
-    found = fit_modulus(curve(GeneralizedMaxwell(1e6, (9e6,), (50.0,)), noise=1e-3))
-    message = next(check.message for check in found.checks if check.name == "curve_level_at_end")
+    fit = fit_modulus(curve(GeneralizedMaxwell(1e6, (9e6,), (50.0,)), noise=1e-3))
+    message = next(check.message for check in fit.checks if check.name == "curve_level_at_end")
     assert float(message.split("At first it was ")[1].split()[0]) == pytest.approx(4.508, abs=0.02)
 
 
@@ -87,32 +87,32 @@ def test_the_noise_of_a_curve_is_what_the_nearest_spectrum_leaves() -> None:
     block = hold_block(T, values, weights=1 / ZENER.relaxation(T), compress=False)
     data = curve_data(block, T, window=(1e-3, 1e3), common=0.0)
     rows = data.rows(np.log([1.0]), slopes=False)
-    left = rows.target - np.column_stack((rows.spring, rows.arms)) @ [1e6, 1e6]
-    assert np.sqrt(np.mean(left**2)) == pytest.approx(1.0, rel=0.15)
+    residual = rows.target - np.column_stack((rows.spring, rows.arms)) @ [1e6, 1e6]
+    assert np.sqrt(np.mean(residual**2)) == pytest.approx(1.0, rel=0.15)
     assert 40 < data.dof < 80
 
 
 def test_part_of_a_material_scales_its_limits() -> None:
-    found = fit_modulus(curve(ZENER))
-    part = found.part(0.02)
+    fit = fit_modulus(curve(ZENER))
+    part = fit.part(0.02)
     assert part.stiffness_limits is not None
-    assert found.stiffness_limits is not None
+    assert fit.stiffness_limits is not None
     assert part.stiffness_limits["k_end"] == tuple(
-        0.02 * end for end in found.stiffness_limits["k_end"]
+        0.02 * end for end in fit.stiffness_limits["k_end"]
     )
     assert part.evidence.end_of_hold.format_with_remedy(part.unit).startswith(
         "the stiffness later on. At 100 s it is"
     )
-    assert found.evidence.end_of_hold.format_with_remedy("Pa").endswith("MPa. Measure longer.")
+    assert fit.evidence.end_of_hold.format_with_remedy("Pa").endswith("MPa. Measure longer.")
 
 
 def test_a_sweep_tells_its_storage_in_hertz() -> None:
     f = np.geomspace(1e-3, 10, 41)
     value = ZENER.complex_stiffness(omega=2 * np.pi * f)
-    found = dp.fit(dp.DynamicTest(f, value.real, value.imag, units="SI"))
-    end = found.evidence.end_of_hold
+    fit = dp.fit(dp.DynamicTest(f, value.real, value.imag, units="SI"))
+    end = fit.evidence.end_of_hold
     assert end is not None
-    assert list_known_values(found)[0].words == "K'(0.00100 Hz)"
+    assert list_known_values(fit)[0].words == "K'(0.00100 Hz)"
     assert end.k_end[0] < value.real[0] < end.k_end[1]
     assert "At 0.00100 Hz the storage is" in end.format_limits("Pa")
     assert (
@@ -129,20 +129,20 @@ def test_fit_modulus_of_few_values_has_no_end_limits() -> None:
 # -- how often ------------------------------------------------------------------------------------
 
 
-def require_score(score: Score, *, sound: float = 0.6) -> None:
+def require_score(score: Score, *, intact: float = 0.6) -> None:
     assert min(score.held.values()) >= 0.95, score
     assert score.used_off <= 0.05 * score.used, score
-    assert score.sound_used >= sound * score.sound, score
+    assert score.sound_used >= intact * score.sound, score
 
 
 def test_limits_hold_on_a_few_curves_of_every_kind() -> None:
     some = [
-        evaluate_curve(one)
+        evaluate_curve(item)
         for make, chosen in ((moduli, (1, 7, 9)), (compliances, (3, 9)), (sweeps, (1, 9)))
-        for i, one in enumerate(make(10))
+        for i, item in enumerate(make(10))
         if i in chosen
     ]
-    require_score(Score.of(some), sound=0.5)
+    require_score(Score.of(some), intact=0.5)
     assert any(line["use"] == "use" for line in some)
     assert any("plateau_determined" in line["reason"] for line in some)
 
@@ -156,7 +156,7 @@ def test_limits_hold_and_use_is_right(make, count) -> None:
 @pytest.mark.slow
 def test_a_curve_cut_to_its_first_tenth_holds_what_came_later() -> None:
     for make in (moduli, compliances, sweeps):
-        cut = [one.cut() for one in make(60, 2)]
-        score = Score.of(evaluate_curve(one) for one in cut if len(one.at) >= 12)
+        cut = [item.cut() for item in make(60, 2)]
+        score = Score.of(evaluate_curve(item) for item in cut if len(item.at) >= 12)
         assert min(score.held.values()) >= 0.95, score
         assert score.used_off <= max(0.05 * score.used, 1), score

@@ -47,10 +47,10 @@ def solids() -> st.SearchStrategy[GeneralizedMaxwell]:
 @settings(max_examples=25, deadline=None)
 def test_a_dense_spectrum_scales_with_the_unit(model: GeneralizedMaxwell, unit: float) -> None:
     t = np.geomspace(1e-3, 1e3, 60)
-    one, scaled = (master_curve(t, factor * model.relaxation(t)) for factor in (1.0, unit))
-    assert scaled.rms == pytest.approx(one.rms, rel=1e-3, abs=1e-7)
+    fit, scaled = (master_curve(t, factor * model.relaxation(t)) for factor in (1.0, unit))
+    assert scaled.rms == pytest.approx(fit.rms, rel=1e-3, abs=1e-7)
     np.testing.assert_allclose(
-        scaled.model.relaxation(t), unit * one.model.relaxation(t), rtol=1e-5
+        scaled.model.relaxation(t), unit * fit.model.relaxation(t), rtol=1e-5
     )
 
 
@@ -60,9 +60,12 @@ def test_a_dense_spectrum_moves_with_the_clock(model: GeneralizedMaxwell, decade
     f = np.geomspace(1e-3, 1e2, 50)
     shift = 10.0**decades
     slow = GeneralizedMaxwell(model.k_inf, model.k, tuple(tau / shift for tau in model.tau))
-    one, moved = dynamic_master_curve(sweep(model, f)), dynamic_master_curve(sweep(slow, shift * f))
-    assert moved.rms == pytest.approx(one.rms, rel=1e-3, abs=1e-7)
-    np.testing.assert_allclose(np.array(moved.grid) * shift, one.grid, rtol=1e-9)
+    item, variant = (
+        dynamic_master_curve(sweep(model, f)),
+        dynamic_master_curve(sweep(slow, shift * f)),
+    )
+    assert variant.rms == pytest.approx(item.rms, rel=1e-3, abs=1e-7)
+    np.testing.assert_allclose(np.array(variant.grid) * shift, item.grid, rtol=1e-9)
 
 
 @given(
@@ -97,8 +100,11 @@ def test_a_sharp_arm_between_two_of_the_grid_is_followed_to_five_per_cent() -> N
 @settings(max_examples=10, deadline=None)
 def test_the_order_of_a_sweep_does_not_matter(order: list[int]) -> None:
     f = np.geomspace(1e-3, 1e3, 30)
-    one, mixed = dynamic_master_curve(sweep(GLASS, f)), dynamic_master_curve(sweep(GLASS, f[order]))
-    assert mixed.rms == pytest.approx(one.rms, rel=1e-6)
+    item, mixed = (
+        dynamic_master_curve(sweep(GLASS, f)),
+        dynamic_master_curve(sweep(GLASS, f[order])),
+    )
+    assert mixed.rms == pytest.approx(item.rms, rel=1e-6)
 
 
 # -- what it is for -------------------------------------------------------------------------------
@@ -106,21 +112,21 @@ def test_the_order_of_a_sweep_does_not_matter(order: list[int]) -> None:
 
 def test_a_curve_over_many_decades_is_followed_closely() -> None:
     t = np.geomspace(1e-7, 1e8, 400)
-    found = master_curve(t, GLASS.relaxation(t), per_decade=6)
-    assert found.max_error < 0.005
-    assert found.model.k_inf == pytest.approx(5.0, rel=1e-3)
-    assert found.band == pytest.approx((1 / (2 * np.pi * 1e8), 1 / (2 * np.pi * 1e-7)))
+    result = master_curve(t, GLASS.relaxation(t), per_decade=6)
+    assert result.max_error < 0.005
+    assert result.model.k_inf == pytest.approx(5.0, rel=1e-3)
+    assert result.band == pytest.approx((1 / (2 * np.pi * 1e8), 1 / (2 * np.pi * 1e-7)))
 
 
 def test_reported_misfit_is_that_of_the_returned_model() -> None:
     t = np.geomspace(1e-7, 1e8, 100)
     noise = 1 + 0.02 * np.random.default_rng(0).standard_normal(len(t))
     modulus = GLASS.relaxation(t) * noise
-    found = master_curve(t, modulus)
-    error = found.model.relaxation(t) / modulus - 1
-    assert found.rms == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-9)
-    assert found.max_error == pytest.approx(np.abs(error).max(), rel=1e-9)
-    assert found.misfit[0].at == t[np.argmax(np.abs(error))]
+    result = master_curve(t, modulus)
+    error = result.model.relaxation(t) / modulus - 1
+    assert result.rms == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-9)
+    assert result.max_error == pytest.approx(np.abs(error).max(), rel=1e-9)
+    assert result.misfit[0].at == t[np.argmax(np.abs(error))]
 
     f = np.geomspace(1e-7, 1e5, 80)
     exact = sweep(GLASS, f)
@@ -139,10 +145,10 @@ def test_dense_spectrum_equals_scipy_nnls() -> None:
 
     t = np.geomspace(1e-5, 1e5, 150)
     modulus = GLASS.relaxation(t) * (1 + 0.01 * np.random.default_rng(1).standard_normal(len(t)))
-    found = master_curve(t, modulus)
-    columns = np.column_stack((np.ones(len(t)), np.exp(-t[:, None] / np.array(found.grid))))
+    result = master_curve(t, modulus)
+    columns = np.column_stack((np.ones(len(t)), np.exp(-t[:, None] / np.array(result.grid))))
     _, rest = nnls(columns / modulus[:, None], np.ones(len(t)))
-    assert found.rms * np.sqrt(len(t)) == pytest.approx(rest, rel=1e-6)
+    assert result.rms * np.sqrt(len(t)) == pytest.approx(rest, rel=1e-6)
 
 
 # -- the fewest arms ------------------------------------------------------------------------------
@@ -150,14 +156,14 @@ def test_dense_spectrum_equals_scipy_nnls() -> None:
 
 def test_exact_modes_come_back_exactly_without_a_junk_arm() -> None:
     t = np.geomspace(1e-3, 100, 100)
-    found = fit_modulus(t, LIQUID.relaxation(t))
-    assert found.status is Status.CONVERGED
-    assert found.model.k == pytest.approx(LIQUID.k, rel=1e-6)
-    assert found.model.tau == pytest.approx(LIQUID.tau, rel=1e-6)
-    assert found.model.k_inf == pytest.approx(0.0, abs=1e-7)
-    assert found.evidence.certificate is not None
-    assert found.evidence.certificate.optimal
-    assert (found.method, found.unit) == ("modulus", "Pa")
+    fit = fit_modulus(t, LIQUID.relaxation(t))
+    assert fit.status is Status.CONVERGED
+    assert fit.model.k == pytest.approx(LIQUID.k, rel=1e-6)
+    assert fit.model.tau == pytest.approx(LIQUID.tau, rel=1e-6)
+    assert fit.model.k_inf == pytest.approx(0.0, abs=1e-7)
+    assert fit.evidence.certificate is not None
+    assert fit.evidence.certificate.optimal
+    assert (fit.method, fit.unit) == ("modulus", "Pa")
 
 
 @given(solids(), st.sampled_from([1.0, 1e6]))
@@ -169,17 +175,17 @@ def test_fit_modulus_recovers_arms_spaced_by_a_decade(
         model.k_inf, model.k, tuple(10.0 ** (i - 1) for i in range(model.arms))
     )
     t = np.geomspace(1e-3, 100, 120)
-    found = fit_modulus(t, unit * spread.relaxation(t))
-    assert found.model.arms == spread.arms
-    assert found.model.tau == pytest.approx(spread.tau, rel=1e-5)
-    assert np.array(found.model.k) / unit == pytest.approx(spread.k, rel=1e-5)
+    fit = fit_modulus(t, unit * spread.relaxation(t))
+    assert fit.model.arms == spread.arms
+    assert fit.model.tau == pytest.approx(spread.tau, rel=1e-5)
+    assert np.array(fit.model.k) / unit == pytest.approx(spread.k, rel=1e-5)
 
 
 def test_a_fit_in_pascal_survives_the_archive() -> None:
     t = np.geomspace(1e-3, 100, 50)
-    found = fit_modulus(t, 1e6 * LIQUID.relaxation(t), arms=2)
-    assert from_json(to_json(found)) == found
-    assert from_json(to_json(found)).unit == "Pa"
+    fit = fit_modulus(t, 1e6 * LIQUID.relaxation(t), arms=2)
+    assert from_json(to_json(fit)) == fit
+    assert from_json(to_json(fit)).unit == "Pa"
 
 
 def test_noise_that_crosses_zero_is_fitted_with_uniform_weights() -> None:
@@ -198,8 +204,8 @@ def test_large_noise_brings_no_bias() -> None:
     """Weights by the size of the data themselves would lower every stiffness by 2 %."""
     t, solid = np.geomspace(1e-3, 10, 60), GeneralizedMaxwell(1.0, (2.0,), (0.1,))
     noise = 1 + 0.1 * np.random.default_rng(0).standard_normal((40, len(t)))
-    found = [fit_modulus(t, row * solid.relaxation(t), arms=1).model.k_0 for row in noise]
-    assert np.mean(found) == pytest.approx(solid.k_0, rel=0.008)
+    result = [fit_modulus(t, row * solid.relaxation(t), arms=1).model.k_0 for row in noise]
+    assert np.mean(result) == pytest.approx(solid.k_0, rel=0.008)
 
 
 # -- what is refused ------------------------------------------------------------------------------
@@ -249,26 +255,26 @@ def test_a_relaxation_master_curve_over_31_decades(real_data: Path) -> None:
     t, modulus = columns_of(
         real_data / "pyvisco-master-curves" / "time_user_master.csv", delimiter=",", skiprows=2
     )
-    found = master_curve(t, 1e6 * modulus)
-    assert found.max_error < 0.005
+    result = master_curve(t, 1e6 * modulus)
+    assert result.max_error < 0.005
     g, tau = columns_of(
         real_data / "pyvisco-master-curves" / "ansys-reference" / "prony_terms_KPf_MD.csv",
         delimiter=",",
     )[:2]
     theirs = 1739.03 * (1 - g.sum() + np.exp(-t[:, None] / tau) @ g) / modulus - 1
-    assert found.rms < 0.5 * np.sqrt(np.mean(theirs**2))
-    assert found.max_error < 0.5 * np.abs(theirs).max()
+    assert result.rms < 0.5 * np.sqrt(np.mean(theirs**2))
+    assert result.max_error < 0.5 * np.abs(theirs).max()
 
 
 def test_a_dynamic_master_curve_over_26_decades(real_data: Path) -> None:
     """pyvisco's 26 terms miss E'' by up to 333 % and fall to 27 of 88.8 MPa at the lowest f."""
     data = read_dynamic(real_data / "pyvisco-master-curves" / "freq_user_master.csv")
-    found = dynamic_master_curve(data)
-    storage, loss = found.misfit
+    result = dynamic_master_curve(data)
+    storage, loss = result.misfit
     assert loss.largest < 0.31
     assert storage.largest < 0.55
-    assert found.rms < 0.18
-    assert found.model.storage(omega=data.omega[0]) > 40e6
+    assert result.rms < 0.18
+    assert result.model.storage(omega=data.omega[0]) > 40e6
     terms = ansys_terms(
         real_data / "pyvisco-master-curves" / "ansys-reference" / "freq_master.prony_terms.MPL"
     )
@@ -281,7 +287,7 @@ def test_a_dynamic_master_curve_over_26_decades(real_data: Path) -> None:
     )
     # the instantaneous modulus that serves these terms best on the same norm
     best = relative * relative.sum() / (relative @ relative) - 1
-    assert found.rms < 0.6 * np.sqrt(np.mean(best**2))
+    assert result.rms < 0.6 * np.sqrt(np.mean(best**2))
 
 
 def ansys_terms(file: Path) -> np.ndarray:

@@ -201,15 +201,15 @@ def test_a_plateau_of_a_foam_without_a_clock_is_an_elastic_curve(tmp_path) -> No
 
 
 @pytest.mark.parametrize(
-    ("head", "strain", "stress", "asked"),
+    ("head", "strain", "stress", "requested"),
     [
         ("Time [s];Strain [mm/mm];Stress [MPa]", 100.0, 1.0, "strain=%"),
         ("Time [s];Strain [%];Stress [MPa]", 100.0, 1e3, "stress=MPa"),
         ("Time [s];Strain [%];Stress [kPa]", 100.0, 1.0, "stress=kPa"),
     ],
 )
-def test_relaxation_of_no_rubber_raises_a_question(tmp_path, head, strain, stress, asked):
-    with pytest.raises(ReadError, match=asked):
+def test_relaxation_of_no_rubber_raises_a_question(tmp_path, head, strain, stress, requested):
+    with pytest.raises(ReadError, match=requested):
         read_modulus(write_record(tmp_path / "relax.csv", head, strain, stress))
 
 

@@ -39,17 +39,17 @@ def test_a_quasi_linear_seal_is_recovered_and_called_separable(
     paper_seal: GeneralizedMaxwell,
 ) -> None:
     tests = [quasi_linear(paper_seal, depth) for depth in (8e-3, 4e-3, 6e-3)]
-    found = fit_depths(tests, arms=2)
-    assert [at.depth for at in found.by_depth] == [4e-3, 6e-3, 8e-3]
-    for at in found.by_depth:
+    depth_law = fit_depths(tests, arms=2)
+    assert [at.depth for at in depth_law.by_depth] == [4e-3, 6e-3, 8e-3]
+    for at in depth_law.by_depth:
         # a tangent linear between nine knots is a parabola within a few parts in ten thousand
         assert at.k_inf == pytest.approx(float(cubic(np.array(at.depth))) / at.depth, rel=1e-3)
-    assert found.separable.passed
-    assert found.fit.evidence.stiffness_by_depth == found.by_depth
-    assert replace(found.fit.elastic_law, ratio_se=()) == found.law
-    vibrating = found.fit.model_at(8e-3)
+    assert depth_law.separable.passed
+    assert depth_law.fit.evidence.stiffness_by_depth == depth_law.by_depth
+    assert replace(depth_law.fit.elastic_law, ratio_se=()) == depth_law.law
+    vibrating = depth_law.fit.model_at(8e-3)
     assert vibrating.k_inf == pytest.approx(289.5, rel=0.02)
-    assert found.fit.model_at(2.6e-3).k_inf == pytest.approx(164.7, rel=0.005)
+    assert depth_law.fit.model_at(2.6e-3).k_inf == pytest.approx(164.7, rel=0.005)
     np.testing.assert_allclose(vibrating.tau, paper_seal.tau, rtol=3e-3)
     np.testing.assert_allclose(
         np.divide(vibrating.k, vibrating.k_inf),
@@ -57,7 +57,7 @@ def test_a_quasi_linear_seal_is_recovered_and_called_separable(
         rtol=3e-3,
     )
     relaxed = float(cubic(np.array(4e-3))) / 4e-3
-    assert found.fit.model_at(4e-3, secant=True).k_inf == pytest.approx(relaxed, rel=1e-3)
+    assert depth_law.fit.model_at(4e-3, secant=True).k_inf == pytest.approx(relaxed, rel=1e-3)
 
 
 def test_a_linear_seal_stays_linear_at_every_depth(paper_seal: GeneralizedMaxwell) -> None:
@@ -65,11 +65,11 @@ def test_a_linear_seal_stays_linear_at_every_depth(paper_seal: GeneralizedMaxwel
         quasi_linear(paper_seal, depth, law=linear, noise=4e-3, seed=i)
         for i, depth in enumerate((4e-3, 8e-3))
     ]
-    found = fit_depths(tests)
-    assert found.law.kind == "linear"
-    assert found.fit.model.arms == 2
-    error = np.sqrt(found.fit.covariance[0, 0])
-    assert abs(found.fit.model.k_inf - paper_seal.k_inf) < 3 * error
+    depth_law = fit_depths(tests)
+    assert depth_law.law.kind == "linear"
+    assert depth_law.fit.model.arms == 2
+    error = np.sqrt(depth_law.fit.covariance[0, 0])
+    assert abs(depth_law.fit.model.k_inf - paper_seal.k_inf) < 3 * error
 
 
 def test_fit_depths_detects_a_shape_that_changes_with_depth(paper_seal: GeneralizedMaxwell) -> None:
@@ -78,10 +78,10 @@ def test_fit_depths_detects_a_shape_that_changes_with_depth(paper_seal: Generali
         quasi_linear(paper_seal, 4e-3, noise=2e-3, seed=1),
         quasi_linear(stiffer, 8e-3, noise=2e-3, seed=2),
     ]
-    found = fit_depths(tests, arms=2)
-    assert found.separable.failed
-    assert "Use the stiffnesses of each depth." in found.separable.message_with_remedy
-    shallow, deep = (at.k[0] / at.k_inf for at in found.by_depth)
+    depth_law = fit_depths(tests, arms=2)
+    assert depth_law.separable.failed
+    assert "Use the stiffnesses of each depth." in depth_law.separable.message_with_remedy
+    shallow, deep = (at.k[0] / at.k_inf for at in depth_law.by_depth)
     assert deep / shallow == pytest.approx(1.2, rel=0.02)
 
 
@@ -105,13 +105,13 @@ def test_what_each_depth_says_of_its_stiffness_bears_the_rig(
     """A machine that gives by .8 % of the depth, of which nobody spoke."""
     tests = []
     for i, depth in enumerate((4e-3, 6e-3, 8e-3)):
-        one = quasi_linear(paper_seal, depth, noise=2e-3, seed=i)
-        shown, quiet = one.displacement, quasi_linear(paper_seal, depth).force
+        ramp_hold = quasi_linear(paper_seal, depth, noise=2e-3, seed=i)
+        shown, quiet = ramp_hold.displacement, quasi_linear(paper_seal, depth).force
         force = quiet
         for _ in range(4):
             pressed = shown - 8e-3 * depth * force / quiet.max()
-            force = (paper_seal * (1.0 / paper_seal.k_inf)).force(one.time, cubic(pressed))
-        tests.append(replace(one, force=one.force - quiet + force))
+            force = (paper_seal * (1.0 / paper_seal.k_inf)).force(ramp_hold.time, cubic(pressed))
+        tests.append(replace(ramp_hold, force=ramp_hold.force - quiet + force))
     for at in fit_depths(tests, arms=2).by_depth:
         secant = float(cubic(np.array(at.depth))) / at.depth
         for k, se, quiet in zip(
@@ -132,15 +132,15 @@ def test_eight_long_records_take_seconds(paper_seal: GeneralizedMaxwell) -> None
     ]
     assert sum(len(test.time) for test in tests) > 600_000
     begun = time.process_time()
-    found = fit_depths(tests)
+    depth_law = fit_depths(tests)
     assert time.process_time() - begun < 20
-    assert found.law.secant(8e-3) == pytest.approx(196.5, rel=2e-3)
-    assert found.law.tangent(8e-3) == pytest.approx(289.5, rel=0.02)
-    assert found.law.tangent(2.6e-3) == pytest.approx(164.7, rel=0.01)
+    assert depth_law.law.secant(8e-3) == pytest.approx(196.5, rel=2e-3)
+    assert depth_law.law.tangent(8e-3) == pytest.approx(289.5, rel=0.02)
+    assert depth_law.law.tangent(2.6e-3) == pytest.approx(164.7, rel=0.01)
 
 
 def test_fit_depths_refuses_incompatible_options(paper_seal: GeneralizedMaxwell) -> None:
-    one = quasi_linear(paper_seal, 8e-3)
+    ramp_hold = quasi_linear(paper_seal, 8e-3)
     warm, chilled = (
         replace(quasi_linear(paper_seal, depth), specimen=Specimen(temperature=kelvin))
         for depth, kelvin in ((4e-3, 296.15), (8e-3, 273.15))
@@ -152,6 +152,6 @@ def test_fit_depths_refuses_incompatible_options(paper_seal: GeneralizedMaxwell)
     with pytest.raises(FitError, match=r"a nonlinear law has .* Leave out --thorough"):
         fit(warm, law="nonlinear", thorough=True)
     with pytest.raises(FitError, match="found 1 test of one depth; a depth law needs at"):
-        fit_depths([one])
+        fit_depths([ramp_hold])
     with pytest.raises(FitError, match="fit equal depths together without depth_law"):
-        fit_depths([one, replace(one, force=1.01 * one.force)], arms=1)
+        fit_depths([ramp_hold, replace(ramp_hold, force=1.01 * ramp_hold.force)], arms=1)

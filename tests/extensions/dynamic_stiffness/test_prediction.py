@@ -30,12 +30,12 @@ def stiffness(model, frequency):
 
 
 def test_stiffness_is_that_of_the_arms_and_of_all_seals(fit):
-    found = dp.predict(fit, frequency=["0.05Hz", "0.2Hz"], seals=2)
+    prediction = dp.predict(fit, frequency=["0.05Hz", "0.2Hz"], seals=2)
     for i, f in enumerate((0.05, 0.2)):
         storage, loss = stiffness(fit.model, f)
-        values = [item.value for item in found.values[3 * i : 3 * i + 3]]
+        values = [item.value for item in prediction.values[3 * i : 3 * i + 3]]
         assert values == pytest.approx([2 * storage, 2 * loss, loss / storage], rel=1e-12)
-    assert found.verdict.use == "use"
+    assert prediction.verdict.use == "use"
 
 
 def test_limits_hold_the_value_in_the_valid_band(fit):
@@ -50,24 +50,24 @@ def test_a_modulus_has_no_number_of_seals(fit):
 
 
 def test_frequency_outside_the_band_has_no_limits_and_is_extrapolated(fit):
-    found = dp.predict(fit, frequency="12.71Hz")
-    assert all(math.isnan(value.low) and math.isnan(value.high) for value in found.values)
-    assert found.verdict.use == "use with care"
-    assert found.verdict.reasons == ("frequencies_in_valid_band",)
+    prediction = dp.predict(fit, frequency="12.71Hz")
+    assert all(math.isnan(value.low) and math.isnan(value.high) for value in prediction.values)
+    assert prediction.verdict.use == "use with care"
+    assert prediction.verdict.reasons == ("frequencies_in_valid_band",)
 
 
 def test_records_bound_what_the_band_leaves_open(tmp_path):
     assert ran("simulate", "relaxation", "-o", tmp_path / "seal.csv").exit_code == 0
     made = ran("fit", tmp_path / "seal.csv", "-o", tmp_path / "fit.json")
     assert made.exit_code == 0, made.output
-    told = ran(
+    result = ran(
         "predict", tmp_path / "fit.json", "--frequency", "12.71Hz",
         "--record", tmp_path / "seal.csv", "--json",
     )  # fmt: skip
-    found = json.loads(told.stdout)
-    storage = found["values"][0]
+    document = json.loads(result.stdout)
+    storage = document["values"][0]
     assert storage["low"] < storage["value"] < storage["high"]
-    assert found["verdict"]["failed_checks"] == ["loss_factor_determined_at"]
+    assert document["verdict"]["failed_checks"] == ["loss_factor_determined_at"]
 
 
 @pytest.mark.parametrize("frequency", [0.0, -1.0, "0Hz"])
@@ -77,7 +77,7 @@ def test_frequency_that_is_not_positive_is_refused(fit, frequency):
 
 
 def test_figure_is_that_of_the_fit_with_its_origin(fit):
-    found = dp.predict(fit, frequency="0.2Hz")
-    assert found.plot().name == fit.plot().name
-    stamped = draw_stiffness_prediction(found, stamp="of a test")
+    prediction = dp.predict(fit, frequency="0.2Hz")
+    assert prediction.plot().name == fit.plot().name
+    stamped = draw_stiffness_prediction(prediction, stamp="of a test")
     assert stamped.stamp == "of a test"

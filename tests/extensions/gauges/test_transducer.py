@@ -37,13 +37,13 @@ def test_gauge_count_is_one_1280th_of_a_newton():
 def test_voltages_go_back_to_the_load_through_the_file(tmp_path):
     twin = Transducer()
     (tmp_path / "a.cal").write_text(twin.calibration())
-    known = read_calibration(tmp_path / "a.cal")
-    np.testing.assert_allclose(known.matrix, twin.matrix, rtol=1e-12)
-    np.testing.assert_allclose(known.limit, twin.limit)
+    calibration = read_calibration(tmp_path / "a.cal")
+    np.testing.assert_allclose(calibration.matrix, twin.matrix, rtol=1e-12)
+    np.testing.assert_allclose(calibration.limit, twin.limit)
     load = np.random.default_rng(0).normal(size=(6, 5))
     unloaded = twin.volts(np.zeros((6, 1)))[:, 0]
     assert np.abs(unloaded).max() > 0.1  # the bias, and the plate's weight
-    np.testing.assert_allclose(known.load(twin.volts(load), unloaded), load, atol=1e-12)
+    np.testing.assert_allclose(calibration.load(twin.volts(load), unloaded), load, atol=1e-12)
 
 
 def test_what_passes_the_range_is_flagged():
@@ -62,8 +62,8 @@ def test_the_angle_of_a_misaligned_plate_is_in_the_record(tmp_path):
     twin = Instrument(misaligned=np.radians(2.0), towards=0.7)
     made = simulate_relaxation(PAPER, hold_time=2.0, rig=Rig())
     volts = twin.read(made.test.time, made.truth.force, rig=Rig().noise_free())
-    known = np.array(twin.transducer.matrix) @ (volts - volts[:, :100].mean(axis=1)[:, None])
-    x, y, z = known[:3, -500:].mean(axis=1)
+    expected = np.array(twin.transducer.matrix) @ (volts - volts[:, :100].mean(axis=1)[:, None])
+    x, y, z = expected[:3, -500:].mean(axis=1)
     assert np.degrees(np.arctan2(np.hypot(x, y), z)) == pytest.approx(2.0, abs=0.02)
     assert z == pytest.approx(made.truth.force[-500:].mean() * np.cos(np.radians(2.0)), abs=1e-3)
 
@@ -82,11 +82,11 @@ def test_a_gauge_late_in_the_scan_is_late_in_the_record():
 def test_instrument_reports_aliases(rate: float, corner: float):
     twin = Instrument(daq=Daq(rate=rate, filter=corner))
     rig = replace(Rig(), hum_frequency=60.0)
-    said = twin.list_limitations(np.array([1.0]), rig)
-    assert len(said) == (rate == 100.0)
-    if said:
+    limitations = twin.list_limitations(np.array([1.0]), rig)
+    assert len(limitations) == (rate == 100.0)
+    if limitations:
         size = 3.0 / np.sqrt(1 + (60 / corner) ** 4) if corner else 3.0
-        assert f"hum of 60 Hz shows at 40 Hz, {size:.3g} mN" in said[0]
+        assert f"hum of 60 Hz shows at 40 Hz, {size:.3g} mN" in limitations[0]
     assert "beyond its range in Fz" in twin.list_limitations(np.array([71.0]), rig)[0]
 
 

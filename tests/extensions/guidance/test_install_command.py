@@ -19,14 +19,14 @@ def environment(tmp_path, monkeypatch):
 
 def test_pip_adds_an_extra_to_the_environment_that_runs(environment, monkeypatch):
     monkeypatch.setattr(install_command, "find_spec", lambda _: object())
-    told = install_command.format_install_command("batch")
-    assert told == f"{environment}/bin/python -m pip install 'dashpot[batch]'"
+    message = install_command.format_install_command("batch")
+    assert message == f"{environment}/bin/python -m pip install 'dashpot[batch]'"
 
 
 def test_pipx_injects_what_the_extra_requires(environment):
     (environment / "pipx_metadata.json").touch()
-    told = install_command.format_install_command("batch")
-    assert told == f"pipx inject {environment.name} 'polars>=1.38'"
+    message = install_command.format_install_command("batch")
+    assert message == f"pipx inject {environment.name} 'polars>=1.38'"
 
 
 @pytest.mark.parametrize("receipt", [True, False])
@@ -34,5 +34,5 @@ def test_uv_installs_what_the_extra_requires(environment, monkeypatch, receipt):
     monkeypatch.setattr(install_command, "find_spec", lambda _: None)
     if receipt:
         (environment / "uv-receipt.toml").touch()
-    told = install_command.format_install_command("app,batch")
-    assert told == (f"uv pip install -p {environment}/bin/python 'polars>=1.38' 'h11>=0.16'")
+    message = install_command.format_install_command("app,batch")
+    assert message == (f"uv pip install -p {environment}/bin/python 'polars>=1.38' 'h11>=0.16'")

@@ -28,9 +28,9 @@ from dashpot.extensions.guidance.option_suggestions import COMMAND_SYNONYMS, OPT
     ],
 )
 def test_suggestion_names_the_option_or_command_that_is_meant(typed, meant):
-    told = ran(*typed.split())
-    assert told.exit_code == 2
-    assert meant in " ".join(told.stderr.split())
+    result = ran(*typed.split())
+    assert result.exit_code == 2
+    assert meant in " ".join(result.stderr.split())
 
 
 def test_every_synonym_is_of_an_option_or_command_that_exists():

@@ -34,18 +34,18 @@ def files(tmp_path_factory):
 
 
 def run_compare(folder, *words):
-    told = ran("compare", folder / "joint.json", folder / "hammer.csv", *RIG, *words, "--json")
-    assert told.exit_code == 0, told.output
-    return json.loads(told.stdout)
+    result = ran("compare", folder / "joint.json", folder / "hammer.csv", *RIG, *words, "--json")
+    assert result.exit_code == 0, result.output
+    return json.loads(result.stdout)
 
 
 def test_a_comparison_with_the_hits_that_were_fitted_says_so_first(files):
-    found = run_compare(files)
-    assert found["in_sample"] is True
-    assert found["unmeasured"] is None
-    assert found["verdict"]["message"].startswith("The peak frequency is off by ")
-    assert found["verdict"]["verdict_grade"] == "no test"
-    assert "The fit was made from these hits." in found["verdict"]["message"]
+    result = run_compare(files)
+    assert result["in_sample"] is True
+    assert result["unmeasured"] is None
+    assert result["verdict"]["message"].startswith("The peak frequency is off by ")
+    assert result["verdict"]["verdict_grade"] == "no test"
+    assert "The fit was made from these hits." in result["verdict"]["message"]
 
 
 def test_an_frf_and_its_hits_are_one_measurement_however_often_written(files):
@@ -64,44 +64,46 @@ def test_an_frf_and_its_hits_are_one_measurement_however_often_written(files):
     for of, with_ in ((fit, frf), (fit, files / "hammer.csv"), (files / "joint.json", again)):
         assert json.loads(ran("compare", of, with_, *RIG, "--json").stdout)["in_sample"] is True
     for of in (fit, files / "joint.json"):
-        told = json.loads(ran("compare", of, foreign, *RIG, "--json").stdout)
-        assert not told.get("in_sample")
+        document = json.loads(ran("compare", of, foreign, *RIG, "--json").stdout)
+        assert not document.get("in_sample")
 
 
 def test_an_frf_written_from_the_fitted_hits_is_no_other_measurement(files):
     """Its file is another one, and names the hits that it was estimated from."""
     assert ran("fit", files / "hammer.csv", "-o", files / "frf.csv").exit_code == 0
     for more in ((), ("--record", files / "seal_8mm.csv")):
-        told = ran("compare", files / "joint.json", files / "frf.csv", *RIG, *more, "--json")
-        assert told.exit_code == 0, told.output
-        found = json.loads(told.stdout)
-        assert found["in_sample"] is True
-        assert found["verdict"]["verdict_grade"] == "no test"
-    alone = dp.fit(dp.read(files / "seal_8mm.csv"), arms=2)
-    other = dp.compare(alone, dp.read(files / "frf.csv"), mass="114.8g", seals=2)
+        result = ran("compare", files / "joint.json", files / "frf.csv", *RIG, *more, "--json")
+        assert result.exit_code == 0, result.output
+        document = json.loads(result.stdout)
+        assert document["in_sample"] is True
+        assert document["verdict"]["verdict_grade"] == "no test"
+    fit = dp.fit(dp.read(files / "seal_8mm.csv"), arms=2)
+    other = dp.compare(fit, dp.read(files / "frf.csv"), mass="114.8g", seals=2)
     assert other.in_sample is False
 
 
 def test_leave_one_out_predicts_each_hit(files):
-    found = run_compare(files, "--record", files / "seal_8mm.csv")
-    unseen = found["unmeasured"]
-    assert unseen["hits"] >= 3
-    assert 0.001 < unseen["error"] < 0.1
-    low, high = unseen["height_error"]
+    result = run_compare(files, "--record", files / "seal_8mm.csv")
+    unmeasured = result["unmeasured"]
+    assert unmeasured["hits"] >= 3
+    assert 0.001 < unmeasured["error"] < 0.1
+    low, high = unmeasured["height_error"]
     assert -0.1 < low <= high < 0.1
-    assert f"{100 * unseen['error']:.2g} % rms" in found["verdict"]["message"]
+    assert f"{100 * unmeasured['error']:.2g} % rms" in result["verdict"]["message"]
 
 
 def test_another_record_is_no_circle_and_the_legend_says_which_solid(files):
     joint, hits = dp.read(files / "joint.json"), dp.read(files / "hammer.csv")
-    alone = dp.fit(dp.read(files / "seal_8mm.csv"), arms=2)
-    own = dp.compare(joint, hits, mass="114.8g", seals=2)
-    other = dp.compare(alone, hits, mass="114.8g", seals=2)
+    fit = dp.fit(dp.read(files / "seal_8mm.csv"), arms=2)
+    comparison = dp.compare(joint, hits, mass="114.8g", seals=2)
+    other = dp.compare(fit, hits, mass="114.8g", seals=2)
     fresh = dp.compare(joint, dp.simulate("impact", hits=3), mass="114.8g", seals=2)
-    assert (own.in_sample, other.in_sample, fresh.in_sample) == (True, False, False)
-    (check,) = [one for one in own.checks if one.name == "measurement_independent_of_fit"]
+    assert (comparison.in_sample, other.in_sample, fresh.in_sample) == (True, False, False)
+    (check,) = [
+        check for check in comparison.checks if check.name == "measurement_independent_of_fit"
+    ]
     assert (check.passed, check.grade) == (False, "note")
-    names = [curves_of(one.comparison, None)[1].label for one in (own, other, fresh)]
+    names = [curves_of(item.comparison, None)[1].label for item in (comparison, other, fresh)]
     assert names == [
         "fitted to these hits", "predicted from relaxation", "predicted by the joint model",
     ]  # fmt: skip
@@ -120,20 +122,20 @@ def test_leave_one_out_compares_each_hit_with_the_other_hits(files, monkeypatch)
 
     monkeypatch.setattr(module, "average", average)
     monkeypatch.setattr(module, "identify", lambda *_, **__: fit)
-    found = module.cross_validate_hits(
+    cross_validate_hits = module.cross_validate_hits(
         impact, (), fit, MassOnSeals(0.1148, 2), choices=HammerChoices()
     )
     whole, *pairs = seen
-    assert found is not None
-    assert 2 * found.hits == len(pairs) == 2 * min(len(whole), 8)
-    for rest, alone in zip(pairs[::2], pairs[1::2], strict=True):
-        assert len(alone) == 1
-        assert rest == whole - alone
+    assert cross_validate_hits is not None
+    assert 2 * cross_validate_hits.hits == len(pairs) == 2 * min(len(whole), 8)
+    for rest, pair in zip(pairs[::2], pairs[1::2], strict=True):
+        assert len(pair) == 1
+        assert rest == whole - pair
     assert set().union(*pairs[1::2]) <= whole
 
 
 def test_a_hit_taken_the_other_way_round_is_turned(files):
     whole = module.average(read_impact(files / "hammer.csv"), choices=HammerChoices())
     turned = replace(whole, value=-whole.value)
-    for one in (whole, turned):
-        assert (module._as_signed(one.band(5, 40), whole).value == whole.band(5, 40).value).all()
+    for item in (whole, turned):
+        assert (module._as_signed(item.band(5, 40), whole).value == whole.band(5, 40).value).all()

@@ -61,13 +61,13 @@ def test_a_transmissibility_has_the_poles_of_any_mass(tmp_path):
     over = [per_force.to(kind, mass=0.104) for kind in kinds]
     paths = [save_frf(tmp_path, frf, f"{i}.csv") for i, frf in enumerate((per_force, *over))]
     by_force, *by_base = [modes_of(path, band=(5.0, 50.0)) for path in paths]
-    for found in by_base:
-        assert found.frf.quantity.over_base
-        for one, other in zip(found.modes, by_force.modes, strict=True):
-            assert one.frequency_hz == pytest.approx(other.frequency_hz, rel=1e-6)
-            assert one.damping_ratio == pytest.approx(other.damping_ratio, rel=1e-4)
+    for result in by_base:
+        assert result.frf.quantity.over_base
+        for mode, other in zip(result.modes, by_force.modes, strict=True):
+            assert mode.frequency_hz == pytest.approx(other.frequency_hz, rel=1e-6)
+            assert mode.damping_ratio == pytest.approx(other.damping_ratio, rel=1e-4)
             # of 1 kg, where 104 g were on the base
-            assert one.modal_mass == pytest.approx(other.modal_mass / 0.104, rel=1e-4)
+            assert mode.modal_mass == pytest.approx(other.modal_mass / 0.104, rel=1e-4)
     text = ran("compare", str(paths[0]), str(paths[1]), "--band", "5:50Hz").output
     assert "those of 1 kg" not in text
     assert "those of 1 kg on the base" in ran("fit", str(paths[1]), "--band", "5:50Hz").output
@@ -77,9 +77,9 @@ def test_who_says_that_the_motion_is_relative_is_heard(tmp_path):
     over = simulate_accelerance().to("relative_transmissibility", mass=0.104)
     unsaid = replace(over, quantity="transmissibility")
     words = ("--band", "5:50Hz")
-    said = fit_modes(save_frf(tmp_path, over), *words)["modes"]
-    told = fit_modes(save_frf(tmp_path, unsaid, "unsaid.csv"), *words, "--relative")["modes"]
-    assert [one["frequency_hz"] for one in told] == [one["frequency_hz"] for one in said]
+    modes = fit_modes(save_frf(tmp_path, over), *words)["modes"]
+    message = fit_modes(save_frf(tmp_path, unsaid, "unsaid.csv"), *words, "--relative")["modes"]
+    assert [mode["frequency_hz"] for mode in message] == [mode["frequency_hz"] for mode in modes]
 
 
 def test_modes_of_masses_on_a_base_agree_with_one_model(tmp_path):
@@ -93,9 +93,9 @@ def test_modes_of_masses_on_a_base_agree_with_one_model(tmp_path):
     words = ("--mass", "100g", "--mass", "200g", "--band", "4:30Hz", "--plot", str(picture))
     assert ran("fit", *map(str, paths), *words).exit_code == 0
     assert picture.exists()
-    found = modes_by_mass(paths, [0.1, 0.2], band=(4.0, 30.0))
+    modes = modes_by_mass(paths, [0.1, 0.2], band=(4.0, 30.0))
     # k + b p at the poles, whose real part is -b / 2 m
-    np.testing.assert_allclose([k.real for k in found.together.stiffness], [560, 600], rtol=1e-4)
+    np.testing.assert_allclose([k.real for k in modes.together.stiffness], [560, 600], rtol=1e-4)
 
 
 def test_frf_set_refuses_mixed_kinds():
@@ -106,11 +106,11 @@ def test_frf_set_refuses_mixed_kinds():
 
 @pytest.mark.parametrize("kind", ["accelerance", "mobility", "receptance", "dynamic_stiffness"])
 def test_modes_of_a_file_of_any_kind_are_the_true_ones(tmp_path, kind):
-    found = fit_modes(save_frf(tmp_path, simulate_accelerance().to(kind)), "--band", "5:50Hz")
-    assert found["schema"] == "dashpot/modes@2"
-    assert found["band"] == [5.0, 50.0]
-    assert len(found["modes"]) == len(TRUE)
-    modes = sorted(found["modes"], key=lambda mode: mode["frequency_hz"])
+    result = fit_modes(save_frf(tmp_path, simulate_accelerance().to(kind)), "--band", "5:50Hz")
+    assert result["schema"] == "dashpot/modes@2"
+    assert result["band"] == [5.0, 50.0]
+    assert len(result["modes"]) == len(TRUE)
+    modes = sorted(result["modes"], key=lambda mode: mode["frequency_hz"])
     for mode, (frequency, ratio, mass) in zip(modes, TRUE, strict=True):
         assert abs(mode["frequency_hz"] - frequency) < 4 * mode["frequency_se_hz"] < 0.02
         assert abs(mode["damping_ratio"] - ratio) < 4 * mode["damping_ratio_se"] < 0.002
@@ -118,7 +118,7 @@ def test_modes_of_a_file_of_any_kind_are_the_true_ones(tmp_path, kind):
         damped = 2 * np.pi * frequency * np.sqrt(1 - ratio**2)
         assert abs(residue - 1 / (2j * mass * damped)) < 4 * mode["residue_se"]
         assert mode["modal_mass"] == pytest.approx(mass, rel=0.01)
-    assert all(check["passed"] for check in found["checks"])
+    assert all(check["passed"] for check in result["checks"])
 
 
 def test_the_errors_are_those_of_many_tests():
@@ -133,8 +133,8 @@ def test_the_errors_are_those_of_many_tests():
 
 def test_a_uff_and_a_csv_tell_the_same_modes(tmp_path):
     frf = replace(simulate_accelerance(), sd=None)
-    one, other = (modes_of(save_frf(tmp_path, frf, name)) for name in ("a.csv", "a.uff"))
-    for mine, its in zip(one.modes, other.modes, strict=True):
+    modes, other = (modes_of(save_frf(tmp_path, frf, name)) for name in ("a.csv", "a.uff"))
+    for mine, its in zip(modes.modes, other.modes, strict=True):
         assert its.frequency_hz == pytest.approx(mine.frequency_hz, rel=1e-6)
         assert its.damping_ratio == pytest.approx(mine.damping_ratio, rel=1e-4)
 
@@ -156,9 +156,9 @@ def test_measured_modes_report_missing_file_information(tmp_path):
 
 def test_measured_modes_without_a_resonance_report_none(tmp_path):
     frf = simulate_accelerance(noise=0.02)
-    found = fit_modes(save_frf(tmp_path, frf), "--band", "50:79Hz")
-    assert found["modes"] == []
-    assert [c["name"] for c in found["checks"] if c["passed"] is False] == ["resonance"]
+    modes = fit_modes(save_frf(tmp_path, frf), "--band", "50:79Hz")
+    assert modes["modes"] == []
+    assert [c["name"] for c in modes["checks"] if c["passed"] is False] == ["resonance"]
 
 
 def test_modes_check_reports_a_mode_outside_the_band():
@@ -167,9 +167,9 @@ def test_modes_check_reports_a_mode_outside_the_band():
     )
     (mode,) = mode.modes()
     assert modes_within_band((mode,), (mode.frequency, 40.0)).passed
-    beyond = modes_within_band((mode,), (mode.frequency * 1.001, 40.0))
-    assert beyond.failed
-    assert f"{mode.frequency:.4g} Hz" in beyond.message
+    finding = modes_within_band((mode,), (mode.frequency * 1.001, 40.0))
+    assert finding.failed
+    assert f"{mode.frequency:.4g} Hz" in finding.message
 
 
 # -- several points -------------------------------------------------------------------------------
@@ -210,9 +210,9 @@ def as_uff(folder, frfs):
 
     path = folder / "points.uff"
     path.write_bytes(frf_uff(frfs[0]))
-    one = pyuff.UFF(str(path)).read_sets(2)
+    item = pyuff.UFF(str(path)).read_sets(2)
     sets = [
-        {**one, "data": frf.value, "rsp_node": i + 1, "rsp_dir": (-1) ** i * 3}
+        {**item, "data": frf.value, "rsp_node": i + 1, "rsp_dir": (-1) ** i * 3}
         for i, frf in enumerate(frfs)
     ]
     pyuff.UFF(str(path)).write_sets(sets, mode="overwrite")
@@ -220,9 +220,9 @@ def as_uff(folder, frfs):
 
 
 def test_modes_of_close_poles_are_separated_by_their_shapes(tmp_path):
-    found = fit_modes(as_text(tmp_path, points()), "--band", "5:79Hz")
-    assert found["points"] == ["a", "b", "c", "d"]
-    modes = sorted(found["modes"], key=lambda mode: mode["frequency_hz"])
+    result = fit_modes(as_text(tmp_path, points()), "--band", "5:79Hz")
+    assert result["points"] == ["a", "b", "c", "d"]
+    modes = sorted(result["modes"], key=lambda mode: mode["frequency_hz"])
     for mode, (frequency, ratio, _, shape) in zip(modes, CLOSE, strict=True):
         assert abs(mode["frequency_hz"] - frequency) < 4 * mode["frequency_se_hz"] < 0.06
         assert abs(mode["damping_ratio"] - ratio) < 4 * mode["damping_ratio_se"] < 0.004
@@ -231,13 +231,13 @@ def test_modes_of_close_poles_are_separated_by_their_shapes(tmp_path):
         assert mode["phase_collinearity"] > 0.98
         assert mode["phase_deviation_deg"] < 5
         assert mode["orders"] >= 5
-    mac = np.array(found["mac"])
+    mac = np.array(result["mac"])
     assert mac.diagonal() == pytest.approx(1)
     true = np.array([shape for *_, shape in CLOSE], dtype=complex).T
     assert mac[0, 1] == pytest.approx(dp.systems.mac(true, true)[0, 1], abs=0.1)
     # one point alone cannot: it tells one mode between the two
-    (alone,) = modes_of(save_frf(tmp_path, points()[0]), band=(5, 79)).modes
-    assert 20.0 < alone.frequency_hz < 20.4
+    (single,) = modes_of(save_frf(tmp_path, points()[0]), band=(5, 79)).modes
+    assert 20.0 < single.frequency_hz < 20.4
 
 
 @pytest.mark.once
@@ -246,22 +246,25 @@ def test_columns_files_and_a_uff_tell_the_same(tmp_path):
     files = [save_frf(tmp_path, frf, f"p{i}.csv") for i, frf in enumerate(frfs)]
     text = as_text(tmp_path, [replace(frf, sd=np.ones(len(G))) for frf in frfs])
     every = read_frfs(files), read_frfs(text), read_frfs(as_uff(tmp_path, frfs))
-    assert [one.points for one in every] == [
+    assert [item.points for item in every] == [
         ("p0", "p1", "p2", "p3"),
         ("a", "b", "c", "d"),
         ("1+Z/1+Z", "2+Z/1+Z", "3+Z/1+Z", "4+Z/1+Z"),
     ]
     # accelerometers 2 and 4 stand against the axis in the UFF, whose values are then turned
-    for one, against in zip(every, (1, 1, -1), strict=True):
-        for mine, its, sign in zip(one.frfs, frfs, (1, against, 1, against), strict=True):
+    for element, against in zip(every, (1, 1, -1), strict=True):
+        for mine, its, sign in zip(element.frfs, frfs, (1, against, 1, against), strict=True):
             np.testing.assert_allclose(mine.value, sign * its.value, rtol=1e-5)
     with pytest.raises(dp.ReadError, match=r"4 FRFs in the file: .*; choose one, for example"):
         read_frf(tmp_path / "points.uff")
 
 
 def test_points_on_other_lines_are_refused(tmp_path):
-    one, other = points()[:2]
-    files = [save_frf(tmp_path, one, "a.csv"), save_frf(tmp_path, other.band(4.95, 40.05), "b.csv")]
+    item, other = points()[:2]
+    files = [
+        save_frf(tmp_path, item, "a.csv"),
+        save_frf(tmp_path, other.band(4.95, 40.05), "b.csv"),
+    ]
     with pytest.raises(dp.DataError, match="'b' has 351 lines from 5 to 40 Hz, 'a' 760 from 4"):
         modes_of(*files)
 
@@ -284,7 +287,7 @@ def chain(damper):
         (s**2 * (r / (s - poles) + r.conj() / (s - poles.conj()))).sum(axis=1) for r in residues
     ]
     return (
-        dp.FRFSet([FRF(G, one, sd=1e-3 * np.abs(one), units="SI") for one in value]),
+        dp.FRFSet([FRF(G, value, sd=1e-3 * np.abs(value), units="SI") for value in value]),
         poles,
         residues,
     )
@@ -294,18 +297,18 @@ def chain(damper):
 @pytest.mark.parametrize("damper", [0.1, 4.0])
 def test_a_lone_damper_makes_shapes_complex(damper):
     measured, poles, residues = chain(damper)
-    found = measured.modes(band=(4, 60))
-    assert len(found) == 3
-    for one in found:
-        i = int(np.argmin(np.abs(poles - one.mode.pole)))
-        assert abs(one.mode.pole / poles[i] - 1) < 1e-4
-        assert phase_collinearity(one.normalised_residues) == pytest.approx(
+    modes = measured.modes(band=(4, 60))
+    assert len(modes) == 3
+    for mode in modes:
+        i = int(np.argmin(np.abs(poles - mode.mode.pole)))
+        assert abs(mode.mode.pole / poles[i] - 1) < 1e-4
+        assert phase_collinearity(mode.normalised_residues) == pytest.approx(
             phase_collinearity(residues[:, i]), abs=1e-3
         )
-        assert phase_deviation(one.normalised_residues) == pytest.approx(
+        assert phase_deviation(mode.normalised_residues) == pytest.approx(
             phase_deviation(residues[:, i]), abs=2e-3
         )
-    least = min(phase_collinearity(one.normalised_residues) for one in found)
+    least = min(phase_collinearity(item.normalised_residues) for item in modes)
     assert least > 0.999 if damper < 1 else least < 0.98
 
 
@@ -314,15 +317,15 @@ def test_modes_in_a_band_ignore_modes_outside():
     measured, poles, _ = chain(4.0)
     first, second, third = np.sort(np.abs(poles)) / (2 * np.pi)
     for band in ((4.0, 1.06 * second), (4.0, 0.97 * third), (1.05 * first, 60.0)):
-        found = measured.modes(band=band)
-        assert len(found) == 2
-        for one in found:
-            true = poles[np.argmin(np.abs(poles - one.mode.pole))]
+        modes = measured.modes(band=band)
+        assert len(modes) == 2
+        for mode in modes:
+            true = poles[np.argmin(np.abs(poles - mode.mode.pole))]
             assert band[0] < abs(true) / (2 * np.pi) < band[1]
-            off = one.mode.frequency - abs(true) / (2 * np.pi)
-            assert abs(off) < 4 * one.mode.frequency_se < 1e-2 * one.mode.frequency
-            off = one.mode.damping_ratio + true.real / abs(true)
-            assert abs(off) < 4 * one.mode.damping_ratio_se
+            off = mode.mode.frequency - abs(true) / (2 * np.pi)
+            assert abs(off) < 4 * mode.mode.frequency_se < 1e-2 * mode.mode.frequency
+            off = mode.mode.damping_ratio + true.real / abs(true)
+            assert abs(off) < 4 * mode.mode.damping_ratio_se
 
 
 def test_collinear_and_circular_shapes_are_the_two_ends():
@@ -338,9 +341,9 @@ def test_collinear_and_circular_shapes_are_the_two_ends():
 @pytest.mark.once
 def test_compare_pairs_modes_of_two_tests_of_the_same_points(tmp_path):
     first, second = (as_text(tmp_path, points(seed=i), f"{i}.csv") for i in (0, 1))
-    found = run_json("compare", first, second, "--band", "5:79Hz")
-    assert [one["other"] for one in found["against"]] == [1, 2]
-    assert min(one["mac"] for one in found["against"]) > 0.98
+    document = run_json("compare", first, second, "--band", "5:79Hz")
+    assert [entry["other"] for entry in document["against"]] == [1, 2]
+    assert min(entry["mac"] for entry in document["against"]) > 0.98
     result = ran("compare", first, save_frf(tmp_path, points()[0]))
     assert result.exit_code == 2
     assert "4 points are held against 1" in result.output
@@ -356,10 +359,10 @@ def test_the_chart_is_drawn(tmp_path):
 
 def test_points_measured_at_two_states_are_not_two_modes(tmp_path):
     frfs = [points([(hz, 0.01, 0.1, (1,))], noise=0.01)[0] for hz in (20.0, 19.8)]
-    found = modes_of(*(save_frf(tmp_path, frf, f"{i}.csv") for i, frf in enumerate(frfs)))
-    assert "points_share_modes" in {check.name for check in found.frf.checks if check.failed}
-    found = modes_of(as_text(tmp_path, points()), band=(5, 79))
-    assert not [check.name for check in found.frf.checks if check.failed]
+    modes = modes_of(*(save_frf(tmp_path, frf, f"{i}.csv") for i, frf in enumerate(frfs)))
+    assert "points_share_modes" in {check.name for check in modes.frf.checks if check.failed}
+    modes = modes_of(as_text(tmp_path, points()), band=(5, 79))
+    assert not [check.name for check in modes.frf.checks if check.failed]
 
 
 @pytest.mark.once
@@ -368,8 +371,8 @@ def test_modes_ignore_hum_on_a_single_line(tmp_path):
     value = frf.value.copy()
     value[np.argmin(np.abs(F - 45))] *= 6
     file = save_frf(tmp_path, replace(frf, value=value))
-    found = sorted(one.frequency_hz for one in modes_of(file, band=(5, 70)).modes)
-    assert found == pytest.approx([true[0] for true in TRUE], rel=1e-3)
+    result = sorted(mode.frequency_hz for mode in modes_of(file, band=(5, 70)).modes)
+    assert result == pytest.approx([true[0] for true in TRUE], rel=1e-3)
     with pytest.raises(dp.ReadError, match=r"^frf\.csv is given twice"):
         modes_of(file, file)
 
@@ -384,9 +387,9 @@ def test_light_and_heavy_modes_stand_at_most_orders_and_nothing_else_does(ratio,
     modes = [(20.0, ratio, 0.1, CLOSE[0][3][:count]), (47.0, ratio, 0.15, CLOSE[1][3][:count])]
     measured = dp.FRFSet(points(modes, noise=0.02))
     chart = dp.systems.stabilisation(measured, band=(5, 79))
-    found = measured.modes(band=(5, 79))
-    assert len(found) == 2
-    assert min(chart.orders_with(one.mode) for one in found) > 15
+    result = measured.modes(band=(5, 79))
+    assert len(result) == 2
+    assert min(chart.orders_with(item.mode) for item in result) > 15
     reach = 0.04 if ratio < 0.1 else 0.2
     near = [np.abs(chart.frequency / hz - 1) < reach for hz, *_ in modes]
     assert np.count_nonzero(chart.stable & ~near[0] & ~near[1]) < STABLE
@@ -396,7 +399,7 @@ def test_modes_of_noise_are_empty():
     rng = np.random.default_rng(0)
     for _ in range(5):
         value = rng.normal(size=(2, len(G))) + 1j * rng.normal(size=(2, len(G)))
-        measured = dp.FRFSet([FRF(G, one, sd=np.ones(len(G)), units="SI") for one in value])
+        measured = dp.FRFSet([FRF(G, item, sd=np.ones(len(G)), units="SI") for item in value])
         assert measured.modes(band=(5, 79)) == ()
 
 
@@ -404,13 +407,13 @@ def test_modes_of_noise_are_empty():
 def test_the_errors_of_several_points_are_those_of_many_tests():
     z, two = [], [(*rest, shape[:2]) for *rest, shape in CLOSE]
     for seed in range(6):
-        found = dp.FRFSet(points(two, seed=seed)).modes(band=(12, 34))
-        for one, (hz, ratio, *_) in zip(
-            sorted(found, key=lambda one: one.mode.frequency), two, strict=True
+        modes = dp.FRFSet(points(two, seed=seed)).modes(band=(12, 34))
+        for mode, (hz, ratio, *_) in zip(
+            sorted(modes, key=lambda item: item.mode.frequency), two, strict=True
         ):
             z += [
-                (one.mode.frequency - hz) / one.mode.frequency_se,
-                (one.mode.damping_ratio - ratio) / one.mode.damping_ratio_se,
+                (mode.mode.frequency - hz) / mode.mode.frequency_se,
+                (mode.mode.damping_ratio - ratio) / mode.mode.damping_ratio_se,
             ]
     assert 0.6 < np.sqrt(np.mean(np.square(z))) < 1.5
 
@@ -433,10 +436,10 @@ def on_seals(folder, mass, stiffer=1.0):
 def test_modes_by_mass_check_one_model_for_all_masses(tmp_path):
     masses = (0.104, 0.25, 0.6)
     files = [on_seals(tmp_path, mass) for mass in masses]
-    found = modes_by_mass(files, masses, seals=2)
-    assert found.checks[0].name == "one_solid_explains_masses"
-    assert found.checks[0].passed
-    for mode, k in zip(found.together.modes, found.together.stiffness, strict=True):
+    modes = modes_by_mass(files, masses, seals=2)
+    assert modes.checks[0].name == "one_solid_explains_masses"
+    assert modes.checks[0].passed
+    for mode, k in zip(modes.together.modes, modes.together.stiffness, strict=True):
         s = mode.pole
         arms = ((60, 0.5), (40, 0.08), (40, 0.016), (40, 0.0032))
         true = (400 + sum(k * s * tau / (1 + s * tau) for k, tau in arms)) / 2
@@ -449,7 +452,7 @@ def test_modes_by_mass_check_one_model_for_all_masses(tmp_path):
     drawn = figure.read_text()
     assert all(
         f"{round_to_error(hz, digits=4)} Hz" in drawn
-        for hz in (m.frequency for m in found.together.modes)
+        for hz in (m.frequency for m in modes.together.modes)
     )
     # one seal 3 % stiffer under the middle mass is no arm's doing
     on_seals(tmp_path, 0.25, stiffer=1.03)
@@ -490,10 +493,10 @@ def test_masses_and_files_go_together(tmp_path):
     ],
 )
 def test_modes_headline_states_the_number_of_modes(count, message):
-    each = [Mode(12.7 + i, 0.03, 0j, 0.01, 0.001, 0.0, "fitted") for i in range(count)]
-    said = format_modes_headline(each)
-    assert said.endswith(message), said
-    assert ("12.7" in said) == bool(count)
+    modes = [Mode(12.7 + i, 0.03, 0j, 0.01, 0.001, 0.0, "fitted") for i in range(count)]
+    modes_headline = format_modes_headline(modes)
+    assert modes_headline.endswith(message), modes_headline
+    assert ("12.7" in modes_headline) == bool(count)
 
 
 def test_inspect_asks_of_several_points_what_their_fit_asks(tmp_path):

@@ -69,8 +69,8 @@ def test_transmissibility_estimator_suits_its_noisy_channel():
 
 
 def test_a_drifting_offset_leaks_into_no_line():
-    one, T = select_band_with_truth(estimate_transmissibility(shaken(offset=5.0)))
-    assert np.median(np.abs(one.value / T - 1)) < 0.01
+    quantity, T = select_band_with_truth(estimate_transmissibility(shaken(offset=5.0)))
+    assert np.median(np.abs(quantity.value / T - 1)) < 0.01
 
 
 def test_short_segments_flatten_the_peak_and_the_coherence_shows_it():
@@ -86,17 +86,17 @@ def test_short_segments_flatten_the_peak_and_the_coherence_shows_it():
 
 
 def test_transmissibility_does_not_join_separate_records():
-    one, other = shaken(60.0, seed=1), shaken(60.0, seed=2)
+    item, other = shaken(60.0, seed=1), shaken(60.0, seed=2)
     both = ShakenTest(
         RATE,
-        np.concatenate((one.base, other.base)),
-        np.concatenate((one.mass, other.mass)),
-        (0, len(one.base)),
+        np.concatenate((item.base, other.base)),
+        np.concatenate((item.mass, other.mass)),
+        (0, len(item.base)),
     )
     frf, T = select_band_with_truth(estimate_transmissibility(both, segment=10))
     assert np.median(np.abs(frf.value / T - 1)) < 0.01
-    alone = estimate_transmissibility(one, segment=10)
-    assert frf.averages in (2 * alone.averages, 2 * alone.averages + 1)
+    single = estimate_transmissibility(item, segment=10)
+    assert frf.averages in (2 * single.averages, 2 * single.averages + 1)
 
 
 def test_what_cannot_be_averaged_is_refused():
@@ -112,18 +112,18 @@ def test_what_cannot_be_averaged_is_refused():
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
     """A table in g, the mass in m/s^2, beside a third channel."""
-    found, test = tmp_path_factory.mktemp("shaker") / "shaker.csv", shaken(noise=(2e-3, 2e-3))
+    result, test = tmp_path_factory.mktemp("shaker") / "shaker.csv", shaken(noise=(2e-3, 2e-3))
     t = np.arange(len(test.base)) / RATE
     rows = np.column_stack((t, test.base / 9.80665, test.mass))
-    np.savetxt(found, rows, delimiter=",", comments="", header="time [s],table [g],block [m/s^2]")
-    return found
+    np.savetxt(result, rows, delimiter=",", comments="", header="time [s],table [g],block [m/s^2]")
+    return result
 
 
 def test_the_file_is_read_like_a_hammers(path, tmp_path):
     mass = ["--mass", f"{1e3 * BROAD_MASS}g"]
     base = ["--column", "base-acceleration=table"]
-    asked = " ".join(ran("inspect", path).output.split())
-    assert "--column base-acceleration=" in asked
+    text = " ".join(ran("inspect", path).output.split())
+    assert "--column base-acceleration=" in text
     answered = ran("inspect", path, *base).output
     assert "said to be that of the base" in answered
     assert "ASK" not in answered
@@ -133,26 +133,28 @@ def test_the_file_is_read_like_a_hammers(path, tmp_path):
     assert "Use: " in done.output
     assert "hits" not in done.output
     assert ": transmissibility (" in ran("inspect", out).output
-    found = run_json("fit", path, *base, *mass, "--seals", 2)
-    near = np.interp([9.0, 18.0], found["direct"]["frequency_hz"], found["direct"]["stiffness"])
+    document = run_json("fit", path, *base, *mass, "--seals", 2)
+    near = np.interp(
+        [9.0, 18.0], document["direct"]["frequency_hz"], document["direct"]["stiffness"]
+    )
     assert near == pytest.approx(BROAD.storage(omega=2 * np.pi * np.array([9.0, 18.0])), rel=0.02)
-    names = {one["name"] for one in found["checks"]}
+    names = {check["name"] for check in document["checks"]}
     assert {"mass_over_base", "coherence", "segments_resolve"} <= names
 
 
 def test_fit_reports_swapped_channels_first(path):
     mass = ["--mass", f"{1e3 * BROAD_MASS}g"]
-    said = ran("fit", path, "--column", "base-acceleration=block", *mass).stdout
-    assert said.startswith("Do not use: below 12.")
-    assert "the base over the mass" in " ".join(said.split())
+    stdout = ran("fit", path, "--column", "base-acceleration=block", *mass).stdout
+    assert stdout.startswith("Do not use: below 12.")
+    assert "the base over the mass" in " ".join(stdout.split())
 
 
 def test_clipping_check_detects_a_clipped_channel_and_accepts_a_sine():
     """Clipped at 2.5 standard deviations the loss is 15 % off, at coherence 0.98."""
-    sound = shaken()
-    assert not channels_not_clipped(sound).failed
-    cut = 2.5 * sound.mass.std()
-    clipped = replace(sound, mass=np.clip(sound.mass, -cut, cut))
+    intact = shaken()
+    assert not channels_not_clipped(intact).failed
+    cut = 2.5 * intact.mass.std()
+    clipped = replace(intact, mass=np.clip(intact.mass, -cut, cut))
     assert channels_not_clipped(clipped).failed
     turn = 2 * np.pi * (np.arange(5120) + 0.5) / 64
     assert not channels_not_clipped(ShakenTest(RATE, np.sin(turn), np.cos(turn))).failed
@@ -182,8 +184,8 @@ def test_read_shaken_asks_about_ambiguous_columns(tmp_path):
     np.savetxt(three, rows, delimiter=",", comments="", header=header)
     with pytest.raises(DashpotError, match="2 motions beside that of the base"):
         read_shaken([three], ReadOptions(base_acceleration="a"))
-    found = read_shaken([three], ReadOptions(base_acceleration="a", acceleration=("c",)))
-    assert found.mass == pytest.approx(9.80665 * rows[:, 3])
+    shaken_test = read_shaken([three], ReadOptions(base_acceleration="a", acceleration=("c",)))
+    assert shaken_test.mass == pytest.approx(9.80665 * rows[:, 3])
     with pytest.raises(DashpotError, match="there is no such column"):
         read_shaken([three], ReadOptions(base_acceleration="d"))
     with pytest.raises(DashpotError, match="0 motions beside that of the base"):

@@ -48,66 +48,70 @@ def test_the_equations_as_printed():
         assert 1e-3 * paper.PRINTED.z(np.array([at])) == pytest.approx(value, 1e-9)
     two = paper.PRINTED.times(2)
     for hz, value in ACCELERANCE.items():
-        found = two.eq_7(2 * np.pi * np.array([hz]), mass=PAPER_MASS)
-        assert found == pytest.approx(value, 1e-8)
-    poles = sorted(two.poles(mass=PAPER_MASS), key=lambda one: (one.imag, one.real))
+        eq_7 = two.eq_7(2 * np.pi * np.array([hz]), mass=PAPER_MASS)
+        assert eq_7 == pytest.approx(value, 1e-8)
+    poles = sorted(two.poles(mass=PAPER_MASS), key=lambda values: (values.imag, values.real))
     expected = [-0.35417134 - 79.85692568j, -1.28832382, -0.05577611, -0.35417134 + 79.85692568j]
     assert poles == pytest.approx(expected, abs=2e-8)
 
 
 def test_paper_table_1_needs_two_arms():
     ideal = paper.ideal_test()
-    one, two = paper.fit_hold_phase(ideal, 1), paper.fit_hold_phase(ideal, 2)
-    assert (one.solid.k_inf, *one.solid.k) == pytest.approx((200.42346, 34.60362), 1e-5)
-    assert (*one.solid.tau, *one.solid.arm_b) == pytest.approx((4.14149995, 143.3109), 1e-5)
-    assert (one.rms, one.worst) == pytest.approx((24.142970e-3, 267.637e-3), 1e-6)
-    found = (two.solid.k_inf, *two.solid.k, *two.solid.arm_b)
-    assert found == pytest.approx((196.5, 117.5, 17.8, 59.0, 292.2), 1e-8)
+    hold_fit, two = paper.fit_hold_phase(ideal, 1), paper.fit_hold_phase(ideal, 2)
+    assert (hold_fit.solid.k_inf, *hold_fit.solid.k) == pytest.approx((200.42346, 34.60362), 1e-5)
+    assert (*hold_fit.solid.tau, *hold_fit.solid.arm_b) == pytest.approx(
+        (4.14149995, 143.3109), 1e-5
+    )
+    assert (hold_fit.rms, hold_fit.worst) == pytest.approx((24.142970e-3, 267.637e-3), 1e-6)
+    result = (two.solid.k_inf, *two.solid.k, *two.solid.arm_b)
+    assert result == pytest.approx((196.5, 117.5, 17.8, 59.0, 292.2), 1e-8)
     assert two.rms < 1e-12
 
 
 def test_the_steps_of_the_load_cell():
-    found = paper.fit_hold_phase(paper.quantise_force(paper.ideal_test()), 2)
-    solid = found.solid
+    hold_fit = paper.fit_hold_phase(paper.quantise_force(paper.ideal_test()), 2)
+    solid = hold_fit.solid
     assert (solid.k_inf, *solid.k) == pytest.approx((196.50071, 117.48881, 17.79929), 1e-6)
     assert solid.tau == pytest.approx((0.50215901, 16.41449176), 1e-6)
-    assert found.rms == pytest.approx(0.2250e-3, 2e-4)
+    assert hold_fit.rms == pytest.approx(0.2250e-3, 2e-4)
 
 
 def test_the_command_makes_every_figure_and_a_page(reproduction):
-    folder, told = reproduction
-    assert told["schema"] == "dashpot/paper@2"
-    assert told["reproduced"] is True
-    assert {one.name for one in folder.iterdir()} >= {
+    folder, message = reproduction
+    assert message["schema"] == "dashpot/paper@2"
+    assert message["reproduced"] is True
+    assert {path.name for path in folder.iterdir()} >= {
         "paper.csv", "paper_steps.csv", "paper_rig.csv", "figure_2.svg", "figure_4.svg",
         "figure_6.svg", "paper.json", "paper.html",
     }  # fmt: skip
-    assert dict(map(tuple, told["force"])) == pytest.approx(FORCE, 1e-10)
-    assert {hz: value for hz, value, _ in told["accelerance"]} == pytest.approx(ACCELERANCE, 1e-8)
-    phases = {hz: phase for hz, _, phase in told["accelerance"]}
+    assert dict(map(tuple, message["force"])) == pytest.approx(FORCE, 1e-10)
+    assert {hz: value for hz, value, _ in message["accelerance"]} == pytest.approx(
+        ACCELERANCE, 1e-8
+    )
+    phases = {hz: phase for hz, _, phase in message["accelerance"]}
     assert (phases[1.0], phases[5.0], phases[12.71]) == pytest.approx(
         (173.914, 178.475, 89.237), abs=1e-3
     )
-    assert told["peak"] == pytest.approx((12.70999929, 1083.78976), 1e-7)
-    assert told["receptance_peak"] == pytest.approx((12.70949937, 0.16994615), 1e-7)
-    assert told["mode"] == pytest.approx((12.709749, 0.00443503), 1e-6)
+    assert message["peak"] == pytest.approx((12.70999929, 1083.78976), 1e-7)
+    assert message["receptance_peak"] == pytest.approx((12.70949937, 0.16994615), 1e-7)
+    assert message["mode"] == pytest.approx((12.709749, 0.00443503), 1e-6)
 
 
 def test_paper_reproduction_lists_every_statement_with_its_value(reproduction):
-    folder, told = reproduction
-    rows = told["rows"]
+    folder, message = reproduction
+    rows = message["rows"]
     assert {row["name"] for row in rows if row["part"] == "equation"} == {
         "eq. (1)", "eq. (2)", "eq. (3)", "eqs. (4), (5)", "eq. (6)", "eq. (7)",
     }  # fmt: skip
     assert all(row["within_interval"] for row in rows if row["tolerance"] is not None)
-    said = " ".join(row["reproduced"] for row in rows if row["part"] == "misprint")
+    text = " ".join(row["reproduced"] for row in rows if row["part"] == "misprint")
     # every b_j times a half, one, two, five; lines .1, .25, .5 and 1 Hz apart
     for number in ("542.5", "1083.8", "2167.0", "5417.0", "1067", "885.3", "274.5", "213.6"):
-        assert number in said
-    assert "8.98687 Hz" in said
-    assert "1.41 ms" in said
+        assert number in text
+    assert "8.98687 Hz" in text
+    assert "1.41 ms" in text
     page = (folder / "paper.html").read_text()
-    assert all(f'id="{one}"' in page for one in ("test", "fit", "frf", "table_1", "misprint"))
+    assert all(f'id="{item}"' in page for item in ("test", "fit", "frf", "table_1", "misprint"))
     assert "SIMULATED" in page
 
 
@@ -140,7 +144,7 @@ def test_a_file_of_somebody_else_is_not_replaced(tmp_path):
     done = ran("demo", "--paper", "-o", tmp_path)
     assert done.exit_code == 2
     assert "paper.csv" in done.stderr
-    assert [one.name for one in tmp_path.iterdir()] == ["paper.csv"]
+    assert [path.name for path in tmp_path.iterdir()] == ["paper.csv"]
     assert (tmp_path / "paper.csv").read_text() == "mine"
 
 
@@ -151,7 +155,9 @@ def test_intervals_hold_table_1_on_the_virtual_rig(method):
     held = dict.fromkeys(printed, 0)
     for seed in range(100):
         test = prepare(simulate_relaxation(PAPER, seed=seed).test)
-        known = {one.name: one for one in list_known_values(fit(test, arms=2, method=method))}
+        expected = {
+            value.name: value for value in list_known_values(fit(test, arms=2, method=method))
+        }
         for name, value in printed.items():
-            held[name] += paper.is_within_interval(known[name], value)
+            held[name] += paper.is_within_interval(expected[name], value)
     assert min(held.values()) >= 90, held

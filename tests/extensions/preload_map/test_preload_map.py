@@ -71,20 +71,20 @@ def cubic_map(**options: object) -> PreloadMap:
 def test_cubic_law_has_the_independent_stiffness_and_resonance(
     compression: str, stiffness: complex, resonance: float
 ):
-    found = cubic_map(mass="104g", seals=2)
-    value = found.evaluate("12.71Hz", compression=compression).value[0]
+    preload_map = cubic_map(mass="104g", seals=2)
+    value = preload_map.evaluate("12.71Hz", compression=compression).value[0]
     assert value == pytest.approx(stiffness, rel=5e-6)
-    at = found.find_resonance("104.0426g", seals=2, compression=compression)
+    at = preload_map.find_resonance("104.0426g", seals=2, compression=compression)
     assert at.frequency == pytest.approx(resonance, abs=4e-3)
     low, high = at.frequency_limits
     assert low < at.frequency < high
 
 
 def test_map_passes_through_its_levels_and_follows_a_cubic_law_between():
-    found = cubic_map()
+    preload_map = cubic_map()
     for c in (4.5, 5.0, 7.0, 7.6):
         truth = cubic_seal([10.0], c)[0]
-        at = found.evaluate(np.array([10.0]), compression=1e-3 * c)
+        at = preload_map.evaluate(np.array([10.0]), compression=1e-3 * c)
         assert at.value[0] == pytest.approx(truth, rel=2e-3)
     weights = compute_level_weights(np.array([1.0, 2.0, 4.0, 5.0]), 4.0)
     np.testing.assert_allclose(weights.curve, [0, 0, 1, 0], atol=1e-12)
@@ -115,20 +115,20 @@ def test_limits_hold_the_truth_in_19_of_20_parts(repeats: int, seeds: int, *, co
         r = np.random.default_rng(seed)
         part = draw_part(r)
         lines = measure(part, r, repeats=repeats, common=common)
-        found = fit_preload_map(sweeps_of(lines), **errors)
+        preload_map = fit_preload_map(sweeps_of(lines), **errors)
         for c in COMPRESSIONS:
             for X in AMPLITUDES:
-                inside += compute_held_shares(found, part, f, c, X)
+                inside += compute_held_shares(preload_map, part, f, c, X)
                 every += 1
     assert np.all(inside / every >= 0.92), inside / every
     assert np.all(inside / every <= 0.98), inside / every
 
 
 def compute_held_shares(
-    found: PreloadMap, part: Part, f: np.ndarray, c: float, X: float
+    preload_map: PreloadMap, part: Part, f: np.ndarray, c: float, X: float
 ) -> np.ndarray:
     """Shares of frequencies at which the limits hold the truth."""
-    at = found.evaluate(f, compression=1e-3 * c, amplitude=1e-3 * X)
+    at = preload_map.evaluate(f, compression=1e-3 * c, amplitude=1e-3 * X)
     truth, eta = part.stiffness(f, c, X), at.value.imag / at.value.real
     return np.array([
         np.mean(np.abs(at.value.real - truth.real) <= at.storage_error),
@@ -144,9 +144,9 @@ def test_limits_hold_between_levels_too():
     for seed in range(100):
         r = np.random.default_rng(seed)
         part = draw_part(r)
-        found = fit_preload_map(sweeps_of(measure(part, r)))
+        preload_map = fit_preload_map(sweeps_of(measure(part, r)))
         for c, X in ((4.5, 0.07), (5.75, 0.15), (7.2, 0.32)):
-            inside += compute_held_shares(found, part, f, c, X)
+            inside += compute_held_shares(preload_map, part, f, c, X)
             every += 1
     assert np.all(inside / every >= 0.92), inside / every
 
@@ -154,25 +154,25 @@ def test_limits_hold_between_levels_too():
 @pytest.mark.parametrize("broken", BROKEN)
 def test_of_maps_to_be_used_none_is_of_a_part_that_is_not_separable(broken: str):
     """A miss is a use of a part that departs by more than 5 % or 0.02 rad."""
-    used, missed, apart = 0, 0, 0
+    used, missed, separate = 0, 0, 0
     for seed in range(60):
         r = np.random.default_rng(seed)
         part = draw_part(r, broken, by=BROKEN[broken][seed % 3])
         size, angle = part.departure
-        beyond = size > 0.05 or angle > 0.02
+        excess = size > 0.05 or angle > 0.02
         verdict = fit_preload_map(sweeps_of(measure(part, r))).verdict
         used += verdict.use == "use"
-        missed += verdict.use == "use" and beyond
-        apart += beyond
+        missed += verdict.use == "use" and excess
+        separate += excess
     assert missed <= 0.04 * used
-    assert apart >= 5
+    assert separate >= 5
 
 
 def test_separable_parts_are_used():
     verdicts = []
     for seed in range(40):
-        found = fit_preload_map(measured_sweeps(seed), phase_error="0.1deg")
-        verdicts.append(found.verdict.use)
+        preload_map = fit_preload_map(measured_sweeps(seed), phase_error="0.1deg")
+        verdicts.append(preload_map.verdict.use)
     assert verdicts.count("use") >= 36
 
 
@@ -184,11 +184,11 @@ def test_scatter_between_sweeps_comes_from_repeats_or_the_user():
         line._replace(value=line.value * np.exp(0.01 * r.standard_normal()))
         for line in measure(part, r)
     ]
-    alone, stated = (
+    single, stated = (
         {test.pair: test.chance for test in fit_preload_map(sweeps_of(lines), **options).pairs}
         for options in ({}, {"repeatability": 0.01})
     )
-    assert alone["compression and amplitude"] < 1e-4
+    assert single["compression and amplitude"] < 1e-4
     assert stated["compression and amplitude"] > 0.01
 
 
@@ -199,15 +199,15 @@ def test_pairs_without_combinations_are_not_tested():
         for line in measure(draw_part(r), r)
         if line.compression == COMPRESSIONS[1] or line.amplitude == AMPLITUDES[1]
     ]
-    found = fit_preload_map(sweeps_of(star))
-    tested = {test.pair: test.tested for test in found.pairs}
+    preload_map = fit_preload_map(sweeps_of(star))
+    tested = {test.pair: test.tested for test in preload_map.pairs}
     assert tested == {
         "compression and frequency": True,
         "amplitude and frequency": True,
         "compression and amplitude": False,
     }
-    assert found.verdict.use == "use with care"
-    assert "compression and amplitude" in str(found.verdict)
+    assert preload_map.verdict.use == "use with care"
+    assert "compression and amplitude" in str(preload_map.verdict)
 
 
 def test_sweeps_may_have_different_frequencies():
@@ -219,8 +219,8 @@ def test_sweeps_may_have_different_frequencies():
         noise = 2e-3 * (r.standard_normal(len(f)) + 1j * r.standard_normal(len(f)))
         value = part.stiffness(f, c, 0.1) * np.exp(noise)
         sweeps.append(PreloadSweep(f, value, 1e-3 * c, 1e-4))
-    found = fit_preload_map(sweeps)
-    at = found.evaluate(np.array([10.0]), compression="5mm")
+    preload_map = fit_preload_map(sweeps)
+    at = preload_map.evaluate(np.array([10.0]), compression="5mm")
     assert at.value[0] == pytest.approx(part.stiffness([10.0], 5.0, 0.1)[0], rel=5e-3)
 
 
@@ -231,17 +231,19 @@ def test_pair_is_called_separable_where_its_check_passes():
         PreloadSweep(f, cubic_seal(f, c) * np.exp(2e-4 * (c - 6) * np.log(f)), f"{c}mm")
         for c in (4, 6, 8)
     ]
-    found = fit_preload_map(sweeps)
-    (pair,) = found.pairs
-    (check,) = (c for c in found.checks if c.name == "compression_and_frequency_separable")
+    preload_map = fit_preload_map(sweeps)
+    (pair,) = preload_map.pairs
+    (check,) = (c for c in preload_map.checks if c.name == "compression_and_frequency_separable")
     assert pair.chance < 1e-3
     assert check.passed
-    (row,) = (line for line in text_of(found) if line.strip().startswith("compression and freq"))
+    (row,) = (
+        line for line in text_of(preload_map) if line.strip().startswith("compression and freq")
+    )
     assert "yes" in row
 
 
-def text_of(found: PreloadMap) -> list[str]:
-    return format_preload_map(found).lines
+def text_of(preload_map: PreloadMap) -> list[str]:
+    return format_preload_map(preload_map).lines
 
 
 def test_table_may_stand_for_its_sweeps(records: Path):
@@ -284,7 +286,7 @@ def test_command_writes_page_table_decks_and_document(records: Path):
 
 
 def test_solver_tables_hold_the_map(records: Path):
-    found = fit_preload_map(read_sweeps([records / "map.csv"]))
+    preload_map = fit_preload_map(read_sweeps([records / "map.csv"]))
     code, text = run("map", records / "map.csv", "--unit-system", "mm-t-s",
                      "-o", records / "seal.inp")  # fmt: skip
     assert code == 0, text
@@ -296,7 +298,7 @@ def test_solver_tables_hold_the_map(records: Path):
     )  # fmt: skip
     assert len(stiff) == len(damped)
     for (k, f, c, X), (eta, *_) in list(zip(stiff, damped, strict=True))[::97]:
-        at = found.evaluate(np.array([f]), compression=1e-3 * c, amplitude=1e-3 * X).value[0]
+        at = preload_map.evaluate(np.array([f]), compression=1e-3 * c, amplitude=1e-3 * X).value[0]
         assert 1e3 * k == pytest.approx(at.real, rel=1e-7)
         assert eta == pytest.approx(at.imag / at.real, rel=1e-7)
     code, text = run("map", records / "map.csv", "--unit-system", "mm-t-s",
@@ -315,7 +317,7 @@ def test_solver_tables_hold_the_map(records: Path):
     for number, (c, X) in zip(bushes, settings, strict=True):
         f, storage = tables[number][::2], tables[number][1::2]
         eta = tables[number + 1][1::2]
-        at = found.evaluate(f, compression=1e-3 * c, amplitude=1e-3 * X).value
+        at = preload_map.evaluate(f, compression=1e-3 * c, amplitude=1e-3 * X).value
         np.testing.assert_allclose(1e3 * storage * (1 + 1j * eta), at, rtol=1e-7)
 
 
@@ -347,11 +349,11 @@ def test_compression_option_states_that_of_each_file(records: Path):
     code, text = run("map", *names, *stated, "-o", records / "apart.json")
     assert code == 0, text
     run("map", records / "map.csv", "-o", records / "together.json")
-    apart, together = (
+    document, together = (
         json.loads((records / f"{name}.json").read_text(encoding="utf-8"))
         for name in ("apart", "together")
     )
-    assert apart["compression_factor"] == pytest.approx(together["compression_factor"])
+    assert document["compression_factor"] == pytest.approx(together["compression_factor"])
     code, text = run("map", *names, *stated[2:])
     assert code != 0
     assert "--compression c4.csv:4mm" in text
@@ -361,11 +363,11 @@ def test_repeated_sweeps_of_a_table_show_their_scatter(records: Path):
     r = np.random.default_rng(7)
     text = table(measure(draw_part(r), r, repeats=2))
     (records / "twice.csv").write_text(text, encoding="utf-8")
-    found = fit_preload_map(read_sweeps([records / "twice.csv"]))
-    assert {cell.sweeps for cell in found.cells} == {2}
-    (noted,) = (check for check in found.checks if check.name == "repeatability_known")
+    preload_map = fit_preload_map(read_sweeps([records / "twice.csv"]))
+    assert {cell.sweeps for cell in preload_map.cells} == {2}
+    (noted,) = (check for check in preload_map.checks if check.name == "repeatability_known")
     assert noted.passed
-    assert found.sweep_scatter[0] == pytest.approx(2e-3, rel=0.6)
+    assert preload_map.sweep_scatter[0] == pytest.approx(2e-3, rel=0.6)
 
 
 def test_amplitude_that_is_peak_to_peak_is_halved(records: Path):
@@ -398,7 +400,7 @@ def test_frf_of_a_mass_is_read_without_its_inertia(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (("--unit-system", "mm-t-s"), "add -o FILE.bdf or FILE.inp"),
         (("-o", "seal.bdf"), "add --unit-system mm-t-s"),
@@ -412,11 +414,11 @@ def test_frf_of_a_mass_is_read_without_its_inertia(tmp_path: Path):
     ],
 )
 def test_what_makes_no_sense_is_refused_in_a_sentence(
-    records: Path, words: tuple[str, ...], said: str
+    records: Path, words: tuple[str, ...], message: str
 ):
     code, text = run("map", records / "map.csv", *words)
     assert code != 0
-    assert said in " ".join(text.split())
+    assert message in " ".join(text.split())
 
 
 def test_report_names_the_command_of_a_map(records: Path):
@@ -427,30 +429,36 @@ def test_report_names_the_command_of_a_map(records: Path):
 
 
 def test_records_that_make_no_map_are_refused():
-    one = PreloadSweep([1, 10, 20], [300 + 9j] * 3, "4mm", "0.1mm")
+    preload_sweep = PreloadSweep([1, 10, 20], [300 + 9j] * 3, "4mm", "0.1mm")
     cases = [
-        ([one], "found 1 sweep"),
+        ([preload_sweep], "found 1 sweep"),
         (
-            [one, PreloadSweep([1, 10, 20], [310 + 9j] * 3, "4mm", "0.1mm")],
+            [preload_sweep, PreloadSweep([1, 10, 20], [310 + 9j] * 3, "4mm", "0.1mm")],
             "needs two compressions or more",
         ),
-        ([one, PreloadSweep([1, 10, 20], [300 + 9j] * 3, "6mm", "0.1mm")], "sweep .* at 6 mm has"),
-        ([one, PreloadSweep([1, 10, 20], [300 + 9j] * 3, "6mm")], "no amplitude is known"),
         (
-            [one, PreloadSweep([1, 10], [300 + 9j] * 2, "6mm", "0.1mm")],
+            [preload_sweep, PreloadSweep([1, 10, 20], [300 + 9j] * 3, "6mm", "0.1mm")],
+            "sweep .* at 6 mm has",
+        ),
+        (
+            [preload_sweep, PreloadSweep([1, 10, 20], [300 + 9j] * 3, "6mm")],
+            "no amplitude is known",
+        ),
+        (
+            [preload_sweep, PreloadSweep([1, 10], [300 + 9j] * 2, "6mm", "0.1mm")],
             "too few frequencies at 6 mm",
         ),
     ]
-    for sweeps, said in cases:
-        with pytest.raises(DataError, match=said):
+    for sweeps, message in cases:
+        with pytest.raises(DataError, match=message):
             fit_preload_map(sweeps)
-    for fields, said in (
+    for fields, message in (
         (([1, 10], [300 + 9j], "4mm"), "as many of each"),
         (([1, 10], [300 + 9j, -3], "4mm"), "storage at 10 Hz"),
         (([1, 10], [300 + 9j] * 2, "4m"), "compression = 4 m"),
         (([1, 10], [300 + 9j] * 2, "4mm", "5mm"), "lose contact"),
     ):
-        with pytest.raises(DataError, match=said):
+        with pytest.raises(DataError, match=message):
             PreloadSweep(*fields)
 
 
@@ -465,14 +473,14 @@ def test_sweeps_that_change_two_things_at_once_are_refused():
 
 
 def test_a_map_is_not_extrapolated():
-    found = cubic_map()
-    for at, said in (
+    preload_map = cubic_map()
+    for at, message in (
         ({"frequency": "80Hz", "compression": "6mm"}, "frequency = 80 Hz"),
         ({"frequency": "10Hz", "compression": "9mm"}, "compression = 9 mm"),
         ({"frequency": "10Hz", "compression": "6mm", "amplitude": "1mm"}, "leave the amplitude"),
     ):
-        with pytest.raises(DataError, match=said):
-            found.evaluate(**at)
+        with pytest.raises(DataError, match=message):
+            preload_map.evaluate(**at)
 
 
 def test_a_material_is_refused(tmp_path: Path):
@@ -484,7 +492,7 @@ def test_a_material_is_refused(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    ("head", "said"),
+    ("head", "message"),
     [
         ("compression [mm],amplitude [%]", "amplitude has several values"),
         ("compression [mm],amplitude [N]", "amplitude has several values"),
@@ -495,14 +503,14 @@ def test_a_material_is_refused(tmp_path: Path):
         ("compression,amplitude [mm]", '--units "compression=mm"'),
     ],
 )
-def test_settings_that_are_no_lengths_are_not_lost(records: Path, head: str, said: str):
+def test_settings_that_are_no_lengths_are_not_lost(records: Path, head: str, message: str):
     """Else amplitudes would be pooled, and a table of compressions be said to have none."""
     text = (records / "map.csv").read_text(encoding="utf-8")
     text = text.replace("compression [mm],amplitude [mm]", head)
     (records / "odd.csv").write_text(text, encoding="utf-8")
     code, printed = run("map", records / "odd.csv")
     assert code != 0
-    assert said in " ".join(printed.split())
+    assert message in " ".join(printed.split())
 
 
 def test_units_of_a_table_may_be_typed(records: Path):

@@ -174,12 +174,12 @@ def test_the_last_line_survives_the_loss_of_its_line_end(project_copy, raw):
     assert not failures(project_copy)
 
 
-@pytest.mark.parametrize("kept_of_it", [1, 40, -40])
-def test_a_half_written_line_never_happened(project_copy, raw, kept_of_it):
+@pytest.mark.parametrize("retained", [1, 40, -40])
+def test_a_half_written_line_never_happened(project_copy, raw, retained):
     """Killed in the middle of the one write: the head still speaks of the line before."""
     whole = project_copy.history_file.read_bytes()
     first, second, _ = whole.split(b"\n")
-    project_copy.history_file.write_bytes(first + b"\n" + second[:kept_of_it])
+    project_copy.history_file.write_bytes(first + b"\n" + second[:retained])
     (project_copy.folder / "history.head").write_text(f"1 {json.loads(first)['hash']}\n")
     assert failures(project_copy) == ["history_complete", "files_listed"]
     folder.record(project_copy, Job(str(raw), arms=1), page=page)
@@ -191,18 +191,18 @@ def test_a_half_written_line_never_happened(project_copy, raw, kept_of_it):
 @pytest.mark.parametrize("loss", ["last", "half", "all", "file", "first"])
 def test_what_is_cut_off_the_history_is_missed(project_copy, raw, loss):
     first, second = project_copy.history_file.read_bytes().splitlines(keepends=True)
-    left = {"last": first, "half": first + second[:99], "all": b"", "first": second}.get(loss)
-    if left is None:
+    value = {"last": first, "half": first + second[:99], "all": b"", "first": second}.get(loss)
+    if value is None:
         project_copy.history_file.unlink()
     else:
-        project_copy.history_file.write_bytes(left)
+        project_copy.history_file.write_bytes(value)
     missed = failures(project_copy)
     assert ("history_unchanged" if loss == "first" else "history_whole") in missed
     assert ("history_present" in missed) == (loss in {"all", "file"})
     if loss != "first":
         with pytest.raises(DataError, match="lines where 2 were written; put the file back"):
             folder.record(project_copy, Job(str(raw), arms=1), page=page)
-        assert (project_copy.history_file.read_bytes() if left is not None else None) == left
+        assert (project_copy.history_file.read_bytes() if value is not None else None) == value
 
 
 @pytest.mark.parametrize("head", [None, "1 {first}", "2 {foreign}", "1 {first}\n2 {foreign}"])
@@ -221,7 +221,7 @@ def test_a_head_that_is_lost_older_or_foreign_is_missed(project_copy, raw, head)
 
 def test_a_line_that_its_head_announced_is_whole(project_copy):
     """Killed after the line was written, before the head was."""
-    first, second = (one["hash"] for one in entries(project_copy))
+    first, second = (entry["hash"] for entry in entries(project_copy))
     (project_copy.folder / "history.head").write_text(f"1 {first}\n2 {second}\n")
     assert not failures(project_copy)
 
@@ -297,8 +297,8 @@ def test_the_history_of_another_project_is_missed(project_copy, raw, tmp_path):
     other = folder.create(tmp_path / "other")
     for seals in (1, 3):
         folder.record(other, Job(str(raw), seals=seals, arms=1), page=page)
-    for one in ("history.jsonl", "history.head"):
-        shutil.copy(other.folder / one, project_copy.folder / one)
+    for value in ("history.jsonl", "history.head"):
+        shutil.copy(other.folder / value, project_copy.folder / value)
         assert failures(project_copy)
 
 
@@ -320,19 +320,21 @@ def test_a_raw_file_that_a_synchronisation_changed_is_missed(project_copy, how):
     assert {"file_present", "file_unchanged"} & {*failures(project_copy)}
 
 
-@pytest.mark.parametrize("own", ["history.jsonl", "history.head", "dashpot.toml", "raw/seal.csv"])
-def test_nothing_outside_is_read_through_a_link(project_copy, tmp_path, own):
-    place = project_copy.folder / own
+@pytest.mark.parametrize(
+    "individual", ["history.jsonl", "history.head", "dashpot.toml", "raw/seal.csv"]
+)
+def test_nothing_outside_is_read_through_a_link(project_copy, tmp_path, individual):
+    place = project_copy.folder / individual
     place.rename(tmp_path / "elsewhere")
     place.symlink_to(tmp_path / "elsewhere")
-    with pytest.raises(ReadError, match=f"{own} leads out of the project"):
+    with pytest.raises(ReadError, match=f"{individual} leads out of the project"):
         verify_project(project_copy)
 
 
 def test_what_only_looks_half_written_is_named(project_copy):
     for name in (".evil.part", "fit.json.part", "." + "0" * 16 + ".part"):
         (project_copy.folder / "records" / name).write_text("{}")
-    (check,) = [one for one in verify_project(project_copy) if one.name == "files_listed"]
+    (check,) = [item for item in verify_project(project_copy) if item.name == "files_listed"]
     assert check.message == "The history does not list records/.evil.part, records/fit.json.part."
 
 
@@ -345,26 +347,29 @@ def test_verify_detects_swapped_figures(project_copy):
     lines = entries(project_copy)
     pages = [line["outputs"] for line in lines]
     for outputs, mass in zip(pages, ("0.104", "None"), strict=True):
-        (listed,) = [one for one in outputs if one["file"].endswith(".html")]
+        (listed,) = [output for output in outputs if output["file"].endswith(".html")]
         place = project_copy.folder / listed["file"]
         place.write_text(f"<svg><text>{mass}</text></svg>")
         listed["sha256"] = history.sha256(place.read_bytes())
     rewritten(project_copy, lines)
-    assert not [one.name for one in verify(project_copy, page=draw_page) if one.failed]
+    assert not [check.name for check in verify(project_copy, page=draw_page) if check.failed]
     first, second = (
-        project_copy.folder / one["file"] for o in pages for one in o if "html" in one["file"]
+        project_copy.folder / output["file"]
+        for o in pages
+        for output in o
+        if "html" in output["file"]
     )
-    one, other = first.read_bytes(), second.read_bytes()
+    item, other = first.read_bytes(), second.read_bytes()
     first.write_bytes(other)
-    second.write_bytes(one)
-    assert [one.name for one in verify(project_copy, page=draw_page) if one.failed].count(
+    second.write_bytes(item)
+    assert [check.name for check in verify(project_copy, page=draw_page) if check.failed].count(
         "file_unchanged"
     ) == 2
-    for outputs, content in zip(pages, (other, one), strict=True):
-        (listed,) = [one for one in outputs if one["file"].endswith(".html")]
+    for outputs, content in zip(pages, (other, item), strict=True):
+        (listed,) = [output for output in outputs if output["file"].endswith(".html")]
         listed["sha256"] = history.sha256(content)
     rewritten(project_copy, lines)
-    assert [one.name for one in verify(project_copy, page=draw_page) if one.failed] == [
+    assert [check.name for check in verify(project_copy, page=draw_page) if check.failed] == [
         "page_redrawn"
     ] * 2
 
@@ -403,7 +408,7 @@ def test_who_notes_the_head_misses_even_a_forged_end(project_copy, raw):
     assert not failures(project_copy, expect=noted)
     folder.record(project_copy, Job(str(raw), arms=1, seals=2), page=page)
     (check,) = [
-        one for one in verify_project(project_copy, noted) if one.name == "history_expected"
+        item for item in verify_project(project_copy, noted) if item.name == "history_expected"
     ]
     assert check.passed
     assert "1 lines were added since" in check.message
@@ -421,17 +426,19 @@ def test_verify_detects_a_changed_and_rehashed_result(project_copy, kind):
     """From the fit's file decks are made; the page is what people read."""
     twice, kind = kind == "a key twice", kind.replace("a key twice", "fit.json")
     lines = entries(project_copy)
-    listed = next(one for one in lines[0]["outputs"] if one["file"].split(".", 1)[1] == kind)
+    listed = next(
+        output for output in lines[0]["outputs"] if output["file"].split(".", 1)[1] == kind
+    )
     place = project_copy.folder / listed["file"]
     if kind == "html":
         place.write_text(place.read_text().replace("</title>", "!</title>"))
     elif twice:  # what reads the first of them reads another solid
         place.write_text(place.read_text().replace('"k_inf": ', '"k_inf": 1.0, "k_inf": ', 1))
     else:
-        found = json.loads(place.read_text())
-        solid = (found if kind == "fit.json" else found["fit"])["model"]
+        document = json.loads(place.read_text())
+        solid = (document if kind == "fit.json" else document["fit"])["model"]
         solid["k_inf"] *= 1.001
-        place.write_text(json.dumps(found))
+        place.write_text(json.dumps(document))
     listed["sha256"] = history.sha256(place.read_bytes())
     rewritten(project_copy, lines)
     assert failures(project_copy) == ["page_redrawn" if kind == "html" else "result_recomputed"]
@@ -442,7 +449,7 @@ def test_verify_detects_a_changed_and_rehashed_result(project_copy, kind):
 )
 def test_verify_detects_non_finite_numbers(project_copy, word):
     lines = entries(project_copy)
-    listed = next(one for one in lines[0]["outputs"] if one["file"].endswith(".fit.json"))
+    listed = next(output for output in lines[0]["outputs"] if output["file"].endswith(".fit.json"))
     place = project_copy.folder / listed["file"]
     place.write_text(re.sub(r'("k_inf": )[-0-9.e]+', rf"\g<1>{word}", place.read_text(), count=1))
     listed["sha256"] = history.sha256(place.read_bytes())
@@ -459,40 +466,45 @@ def test_find_largest_difference_distinguishes_true_from_one(project_copy):
     assert find_largest_difference({"a": 1.0}, {"a": "NaN"})[0] == np.inf
 
 
-def _add_file(kept, line, kind, named):
+def _add_file(retained, line, kind, named):
     """A forged file beside that of a line, which the line lists first."""
-    place = kept.folder / next(one["file"] for one in line["outputs"] if one["file"].endswith(kind))
+    place = retained.folder / next(
+        output["file"] for output in line["outputs"] if output["file"].endswith(kind)
+    )
     forged = place.with_name(named + kind)
     forged.write_text(place.read_text().replace("0", "1"))
-    listed = {"file": forged.relative_to(kept.folder).as_posix()}
+    listed = {"file": forged.relative_to(retained.folder).as_posix()}
     line["outputs"].insert(0, listed | {"sha256": history.sha256(forged.read_bytes())})
 
 
-def _rename_file(kept, line, kind):
-    listed = next(one for one in line["outputs"] if one["file"].endswith(kind))
-    place = kept.folder / listed["file"]
+def _rename_file(retained, line, kind):
+    listed = next(output for output in line["outputs"] if output["file"].endswith(kind))
+    place = retained.folder / listed["file"]
     listed["file"] = listed["file"].replace(place.name, "0" * 16 + kind)
-    place.rename(kept.folder / listed["file"])
+    place.rename(retained.folder / listed["file"])
 
 
 def _swap_files(lines, kind):
     first, second = (
-        next(one for one in line["outputs"] if one["file"].endswith(kind)) for line in lines
+        next(output for output in line["outputs"] if output["file"].endswith(kind))
+        for line in lines
     )
     for key in first:
         first[key], second[key] = second[key], first[key]
 
 
 LISTS = {
-    "another fit": lambda kept, lines: _add_file(kept, lines[0], ".fit.json", "f" * 16),
-    "another report": lambda kept, lines: _add_file(kept, lines[0], ".html", "f" * 16),
-    "a report without a name": lambda kept, lines: _add_file(kept, lines[0], ".html", "good"),
-    "one file renamed": lambda kept, lines: _rename_file(kept, lines[0], ".fit.json"),
-    "all files renamed": lambda kept, lines: [
-        _rename_file(kept, lines[0], kind) for kind in (".fit.json", ".html", ".json")
+    "another fit": lambda retained, lines: _add_file(retained, lines[0], ".fit.json", "f" * 16),
+    "another report": lambda retained, lines: _add_file(retained, lines[0], ".html", "f" * 16),
+    "a report without a name": lambda retained, lines: _add_file(
+        retained, lines[0], ".html", "good"
+    ),
+    "one file renamed": lambda retained, lines: _rename_file(retained, lines[0], ".fit.json"),
+    "all files renamed": lambda retained, lines: [
+        _rename_file(retained, lines[0], kind) for kind in (".fit.json", ".html", ".json")
     ],
     "files of two results swapped": lambda _, lines: _swap_files(lines, ".fit.json"),
-    "a file that was not read": lambda kept, lines: lines[0]["inputs"].append(
+    "a file that was not read": lambda retained, lines: lines[0]["inputs"].append(
         {"file": "raw/more.csv", "sha256": history.sha256(b"1")}
     ),
 }
@@ -536,12 +548,12 @@ def test_another_version_may_draw_another_page(project_copy):
         line["software"]["numpy"] = "0.0.1"
     rewritten(project_copy, lines)
     checks = verify(project_copy, page=lambda study: page(study).replace("title", "b"))
-    judged = [one for one in checks if one.name == "page_redrawn"]
-    assert [one.passed for one in judged] == [None, None]
+    verdicts = [check for check in checks if check.name == "page_redrawn"]
+    assert [verdict.passed for verdict in verdicts] == [None, None]
 
 
 @pytest.mark.parametrize(
-    ("kept_text", "again", "same"),
+    ("text", "again", "same"),
     [
         ("f = 12.710 Hz", "f = 12.711 Hz", True),
         ("f = 12.710 Hz", "f = 12.712 Hz", False),
@@ -567,14 +579,14 @@ def test_another_version_may_draw_another_page(project_copy):
         ("href=data:x;base64,MC4xMDAw", "href=data:x;base64,MC4yMDAw", False),
     ],
 )
-def test_pages_are_the_same_but_for_a_last_digit(kept_text, again, same):
-    assert same_page(kept_text.encode(), again.encode()) == same
+def test_pages_are_the_same_but_for_a_last_digit(text, again, same):
+    assert same_page(text.encode(), again.encode()) == same
 
 
 def test_files_that_no_line_lists_are_named(project_copy):
     (project_copy.folder / "records" / "planted.fit.json").write_text("{}")
     (project_copy.folder / "records" / ".0123456789abcdef.part").write_text("half")
-    (check,) = [one for one in verify_project(project_copy) if one.name == "files_listed"]
+    (check,) = [item for item in verify_project(project_copy) if item.name == "files_listed"]
     assert check.failed
     assert check.message == "The history does not list records/planted.fit.json."
 
@@ -601,13 +613,13 @@ def test_killed_at_any_write_nothing_is_lost(project_copy, raw, at):
 
 def killed_at(number):
     """End this process at the n-th of its writes, before and after which a kill may fall."""
-    left = [number]
+    remaining_calls = [number]
 
     def count_calls(function):
         def call(*args, **how):
-            if left[0] == 0:
+            if remaining_calls[0] == 0:
                 os._exit(9)
-            left[0] -= 1
+            remaining_calls[0] -= 1
             return function(*args, **how)
 
         return call
@@ -643,7 +655,7 @@ def test_a_copy_that_was_damaged_is_not_analysed_instead(project_copy, raw, tmp_
     other = tmp_path / "seal.csv"
     other.write_bytes(raw.read_bytes() + b"\n")
     folder.record(project_copy, Job(str(other), arms=1), page=page)
-    (copy,) = [one for one in (project_copy.folder / "raw").iterdir() if one.name != "seal.csv"]
+    (copy,) = [path for path in (project_copy.folder / "raw").iterdir() if path.name != "seal.csv"]
     whole = copy.read_bytes()
     copy.write_bytes(whole.replace(b"0.0", b"0.1", 1))
     with pytest.raises(DataError, match="is no longer the copy of"):
@@ -670,7 +682,7 @@ def test_a_calibration_is_an_input_like_any_other(tmp_path):
     (tmp_path / "nano.cal").unlink()
     (line,) = entries(project)
     assert line["job"]["reading"]["calibration"] == "raw/nano.cal"
-    *copies, profile = [one["file"] for one in line["inputs"]]
+    *copies, profile = [output["file"] for output in line["inputs"]]
     assert copies == ["raw/nano.cal", "raw/seal.csv"]
     assert profile.startswith("profiles/")
     assert not failures(project)
@@ -695,28 +707,31 @@ def test_a_foreign_project_opens_no_file_outside_as_calibration(project_copy, tm
 
 
 def test_leftovers_are_cleaned(project_copy, raw):
-    left = project_copy.folder / "records" / ".0123456789abcdef.part"
-    left.write_text("half")
+    part_file = project_copy.folder / "records" / ".0123456789abcdef.part"
+    part_file.write_text("half")
     folder.record(project_copy, Job(str(raw), arms=1), page=page)
-    assert not left.exists()
+    assert not part_file.exists()
 
 
 def test_verify_lists_and_clears_files_of_killed_runs(project_copy, tmp_path):
     (tmp_path / "lot").mkdir()
     places = project_copy.folder / "records", tmp_path / "lot"
-    left = [one / ".0123456789abcdef.part" for one in places]
-    for one in left:
-        one.write_text("half")
+    part_files = [place / ".0123456789abcdef.part" for place in places]
+    for path in part_files:
+        path.write_text("half")
     assert failures(project_copy) == []  # it may still be written to
-    for one in left:
-        os.utime(one, (1, 1))
+    for path in part_files:
+        os.utime(path, (1, 1))
     assert failures(project_copy) == ["nothing_half_written"]
     (tmp_path / "lot" / ".hidden.part").write_text("a user's own")
-    told = ran("verify", tmp_path / "lot")
-    assert (told.exit_code, left[1].exists()) == (0, True)
-    assert ".0123456789abcdef.part" in told.stdout
-    assert "cleared .0123456789abcdef.part" in ran("verify", left[1].parent, "--overwrite").stdout
-    assert not left[1].exists()
+    result = ran("verify", tmp_path / "lot")
+    assert (result.exit_code, part_files[1].exists()) == (0, True)
+    assert ".0123456789abcdef.part" in result.stdout
+    assert (
+        "cleared .0123456789abcdef.part"
+        in ran("verify", part_files[1].parent, "--overwrite").stdout
+    )
+    assert not part_files[1].exists()
     assert (tmp_path / "lot" / ".hidden.part").exists()
     assert ran("verify", tmp_path / "lot").exit_code == 2
 
@@ -772,12 +787,12 @@ def test_on_the_command_line(raw, tmp_path, work_done_again):
     assert made.exit_code == 0, made.output
     head = folder.open_project(place).head
     assert f"--expect {head}" in made.stderr
-    told = ran("verify", place, "--expect", head)
-    assert told.exit_code == 0, told.output
-    assert head in told.stdout
+    result = ran("verify", place, "--expect", head)
+    assert result.exit_code == 0, result.output
+    assert head in result.stdout
     assert ran("verify", place, "--expect", "0" * 64).exit_code == 1
     copied = tmp_path / "door" / "raw" / "seal.csv"
     copied.write_bytes(copied.read_bytes() + b"0,0,0\n")
-    found = ran("verify", place, "--json")
-    assert found.exit_code == 1
-    assert json.loads(found.stdout)["ok"] is False
+    outcome = ran("verify", place, "--json")
+    assert outcome.exit_code == 1
+    assert json.loads(outcome.stdout)["ok"] is False

@@ -177,8 +177,8 @@ def test_a_project_of_a_newer_version_is_refused(version_1: Project) -> None:
 def test_what_both_documents_hold_is_compared() -> None:
     old = {"fit": {"rms": 1.0, "dof": 3, "id": "a", "gone": 1}, "rows": [{"dof": 1}]}
     new = {"fit": {"rms": 1.0, "dof": 4, "id": "b", "more": 1}, "rows": [{"dof": 1}]}
-    one, other, revised = split_common(old, new)
-    assert one == {"fit": {"rms": 1.0, "gone": 1}, "rows": [{}]}
+    item, other, revised = split_common(old, new)
+    assert item == {"fit": {"rms": 1.0, "gone": 1}, "rows": [{}]}
     assert other == {"fit": {"rms": 1.0, "more": 1}, "rows": [{}]}
     assert revised == {"fit.dof": (3, 4), "rows[0].dof": (1, 1)}
     assert all(REVISED_NUMBERS.values())

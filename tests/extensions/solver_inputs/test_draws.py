@@ -70,13 +70,13 @@ def test_draws_have_no_mean_and_unit_covariance():
 def test_truncated_normal_has_its_quantiles():
     shares = np.random.default_rng(1).random(200_000)
     for mean, sd in ((1.0, 1.0), (-1.0, 0.5), (-30.0, 1.0)):
-        found = np.array([truncated_normal(share, mean, sd) for share in shares[:5000]])
-        assert (found >= 0).all()
+        result = np.array([truncated_normal(share, mean, sd) for share in shares[:5000]])
+        assert (result >= 0).all()
         if mean > -10:
             sample = np.random.default_rng(2).normal(mean, sd, 400_000)
             sample = sample[sample >= 0]
-            assert np.median(found) == pytest.approx(np.median(sample), rel=0.05)
-    assert np.mean(found) == pytest.approx(1 / 30, rel=0.05)  # exponential, so far out
+            assert np.median(result) == pytest.approx(np.median(sample), rel=0.05)
+    assert np.mean(result) == pytest.approx(1 / 30, rel=0.05)  # exponential, so far out
 
 
 def test_spread_of_peak_and_damping_is_that_of_the_covariance(table_1_fit):
@@ -135,8 +135,8 @@ def test_unresolved_arms_are_what_the_record_does_not_reject(record, record_fit)
         assert draw.deviance <= limit
         assert times[0] <= draw.arm.tau <= fastest
         change = draw.solid.force(t, x) - fitted
-        left = change - free @ np.linalg.lstsq(free, change, rcond=None)[0]
-        assert np.sqrt(np.mean(left**2)) < noise
+        residual = change - free @ np.linalg.lstsq(free, change, rcond=None)[0]
+        assert np.sqrt(np.mean(residual**2)) < noise
     frequencies = [abs(find_pole(draw.solid)) / (2 * np.pi) for draw in draws]
     damping = [-find_pole(draw.solid).real / abs(find_pole(draw.solid)) for draw in draws]
     hidden = find_pole(PAPER + GeneralizedMaxwell(0.0, (30.0,), (0.012,)))
@@ -197,11 +197,13 @@ def read_index(path: Path) -> list[dict[str, str]]:
 @pytest.mark.parametrize("target", ["nastran", "abaqus", "lsdyna", "opensees", "fmu"])
 def test_one_file_of_each_draw_and_one_index(folder, target):
     file = folder / f"{target}.txt"
-    found = run_json("export", folder / "fit.json", "--to", target, *TERMS, "--seed", 1, "-o", file)
-    assert found["schema"] == "dashpot/draws@1"
-    rows = read_index(Path(found["index"]))
+    document = run_json(
+        "export", folder / "fit.json", "--to", target, *TERMS, "--seed", 1, "-o", file
+    )
+    assert document["schema"] == "dashpot/draws@1"
+    rows = read_index(Path(document["index"]))
     assert [row["file"] for row in rows] == [
-        Path(name).name for name in (found["file"], *found["files"])
+        Path(name).name for name in (document["file"], *document["files"])
     ]
     assert len(rows) == 21
     if target == "fmu":
@@ -212,7 +214,7 @@ def test_one_file_of_each_draw_and_one_index(folder, target):
         k_inf = 2 * float(row["k_inf [N/mm]"])  # of two seals
         assert f"k_inf = {k_inf:.6f}"[:14] in text
     logs = np.log([float(row["peak [Hz]"]) for row in rows[1:]])
-    assert found["ln_peak_sd"] == pytest.approx(logs.std(ddof=1), rel=1e-6)
+    assert document["ln_peak_sd"] == pytest.approx(logs.std(ddof=1), rel=1e-6)
 
 
 def test_the_same_seed_writes_the_same_bytes(folder):
@@ -231,11 +233,11 @@ def test_the_same_seed_writes_the_same_bytes(folder):
 
 @needs_ccx
 def test_draw_7_in_calculix_is_the_model(folder, tmp_path):
-    found = run_json(
+    document = run_json(
         "export", folder / "fit.json", "--to", "calculix", *TERMS, "--seed", 1, "--band", "1:30Hz",
         "-o", folder / "ccx.inp",
     )  # fmt: skip
-    row = read_index(Path(found["index"]))[7]
+    row = read_index(Path(document["index"]))[7]
     arms = sorted({name.partition(" ")[0][2:] for name in row if name.startswith("k_")} - {"inf"})
     solid = GeneralizedMaxwell(
         1e3 * float(row["k_inf [N/mm]"]),
@@ -256,18 +258,18 @@ def test_draw_7_in_calculix_is_the_model(folder, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (("--draws", 20, "-o", "x.inp"), "--mass"),
         (("--draws", 20, "--mass", "104g"), "-o FILE"),
         (("--seed", 1, "-o", "x.inp"), "--draws 20"),
     ],
 )
-def test_export_draws_names_the_missing_option(folder, words, said, monkeypatch, tmp_path):
+def test_export_draws_names_the_missing_option(folder, words, message, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     done = ran(
         "export", folder / "fit.json", "--to", "abaqus", *TERMS[:6],
         "--temperature", "23degC", "--length", "50mm", *words,
     )  # fmt: skip
     assert done.exit_code == 2
-    assert said in done.output
+    assert message in done.output

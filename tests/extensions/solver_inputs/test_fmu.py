@@ -66,9 +66,9 @@ def test_ramp_and_hold_is_equation_5(paper_seal, form, step, build):
     time = step * np.arange(round(10 / step) + 1)
     motion = driven(time, np.minimum(time, 1.0) * 8e-3)
     path = build(paper_seal, form)
-    found = simulate(path, input=motion, stop_time=10.0, output_interval=step)
-    exact = paper_seal.ramp_hold_force(found["time"], depth=8e-3, ramp_time=1.0)
-    error = np.abs(found["F"] - exact).max() / exact.max()
+    record = simulate(path, input=motion, stop_time=10.0, output_interval=step)
+    exact = paper_seal.ramp_hold_force(record["time"], depth=8e-3, ramp_time=1.0)
+    error = np.abs(record["F"] - exact).max() / exact.max()
     print(f"{form}, step {step:g} s: largest error {error:.1e}")
     assert error < 1e-9
 
@@ -83,9 +83,9 @@ def test_model_exchange_follows_the_same_ramp(paper_seal, form, build):
     states = pressed.pop("states")
     held = integrate(path, form, t[20:], lambda time: (8e-3, 0.0), ("x", "v"), start=states[-1])
     exact = solid.ramp_hold_force(t, depth=8e-3, ramp_time=1.0)
-    found = np.concatenate([pressed["F"][1:-1], held["F"][1:]])
+    result = np.concatenate([pressed["F"][1:-1], held["F"][1:]])
     expected = np.concatenate([exact[1:20], exact[21:]])
-    error = np.abs(found - expected).max() / exact.max()
+    error = np.abs(result - expected).max() / exact.max()
     print(f"{form}: largest error {error:.1e}")
     assert error < 1e-6
 
@@ -94,12 +94,12 @@ def test_model_exchange_follows_the_same_ramp(paper_seal, form, build):
 @every_form
 def test_model_exchange_in_fmpy_relaxes(paper_seal, form, build):
     """A displacement that is there from the first: every arm is new, and then lets go."""
-    found = simulate(
+    record = simulate(
         build(paper_seal, form), "ModelExchange", start_values={"x": 8e-3}, stop_time=10.0,
         output_interval=0.1, relative_tolerance=1e-10,
     )  # fmt: skip
-    exact = 8e-3 * paper_seal.relaxation(found["time"])
-    assert found["F"] == pytest.approx(exact, rel=1e-6)
+    exact = 8e-3 * paper_seal.relaxation(record["time"])
+    assert record["F"] == pytest.approx(exact, rel=1e-6)
 
 
 FACTOR = {1e-3: 0.999469, 5e-3: 0.986784, 10e-3: 0.947971}
@@ -118,11 +118,11 @@ def test_a_sine_by_straight_lines_has_the_amplitude_of_them_and_no_lag(
     coarse = step * np.arange(-1, round(40 / step) + 1)
     time = np.arange(0, 4.0, step / fine)
     value = np.interp(time, coarse, np.sin(omega * coarse))
-    found = simulate(
+    record = simulate(
         build(paper_seal, form), input=driven(time, value), stop_time=time[-1],
         output_interval=step / fine, output=["F"],
     )  # fmt: skip
-    t, F = found["time"], found["F"]
+    t, F = record["time"], record["F"]
     settled = t > 1.0
     arms = [np.exp(-t / tau) for tau in paper_seal.tau]
     wave = np.column_stack([np.sin(omega * t), np.cos(omega * t), *arms])
@@ -143,14 +143,14 @@ def test_the_displacement_of_the_end_needs_no_velocity(paper_seal, form, build):
     reached = np.minimum(step * np.arange(501), 1.0) * 8e-3
     # FMPy sets what its table holds for the beginning of a step: here the end of it
     ahead = table(step * np.arange(500), x=reached[1:])
-    found = simulate(
+    record = simulate(
         build(paper_seal, form), input=np.insert(ahead, 0, (-step, 0.0)), stop_time=9.0,
         start_time=-step, output_interval=step,
     )  # fmt: skip
     # the first step, before anything moves, is a step of rest
-    t = found["time"] + step
+    t = record["time"] + step
     exact = paper_seal.ramp_hold_force(t - step, depth=8e-3, ramp_time=1.0)
-    assert np.abs(found["F"][1:] - exact[1:]).max() / exact.max() < 1e-9
+    assert np.abs(record["F"][1:] - exact[1:]).max() / exact.max() < 1e-9
 
 
 @needs_fmpy
@@ -161,7 +161,7 @@ def test_input_derivatives_are_the_velocity(paper_seal, build):
 
     path = build(paper_seal, "fmi2")
     folder, read = fmpy.extract(path), fmpy.read_model_description(path)
-    where = {each.name: each.valueReference for each in read.modelVariables}
+    where = {variable.name: variable.valueReference for variable in read.modelVariables}
     unit = FMU2Slave(
         guid=read.guid, unzipDirectory=folder, modelIdentifier="mount", instanceName="one"
     )
@@ -169,7 +169,7 @@ def test_input_derivatives_are_the_velocity(paper_seal, build):
     unit.setupExperiment(startTime=0.0)
     unit.enterInitializationMode()
     unit.exitInitializationMode()
-    step, force, kept = 0.1, [], None
+    step, force, state = 0.1, [], None
     for i in range(40):
         t = i * step
         unit.setReal([where["x"]], [8e-3 * min(t, 1.0)])
@@ -177,11 +177,11 @@ def test_input_derivatives_are_the_velocity(paper_seal, build):
         unit.doStep(t, step)
         force += unit.getReal([where["F"]])
         if i == 19:
-            kept = unit.serializeFMUstate(unit.getFMUstate())
+            state = unit.serializeFMUstate(unit.getFMUstate())
     exact = paper_seal.ramp_hold_force(step * np.arange(1, 41), depth=8e-3, ramp_time=1.0)
     assert np.array(force) == pytest.approx(exact, rel=1e-9)
     # and back to a state that was kept
-    unit.setFMUstate(unit.deSerializeFMUstate(kept))
+    unit.setFMUstate(unit.deSerializeFMUstate(state))
     unit.setReal([where["x"]], [8e-3])
     unit.doStep(2.0, step)
     assert unit.getReal([where["F"]]) == pytest.approx([exact[20]], rel=1e-9)
@@ -198,12 +198,12 @@ def test_any_number_of_arms(form, arms, build):
     solid = GeneralizedMaxwell(100.0, (20.0,) * arms, tau, b=0.5)
     time = np.array([0.0, 0.5, 1.0, 2.5, 5.0])
     motion = driven(time, np.minimum(time, 1.0) * 1e-3)
-    found = simulate(build(solid, form), input=motion, stop_time=5.0, output_interval=0.5)
+    record = simulate(build(solid, form), input=motion, stop_time=5.0, output_interval=0.5)
     assert not validate(build(solid, form))
-    t = found["time"]
+    t = record["time"]
     exact = solid.ramp_hold_force(t, depth=1e-3, ramp_time=1.0)
     inside = (t > 0) & (t != 1.0)  # the dashpot feels the velocity of the step that ends there
-    assert found["F"][inside] == pytest.approx(exact[inside], rel=1e-9)
+    assert record["F"][inside] == pytest.approx(exact[inside], rel=1e-9)
 
 
 # -- the mass --------------------------------------------------------------------------------------
@@ -224,9 +224,9 @@ def test_a_struck_mass_moves_as_the_equations_do(paper_seal, form, kind, build):
     path = build(solid, form, mass=MASS)
     if kind == "CoSimulation":
         force = driven(t, pulse(t), ("F", "F_rate"))
-        found = simulate(path, input=force, stop_time=0.5, output_interval=step)
+        record = simulate(path, input=force, stop_time=0.5, output_interval=step)
     else:
-        found = integrate(path, form, t, lambda time: (pulse(time), 0.0), ("F", "F_rate"))
+        record = integrate(path, form, t, lambda time: (pulse(time), 0.0), ("F", "F_rate"))
     k, tau = np.array(solid.k), np.array(solid.tau)
     A = np.zeros((4, 4))
     A[0, 1] = 1.0
@@ -237,7 +237,7 @@ def test_a_struck_mass_moves_as_the_equations_do(paper_seal, form, kind, build):
     D = np.array([[0.0], [0.0], [1 / MASS]])
     _, (x, v, a), _ = map(np.transpose, lsim(StateSpace(A, B, C, D), pulse(t), t))
     for name, exact in (("x", x), ("v", v), ("a", a)):
-        error = np.abs(found[name][: len(t)] - exact).max() / np.abs(exact).max()
+        error = np.abs(record[name][: len(t)] - exact).max() / np.abs(exact).max()
         print(f"{form} {kind} {name}: largest error {error:.1e}")
         assert error < (1e-9 if kind == "CoSimulation" else 1e-7)
 
@@ -248,14 +248,14 @@ def test_a_shaken_mass_has_the_receptance_of_the_model(paper_seal, form, build):
     f, step = 12.71, 1e-3
     omega = 2 * np.pi * f
     t = step * np.arange(30001)
-    found = simulate(
+    record = simulate(
         build(paper_seal, form, mass=MASS), input=driven(t, np.sin(omega * t), ("F", "F_rate")),
         stop_time=30.0, output_interval=step, output=["x"],
     )  # fmt: skip
     late = t > 26.0
     creep = np.ones(late.sum())
     wave = np.column_stack([np.sin(omega * t[late]), np.cos(omega * t[late]), creep, t[late]])
-    (real, imaginary, *_), *_ = np.linalg.lstsq(wave, found["x"][late], rcond=None)
+    (real, imaginary, *_), *_ = np.linalg.lstsq(wave, record["x"][late], rcond=None)
     (exact,) = predict_frf(paper_seal, mass=MASS, frequency=[f], kind="receptance").value
     ratio = (real + 1j * imaginary) / exact
     print(f"{form}: |ratio| {abs(ratio):.6f} ({FACTOR[1e-3]}), phase {np.angle(ratio):+.1e} rad")
@@ -281,13 +281,13 @@ def test_a_mass_on_arms_of_any_speed_comes_to_rest(form, step, build):
 
     end = max(4.0, 20 * step)
     t = np.arange(0.0, end + step / 2, step)
-    found = simulate(
+    record = simulate(
         build(solid, form, mass=MASS), stop_time=end, output_interval=step, output=["x"],
         input=driven(t, np.full(len(t), 10.0), ("F", "F_rate")), start_values={"F": 10.0},
     )  # fmt: skip
     state = np.zeros(2 + len(tau))
     exact = solve_ivp(slope, (0.0, end), state, method="Radau", t_eval=t, rtol=1e-9, atol=1e-13)
-    assert np.abs(found["x"] - exact.y[0]).max() < 1e-6 * exact.y[0].max()
+    assert np.abs(record["x"] - exact.y[0]).max() < 1e-6 * exact.y[0].max()
 
 
 @needs_fmpy
@@ -297,7 +297,7 @@ def test_a_derivative_of_the_input_stands_for_the_rate(paper_seal, build):
 
     path = build(paper_seal, "fmi2")
     folder, read = fmpy.extract(path), fmpy.read_model_description(path)
-    where = {each.name: each.valueReference for each in read.modelVariables}
+    where = {variable.name: variable.valueReference for variable in read.modelVariables}
     unit = FMU2Slave(
         guid=read.guid, unzipDirectory=folder, modelIdentifier="mount", instanceName="one"
     )
@@ -313,7 +313,7 @@ def test_a_derivative_of_the_input_stands_for_the_rate(paper_seal, build):
     assert force == pytest.approx(exact, rel=1e-9)
     # and a state of another FMU of as many arms is refused
     other = build(GeneralizedMaxwell(7.0, paper_seal.k, paper_seal.tau), "fmi2")
-    kept = unit.serializeFMUstate(unit.getFMUstate())
+    state = unit.serializeFMUstate(unit.getFMUstate())
     unit.terminate()
     unit.freeInstance()
     shutil.rmtree(folder)
@@ -323,7 +323,7 @@ def test_a_derivative_of_the_input_stands_for_the_rate(paper_seal, build):
     )
     unit.instantiate()
     with pytest.raises(Exception, match="status 3"):
-        unit.deSerializeFMUstate(kept)
+        unit.deSerializeFMUstate(state)
     unit.freeInstance()
     shutil.rmtree(folder)
 
@@ -331,9 +331,9 @@ def test_a_derivative_of_the_input_stands_for_the_rate(paper_seal, build):
 def test_no_parameter_starts_below_its_least(sources_only):
     tau = (8.423697820250522e-17, 1.23456789012345e-7)
     unit = TARGETS["fmu"](GeneralizedMaxwell(1.0, (1.0, 1.0), tau), units="SI", form="fmi2")
-    described = [each for each in unit.description.variables if each.least is not None]
+    described = [variable for variable in unit.description.variables if variable.least is not None]
     assert described
-    assert all(each.least <= each.start for each in described)
+    assert all(item.least <= item.start for item in described)
 
 
 # -- what the archive says of itself ---------------------------------------------------------------
@@ -363,37 +363,37 @@ def test_parameters_have_units_limits_and_intervals(paper_seal, form, build):
     fit = a_fit(paper_seal, specimen=Specimen(length=0.1, temperature=296.15))
     path = build(fit, form, units="mm-t-s")
     read = fmpy.read_model_description(path)
-    known = {each.name: each for each in read.modelVariables}
-    assert float(known["k_inf"].start) == pytest.approx(0.1965)
-    assert known["k_inf"].unit == "N/mm"
-    assert float(known["k_inf"].min) == 0
-    assert float(known["tau[2]"].min) > 0
+    expected = {variable.name: variable for variable in read.modelVariables}
+    assert float(expected["k_inf"].start) == pytest.approx(0.1965)
+    assert expected["k_inf"].unit == "N/mm"
+    assert float(expected["k_inf"].min) == 0
+    assert float(expected["tau[2]"].min) > 0
     low, high = (1e-3 * end for end in fit.intervals()["k"][0])
-    assert f"95 % interval {low:.6g} to {high:.6g} N/mm" in known["k[1]"].description
-    (unit,) = [each for each in read.unitDefinitions if each.name == "N/mm"]
+    assert f"95 % interval {low:.6g} to {high:.6g} N/mm" in expected["k[1]"].description
+    (unit,) = [item for item in read.unitDefinitions if item.name == "N/mm"]
     assert unit.baseUnit.factor == pytest.approx(1e3)
     assert (unit.baseUnit.kg, unit.baseUnit.s) == (1, -2)
 
     t = np.array([0.0, 1.0, 2.0])
-    told = {"input": driven(t, [0, 8, 8]), "stop_time": 2.0, "output_interval": 1.0}
-    usual = simulate(path, **told)["F"]
+    values = {"input": driven(t, [0, 8, 8]), "stop_time": 2.0, "output_interval": 1.0}
+    usual = simulate(path, **values)["F"]
     assert usual[1] == pytest.approx(paper_seal.ramp_hold_force(1.0, depth=8e-3, ramp_time=1.0))
-    twice = {name: 2 * float(known[name].start) for name in ("k_inf", "k[1]", "k[2]")}
-    assert simulate(path, start_values=twice, **told)["F"] == pytest.approx(2 * usual)
+    twice = {name: 2 * float(expected[name].start) for name in ("k_inf", "k[1]", "k[2]")}
+    assert simulate(path, start_values=twice, **values)["F"] == pytest.approx(2 * usual)
     with pytest.raises(Exception, match=r"fmi[23]Set"):
-        simulate(path, start_values={"tau[1]": 0.0}, **told)
+        simulate(path, start_values={"tau[1]": 0.0}, **values)
     with pytest.raises(Exception, match=r"fmi[23]Set"):
-        simulate(path, start_values={"k_inf": float("nan")}, **told)
+        simulate(path, start_values={"k_inf": float("nan")}, **values)
 
 
 @every_form
 def test_the_archive_repeats_and_without_a_compiler_says_so(paper_seal, form, sources_only):
-    one, other = (TARGETS["fmu"](paper_seal, units="SI", form=form) for _ in range(2))
-    assert one.file_content == other.file_content
-    assert is_ours(one.file_content[:4096])
+    item, other = (TARGETS["fmu"](paper_seal, units="SI", form=form) for _ in range(2))
+    assert item.file_content == other.file_content
+    assert is_ours(item.file_content[:4096])
     # the line to type is that of this installation, and no part of the archive
-    assert f"sources only, no binaries (the compiler comes with: {sys.executable}" in one.summary
-    with zipfile.ZipFile(io.BytesIO(one.file_content)) as archive:
+    assert f"sources only, no binaries (the compiler comes with: {sys.executable}" in item.summary
+    with zipfile.ZipFile(io.BytesIO(item.file_content)) as archive:
         assert {entry.date_time for entry in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
         assert not [name for name in archive.namelist() if name.startswith("binaries")]
         page = archive.read("documentation/index.html").decode()
@@ -401,7 +401,7 @@ def test_the_archive_repeats_and_without_a_compiler_says_so(paper_seal, form, so
         assert sys.executable not in page
         described = archive.read("modelDescription.xml").decode()
     (token,) = re.findall(r'(?:guid|instantiationToken)="({.*?})"', described)
-    assert f'#define TOKEN "{token}"' in one
+    assert f'#define TOKEN "{token}"' in item
     stiffer = TARGETS["fmu"](1.001 * paper_seal, units="SI", form=form)
     assert token not in stiffer
 
@@ -414,7 +414,7 @@ def test_a_file_name_cannot_reach_the_code(paper_seal, name, build):
         paper_seal, specimen=Specimen(length=0.1, temperature=296.15),
         source=(Source(file=name, sha256="0" * 64),),
     )  # fmt: skip
-    header = [each for each in TARGETS["fmu"](fit, units="SI").splitlines() if each[:2] == "//"]
+    header = [line for line in TARGETS["fmu"](fit, units="SI").splitlines() if line[:2] == "//"]
     assert not [line for line in header if line.endswith(("\\", "??/"))]
     if shutil.which("cc"):
         assert build(fit, "fmi2")
@@ -473,8 +473,8 @@ def test_binaries_for_every_platform(paper_seal, form, tmp_path, monkeypatch):
         path = tmp_path / "unit.fmu"
         path.write_bytes(made[0])
         time = np.array([0.0, 1.0, 2.0])
-        found = simulate(
+        record = simulate(
             str(path), input=driven(time, [0, 8e-3, 8e-3]), stop_time=2.0, output_interval=1.0
         )
-        exact = paper_seal.ramp_hold_force(found["time"], depth=8e-3, ramp_time=1.0)
-        assert found["F"] == pytest.approx(exact, rel=1e-9)
+        exact = paper_seal.ramp_hold_force(record["time"], depth=8e-3, ramp_time=1.0)
+        assert record["F"] == pytest.approx(exact, rel=1e-9)

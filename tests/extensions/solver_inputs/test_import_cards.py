@@ -107,8 +107,8 @@ MSC = (
 def test_a_prony_card_has_its_complex_modulus(text, E, rel):
     fit = import_text(text)
     assert fit.unit == "Pa"
-    found = fit.solid.complex_stiffness(omega=2 * np.pi * HERTZ)
-    assert found == pytest.approx(young(E, TERMS, HERTZ), rel=rel)
+    stiffness = fit.solid.complex_stiffness(omega=2 * np.pi * HERTZ)
+    assert stiffness == pytest.approx(young(E, TERMS, HERTZ), rel=rel)
 
 
 @pytest.mark.parametrize("text", [ABAQUS, ANSYS], ids=["abaqus", "ansys"])
@@ -151,8 +151,10 @@ def test_a_bush_table_of_ours_comes_back(units, form):
     )
     fit = import_text(deck, units)
     f = np.geomspace(0.5, 30.0, 31)
-    found, exact = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (fit.solid, PAPER))
-    error = np.abs(found / exact - 1).max()
+    stiffness, exact = (
+        solid.complex_stiffness(omega=2 * np.pi * f) for solid in (fit.solid, PAPER)
+    )
+    error = np.abs(stiffness / exact - 1).max()
     print(f"{form} {units}: {error:.1e}")
     assert error < 1e-3
     assert fit.unit == "N/m"
@@ -163,8 +165,8 @@ def test_a_discrete_network_of_ours_comes_back(units):
     seal = PAPER + GeneralizedMaxwell(0.0, b=0.4)
     fit = import_text(TARGETS["lsdyna"](seal, units=units), units)
     f = np.geomspace(0.001, 100.0, 31)
-    found, exact = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (fit.solid, seal))
-    assert found == pytest.approx(exact, rel=2e-5)  # fields of nine columns
+    stiffness, exact = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (fit.solid, seal))
+    assert stiffness == pytest.approx(exact, rel=2e-5)  # fields of nine columns
 
 
 @pytest.mark.parametrize(
@@ -301,13 +303,13 @@ def test_an_arm_of_a_tenth_has_the_deviation_of_the_bound(tau, ramp, percent):
         machine=None,
     )  # fmt: skip
     arms, _ = find_testable_arms(model, bench)
-    (found,) = [arm for arm in arms if arm.tau == tau]
+    (result,) = [arm for arm in arms if arm.tau == tau]
     digits = {269: 0.5, 78: 0.5, 781: 0.5}.get(percent, 0.05)
-    print(f"{100 * found.k_sd:.4g} %")
-    assert 100 * found.k_sd == pytest.approx(percent, abs=digits)
+    print(f"{100 * result.k_sd:.4g} %")
+    assert 100 * result.k_sd == pytest.approx(percent, abs=digits)
     at = model.tau.index(tau)
-    assert found.k_sd == pytest.approx(fisher(model, ramp, 40.0)[at], rel=0.01)
-    assert found.is_determined == (percent < 33 and found.tau_sd < 0.5)
+    assert result.k_sd == pytest.approx(fisher(model, ramp, 40.0)[at], rel=0.01)
+    assert result.is_determined == (percent < 33 and result.tau_sd < 0.5)
 
 
 def test_a_faster_ramp_widens_the_band():
@@ -341,22 +343,22 @@ def test_import_says_what_a_test_could_tell_and_predict_takes_the_model(folder):
     assert "269 %" in done.stdout
     fit = json.loads(Path("seal.json").read_text())
     assert fit["schema"].startswith("dashpot/fit@")
-    found = run_json("predict", "seal.json", "--mass", "104.0426g", "--seals", 2)
-    s = 2j * np.pi * np.array(found["frequency_hz"])[1:]
+    document = run_json("predict", "seal.json", "--mass", "104.0426g", "--seals", 2)
+    s = 2j * np.pi * np.array(document["frequency_hz"])[1:]
     model = TABLE_1 + GeneralizedMaxwell(0.0, (19.65,), (0.01,))
     k, tau = np.array(model.k)[:, None], np.array(model.tau)[:, None]
     K = 2 * (model.k_inf + (k * s * tau / (1 + s * tau)).sum(axis=0))
     exact = s**2 / (0.1040426 * s**2 + K)
-    value = np.array(found["real"])[1:] + 1j * np.array(found["imag"])[1:]
+    value = np.array(document["real"])[1:] + 1j * np.array(document["imag"])[1:]
     assert value == pytest.approx(exact, rel=1e-3)
     assert "no test" in done.stdout
 
 
 def test_import_as_json_lists_each_arm(folder):
-    found = run_json("import", "seal.k", "--unit-system", "mm-t-s", *TERMS_OF_TEST)
-    assert found["schema"] == "dashpot/imported@1"
-    assert [arm["determined"] for arm in found["arms"]] == [False, True, True]
-    assert found["arms"][0]["k_sd"] == pytest.approx(2.69, rel=0.005)
+    document = run_json("import", "seal.k", "--unit-system", "mm-t-s", *TERMS_OF_TEST)
+    assert document["schema"] == "dashpot/imported@1"
+    assert [arm["determined"] for arm in document["arms"]] == [False, True, True]
+    assert document["arms"][0]["k_sd"] == pytest.approx(2.69, rel=0.005)
 
 
 def test_a_card_of_a_material_goes_to_a_part_and_back_to_a_card(folder):
@@ -440,8 +442,8 @@ TBTEMP,0
 def test_rows_of_ansys_without_a_number_go_on_where_the_last_ended():
     rows = "".join(f"TBDATA,, {g} , {tau} , \n" for g, tau in TERMS)
     fit = import_text(ANSYS_IN_PAIRS.format(rows=rows))
-    found = fit.solid.complex_stiffness(omega=2 * np.pi * HERTZ)
-    assert found == pytest.approx(young(3e6, TERMS, HERTZ), rel=1e-12)
+    stiffness = fit.solid.complex_stiffness(omega=2 * np.pi * HERTZ)
+    assert stiffness == pytest.approx(young(3e6, TERMS, HERTZ), rel=1e-12)
 
 
 def test_matve_that_is_written_is_read():

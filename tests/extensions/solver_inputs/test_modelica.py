@@ -46,7 +46,7 @@ def evaluate(node, values, s):
     if isinstance(node, ast.ComponentRef):
         return values[node.name]
     operator = getattr(node.operator, "name", node.operator)
-    parts = [evaluate(each, values, s) for each in node.operands]
+    parts = [evaluate(item, values, s) for item in node.operands]
     if operator == "der":
         return s * parts[0]
     if operator == "*":
@@ -59,19 +59,21 @@ def evaluate(node, values, s):
 
 def stiffness_of(flat, s):
     """Force at flange b that moves it by one while flange a is held: the equations, solved."""
-    names, known = [], {}
+    names, expected = [], {}
     for name, symbol in flat.symbols.items():
         if "parameter" in symbol.prefixes:
-            known[name] = symbol.value
+            expected[name] = symbol.value
         else:
             names.append(name)
-    given = {name: float(value.value) for name, value in known.items() if "." not in name}
-    known = given | {n: evaluate(value, given, s) for n, value in known.items() if "." in n}
+    inputs = {name: float(value.value) for name, value in expected.items() if "." not in name}
+    expected = inputs | {n: evaluate(value, inputs, s) for n, value in expected.items() if "." in n}
 
     def residuals(motion):
-        values = known | dict(zip(names, motion, strict=True))
-        found = [evaluate(e.left, values, s) - evaluate(e.right, values, s) for e in flat.equations]
-        return np.array([*found, values["flange_a.s"], values["flange_b.s"] - 1.0], complex)
+        values = expected | dict(zip(names, motion, strict=True))
+        result = [
+            evaluate(e.left, values, s) - evaluate(e.right, values, s) for e in flat.equations
+        ]
+        return np.array([*result, values["flange_a.s"], values["flange_b.s"] - 1.0], complex)
 
     rest = residuals(np.zeros(len(names)))
     A = np.column_stack([residuals(unit) - rest for unit in np.eye(len(names))])

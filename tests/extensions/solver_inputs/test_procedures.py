@@ -15,13 +15,13 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 def test_every_procedure_is_as_the_table_says(task):
     (run,) = [run for run in read_runs() if (run.target, run.form, *run[3:5]) == task]
     try:
-        found = procedures.measure(*task)
+        measure = procedures.measure(*task)
     except Missing as missing:
         pytest.skip(str(missing))
-    print(f"{found:.2e}, in the table {run.deviation:.2e}")
-    assert found <= 1.2 * run.deviation + 1e-6
+    print(f"{measure:.2e}, in the table {run.deviation:.2e}")
+    assert measure <= 1.2 * run.deviation + 1e-6
     if not run.is_right:
-        assert found >= 0.8 * run.deviation, "it is better than the header says: write the table"
+        assert measure >= 0.8 * run.deviation, "it is better than the header says: write the table"
 
 
 def test_the_table_has_what_is_run_and_no_more():
@@ -54,13 +54,13 @@ def test_the_header_says_what_the_table_says(target, form, b):
             if f" {'right' if run.is_right else 'WRONG'} under " in line
         ]  # fmt: skip
         assert run.solver in header
-        (said,) = [
+        (message,) = [
             part for part in line.partition(" under ")[2].split("; ")
             if part.startswith(f"{run.procedure}: ")
         ]  # fmt: skip
-        assert f"{run.deviation:.1e} {run.case.partition(',')[0]}" in said
+        assert f"{run.deviation:.1e} {run.case.partition(',')[0]}" in message
 
 
 def test_where_no_solver_ran_the_header_says_so():
-    (said,) = format_procedures("opensees", "of nobody")
-    assert said.startswith("not solver-verified: only read")
+    (message,) = format_procedures("opensees", "of nobody")
+    assert message.startswith("not solver-verified: only read")

@@ -62,9 +62,9 @@ def test_comsol_table_interpolates_to_the_stiffness(unit_system, unit):
     frequency, storage, loss = np.loadtxt(io.StringIO(deck), comments="%").T
     middle = np.sqrt(frequency[:-1] * frequency[1:])
     for f in middle:
-        found = complex(np.interp(f, frequency, storage), np.interp(f, frequency, loss)) / unit
+        result = complex(np.interp(f, frequency, storage), np.interp(f, frequency, loss)) / unit
         wanted = compute_stiffness(f)
-        assert abs(found - wanted) <= 1e-3 * wanted.imag
+        assert abs(result - wanted) <= 1e-3 * wanted.imag
 
 
 def test_comsol_branches_add_to_the_long_term_modulus():

@@ -59,8 +59,13 @@ def test_a_latched_door_and_who_holds_its_energy():
     system = assembly.system()
     modes = complex_modes(system)
     assert [m.frequency for m in modes] == pytest.approx([56.112, 88.891, 204.703], abs=1e-3)
-    shares = [{one.name: one.energy for one in energy_shares(system, m)} for m in modes]
-    assert [100 * one["seal"] for one in shares] == pytest.approx([5.990, 3.829, 0.673], abs=1e-3)
+    shares = [
+        {energy_share.name: energy_share.energy for energy_share in energy_shares(system, m)}
+        for m in modes
+    ]
+    assert [100 * share["seal"] for share in shares] == pytest.approx(
+        [5.990, 3.829, 0.673], abs=1e-3
+    )
     assert list(shares[0]) == ["hinge 1", "hinge 2", "latch", "seal"]
 
 
@@ -87,8 +92,8 @@ def test_the_tangent_at_the_local_compression_holds_the_door():
                    1.75 - gauss, 1.75 + gauss])  # fmt: skip
     at = at[at > 0.5]  # before it does not reach
     assert [mount.at[0] for mount in mounts] == pytest.approx(at.tolist())
-    known = 0.25 * law.tangent(-0.002 + 0.004 * at) * [1, 1, 1, 1, 2, 2]
-    assert [mount.solid.k_inf for mount in mounts] == pytest.approx(known.tolist())
+    expected = 0.25 * law.tangent(-0.002 + 0.004 * at) * [1, 1, 1, 1, 2, 2]
+    assert [mount.solid.k_inf for mount in mounts] == pytest.approx(expected.tolist())
     assert {mount.name for mount in mounts} == {"seal"}
     with pytest.raises(DataError, match="how far it is pressed along the line is not stated"):
         replace(straight, compression=None).mounts("door", 0.5)
@@ -115,10 +120,10 @@ def test_six_rigid_modes_give_mass_centre_and_tensor():
         (np.einsum("pij,jr->rpi", motions, mixed), draw.standard_normal((1, 20, 3)))
     )
     modes = FreeModes([0.0] * 6 + [40.0], place, shape)
-    found = rigid_of(modes)
-    assert found.mass == pytest.approx(MASS)
-    assert found.centre == pytest.approx(centre)
-    assert np.array(found.inertia) == pytest.approx(tensor)
+    rigid_part = rigid_of(modes)
+    assert rigid_part.mass == pytest.approx(MASS)
+    assert rigid_part.centre == pytest.approx(centre)
+    assert np.array(rigid_part.inertia) == pytest.approx(tensor)
     body = Assembly(Door(modes=ModesChoice("door.unv")), modes).body()
     assert (body.mass, len(body.motions)) == (pytest.approx(MASS), 7)
     skewed = replace(modes, shapes=modes.shapes * np.array([1.5] + [1] * 6)[:, None, None])
@@ -157,13 +162,13 @@ def test_free_modes_under_a_seal_and_under_stiff_hinges():
         return Assembly(replace(plate, seal=choice), modes)
 
     for hinge, few, missing in ((0.0, 8, 1e-3), (5e6, 24, 0.02)):
-        exact, found = (
+        exact, result = (
             np.array(
                 [mode.frequency for mode in oscillations(build_assembly(n, hinge).system())[:5]]
             )
             for n in (100, few)
         )
-        error = float(np.abs(found / exact - 1).max())
+        error = float(np.abs(result / exact - 1).max())
         assert error < missing
         if hinge:
             assert basis_error(build_assembly(few, hinge), 250.0) == pytest.approx(error, rel=0.5)
@@ -183,8 +188,8 @@ def test_door_modes_are_checked_to_half_the_highest_plate_mode(monkeypatch):
     assembly = Assembly(replace(plate, seal=replace(plate.seal, pitch=0.3)), modes)
     for below in (np.inf, 20.0):
         basis_error(assembly, below)
-    kept = np.sort(modes.frequency)[: len(modes) - 3]
+    retained = np.sort(modes.frequency)[: len(modes) - 3]
     count = len(assembly.system().dofs)
-    expected = [(n, limit) for limit in (kept[-1] / 2, 10.0) for n in (count, count - 3)]
+    expected = [(n, limit) for limit in (retained[-1] / 2, 10.0) for n in (count, count - 3)]
     assert limits == expected
-    assert kept[-1] > 20.0
+    assert retained[-1] > 20.0

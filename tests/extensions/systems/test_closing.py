@@ -119,11 +119,11 @@ def test_memory_as_an_independent_integration_has_it(speed):
     closed = lambda _, y: y[0]  # noqa: E731
     closed.terminal = True
     start = np.concatenate(([door.touching, -speed / WIDTH], np.zeros(2 * n)))
-    found = solve_ivp(rates, (0, 1), start, events=closed, rtol=1e-10, atol=1e-12, max_step=2e-4)
-    lost = 0.5 * INERTIA * ((speed / WIDTH) ** 2 - found.y[1, -1] ** 2)
+    solution = solve_ivp(rates, (0, 1), start, events=closed, rtol=1e-10, atol=1e-12, max_step=2e-4)
+    lost = 0.5 * INERTIA * ((speed / WIDTH) ** 2 - solution.y[1, -1] ** 2)
     done = march(door, np.array([speed]))
     assert sum_work(done) == pytest.approx(lost, rel=2e-6)
-    assert done.time[-1, 0] == pytest.approx(found.t[-1], rel=2e-5)
+    assert done.time[-1, 0] == pytest.approx(solution.t[-1], rel=2e-5)
 
 
 def test_a_fast_seal_absorbs_what_an_even_ramp_of_its_time_does():
@@ -144,8 +144,8 @@ def test_a_fast_seal_absorbs_what_an_even_ramp_of_its_time_does():
     # a door that slows takes longer everywhere: less than ramps at its first speed
     door = a_door(TABLE_1)
     first = sum(
-        each * ratio(6e-3 * WIDTH / lever) / 3
-        for each, lever in zip(door.length, door.lever, strict=True)
+        value * ratio(6e-3 * WIDTH / lever) / 3
+        for value, lever in zip(door.length, door.lever, strict=True)
     )
     assert 1.684 < sum_work(march(door, np.array([1.0]))) / 0.45 < first < 1.6855
 
@@ -211,12 +211,12 @@ def test_a_sealed_bulb_is_a_gas_spring(exponent, isothermal):
     done = march(a_door(vents=vents), np.array([3.0]))
     v = 1.2e-4, 1.2e-4 - 0.012 * 6e-3
     if isothermal:
-        each = air_flow.AMBIENT * (v[0] * np.log(v[0] / v[1]) - (v[0] - v[1]))
+        value = air_flow.AMBIENT * (v[0] * np.log(v[0] / v[1]) - (v[0] - v[1]))
     else:
         end = air_flow.AMBIENT * (v[0] / v[1]) ** 1.4
-        each = (end * v[1] - air_flow.AMBIENT * v[0]) / 0.4 - air_flow.AMBIENT * (v[0] - v[1])
-    assert sum_work(done, "vents") == pytest.approx(3.0 * each, rel=1e-3)
-    assert done.stored["vents"][0] == pytest.approx(3.0 * each, rel=1e-9)
+        value = (end * v[1] - air_flow.AMBIENT * v[0]) / 0.4 - air_flow.AMBIENT * (v[0] - v[1])
+    assert sum_work(done, "vents") == pytest.approx(3.0 * value, rel=1e-3)
+    assert done.stored["vents"][0] == pytest.approx(3.0 * value, rel=1e-9)
 
 
 def test_wide_openings_resist_nothing():
@@ -325,11 +325,11 @@ def test_a_curved_law_and_its_tangent():
 
 def test_half_the_step_and_the_order_of_stations_change_nothing():
     door = a_door(TABLE_1, **EVERYTHING)
-    one, half = (march(door, np.array([2.5]), steps=n) for n in (200, 400))
-    assert sum_work(one) == pytest.approx(sum_work(half), rel=1e-3)
+    closing_history, half = (march(door, np.array([2.5]), steps=n) for n in (200, 400))
+    assert sum_work(closing_history) == pytest.approx(sum_work(half), rel=1e-3)
     only = a_door(TABLE_1)
-    one, half = (march(only, np.array([0.6]), steps=n) for n in (200, 400))
-    assert sum_work(one) == pytest.approx(sum_work(half), rel=2e-6)
+    closing_history, half = (march(only, np.array([0.6]), steps=n) for n in (200, 400))
+    assert sum_work(closing_history) == pytest.approx(sum_work(half), rel=2e-6)
     back = replace(door, **{n: getattr(door, n)[::-1] for n in ("lever", "compression", "length")})
     assert sum_work(march(back, np.array([2.5]))) == pytest.approx(
         sum_work(march(door, np.array([2.5]))), rel=1e-12
@@ -388,9 +388,9 @@ def test_arms_that_the_ramp_hides_can_only_harden_the_seal():
     doubt = SealDoubt(relative=0.02, delay=2e-4)
     # 5 ms hide in a 1 s ramp; the door feels them
     truth = TABLE_1 + GeneralizedMaxwell(0.0, (2e-4 * TABLE_1.k_0 / 5e-4,), (5e-4,))
-    found = close_door(a_door(TABLE_1), speed=1.0, doubt=doubt)
-    low, high = found.interval
-    assert low < found.minimum < least_speed(a_door(truth))[0] < high
+    closing = close_door(a_door(TABLE_1), speed=1.0, doubt=doubt)
+    low, high = closing.interval
+    assert low < closing.minimum < least_speed(a_door(truth))[0] < high
 
 
 def ramp_and_hold(fast, *, lag=0.0, seed=0):
@@ -405,9 +405,9 @@ def ramp_and_hold(fast, *, lag=0.0, seed=0):
     return dp.RelaxationTest(t + 0.5, 8e-3 * np.clip(t, 0, 1), force, units="SI")
 
 
-def compute_closing_speeds(fast, lag, **known):
+def compute_closing_speeds(fast, lag, **expected):
     """The least speed of a door on a fitted seal between its limits, and on the seal itself."""
-    test = replace(prepare(ramp_and_hold(fast, lag=lag)), machine=Machine(**known))
+    test = replace(prepare(ramp_and_hold(fast, lag=lag)), machine=Machine(**expected))
     fit = fit_tests(test, arms=2)
     per = K / 196.5
     low, high = close_door(
@@ -456,26 +456,26 @@ def a_file_door(**closing) -> Door:
 
 
 def test_a_door_of_a_file():
-    found = dp.systems.close_door(a_file_door(), speed="1m/s")
-    assert found.door.inertia == pytest.approx(10.08333, abs=1e-5)
-    assert found.minimum == pytest.approx(0.328634, abs=1e-5)
-    assert found.monotone
+    closing = dp.systems.close_door(a_file_door(), speed="1m/s")
+    assert closing.door.inertia == pytest.approx(10.08333, abs=1e-5)
+    assert closing.minimum == pytest.approx(0.328634, abs=1e-5)
+    assert closing.monotone
     flipped = a_file_door()
     flipped = replace(flipped, hinges=flipped.hinges[::-1])
-    assert dp.systems.close_door(flipped).minimum == pytest.approx(found.minimum)
+    assert dp.systems.close_door(flipped).minimum == pytest.approx(closing.minimum)
 
 
 def test_gravity_on_a_tilted_hinge():
     # the axis leans by 2 degrees towards the opening side: closing lifts or lowers the door
     lean = np.radians(2.0)
     door = a_file_door(gravity=(0.0, -np.cos(lean), np.sin(lean)), start=0.5)
-    found = dp.systems.close_door(door, speed=2.0)
+    closing = dp.systems.close_door(door, speed=2.0)
     drop = 25 * 9.80665 * 0.55 * np.sin(lean) * np.sin(0.5)
-    assert abs(found.share(GRAVITY).work) == pytest.approx(drop, rel=1e-4)
+    assert abs(closing.share(GRAVITY).work) == pytest.approx(drop, rel=1e-4)
     other = dp.systems.close_door(
         a_file_door(gravity=(0.0, -np.cos(lean), -np.sin(lean)), start=0.5), speed=2.0
     )
-    assert other.share(GRAVITY).work == pytest.approx(-found.share(GRAVITY).work, rel=1e-9)
+    assert other.share(GRAVITY).work == pytest.approx(-closing.share(GRAVITY).work, rel=1e-9)
     upright = dp.systems.close_door(a_file_door(gravity=(0.0, -1.0, 0.0), start=0.5), speed=2.0)
     assert upright.share(GRAVITY).work == pytest.approx(0.0, abs=1e-9)
 

@@ -91,20 +91,20 @@ def test_a_page_of_a_door_tells_of_modes_and_closing(tmp_path):
     page = tmp_path / "page.html"
     done = shell.did("predict", tmp_path / "door.toml", "--close", "1m/s", "--band", "1:120Hz",
                      "--json", "-o", page)  # fmt: skip
-    found, text = json.loads(done.stdout), page.read_text(encoding="utf-8")
+    document, text = json.loads(done.stdout), page.read_text(encoding="utf-8")
     # the whole bar of a mode is all of it, and the cells are the document's numbers
     bars = re.findall(r'<svg class="shares".*?</svg>', text)
-    assert len(bars) == 2 * len(found["modes"]) > 0
+    assert len(bars) == 2 * len(document["modes"]) > 0
     for bar in bars:
         assert sum(map(float, re.findall(r'width="([\d.]+)%"', bar))) == pytest.approx(100, abs=0.1)
-    for mode in found["modes"]:
+    for mode in document["modes"]:
         assert f"<b>{round_to_error(mode['frequency_hz'], digits=4)}</b>" in text
     for name in ("figure-line", "figure-shapes", "figure-waterfall", "figure-doors", "figure-frf"):
         assert text.count(f'id="{name}"') == 1
-    assert f">{found['verdict']['verdict_grade'].capitalize()}<" in text
+    assert f">{document['verdict']['verdict_grade'].capitalize()}<" in text
     marks = re.findall(r'<dd class="state (\w+)"', text.partition("</dl>")[0])
     worst = {"use": {"good", "note"}, "use with care": {"care"}, "do not use": {"bad"}}
-    assert max(marks, key=ORDER.index) in worst[found["verdict"]["verdict_grade"]]
+    assert max(marks, key=ORDER.index) in worst[document["verdict"]["verdict_grade"]]
 
 
 def ran(*words, code=0):
@@ -121,11 +121,11 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_the_least_speed_of_a_file(folder):
-    told = json.loads(ran(folder / "door.toml", "--close", "1m/s", "--json"))
-    assert told["schema"] == "dashpot/closing@2"
-    assert told["least_speed"] == pytest.approx(0.328634, abs=1e-4)
-    assert told["energy"] == pytest.approx(4.1667, abs=1e-4)
-    taken = {one["name"]: one["work"] for one in told["terms"]}
+    document = json.loads(ran(folder / "door.toml", "--close", "1m/s", "--json"))
+    assert document["schema"] == "dashpot/closing@2"
+    assert document["least_speed"] == pytest.approx(0.328634, abs=1e-4)
+    assert document["energy"] == pytest.approx(4.1667, abs=1e-4)
+    taken = {term["name"]: term["work"] for term in document["terms"]}
     assert taken["seal, elastic"] == pytest.approx(0.45, rel=1e-3)
     assert "it closes" in ran(folder / "door.toml", "--close", "1m/s")
     assert "The door does not close" in ran(folder / "door.toml", "--close", "0.3m/s")
@@ -149,13 +149,13 @@ def test_every_term_has_its_table(folder, tmp_path):
     names = ("hinge friction", "check", "latch", "vents", "air between seals", "cabin air")
     assert all(name in words for name in names)
     assert all(name in picture.read_text() for name in names)
-    told = json.loads(output.read_text())
-    assert len(told["scatter"]["least_speed"]) == 12
+    document = json.loads(output.read_text())
+    assert len(document["scatter"]["least_speed"]) == 12
     assert "12 doors, gap ±1 mm the same over 0.4" in words
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ('[closing]\nspeed = "1m/s"', "'speed' is unknown"),
         ('[closing]\nfriction = "-1N*m"', "friction = -1.0"),
@@ -167,10 +167,10 @@ def test_every_term_has_its_table(folder, tmp_path):
         ('[closing.between]\nwidth="1mm"\ndepth="1mm"\nprocess="slow"', "adiabatic or isoth"),
     ],
 )
-def test_what_cannot_be_is_refused(folder, text, said):
+def test_what_cannot_be_is_refused(folder, text, message):
     (folder / "door.toml").write_text(DOOR + text)
     words = ran(folder / "door.toml", "--close", "1m/s", code=2)
-    assert said in " ".join(words.split())
+    assert message in " ".join(words.split())
 
 
 def test_what_is_missing_is_named(folder):
@@ -191,8 +191,8 @@ def test_modes_and_closing_go_together(folder, monkeypatch):
     assert {name for name in both if name != "closing"} == set(
         json.loads(ran("door.toml", "--json"))
     )
-    said = ran("door.toml", "--modes", "--close", "1m/s", "-v")
-    assert "% of the energy" in said
-    assert "Least closing speed" in said
+    result = ran("door.toml", "--modes", "--close", "1m/s", "-v")
+    assert "% of the energy" in result
+    assert "Least closing speed" in result
     refused = ran("door.toml", "--modes", "--close", "1m/s", "--plot", "both.png", code=2)
     assert "leave out --modes or --close" in refused

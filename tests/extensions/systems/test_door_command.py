@@ -73,11 +73,11 @@ def test_the_rigid_door_of_the_reference(folder):
     point = document["frf"]["points"]["farthest from the hinges"]
     f = np.array(document["frf"]["frequency_hz"])
     top = {
-        name: f[np.argmax(np.abs(np.array(one["real"]) + 1j * np.array(one["imag"])))]
-        for name, one in point.items()
+        name: f[np.argmax(np.abs(np.array(entry["real"]) + 1j * np.array(entry["imag"])))]
+        for name, entry in point.items()
     }
     assert top["sealed"] == pytest.approx(205.6, abs=0.15)
-    assert min(abs(top["bare"] - one) for one in bare) < 0.1
+    assert min(abs(top["bare"] - value) for value in bare) < 0.1
 
 
 @pytest.mark.parametrize(
@@ -91,16 +91,16 @@ def test_the_same_door_in_the_cold_and_in_the_heat(folder, celsius, frequencies,
     """WLF, stiffness as T: numbers computed apart, where the seal is integrated exactly."""
     kelvin = [253.15, 296.15, 353.15]
     shifts = tuple(Shift(T, float(np.log10(SHIFT.a_t(T))), 0.0, T / 296.15) for T in kelvin)
-    moved = TemperatureShifts(
+    temperature_shifts = TemperatureShifts(
         SHIFT, shifts, np.zeros((6, 6)), ("c1", "c2"), np.zeros((2, 2)), vertical="T/T_r"
     )
     specimen = Specimen(length=0.05, temperature=296.15)
-    fit = a_fit(10 * BROAD, specimen=specimen, temperatures=moved)
+    fit = a_fit(10 * BROAD, specimen=specimen, temperatures=temperature_shifts)
     (folder / "fit.json").write_text(to_json(fit))
     words = ("--band", "1:250Hz", "--temperature", f"{celsius}degC")
     modes = predict_door(folder, '"20mm"', '"10mm"', *words)["modes"]
-    assert [one["frequency_hz"] for one in modes] == pytest.approx(frequencies, rel=5e-6)
-    damped = [one["damping_ratio"] for one in modes[: len(ratios)]]
+    assert [mode["frequency_hz"] for mode in modes] == pytest.approx(frequencies, rel=5e-6)
+    damped = [mode["damping_ratio"] for mode in modes[: len(ratios)]]
     assert damped == pytest.approx(ratios, rel=1e-3, abs=6e-8)
 
 
@@ -221,9 +221,9 @@ def test_what_a_door_cannot_be(folder, old, new, sentence):
     text = PLATE.replace(old, new, 1)
     assert text != PLATE
     (folder / "door.toml").write_text(text)
-    said = " ".join(ran(folder / "door.toml", code=2).output.split())
-    assert sentence in said
-    assert "Traceback" not in said
+    message = " ".join(ran(folder / "door.toml", code=2).output.split())
+    assert sentence in message
+    assert "Traceback" not in message
 
 
 @pytest.mark.parametrize(
@@ -245,8 +245,8 @@ def test_door_reports_contradicting_plate_modes(tmp_path, change, word, sentence
     path.write_text(path.read_text().replace(*change))
     fit = a_fit(BROAD, specimen=Specimen(length=0.1), band=(1e-3, 1e3))
     (tmp_path / "fit.json").write_text(to_json(fit))
-    told = shell.ran("predict", tmp_path / "door.toml", "--json", "--strict")
-    assert sentence in told.output.replace("\n  ", " ")
+    result = shell.ran("predict", tmp_path / "door.toml", "--json", "--strict")
+    assert sentence in result.output.replace("\n  ", " ")
 
 
 def test_export_of_a_door_line_has_its_stiffness(folder):
@@ -254,13 +254,13 @@ def test_export_of_a_door_line_has_its_stiffness(folder):
     (folder / "door.toml").write_text(PLATE.replace("pitch", gaps))
     words = ["export", folder / "fit.json", "--to", "nastran", "--unit-system", "mm-t-s", "--line",
              folder / "door.toml", "-o", folder / "line.bdf"]  # fmt: skip
-    told = shell.ran(*words)
-    assert told.exit_code == 0, told.output
+    result = shell.ran(*words)
+    assert result.exit_code == 0, result.output
     text = (folder / "line.bdf").read_text()
     assert text.count("CBUSH") == 116
     assert "116 more do not touch and are left out" in text
-    told = shell.ran(*words, "--normal", "0,0,1", "--overwrite")
-    assert told.exit_code == 2
+    result = shell.ran(*words, "--normal", "0,0,1", "--overwrite")
+    assert result.exit_code == 2
 
 
 def test_door_lists_a_fitted_bumper_next_to_the_latch(folder):

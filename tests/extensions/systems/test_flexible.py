@@ -42,8 +42,8 @@ def beam(modes: int, solid: GeneralizedMaxwell, *, to: float = 1.0, pieces: int 
 def test_a_beam_on_a_seal_is_exact(solid, exact):
     r"""Roots of :math:`s^2\mu + EI(n\pi/L)^4 + \kappa(s) = 0`, found apart; 50 mm carry `solid`."""
     system = beam(3, 20 * solid)
-    for found in (complex_modes(system), newton_modes(system)):
-        for mode, words in zip(found, exact, strict=False):
+    for result in (complex_modes(system), newton_modes(system)):
+        for mode, words in zip(result, exact, strict=False):
             for value, word in zip(
                 (mode.frequency, mode.damping_ratio), words.split(), strict=True
             ):
@@ -65,12 +65,12 @@ def test_half_a_seal_converges_with_the_modes(modes, hertz):
 def rigid_shapes(place: np.ndarray, mass: float, inertia: np.ndarray) -> np.ndarray:
     """Six rigid modes of modal mass 1 of a body about the origin, shape (6, p, 3)."""
     x, y, z = place.T
-    nil, one = np.zeros_like(x), np.ones_like(x)
+    nil, ones_like = np.zeros_like(x), np.ones_like(x)
     motions = np.array(
         [
-            (one, nil, nil),
-            (nil, one, nil),
-            (nil, nil, one),
+            (ones_like, nil, nil),
+            (nil, ones_like, nil),
+            (nil, nil, ones_like),
             (nil, -z, y),
             (z, nil, -x),
             (-y, x, nil),
@@ -138,8 +138,8 @@ def test_a_free_free_beam_hung_by_both_of_its_models():
         node = int(np.abs(x - at).argmin())
         K[node, node] += k
     exact = np.sqrt(np.linalg.eigvalsh(K / root / root[:, None])) / (2 * np.pi)
-    found = [mode.frequency for mode in complex_modes(bent)[:4]]
-    assert found == pytest.approx(exact[:4], rel=1e-8)
+    frequencies = [mode.frequency for mode in complex_modes(bent)[:4]]
+    assert frequencies == pytest.approx(exact[:4], rel=1e-8)
     tip = Point("beam", (1.0, 0.0, 0.0))
     H = bent.frf(response=tip, force=tip, frequency=[7.0, 40.0], kind="receptance").value
     for f, value in zip((7.0, 40.0), H, strict=True):
@@ -162,9 +162,9 @@ def test_energy_shares_add_up_and_their_losses_are_the_damping():
     mounts.append(Mount(net.spring(1e5), ("plate", "ground"), along=(1.0, 0.0, 0.0), name="x"))
     system = System((body,), tuple(mounts))
     for mode in newton_modes(system):
-        shares = {one.name: one for one in energy_shares(system, mode)}
+        shares = {energy_share.name: energy_share for energy_share in energy_shares(system, mode)}
         assert list(shares) == ["seal", "hinge", "x"]
-        assert sum(one.energy for one in shares.values()) == pytest.approx(1)
+        assert sum(share.energy for share in shares.values()) == pytest.approx(1)
         assert shares["hinge"].loss == shares["x"].loss == 0
         assert shares["seal"].loss == pytest.approx(2 * mode.damping_ratio, rel=0.02, abs=1e-12)
 

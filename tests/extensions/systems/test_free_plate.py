@@ -13,9 +13,9 @@ CORNERS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0.5, 0.5, 0)]
 def test_a_free_square_plate_is_that_of_leissa():
     r"""Leissa (1973), :math:`\omega a^2 \sqrt{\rho h / D}` at a Poisson ratio of 0.3, by Ritz."""
     modes = free_plate(CORNERS, width=1.0, height=1.0, mass=1.0, rigidity=1.0)
-    found = 2 * np.pi * modes.frequency
-    assert found[:3].tolist() == [0, 0, 0]
-    assert found[3:8] == pytest.approx([13.489, 19.789, 24.432, 35.024, 35.024], rel=0.012)
+    result = 2 * np.pi * modes.frequency
+    assert result[:3].tolist() == [0, 0, 0]
+    assert result[3:8] == pytest.approx([13.489, 19.789, 24.432, 35.024, 35.024], rel=0.012)
     assert modes.rigid.tolist() == [True] * 3 + [False] * 8
 
 

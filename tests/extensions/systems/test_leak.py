@@ -90,11 +90,11 @@ def test_wider_gap_lifts_a_seal_that_has_no_time_to_follow():
 def test_cold_seal_follows_later_in_denser_air(folder: Path):
     kelvin, cold, gap, after = (253.15, 273.15, 296.15), 253.15, 1e-3, 2.0
     shifts = tuple(Shift(T, float(np.log10(SHIFT.a_t(T))), 0.0, T / 296.15) for T in kelvin)
-    moved = TemperatureShifts(
+    temperature_shifts = TemperatureShifts(
         SHIFT, shifts, np.zeros((6, 6)), ("c1", "c2"), np.zeros((2, 2)), vertical="T/T_r"
     )
     fit = a_fit(
-        SEAL, specimen=Specimen(temperature=296.15), temperatures=moved,
+        SEAL, specimen=Specimen(temperature=296.15), temperatures=temperature_shifts,
         elastic_law=ElasticLaw.linear(K_INF, 8e-3),
     )  # fmt: skip
     (folder / "fit.json").write_text(to_json(fit), encoding="utf-8")
@@ -137,10 +137,10 @@ def test_limits_hold_the_truth_of_foreign_seals_and_doors():
         ):
             case = SectionState(state, section, 1.204, retained)
             leak = find_leak(case, setup, fit=fit, compression=np.array([6e-3]), factor=np.ones(1))
-            left = 1.0 if i == 0 else 0.7 + 0.1 / 1.96 * r.standard_normal()
+            scatter = 1.0 if i == 0 else 0.7 + 0.1 / 1.96 * r.standard_normal()
             pressed = 6e-3 - gap - state.gap
             truth = np.sqrt(
-                2 * 20 * k_inf * pressed * left / ((10e-3 + lip) * 1.204 * (1 + coefficient))
+                2 * 20 * k_inf * pressed * scatter / ((10e-3 + lip) * 1.204 * (1 + coefficient))
             )
             inside[i] += leak.limits[0, 0] <= truth <= leak.limits[1, 0]
     assert (inside / seeds >= 0.92).all()
@@ -211,8 +211,12 @@ def test_leak_speed_names_what_the_file_lacks(folder: Path, text: str, message: 
 
 
 def test_leak_speed_of_extrapolated_aging_is_doubted(folder: Path):
-    one = lot(Rubber(), 0)
-    tests = [CSRTest(one.hours, one.force, one.celsius, one.specimen_number, units="h, N, degC")]
+    record = lot(Rubber(), 0)
+    tests = [
+        CSRTest(
+            record.hours, record.force, record.celsius, record.specimen_number, units="h, N, degC"
+        )
+    ]
     (folder / "csr.json").write_text(to_json(fit_aging(tests)), encoding="utf-8")
     state = '[[leak.state]]\nname = "aged"\naging = "csr.json"\naging_time = "{}"\n'
     aged = DOOR + state.format("500000h") + 'aging_temperature = "20degC"\n'

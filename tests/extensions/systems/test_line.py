@@ -95,7 +95,7 @@ def test_a_line_that_lifts_off_is_the_integral_of_what_touches(pitch):
         seal = SealLine([(0, 0, 0), (1, 0, 0)], pressed, section, normal=(0, 1, 0))
         mounts = seal.mounts("door", pitch)
         for power in range(4):
-            whole = sum(one.solid.k_inf * one.at[0] ** power for one in mounts)
+            whole = sum(mount.solid.k_inf * mount.at[0] ** power for mount in mounts)
             exact = (last ** (power + 1) - first ** (power + 1)) / (power + 1)
             assert whole == pytest.approx(KAPPA * (1 + ACROSS + ALONG) * exact, rel=1e-12)
 
@@ -111,8 +111,8 @@ def test_a_line_that_lifts_off_is_the_integral_of_what_touches(pitch):
 )  # fmt: skip
 def test_the_modes_of_the_door(door, shear, hertz):
     assembly = Assembly(replace(door, line=line(shear)))
-    found = [mode.frequency for mode in complex_modes(assembly.system())]
-    assert found == pytest.approx(hertz, rel=2e-8)
+    frequencies = [mode.frequency for mode in complex_modes(assembly.system())]
+    assert frequencies == pytest.approx(hertz, rel=2e-8)
 
 
 def test_line_check_reports_unsupported_lateral_motion():
@@ -120,10 +120,10 @@ def test_line_check_reports_unsupported_lateral_motion():
     count, slowest = count_lateral_free_motions(Assembly(ON_ITS_SEAL))
     assert count == 3
     assert slowest == pytest.approx(0.354, abs=5e-4)
-    told = lateral_restraint_present(count, slowest)
-    assert told.failed
-    assert "In-plane motion is held by nothing" in told.message
-    assert "3 motions are free from 0.354 Hz" in told.message
+    finding = lateral_restraint_present(count, slowest)
+    assert finding.failed
+    assert "In-plane motion is held by nothing" in finding.message
+    assert "3 motions are free from 0.354 Hz" in finding.message
     assert count_lateral_free_motions(Assembly(HELD)) == (0, None)
     flat = replace(line(), normal=np.array([0.0, 1.0, 0.0]))
     assert count_lateral_free_motions(Assembly(replace(ON_ITS_SEAL, line=flat))) == (3, None)
@@ -171,16 +171,16 @@ def block(shear: Shear) -> System:
 
 
 @pytest.mark.parametrize(
-    ("shear", "known"),
-    [*((Shear(ratio), known) for ratio, known in R.items()),
+    ("shear", "expected"),
+    [*((Shear(ratio), expected) for ratio, expected in R.items()),
      (Shear(20 * 0.35 * FIRMER), OWN)],
 )  # fmt: skip
-def test_a_block_on_two_seals_with_shear(shear, known):
+def test_a_block_on_two_seals_with_shear(shear, expected):
     """The nonlinear eigenproblem, solved apart; the last with arms of its own across."""
-    found = [mode for mode in complex_modes(block(shear)) if mode.oscillates]
-    assert [mode.frequency for mode in found] == pytest.approx([f for f, _ in known], rel=1e-6)
-    damped = [mode.damping_ratio for mode in found]
-    assert damped == pytest.approx([zeta for _, zeta in known], rel=1e-5)
+    result = [mode for mode in complex_modes(block(shear)) if mode.oscillates]
+    assert [mode.frequency for mode in result] == pytest.approx([f for f, _ in expected], rel=1e-6)
+    damped = [mode.damping_ratio for mode in result]
+    assert damped == pytest.approx([zeta for _, zeta in expected], rel=1e-5)
 
 
 # -- friction ------------------------------------------------------------------------------------
@@ -202,12 +202,12 @@ def test_a_pressed_seal_sticks_by_coulombs_law():
     kt = 0.35 * 0.05 * KAPPA
     mounts = compute_friction(0.4, kt / PAPER.k_inf)[0].mounts("block", "25mm")
     rubs = [mount.friction for mount in mounts if mount.friction is not None]
-    assert sum(one.slip for one in rubs) == pytest.approx(0.4716)
-    assert sum(one.k for one in rubs) == pytest.approx(kt)
+    assert sum(item.slip for item in rubs) == pytest.approx(0.4716)
+    assert sum(item.k for item in rubs) == pytest.approx(kt)
     assert rubs[0].yields_at == pytest.approx(4.06e-3, abs=2e-6)
     joint = replace(compute_friction(0.4, 0.5)[0], joints=(Joint(0.025, 0.05, 2.0),))
     rubs = [mount.friction for mount in joint.mounts("block", "25mm") if mount.friction]
-    assert sum(one.slip for one in rubs) == pytest.approx(2 * 0.4716)
+    assert sum(item.slip for item in rubs) == pytest.approx(2 * 0.4716)
 
 
 @pytest.mark.parametrize(
@@ -230,18 +230,18 @@ def test_a_block_that_slips_across_its_seals(newton, hertz, metres):
         for mount in line.mounts("block", "25mm")
     ]  # fmt: skip
     block = System((Body("block", 0.1040426, free=("x",)),), tuple(mounts))
-    found = response_at_level(
+    level_response = response_at_level(
         block, response="block.x", force="block.x", level=newton, frequency=[hertz]
     )
-    assert abs(found.motion[0]) == pytest.approx(metres, rel=1e-6)
+    assert abs(level_response.motion[0]) == pytest.approx(metres, rel=1e-6)
 
 
 def test_a_seal_that_sticks_is_a_spring_more():
     mounts = compute_friction(0.4, 0.2)[0].mounts("block", "25mm")
     stuck = line_mounts(compute_friction(0.4, 0.2)[0], "block", "25mm", stuck=True)
     assert len(stuck) == len(mounts) + 2
-    assert not any(one.friction for one in stuck)
-    across = [one.solid.k_inf for one in stuck if abs(one.along[0]) > 0.5]
+    assert not any(item.friction for item in stuck)
+    across = [item.solid.k_inf for item in stuck if abs(item.along[0]) > 0.5]
     assert sum(across) == pytest.approx((0.35 + 0.2) * PAPER.k_inf)
 
 
@@ -321,8 +321,8 @@ def test_lateral_fit_is_valid_only_in_its_band(folder, high, informed):
     fit = a_fit(spring, specimen=specimen, band=(1e-2, high))
     (folder / "side.json").write_text(to_json(fit))
     (folder / "door.toml").write_text(FILE.replace("across = 0.35", 'across = "side.json"'))
-    told = shell.ran("predict", folder / "door.toml", "--json")
-    checks = {one["name"]: one["passed"] for one in json.loads(told.stdout)["checks"]}
+    result = shell.ran("predict", folder / "door.toml", "--json")
+    checks = {check["name"]: check["passed"] for check in json.loads(result.stdout)["checks"]}
     assert checks["door_modes_in_valid_band"] is informed
 
 
@@ -330,11 +330,11 @@ def test_lateral_fit_is_valid_only_in_its_band(folder, high, informed):
 def test_the_file_of_a_door_says_its_shear(folder, across):
     """As a ratio, or as a fit of its own: the modes are those of the stated door."""
     (folder / "door.toml").write_text(FILE.replace("across = 0.35", f"across = {across}"))
-    told = shell.ran("predict", folder / "door.toml", "--json")
-    assert told.exit_code == 0, told.output
-    document = json.loads(told.stdout)
-    found = [mode["frequency_hz"] for mode in document["modes"]]
-    assert found == pytest.approx(ALONE, rel=1e-7)
+    result = shell.ran("predict", folder / "door.toml", "--json")
+    assert result.exit_code == 0, result.output
+    document = json.loads(result.stdout)
+    outcome = [mode["frequency_hz"] for mode in document["modes"]]
+    assert outcome == pytest.approx(ALONE, rel=1e-7)
     assert all(mode["shares"][0]["energy"] == pytest.approx(1) for mode in document["modes"])
     whole = 4.0 * KAPPA
     sideways = {"across": 0.35 * whole, "along": 0.15 * whole}
@@ -344,11 +344,11 @@ def test_the_file_of_a_door_says_its_shear(folder, across):
 
 def test_door_reports_a_seal_without_shear(folder):
     (folder / "door.toml").write_text(FILE.partition("[seal.shear]")[0])
-    told = shell.ran("predict", folder / "door.toml")
-    assert told.exit_code == 0, told.output
-    said = " ".join(told.output.split())
-    assert "n-plane motion is held by nothing: no shear is given, and 3 motions are free" in said
-    assert "across and along in [seal.shear]" in said
+    result = shell.ran("predict", folder / "door.toml")
+    assert result.exit_code == 0, result.output
+    text = " ".join(result.output.split())
+    assert "n-plane motion is held by nothing: no shear is given, and 3 motions are free" in text
+    assert "across and along in [seal.shear]" in text
 
 
 def test_the_file_of_a_door_says_its_friction(folder):
@@ -356,13 +356,13 @@ def test_the_file_of_a_door_says_its_friction(folder):
     rubs = FILE.replace("across = 0.35", "across = 0.20").replace("along = 0.15", "along = 0.05")
     rubs += "[seal.friction]\nmu = 0.4\nacross = 0.15\nalong = 0.10\n"
     (folder / "door.toml").write_text(rubs.replace("pitch", 'compression = "6mm"\npitch'))
-    told = shell.ran("predict", folder / "door.toml", "-o", folder / "door.json")
-    assert told.exit_code == 0, told.output
+    result = shell.ran("predict", folder / "door.toml", "-o", folder / "door.json")
+    assert result.exit_code == 0, result.output
     document = json.loads((folder / "door.json").read_text())
-    assert [one["frequency_hz"] for one in document["modes"]] == pytest.approx(ALONE, rel=1e-7)
+    assert [mode["frequency_hz"] for mode in document["modes"]] == pytest.approx(ALONE, rel=1e-7)
     assert document["seal"]["slip_limit"] == pytest.approx(0.4 * 0.006 / 0.15)
-    said = " ".join(told.output.split())
-    assert "its friction sticks sideways up to 16.0 mm; the modes are of a seal that sticks" in said
+    text = " ".join(result.output.split())
+    assert "its friction sticks sideways up to 16.0 mm; the modes are of a seal that sticks" in text
 
 
 @pytest.mark.parametrize(
@@ -388,27 +388,27 @@ def test_what_a_line_cannot_be(folder, old, new, sentence):
     text = FILE.replace(old, new).replace('tilt = "15deg"\n', "" if "normal" in old else
                                           'tilt = "15deg"\n')  # fmt: skip
     (folder / "door.toml").write_text(text)
-    told = shell.ran("predict", folder / "door.toml")
-    assert told.exit_code == 2, told.output
-    said = " ".join(told.output.split())
-    assert re.search(sentence, said), said
+    result = shell.ran("predict", folder / "door.toml")
+    assert result.exit_code == 2, result.output
+    message = " ".join(result.output.split())
+    assert re.search(sentence, message), message
 
 
 def test_the_deck_of_a_door_has_its_shear(folder):
     words = ["export", folder / "fit.json", "--to", "calculix", "--unit-system", "SI", "--line",
              folder / "door.toml", "--nominal", "12.71Hz", "--first-id", "501"]  # fmt: skip
-    told = shell.ran(*words)
-    assert told.exit_code == 0, told.output
-    assert "across it: 0.35 of it; along it: 0.15 of it" in told.stdout
-    assert "nodes 501 to 660" in told.stdout
+    result = shell.ran(*words)
+    assert result.exit_code == 0, result.output
+    assert "across it: 0.35 of it; along it: 0.15 of it" in result.stdout
+    assert "nodes 501 to 660" in result.stdout
     (folder / "door.toml").write_text(FILE.replace("across = 0.35", 'across = "side.json"'))
-    told = shell.ran(*words)
-    assert "across it: a stiffness of its own" in told.stdout
-    told = shell.ran(*words[:6], "--first-id", "501")
-    assert told.exit_code == 2
-    assert "add --line FILE" in told.output
+    result = shell.ran(*words)
+    assert "across it: a stiffness of its own" in result.stdout
+    result = shell.ran(*words[:6], "--first-id", "501")
+    assert result.exit_code == 2
+    assert "add --line FILE" in result.output
     rubs = FILE + "[seal.friction]\nmu = 0.4\nacross = 0.1\n"
     (folder / "door.toml").write_text(rubs)
-    told = shell.ran(*words)
-    assert told.exit_code == 2
-    assert "no deck of a line holds friction" in told.output
+    result = shell.ran(*words)
+    assert result.exit_code == 2
+    assert "no deck of a line holds friction" in result.output

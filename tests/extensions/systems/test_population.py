@@ -51,13 +51,15 @@ def folder(tmp_path_factory) -> Path:
 def test_mode_on_the_seal_scatters_by_half_of_the_stiffness(folder):
     """4 % between the seals and .8 % of the fit: 4.08 % of the stiffness, 2.04 % of a mode."""
     cars = predict_population(folder / "soft.toml", spread="4%")
-    for one in cars.quantities:
-        assert one.seal_share == pytest.approx(1.0, abs=1e-3)
-        assert 100 * one.sd == pytest.approx(2.04, abs=0.01)
-        assert 100 * one.between_sd == pytest.approx(2.0, abs=0.01)
-        assert 100 * one.mean_sd == pytest.approx(0.4, abs=0.01)
+    for quantity in cars.quantities:
+        assert quantity.seal_share == pytest.approx(1.0, abs=1e-3)
+        assert 100 * quantity.sd == pytest.approx(2.04, abs=0.01)
+        assert 100 * quantity.between_sd == pytest.approx(2.0, abs=0.01)
+        assert 100 * quantity.mean_sd == pytest.approx(0.4, abs=0.01)
         ratio = np.exp(1.96 * 0.02)
-        assert (one.low, one.high) == pytest.approx((one.value / ratio, one.value * ratio), 1e-3)
+        assert (quantity.low, quantity.high) == pytest.approx(
+            (quantity.value / ratio, quantity.value * ratio), 1e-3
+        )
 
 
 def test_a_stiffness_that_rises_with_frequency_scatters_a_mode_more(folder, tmp_path):
@@ -65,16 +67,16 @@ def test_a_stiffness_that_rises_with_frequency_scatters_a_mode_more(folder, tmp_
     fit = a_fit(10 * BROAD, specimen=Specimen(length=0.05, temperature=296.15), band=(1e-3, 1e3))
     (tmp_path / "fit.json").write_text(to_json(fit))
     (tmp_path / "soft.toml").write_text((folder / "soft.toml").read_text())
-    one = predict_population(tmp_path / "soft.toml", spread="4%").quantities[0]
+    quantity = predict_population(tmp_path / "soft.toml", spread="4%").quantities[0]
 
     def storage(hertz):
         turn = 2 * np.pi * hertz * np.array(BROAD.tau)
         return BROAD.k_inf + np.sum(np.array(BROAD.k) * turn**2 / (1 + turn**2))
 
-    pair = [storage(one.value * np.exp(side)) for side in (-1e-4, 1e-4)]
+    pair = [storage(quantity.value * np.exp(side)) for side in (-1e-4, 1e-4)]
     rise = float(np.log(pair[1] / pair[0]) / 2e-4)
     assert rise > 0.02
-    assert one.between_sd == pytest.approx(0.04 / (2 - rise), rel=3e-3)
+    assert quantity.between_sd == pytest.approx(0.04 / (2 - rise), rel=3e-3)
 
 
 def test_a_mode_of_which_the_seal_holds_a_part_scatters_by_half_of_that(folder):
@@ -82,8 +84,8 @@ def test_a_mode_of_which_the_seal_holds_a_part_scatters_by_half_of_that(folder):
     cars = predict_population(folder / "stiff.toml", spread=0.04)
     stiffness = np.hypot(0.04, 0.008)
     assert len(cars.quantities) == 2
-    for one in cars.quantities:
-        assert one.sd == pytest.approx(one.seal_share / 2 * stiffness, rel=0.01)
+    for quantity in cars.quantities:
+        assert quantity.sd == pytest.approx(quantity.seal_share / 2 * stiffness, rel=0.01)
     assert 0.06 / 2 * stiffness == pytest.approx(0.0012, abs=3e-5)
 
 
@@ -92,12 +94,12 @@ def test_limit_share_agrees_with_normal_distribution(folder):
     first = predict_population(folder / "soft.toml", spread="4%").quantities[0]
     bound = first.value * np.exp(-0.02)
     cars = predict_population(folder / "soft.toml", spread="4%", limits=[f"mode 1 >= {bound}Hz"])
-    one = cars.quantities[0]
-    assert one.share_beyond == pytest.approx(norm.cdf(-1.0), abs=2e-3)
+    quantity = cars.quantities[0]
+    assert quantity.share_beyond == pytest.approx(norm.cdf(-1.0), abs=2e-3)
     ends = norm.cdf((-0.02 + 1.96 * 0.004 * np.array([-1, 1])) / 0.02)
-    assert (one.share_low, one.share_high) == pytest.approx(tuple(ends), abs=0.01)
+    assert (quantity.share_low, quantity.share_high) == pytest.approx(tuple(ends), abs=0.01)
     above = predict_population(folder / "soft.toml", spread="4%", limits=[f"mode 1 <= {bound}Hz"])
-    assert above.quantities[0].share_beyond == pytest.approx(1 - one.share_beyond)
+    assert above.quantities[0].share_beyond == pytest.approx(1 - quantity.share_beyond)
 
 
 U = np.linspace(-0.4, 0.4, 11)
@@ -127,19 +129,19 @@ def test_the_interval_of_a_share_holds_it_in_four_hundred_lots(count, repeats, r
     true, held = norm.sf(z), []
     for _ in range(400):
         spread = seals(random, count, repeats, 0.04, repeat_sd)
-        one = describe_quantity("mode 1", U, ROOT, spread, limit=limit)
-        held.append(one.share_low <= true <= one.share_high)
+        door_quantity = describe_quantity("mode 1", U, ROOT, spread, limit=limit)
+        held.append(door_quantity.share_low <= true <= door_quantity.share_high)
     assert 0.92 <= np.mean(held) <= 0.98
 
 
 def test_a_lot_gives_mean_and_scatter_of_its_seals():
     """Of 200 seals with 3 % between and 1 % within; mean 200 N/m."""
     rows = draw_rows(lots=1, seals=200, repeats=2, sds=(0.0, 0.03, 0.01), seed=3)
-    found = find_specimen_scatter(lot_of(rows))
-    assert found["specimens"] == 200
-    assert found["mean"] == pytest.approx(np.log(200), abs=0.01)
-    assert np.sqrt(found["within_square"]) == pytest.approx(0.01 / np.sqrt(2), rel=0.1)
-    between = np.sqrt(found["between_square"] - found["within_square"])
+    specimen_scatter = find_specimen_scatter(lot_of(rows))
+    assert specimen_scatter["specimens"] == 200
+    assert specimen_scatter["mean"] == pytest.approx(np.log(200), abs=0.01)
+    assert np.sqrt(specimen_scatter["within_square"]) == pytest.approx(0.01 / np.sqrt(2), rel=0.1)
+    between = np.sqrt(specimen_scatter["between_square"] - specimen_scatter["within_square"])
     assert between == pytest.approx(0.03, rel=0.12)
     assert find_handler("scatter of specimens", "lot") is find_specimen_scatter
 
@@ -176,12 +178,12 @@ def test_a_folder_of_tests_becomes_a_lot_and_a_share_of_cars(tmp_path, monkeypat
     named = "--label-pattern", r"(?P<seal>s\d+)_(?P<repeat>\d)"
     assert ran("batch", "seals", *named, "-o", "lot").exit_code == 0
     Path("door.toml").write_text(SOFT)
-    asked = "predict", "door.toml", "--limit", "mode 1 >= 5Hz", "--lot"
-    found = run_json(*asked, "lot")
-    assert found["spread"]["specimens"] == 6
-    assert found["spread"]["between_sd"] == pytest.approx(np.std(np.log(true), ddof=1), rel=0.1)
-    assert run_json(*asked, "lot/lot.csv")["spread"] == found["spread"]
-    refused = ran(*asked, "nowhere")
+    requested = "predict", "door.toml", "--limit", "mode 1 >= 5Hz", "--lot"
+    document = run_json(*requested, "lot")
+    assert document["spread"]["specimens"] == 6
+    assert document["spread"]["between_sd"] == pytest.approx(np.std(np.log(true), ddof=1), rel=0.1)
+    assert run_json(*requested, "lot/lot.csv")["spread"] == document["spread"]
+    refused = ran(*requested, "nowhere")
     assert refused.exit_code != 0
     assert "nowhere does not exist" in refused.output
 
@@ -189,10 +191,10 @@ def test_a_folder_of_tests_becomes_a_lot_and_a_share_of_cars(tmp_path, monkeypat
 def test_cars_of_a_lot_are_about_its_mean_not_about_the_fit(folder):
     lot = make_lot(mean=1.1 * 10 * PAPER.k_inf)
     cars = dp.predict(dp.read(folder / "soft.toml"), lot=lot, limits=["mode 1 >= 20Hz"])
-    one = predict_population(folder / "soft.toml", spread="4%").quantities[0]
+    quantity = predict_population(folder / "soft.toml", spread="4%").quantities[0]
     mean = find_specimen_scatter(lot)["mean"] - np.log(10 * PAPER.k_inf)
     assert cars.spread.mean == pytest.approx(mean)
-    assert cars.quantities[0].value == pytest.approx(one.value * np.exp(mean / 2), rel=1e-3)
+    assert cars.quantities[0].value == pytest.approx(quantity.value * np.exp(mean / 2), rel=1e-3)
     assert cars.spread.between_sd == pytest.approx(0.04, rel=0.4)
 
 
@@ -204,16 +206,16 @@ def test_closing_speed_of_the_cars_follows_the_force_of_the_seal(tmp_path, monke
     dp.save(dp.fit(dp.read("seal_8mm.csv"), arms=2), "fit.json")
     cars = run_json("predict", "door.toml", "--spread", "4%", "--limit", "closing <= 0.73m/s",
                     "-o", "cars.html", "--plot", "cars.svg")  # fmt: skip
-    (one,) = [item for item in cars["quantities"] if item["name"] == "closing"]
+    (entry,) = [item for item in cars["quantities"] if item["name"] == "closing"]
     door = dp.read("door.toml")
-    assert one["limit"] == 0.73
-    assert 0 <= one["share_low"] <= one["share_beyond"] <= one["share_high"] <= 1
+    assert entry["limit"] == 0.73
+    assert 0 <= entry["share_low"] <= entry["share_beyond"] <= entry["share_high"] <= 1
     from dashpot.extensions.systems.door.analyse_file import open_door
 
     closed = closing_door(open_door(door)[0].door)
     pair = least_speed(closed, load=np.exp([-0.04, 0.04]))
     slope = float(np.diff(np.log(pair))[0] / 0.08)
-    assert one["between_sd"] == pytest.approx(0.04 * slope, rel=0.05)
+    assert entry["between_sd"] == pytest.approx(0.04 * slope, rel=0.05)
     page = Path("cars.html").read_text()
     assert "How the cars differ" in page
     assert "door.toml" in page
@@ -256,8 +258,8 @@ def test_predict_refuses_questions_that_suit_no_cars(folder, words, message):
 def test_a_mode_without_the_seal_shows_no_rounding():
     u = np.linspace(-0.2, 0.2, 11)
     spread = SpecimenSpread(0.04)
-    one = describe_quantity("mode 3", u, np.full(11, 61.875310127), spread)
-    (fact,) = DoorPopulation(spread, (one,)).facts
+    door_quantity = describe_quantity("mode 3", u, np.full(11, 61.875310127), spread)
+    (fact,) = DoorPopulation(spread, (door_quantity,)).facts
     assert fact.cells.value == "61.88"
 
 

@@ -36,20 +36,20 @@ def bench(tmp_path_factory):
 
 class TestRandomBase:
     def test_white_noise_of_the_papers_seals(self):
-        found = random_base(2 * PAPER, mass=PAPER_MASS, psd=1.0)
-        assert found.acceleration == pytest.approx(47.448949, rel=1e-7)
-        assert 1e3 * found.stretch == pytest.approx(7.441384, rel=1e-6)
-        assert found.crossings == pytest.approx(12.71, rel=1e-3)
+        result = random_base(2 * PAPER, mass=PAPER_MASS, psd=1.0)
+        assert result.acceleration == pytest.approx(47.448949, rel=1e-7)
+        assert 1e3 * result.stretch == pytest.approx(7.441384, rel=1e-6)
+        assert result.crossings == pytest.approx(12.71, rel=1e-3)
 
     @pytest.mark.parametrize("zeta", [0.01, 0.3])
     def test_white_noise_through_a_dashpot_is_that_of_miles(self, zeta):
         r"""Crandall & Mark: :math:`\sigma_a^2 = \pi f_n S (1 + 4\zeta^2) / 4\zeta`."""
         m, f, S = 0.2, 15.0, 0.3
         w = 2 * np.pi * f
-        found = random_base(dp.GeneralizedMaxwell(m * w**2, b=2 * zeta * m * w), mass=m, psd=S)
+        result = random_base(dp.GeneralizedMaxwell(m * w**2, b=2 * zeta * m * w), mass=m, psd=S)
         exact = np.pi * f * S * (1 + 4 * zeta**2) / (4 * zeta)
-        assert found.acceleration == pytest.approx(np.sqrt(exact), rel=1e-9)
-        assert found.crossings == pytest.approx(f, rel=1e-9)
+        assert result.acceleration == pytest.approx(np.sqrt(exact), rel=1e-9)
+        assert result.crossings == pytest.approx(f, rel=1e-9)
 
     @pytest.mark.parametrize(
         "solid", [2 * BROAD, dp.solids.FractionalZener(200.0, 800.0, 0.05, 0.5)]
@@ -63,12 +63,12 @@ class TestRandomBase:
 
     def test_a_narrow_table_is_a_tone(self):
         f, S, width = 9.0, 2.0, 1e-4
-        found = random_base(2 * PAPER, mass=PAPER_MASS, psd=[S, S], frequency=[f, f + width])
+        result = random_base(2 * PAPER, mass=PAPER_MASS, psd=[S, S], frequency=[f, f + width])
         T = dp.systems.predict_frf(
             2 * PAPER, mass=PAPER_MASS, frequency=[f], kind="transmissibility"
         ).value[0]
-        assert found.acceleration == pytest.approx(abs(T) * np.sqrt(S * width), rel=1e-4)
-        assert found.crossings == pytest.approx(f, rel=1e-4)
+        assert result.acceleration == pytest.approx(abs(T) * np.sqrt(S * width), rel=1e-4)
+        assert result.crossings == pytest.approx(f, rel=1e-4)
 
     @pytest.mark.parametrize(
         ("solid", "words"),
@@ -106,10 +106,10 @@ class TestRandomBase:
         out = np.array([[1.0, *np.zeros(len(A) - 1)], A[1]])
         a, b, c, d, _ = cont2discrete((A, push, out, np.zeros((2, 1))), 1 / rate, method="foh")
         tops, bottom = ss2tf(a, b, c, d)
-        stretch, felt = (lfilter(top, bottom, base)[-n:].std() for top in tops)
-        found = random_base(solid, mass=mass, psd=S, frequency=ends)
-        assert felt == pytest.approx(found.acceleration, rel=5e-3)
-        assert stretch == pytest.approx(found.stretch, rel=5e-3)
+        stretch, sensed = (lfilter(top, bottom, base)[-n:].std() for top in tops)
+        result = random_base(solid, mass=mass, psd=S, frequency=ends)
+        assert sensed == pytest.approx(result.acceleration, rel=5e-3)
+        assert stretch == pytest.approx(result.stretch, rel=5e-3)
 
     @pytest.mark.parametrize("mounts", [0.0, 2e-3])
     def test_a_table_is_the_integral_of_the_transmissibility(self, mounts):
@@ -126,8 +126,8 @@ class TestRandomBase:
 
         words = {"limit": 500, "points": [12.2, 12.6, 13.0], "epsrel": 1e-9}
         exact = np.sqrt(quad(compute_carried_psd, *ends, **words)[0])
-        found = random_base(2 * BROAD, mass=moving, psd=S, frequency=ends, coupled=mounts / 6)
-        assert found.acceleration == pytest.approx(exact, rel=1e-5)
+        result = random_base(2 * BROAD, mass=moving, psd=S, frequency=ends, coupled=mounts / 6)
+        assert result.acceleration == pytest.approx(exact, rel=1e-5)
 
     @pytest.mark.parametrize(
         ("unit", "scale"),
@@ -148,11 +148,11 @@ class TestRandomBase:
         fit.write_text(json.dumps({"schema": "dashpot/fit@2", "model": model}))
         psd.write_text(f"frequency [Hz],PSD [{unit}]\n5,0.01\n20,0.04\n200,0.001\n")
         words = ["predict", str(fit), "--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2"]
-        said = run_json(*words, "--base-psd", psd)["random"]
+        message = run_json(*words, "--base-psd", psd)["random"]
         table = scale * np.array([0.01, 0.04, 0.001])
-        known = random_base(2 * PAPER, mass=PAPER_MASS, psd=table, frequency=[5.0, 20.0, 200.0])
-        assert said["acceleration"] == pytest.approx(known.acceleration, rel=1e-9)
-        assert said["band_hz"] == [5.0, 200.0]
+        expected = random_base(2 * PAPER, mass=PAPER_MASS, psd=table, frequency=[5.0, 20.0, 200.0])
+        assert message["acceleration"] == pytest.approx(expected.acceleration, rel=1e-9)
+        assert message["band_hz"] == [5.0, 200.0]
         white = ran(*words, "--base-psd", f"1{unit}")
         flat = random_base(2 * PAPER, mass=PAPER_MASS, psd=scale)
         assert f"the mass has {flat.acceleration:.4g} m/s^2 rms" in " ".join(white.output.split())
@@ -172,25 +172,27 @@ class TestRandomBase:
         on = ["predict", fit, "--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2"]
         psd.write_text("f [Hz],S [m^2/s^3]\n" + "".join(f"{f},1\n" for f in ends))
         words = [*on, "--base-psd", psd]
-        alone = run_json(*words)["random"]
-        said = run_json(*words, "--record", record, *machine)["random"]
-        limits = said.pop("limits")
-        assert said == alone
+        single = run_json(*words)["random"]
+        message = run_json(*words, "--record", record, *machine)["random"]
+        limits = message.pop("limits")
+        assert message == single
         assert limits.pop("band_hz") == list(ends)
         truth = random_base(2 * seal, mass=PAPER_MASS, psd=[1.0, 1.0], frequency=ends)
         for name, (low, high) in limits.items():
             assert low < getattr(truth, name) < high < 10 * low
-            assert low <= said[name] <= high
+            assert low <= message[name] <= high
         # the point alone is wrong: too much where it resonates, too little above
-        assert (said["acceleration"] > truth.acceleration) == (ends[0] < 12)
-        assert abs(said["acceleration"] / truth.acceleration - 1) > 0.1
+        assert (message["acceleration"] > truth.acceleration) == (ends[0] < 12)
+        assert abs(message["acceleration"] / truth.acceleration - 1) > 0.1
 
     def test_predict_states_which_part_of_white_noise_has_limits(self, bench):
         seal, fit = bench
         words = ["predict", str(fit), "--mass", "114.8g", "--seals", "2", "--record", seal]
         heard = ran(*words, "--base-psd", "1m^2/s^3").output
-        said = r"limits these to [\d.]+ to [\d.]+ m/s\^2 and [\d.]+ to [\d.]+ mm rms, to the noise"
-        assert re.search(said, " ".join(heard.split()))
+        message = (
+            r"limits these to [\d.]+ to [\d.]+ m/s\^2 and [\d.]+ to [\d.]+ mm rms, to the noise"
+        )
+        assert re.search(message, " ".join(heard.split()))
 
     @pytest.mark.parametrize("coupled", [0.0, 3e-3])
     def test_limits_without_width_are_the_value(self, coupled):

@@ -103,8 +103,8 @@ def test_dataset_55_in_mm_t_s_is_the_same(tmp_path, nodes):
     pyuff.UFF(str(bare)).write_sets(sets[1:], "add")
     with pytest.raises(ReadError, match="modal masses have no unit"):
         read_modes(bare)
-    told = read_modes(bare, unit="mm", modal_mass="4kg")
-    assert (told.shapes == modes.shapes).all()
+    message = read_modes(bare, unit="mm", modal_mass="4kg")
+    assert (message.shapes == modes.shapes).all()
     pyuff.UFF(str(tmp_path / "shapes.unv")).write_sets(sets[2:], "add")
     with pytest.raises(ReadError, match="node 1 of mode 1 has no coordinates"):
         read_modes(tmp_path / "shapes.unv")

@@ -39,10 +39,10 @@ def make_single_mass(solid, friction, mass=0.104):
 
 
 def find_amplitude(system, hz, level, harmonics=(1,)):
-    found = response_at_level(
+    level_response = response_at_level(
         system, response="block.z", force="block.z", level=level, frequency=hz, harmonics=harmonics
     )
-    return float(found.amplitude[-1])
+    return float(level_response.amplitude[-1])
 
 
 def march(bodies, links, drive, hz, *, cycles, steps):
@@ -123,7 +123,7 @@ class TestPublished:
     def test_the_peak_at_five_levels(self, level, hz, gain):
         system = make_single_mass(2 * PAPER, SLIDER)
         f = hz + np.linspace(-2e-3, 2e-3, 41)
-        peak = np.array([find_amplitude(system, each, level) for each in f]) / level
+        peak = np.array([find_amplitude(system, item, level) for item in f]) / level
         assert abs(f[peak.argmax()] - hz) < 1.1e-4
         assert peak.max() == pytest.approx(gain, rel=2e-6)
 
@@ -139,16 +139,20 @@ class TestPublished:
         ],
     )
     def test_response_at_level_agrees_for_one_and_three_harmonics(self, case):
-        solid, friction, hz, level, one, three = case
+        solid, friction, hz, level, item, three = case
         system = make_single_mass(solid, friction)
-        assert find_amplitude(system, hz, level) == pytest.approx(one, rel=3e-6)
+        assert find_amplitude(system, hz, level) == pytest.approx(item, rel=3e-6)
         assert find_amplitude(system, hz, level, (1, 3, 5)) == pytest.approx(three, rel=4e-4)
 
     def test_three_answers_where_a_cubic_spring_folds(self):
         system = make_single_mass(HARD, InParallel((Cubic(6e7),)))
-        found = responses_at(system, response="block.z", force="block.z", level=0.6, frequency=16.0)
-        assert found.amplitude == pytest.approx([1.15198e-3, 2.87920e-3, 4.01998e-3], rel=5e-6)
-        assert found.stable.tolist() == [True, False, True]
+        level_response = responses_at(
+            system, response="block.z", force="block.z", level=0.6, frequency=16.0
+        )
+        assert level_response.amplitude == pytest.approx(
+            [1.15198e-3, 2.87920e-3, 4.01998e-3], rel=5e-6
+        )
+        assert level_response.stable.tolist() == [True, False, True]
         assert find_amplitude(
             system, [4.0, 8.0, 12.0, 14.0, 15.0, 16.0], 0.6, (1, 3, 5)
         ) == pytest.approx(3.960964e-3, rel=1e-4)
@@ -162,10 +166,10 @@ class TestPublished:
         between = Mount(GeneralizedMaxwell(800.0, (200.0,), (0.01,)), ("top", "block"))
         system = System((point_mass("block", 0.1), point_mass("top", 0.2)), (ground, between))
         for place, expected in (("block.z", 1.195511e-3), ("top.z", 1.740060e-3)):
-            found = response_at_level(
+            level_response = response_at_level(
                 system, response=place, force="top.z", level="0.1N", frequency=6.0
             )
-            assert found.amplitude[0] == pytest.approx(expected, rel=1e-6)
+            assert level_response.amplitude[0] == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.slow
@@ -182,7 +186,7 @@ class TestInTime:
     def test_response_at_level_of_one_mass_agrees_with_time_integration(
         self, solid, sliders, k3, hz, level
     ):
-        friction = InParallel(tuple(Jenkins(*one) for one in sliders))
+        friction = InParallel(tuple(Jenkins(*slider) for slider in sliders))
         friction = friction + Cubic(k3) if k3 else friction
         system = make_single_mass(solid, friction)
         link = (0, None, solid, np.array(sliders), k3)
@@ -206,10 +210,10 @@ class TestInTime:
         ]
         X = march([0.1, 0.2], links, (1, 0.1), 6.0, cycles=25, steps=400)
         for place, expected in zip(("block.z", "top.z"), X, strict=True):
-            found = response_at_level(
+            level_response = response_at_level(
                 system, response=place, force="top.z", level=0.1, frequency=6.0
             )
-            assert found.amplitude[0] == pytest.approx(expected, rel=5e-3)
+            assert level_response.amplitude[0] == pytest.approx(expected, rel=5e-3)
 
 
 class TestLimits:
@@ -230,10 +234,10 @@ class TestLimits:
 
     def test_the_base_moves_all_when_slow(self):
         system = make_single_mass(TWO, SLIDER)
-        found = response_at_level(
+        level_response = response_at_level(
             system, response="block.z", base="ground.z", level="1mm", frequency=0.01
         )
-        assert found.amplitude[0] == pytest.approx(1e-3, rel=1e-3)
+        assert level_response.amplitude[0] == pytest.approx(1e-3, rel=1e-3)
 
     def test_a_base_is_the_force_m_a_on_the_relative_motion(self):
         system, w, level = make_single_mass(TWO, SLIDER), 2 * np.pi * 13.0, 3e-5
@@ -258,12 +262,12 @@ class TestLimits:
         f = np.linspace(8, 24, 161)
         up, down = (
             response_at_level(
-                system, response="block.z", force="block.z", level=0.6, frequency=each
+                system, response="block.z", force="block.z", level=0.6, frequency=item
             )
-            for each in (f, f[::-1])
+            for item in (f, f[::-1])
         )
-        apart = np.abs(up.amplitude - down.amplitude[::-1]) > 1e-6
-        assert 16.0 in f[apart].round(1)
+        separate = np.abs(up.amplitude - down.amplitude[::-1]) > 1e-6
+        assert 16.0 in f[separate].round(1)
         assert up.stable.all()
         assert down.stable.all()
         with pytest.raises(DataError, match="increas"):
@@ -274,34 +278,34 @@ class TestLimits:
     def test_a_sweep_of_the_level(self):
         system = make_single_mass(TWO, SLIDER)
         levels = np.array([1e-3, 1e-2, 1e-1])
-        found = response_at_level(
+        level_response = response_at_level(
             system, response="block.z", force="block.z", level=levels, frequency=13.0
         )
-        each = [find_amplitude(system, 13.0, level) for level in levels]
-        assert found.amplitude == pytest.approx(each, rel=1e-12)
+        amplitudes = [find_amplitude(system, 13.0, level) for level in levels]
+        assert level_response.amplitude == pytest.approx(amplitudes, rel=1e-12)
 
 
 class TestBackbone:
     def test_a_cubic_spring(self):
         m, k3 = 0.104, 6e7
-        found = backbone(
+        result = backbone(
             make_single_mass(GeneralizedMaxwell(393.0), Cubic(k3), m), amplitude=[1e-4, 1e-3, 5e-3]
         )
-        X = found.amplitude
-        assert found.frequency == pytest.approx(
+        X = result.amplitude
+        assert result.frequency == pytest.approx(
             np.sqrt((393.0 + 0.75 * k3 * X**2) / m) / 2 / np.pi, rel=1e-10
         )
-        assert np.abs(found.damping_ratio).max() < 1e-12
+        assert np.abs(result.damping_ratio).max() < 1e-12
 
     def test_it_falls_from_stuck_to_free_and_damps_between(self):
-        found = backbone(make_single_mass(TWO, SLIDER), amplitude=np.geomspace(1e-5, 1, 25))
+        result = backbone(make_single_mass(TWO, SLIDER), amplitude=np.geomspace(1e-5, 1, 25))
         ends = [
             newton_modes(make_single_mass(solid, None))[0].frequency
             for solid in (GeneralizedMaxwell(493.0, TWO.k, TWO.tau), TWO)
         ]
-        assert found.frequency[[0, -1]] == pytest.approx(ends, rel=1e-4)
-        assert (np.diff(found.frequency) < 1e-12).all()
-        assert 5 < found.damping_ratio.argmax() < 20
+        assert result.frequency[[0, -1]] == pytest.approx(ends, rel=1e-4)
+        assert (np.diff(result.frequency) < 1e-12).all()
+        assert 5 < result.damping_ratio.argmax() < 20
 
     def test_two_sliders_take_their_shares_from_the_shape(self):
         mounts = (
@@ -336,8 +340,10 @@ class TestFold:
 
     def test_the_rule_finds_what_the_scan_finds(self):
         system = make_single_mass(HARD, InParallel((Cubic(6e7),)))
-        found = responses_at(system, response="block.z", force="block.z", level=0.6, frequency=16.0)
-        low, high = found.amplitude[[0, -1]]
+        level_response = responses_at(
+            system, response="block.z", force="block.z", level=0.6, frequency=16.0
+        )
+        low, high = level_response.amplitude[[0, -1]]
         X = np.geomspace(low, high, 100)
         assert can_fold(HARD + Cubic(6e7), omega=2 * np.pi * 16.0, amplitude=X).any()
 
@@ -350,10 +356,10 @@ class TestFold:
             ]
             system = make_single_mass(TWO, InParallel(tuple(parts)))
             for hz in rng.uniform(8, 20, 3):
-                found = responses_at(
+                level_response = responses_at(
                     system, response="block.z", force="block.z", level=0.1, frequency=float(hz)
                 )
-                assert len(found.frequency) == 1
+                assert len(level_response.frequency) == 1
 
 
 class TestRefused:
@@ -391,7 +397,7 @@ class TestRefused:
         ],
     )
     def test_questions_without_an_answer(self, words, message):
-        asked = {
+        requested = {
             "response": "block.z",
             "force": "block.z",
             "level": 0.1,
@@ -399,7 +405,7 @@ class TestRefused:
             **words,
         }
         with pytest.raises(DataError, match=message):
-            response_at_level(make_single_mass(TWO, SLIDER), **asked)
+            response_at_level(make_single_mass(TWO, SLIDER), **requested)
 
     def test_a_system_without_friction(self):
         with pytest.raises(DataError, match="no mount of the system has friction"):

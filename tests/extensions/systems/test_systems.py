@@ -21,7 +21,10 @@ from dashpot.vibration.mass_on_seals import model_modes, predict_frf
 number = st.floats(-1, 1).map(lambda power: 10.0**power)
 solids = st.builds(
     lambda k_inf, k, tau, b: GeneralizedMaxwell(
-        1e3 * k_inf, tuple(300 * each for each in k), tuple(0.1 * each for each in tau[: len(k)]), b
+        1e3 * k_inf,
+        tuple(300 * value for value in k),
+        tuple(0.1 * value for value in tau[: len(k)]),
+        b,
     ),
     number,
     st.lists(number, min_size=1, max_size=3),
@@ -111,12 +114,12 @@ def test_equal_parallel_mounts_equal_one_mount(parts, count, mass):
     ]
     body = point_mass("m", mass)
     many = System((body,), tuple(Mount(s, ("m", "ground")) for s in parts * count))
-    one = System((body,), (Mount(count * net.parallel(*parts), ("m", "ground")),))
-    for a, b in zip(complex_modes(many), complex_modes(one), strict=True):
+    system = System((body,), (Mount(count * net.parallel(*parts), ("m", "ground")),))
+    for a, b in zip(complex_modes(many), complex_modes(system), strict=True):
         assert a.pole == pytest.approx(b.pole, rel=1e-6)
     t = np.linspace(0, 0.5, 20)
     histories = {"force": {"m.z": np.sin(9 * t)}, "base": {"ground.z": 1e-3 * np.cos(5 * t)}}
-    a, b = respond(many, t, **histories), respond(one, t, **histories)
+    a, b = respond(many, t, **histories), respond(system, t, **histories)
     assert a.displacement == pytest.approx(b.displacement, rel=1e-7, abs=1e-12)
     assert a.mount_force.sum(axis=0) == pytest.approx(b.mount_force[0], rel=1e-7, abs=1e-9)
 
@@ -132,14 +135,14 @@ def test_at_rest_everything_follows_the_ground(system):
 def test_response_does_not_depend_on_where_a_straight_line_is_sampled(system, seed):
     rng = np.random.default_rng(seed)
     corners = np.cumsum(rng.uniform(0.01, 0.2, 6))
-    force, moved = rng.normal(size=(2, 6))
+    force, variant = rng.normal(size=(2, 6))
     finer = np.unique(np.concatenate((corners, rng.uniform(corners[0], corners[-1], 20))))
-    coarse = respond(system, corners, force={"m0.z": force}, base={"ground.z": moved})
+    coarse = respond(system, corners, force={"m0.z": force}, base={"ground.z": variant})
     fine = respond(
         system,
         finer,
         force={"m0.z": np.interp(finer, corners, force)},
-        base={"ground.z": np.interp(finer, corners, moved)},
+        base={"ground.z": np.interp(finer, corners, variant)},
     )
     at = np.searchsorted(finer, corners)
     scale = np.abs(coarse.displacement).max()
@@ -170,9 +173,9 @@ def test_two_masses_on_ten_seals(paper_seal):
             [0.0131139, 0.00407171], abs=6e-8
         )
     exact, newton = complex_modes(system)[:2], newton_modes(system)
-    for one, other in zip(exact, newton, strict=True):
-        assert abs(one.pole - other.pole) < 1e-10 * abs(one.pole)
-        assert np.abs(one.shape / one.shape[0] - other.shape / other.shape[0]).max() < 1e-9
+    for item, other in zip(exact, newton, strict=True):
+        assert abs(item.pole - other.pole) < 1e-10 * abs(item.pole)
+        assert np.abs(item.shape / item.shape[0] - other.shape / other.shape[0]).max() < 1e-9
 
 
 def test_papers_block_has_the_poles_of_its_seal(paper_seal):
@@ -186,9 +189,9 @@ def test_papers_block_has_the_poles_of_its_seal(paper_seal):
 def test_complex_modes_of_one_mass_equal_the_polynomial_roots(paper_seal):
     """The same poles as the roots found for one mass on one solid, residue included."""
     mode = complex_modes(chain([0.104], [2 * paper_seal]))[0]
-    alone = model_modes(2 * paper_seal, 0.104)[0]
-    assert mode.pole == pytest.approx(alone.pole, rel=1e-10)
-    assert complex(mode.shape[0] ** 2) == pytest.approx(alone.residue, rel=1e-9)
+    single = model_modes(2 * paper_seal, 0.104)[0]
+    assert mode.pole == pytest.approx(single.pole, rel=1e-10)
+    assert complex(mode.shape[0] ** 2) == pytest.approx(single.residue, rel=1e-9)
 
 
 def test_maxwell_voigt_of_zhang_and_richards():
@@ -202,8 +205,8 @@ def test_maxwell_voigt_of_zhang_and_richards():
     voigt = chain([1.0], [net.kelvin_voigt(omega**2, 2 * zeta * omega)])
     f = oscillation.frequency * np.array([0.1, 0.5, 1.0, 2.0, 5.0])
     ratio = [
-        np.abs(each.frf(response="m0.z", force="m0.z", frequency=f).value)
-        for each in (system, voigt)
+        np.abs(item.frf(response="m0.z", force="m0.z", frequency=f).value)
+        for item in (system, voigt)
     ]
     assert ratio[0] / ratio[1] == pytest.approx([1.3155, 1.2817, 1.2114, 1.1062, 1.0238], abs=6e-5)
 
@@ -243,8 +246,8 @@ def test_a_viscoelastic_door_is_small_and_quick(paper_seal):
     seal = System(
         stiff.bodies,
         tuple(
-            Mount(each.solid if i < 3 else each.solid.k_inf * paper_seal, each.between, each.at)
-            for i, each in enumerate(stiff.mounts)
+            Mount(mount.solid if i < 3 else mount.solid.k_inf * paper_seal, mount.between, mount.at)
+            for i, mount in enumerate(stiff.mounts)
         ),
     )
     modes = complex_modes(seal)
@@ -289,8 +292,8 @@ def test_a_door_in_the_cold_and_in_the_heat(broad_seal, celsius, frequencies, ra
     system = sealed_door(line)
     modes = newton_modes(system)[:3]
     assert [mode.frequency for mode in modes] == pytest.approx(frequencies, abs=6e-6)
-    found = [mode.damping_ratio for mode in modes]
-    assert found[: len(ratios)] == pytest.approx(ratios, abs=6e-8)
+    damping_ratios = [mode.damping_ratio for mode in modes]
+    assert damping_ratios[: len(ratios)] == pytest.approx(ratios, abs=6e-8)
     # a solver of the linear states finds the same poles
     for mode, other in zip(modes, complex_modes(system), strict=False):
         assert mode.pole == pytest.approx(other.pole, rel=1e-9)
@@ -318,7 +321,7 @@ def test_block_rocks_where_its_geometry_says(broad_seal):
     # two accelerometers: their mean hears bounce alone, however eccentric the hit
     hit = Point("block", (0.010, 0.0, 0.0), (0.0, 1.0, 0.0))
     pair = [Point("block", (x, 0.0, 0.0), (0.0, 1.0, 0.0)) for x in (-0.05, 0.05)]
-    heard = [system.frf(response=each, force=hit, frequency=f).value for each in pair]
+    heard = [system.frf(response=item, force=hit, frequency=f).value for item in pair]
     expected = system.frf(response=middle, force=middle, frequency=f).value
     assert (heard[0] + heard[1]) / 2 == pytest.approx(expected, rel=1e-9)
 
@@ -350,7 +353,7 @@ def test_a_clutch_turns_as_masses_slide():
     )
     sliding = chain(list(inertia.values()), [shaft, clutch])
     pairs = zip(complex_modes(turning), complex_modes(sliding), strict=True)
-    assert all(one.pole == pytest.approx(other.pole, rel=1e-12) for one, other in pairs)
+    assert all(mode.pole == pytest.approx(other.pole, rel=1e-12) for mode, other in pairs)
     f = [1.0, 10.0, 30.0]
     spun = turning.frf(response="gearbox.rz", force=Point("flywheel", rotary=True), frequency=f)
     slid = sliding.frf(response="m1.z", force="m0.z", frequency=f)
@@ -377,8 +380,8 @@ def test_a_mount_on_an_unmovable_body_pulls_as_equation_5(paper_seal):
     """The ground makes the paper's ramp and hold; the body is too heavy to follow."""
     system = chain([1e15], [paper_seal])
     t = np.linspace(0, 41, 83)
-    moved = 8e-3 * np.clip(t, 0, 1)
-    motion = respond(system, t, base={"ground.z": moved})
+    variant = 8e-3 * np.clip(t, 0, 1)
+    motion = respond(system, t, base={"ground.z": variant})
     expected = paper_seal.ramp_hold_force(t, depth=8e-3, ramp_time=1.0)
     assert -motion.mount_force[0] == pytest.approx(expected, rel=1e-9, abs=1e-12)
     assert -motion.mount_force[0, 2] == pytest.approx(2.117728, abs=1e-6)
@@ -392,12 +395,12 @@ def test_time_response_agrees_with_an_integrator(paper_seal):
     system = chain([m], [GeneralizedMaxwell(196.5, (k,), (tau,), b)])
     corners = np.array([0.0, 0.05, 0.1, 0.2, 0.4])
     force = np.array([0.0, 1.0, 0.0, 0.0, 0.5])
-    moved = np.array([0.0, 1e-3, 1e-3, -2e-3, 0.0])
+    variant = np.array([0.0, 1e-3, 1e-3, -2e-3, 0.0])
 
     def equations(t, z):
         i = min(int(np.searchsorted(corners, t, side="right")) - 1, len(corners) - 2)
-        speed = (moved[i + 1] - moved[i]) / (corners[i + 1] - corners[i])
-        e, e_dot = z[0] - np.interp(t, corners, moved), z[1] - speed
+        speed = (variant[i + 1] - variant[i]) / (corners[i + 1] - corners[i])
+        e, e_dot = z[0] - np.interp(t, corners, variant), z[1] - speed
         pull = 196.5 * e + k * (e - z[2]) + b * e_dot
         return [z[1], (np.interp(t, corners, force) - pull) / m, (e - z[2]) / tau]
 
@@ -405,7 +408,7 @@ def test_time_response_agrees_with_an_integrator(paper_seal):
     for a, c in itertools.pairwise(corners):
         inside = (a, c - 1e-15)
         state = solve_ivp(equations, inside, state, rtol=1e-10, atol=1e-13, method="Radau").y[:, -1]
-    motion = respond(system, corners, force={"m0.z": force}, base={"ground.z": moved})
+    motion = respond(system, corners, force={"m0.z": force}, base={"ground.z": variant})
     assert motion.displacement[0, -1] == pytest.approx(state[0], rel=1e-6)
     assert motion.velocity[0, -1] == pytest.approx(state[1], rel=1e-6)
 

@@ -36,8 +36,8 @@ def transmissibility(stiffness: np.ndarray, frequency: np.ndarray, mass: float) 
     return stiffness / (stiffness - mass * (2 * np.pi * frequency) ** 2)
 
 
-def frf(frequency: np.ndarray, value: np.ndarray, quantity: str, **known: object) -> dp.FRF:
-    return dp.FRF(frequency, value, quantity, units="SI", **known)
+def frf(frequency: np.ndarray, value: np.ndarray, quantity: str, **expected: object) -> dp.FRF:
+    return dp.FRF(frequency, value, quantity, units="SI", **expected)
 
 
 LINES = np.union1d(np.arange(2.0, 80.0, 0.1), [5.47, 12.71])
@@ -107,7 +107,7 @@ def test_standard_bands_are_those_of_base_ten():
 
 def test_random_errors_average_out_and_common_ones_do_not():
     k = np.full(100, 1000.0 + 100j)
-    one = np.full(100, 0.01 + 0j)
+    value = np.full(100, 0.01 + 0j)
 
     def half(random: float, common: np.ndarray) -> float:
         means = compute_band_means(
@@ -115,10 +115,10 @@ def test_random_errors_average_out_and_common_ones_do_not():
         )
         return float(means.stiffness_limits[1, 0] / means.stiffness[0] - 1)
 
-    assert half(0.01, 0 * one) == pytest.approx(
+    assert half(0.01, 0 * value) == pytest.approx(
         0.001, abs=1.01e-4
     )  # less the noise in the mean of squares
-    assert half(0.0, one) == pytest.approx(np.expm1(0.01))
+    assert half(0.0, value) == pytest.approx(np.expm1(0.01))
 
 
 @pytest.mark.parametrize("method", ["direct", "indirect", "exact"])

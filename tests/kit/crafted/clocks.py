@@ -27,7 +27,7 @@ FALL = ("time falls from", "give --rate 25Hz if the rows are evenly sampled")
 
 def _steady(*, failed: bool) -> Callable[[Any, Row], None]:
     def holds(test: Any, row: Row) -> None:
-        checks = {one.name: one for one in prepare(test).checks}
+        checks = {check.name: check for check in prepare(test).checks}
         assert checks["clock_steady"].failed is failed
 
     return holds
@@ -40,7 +40,7 @@ SOUND = Truth("relaxation", read_relaxation, _steady(failed=False))
 
 
 def _unsteady_load(test: Any, row: Row) -> None:
-    checks = {one.name: one for one in load_hold(test).checks}
+    checks = {check.name: check for check in load_hold(test).checks}
     assert checks["clock_steady"].failed
 
 

@@ -119,7 +119,7 @@ def _factors() -> list[Row]:
 
 def _twice() -> list[Row]:
     """Two columns for one role."""
-    apart = np.where(np.arange(len(TIME)) < 30, 1.0, 1.2)
+    indices = np.where(np.arange(len(TIME)) < 30, 1.0, 1.2)
     shifted = TIME * 1.1
     both = (BOTH, TWICE[0] / 1e6, TWICE[1] / 1e6)
     sweep = (F, STORAGE / 1e6, LOSS / 1e6)
@@ -132,7 +132,7 @@ def _twice() -> list[Row]:
             "two temperatures of equal names, isotherms", table("f [Hz];E' [MPa];E'' [MPa];Temp 1 [°C];Temp 2 [°C]", *both, DEGREES[::-1], DEGREES).encode(),
             "asked", ("could each be the temperature", "--column temperature="), ISOTHERMS, answer={"temperature": "Temp 2"},
         ),
-        Row("two temperatures of a bench", bench("Time [s];Position [mm];Load [N];Temp 1 [°C];Temp 2 [°C]", TIME, MOVED, FORCE, WARM, WARM + 2 * apart), "noted", ("no temperature is taken", "could each be")),
+        Row("two temperatures of a bench", bench("Time [s];Position [mm];Load [N];Temp 1 [°C];Temp 2 [°C]", TIME, MOVED, FORCE, WARM, WARM + 2 * indices), "noted", ("no temperature is taken", "could each be")),
         Row("temperature set and sample of a bench", bench("Time [s];Position [mm];Load [N];Set temp [°C];Temp [°C]", TIME, MOVED, FORCE, 0 * WARM + 25, WARM), "noted", ("'Set temp [°C]' could be too",)),
         Row(
             "two temperatures of a modulus", table("time [s];E(t) [MPa];Temp A [°C];Temp B [°C]", DECAY, 2 + DECAY**-0.1, 0 * DECAY + 20, DECAY / 100).encode(),

@@ -165,18 +165,18 @@ def insert_mark(values: np.ndarray, mark: float) -> np.ndarray:
     return values
 
 
-def formulas(kept: float | None) -> bytes:
+def formulas(retained: float | None) -> bytes:
     """A force that is a formula of a voltage, with the results that the file keeps, or none."""
     body = [
         [t, x, f"=D{i}*10", f / 10]
         for i, (t, x, f) in enumerate(rows_of(TIME, MOVED, FORCE), start=2)
     ]
     made = sheet([["Time [s]", "Displacement [mm]", "Force [N]", "Signal [V]"], *body])
-    if kept is None:
+    if retained is None:
         return made
     return patch_workbook(
         made, rb'(<c r="C(\d+)"[^>]*><f>[^<]*</f>)<v\s*/?>(?:</v>)?',
-        lambda m: m[1] + f"<v>{kept * float(FORCE[int(m[2]) - 2])!r}</v>".encode(),
+        lambda m: m[1] + f"<v>{retained * float(FORCE[int(m[2]) - 2])!r}</v>".encode(),
     )  # fmt: skip
 
 

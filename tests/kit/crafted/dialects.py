@@ -11,8 +11,8 @@ from kit.look_alikes import table, truth
 def _zwick() -> str:
     head = '"Prüfinstitut"\t"Institut"\n"Datum/Uhrzeit"\t44335.4\t""\n"Messlänge"\t80\t"mm"\n'
     names = '"Prüfzeit"\t"Standardkraft"\t"Standardweg"\n"s"\t"N"\t"mm"\n'
-    time, moved, force = truth()
-    return head + names + table("\t", columns=(time, force, moved))
+    time, displacement, force = truth()
+    return head + names + table("\t", columns=(time, force, displacement))
 
 
 def _bluehill(unit: str = "N") -> str:

@@ -128,9 +128,9 @@ def _benches() -> list[Row]:
 
 def _materials() -> list[Row]:
     omega, both = 2 * np.pi * F, np.concatenate([F, F])
-    twice = [np.concatenate([COLD * one, one]) / 1e6 for one in (STORAGE, LOSS)]
+    twice = [np.concatenate([COLD * value, value]) / 1e6 for value in (STORAGE, LOSS)]
     size = np.hypot(STORAGE, LOSS)
-    kelvin = np.concatenate([0 * F + 273.15 + one for one in WARMTH])
+    kelvin = np.concatenate([0 * F + 273.15 + value for value in WARMTH])
     untold = "".join(
         f"# T = {warm:g}\n"
         + sweep("f [Hz];E' [MPa];E'' [MPa]", F, k * STORAGE / 1e6, k * LOSS / 1e6).decode()

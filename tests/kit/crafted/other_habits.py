@@ -254,11 +254,11 @@ def _tdms(along: dict[str, object]) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "made.tdms"
         with TdmsWriter(str(path)) as file:
-            each = (("Weg", 1e3 * MOVED, "µm"), ("Kraft", FORCE / 1e3, "kN"))
+            item = (("Weg", 1e3 * MOVED, "µm"), ("Kraft", FORCE / 1e3, "kN"))
             file.write_segment(
                 [
                     ChannelObject("Run", name, values, {"unit_string": unit, **along})
-                    for name, values, unit in each
+                    for name, values, unit in item
                 ]
             )
         return path.read_bytes()

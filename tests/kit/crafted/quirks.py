@@ -17,7 +17,7 @@ def format_grouped_number(value: float, blank: str, digits: int) -> str:
     return f"{value:,.{digits}f}".replace(",", blank).replace(".", ",")
 
 
-def _format_grouped_table(head: str, blank: str, unit: float, digits: int, *beside: str) -> str:
+def _format_grouped_table(head: str, blank: str, unit: float, digits: int, *neighbour: str) -> str:
     rows = zip(F, STORAGE / unit, LOSS / unit, strict=True)
     lines = (
         "\t".join(
@@ -26,7 +26,7 @@ def _format_grouped_table(head: str, blank: str, unit: float, digits: int, *besi
                 "23,0",
                 format_grouped_number(a, blank, digits),
                 format_grouped_number(b, blank, digits),
-                *beside,
+                *neighbour,
             )
         )
         for f, a, b in rows

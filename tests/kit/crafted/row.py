@@ -78,9 +78,9 @@ class Row:
 def _ramp(test: Any, row: Row) -> None:
     stop = len(test.time) - row.extra
     keep = np.setdiff1d(np.arange(len(truth()[0])), row.without)
-    time, moved, force = (values[keep] for values in truth())
+    time, displacement, force = (values[keep] for values in truth())
     np.testing.assert_allclose(test.time[:stop] - test.time[0], row.slow * time, atol=1e-6)
-    np.testing.assert_allclose(test.displacement[:stop], moved * 1e-3, atol=1e-9)
+    np.testing.assert_allclose(test.displacement[:stop], displacement * 1e-3, atol=1e-9)
     np.testing.assert_allclose(test.force[:stop], force, atol=row.coarse)
 
 

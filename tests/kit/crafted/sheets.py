@@ -67,7 +67,7 @@ def encode_hidden_row(row: int) -> bytes:
     content = io.BytesIO()
     before, *rows = ods_rows([HEAD, *list_rows()]).split("<table:table-row>")
     marks = ["", *([""] * row), ' table:visibility="collapse"', *([""] * len(rows))]
-    marked = (f"<table:table-row{mark}>{one}" for mark, one in zip(marks[1:], rows, strict=False))
+    marked = (f"<table:table-row{mark}>{row}" for mark, row in zip(marks[1:], rows, strict=False))
     ods(content, before + "".join(marked))  # type: ignore[arg-type]
     return content.getvalue()
 

@@ -96,7 +96,7 @@ def _list_ragged_rows() -> list[Row]:
     marked = [[*r, "9"] if i >= ODD else r for i, r in enumerate(rows)]
     shrunk = [[r[0], *r[2:]] if i >= ODD else r for i, r in enumerate(rows)]
     half = [[r[0], *r[2:]] if i >= 20 else r for i, r in enumerate(rows)]
-    one = replace_row(rows, ODD, [rows[ODD][0], *rows[ODD][2:]])
+    item = replace_row(rows, ODD, [rows[ODD][0], *rows[ODD][2:]])
     words = [[*r, "contact"] if i == ODD else r for i, r in enumerate(three())]
     inside = replace_row(three(), ODD, [three()[ODD][0], "M1", *three()[ODD][1:]])
     front = replace_row(three(), ODD, ["M1", *three()[ODD]])
@@ -105,7 +105,7 @@ def _list_ragged_rows() -> list[Row]:
         [*three()[ODD][:2], three()[ODD][2] + three()[ODD + 1][0], *three()[ODD + 1][1:]],
         *three()[ODD + 2 :],
     ]
-    trailing = join_rows(one, HEAD).replace("\n", ";;\n")
+    trailing = join_rows(item, HEAD).replace("\n", ";;\n")
     last = replace_row(rows, ROWS - 1, rows[-1][:2])
     other = join_rows(three()).split("\n")
     other[LINE - 1] = other[LINE - 1].replace(";", ",")
@@ -114,9 +114,9 @@ def _list_ragged_rows() -> list[Row]:
         Row("a marker column appears behind", join_rows(marked, HEAD).encode(), "refused", (f"line {LINE}", "6 cells")),
         Row("a column is lost", join_rows(shrunk, HEAD).encode(), "refused", (f"line {LINE}", "4 cells")),
         Row("a column is lost early", join_rows(half, HEAD).encode(), "refused", ("line 2 has 5 cells", "4 from line 22")),
-        Row("one row lost a cell", join_rows(one, HEAD).encode(), "refused", (f"line {LINE}", "4 cells")),
+        Row("one row lost a cell", join_rows(item, HEAD).encode(), "refused", (f"line {LINE}", "4 cells")),
         Row("one row lost a cell before trailing delimiters", trailing.encode(), "refused", (f"line {LINE}",)),
-        Row("one row lost a cell, tabs", join_rows(one, HEAD.replace(";", "\t"), "\t").encode(), "refused", (f"line {LINE}",)),
+        Row("one row lost a cell, tabs", join_rows(item, HEAD.replace(";", "\t"), "\t").encode(), "refused", (f"line {LINE}",)),
         Row("a word behind one row", join_rows(words).encode()),
         Row("a word inside one row", join_rows(inside).encode(), "refused", (f"line {LINE}",)),
         Row("a word before one row", join_rows(front).encode(), "refused", (f"line {LINE}",)),
@@ -191,8 +191,8 @@ def _headers() -> list[Row]:
 
 
 def _marks() -> list[Row]:
-    time, moved, force = truth()
-    rows = list(zip(time, moved, force, strict=True))
+    time, displacement, force = truth()
+    rows = list(zip(time, displacement, force, strict=True))
 
     def micro(text: str) -> str:
         return f"Time (s);Position (um);Load (N)\n{text}"
@@ -226,10 +226,10 @@ def _marks() -> list[Row]:
 
 
 def _clocks() -> list[Row]:
-    time, moved, force = truth()
+    time, displacement, force = truth()
 
     def encode_clock_cells(head: str, cells: Sequence[str]) -> bytes:
-        rows = zip(cells, moved, force, strict=True)
+        rows = zip(cells, displacement, force, strict=True)
         return (
             head
             + ";Position (mm);Load (N)\n"

@@ -39,12 +39,12 @@ def _lvm(columns: str, *, samples: bool = True) -> bytes:
         "***End_of_Header***", names[columns],
     ]  # fmt: skip
     for i, (t, f) in enumerate(zip(FINE_TIME, FINE_FORCE, strict=True)):
-        moved = f"{MOVED[i]:.9g}" if i < count else ""
+        displacement = f"{MOVED[i]:.9g}" if i < count else ""
         clock = f"{TIME[i]:.9g}" if i < count else ""
         lines.append({
-            "No": f"\t{f:.12g}\t{moved}",
-            "One": f"{t:.9g}\t{f:.12g}\t{moved}",
-            "Multi": f"{t:.9g}\t{f:.12g}\t{clock}\t{moved}",
+            "No": f"\t{f:.12g}\t{displacement}",
+            "One": f"{t:.9g}\t{f:.12g}\t{displacement}",
+            "Multi": f"{t:.9g}\t{f:.12g}\t{clock}\t{displacement}",
         }[columns])  # fmt: skip
     return ("\n".join(lines) + "\n").encode()
 

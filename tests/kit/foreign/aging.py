@@ -76,13 +76,13 @@ def lot(
 
     The zero of the cell drifts by so much of 40 N in 1000 h.
     """
-    random, found = np.random.default_rng([seed, 3384]), []
+    random, result = np.random.default_rng([seed, 3384]), []
     for number in range(specimens * len(ovens)):
         if number % specimens == 0:
-            said = ovens[number // specimens]
-            warm = said + off * random.standard_normal()
+            oven = ovens[number // specimens]
+            warm = oven + off * random.standard_normal()
         first = 40 * (1 + spread * random.standard_normal())
         scatter = 40 * noise * random.standard_normal(len(hours))
         force = first * rubber.left(hours, warm) + scatter + 40 * zero * hours / 1000
-        found.append((hours, force, np.full(len(hours), said), np.full(len(hours), number + 1)))
-    return Lot(*map(np.concatenate, zip(*found, strict=True)))
+        result.append((hours, force, np.full(len(hours), oven), np.full(len(hours), number + 1)))
+    return Lot(*map(np.concatenate, zip(*result, strict=True)))

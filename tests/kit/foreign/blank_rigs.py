@@ -150,15 +150,15 @@ def carry_seal(seal: Seal, t: np.ndarray, way: np.ndarray, compliance: float) ->
     """Return the force of a seal in a machine that gives; straight between samples."""
     k, tau = np.array(seal.k), np.array(seal.tau)
     h = t[1] - t[0]
-    left = np.exp(-h / tau)
-    gain = k * tau / h * (1 - left)
+    decay = np.exp(-h / tau)
+    gain = k * tau / h * (1 - decay)
     stiff = seal.k_inf + gain.sum()
     q, before, force = np.zeros(len(k)), 0.0, np.zeros(len(t))
     for i in range(1, len(t)):
-        rest = (left * q).sum() - gain.sum() * before
+        rest = (decay * q).sum() - gain.sum() * before
         x = (way[i] - compliance * rest) / (1 + compliance * stiff)
         x = max(x, 0.0)
-        q = left * q + gain * (x - before)
+        q = decay * q + gain * (x - before)
         force[i] = seal.k_inf * x + q.sum()
         before = x
     return force

@@ -167,7 +167,7 @@ def make_conditioned_record(
     rng = np.random.default_rng([seed, number, 29])
     if truth is None:
         source = truths(seed)
-        truth = next(one for i, one in enumerate(source) if i == number)
+        truth = next(item for i, item in enumerate(source) if i == number)
     kind = HISTORIES[number % len(HISTORIES)] if kind is None else kind
     bonded = bool(rng.random() < 0.35) if bonded is None else bonded
     soft = (0.0, 0.0, float(rng.uniform(0.05, 0.2)))[int(rng.integers(3))]
@@ -189,9 +189,9 @@ def make_conditioned_record(
         path[-4] = (ramp, 0.6 * depth)
     corners = np.cumsum([0.0, *(duration for duration, _ in path)])
     levels = np.array([path[0][1], *(level for _, level in path)])
-    apart = np.append(True, np.diff(corners) > 0)
+    separate = np.append(True, np.diff(corners) > 0)
     time = np.arange(0.0, corners[-1], 1 / rate)
-    plate = np.interp(time, corners[apart], levels[apart])
+    plate = np.interp(time, corners[separate], levels[separate])
     bonded = bonded and rig != "air"
     _, force = press_solid(truth, 1 / rate, plate, bonded=bonded)
     if mullins:
@@ -209,12 +209,12 @@ def make_conditioned_record(
     elif rig == "turned":
         seen, force = 0.012 - seen, -force
     elif rig == "begins on its ramp":
-        kept = time >= before
-        time, seen, force = time[kept] - time[kept][0], seen[kept], force[kept]
+        mask = time >= before
+        time, seen, force = time[mask] - time[mask][0], seen[mask], force[mask]
     elif rig == "thinned hold":
         since = time - (corners[-2] + 2)
-        kept = (since < 0) | (np.arange(len(time)) % 8 == 0)
-        time, seen, force = time[kept], seen[kept], force[kept]
+        mask = (since < 0) | (np.arange(len(time)) % 8 == 0)
+        time, seen, force = time[mask], seen[mask], force[mask]
     if not shown:
         late = time >= corners[-3] - min(rest, 2.0)
         time, seen, force = time[late] - time[late][0], seen[late], force[late]
@@ -229,12 +229,12 @@ def make_conditioned_record(
 
 
 def limits_of(
-    one: ConditionedRecord, stated: Mapping[str, tuple[float, float]], hold: float
+    record: ConditionedRecord, stated: Mapping[str, tuple[float, float]], hold: float
 ) -> dict[str, tuple[float, float, float]]:
     """Lower limit, truth and upper limit of k(T), k(3T) and the most that k_inf may be."""
-    found = {}
+    result = {}
     for name, at in (("k_end", hold), ("k_3end", 3 * hold), ("k_inf", np.inf)):
         low, high = stated.get(name, (np.nan, np.nan))
-        truth = one.truth.k_inf if name == "k_inf" else one.truth.relaxation(at)
-        found[name] = (0.0 if name == "k_inf" else low, truth, high)
-    return found
+        truth = record.truth.k_inf if name == "k_inf" else record.truth.relaxation(at)
+        result[name] = (0.0 if name == "k_inf" else low, truth, high)
+    return result

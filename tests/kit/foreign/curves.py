@@ -58,9 +58,9 @@ class Curve:
     def cut(self, part: float = 0.1) -> Curve:
         """Its first tenth."""
         fast = self.at * part >= self.at.min() if self.kind == "sweep" else None
-        kept = self.at <= part * self.at.max() if fast is None else fast
+        retained = self.at <= part * self.at.max() if fast is None else fast
         return replace(
-            self, name=f"{self.name}, cut", at=self.at[kept], values=self.values[..., kept]
+            self, name=f"{self.name}, cut", at=self.at[retained], values=self.values[..., retained]
         )
 
 
@@ -105,8 +105,8 @@ def crept(solid: Solid, t):
     k, rate = np.array(solid.k), 1 / np.array(solid.tau)
     order = np.argsort(rate)
     k, rate = k[order], rate[order]
-    kept = k > 1e-18 * k.sum()  # a density far out is no pole
-    k, rate = k[kept], rate[kept]
+    mask = k > 1e-18 * k.sum()  # a density far out is no pole
+    k, rate = k[mask], rate[mask]
 
     def stiff(p):
         return solid.k_inf - (p[:, None] * k / (rate - p[:, None])).sum(axis=1)
@@ -177,8 +177,8 @@ def sweeps(count: int, seed: int = 0) -> Iterator[Curve]:
         solid, slowest, watched = _draw_solid(FAMILIES[i % len(FAMILIES)], random)
         f = 1 / (2 * pi * _times(random, watched)[::-1])
         value = solid.stiffness(2 * pi * f)
-        kept = value.real > RESOLVED * value.real.max()
-        f, value = f[kept], value[kept]
+        mask = value.real > RESOLVED * value.real.max()
+        f, value = f[mask], value[mask]
         error = _noise(random, f, 2)
         values = np.array([value.real * (1 + error[0]), value.imag * (1 + error[1])])
         yield Curve(f"{i} {solid.name}", "sweep", f, values, solid, slowest)

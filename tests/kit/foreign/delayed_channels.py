@@ -44,10 +44,10 @@ def creep(seed: int, late: float, rate: float) -> Sheet:
     k_0 = solid.k_inf + k.sum()
     A = (np.ones((len(k), 1)) * k / k_0 - np.eye(len(k))) / tau[:, None]
     x = simulate_response((A, 1 / k_0 / tau, k / k_0, 1 / k_0), force, clock[1])
-    shown, moved = late_by(force, late), x[::_FINE]
+    shown, displacement = late_by(force, late), x[::_FINE]
     return Sheet("creep", f"{solid.name}, creep, {late:+g} at {rate:g} Hz", {
         "time [s]": clock[::_FINE],
-        "displacement [mm]": 1e3 * (moved + 1e-6 * random.standard_normal(len(moved))),
+        "displacement [mm]": 1e3 * (displacement + 1e-6 * random.standard_normal(len(shown))),
         "force [N]": shown + 1e-3 * random.standard_normal(len(shown)),
     }, {"solid": solid, "hold": hold, "ramp": ramp, "late": late / rate}, "late")  # fmt: skip
 
@@ -66,16 +66,16 @@ def loops(seed: int, late: float, rate: float) -> Sheet:
     random = _start("late loops", seed)
     seal = Seal(draw_truth(FAMILIES[1 + seed % 5], seed), friction=float(random.uniform(0, 0.1)))
     hertz, sizes = rate / random.uniform(20, 100), np.array([1e-4, 3e-4, 1e-3, 2e-3])
-    each = 10 / hertz
-    clock = np.arange(round((20 + 4 * each) * rate * _FINE)) / rate / _FINE
+    value = 10 / hertz
+    clock = np.arange(round((20 + 4 * value) * rate * _FINE)) / rate / _FINE
     since = np.maximum(clock - 20, 0)
-    size = sizes[np.minimum((since / each).astype(int), 3)]
+    size = sizes[np.minimum((since / value).astype(int), 3)]
     x = 4e-3 * np.clip(clock, 0, 1) + size * np.sin(2 * pi * hertz * since)
     shown = late_by(seal.force(x, clock[1]), late)
     rows = slice(round(20 * rate), None)
-    time, moved, shown = clock[::_FINE][rows], x[::_FINE][rows], shown[rows]
+    time, displacement, shown = clock[::_FINE][rows], x[::_FINE][rows], shown[rows]
     return Sheet("loops", f"{seal.solid.name}, loops, {late:+g} at {rate:g} Hz", {
-        "time [s]": time, "displacement [mm]": 1e3 * moved,
+        "time [s]": time, "displacement [mm]": 1e3 * displacement,
         "force [N]": shown + 1e-3 * random.standard_normal(len(shown)),
     }, {"seal": seal, "sizes": sizes, "frequency": hertz, "late": late / rate},
         "late")  # fmt: skip
@@ -110,12 +110,12 @@ def cld(seed: int, late: float, rate: float) -> Sheet:
         "late": late / rate}, "late")  # fmt: skip
 
 
-def cycle_of(one: Sheet, number: int) -> tuple[np.ndarray, np.ndarray, int]:
+def cycle_of(sheet: Sheet, number: int) -> tuple[np.ndarray, np.ndarray, int]:
     """Compression and force of a CLD's cycle, from 1, without delay, and its deepest sample."""
-    plate, pure = one.truth["plate"], one.truth["pure"]
-    first, many = one.truth["first"], one.truth["many"]
+    plate, pure = sheet.truth["plate"], sheet.truth["pure"]
+    first, many = sheet.truth["first"], sheet.truth["many"]
     rows = slice(first + (number - 1) * many, first + number * many + 1)
-    x = plate[rows] - one.truth["air"]
+    x = plate[rows] - sheet.truth["air"]
     return x, pure[rows], int(np.argmax(x))
 
 
@@ -140,11 +140,12 @@ def drop(seed: int, late: float, rate: float) -> Sheet:
     clock = np.arange(0, begun, step / _FINE)
     pure = np.interp(clock, np.concatenate(time), np.concatenate(force))
     noise = 0.01 * pure.max()
-    shown, moved = late_by(pure, late), pure[::_FINE] / specimen.mass
+    shown, acceleration = late_by(pure, late), pure[::_FINE] / specimen.mass
     return Sheet("slam", f"impacts, {late:+g} of {step:.3g} s", {
         "time [s]": clock[::_FINE],
         "force [N]": shown + noise * random.standard_normal(len(shown)),
-        "acceleration [m/s^2]": moved + noise / specimen.mass * random.standard_normal(len(moved)),
+        "acceleration [m/s^2]": acceleration
+        + noise / specimen.mass * random.standard_normal(len(shown)),
     }, {"specimen": specimen, "late": late * step}, "late")  # fmt: skip
 
 

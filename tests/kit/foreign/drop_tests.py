@@ -54,7 +54,7 @@ class Specimen:
         """Relaxed force at compressions, m, N."""
         if self.tilt:
             across = (np.arange(16) + 0.5) / 16 * self.tilt
-            return float(np.mean([self._relaxed(max(x - one, 0.0)) for one in across]))
+            return float(np.mean([self._relaxed(max(x - value, 0.0)) for value in across]))
         return self._relaxed(x)
 
     def _relaxed(self, x):
@@ -79,24 +79,24 @@ def impact_force(specimen: Specimen, speed: float):
     gain = k * (1 - decay) * tau / _STEP
     x, v, t, q, stuck = 0.0, speed, 0.0, np.zeros(len(k)), 0.0
     before, force = 0.0, 0.0
-    found = [0.0]
+    result = [0.0]
     while True:
         a = -force / specimen.mass
-        moved = v * _STEP + 0.5 * a * _STEP**2
-        x += moved
+        travel = v * _STEP + 0.5 * a * _STEP**2
+        x += travel
         relaxed = specimen.relaxed(x) if x > 0 else 0.0
         q = q * decay + gain * (relaxed - before)
         new = rigid * relaxed + q.sum() + dashpot * (relaxed - before) / _STEP
         if specimen.friction:
             most = specimen.friction * min(max(x / specimen.depth, 0.0), 1.0)
-            stuck = min(max(stuck + specimen.friction / specimen.reach * moved, -most), most)
+            stuck = min(max(stuck + specimen.friction / specimen.reach * travel, -most), most)
             new += stuck
         before = relaxed
         v += 0.5 * (a - new / specimen.mass) * _STEP
         force, t = new, t + _STEP
         if (force <= 0 and v < 0) or t > 1:
-            return _STEP * np.arange(len(found)), np.array(found)
-        found.append(force)
+            return _STEP * np.arange(len(result)), np.array(result)
+        result.append(force)
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,9 +20,9 @@ def press_and_hold(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return time, s, displacement, mm, and force, N: a second of rest, a ramp of 1 s, a hold."""
     time = np.arange(round((2 + hold) * rate)) / rate
-    moved = 8 * np.clip(time - 1, 0, 1)
-    steps = np.diff(moved)
-    force = K_INF * moved
+    displacement = 8 * np.clip(time - 1, 0, 1)
+    steps = np.diff(displacement)
+    force = K_INF * displacement
     for stiffness, tau in ARMS:
         decay = np.exp(-1 / rate / tau)
         gained = stiffness * tau * rate * (1 - decay)
@@ -30,7 +30,11 @@ def press_and_hold(
         for i, step in enumerate(steps, start=1):
             carried = carried * decay + gained * step
             force[i] += carried
-    return time, moved, force + noise * np.random.default_rng(seed).standard_normal(len(time))
+    return (
+        time,
+        displacement,
+        force + noise * np.random.default_rng(seed).standard_normal(len(time)),
+    )
 
 
 def format_table(head: str, columns: Sequence[FloatArray]) -> str:

@@ -43,12 +43,12 @@ def place_times(way: str, random: np.random.Generator) -> np.ndarray:
         starts = low + np.cumsum(random.uniform(0.6, 1.9, 5)) - 0.6
         held = [np.linspace(start, start + 0.7, 12) for start in starts if start < high]
         return np.unique(np.round(np.concatenate(held), 4))
-    kept = np.ones(len(every), dtype=bool)
+    retained = np.ones(len(every), dtype=bool)
     for _ in range(2 if way == "two gaps" else 1):
         wide = random.uniform(0.9, 1.4) if way == "two gaps" else random.uniform(1.2, 2.4)
         first = random.uniform(low + 0.6, high - 0.6 - wide)
-        kept &= (every < first) | (every > first + wide)
-    return every[kept]
+        retained &= (every < first) | (every > first + wide)
+    return every[retained]
 
 
 def generate_gapped_curves(

@@ -97,8 +97,8 @@ def strike_block(
         x = 1j * there * np.asarray(tau)
         lost = float((np.asarray(k) * (x / (1 + x))).sum().real) * (1 - part)
         spring, dashpot, k = spring + lost, part * dashpot, part * np.asarray(k)
-    beside = 2 * _stiffness(spring, dashpot, k, tau, there)
-    k_cable, arms = cable_arms(rig.cable * beside.real, rig.cable_loss, there)
+    neighbour = 2 * _stiffness(spring, dashpot, k, tau, there)
+    k_cable, arms = cable_arms(rig.cable * neighbour.real, rig.cable_loss, there)
     force, clock = _pulses(random, rig)
     all_k = np.concatenate((2 * np.asarray(k), arms if rig.cable else []))
     all_tau = np.concatenate((np.asarray(tau), _CABLE_TAU if rig.cable else []))
@@ -216,12 +216,12 @@ def windowed_lines(record: HammerRecord):
     rig = record.truth["rig"]
     size = round(rig.length * rig.rate)
     force = np.fft.rfft(record.hammer.reshape(-1, size), axis=1)
-    moved = np.fft.rfft(record.acceleration.reshape(-1, size), axis=1)
+    spectrum = np.fft.rfft(record.acceleration.reshape(-1, size), axis=1)
     frequency = np.fft.rfftfreq(size, 1 / rig.rate)
-    power, cross = (np.abs(force) ** 2).sum(0), (moved * force.conj()).sum(0)
-    own = (np.abs(moved) ** 2).sum(0)
+    power, cross = (np.abs(force) ** 2).sum(0), (spectrum * force.conj()).sum(0)
+    power_a = (np.abs(spectrum) ** 2).sum(0)
     keep = (frequency >= 3) & (frequency <= 60)
-    coherence = np.abs(cross) ** 2 / (power * own)
+    coherence = np.abs(cross) ** 2 / (power * power_a)
     return frequency[keep], (cross / power)[keep], np.minimum(coherence[keep], 1.0)
 
 

@@ -36,7 +36,7 @@ class Sheet:
 
     def __getitem__(self, name: str) -> np.ndarray:
         """The column whose name begins so."""
-        return next(one for head, one in self.columns.items() if head.startswith(name))
+        return next(column for head, column in self.columns.items() if head.startswith(name))
 
     def text(self) -> str:
         """As a file, every digit kept."""
@@ -58,8 +58,8 @@ def _log_uniform(random, low: float, high: float) -> float:
 
 def _modulus(seed: int, families=FAMILIES[1:9]) -> Solid:
     """A solid of rubber, Pa."""
-    one = draw_truth(families[seed % len(families)], seed)
-    return replace(one, k_inf=1e4 * one.k_inf, k=tuple(1e4 * k for k in one.k))
+    solid = draw_truth(families[seed % len(families)], seed)
+    return replace(solid, k_inf=1e4 * solid.k_inf, k=tuple(1e4 * k for k in solid.k))
 
 
 def simulate_response(system, u, step: float):
@@ -71,8 +71,8 @@ def simulate_response(system, u, step: float):
         z = p * step
         grown = np.expm1(z)
         # (e^z - 1)/z and (e^z - 1 - z)/z^2
-        one, two = (1 + z / 2, 0.5 + z / 6) if abs(z) < 1e-6 else (grown / z, (grown - z) / z**2)
-        gain = weight * step * np.array([two, one - two])
+        value, two = (1 + z / 2, 0.5 + z / 6) if abs(z) < 1e-6 else (grown / z, (grown - z) / z**2)
+        gain = weight * step * np.array([two, value - two])
         total = total + signal.lfilter(gain, [1.0, -1 - grown], u).real
     return total
 
@@ -219,8 +219,8 @@ def _sweep(kind: str, seed: int, spoilt: str, celsius) -> Sheet:
         k = np.array(solid.k)
         slow = replace(solid, k=tuple(np.where(fast, 0.0, k)))
         quick = replace(solid, k_inf=0.0, k=tuple(np.where(fast, k, 0.0)))
-        own = b_t * quick.stiffness(2 * pi * lines * a_t**0.8)
-        pure = b_t * slow.stiffness(2 * pi * lines * a_t) + own
+        individual = b_t * quick.stiffness(2 * pi * lines * a_t**0.8)
+        pure = b_t * slow.stiffness(2 * pi * lines * a_t) + individual
     value = pure + 0.01 * np.abs(pure) * _scatter(random, len(lines))
     if spoilt == "instrument gives":
         value = 1 / (1 / value + 0.1 / solid.stiffness(2 * pi).real)
@@ -337,8 +337,8 @@ def nominal(law: str, mode: str, stretch, constants):
     x = np.asarray(stretch, float)
     free = np.ones_like(x) if law == "hyperfoam" else x ** _LATERAL[mode]
     if law == "mooney-rivlin":
-        beside = {"uniaxial": 1 / x, "equibiaxial": x**2, "planar": np.ones_like(x)}[mode]
-        return 2 * (x - free**2 / x) * (constants[0] + constants[1] * beside)
+        neighbour = {"uniaxial": 1 / x, "equibiaxial": x**2, "planar": np.ones_like(x)}[mode]
+        return 2 * (x - free**2 / x) * (constants[0] + constants[1] * neighbour)
     pairs = zip(constants[::2], constants[1::2], strict=True)
     return sum(2 * mu / alpha * (x**alpha - free**alpha) / x for mu, alpha in pairs)
 
@@ -409,9 +409,9 @@ def simulate_impact(contact: Solid, mass: float, speed: float, step: float):
             if not past.size:
                 break
             cell = i - past[0]
-            left = last[past[0]] / (weight[cell - 1] * way[cell])
-            each = weight[:cell] * deep[1 : cell + 1]
-            force[i] = each[:-1].sum() + left * each[-1]
+            residual = last[past[0]] / (weight[cell - 1] * way[cell])
+            item = weight[:cell] * deep[1 : cell + 1]
+            force[i] = item[:-1].sum() + residual * item[-1]
         else:
             force[i] = weight @ deep[1 : i + 1]
         v -= step * (force[i] + force[i - 1]) / mass / 2

@@ -45,8 +45,8 @@ def freezes_in_ramp(record: Record, random, *, channel: str, part: float = 0.3) 
 
 def repeats(record: Record, random, *, channel: str, rate: float) -> Record:
     """A channel is renewed at `rate`, Hz, and repeated between."""
-    each = max(1, round(record.protocol.rate / rate))
-    rows = np.arange(len(record.time)) // each * each
+    value = max(1, round(record.protocol.rate / rate))
+    rows = np.arange(len(record.time)) // value * value
     return replace(record, **{channel: getattr(record, channel)[rows]})
 
 

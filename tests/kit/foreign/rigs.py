@@ -146,11 +146,11 @@ def _press_again(record: Record, x, plate=None) -> Record:
 
 def gives(record: Record, random, *, compliance: float) -> Record:
     """Machine and cell give by C F, m/N: x = x_encoder - C F, a fixed point."""
-    free, one = record.compression, record
+    free, item = record.compression, record
     for _ in range(60):
-        last, one = one, _press_again(record, np.maximum(free - compliance * one.pure, 0.0))
-        if np.max(np.abs(one.compression - last.compression)) < 1e-13 * record.protocol.depth:
-            return one
+        last, item = item, _press_again(record, np.maximum(free - compliance * item.pure, 0.0))
+        if np.max(np.abs(item.compression - last.compression)) < 1e-13 * record.protocol.depth:
+            return item
     msg = f"a compliance of {compliance:g} m/N is too large for this seal"
     raise ValueError(msg)
 
@@ -199,8 +199,8 @@ def sample_record(record: Record, random, *, lost: float = 0.0, jitter: float = 
     fine = round(1 / record.step / record.protocol.rate)
     rows = np.arange(0, len(record.time), fine)
     if jitter:
-        moved = np.round(fine * jitter * random.uniform(-1, 1, len(rows))).astype(int)
-        rows = np.clip(rows + moved, 0, len(record.time) - 1)
+        offset = np.round(fine * jitter * random.uniform(-1, 1, len(rows))).astype(int)
+        rows = np.clip(rows + offset, 0, len(record.time) - 1)
     return record.rows(rows[random.uniform(size=len(rows)) >= lost] if lost else rows)
 
 
@@ -258,8 +258,8 @@ def begins_late(record: Record, random) -> Record:
 def thin_rows(record: Record, random, *, rows: int) -> Record:
     """A logger that keeps rows even in ln(t) from the start of the ramp on."""
     start = int(np.searchsorted(record.time, record.protocol.baseline))
-    kept = start + np.unique(np.geomspace(1, len(record.time) - start, rows).astype(int)) - 1
-    return record.rows(np.concatenate((np.arange(0, start, max(start // 20, 1)), kept)))
+    mask = start + np.unique(np.geomspace(1, len(record.time) - start, rows).astype(int)) - 1
+    return record.rows(np.concatenate((np.arange(0, start, max(start // 20, 1)), mask)))
 
 
 def clock_jumps(record: Record, random, *, by: float) -> Record:

@@ -44,7 +44,7 @@ class Solid:
     def arms(cls, name: str, k_inf: float, k, tau) -> Solid:
         """Generalized Maxwell (Wiechert): the solid of the paper's eq. 2."""
         order = np.argsort(tau)
-        return cls(name, float(k_inf), *(tuple(np.take(one, order).tolist()) for one in (k, tau)))
+        return cls(name, float(k_inf), *(tuple(np.take(item, order).tolist()) for item in (k, tau)))
 
     @classmethod
     def fractional(cls, name: str, k_inf: float, k: float, tau: float, alpha: float) -> Solid:
@@ -81,10 +81,10 @@ class Solid:
         with np.errstate(over="ignore", under="ignore"):
             k, tau = _STEP * spectrum(z), t_0 * np.exp(z)
         fast, slow = tau < _FAST, tau > _SLOW
-        kept = ~fast & ~slow & (k > 0)
+        mask = ~fast & ~slow & (k > 0)
         dashpot = float(k[fast] @ tau[fast]) / _FAST
         return cls.arms(
-            name, k_inf, [dashpot, *k[kept], k[slow].sum()], [_FAST, *tau[kept], _SPRING]
+            name, k_inf, [dashpot, *k[mask], k[slow].sum()], [_FAST, *tau[mask], _SPRING]
         )
 
     def relaxation(self, t):
@@ -115,8 +115,8 @@ class Solid:
         """Spring, dashpot, k and tau of what lies between: for a system of equations."""
         k, tau = np.array(self.k), np.array(self.tau)
         quick, late = tau < fast, tau > slow
-        kept = ~quick & ~late
-        return self.k_inf + float(k[late].sum()), float(k[quick] @ tau[quick]), k[kept], tau[kept]
+        mask = ~quick & ~late
+        return self.k_inf + float(k[late].sum()), float(k[quick] @ tau[quick]), k[mask], tau[mask]
 
 
 @dataclass(frozen=True)
@@ -173,11 +173,11 @@ class Seal:
         """Frequency, Hz, and height of the accelerance at its peak."""
         lines = np.geomspace(0.5, 500.0, 4000)
         top = lines[np.argmax(np.abs(self.accelerance(lines, mass, seals)))]
-        found = minimize_scalar(
+        solution = minimize_scalar(
             lambda f: -abs(self.accelerance(f, mass, seals)),
             bounds=(top / 1.02, top * 1.02), method="bounded", options={"xatol": 1e-10 * top},
         )  # fmt: skip
-        return float(found.x), float(-found.fun)
+        return float(solution.x), float(-solution.fun)
 
     def mass_at(self, frequency: float, seals: float = 1.0) -> float:
         """The mass, kg, that the seals' storage stiffness brings to resonance there."""

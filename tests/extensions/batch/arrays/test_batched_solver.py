@@ -50,14 +50,14 @@ def test_batched_solver_has_the_optimum_of_each_single_fit(name: str, arms: int)
     data = records(family, arms, 12, seed=arms)
     many = solve_many(family, data, arms)
     for row, values in enumerate(data):
-        one = solve([family.block(values)], arms)
-        assert many.order[row] == one.order
-        assert many.converged[row] == one.converged
-        n = one.order
-        assert many.sse[row] == pytest.approx(one.sse, rel=1e-9)
-        np.testing.assert_allclose(many.log_tau[row, :n], one.log_tau, atol=1e-7)
-        np.testing.assert_allclose(many.arms[row, :n], one.arms[0], rtol=1e-6)
-        np.testing.assert_allclose(many.fixed[row], one.fixed, rtol=1e-7)
+        solution = solve([family.block(values)], arms)
+        assert many.order[row] == solution.order
+        assert many.converged[row] == solution.converged
+        n = solution.order
+        assert many.sse[row] == pytest.approx(solution.sse, rel=1e-9)
+        np.testing.assert_allclose(many.log_tau[row, :n], solution.log_tau, atol=1e-7)
+        np.testing.assert_allclose(many.arms[row, :n], solution.arms[0], rtol=1e-6)
+        np.testing.assert_allclose(many.fixed[row], solution.fixed, rtol=1e-7)
 
 
 @pytest.mark.parametrize("name", ["step", "ramp and hold", "recorded"])
@@ -69,9 +69,9 @@ def test_batched_solver_has_the_optimum_of_doubtful_single_fits(
     data = records(family, seen, 10, seed=7, noise=noise)
     many = solve_many(family, data, arms)
     for row, values in enumerate(data):
-        one = solve([family.block(values)], arms)
-        assert many.order[row] == one.order
-        assert many.sse[row] == pytest.approx(one.sse, rel=1e-8)
+        solution = solve([family.block(values)], arms)
+        assert many.order[row] == solution.order
+        assert many.sse[row] == pytest.approx(solution.sse, rel=1e-8)
 
 
 @pytest.mark.parametrize("name", ["step", "hold", "ramp and hold"])

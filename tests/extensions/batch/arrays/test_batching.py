@@ -80,10 +80,10 @@ def test_batched_fit_status_equals_single_fit_status(arms: int, status: Status) 
     """A steady fall is one arm at the end of what the record can show, and no more."""
     record = 100.0 * X - 1e-4 * np.maximum(TIME - 1.0, 0.0)
     held = RampHold(TIME, X, record, 0.0, 1.0, TIME[-1], X[-1])
-    alone = fit(held, arms=arms, nuisance=(), intervals=False)
+    single = fit(held, arms=arms, nuisance=(), intervals=False)
     many = fit_many(TIME, record, displacement=X, arms=arms)
-    assert many.tau[0, 0] == pytest.approx(alone.model.tau[0])
-    assert many.status == (alone.status,) == (status,)
+    assert many.tau[0, 0] == pytest.approx(single.model.tau[0])
+    assert many.status == (single.status,) == (status,)
 
 
 @pytest.mark.parametrize("choice", [{"ramp": (8e-3, 1.0)}, {"displacement": X}])
@@ -96,17 +96,17 @@ def test_errors_are_the_scatter_of_the_estimates(
     seal, count = SEALS[0], 200
     noise = np.random.default_rng(8).standard_normal((count, len(TIME)))
     if memory:
-        kept = np.exp(-0.01 / memory)
-        noise = lfilter([np.sqrt(1 - kept**2)], [1.0, -kept], noise, axis=1)
+        decay = np.exp(-0.01 / memory)
+        noise = lfilter([np.sqrt(1 - decay**2)], [1.0, -decay], noise, axis=1)
     data = seal.force(TIME, X) + 1e-3 * noise
     many = fit_many(TIME, data, arms=2, method=method, errors=True, **choice)
     assert many.errors is not None
-    for found, error, truth in (
+    for value, error, truth in (
         (many.k_inf, many.errors.k_inf, seal.k_inf),
         *zip(many.k.T, many.errors.k.T, seal.k, strict=True),
         *zip(many.tau.T, many.errors.tau.T, seal.tau, strict=True),
     ):
-        assert np.std((found - truth) / error) == pytest.approx(1.0, abs=0.2)
+        assert np.std((value - truth) / error) == pytest.approx(1.0, abs=0.2)
 
 
 def test_errors_are_those_of_the_single_fit() -> None:
@@ -115,12 +115,12 @@ def test_errors_are_those_of_the_single_fit() -> None:
     assert many.errors is not None
     for row in range(2):
         test = RelaxationTest(time=TIME, displacement=X, force=data[row], units="SI")
-        alone = formal_errors(
+        single = formal_errors(
             restrict_to_noise(fit(prepare(test), arms=2, method="hold", nuisance=()))
         )
-        assert many.errors.k_inf[row] == pytest.approx(alone["k_inf"], rel=0.25)
-        np.testing.assert_allclose(many.errors.k[row], alone["k"], rtol=0.25)
-        np.testing.assert_allclose(many.errors.tau[row], alone["tau"], rtol=0.25)
+        assert many.errors.k_inf[row] == pytest.approx(single["k_inf"], rel=0.25)
+        np.testing.assert_allclose(many.errors.k[row], single["k"], rtol=0.25)
+        np.testing.assert_allclose(many.errors.tau[row], single["tau"], rtol=0.25)
 
 
 def test_no_arm_no_error_and_no_knowledge_no_end() -> None:

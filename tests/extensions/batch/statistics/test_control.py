@@ -32,13 +32,13 @@ RINGS = np.array(TABLE.split(), dtype=float).reshape(25, 5)  # fmt: skip
 def test_individuals_are_those_of_the_worked_example():
     # NIST/SEMATECH e-Handbook of Statistical Methods, 6.3.2.2: a flow rate, ten samples
     flow = np.array([49.6, 47.6, 49.9, 51.3, 47.8, 51.2, 52.6, 52.4, 53.6, 52.1])
-    one, moving = individuals(flow)
-    assert one.centre == pytest.approx(50.81)
-    assert (one.lower[0], one.upper[-1]) == pytest.approx((45.8159, 55.8041), abs=6e-5)
+    text, moving = individuals(flow)
+    assert text.centre == pytest.approx(50.81)
+    assert (text.lower[0], text.upper[-1]) == pytest.approx((45.8159, 55.8041), abs=6e-5)
     assert moving.centre == pytest.approx(1.8778, abs=5e-5)
     assert moving.upper[0] == pytest.approx(3.267 * 1.8778, abs=5e-4)
     assert np.isnan(moving.values[0])
-    assert not one.signals
+    assert not text.signals
     assert not moving.signals
     with pytest.raises(DataError, match="of 1 value"):
         individuals(flow[:1])
@@ -72,11 +72,11 @@ def test_control_limits_of_unequal_groups_share_one_scatter():
     mean, deviation = means_and_deviations([rng.normal(5, 2, n) for n in sizes])
     assert (mean.upper - mean.centre) * np.sqrt(sizes) == pytest.approx(6, rel=0.02)
     assert np.isnan(deviation.values[sizes == 1]).all()
-    alone = {one.point for one in deviation.signals} & set(np.flatnonzero(sizes == 1))
-    assert not alone
+    single = {signal.point for signal in deviation.signals} & set(np.flatnonzero(sizes == 1))
+    assert not single
     for groups in ([[1.0, 2.0]], [[1.0], [2.0]]):
         with pytest.raises(DataError, match="wants two groups"):
-            means_and_deviations([np.array(one) for one in groups])
+            means_and_deviations([np.array(group) for group in groups])
 
 
 @pytest.mark.parametrize(
@@ -96,7 +96,7 @@ def test_control_limits_of_unequal_groups_share_one_scatter():
 )
 def test_each_rule_speaks_at_the_last_point_of_its_run(rule, breaks, keeps):
     assert (len(breaks) - 1, rule) in run_signals(np.array(breaks))
-    assert rule not in [one.rule for one in run_signals(np.array(keeps))]
+    assert rule not in [signal.rule for signal in run_signals(np.array(keeps))]
 
 
 def test_control_chart_of_equal_values_signals_nothing():
@@ -107,6 +107,8 @@ def test_control_chart_of_equal_values_signals_nothing():
 def test_a_lot_in_control_is_seldom_accused():
     """Three standard deviations are passed by 0.27 %; from 25 estimated limits a little more."""
     rng = np.random.default_rng(4)
-    found = [one.rule for _ in range(400) for one in individuals(rng.normal(size=25))[0].signals]
-    assert 0.002 < found.count(BEYOND) / 1e4 < 0.008
-    assert len(found) / 400 < 0.5  # false alarms of all five rules, for each lot of 25 seals
+    rules = [
+        signal.rule for _ in range(400) for signal in individuals(rng.normal(size=25))[0].signals
+    ]
+    assert 0.002 < rules.count(BEYOND) / 1e4 < 0.008
+    assert len(rules) / 400 < 0.5  # false alarms of all five rules, for each lot of 25 seals

@@ -17,17 +17,17 @@ def having(mean, deviation, count):
 def test_the_example_of_the_handbook():
     # NIST/SEMATECH e-Handbook, 1.3.5.3, AUTO83B.DAT: miles per gallon of 249 and 79 cars, unequal
     # variances: T = -12.94627 with 136.87499 degrees of freedom
-    found = difference(having(20.14458, 6.41470, 249), having(30.48101, 6.10771, 79))
+    result = difference(having(20.14458, 6.41470, 249), having(30.48101, 6.10771, 79))
     error = np.hypot(6.41470 / 249**0.5, 6.10771 / 79**0.5)
-    assert found.value / error == pytest.approx(12.94627, abs=1e-4)
-    assert found.freedom == pytest.approx(136.87499, abs=1e-3)
-    assert found.p_value == pytest.approx(1.571e-25, rel=1e-3)
+    assert result.value / error == pytest.approx(12.94627, abs=1e-4)
+    assert result.freedom == pytest.approx(136.87499, abs=1e-3)
+    assert result.p_value == pytest.approx(1.571e-25, rel=1e-3)
     # two-sided 95 % and one-sided 5 % of t with 136.875 degrees of freedom
-    assert found.interval == pytest.approx(
+    assert result.interval == pytest.approx(
         (10.33643 - 1.97751 * error, 10.33643 + 1.97751 * error), abs=1e-4
     )
-    assert found.alike_within == pytest.approx(10.33643 + 1.65609 * error, abs=1e-4)
-    assert found.different
+    assert result.alike_within == pytest.approx(10.33643 + 1.65609 * error, abs=1e-4)
+    assert result.different
 
 
 @pytest.mark.parametrize(("sizes", "sds"), [((5, 5), (1.0, 1.0)), ((25, 8), (1.0, 3.0))])
@@ -39,12 +39,12 @@ def test_it_says_how_often_it_finds_what_is_there(sizes, sds):
     exact = difference(having(0, sds[0], sizes[0]), having(0, sds[1], sizes[1])).detectable
     there = [difference(x, y + exact) for x, y in zip(first, second, strict=True)]
     four = 4 * np.sqrt(1 / seeds)
-    assert np.mean([one.different for one in none]) == pytest.approx(0.05, abs=four * 0.22)
-    assert np.mean([one.different for one in there]) == pytest.approx(0.8, abs=four * 0.4)
-    held = np.mean([one.interval[0] <= exact <= one.interval[1] for one in there])
+    assert np.mean([item.different for item in none]) == pytest.approx(0.05, abs=four * 0.22)
+    assert np.mean([item.different for item in there]) == pytest.approx(0.8, abs=four * 0.4)
+    held = np.mean([item.interval[0] <= exact <= item.interval[1] for item in there])
     assert held == pytest.approx(0.95, abs=four * 0.22)
     # equal within a margin that the truth just passes is said in no more than 5 %
-    assert np.mean([one.alike_within < exact for one in there]) < 0.05 + four * 0.22
+    assert np.mean([item.alike_within < exact for item in there]) < 0.05 + four * 0.22
 
 
 def test_repeats_for_seals_would_find_what_is_not_there():
@@ -52,16 +52,16 @@ def test_repeats_for_seals_would_find_what_is_not_there():
     rng = np.random.default_rng(3)
     seals = rng.normal(0, 1, (300, 2, 4))
     tests = np.repeat(seals, 10, axis=2) + rng.normal(0, 0.1, (300, 2, 40))
-    by_seal = np.mean([difference(*one).different for one in seals])
-    by_test = np.mean([difference(*one).different for one in tests])
+    by_seal = np.mean([difference(*seal).different for seal in seals])
+    by_test = np.mean([difference(*test).different for test in tests])
     assert by_seal < 0.1
     assert by_test > 0.4
 
 
 def test_lots_without_scatter_and_lots_too_small():
     assert difference(np.ones(3), np.ones(2)).p_value == 1
-    apart = difference(np.ones(3), np.full(3, 2.0))
-    assert (apart.p_value, apart.interval, apart.alike_within) == (0, (1, 1), 1)
+    separate = difference(np.ones(3), np.full(3, 2.0))
+    assert (separate.p_value, separate.interval, separate.alike_within) == (0, (1, 1), 1)
     with pytest.raises(DataError, match="lots of 5 and 1 seals cannot be compared"):
         difference(np.arange(5.0), np.ones(1))
 

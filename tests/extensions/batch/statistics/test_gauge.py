@@ -26,22 +26,22 @@ PART = np.tile(np.arange(10).astype(str), 9)
 
 
 def test_the_study_of_the_manual():
-    found = gauge(STUDY, PART, WHO)
-    assert (found.parts, found.operators, found.tests, found.left_out) == (10, 3, 90, 0)
-    assert found.interaction_p == pytest.approx(0.974, abs=5e-4)  # F = 0.434, so it is pooled
+    result = gauge(STUDY, PART, WHO)
+    assert (result.parts, result.operators, result.tests, result.left_out) == (10, 3, 90, 0)
+    assert result.interaction_p == pytest.approx(0.974, abs=5e-4)  # F = 0.434, so it is pooled
     for name, deviation, share in (
         ("repeatability", 0.199933, 18.4), ("operator", 0.226838, 20.9), ("gauge", 0.302373, 27.9),
         ("part", 1.042327, 96.0),
     ):  # fmt: skip
-        one = found[name]
-        assert one.deviation == pytest.approx(deviation, abs=2e-6), name
-        assert 100 * one.share == pytest.approx(share, abs=0.06), name
-        assert one.interval[0] < one.deviation < one.interval[1]
-    assert found["total"].deviation == pytest.approx(1.085, abs=5e-4)
-    assert int(found.categories) == 4
-    assert found.categories == pytest.approx(1.41 * 1.042327 / 0.302373, rel=1e-5)
+        item = result[name]
+        assert item.deviation == pytest.approx(deviation, abs=2e-6), name
+        assert 100 * item.share == pytest.approx(share, abs=0.06), name
+        assert item.interval[0] < item.deviation < item.interval[1]
+    assert result["total"].deviation == pytest.approx(1.085, abs=5e-4)
+    assert int(result.categories) == 4
+    assert result.categories == pytest.approx(1.41 * 1.042327 / 0.302373, rel=1e-5)
     # one operator knows his fewest degrees of freedom: two
-    assert found["operator"].interval[1] > 5 * found["operator"].deviation
+    assert result["operator"].interval[1] > 5 * result["operator"].deviation
 
 
 def test_gauge_retains_a_real_interaction():
@@ -49,25 +49,25 @@ def test_gauge_retains_a_real_interaction():
     crossed = rng.normal(0, 1.0, 30)[np.repeat(np.arange(30), 3)]
     part, who = np.repeat(np.arange(10), 9).astype(str), np.tile(np.repeat(list("abc"), 3), 10)
     values = crossed + rng.normal(0, 0.1, 90)
-    found = gauge(values, part, who)
-    assert found.interaction_p < 1e-6
-    assert found["interaction"].interval[0] < 1.0 < found["interaction"].interval[1]
-    total = found["repeatability"], found["operator"], found["interaction"]
-    assert found["gauge"].deviation ** 2 == pytest.approx(sum(one.deviation**2 for one in total))
+    result = gauge(values, part, who)
+    assert result.interaction_p < 1e-6
+    assert result["interaction"].interval[0] < 1.0 < result["interaction"].interval[1]
+    total = result["repeatability"], result["operator"], result["interaction"]
+    assert result["gauge"].deviation ** 2 == pytest.approx(sum(item.deviation**2 for item in total))
 
 
 def test_without_operators_it_is_the_nested_analysis_of_seal_and_repeat():
     values, part = STUDY[:30], PART[:30]
-    alone = gauge(values, part)
+    single = gauge(values, part)
     seal, repeat = components(values, [("seal", list(part))])
-    assert alone["part"].deviation ** 2 == pytest.approx(seal.variance)
-    assert alone["repeatability"].deviation ** 2 == pytest.approx(repeat.variance)
+    assert single["part"].deviation ** 2 == pytest.approx(seal.variance)
+    assert single["repeatability"].deviation ** 2 == pytest.approx(repeat.variance)
     # the mean square of repeats has an exact interval; ours is of 20 000 draws
     ends = [end**0.5 for end in repeat.interval]
-    assert alone["gauge"].interval == pytest.approx(ends, rel=0.02)
-    assert alone.operators == 1
-    assert alone.interaction_p is None
-    assert gauge(values, part, ["A"] * 30) == alone
+    assert single["gauge"].interval == pytest.approx(ends, rel=0.02)
+    assert single.operators == 1
+    assert single.interaction_p is None
+    assert gauge(values, part, ["A"] * 30) == single
 
 
 @pytest.mark.parametrize(
@@ -89,21 +89,21 @@ def test_intervals_hold_the_truth_as_often_as_they_say(operators, sds):
             + rng.normal(0, of_operator, operators)[who] * (operators > 1)
             + rng.normal(0, of_error, len(part))
         )
-        kept = rng.random(len(part)) > 0.2 if operators == 1 else np.full(len(part), True)
-        found = gauge(values[kept], part[kept].astype(str), who[kept].astype(str))
+        retained = rng.random(len(part)) > 0.2 if operators == 1 else np.full(len(part), True)
+        result = gauge(values[retained], part[retained].astype(str), who[retained].astype(str))
         for i, (low, value, high) in enumerate((
-            (found["part"].interval[0], of_part, found["part"].interval[1]),
-            (found["gauge"].share_interval[0], share, found["gauge"].share_interval[1]),
+            (result["part"].interval[0], of_part, result["part"].interval[1]),
+            (result["gauge"].share_interval[0], share, result["gauge"].share_interval[1]),
         )):  # fmt: skip
             held[i] += low <= value <= high
     assert (held / seeds > 0.95 - 4 * np.sqrt(0.05 * 0.95 / seeds)).all(), held / seeds
 
 
 def test_a_design_with_holes_is_cut_to_what_is_whole():
-    kept = np.full(90, True)
-    kept[[0, 10, 20, 31]] = False  # part 0 of A is gone, part 1 of B has two trials
-    found = gauge(STUDY[kept], PART[kept], WHO[kept])
-    assert (found.parts, found.tests, found.left_out) == (9, 9 * 3 * 2, 86 - 54)
+    retained = np.full(90, True)
+    retained[[0, 10, 20, 31]] = False  # part 0 of A is gone, part 1 of B has two trials
+    result = gauge(STUDY[retained], PART[retained], WHO[retained])
+    assert (result.parts, result.tests, result.left_out) == (9, 9 * 3 * 2, 86 - 54)
 
 
 def test_gauge_refuses_designs_without_repeats():
@@ -118,6 +118,6 @@ def test_gauge_refuses_designs_without_repeats():
 
 
 def test_equal_values_are_no_fault():
-    found = gauge(np.full(8, 2.0), list("aabbccdd"))
-    assert all(one.deviation == one.share == 0 for one in found.variations)
-    assert found.categories == 0
+    result = gauge(np.full(8, 2.0), list("aabbccdd"))
+    assert all(variation.deviation == variation.share == 0 for variation in result.variations)
+    assert result.categories == 0

@@ -67,9 +67,9 @@ def test_intervals_hold_the_truth_as_often_as_they_say(sizes, repeats, sds, leas
             + rng.normal(0, sds[1], len(lots))[seal]
             + rng.normal(0, sds[2], len(lot))
         )
-        found = components(values, [("lot", lot.astype(str)), ("seal", seal.astype(str))])
-        assert all(one.variance >= 0 for one in found)
-        held += [c.interval[0] <= sd**2 <= c.interval[1] for c, sd in zip(found, sds, strict=True)]
+        result = components(values, [("lot", lot.astype(str)), ("seal", seal.astype(str))])
+        assert all(item.variance >= 0 for item in result)
+        held += [c.interval[0] <= sd**2 <= c.interval[1] for c, sd in zip(result, sds, strict=True)]
     # within four standard deviations of such a count
     assert (held / seeds > least - 4 * np.sqrt(0.05 * 0.95 / seeds)).all(), held / seeds
 
@@ -128,8 +128,8 @@ def test_an_unbalanced_design_is_unbiased():
     for _ in range(600):
         values = rng.normal(0, 2, 6)[lot] + rng.normal(0, 1, 25)[seal] + rng.normal(0, 0.5, 50)
         # no estimate is cut at 0 here but the lots', which are large
-        found = components(values, [("lot", lot.astype(str)), ("seal", seal.astype(str))])
-        total += [one.variance for one in found]
+        result = components(values, [("lot", lot.astype(str)), ("seal", seal.astype(str))])
+        total += [item.variance for item in result]
     assert total / 600 == pytest.approx([4, 1, 0.25], rel=0.1)
 
 
@@ -137,7 +137,7 @@ def test_the_errors_of_the_fits_come_off_the_repeats():
     levels = [("batch", BATCH), ("sample", SAMPLE)]
     whole = components(VALUES, levels)
     *outer, repeat, fit = components(VALUES, levels, errors=np.full(60, 0.5))
-    assert [one.variance for one in outer] == [one.variance for one in whole[:2]]
+    assert [item.variance for item in outer] == [item.variance for item in whole[:2]]
     assert fit.variance == pytest.approx(0.25)
     assert repeat.variance == pytest.approx(whole[2].variance - 0.25)
     *_, none, fit = components(VALUES, levels, errors=np.full(60, 5.0))
@@ -154,8 +154,8 @@ def test_variance_components_refuse_levels_without_repeats():
 def test_the_labels_of_seals_begin_again_in_each_lot():
     values = np.arange(8.0)
     again = components(values, [("lot", list("aaaabbbb")), ("seal", list("11221122"))])
-    apart = components(values, [("lot", list("aaaabbbb")), ("seal", list("11223344"))])
-    assert again == apart
+    separate = components(values, [("lot", list("aaaabbbb")), ("seal", list("11223344"))])
+    assert again == separate
 
 
 def test_what_stands_out_is_counted_in_robust_deviations():
@@ -180,4 +180,4 @@ def test_the_limit_is_3_5_in_a_large_lot_and_wider_in_a_small_one(size, below, a
 def test_outlier_rule_has_a_false_alarm_rate_of_one_in_a_thousand(size):
     rng = np.random.default_rng(size)
     lots = rng.normal(size=(40_000 // size, size))
-    assert sum(np.count_nonzero(stands_out(one)) for one in lots) <= 55  # 40 and 2.4 sd of it
+    assert sum(np.count_nonzero(stands_out(lot)) for lot in lots) <= 55  # 40 and 2.4 sd of it

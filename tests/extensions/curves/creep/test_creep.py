@@ -71,18 +71,18 @@ def test_displacement_is_the_inverse_of_force() -> None:
 
 
 def test_without_noise_the_fit_is_the_seal_to_rounding() -> None:
-    found = fit(record())
-    assert found.ok
-    assert found.method == "creep"
-    assert found.evidence.creep is not None
-    spectrum = found.evidence.creep.spectrum
+    result = fit(record())
+    assert result.ok
+    assert result.method == "creep"
+    assert result.evidence.creep is not None
+    spectrum = result.evidence.creep.spectrum
     assert spectrum.lam == pytest.approx((0.776312, 17.928823), rel=1e-6)
     assert spectrum.d == pytest.approx((1.638841e-3, 0.436354e-3), rel=1e-6)
     assert spectrum.glass == pytest.approx(3.013864e-3, rel=1e-6)
     assert spectrum.equilibrium == pytest.approx(5.089059e-3, rel=1e-6)
-    assert found.model.k_inf == pytest.approx(PAPER.k_inf, rel=1e-9)
-    assert found.model.k == pytest.approx(PAPER.k, rel=1e-9)
-    assert found.model.tau == pytest.approx(PAPER.tau, rel=1e-9)
+    assert result.model.k_inf == pytest.approx(PAPER.k_inf, rel=1e-9)
+    assert result.model.k == pytest.approx(PAPER.k, rel=1e-9)
+    assert result.model.tau == pytest.approx(PAPER.tau, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -100,14 +100,14 @@ def test_the_sensitivity_is_the_derivative_of_the_interconversion(creep: CreepSp
         return np.array([k_inf, *k, *np.log(tau), b])
 
     at = np.array([creep.glass, *creep.d, *np.log(creep.lam), creep.flow])
-    known = relaxation_sensitivity(creep, relaxation_spectrum(creep)[2])
+    expected = relaxation_sensitivity(creep, relaxation_spectrum(creep)[2])
     for i, value in enumerate(at):
         if value == 0:  # beyond it lies another kind of solid
             continue
         step = np.zeros(len(at))
         step[i] = 1e-6 * abs(value)
         slope = (solid(at + step) - solid(at - step)) / (2 * step[i])
-        assert known[:, i] == pytest.approx(slope, rel=1e-5, abs=1e-6 * np.abs(slope).max())
+        assert expected[:, i] == pytest.approx(slope, rel=1e-5, abs=1e-6 * np.abs(slope).max())
 
 
 @pytest.mark.parametrize(("length", "knows"), [(0.6, False), (4.0, True)])
@@ -125,34 +125,34 @@ def test_baseline_that_shows_the_slope_within_the_usual_drift_knows_it(
 
 def test_creep_fit_reports_flow() -> None:
     fluid = CreepSpectrum(2e-3, (1e-3,), (0.8,), 4e-5)
-    found = fit(record(fluid, noise=1e-6))
-    assert found.evidence.creep is not None
-    assert found.evidence.creep.spectrum.flow == pytest.approx(4e-5, rel=1e-2)
-    assert found.model.k_inf == 0
-    assert found.model.arms == 2
-    checks = {check.name: check for check in found.checks}
+    result = fit(record(fluid, noise=1e-6))
+    assert result.evidence.creep is not None
+    assert result.evidence.creep.spectrum.flow == pytest.approx(4e-5, rel=1e-2)
+    assert result.model.k_inf == 0
+    assert result.model.arms == 2
+    checks = {check.name: check for check in result.checks}
     assert checks["flow_distinguished"].passed
     assert "The part flows" in checks["creep_finished"].message
     assert "plateau_determined" not in checks
-    assert found.stiffness_limits is not None
-    low, high = found.stiffness_limits["k_end"]
-    assert low < 1 / float(fluid.compliance(found.evidence.end_of_hold.end_time)) < high
-    assert "k_inf" not in found.estimate.parameters
+    assert result.stiffness_limits is not None
+    low, high = result.stiffness_limits["k_end"]
+    assert low < 1 / float(fluid.compliance(result.evidence.end_of_hold.end_time)) < high
+    assert "k_inf" not in result.estimate.parameters
 
 
 def test_a_solid_cut_short_says_that_its_end_is_open() -> None:
     slow = CreepSpectrum(2e-3, (1e-3, 2e-3), (0.8, 60.0))
-    found = fit(record(slow, noise=1e-6))
-    checks = {check.name: check for check in found.checks}
+    result = fit(record(slow, noise=1e-6))
+    checks = {check.name: check for check in result.checks}
     assert checks["creep_finished"].failed or checks["flow_distinguished"].failed
-    assert found.verdict.use != "use"
+    assert result.verdict.use != "use"
 
 
 def test_a_step_at_the_first_sample_needs_no_baseline() -> None:
     time = np.arange(0.0, 40.0, 0.01)
-    found = fit(CreepTest(time, T1.compliance(time), np.ones(len(time)), units="SI"))
-    assert found.model.k == pytest.approx(PAPER.k, rel=1e-6)
-    checks = {check.name: check for check in found.checks}
+    result = fit(CreepTest(time, T1.compliance(time), np.ones(len(time)), units="SI"))
+    assert result.model.k == pytest.approx(PAPER.k, rel=1e-6)
+    checks = {check.name: check for check in result.checks}
     assert checks["load_begins_at_rest"].failed
 
 
@@ -161,9 +161,9 @@ def test_creep_fit_includes_recovery() -> None:
     load = np.interp(time, [0, 1, 30, 31], [0, 1, 1, 0])
     x = compute_ramp_creep(time) - compute_ramp_creep(time - 30)
     random = np.random.default_rng(0)
-    found = fit(CreepTest(time, x + 2e-6 * random.standard_normal(len(x)), load, units="SI"))
-    assert found.model.tau == pytest.approx(PAPER.tau, rel=5e-3)
-    assert found.verdict.use == "use"
+    result = fit(CreepTest(time, x + 2e-6 * random.standard_normal(len(x)), load, units="SI"))
+    assert result.model.tau == pytest.approx(PAPER.tau, rel=5e-3)
+    assert result.verdict.use == "use"
 
 
 @pytest.mark.parametrize(("sign", "shift"), [(1, 0.0), (-1, 0.0), (-1, 12e-3), (1, -3e-3)])
@@ -172,8 +172,8 @@ def test_signs_and_zeros_do_not_matter(sign: int, shift: float) -> None:
     turned = CreepTest(
         test.time, sign * test.displacement + shift, -sign * test.force - 0.3, units="SI"
     )
-    found = fit(turned)
-    assert found.model.k_inf == pytest.approx(PAPER.k_inf, rel=1e-6)
+    result = fit(turned)
+    assert result.model.k_inf == pytest.approx(PAPER.k_inf, rel=1e-6)
     assert load_hold(turned).preload == pytest.approx(0.3 * sign)
 
 
@@ -186,10 +186,10 @@ def test_creep_proportionality_is_checked_between_load_levels() -> None:
     random = np.random.default_rng(0)
     for bend, failed in ((0.0, False), (0.1, True)):
         x = straight * (1 - bend * straight / straight.max())
-        found = fit(
+        result = fit(
             CreepTest(time, x + 2e-6 * random.standard_normal(len(x)), load, units="SI"), arms=2
         )
-        (check,) = [one for one in found.checks if one.name == "levels_agree"]
+        (check,) = [check for check in result.checks if check.name == "levels_agree"]
         assert check.failed == failed, check.message
 
 
@@ -197,10 +197,10 @@ def test_a_compliance_is_fitted_as_the_curve_it_is() -> None:
     time = np.geomspace(0.01, 200, 120)
     material = GeneralizedMaxwell(2e5, (3e5, 1e5), (0.05, 4.0))
     curve = CreepCompliance(time, material.creep(time), units="SI")
-    found = fit(curve)
-    assert found.unit == "Pa"
-    assert found.model.k == pytest.approx(material.k, rel=1e-6)
-    assert found.model.tau == pytest.approx(material.tau, rel=1e-6)
+    result = fit(curve)
+    assert result.unit == "Pa"
+    assert result.model.k == pytest.approx(material.k, rel=1e-6)
+    assert result.model.tau == pytest.approx(material.tau, rel=1e-6)
     of_part = CreepCompliance(time, material.creep(time), "m/N", units="SI")
     assert fit(of_part).unit == "N/m"
     with pytest.raises(DataError, match="the compliance falls with time"):
@@ -209,10 +209,10 @@ def test_a_compliance_is_fitted_as_the_curve_it_is() -> None:
 
 def test_a_material_is_fitted_by_its_stress_and_strain() -> None:
     test = record()
-    found = fit(CreepTest(test.time, test.displacement, test.force, "Pa", units="SI"))
-    assert found.unit == "Pa"
-    assert found.estimate.residual.unit == "1"
-    assert found.model.k == pytest.approx(PAPER.k, rel=1e-9)
+    result = fit(CreepTest(test.time, test.displacement, test.force, "Pa", units="SI"))
+    assert result.unit == "Pa"
+    assert result.estimate.residual.unit == "1"
+    assert result.model.k == pytest.approx(PAPER.k, rel=1e-9)
 
 
 def test_arms_are_those_of_the_solid() -> None:
@@ -234,10 +234,10 @@ def test_what_makes_no_sense_is_refused() -> None:
 
 
 def test_creep_fit_round_trips_through_json() -> None:
-    found = fit(record(noise=1e-6))
-    again = from_json(to_json(found))
-    assert again == found
-    assert again.evidence.creep == found.evidence.creep
+    result = fit(record(noise=1e-6))
+    again = from_json(to_json(result))
+    assert again == result
+    assert again.evidence.creep == result.evidence.creep
     for value in (
         record(),
         load_hold(record()),
@@ -260,13 +260,13 @@ def test_noise_of_the_load_is_in_the_errors(case: str) -> None:
         random, load = np.random.default_rng(seed), CASES[case](CLOCK)
         x = PAPER.displacement(CLOCK, load) + 5e-6 * random.standard_normal(len(CLOCK))
         noisy = load + 4e-3 * random.standard_normal(len(CLOCK))
-        found = fit(CreepTest(CLOCK, x, noisy, units="SI"))
-        assert found.model.arms == 2
-        known = formal_errors(found)
+        result = fit(CreepTest(CLOCK, x, noisy, units="SI"))
+        assert result.model.arms == 2
+        expected = formal_errors(result)
         off.append([
-            (found.model.k_inf - PAPER.k_inf) / known["k_inf"],
-            *(np.subtract(found.model.k, PAPER.k) / known["k"]),
-            *(np.subtract(found.model.tau, PAPER.tau) / known["tau"]),
+            (result.model.k_inf - PAPER.k_inf) / expected["k_inf"],
+            *(np.subtract(result.model.k, PAPER.k) / expected["k"]),
+            *(np.subtract(result.model.tau, PAPER.tau) / expected["tau"]),
         ])  # fmt: skip
     assert np.abs(off).max() < 4
     assert (np.sqrt(np.mean(np.square(off), axis=0)) < 1.7).all()
@@ -290,7 +290,7 @@ def test_load_sensitivity_is_the_transpose_of_the_response() -> None:
     columns = random.standard_normal((40, 3))
     for creep in (T1, CreepSpectrum(2e-3, (1e-3,), (5.0,), 1e-3)):
         solid = from_creep(creep)
-        answers = np.stack([solid.displacement(time, one) for one in np.eye(40)], axis=1)
+        answers = np.stack([solid.displacement(time, item) for item in np.eye(40)], axis=1)
         assert load_sensitivity(columns, time, creep) == pytest.approx(
             answers.T @ columns, abs=1e-15
         )
@@ -310,13 +310,13 @@ def test_intervals_cover_the_truth() -> None:
     assert (np.mean(inside, axis=0) >= 0.9).all()
 
 
-@pytest.mark.parametrize(("moved", "fails"), [(0.0097, False), (0.0103, True)])
-def test_creep_check_detects_motion_before_the_load(moved: float, fails: bool) -> None:
+@pytest.mark.parametrize(("variant", "fails"), [(0.0097, False), (0.0103, True)])
+def test_creep_check_detects_motion_before_the_load(variant: float, fails: bool) -> None:
     x = compute_ramp_creep(CLOCK)
     # the medians of the first and the last third lie 1 s apart
-    rate = moved * float(x.max()) / (1 - 1.5 * moved)
-    found = fit(CreepTest(CLOCK, x + rate * np.minimum(CLOCK, 0), LOAD, units="SI"))
-    (check,) = [check for check in found.checks if check.name == "load_begins_at_rest"]
+    rate = variant * float(x.max()) / (1 - 1.5 * variant)
+    result = fit(CreepTest(CLOCK, x + rate * np.minimum(CLOCK, 0), LOAD, units="SI"))
+    (check,) = [check for check in result.checks if check.name == "load_begins_at_rest"]
     assert check.failed is fails
     assert "% of the travel" in check.message
 
@@ -344,15 +344,15 @@ def make_creep_test(celsius: float, *, noise: float = 1e-6) -> CreepTest:
 def test_a_test_measures_the_compliance_that_a_step_would_have_shown() -> None:
     """Also in the cold, where slow creep looks like a drift of the reading."""
     for celsius in (23.0, 0.0):
-        found = measured_compliance(make_creep_test(celsius))
+        creep_compliance = measured_compliance(make_creep_test(celsius))
         kelvin = celsius + 273.15
-        reduced = found.time / 10 ** cold.log10_a(kelvin)
+        reduced = creep_compliance.time / 10 ** cold.log10_a(kelvin)
         expected = T1.compliance(reduced) * cold.REFERENCE / kelvin
-        np.testing.assert_allclose(found.compliance, expected, rtol=2e-3)
-        assert found.unit == "m/N"
+        np.testing.assert_allclose(creep_compliance.compliance, expected, rtol=2e-3)
+        assert creep_compliance.unit == "m/N"
     short = make_creep_test(23.0)
-    kept = short.time < 2.0
-    cut = CreepTest(short.time[kept], short.displacement[kept], short.force[kept], units="SI")
+    mask = short.time < 2.0
+    cut = CreepTest(short.time[mask], short.displacement[mask], short.force[mask], units="SI")
     with pytest.raises(FitError, match="hold longer"):
         measured_compliance(cut)
 
@@ -366,13 +366,13 @@ def test_creep_tests_at_several_temperatures_share_one_model(tmp_path: Path) -> 
         columns = np.column_stack((test.time, 1e3 * test.displacement, test.force))
         head = "time [s],displacement [mm],force [N]"
         np.savetxt(files[-1], columns, delimiter=",", header=head, comments="")
-    kelvin = [one + 273.15 for one in temperatures]
-    found, (curve,) = fit_files(files, temperatures=kelvin)
+    kelvin = [temperature + 273.15 for temperature in temperatures]
+    result, (curve,) = fit_files(files, temperatures=kelvin)
     assert isinstance(curve, dp.solids.Superposition)
-    for one in found.temperatures.shifts:
-        assert one.log10_a_t == pytest.approx(cold.log10_a(one.temperature), abs=0.01)
-    assert found.temperatures.vertical == "T/T_r"
-    assert found.model.k == pytest.approx(PAPER.k, rel=0.02)
-    assert found.model.tau == pytest.approx(PAPER.tau, rel=0.02)
+    for shift in result.temperatures.shifts:
+        assert shift.log10_a_t == pytest.approx(cold.log10_a(shift.temperature), abs=0.01)
+    assert result.temperatures.vertical == "T/T_r"
+    assert result.model.k == pytest.approx(PAPER.k, rel=0.02)
+    assert result.model.tau == pytest.approx(PAPER.tau, rel=0.02)
     with pytest.raises(FitError, match="says no temperature"):
         fit_files(files)

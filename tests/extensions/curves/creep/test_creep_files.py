@@ -39,7 +39,7 @@ def rheometer(*steps: str, leave_out: tuple[str, ...] = ()) -> str:
     parts = [
         "\n".join(
             ["[step]", step, "\t".join(columns), "\t".join(unit for unit, _ in columns.values()),
-             *("\t".join(f"{one:.12g}" for one in row)
+             *("\t".join(f"{item:.12g}" for item in row)
                for row in zip(*(v for _, v in columns.values()), strict=True))]
         )
         for step in steps
@@ -54,13 +54,13 @@ def write_text(path: Path, text: str) -> Path:
 
 @pytest.mark.parametrize("reader", [read_creep, read_test])
 def test_a_rheometers_export_is_a_creep_compliance(tmp_path: Path, reader) -> None:
-    found = reader(write_text(tmp_path / "gel.txt", rheometer("Creep - 1")))
-    assert isinstance(found, CreepCompliance)
-    assert (found.unit, found.stiffness_unit) == ("1/Pa", "Pa")
-    assert found.time == pytest.approx(TIME)
-    assert found.compliance == pytest.approx(1e-6 * COMPLIANCE)
-    assert found.source is not None
-    assert any("Compliance" in line for line in found.source.columns)
+    result = reader(write_text(tmp_path / "gel.txt", rheometer("Creep - 1")))
+    assert isinstance(result, CreepCompliance)
+    assert (result.unit, result.stiffness_unit) == ("1/Pa", "Pa")
+    assert result.time == pytest.approx(TIME)
+    assert result.compliance == pytest.approx(1e-6 * COMPLIANCE)
+    assert result.source is not None
+    assert any("Compliance" in line for line in result.source.columns)
 
 
 def test_stress_and_strain_without_a_compliance_are_a_creep_test_of_a_material(
@@ -68,12 +68,12 @@ def test_stress_and_strain_without_a_compliance_are_a_creep_test_of_a_material(
 ) -> None:
     text = rheometer("Creep - 1", leave_out=("Compliance", "Stress (step)", "Strain (step)"))
     path = write_text(tmp_path / "gel.txt", text)
-    found = read_creep(path)
-    assert isinstance(found, CreepTest)
-    assert found.unit == "Pa"
-    assert found.force == pytest.approx(1e6 * STRESS + 0 * TIME)
-    assert found.displacement == pytest.approx(STRESS * COMPLIANCE)
-    roles = {one.role for one in inspect_file(path).columns}
+    creep = read_creep(path)
+    assert isinstance(creep, CreepTest)
+    assert creep.unit == "Pa"
+    assert creep.force == pytest.approx(1e6 * STRESS + 0 * TIME)
+    assert creep.displacement == pytest.approx(STRESS * COMPLIANCE)
+    roles = {column.role for column in inspect_file(path).columns}
     assert {"time", "stress", "strain"} <= roles
 
 
@@ -81,8 +81,8 @@ def test_read_creep_asks_which_of_several_segments(tmp_path: Path) -> None:
     path = write_text(tmp_path / "gel.txt", rheometer("Creep - 1", "Creep recovery - 2"))
     with pytest.raises(ReadError, match=r"2 segments .*--file-part segment=1"):
         read_creep(path)
-    found = read_creep(path, options=ReadOptions(segment=1))
-    assert len(found.time) == len(TIME)
+    creep = read_creep(path, options=ReadOptions(segment=1))
+    assert len(creep.time) == len(TIME)
 
 
 def test_json_steps_are_read_too(tmp_path: Path) -> None:
@@ -90,16 +90,16 @@ def test_json_steps_are_read_too(tmp_path: Path) -> None:
     values = np.column_stack([v for _, v in RHEOMETER.values()]).tolist()
     document = {"Results": [{"Properties": {"Name": "Creep"}, "DataSet": [
         {"Data": {"columns": heads, "values": values}}]}]}  # fmt: skip
-    found = read_creep(write_text(tmp_path / "gel.json", json.dumps(document)))
-    assert isinstance(found, CreepCompliance)
-    assert found.compliance == pytest.approx(1e-6 * COMPLIANCE)
+    creep = read_creep(write_text(tmp_path / "gel.json", json.dumps(document)))
+    assert isinstance(creep, CreepCompliance)
+    assert creep.compliance == pytest.approx(1e-6 * COMPLIANCE)
 
 
 def test_creep_compliance_of_a_specimen_has_its_unit(tmp_path: Path) -> None:
     path = write_text(tmp_path / "seal.csv", csv("time [s],compliance [mm/N]", TIME, COMPLIANCE))
-    found = read_creep(path)
-    assert (found.unit, found.stiffness_unit) == ("m/N", "N/m")
-    assert found.compliance == pytest.approx(1e-3 * COMPLIANCE)
+    creep = read_creep(path)
+    assert (creep.unit, creep.stiffness_unit) == ("m/N", "N/m")
+    assert creep.compliance == pytest.approx(1e-3 * COMPLIANCE)
 
 
 def test_who_names_the_columns_knows(tmp_path: Path) -> None:
@@ -108,9 +108,9 @@ def test_who_names_the_columns_knows(tmp_path: Path) -> None:
     options = ReadOptions(
         time="t", strain="a", stress="b", units={"time": "s", "strain": "%", "stress": "MPa"}
     )
-    found = read_test(path, options=options)
-    assert isinstance(found, CreepTest)
-    assert found.displacement == pytest.approx(STRESS * COMPLIANCE)
+    bench = read_test(path, options=options)
+    assert isinstance(bench, CreepTest)
+    assert bench.displacement == pytest.approx(STRESS * COMPLIANCE)
     curve = ReadOptions(time="t", creep_compliance="a", units={"t": "s", "a": "1/kPa"})
     assert read_test(path, options=curve).compliance == pytest.approx(0.1 * STRESS * COMPLIANCE)
 
@@ -120,10 +120,10 @@ def test_a_bench_that_says_creep_is_read_by_force_and_displacement(tmp_path: Pat
         "time [s],displacement [mm],force [N],stress [MPa],strain [%]",
         TIME, COMPLIANCE, 1 + 0 * TIME, STRESS + 0 * TIME, COMPLIANCE,
     )  # fmt: skip
-    found = read_test(write_text(tmp_path / "seal.csv", text))
-    assert isinstance(found, CreepTest)
-    assert found.unit == "N/m"
-    assert found.force == pytest.approx(1.0)
+    bench = read_test(write_text(tmp_path / "seal.csv", text))
+    assert isinstance(bench, CreepTest)
+    assert bench.unit == "N/m"
+    assert bench.force == pytest.approx(1.0)
 
 
 def test_a_unit_that_is_no_compliance_is_named(tmp_path: Path) -> None:
@@ -136,11 +136,11 @@ def test_a_unit_that_is_no_compliance_is_named(tmp_path: Path) -> None:
 
 
 def test_read_creep_separates_curves_by_a_temperature_column(tmp_path: Path) -> None:
-    each = len(TIME)
+    item = len(TIME)
     head = "temperature [degC],time [s],creep compliance [1/MPa]"
-    warm = np.repeat([23.0, 0.0], each)
+    warm = np.repeat([23.0, 0.0], item)
     text = csv(head, warm, np.tile(TIME, 2), np.tile(COMPLIANCE, 2))
-    found = read_test(write_text(tmp_path / "creep.csv", text))
-    assert isinstance(found, CreepCompliance)
-    assert found.several_temperatures
-    assert found.select_temperature("0degC").compliance == pytest.approx(1e-6 * COMPLIANCE)
+    bench = read_test(write_text(tmp_path / "creep.csv", text))
+    assert isinstance(bench, CreepCompliance)
+    assert bench.several_temperatures
+    assert bench.select_temperature("0degC").compliance == pytest.approx(1e-6 * COMPLIANCE)

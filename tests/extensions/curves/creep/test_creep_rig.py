@@ -39,14 +39,14 @@ def test_a_recovery_takes_the_load_off() -> None:
 
 def test_without_noise_the_fit_is_the_seal() -> None:
     made = simulate_creep(PAPER, rig=Rig(rate=200).noise_free())
-    found = fit(made.test)
-    assert found.model.k == pytest.approx(PAPER.k, rel=1e-4)
-    assert found.model.tau == pytest.approx(PAPER.tau, rel=1e-4)
+    result = fit(made.test)
+    assert result.model.k == pytest.approx(PAPER.k, rel=1e-4)
+    assert result.model.tau == pytest.approx(PAPER.tau, rel=1e-4)
 
 
 def test_an_encoders_counts_and_a_drifting_cell_are_in_the_intervals() -> None:
-    found = fit(simulate_creep(PAPER, hold_time=60, seed=0).test, arms=2)
-    between = found.intervals()
+    result = fit(simulate_creep(PAPER, hold_time=60, seed=0).test, arms=2)
+    between = result.intervals()
     assert between["k_inf"][0] < PAPER.k_inf < between["k_inf"][1]
     for k, (low, high) in zip(PAPER.k, between["k"], strict=True):
         assert low < k < high

@@ -39,8 +39,8 @@ def sweep(
 ) -> DynamicTest:
     """Storage and loss with errors relative to each."""
     value = model.complex_stiffness(omega=2 * np.pi * frequency)
-    one, two = 1 + noise * np.random.default_rng(seed).standard_normal((2, len(frequency)))
-    return DynamicTest(frequency, value.real * one, value.imag * two, unit=unit, units="SI")
+    item, two = 1 + noise * np.random.default_rng(seed).standard_normal((2, len(frequency)))
+    return DynamicTest(frequency, value.real * item, value.imag * two, unit=unit, units="SI")
 
 
 def ramp_hold(model: GeneralizedMaxwell, *, noise: float, seed: int = 0) -> RampHold:
@@ -59,51 +59,51 @@ def ramp_hold(model: GeneralizedMaxwell, *, noise: float, seed: int = 0) -> Ramp
     )
 
 
-def same(found: GeneralizedMaxwell, wanted: GeneralizedMaxwell, rel: float) -> None:
-    assert found.arms == wanted.arms
-    assert found.k_inf == pytest.approx(wanted.k_inf, rel=rel, abs=rel * sum(wanted.k))
-    assert found.k == pytest.approx(wanted.k, rel=rel)
-    assert found.tau == pytest.approx(wanted.tau, rel=rel)
+def same(model: GeneralizedMaxwell, wanted: GeneralizedMaxwell, rel: float) -> None:
+    assert model.arms == wanted.arms
+    assert model.k_inf == pytest.approx(wanted.k_inf, rel=rel, abs=rel * sum(wanted.k))
+    assert model.k == pytest.approx(wanted.k, rel=rel)
+    assert model.tau == pytest.approx(wanted.tau, rel=rel)
 
 
 # -- exact answers and laws -----------------------------------------------------------------------
 
 
 def test_a_zener_solid_comes_back_exactly() -> None:
-    found = fit_dynamic(sweep(ZENER))
-    same(found.model, ZENER, 1e-9)
-    assert found.status is Status.CONVERGED
-    assert not list_failed_checks(found)
-    assert found.band == pytest.approx((0.1, 1000.0))
-    assert (found.method, found.unit) == ("dynamic", "N/m")
-    assert from_json(to_json(found)) == found
+    result = fit_dynamic(sweep(ZENER))
+    same(result.model, ZENER, 1e-9)
+    assert result.status is Status.CONVERGED
+    assert not list_failed_checks(result)
+    assert result.band == pytest.approx((0.1, 1000.0))
+    assert (result.method, result.unit) == ("dynamic", "N/m")
+    assert from_json(to_json(result)) == result
 
 
 def test_the_paper_seal_comes_back_exactly(paper_seal: GeneralizedMaxwell) -> None:
-    found = fit_dynamic(sweep(paper_seal, np.geomspace(1e-3, 10, 60)))
-    same(found.model, paper_seal, 1e-9)
+    result = fit_dynamic(sweep(paper_seal, np.geomspace(1e-3, 10, 60)))
+    same(result.model, paper_seal, 1e-9)
 
 
 def test_fit_dynamic_reports_a_missing_plateau_of_a_liquid() -> None:
     liquid = GeneralizedMaxwell(0.0, (1e6, 2e5), (0.01, 1.0))
-    found = fit_dynamic(sweep(liquid, np.geomspace(0.01, 1000, 60), unit="Pa"))
-    same(found.model, liquid, 1e-9)
-    assert found.model.k_inf < 1e-6
-    assert list_failed_checks(found) == {"plateau_seen"}
+    result = fit_dynamic(sweep(liquid, np.geomspace(0.01, 1000, 60), unit="Pa"))
+    same(result.model, liquid, 1e-9)
+    assert result.model.k_inf < 1e-6
+    assert list_failed_checks(result) == {"plateau_seen"}
 
 
 def test_a_spring_has_no_arm() -> None:
-    found = fit_dynamic(sweep(GeneralizedMaxwell(1000.0)))
-    assert found.model.arms == 0
-    assert found.model.k_inf == pytest.approx(1000.0)
+    result = fit_dynamic(sweep(GeneralizedMaxwell(1000.0)))
+    assert result.model.arms == 0
+    assert result.model.k_inf == pytest.approx(1000.0)
 
 
 def test_fit_dynamic_recovers_a_parallel_dashpot_on_request() -> None:
     voigt = replace(ZENER, b=0.1)
-    found = fit_dynamic(sweep(voigt), dashpot=True)
-    same(found.model, voigt, 1e-8)
-    assert found.model.b == pytest.approx(0.1, rel=1e-8)
-    assert found.estimate.parameters[-1] == "b"
+    result = fit_dynamic(sweep(voigt), dashpot=True)
+    same(result.model, voigt, 1e-8)
+    assert result.model.b == pytest.approx(0.1, rel=1e-8)
+    assert result.estimate.parameters[-1] == "b"
 
 
 @given(
@@ -118,8 +118,8 @@ def test_fit_dynamic_recovers_arms_spaced_by_a_decade_in_any_unit(
 ) -> None:
     solid = GeneralizedMaxwell(k_inf, tuple(k), tuple(10.0 ** (i - 2) for i in range(len(k))))
     data = sweep(unit * solid, np.geomspace(0.01, 100, 50), unit="Pa")
-    found = fit_dynamic(data, weights=weights, max_arms=4)  # type: ignore[arg-type]
-    same(found.model, unit * solid, 1e-5)
+    result = fit_dynamic(data, weights=weights, max_arms=4)  # type: ignore[arg-type]
+    same(result.model, unit * solid, 1e-5)
 
 
 @given(st.permutations(range(40)))
@@ -133,33 +133,33 @@ def test_the_order_of_the_frequencies_does_not_matter(order: list[int]) -> None:
         unit=data.unit,
         units="SI",
     )
-    one, other = fit_dynamic(data, arms=1), fit_dynamic(mixed, arms=1)
-    same(other.model, one.model, 1e-12)
+    item, other = fit_dynamic(data, arms=1), fit_dynamic(mixed, arms=1)
+    same(other.model, item.model, 1e-12)
 
 
 def test_newtons_and_pascals_give_the_same_numbers() -> None:
-    one, two = (fit_dynamic(sweep(ZENER, noise=0.01, unit=unit)) for unit in ("N/m", "Pa"))
-    assert one.model == two.model
-    np.testing.assert_array_equal(one.covariance, two.covariance)
+    item, two = (fit_dynamic(sweep(ZENER, noise=0.01, unit=unit)) for unit in ("N/m", "Pa"))
+    assert item.model == two.model
+    np.testing.assert_array_equal(item.covariance, two.covariance)
 
 
 def test_the_optimum_is_that_of_scipy_on_the_same_residuals() -> None:
     from scipy.optimize import least_squares
 
     data = sweep(ZENER, noise=0.02, seed=4)
-    found = fit_dynamic(data, arms=1, max_arms=1)
-    value = found.model.complex_stiffness(omega=data.omega)
+    result = fit_dynamic(data, arms=1, max_arms=1)
+    value = result.model.complex_stiffness(omega=data.omega)
     # relative to what the fit expects, storage and loss each by its own scatter
-    own = np.sqrt(np.mean((value.real - data.storage) ** 2 / value.real**2))
+    individual = np.sqrt(np.mean((value.real - data.storage) ** 2 / value.real**2))
     its = np.sqrt(np.mean((value.imag - data.loss) ** 2 / value.imag**2))
-    scale = np.concatenate((own * value.real, its * value.imag))
+    scale = np.concatenate((individual * value.real, its * value.imag))
 
     def compute_residual(p: np.ndarray) -> np.ndarray:
         at = GeneralizedMaxwell(p[0], (p[1],), (p[2],)).complex_stiffness(omega=data.omega)
         error = np.concatenate((at.real - data.storage, at.imag - data.loss))
         return np.asarray(error / scale)
 
-    ours = np.array((found.model.k_inf, *found.model.k, *found.model.tau))
+    ours = np.array((result.model.k_inf, *result.model.k, *result.model.tau))
     rival = least_squares(compute_residual, (900.0, 400.0, 0.02), x_scale="jac")
     assert 0.5 * np.sum(compute_residual(ours) ** 2) == pytest.approx(rival.cost, rel=1e-3)
     assert ours == pytest.approx(rival.x, rel=2e-3)
@@ -172,9 +172,13 @@ def count_covered(seeds: range) -> np.ndarray:
     """How often the 95 % intervals of a Zener solid hold the truth: k_inf, k, tau."""
     held = np.zeros(3)
     for seed in seeds:
-        found = fit_dynamic(sweep(ZENER, noise=0.01, seed=seed), arms=1)
-        said = found.intervals(level=0.95)
-        pairs = zip((said["k_inf"], *said["k"], *said["tau"]), (1000.0, 500.0, 0.01), strict=True)
+        result = fit_dynamic(sweep(ZENER, noise=0.01, seed=seed), arms=1)
+        intervals = result.intervals(level=0.95)
+        pairs = zip(
+            (intervals["k_inf"], *intervals["k"], *intervals["tau"]),
+            (1000.0, 500.0, 0.01),
+            strict=True,
+        )
         held += [low <= truth <= high for (low, high), truth in pairs]
     return held / len(seeds)
 
@@ -193,8 +197,8 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
 
 def test_large_noise_brings_no_bias() -> None:
     """Weights by the size of the data themselves would lower every stiffness by 2 %."""
-    found = [fit_dynamic(sweep(ZENER, noise=0.1, seed=s), arms=1).model.k_0 for s in range(60)]
-    assert np.mean(found) == pytest.approx(ZENER.k_0, rel=0.006)
+    result = [fit_dynamic(sweep(ZENER, noise=0.1, seed=s), arms=1).model.k_0 for s in range(60)]
+    assert np.mean(result) == pytest.approx(ZENER.k_0, rel=0.006)
 
 
 def test_noise_brings_no_further_arm() -> None:
@@ -231,31 +235,31 @@ def test_joint_fit_of_sweep_and_hold_recovers_arms_of_both_bands() -> None:
 
 def test_a_raw_record_of_the_rig_and_a_sweep_are_fitted_together() -> None:
     held = prepare(simulate_relaxation(BROAD, seed=1).test)
-    found = fit_dynamic(sweep(BROAD, np.geomspace(1.0, 50.0, 30), noise=0.005, seed=1), tests=held)
-    assert found.ok
-    assert found.model.arms == BROAD.arms
+    result = fit_dynamic(sweep(BROAD, np.geomspace(1.0, 50.0, 30), noise=0.005, seed=1), tests=held)
+    assert result.ok
+    assert result.model.arms == BROAD.arms
     omega = 2 * np.pi * np.geomspace(0.004, 50.0, 60)
-    assert np.abs(found.model.loss(omega=omega) / BROAD.loss(omega=omega) - 1).max() < 0.06
-    said = found.intervals(level=0.99)["tau"]
-    assert all(low < tau < high for (low, high), tau in zip(said, BROAD.tau, strict=True))
+    assert np.abs(result.model.loss(omega=omega) / BROAD.loss(omega=omega) - 1).max() < 0.06
+    message = result.intervals(level=0.99)["tau"]
+    assert all(low < tau < high for (low, high), tau in zip(message, BROAD.tau, strict=True))
 
 
 def test_fit_dynamic_reports_offset_and_drift_of_each_test() -> None:
     held = ramp_hold(ZENER, noise=1e-3)
     other = ramp_hold(ZENER, noise=1e-3, seed=7)
     shifted = replace(other, force=other.force + 0.5)
-    found = fit_dynamic(sweep(ZENER, noise=0.01), tests=[held, shifted], arms=1)
-    told = {item.name: item for item in found.estimate.nuisance}
-    assert set(told) == {f"{kind} of test {i}" for kind in ("offset", "drift") for i in (1, 2)}
-    assert told["offset of test 2"].value == pytest.approx(0.5, abs=2e-3)
-    assert told["offset of test 1"].value == pytest.approx(0.0, abs=2e-3)
+    result = fit_dynamic(sweep(ZENER, noise=0.01), tests=[held, shifted], arms=1)
+    values = {item.name: item for item in result.estimate.nuisance}
+    assert set(values) == {f"{kind} of test {i}" for kind in ("offset", "drift") for i in (1, 2)}
+    assert values["offset of test 2"].value == pytest.approx(0.5, abs=2e-3)
+    assert values["offset of test 1"].value == pytest.approx(0.0, abs=2e-3)
 
 
 def test_fit_dynamic_reports_two_different_specimens() -> None:
-    found = fit_dynamic(
+    result = fit_dynamic(
         sweep(1.3 * ZENER, noise=0.005), tests=ramp_hold(ZENER, noise=1e-3), max_arms=3
     )
-    check = next(check for check in found.checks if check.name == "data_agree")
+    check = next(check for check in result.checks if check.name == "data_agree")
     assert check.failed
     assert "The tests contradict each other" in check.message
 
@@ -266,15 +270,15 @@ def test_a_fit_that_spends_freedom_on_few_lines_leaves_no_more_than_their_scatte
     for seed in range(4):
         held = ramp_hold(two, noise=2e-3, seed=seed)
         for factor, agrees in ((1.0, True), (1.05, False)):
-            found = fit_dynamic(sweep(factor * two, lines, noise=0.01, seed=seed), tests=held)
-            assert ("data_agree" not in list_failed_checks(found)) == agrees
+            result = fit_dynamic(sweep(factor * two, lines, noise=0.01, seed=seed), tests=held)
+            assert ("data_agree" not in list_failed_checks(result)) == agrees
 
 
 def test_fit_dynamic_reports_a_gap_between_bands() -> None:
     data = sweep(ZENER, np.geomspace(100.0, 1000.0, 20), noise=0.01)
-    found = fit_dynamic(data, tests=ramp_hold(ZENER, noise=1e-3), arms=1)
-    assert "bands_overlap" in list_failed_checks(found)
-    assert found.band == pytest.approx((100.0, 1000.0))
+    result = fit_dynamic(data, tests=ramp_hold(ZENER, noise=1e-3), arms=1)
+    assert "bands_overlap" in list_failed_checks(result)
+    assert result.band == pytest.approx((100.0, 1000.0))
 
 
 # -- what the data confess ------------------------------------------------------------------------
@@ -293,8 +297,8 @@ def test_kramers_and_kronig_pass_what_is_passive_and_noisy(noise: float) -> None
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 def test_kramers_kronig_check_detects_an_inconsistent_loss(factor: float) -> None:
     data = sweep(ZENER)
-    found = fit_dynamic(replace(data, loss=factor * data.loss), arms=1)
-    check = next(check for check in found.checks if check.name == "kramers_kronig")
+    result = fit_dynamic(replace(data, loss=factor * data.loss), arms=1)
+    check = next(check for check in result.checks if check.name == "kramers_kronig")
     assert check.failed
     assert check.value is not None
     assert check.value > 0.05
@@ -303,8 +307,8 @@ def test_kramers_kronig_check_detects_an_inconsistent_loss(factor: float) -> Non
 
 def test_storage_check_detects_moving_mass() -> None:
     data = sweep(ZENER)
-    found = fit_dynamic(replace(data, storage=data.storage - 1e-5 * data.omega**2), arms=1)
-    check = next(check for check in found.checks if check.name == "storage_rises")
+    result = fit_dynamic(replace(data, storage=data.storage - 1e-5 * data.omega**2), arms=1)
+    check = next(check for check in result.checks if check.name == "storage_rises")
     assert check.failed
     assert "% at 1000 Hz. No relaxing part does that: mass moved along" in check.message
 
@@ -312,20 +316,20 @@ def test_storage_check_detects_moving_mass() -> None:
 def test_fit_dynamic_reports_amplitude_dependence() -> None:
     # three frequencies tell so little of a third arm that nothing but rounding is left of it
     frequency = np.repeat([1.0, 5.0, 20.0], 12)
-    moved, s = np.tile(np.geomspace(1e-3, 0.3, 12), 3), 2j * np.pi * frequency
+    variant, s = np.tile(np.geomspace(1e-3, 0.3, 12), 3), 2j * np.pi * frequency
     value = 2e5 + 5e4 * s * 0.01 / (1 + s * 0.01) + 3e4 * s * 0.1 / (1 + s * 0.1)
-    value += (8e4 + 4e4j * moved**0.6) / (1 + moved**1.2)
-    found = fit_dynamic(DynamicTest(frequency, value.real, value.imag, None, "N/m", units="SI"))
-    assert found.verdict.use == "use with care"
-    assert found.verdict.failed_checks[0].name == "kramers_kronig"
+    value += (8e4 + 4e4j * variant**0.6) / (1 + variant**1.2)
+    result = fit_dynamic(DynamicTest(frequency, value.real, value.imag, None, "N/m", units="SI"))
+    assert result.verdict.use == "use with care"
+    assert result.verdict.failed_checks[0].name == "kramers_kronig"
 
 
 def test_loss_check_detects_the_wrong_sign() -> None:
     data = sweep(ZENER)
-    found = fit_dynamic(replace(data, loss=-data.loss))
-    message = next(check.message for check in found.checks if check.name == "loss_positive")
+    result = fit_dynamic(replace(data, loss=-data.loss))
+    message = next(check.message for check in result.checks if check.name == "loss_positive")
     assert "40 of 40 losses are below zero beyond scatter, the first at 0.1 Hz" in message
-    assert found.verdict.use == "do not use"
+    assert result.verdict.use == "do not use"
     half = fit_dynamic(replace(data, loss=np.where(np.arange(40) < 20, -1, 1) * data.loss))
     (check,) = [check for check in half.checks if check.name == "loss_positive"]
     assert check.grade == "limit"
@@ -333,9 +337,9 @@ def test_loss_check_detects_the_wrong_sign() -> None:
 
 def test_fit_dynamic_reports_an_arm_outside_the_sweep() -> None:
     slow = GeneralizedMaxwell(1000.0, (500.0,), (3.0,))
-    found = fit_dynamic(sweep(slow, np.geomspace(1.0, 50.0, 30)), arms=1)
-    assert found.status is Status.TAU_AT_BOUND
-    message = next(check.message for check in found.checks if check.name == "tau_inside_window")
+    result = fit_dynamic(sweep(slow, np.geomspace(1.0, 50.0, 30)), arms=1)
+    assert result.status is Status.TAU_AT_BOUND
+    message = next(check.message for check in result.checks if check.name == "tau_inside_window")
     assert "Only the tail of this arm was measured" in message
 
 
@@ -351,9 +355,9 @@ def test_fit_dynamic_asks_which_of_several_temperatures() -> None:
         fit_dynamic(hot, temperature=320.0)
     with pytest.raises(DataError, match="the test has no temperatures"):
         fit_dynamic(data, temperature=320.0)
-    found = fit_dynamic(hot, temperature=300.0)
-    assert found.band[1] <= 10.0
-    same(found.model, ZENER, 1e-6)
+    result = fit_dynamic(hot, temperature=300.0)
+    assert result.band[1] <= 10.0
+    same(result.model, ZENER, 1e-6)
 
 
 def test_what_makes_no_sense_is_refused() -> None:
@@ -381,14 +385,14 @@ def test_what_makes_no_sense_is_refused() -> None:
 
 def test_fit_dynamic_fits_one_isotherm_of_a_real_machine(real_data: Path) -> None:
     data = read_dynamic(real_data / "pyvisco-master-curves" / "freq_user_raw.csv")
-    found = fit_dynamic(data, temperature=343.0)
-    value = found.model.complex_stiffness(omega=2 * np.pi * data.frequency)
+    result = fit_dynamic(data, temperature=343.0)
+    value = result.model.complex_stiffness(omega=2 * np.pi * data.frequency)
     assert data.temperature is not None
     near = np.abs(data.temperature - 343.0) <= 1.0
     assert np.abs(value.real / data.storage - 1)[near].max() < 0.05
     assert np.abs(value.imag / data.loss - 1)[near].max() < 0.1
-    assert found.unit == "Pa"
-    assert found.model.k_0 > 1e8
+    assert result.unit == "Pa"
+    assert result.model.k_0 > 1e8
 
 
 def test_kramers_kronig_check_detects_an_inconsistent_master_curve(real_data: Path) -> None:
@@ -401,14 +405,14 @@ def test_fit_dynamic_uses_a_dense_spectrum_for_a_broad_material() -> None:
     many = GeneralizedMaxwell(1e6, (1e6,) * 20, tuple(10.0**n for n in range(-10, 10)))
     frequency = np.geomspace(1e-11, 1e10, 150)
     K = many.complex_stiffness(omega=2 * np.pi * frequency)
-    found = fit_dynamic(DynamicTest(frequency, K.real, K.imag, units="SI"))
-    check = next(check for check in found.checks if check.name == "few_arms_sufficient")
+    result = fit_dynamic(DynamicTest(frequency, K.real, K.imag, units="SI"))
+    check = next(check for check in result.checks if check.name == "few_arms_sufficient")
     assert check.failed
-    assert found.status is Status.NOT_IDENTIFIED
-    assert found.model.arms > 6
+    assert result.status is Status.NOT_IDENTIFIED
+    assert result.model.arms > 6
     np.testing.assert_allclose(
-        found.model.complex_stiffness(omega=2 * np.pi * frequency), K, rtol=0.02
+        result.model.complex_stiffness(omega=2 * np.pi * frequency), K, rtol=0.02
     )
-    assert found.standard_error["k_inf"] == np.inf
+    assert result.standard_error["k_inf"] == np.inf
     few = fit_dynamic(DynamicTest(frequency, K.real, K.imag, units="SI"), arms=3)
     assert few.model.arms == 3

@@ -56,10 +56,10 @@ def test_read_modulus_asks_about_ambiguous_columns_and_units(tmp_path: Path) -> 
         read_modulus(back)
     gap = tmp_path / "gap.csv"
     gap.write_text("time [s],E(t) [MPa]\n1,3\n2,\n3,1.5\n4,1.2\n")
-    found = read_modulus(gap)
-    assert found.source is not None
-    assert len(found.time) == 3
-    assert any("1 rows lack a number" in note for note in found.source.notes)
+    modulus = read_modulus(gap)
+    assert modulus.source is not None
+    assert len(modulus.time) == 3
+    assert any("1 rows lack a number" in note for note in modulus.source.notes)
 
 
 def test_a_curve_is_what_it_says() -> None:
@@ -80,9 +80,9 @@ def shell(*words: object, expect: int = 0) -> str:
 def test_the_shell_fits_the_column_that_is_named(tmp_path: Path) -> None:
     file = curve_file(tmp_path / "a.csv")
     fit, picture = tmp_path / "fit.json", tmp_path / "fit.png"
-    said = shell("fit", file, "--column", "modulus=E(t)", "-o", fit, "--plot", picture)
-    assert "2 Maxwell arms, method modulus" in said
-    assert "MPa" in said
+    process = shell("fit", file, "--column", "modulus=E(t)", "-o", fit, "--plot", picture)
+    assert "2 Maxwell arms, method modulus" in process
+    assert "MPa" in process
     assert picture.stat().st_size > 10_000
     content = json.loads(fit.read_text())
     assert [arm["tau"] for arm in content["model"]["arms"]] == pytest.approx([0.1, 20.0], rel=1e-5)
@@ -115,17 +115,17 @@ def test_a_profile_may_name_the_column(tmp_path: Path) -> None:
 def test_fit_modulus_uses_a_dense_spectrum_for_a_broad_curve() -> None:
     many = GeneralizedMaxwell(1e6, (1e6,) * 20, tuple(10.0**n for n in range(-10, 10)))
     time = np.concatenate(([0.0], np.geomspace(1e-11, 1e10, 200)))
-    found = fit_modulus(time, many.relaxation(time))
-    check = next(check for check in found.checks if check.name == "few_arms_sufficient")
+    fit = fit_modulus(time, many.relaxation(time))
+    check = next(check for check in fit.checks if check.name == "few_arms_sufficient")
     assert check.failed
-    assert found.status is Status.NOT_IDENTIFIED
-    assert found.model.arms > 6
-    np.testing.assert_allclose(found.model.relaxation(time), many.relaxation(time), rtol=0.02)
+    assert fit.status is Status.NOT_IDENTIFIED
+    assert fit.model.arms > 6
+    np.testing.assert_allclose(fit.model.relaxation(time), many.relaxation(time), rtol=0.02)
     assert fit_modulus(time, many.relaxation(time), arms=3).model.arms == 3
 
 
 def test_a_real_master_curve_is_followed(real_data: Path) -> None:
     file = real_data / "pyvisco-master-curves" / "time_user_master.csv"
     curve = read_modulus(file)
-    found = fit_modulus(curve.time, curve.modulus, source=curve.source)
-    assert np.abs(found.model.relaxation(curve.time) / curve.modulus - 1).max() < 0.005
+    fit = fit_modulus(curve.time, curve.modulus, source=curve.source)
+    assert np.abs(fit.model.relaxation(curve.time) / curve.modulus - 1).max() < 0.005

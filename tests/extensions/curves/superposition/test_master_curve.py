@@ -46,8 +46,8 @@ def dynamic_fit():
 def test_a_fit_of_several_temperatures_is_that_of_their_reference(dynamic_fit):
     omega = 2 * np.pi * np.geomspace(0.01, 1e4, 30)
     true = modulus(omega / (2 * np.pi), REFERENCE)
-    found = dynamic_fit.model.complex_stiffness(omega=omega)
-    assert np.abs(found / true - 1).max() < 0.02
+    stiffness = dynamic_fit.model.complex_stiffness(omega=omega)
+    assert np.abs(stiffness / true - 1).max() < 0.02
     assert dynamic_fit.specimen.temperature == pytest.approx(REFERENCE)
     assert get_temperature_law(dynamic_fit).kind == "wlf"
     assert len(dynamic_fit.temperatures.shifts) == 9
@@ -57,8 +57,8 @@ def test_a_fit_of_several_temperatures_is_that_of_their_reference(dynamic_fit):
 def test_it_foretells_a_temperature_that_was_not_tested(dynamic_fit):
     kelvin = 298.15
     frequency = np.geomspace(0.1, 10, 9)
-    found = dynamic_fit.at(kelvin).complex_stiffness(omega=2 * np.pi * frequency)
-    assert np.abs(found / modulus(frequency, kelvin) - 1).max() < 0.02
+    stiffness = dynamic_fit.at(kelvin).complex_stiffness(omega=2 * np.pi * frequency)
+    assert np.abs(stiffness / modulus(frequency, kelvin) - 1).max() < 0.02
     assert dynamic_fit.at_temperature(kelvin).specimen.temperature == kelvin
 
 
@@ -85,36 +85,36 @@ def test_few_arms_stay_where_they_follow_as_closely():
         np.repeat([273.15, 293.15, 313.15], 12),
         units="SI",
     )
-    found = fit_dynamic(data)
-    assert found.model.arms == 1
-    assert found.model.tau[0] == pytest.approx(0.1, rel=0.02)
-    assert found.temperatures.shifts[0].log10_a_t == pytest.approx(np.log10(6), abs=0.02)
-    assert found.verdict.use == "use"
-    alone = fit_dynamic(data, arms=1, temperature=293.15)
-    assert alone.model.tau[0] == pytest.approx(found.model.tau[0], rel=0.02)
-    assert alone.temperatures is None
+    fit = fit_dynamic(data)
+    assert fit.model.arms == 1
+    assert fit.model.tau[0] == pytest.approx(0.1, rel=0.02)
+    assert fit.temperatures.shifts[0].log10_a_t == pytest.approx(np.log10(6), abs=0.02)
+    assert fit.verdict.use == "use"
+    single = fit_dynamic(data, arms=1, temperature=293.15)
+    assert single.model.tau[0] == pytest.approx(fit.model.tau[0], rel=0.02)
+    assert single.temperatures is None
 
 
 def test_moduli_of_several_temperatures_are_fitted_alike():
-    found = fit_modulus(moduli())
-    assert get_temperature_law(found).kind == "wlf"
+    fit = fit_modulus(moduli())
+    assert get_temperature_law(fit).kind == "wlf"
     time = np.geomspace(1e-3, 1e4, 20)
     true = fit_modulus(dp.solids.superpose(moduli(noise=0.0))).model.relaxation(time)
-    np.testing.assert_allclose(found.model.relaxation(time), true, rtol=0.03)
+    np.testing.assert_allclose(fit.model.relaxation(time), true, rtol=0.03)
 
 
 def test_the_shell_makes_the_master_curve_of_a_file(tmp_path):
     file = write_isotherms(tmp_path / "sweeps.csv", sweeps())
     picture, document = tmp_path / "master.svg", tmp_path / "fit.json"
-    said = shell("fit", file, "--reference", "20degC", "--plot", picture, "-o", document)
-    assert "20 degC, of 9 temperatures; b_T = T/T_r" in said
-    assert "WLF: C1 8.1" in said
-    assert "-10 degC" in said
+    process = shell("fit", file, "--reference", "20degC", "--plot", picture, "-o", document)
+    assert "20 degC, of 9 temperatures; b_T = T/T_r" in process
+    assert "WLF: C1 8.1" in process
+    assert "-10 degC" in process
     assert "van Gurp-Palmen" in picture.read_text()
-    found = json.loads(document.read_text())["temperature"]
-    assert found["reference"] == pytest.approx(293.15)
-    assert found["law"]["kind"] == "wlf"
-    cold = found["shifts"][0]
+    temperature = json.loads(document.read_text())["temperature"]
+    assert temperature["reference"] == pytest.approx(293.15)
+    assert temperature["law"]["kind"] == "wlf"
+    cold = temperature["shifts"][0]
     assert cold["log10_a_t"] == pytest.approx(wlf(TEMPERATURES[0]), abs=0.1)
     assert cold["b_t"] == pytest.approx(253.15 / 293.15)
 
@@ -132,34 +132,34 @@ def test_the_shell_takes_moduli_files_and_tables_of_shifts(tmp_path):
     table = tmp_path / "shifts.csv"
     lines = [f"{t - 273.15:g},{wlf(t) * np.log(10)}" for t in TEMPERATURES]
     table.write_text("\n".join(["T [degC],ln aT", *lines]))
-    said = run_json("fit", *files, "--column", "modulus=E(t)", "--shifts", table)
-    found = [one["log10_a_t"] for one in said["temperature"]["shifts"]]
-    np.testing.assert_allclose(found, wlf(TEMPERATURES[2:]), atol=1e-6)
+    document = run_json("fit", *files, "--column", "modulus=E(t)", "--shifts", table)
+    log10_a_ts = [shift["log10_a_t"] for shift in document["temperature"]["shifts"]]
+    np.testing.assert_allclose(log10_a_ts, wlf(TEMPERATURES[2:]), atol=1e-6)
 
 
-def blocks(path, test, names, columns, said):
+def blocks(path, test, names, columns, message):
     """One block for each temperature, said in a line over it."""
     lines = ["# a machine"]
     for kelvin in np.unique(test.temperature):
-        rows = np.column_stack([one[test.temperature == kelvin] for one in columns])
-        lines += ["", said.format(kelvin - 273.15), names]
+        rows = np.column_stack([column[test.temperature == kelvin] for column in columns])
+        lines += ["", message.format(kelvin - 273.15), names]
         lines += ["\t".join(f"{value:.9g}" for value in row) for row in rows]
     path.write_text("\n".join(lines) + "\n")
     return path
 
 
-@pytest.mark.parametrize("said", ["Temperature: {:g} °C", "# Temperature [degC]; {:g}"])
-def test_blocks_that_say_their_temperature_are_as_a_column_of_it(tmp_path, said):
+@pytest.mark.parametrize("message", ["Temperature: {:g} °C", "# Temperature [degC]; {:g}"])
+def test_blocks_that_say_their_temperature_are_as_a_column_of_it(tmp_path, message):
     data = sweeps()
     columns = (data.frequency, data.storage / 1e6, data.loss / 1e6)
-    file = blocks(tmp_path / "a.txt", data, "Frequency [Hz]\tE' [MPa]\tE'' [MPa]", columns, said)
-    found = read_dynamic(file)
-    np.testing.assert_allclose(found.temperature, data.temperature)
+    file = blocks(tmp_path / "a.txt", data, "Frequency [Hz]\tE' [MPa]\tE'' [MPa]", columns, message)
+    test = read_dynamic(file)
+    np.testing.assert_allclose(test.temperature, data.temperature)
     curves = moduli()
     columns = (curves.time, curves.modulus / 1e6)
-    file = blocks(tmp_path / "b.txt", curves, "time [s]\tE(t) [MPa]", columns, said)
-    found = read_modulus(file, options=ReadOptions(modulus="E(t)"))
-    np.testing.assert_allclose(found.temperature, curves.temperature)
+    file = blocks(tmp_path / "b.txt", curves, "time [s]\tE(t) [MPa]", columns, message)
+    test = read_modulus(file, options=ReadOptions(modulus="E(t)"))
+    np.testing.assert_allclose(test.temperature, curves.temperature)
 
 
 def test_read_dynamic_carries_a_block_temperature_forward(tmp_path):
@@ -187,21 +187,21 @@ def test_read_dynamic_carries_a_block_temperature_forward(tmp_path):
 def test_tables_of_shifts_speak_of_a_t_in_many_ways(tmp_path, head, of):
     table = tmp_path / "shifts.csv"
     table.write_text("\n".join([head, *(f"{t},{of(a):.12g}" for t, a in ((60, -2.0), (0, 1.5)))]))
-    found = dp.files.read_shifts(table)
-    assert [one.temperature for one in found] == pytest.approx([273.15, 333.15])
-    assert [one.log10_a_t for one in found] == pytest.approx([1.5, -2.0])
+    shifts = dp.files.read_shifts(table)
+    assert [shift.temperature for shift in shifts] == pytest.approx([273.15, 333.15])
+    assert [shift.log10_a_t for shift in shifts] == pytest.approx([1.5, -2.0])
 
 
 def test_a_table_of_shifts_comes_back(tmp_path):
     file, table = write_isotherms(tmp_path / "sweeps.csv", sweeps()), tmp_path / "shifts.csv"
-    said = run_json("fit", file, "--save-shifts", table)
-    found = [one["log10_a_t"] for one in said["temperature"]["shifts"]]
+    document = run_json("fit", file, "--save-shifts", table)
+    log10_a_ts = [shift["log10_a_t"] for shift in document["temperature"]["shifts"]]
     back = dp.files.read_shifts(table)
-    assert [one.log10_a_t for one in back] == found
+    assert [shift.log10_a_t for shift in back] == log10_a_ts
     assert back[0].se == pytest.approx(0.055, abs=0.02)
     assert back[0].b_t == pytest.approx(253.15 / 293.15)
     again = run_json("fit", file, "--shifts", table)["temperature"]
-    assert [one["b_t"] for one in again["shifts"]] == pytest.approx([one.b_t for one in back])
+    assert [shift["b_t"] for shift in again["shifts"]] == pytest.approx([item.b_t for item in back])
     assert "leave out --save-shifts" in shell(
         "fit", file, "--at-temperature", "20degC", "--arms", "1", "--save-shifts", table, code=2
     )

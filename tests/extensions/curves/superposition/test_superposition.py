@@ -18,42 +18,44 @@ from dashpot.extensions.curves.superposition.joint_spectrum import ShiftSearch, 
 from dashpot.reading.read_options import ReadOptions
 
 
-def shifts(found):
-    return np.array([one.log10_a_t for one in found.temperatures.shifts])
+def shifts(result):
+    return np.array([shift.log10_a_t for shift in result.temperatures.shifts])
 
 
 TRUE = wlf(TEMPERATURES)
 
 
 def test_exact_sweeps_give_their_shifts_back():
-    found = dp.solids.superpose(sweeps(noise=0.0))
-    np.testing.assert_allclose(shifts(found), TRUE, atol=2e-4)
-    assert found.temperatures.vertical == "T/T_r"
-    assert found.temperatures.law.kind == "wlf"
-    assert found.temperatures.reference == pytest.approx(REFERENCE)
-    assert found.rms < 1e-4
+    master_curve = dp.solids.superpose(sweeps(noise=0.0))
+    np.testing.assert_allclose(shifts(master_curve), TRUE, atol=2e-4)
+    assert master_curve.temperatures.vertical == "T/T_r"
+    assert master_curve.temperatures.law.kind == "wlf"
+    assert master_curve.temperatures.reference == pytest.approx(REFERENCE)
+    assert master_curve.rms < 1e-4
 
 
 def test_exact_relaxation_moduli_give_their_shifts_back():
-    found = dp.solids.superpose(moduli(noise=0.0), vertical="1")
-    np.testing.assert_allclose(shifts(found), TRUE, atol=2e-3)
-    assert (np.diff(found.curve.time) > 0).all()
+    master_curve = dp.solids.superpose(moduli(noise=0.0), vertical="1")
+    np.testing.assert_allclose(shifts(master_curve), TRUE, atol=2e-3)
+    assert (np.diff(master_curve.curve.time) > 0).all()
     np.testing.assert_allclose(
-        found.solid.relaxation(found.curve.time), found.curve.modulus, rtol=2e-3
+        master_curve.solid.relaxation(master_curve.curve.time),
+        master_curve.curve.modulus,
+        rtol=2e-3,
     )
 
 
 @pytest.mark.parametrize("flow", [0.0, 1e-6])
 def test_exact_creep_compliances_give_their_shifts_back(flow):
-    found = dp.solids.superpose(
+    master_curve = dp.solids.superpose(
         compliances(noise=0.0, flow=flow), vertical="T/T_r", reference=REFERENCE
     )
-    np.testing.assert_allclose(shifts(found), TRUE, atol=2e-3)
-    assert found.temperatures.shifts[0].b_t == pytest.approx(TEMPERATURES[0] / REFERENCE)
+    np.testing.assert_allclose(shifts(master_curve), TRUE, atol=2e-3)
+    assert master_curve.temperatures.shifts[0].b_t == pytest.approx(TEMPERATURES[0] / REFERENCE)
     np.testing.assert_allclose(
-        found.solid.creep(found.curve.time), found.curve.compliance, rtol=2e-3
+        master_curve.solid.creep(master_curve.curve.time), master_curve.curve.compliance, rtol=2e-3
     )
-    assert (found.solid.k_inf == 0) == (flow > 0)
+    assert (master_curve.solid.k_inf == 0) == (flow > 0)
 
 
 @pytest.mark.parametrize("data", [sweeps, moduli, compliances], ids=lambda make: make.__name__)
@@ -68,7 +70,7 @@ def test_the_slopes_of_shifted_isotherms_are_those_of_their_rows(data):
 def test_superpose_of_one_file_equals_separate_files():
     parts = compliances()
     columns = [
-        np.concatenate([getattr(one, name) for one in parts]) for name in ("time", "compliance")
+        np.concatenate([getattr(item, name) for item in parts]) for name in ("time", "compliance")
     ]
     warm = np.repeat(TEMPERATURES, len(parts[0].time))
     whole = dp.CreepCompliance(*columns, temperature=warm, units="SI")
@@ -133,22 +135,22 @@ def test_superpose_of_separate_tests_equals_one_test():
 
 def test_the_curve_holds_every_sample_where_it_lies_at_the_reference():
     data = sweeps()
-    found = dp.solids.superpose(data)
-    one = found.temperature == TEMPERATURES[0]
-    shift = found.temperatures.shifts[0]
+    master_curve = dp.solids.superpose(data)
+    item = master_curve.temperature == TEMPERATURES[0]
+    shift = master_curve.temperatures.shifts[0]
     np.testing.assert_allclose(
-        found.curve.frequency[one], data.frequency[:14] * 10**shift.log10_a_t
+        master_curve.curve.frequency[item], data.frequency[:14] * 10**shift.log10_a_t
     )
-    np.testing.assert_allclose(found.curve.storage[one], data.storage[:14] / shift.b_t)
+    np.testing.assert_allclose(master_curve.curve.storage[item], data.storage[:14] / shift.b_t)
     assert shift.b_t == pytest.approx(TEMPERATURES[0] / REFERENCE)
 
 
 def test_superpose_uses_given_shifts_unchanged():
     table = [Shift(t + 0.5, s + 2.0, 0.1) for t, s in zip(TEMPERATURES, TRUE, strict=True)]
-    found = dp.solids.superpose(sweeps(rubbery=False), shifts=table)
-    np.testing.assert_allclose(shifts(found), TRUE, atol=1e-12)
-    assert not found.temperatures.covariance.any()
-    assert found.rms == pytest.approx(0.01, rel=0.1)
+    master_curve = dp.solids.superpose(sweeps(rubbery=False), shifts=table)
+    np.testing.assert_allclose(shifts(master_curve), TRUE, atol=1e-12)
+    assert not master_curve.temperatures.covariance.any()
+    assert master_curve.rms == pytest.approx(0.01, rel=0.1)
     with pytest.raises(dp.FitError, match="table of shifts has none within 2 K of 60 degC"):
         dp.solids.superpose(sweeps(), shifts=table[:-1])
 
@@ -178,8 +180,8 @@ def exchange_labels(data):
 def test_a_wrong_temperature_leaves_the_law_and_is_named():
     data = sweeps()
     wrong = np.where(np.isclose(data.temperature, 273.15), 278.15, data.temperature)
-    found = dp.solids.superpose(replace(data, temperature=wrong), law="wlf")
-    assert "law_follows_shifts" in list_failed_checks(found)
+    master_curve = dp.solids.superpose(replace(data, temperature=wrong), law="wlf")
+    assert "law_follows_shifts" in list_failed_checks(master_curve)
     unasked = dp.solids.superpose(replace(data, temperature=wrong))
     assert unasked.temperatures.law.kind == "free"
     assert "law_follows_shifts" in list_failed_checks(unasked)
@@ -190,8 +192,8 @@ def test_a_wrong_temperature_leaves_the_law_and_is_named():
 
 
 def test_superpose_passes_all_checks_for_valid_sweeps():
-    found = dp.solids.superpose(sweeps(temperatures=TEMPERATURES[1:]))
-    assert [check.passed for check in found.checks] == [True] * 9
+    master_curve = dp.solids.superpose(sweeps(temperatures=TEMPERATURES[1:]))
+    assert [check.passed for check in master_curve.checks] == [True] * 9
 
 
 def test_superpose_reports_a_violated_vertical_rule():
@@ -210,17 +212,17 @@ def test_superpose_counts_a_duplicate_sample_once():
 
 
 def test_free_vertical_shifts_are_a_diagnostic():
-    found = dp.solids.superpose(sweeps(), vertical="free")
-    assert "vertical_shift_determined" in list_failed_checks(found)
-    assert found.temperatures.shifts[0].b_t_se > 0
+    master_curve = dp.solids.superpose(sweeps(), vertical="free")
+    assert "vertical_shift_determined" in list_failed_checks(master_curve)
+    assert master_curve.temperatures.shifts[0].b_t_se > 0
 
 
 def test_what_cannot_be_shifted_is_refused():
-    one = sweeps(temperatures=[REFERENCE])
+    curves = sweeps(temperatures=[REFERENCE])
     with pytest.raises(dp.FitError, match="needs several temperatures"):
-        dp.solids.superpose(one)
+        dp.solids.superpose(curves)
     with pytest.raises(dp.FitError, match="says no temperature"):
-        dp.solids.superpose(replace(one, temperature=None))
+        dp.solids.superpose(replace(curves, temperature=None))
     with pytest.raises(dp.FitError, match="one value at -20 degC"):
         dp.solids.superpose(sweeps(points=1))
     with pytest.raises(dp.FitError, match="within 2 K of the reference of 15 degC"):
@@ -236,10 +238,10 @@ def test_published_moduli_are_shifted_as_published_and_lie_closer(real_data):
     options = ReadOptions(modulus="E_relax")
     curve = read_modulus(folder / "time_user_raw.csv", options=options)
     published = dp.files.read_shifts(folder / "time_user_raw__shift_factors.csv")
-    found = dp.solids.superpose(curve, reference="3degC", vertical="1")
-    steps = np.diff(shifts(found)) - np.diff([one.log10_a_t for one in published])
+    master_curve = dp.solids.superpose(curve, reference="3degC", vertical="1")
+    steps = np.diff(shifts(master_curve)) - np.diff([shift.log10_a_t for shift in published])
     assert np.abs(steps).max() <= 0.3
-    assert found.rms <= 0.0065
+    assert master_curve.rms <= 0.0065
     assert dp.solids.superpose(curve, reference="3degC", shifts=published).rms > 0.01
 
 
@@ -258,11 +260,11 @@ def test_superpose_names_a_temperature_with_another_gain():
     gain = np.where(data.temperature == at, 1.05, 1.0)
     more = replace(data, storage=gain * data.storage, loss=gain * data.loss)
     assert "no_temperature_outlier" not in list_failed_checks(dp.solids.superpose(data))
-    told = {check.name: check for check in dp.solids.superpose(more).checks}[
+    message = {check.name: check for check in dp.solids.superpose(more).checks}[
         "no_temperature_outlier"
     ]
-    assert told.failed
-    assert told.message.startswith("50 degC lies ")
+    assert message.failed
+    assert message.message.startswith("50 degC lies ")
 
 
 @pytest.mark.slow
@@ -271,11 +273,11 @@ def test_twenty_sets_choose_their_vertical_rule_and_cover_the_truth():
     away = TEMPERATURES != REFERENCE
     for seed in range(20):
         rubbery, law = seed % 2 == 0, (wlf, arrhenius)[seed // 10]
-        found = dp.solids.superpose(sweeps(100 + seed, rubbery=rubbery, law=law))
-        right += found.temperatures.vertical == ("T/T_r" if rubbery else "1")
-        laws += found.temperatures.law.kind == law.__name__
-        error = (shifts(found) - law(TEMPERATURES))[away]
-        se = np.array([one.se for one in found.temperatures.shifts])[away]
+        master_curve = dp.solids.superpose(sweeps(100 + seed, rubbery=rubbery, law=law))
+        right += master_curve.temperatures.vertical == ("T/T_r" if rubbery else "1")
+        laws += master_curve.temperatures.law.kind == law.__name__
+        error = (shifts(master_curve) - law(TEMPERATURES))[away]
+        se = np.array([shift.se for shift in master_curve.temperatures.shifts])[away]
         errors.append(error)
         inside.append(np.abs(error) < 1.96 * se)
     assert right >= 19

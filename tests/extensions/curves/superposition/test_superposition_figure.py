@@ -15,28 +15,28 @@ from dashpot.workflow.dataframes import frame
     ("data", "panels"), [(sweeps(), 4), (moduli(), 3)], ids=["sweeps", "moduli"]
 )
 def test_every_sample_is_drawn_from_cold_to_warm(data, panels):
-    found = dp.solids.superpose(data)
-    picture = found.plot()
+    master_curve = dp.solids.superpose(data)
+    picture = master_curve.plot()
     assert len(picture.panels) == panels
     for panel in picture.panels[:-1]:
         dots = [mark for mark in panel.marks if isinstance(mark, Dots)]
         assert [mark.colour for mark in dots] == list(SEQUENTIAL)
-        assert sum(len(mark.x) for mark in dots) == len(found.temperature)
+        assert sum(len(mark.x) for mark in dots) == len(master_curve.temperature)
     # a temperature is named at its samples, once, and in no key
     tags = [mark for panel in picture.panels for mark in panel.marks if isinstance(mark, Tag)]
-    assert [one.text for one in tags][:2] == ["−20 to −10 °C", "0 to 10 °C"]
-    assert [one.colour for one in tags] == list(SEQUENTIAL)
-    assert not {one.text for one in tags} & {one.label for one in picture.key}
+    assert [tag.text for tag in tags][:2] == ["−20 to −10 °C", "0 to 10 °C"]
+    assert [tag.colour for tag in tags] == list(SEQUENTIAL)
+    assert not {tag.text for tag in tags} & {item.label for item in picture.key}
 
 
 def test_the_shifts_are_drawn_with_their_law_and_its_errors():
-    found = dp.solids.superpose(sweeps())
-    marks = found.plot().panels[-1].marks
+    master_curve = dp.solids.superpose(sweeps())
+    marks = master_curve.plot().panels[-1].marks
     area, line, dots = (
         next(m for m in marks if isinstance(m, kind)) for kind in (Area, Line, Dots)
     )
     assert line.label == "WLF"
-    assert dots.error == pytest.approx([2 * one.se for one in found.temperatures.shifts])
+    assert dots.error == pytest.approx([2 * shift.se for shift in master_curve.temperatures.shifts])
     assert ((area.low <= line.y) & (line.y <= area.high)).all()
     free = dp.solids.superpose(sweeps(), law="free").plot().panels[-1]
     assert not any(isinstance(mark, Area) for mark in free.marks)
@@ -44,17 +44,19 @@ def test_the_shifts_are_drawn_with_their_law_and_its_errors():
 
 @pytest.mark.parametrize("data", [sweeps(), moduli()], ids=["sweeps", "moduli"])
 def test_a_notebook_shows_it_and_a_table_holds_it(data):
-    found = dp.solids.superpose(data)
-    assert "<svg" in found._repr_html_()
-    assert repr(found).startswith("Superposition: 9 temperatures, -20 degC to 60 degC, at 20 degC")
-    made = frame(found)
+    master_curve = dp.solids.superpose(data)
+    assert "<svg" in master_curve._repr_html_()
+    assert repr(master_curve).startswith(
+        "Superposition: 9 temperatures, -20 degC to 60 degC, at 20 degC"
+    )
+    made = frame(master_curve)
     assert list(made.columns)[-1] == "temperature"
-    assert {len(column) for column in made.columns.values()} == {len(found.temperature)}
+    assert {len(column) for column in made.columns.values()} == {len(master_curve.temperature)}
 
 
 def test_master_curve_figure_spreads_colours_of_few_temperatures():
-    found = dp.solids.superpose(sweeps(temperatures=np.array([283.15, 293.15])))
-    dots = [mark for mark in found.plot().panels[0].marks if isinstance(mark, Dots)]
+    master_curve = dp.solids.superpose(sweeps(temperatures=np.array([283.15, 293.15])))
+    dots = [mark for mark in master_curve.plot().panels[0].marks if isinstance(mark, Dots)]
     assert [(mark.colour, mark.label) for mark in dots] == [
         ("coldest", "10 °C"),
         ("hottest", "20 °C"),
@@ -85,5 +87,5 @@ def light(colour: str) -> float:
 @pytest.mark.parametrize("page", [0, 1], ids=["light", "dark"])
 @pytest.mark.parametrize("name", SEQUENTIAL)
 def test_temperature_colours_have_readable_contrast(name, page):
-    low, high = sorted(light(COLOURS[one][page]) for one in (name, "panel"))
+    low, high = sorted(light(COLOURS[item][page]) for item in (name, "panel"))
     assert (high + 0.05) / (low + 0.05) >= 4.5

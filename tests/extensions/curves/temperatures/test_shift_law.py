@@ -28,17 +28,17 @@ def draw_shifts(law, sd, seed):
 
 @pytest.mark.parametrize("law", [WLF, ARRHENIUS], ids=lambda law: law.kind)
 def test_exact_shifts_give_their_law_back(law):
-    found = fit_shift_law(
+    shift_law_fit = fit_shift_law(
         TEMPERATURES,
         law.log10_a_t(TEMPERATURES),
         build_chained_covariance(1e-3),
         reference=REFERENCE,
     )
-    assert found.law.kind == law.kind
-    for name in found.parameters:
-        assert getattr(found.law, name) == pytest.approx(getattr(law, name), rel=1e-6)
-    assert [score.dof for score in found.scores if score.kind == law.kind] == [
-        9 - 1 - len(found.parameters)
+    assert shift_law_fit.law.kind == law.kind
+    for name in shift_law_fit.parameters:
+        assert getattr(shift_law_fit.law, name) == pytest.approx(getattr(law, name), rel=1e-6)
+    assert [score.dof for score in shift_law_fit.scores if score.kind == law.kind] == [
+        9 - 1 - len(shift_law_fit.parameters)
     ]
 
 
@@ -46,28 +46,28 @@ def test_exact_shifts_give_their_law_back(law):
 def test_fit_shift_law_selects_by_bic_with_valid_intervals(law, least):
     right, inside = 0, []
     for seed in range(40):
-        found = fit_shift_law(
+        shift_law_fit = fit_shift_law(
             TEMPERATURES,
             draw_shifts(law, 0.02, seed),
             build_chained_covariance(0.02),
             reference=REFERENCE,
         )
-        right += found.law.kind == law.kind
-        kept = fit_shift_law(
+        right += shift_law_fit.law.kind == law.kind
+        retained = fit_shift_law(
             TEMPERATURES,
             draw_shifts(law, 0.02, seed),
             build_chained_covariance(0.02),
             reference=REFERENCE,
             law=law.kind,
         )
-        error = [getattr(kept.law, name) - getattr(law, name) for name in kept.parameters]
-        inside.append(np.abs(error) < 1.96 * np.sqrt(np.diag(kept.covariance)))
+        error = [getattr(retained.law, name) - getattr(law, name) for name in retained.parameters]
+        inside.append(np.abs(error) < 1.96 * np.sqrt(np.diag(retained.covariance)))
     assert right >= least
     assert np.mean(inside) >= 0.9
 
 
 def test_the_derivatives_of_wlf_are_those_of_the_law():
-    found = fit_shift_law(
+    shift_law_fit = fit_shift_law(
         TEMPERATURES,
         WLF.log10_a_t(TEMPERATURES),
         build_chained_covariance(0.02),
@@ -83,7 +83,7 @@ def test_the_derivatives_of_wlf_are_those_of_the_law():
     )[AWAY]  # fmt: skip
     weight = np.linalg.inv(build_chained_covariance(0.02)[np.ix_(AWAY, AWAY)])
     np.testing.assert_allclose(
-        found.covariance, np.linalg.inv(jacobian.T @ weight @ jacobian), rtol=1e-4
+        shift_law_fit.covariance, np.linalg.inv(jacobian.T @ weight @ jacobian), rtol=1e-4
     )
 
 
@@ -107,8 +107,10 @@ def test_two_temperatures_keep_their_shift_and_three_have_a_law():
     assert (
         fit_shift_law(t, s, np.diag([1e-4, 0, 1e-4]), reference=REFERENCE).law.kind == "arrhenius"
     )
-    asked = fit_shift_law(t[:2], s[:2], np.diag([1e-4, 0.0]), reference=REFERENCE, law="arrhenius")
-    assert asked.law.energy == pytest.approx(90e3)
+    shift_law_fit = fit_shift_law(
+        t[:2], s[:2], np.diag([1e-4, 0.0]), reference=REFERENCE, law="arrhenius"
+    )
+    assert shift_law_fit.law.energy == pytest.approx(90e3)
 
 
 def test_shifts_that_rise_with_temperature_have_no_law():

@@ -48,8 +48,8 @@ def holds_truth(fit: dp.Fit, seal: str) -> tuple[bool, bool]:
 
 def off(fit: dp.Fit, seal: str) -> float:
     """Relative error of the loss factor at the resonance."""
-    found = fit.model.complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
-    return found.imag / found.real / cold.loss_factor(seal) - 1
+    stiffness = fit.model.complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
+    return stiffness.imag / stiffness.real / cold.loss_factor(seal) - 1
 
 
 @pytest.fixture(scope="module")
@@ -73,20 +73,20 @@ def triple() -> dp.Fit:
 
 
 def test_fit_with_a_cold_test_recovers_an_arm_hidden_at_room_temperature(pair):
-    alone = fit_tests(cold.records("hidden", [ROOM], 0)[0])
-    assert alone.model.arms == 2
-    assert off(alone, "hidden") < -0.5
+    fitted_tests = fit_tests(cold.records("hidden", [ROOM], 0)[0])
+    assert fitted_tests.model.arms == 2
+    assert off(fitted_tests, "hidden") < -0.5
     assert pair.model.arms == 3
     assert abs(off(pair, "hidden")) < 0.03
     assert all(holds_truth(pair, "hidden"))
     assert pair.verdict.use == "use"
-    assert pair.band[1] > 20 * alone.band[1]
+    assert pair.band[1] > 20 * fitted_tests.band[1]
 
 
 def test_shift_and_stiffness_are_those_of_the_seal(pair):
-    fridge, room = pair.temperatures.shifts
-    assert (fridge.temperature, room.temperature) == (273.15, 296.15)
-    assert (room.log10_a_t, room.se, room.b_t) == (0.0, 0.0, 1.0)
+    fridge, folder = pair.temperatures.shifts
+    assert (fridge.temperature, folder.temperature) == (273.15, 296.15)
+    assert (folder.log10_a_t, folder.se, folder.b_t) == (0.0, 0.0, 1.0)
     assert fridge.log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
     assert fridge.se < 0.005
     assert fridge.b_t == pytest.approx(273.15 / 296.15, abs=3 * fridge.b_t_se)
@@ -102,13 +102,13 @@ def test_model_at_the_cold_temperature_has_the_error_of_the_cold_test(pair):
     chilled, quiet = pair.at_temperature("0degC"), restrict_to_noise(pair)
     arm = chilled.estimate.parameters.index("ln_tau_1")
     noise = restrict_to_noise(chilled).covariance
-    found, error = np.log(chilled.model.tau[0]), float(np.sqrt(noise[arm, arm]))
+    result, error = np.log(chilled.model.tau[0]), float(np.sqrt(noise[arm, arm]))
     assert error < 0.2 * float(np.sqrt(quiet.covariance[arm, arm]))
     # a rig that may have given or settled adds to either, and each is distinguished from the noise
     np.testing.assert_array_equal(noise, quiet.at_temperature("0degC").covariance)
     assert float(np.sqrt(chilled.covariance[arm, arm])) > 2 * error
     true = np.log(0.0125) + np.log(10) * cold.log10_a(273.15)
-    assert abs(found - true) < 3 * error < 0.05
+    assert abs(result - true) < 3 * error < 0.05
 
 
 def test_fit_without_intervals_equals_the_full_fit(pair):
@@ -128,9 +128,9 @@ def test_fit_without_intervals_equals_the_full_fit(pair):
 
 
 def test_fit_of_two_temperatures_recommends_a_third(pair, triple):
-    told = {check.name: check for check in pair.checks}["shifts_distinguished"]
-    assert told.failed
-    assert "three are needed" in told.message
+    message = {check.name: check for check in pair.checks}["shifts_distinguished"]
+    assert message.failed
+    assert "three are needed" in message.message
     assert "shifts_distinguished" not in list_failed_checks(triple)
 
 
@@ -147,9 +147,11 @@ def test_three_temperatures_carry_a_law(triple):
 def test_a_temperature_that_was_noted_wrong_is_no_law(wrong):
     tests = cold.records("hidden", TRIPLE, 0)
     noted = dp.Specimen(temperature=tests[-1].specimen.temperature + wrong)
-    found = fit_tests([*tests[:-1], replace(tests[-1], specimen=noted)])
-    assert found.verdict.use == "use with care"
-    assert list_failed_checks(found) == {"glass_below_tests" if wrong > 0 else "law_follows_shifts"}
+    fitted_tests = fit_tests([*tests[:-1], replace(tests[-1], specimen=noted)])
+    assert fitted_tests.verdict.use == "use with care"
+    assert list_failed_checks(fitted_tests) == {
+        "glass_below_tests" if wrong > 0 else "law_follows_shifts"
+    }
 
 
 @pytest.mark.parametrize("vertical", ["free", "1"])
@@ -191,16 +193,16 @@ def check_bounds(seal: str, bounds: StiffnessBounds) -> np.ndarray:
 def test_cold_test_narrows_the_unresolved_arm_band(pair, stated_pair):
     records = cold.records("hidden", PAIR, 0)
     both = unseen_arm_band(pair, records, LINES)
-    alone = unseen_arm_band(fit_tests(records[0]), records[0], LINES)
+    stiffness_bounds = unseen_arm_band(fit_tests(records[0]), records[0], LINES)
     assert check_bounds("hidden", both).all()
     at = list(LINES).index(cold.RESONANCE)
     low, high = both.loss[:, at] / cold.complex_stiffness("hidden").imag
     assert 0.9 < low < 1 < high < 1.4
     assert high > 1.2  # a machine of which nothing is known may hide as much
-    known = unseen_arm_band(stated_pair, prepare_on_stated_machine(records), [cold.RESONANCE])
-    low, high = known.loss[:, 0] / cold.complex_stiffness("hidden").imag
+    expected = unseen_arm_band(stated_pair, prepare_on_stated_machine(records), [cold.RESONANCE])
+    low, high = expected.loss[:, 0] / cold.complex_stiffness("hidden").imag
     assert 0.9 < low < 1 < high < 1.2
-    assert np.ptp(alone.loss[:, at]) > 10 * np.ptp(both.loss[:, at])
+    assert np.ptp(stiffness_bounds.loss[:, at]) > 10 * np.ptp(both.loss[:, at])
 
 
 @pytest.mark.once
@@ -225,8 +227,8 @@ def test_records_that_were_not_fitted_bound_nothing(pair):
 def test_limits_at_the_end_of_the_hold_have_the_expected_width(pair, stated_pair):
     k_inf, k, tau = cold.HIDDEN
     end = k_inf + np.sum(np.array(k) * np.exp(-40 / np.array(tau)))
-    for found, least, most in ((pair, 1.03, 1.06), (stated_pair, 1.005, 1.02)):
-        low, high = found.stiffness_limits["k_end"]
+    for result, least, most in ((pair, 1.03, 1.06), (stated_pair, 1.005, 1.02)):
+        low, high = result.stiffness_limits["k_end"]
         assert low < end < high
         assert least * low < high < most * low
 
@@ -253,27 +255,27 @@ def test_the_order_of_the_files_does_not_matter(pair):
     ids=["b is 1", "b 3 % off", "arms in groups", "a hidden arm apart"],
 )
 def test_fit_reports_tests_that_share_no_model(seal, celsius, vertical, changes):
-    found = fit_cold_tests(seal, celsius, vertical=vertical, **changes)
-    assert "thermorheologically_simple" in list_failed_checks(found)
-    assert found.verdict.use != "use"
-    assert found.status is Status.TESTS_DISAGREE
+    fit = fit_cold_tests(seal, celsius, vertical=vertical, **changes)
+    assert "thermorheologically_simple" in list_failed_checks(fit)
+    assert fit.verdict.use != "use"
+    assert fit.status is Status.TESTS_DISAGREE
 
 
 def test_fit_reports_a_small_shift_slope_without_penalty():
-    found = fit_cold_tests("hidden", TRIPLE, apart=cold.make_growing_shift(0.03))
-    slope = next(one for one in found.estimate.nuisance if one.name == "shift slope")
+    fit = fit_cold_tests("hidden", TRIPLE, apart=cold.make_growing_shift(0.03))
+    slope = next(item for item in fit.estimate.nuisance if item.name == "shift slope")
     assert abs(slope.value - 0.03) < 3 * slope.standard_error < 0.03
-    assert "thermorheologically_simple" not in list_failed_checks(found)
-    assert all(holds_truth(found, "hidden"))
+    assert "thermorheologically_simple" not in list_failed_checks(fit)
+    assert all(holds_truth(fit, "hidden"))
 
 
 def test_fit_distinguishes_warming_from_another_shift():
-    found = fit_cold_tests("hidden", warms=0.5)
-    warming = [one for one in found.estimate.nuisance if one.name.startswith("warming")]
-    chilled = next(one for one in warming if one.name.endswith("2"))
+    fit = fit_cold_tests("hidden", warms=0.5)
+    warming = [item for item in fit.estimate.nuisance if item.name.startswith("warming")]
+    chilled = next(item for item in warming if item.name.endswith("2"))
     assert abs(chilled.value - 0.5) < 4 * chilled.standard_error < 0.2
-    assert abs(off(found, "hidden")) < 0.03
-    assert "temperature_steady" not in list_failed_checks(found)
+    assert abs(off(fit, "hidden")) < 0.03
+    assert "temperature_steady" not in list_failed_checks(fit)
     assert "temperature_steady" in list_failed_checks(fit_cold_tests("hidden", warms=2.0))
 
 
@@ -284,17 +286,19 @@ def test_fit_reports_temperatures_without_overlap():
 def test_fit_of_tests_at_one_temperature_has_no_shifts():
     warm, again = (cold.a_test("hidden", ROOM, seed) for seed in (0, 1))
     other = replace(again, specimen=dp.Specimen(temperature=296.15 + 0.4))
-    found = fit_tests([warm, other])
-    assert found.temperatures is None
-    assert found.model == fit_tests([warm, again]).model
+    fitted_tests = fit_tests([warm, other])
+    assert fitted_tests.temperatures is None
+    assert fitted_tests.model == fit_tests([warm, again]).model
 
 
 def test_fit_shares_the_shift_of_tests_at_one_temperature():
     tests = [*cold.records("hidden", PAIR, 0), cold.a_test("hidden", FRIDGE, 5)]
-    found = fit_tests(tests)
-    assert len(found.temperatures.shifts) == 2
-    assert abs(off(found, "hidden")) < 0.03
-    assert found.temperatures.shifts[0].log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
+    fitted_tests = fit_tests(tests)
+    assert len(fitted_tests.temperatures.shifts) == 2
+    assert abs(off(fitted_tests, "hidden")) < 0.03
+    assert fitted_tests.temperatures.shifts[0].log10_a_t == pytest.approx(
+        cold.log10_a(273.15), abs=0.01
+    )
 
 
 def test_fit_asks_for_a_missing_temperature():
@@ -334,12 +338,12 @@ def test_twenty_pairs_find_the_shift_and_the_damping():
     shift, damping, holds, within = [], [], [], []
     for seal in cold.SEALS:
         for seed in range(10):
-            records = [prepare(one) for one in cold.records(seal, PAIR, seed)]
-            found = fit_tests(records)
-            within.append(check_bounds(seal, unseen_arm_band(found, records, LINES)))
-            shift.append(abs(found.temperatures.shifts[0].log10_a_t - cold.log10_a(273.15)))
-            damping.append(abs(off(found, seal)))
-            holds.append(holds_truth(found, seal))
+            records = [prepare(record) for record in cold.records(seal, PAIR, seed)]
+            fitted_tests = fit_tests(records)
+            within.append(check_bounds(seal, unseen_arm_band(fitted_tests, records, LINES)))
+            shift.append(abs(fitted_tests.temperatures.shifts[0].log10_a_t - cold.log10_a(273.15)))
+            damping.append(abs(off(fitted_tests, seal)))
+            holds.append(holds_truth(fitted_tests, seal))
     assert np.sum(np.array(shift) < 0.01) >= 19
     assert np.sum(np.array(damping) < 0.03) == 20
     assert (np.sum(holds, axis=0) >= 18).all()
@@ -354,9 +358,9 @@ def foreign_pair(truth: Solid, seed: int = 1) -> dp.Fit:
         a_t, b_t = 10 ** wlf(kelvin, 296.15, 8.86, 150.0), kelvin / 296.15
         k, tau = b_t * np.array(truth.k), a_t * np.array(truth.tau)
         seal = ForeignSeal(Solid.arms(truth.name, b_t * truth.k_inf, k, tau))
-        one = read(seal, Protocol(hold=80.0), seed=seed, name=f"{truth.name} | {celsius:g}")
+        record = read(seal, Protocol(hold=80.0), seed=seed, name=f"{truth.name} | {celsius:g}")
         piece = dp.Specimen(temperature=kelvin)
-        columns = (one.time, one.displacement, one.force)
+        columns = (record.time, record.displacement, record.force)
         tests.append(prepare(dp.RelaxationTest(*columns, piece, units="SI")))
     return fit_tests(tests)
 
@@ -364,15 +368,15 @@ def foreign_pair(truth: Solid, seed: int = 1) -> dp.Fit:
 @pytest.mark.slow
 def test_two_temperatures_tell_the_damping_of_foreign_arms():
     """Twenty truths of two to five arms, the fastest of 3 to 180 ms."""
-    arms = [one for one in TRUTHS if one.name == "broad" or one.name[:6] in {
+    arms = [truth for truth in TRUTHS if truth.name == "broad" or truth.name[:6] in {
         "2 arms", "3 arms", "4 arms", "5 arms"}][:20]  # fmt: skip
     omega = 2 * np.pi * cold.RESONANCE
     assert len(arms) == 20
     away, held = [], []
-    for one in arms:
-        found, K = foreign_pair(one), one.stiffness(omega)
-        away.append(found.model.loss_factor(omega=omega) * K.real / K.imag - 1)
-        low, high = parameter_band(found, [cold.RESONANCE]).loss_factor[:, 0]
+    for arm in arms:
+        fit, K = foreign_pair(arm), arm.stiffness(omega)
+        away.append(fit.model.loss_factor(omega=omega) * K.real / K.imag - 1)
+        low, high = parameter_band(fit, [cold.RESONANCE]).loss_factor[:, 0]
         held.append(low <= K.imag / K.real <= high)
     # of two truths the interval itself is 3 to 10 % wide
     assert np.sum(np.abs(away) < 0.03) >= 18
@@ -381,9 +385,9 @@ def test_two_temperatures_tell_the_damping_of_foreign_arms():
 
 @pytest.mark.slow
 def test_two_temperatures_of_a_power_law_are_used_with_care():
-    for one in TRUTHS:
-        if one.name.startswith(("springpot", "power law", "fractional")):
-            assert foreign_pair(one).verdict.use != "use", one.name
+    for truth in TRUTHS:
+        if truth.name.startswith(("springpot", "power law", "fractional")):
+            assert foreign_pair(truth).verdict.use != "use", truth.name
 
 
 @pytest.mark.slow

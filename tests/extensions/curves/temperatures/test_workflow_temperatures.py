@@ -74,16 +74,16 @@ def test_fit_files_detects_another_seal_among_cold_tests(bench, pair_fit, tmp_pa
 def test_fit_files_applies_one_temperature_to_all_files(bench):
     with pytest.raises(dp.DataError, match=r"given 3 times for 2 files"):
         fit_files(bench, temperatures=(1.0, 2.0, 3.0))
-    one, _ = fit_files(bench[:1], temperatures=(296.15,))
-    assert one.specimen.temperature == 296.15
+    item, _ = fit_files(bench[:1], temperatures=(296.15,))
+    assert item.specimen.temperature == 296.15
 
 
 def test_fit_files_uses_the_requested_reference_temperature(bench):
-    found, _ = fit_files(
+    result, _ = fit_files(
         bench, temperatures=(296.15, 273.15), shifting=ShiftChoices(reference=273.15)
     )
-    assert found.temperatures.reference == 273.15
-    assert found.temperatures.shifts[1].log10_a_t == pytest.approx(-cold.log10_a(273.15), abs=0.01)
+    assert result.temperatures.reference == 273.15
+    assert result.temperatures.shifts[1].log10_a_t == pytest.approx(-cold.log10_a(273.15), abs=0.01)
     with pytest.raises(dp.FitError, match="no test is of the reference temperature 10 degC"):
         fit_files(bench, temperatures=(296.15, 273.15), shifting=ShiftChoices(reference=283.15))
     with pytest.raises(dp.FitError, match="--shifts are for sweeps"):
@@ -98,21 +98,21 @@ def test_a_prediction_at_a_temperature_is_within_its_bounds(bench, pair_fit, cel
     )
     assert made.to_dict()["temperature"] == pytest.approx(kelvin)
     f = made.limits.frequency
-    stiffness = np.array([cold.complex_stiffness("hidden", one, celsius) for one in f])
+    stiffness = np.array([cold.complex_stiffness("hidden", item, celsius) for item in f])
     omega = 2 * np.pi * f
     true = omega**2 / np.abs(2 * stiffness - MASS * omega**2)
     low, high = made.limits.unmeasured
     assert np.mean((low <= true) & (true <= high)) > 0.95
-    own = dp.systems.predict_frf(pair_fit, mass=MASS, seals=2, frequency=f, temperature=kelvin)
-    assert (low <= 1.0001 * np.abs(own.value)).all()
-    assert (np.abs(own.value) <= 1.0001 * high).all()
+    frf = dp.systems.predict_frf(pair_fit, mass=MASS, seals=2, frequency=f, temperature=kelvin)
+    assert (low <= 1.0001 * np.abs(frf.value)).all()
+    assert (np.abs(frf.value) <= 1.0001 * high).all()
     assert "temperature_tested" not in {check.name for check in made.checks if check.failed}
 
 
 def test_predict_files_takes_record_temperatures_from_the_fit(bench, pair_fit):
     again = from_json(to_json(pair_fit))
-    one = predict_files(again, bench, block=BlockOnSeals(MASS, 2), band=BAND)
-    low, high = one.limits.peak_frequency
+    prediction = predict_files(again, bench, block=BlockOnSeals(MASS, 2), band=BAND)
+    low, high = prediction.limits.peak_frequency
     fine = np.linspace(*BAND, 4001)
     stiffness = np.array([cold.complex_stiffness("hidden", f, 23.0) for f in fine])
     omega = 2 * np.pi * fine
@@ -132,10 +132,10 @@ def test_predict_frf_refuses_a_temperature_for_a_bare_model(pair_fit):
 
 
 def test_the_document_of_a_fit_says_its_temperatures(pair_fit):
-    told = json.loads(to_json(pair_fit))["temperature"]
-    assert told["reference"] == 296.15
-    assert told["law"]["kind"] == "free"
-    assert {"temperature", "log10_a_t", "se", "b_t"} <= set(told["shifts"][0])
+    temperature = json.loads(to_json(pair_fit))["temperature"]
+    assert temperature["reference"] == 296.15
+    assert temperature["law"]["kind"] == "free"
+    assert {"temperature", "log10_a_t", "se", "b_t"} <= set(temperature["shifts"][0])
 
 
 def test_the_main_job_takes_a_cold_test_too(bench, tmp_path):
@@ -150,7 +150,9 @@ def test_the_main_job_takes_a_cold_test_too(bench, tmp_path):
     study, _ = record(project, job, page=html)
     # what is shown is the test of the solid's own temperature
     assert study.prepared.specimen.temperature == pytest.approx(296.15)
-    assert [one.specimen.temperature for one in study.other_tests] == [pytest.approx(273.15)]
+    assert [other_test.specimen.temperature for other_test in study.other_tests] == [
+        pytest.approx(273.15)
+    ]
     assert study.fit.model.arms == 3
     page = html(study)
     assert "One model at several temperatures" in page
@@ -168,9 +170,9 @@ def test_a_hammer_joins_tests_at_several_temperatures():
     assert abs(study.comparison.predicted_hz / study.comparison.measured_hz - 1) < 2e-3
     assert study.joint is not None
     assert study.joint.verdict.use == "use"
-    found = study.joint.model.complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
+    stiffness = study.joint.model.complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
     true = cold.complex_stiffness("hidden")
-    assert found.imag == pytest.approx(true.imag, rel=0.02)
+    assert stiffness.imag == pytest.approx(true.imag, rel=0.02)
     assert study.joint.at("0degC").k_inf < study.joint.model.k_inf
 
 
@@ -188,15 +190,15 @@ def test_characterise_shifts_a_hammer_test_at_another_temperature():
     )
     assert abs(study.comparison.predicted_hz / study.comparison.measured_hz - 1) < 3e-3
     true = cold.complex_stiffness("hidden", celsius=10.0)
-    found = study.joint.model.complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
-    assert found.real == pytest.approx(true.real, rel=3e-3)
-    assert found.imag == pytest.approx(true.imag, rel=0.04)
-    room = study.joint.at("23degC").complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
-    assert room.imag == pytest.approx(cold.complex_stiffness("hidden").imag, rel=0.08)
+    stiffness = study.joint.model.complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
+    assert stiffness.real == pytest.approx(true.real, rel=3e-3)
+    assert stiffness.imag == pytest.approx(true.imag, rel=0.04)
+    folder = study.joint.at("23degC").complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
+    assert folder.imag == pytest.approx(cold.complex_stiffness("hidden").imag, rel=0.08)
 
 
 def test_temperature_figure_draws_every_test_with_one_model(bench, pair_fit):
-    records = [prepare(one) for one in cold.records("hidden", (23.0, 0.0), 0)]
+    records = [prepare(item) for item in cold.records("hidden", (23.0, 0.0), 0)]
     picture = dp.plot.temperatures(pair_fit, records)
     forces, shifts = (strip[0] for strip in picture.strips)
     labels = {mark.label for mark in forces.marks}
@@ -217,9 +219,9 @@ def test_sweeps_at_one_temperature_each_form_one_master_curve(tmp_path: Path) ->
         files.append(tmp_path / f"{celsius}.csv")
         files[-1].write_text("\n".join([head.rpartition(",")[0], *lines]))
     kelvin = [celsius + 273.15 for celsius in warm]
-    apart, _ = fit_files(files, arms=6, temperatures=kelvin)
+    separate, _ = fit_files(files, arms=6, temperatures=kelvin)
     (tmp_path / "all.csv").write_text(EXAMPLES["sweeps.csv"]())
     together, _ = fit_files([tmp_path / "all.csv"], arms=6)
-    assert apart.model.tau == pytest.approx(together.model.tau, rel=0.02)
+    assert separate.model.tau == pytest.approx(together.model.tau, rel=0.02)
     with pytest.raises(FitError, match="says no temperature"):
         fit_files(files[:2], arms=6)

@@ -42,49 +42,49 @@ def read_result(folder, *words):
 
 
 def test_fit_writes_every_figure_of_one_specimen(folder):
-    found = read_result(folder, "p1.csv", *WORDS)
-    assert found["schema"] == "dashpot/cld@2"
-    assert found["unit"] == "N per 100 mm"
-    (specimen,) = found["specimens"]
+    result = read_result(folder, "p1.csv", *WORDS)
+    assert result["schema"] == "dashpot/cld@2"
+    assert result["unit"] == "N per 100 mm"
+    (specimen,) = result["specimens"]
     assert specimen["length"] == 0.05
     assert len(specimen["sha256"]) == 64
-    assert [one["number"] for one in specimen["cycles"]] == [1, 2, 3, 4]
+    assert [cycle["number"] for cycle in specimen["cycles"]] == [1, 2, 3, 4]
     nominal = specimen["nominal"]
     assert nominal["per_100mm"]["loading"] == pytest.approx(2 * nominal["loading"])
     assert specimen["least"]["compression"] == pytest.approx(4e-3)
     test = read_cld(folder / "p1.csv", specimen=dp.Specimen(length="50mm"))
     assert cld(test, at="6mm").nominal.loading == nominal["loading"]
-    assert found["scatter"] == []
-    assert found["capability"] is None
+    assert result["scatter"] == []
+    assert result["capability"] is None
 
 
 def test_pieces_scatter_as_they_were_made(folder):
     files = [f"p{number}.csv" for number in range(1, 5)]
-    found = read_result(folder, *files, *WORDS, "--force-limits", "4:6.5N")
-    force = next(one for one in found["scatter"] if one["name"] == "force at nominal")
+    result = read_result(folder, *files, *WORDS, "--force-limits", "4:6.5N")
+    force = next(entry for entry in result["scatter"] if entry["name"] == "force at nominal")
     spread = np.std(SCALES, ddof=1) / np.mean(SCALES)
     assert force["deviation"] / force["mean"] == pytest.approx(spread, rel=0.05)
-    values = [one["nominal"]["per_100mm"]["loading"] for one in found["specimens"]]
-    assert found["capability"]["cpk"] == capability(np.array(values), 4.0, 6.5).cpk
-    names = {check["name"]: check["passed"] for check in found["checks"]}
+    values = [specimen["nominal"]["per_100mm"]["loading"] for specimen in result["specimens"]]
+    assert result["capability"]["cpk"] == capability(np.array(values), 4.0, 6.5).cpk
+    names = {check["name"]: check["passed"] for check in result["checks"]}
     assert names["specimens_tested_alike"] is True
-    said = ran(folder, *files, *WORDS, "--force-limits", "4:6.5N").stdout
-    assert "4 specimens" in said
-    assert "Cpk" in said
+    stdout = ran(folder, *files, *WORDS, "--force-limits", "4:6.5N").stdout
+    assert "4 specimens" in stdout
+    assert "Cpk" in stdout
 
 
 def test_fit_reports_forces_per_piece_without_a_length(folder):
-    said = ran(folder, "unclocked.csv", "--compression", "6mm", "-v").stdout
-    assert "loading, N " in said
-    assert "length_given" in said
-    assert "N per 100 mm" not in said.split("checks")[0]
+    stdout = ran(folder, "unclocked.csv", "--compression", "6mm", "-v").stdout
+    assert "loading, N " in stdout
+    assert "length_given" in stdout
+    assert "N per 100 mm" not in stdout.split("checks")[0]
     assert read_result(folder, "unclocked.csv")["specimens"][0]["cycles"][0]["speed"] is None
 
 
 def test_fit_reports_specimens_tested_at_other_speeds(folder):
-    found = read_result(folder, "p1.csv", "slow.csv", *WORDS, "--force-limits", "4:6.5N")
+    result = read_result(folder, "p1.csv", "slow.csv", *WORDS, "--force-limits", "4:6.5N")
     assert "speed" in next(
-        c["message"] for c in found["checks"] if c["name"] == "specimens_tested_alike"
+        c["message"] for c in result["checks"] if c["name"] == "specimens_tested_alike"
     )
 
 
@@ -143,36 +143,36 @@ def test_fit_with_relaxation_writes_the_elastic_law(folder, tmp_path):
     (folder / "fit.json").write_text(to_json(fit))
     words = ("p1.csv", "--compression", "6mm", "--relaxation", str(folder / "fit.json"))
     law = tmp_path / "law.json"
-    found = read_result(folder, *words, "-o", str(law))
-    assert found["relaxed"]["residual_hysteresis"] == pytest.approx(0, abs=0.01)
+    result = read_result(folder, *words, "-o", str(law))
+    assert result["relaxed"]["residual_hysteresis"] == pytest.approx(0, abs=0.01)
     written = from_json(law.read_text())
-    assert list(written.elastic_law.knots) == found["relaxed"]["elastic_law"]["knots"]
+    assert list(written.elastic_law.knots) == result["relaxed"]["elastic_law"]["knots"]
     assert "tangent, N/mm" in ran(folder, *words).stdout
     twice = read_result(folder, *words, "--relaxation", str(folder / "fit.json"))
     names = [check["name"] for check in twice["checks"]]
     assert names.count("relaxed_agrees") == 2
     assert "relaxation_tests_agree" in names
-    alone = tmp_path / "alone.json"
-    assert read_result(folder, "p1.csv", "-o", str(alone)) == json.loads(alone.read_text())
+    single = tmp_path / "alone.json"
+    assert read_result(folder, "p1.csv", "-o", str(single)) == json.loads(single.read_text())
 
 
 def test_fit_of_several_speeds_is_one_model(folder, tmp_path):
     law = tmp_path / "law.json"
     words = ("p1.csv", "slow.csv", "--compression", "6mm")
-    found = read_result(folder, *words, "-o", str(law))
-    assert found["fit"] == json.loads(law.read_text())
-    assert found["scatter"] == []
-    assert found["fit"]["method"] == "cld"
-    names = {check["name"] for check in found["checks"]}
+    result = read_result(folder, *words, "-o", str(law))
+    assert result["fit"] == json.loads(law.read_text())
+    assert result["scatter"] == []
+    assert result["fit"]["method"] == "cld"
+    names = {check["name"] for check in result["checks"]}
     assert {
         "speeds_spread",
         "slowest_stroke_quasi_static",
         "one_relaxation_explains_speeds",
     } <= names
-    assert len(found["rate"]["damping"]) == len(found["rate"]["knots"])
-    said = ran(folder, *words).stdout
-    assert "elastic law" in said
-    assert "c, N s/m" not in said
+    assert len(result["rate"]["damping"]) == len(result["rate"]["knots"])
+    stdout = ran(folder, *words).stdout
+    assert "elastic law" in stdout
+    assert "c, N s/m" not in stdout
     every = ran(folder, *words, "-v").stdout
     assert "explain the speeds worse than one relaxation" in " ".join(every.split())
     assert "c, N s/m" in every

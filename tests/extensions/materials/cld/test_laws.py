@@ -39,15 +39,17 @@ EXACT = {"noise": 0.0, "count": 0.0, "bias": 0.0}
 @pytest.mark.parametrize("law", [stiffening, bulb])
 @pytest.mark.parametrize("speed", [0.5e-3, 5e-3])
 def test_the_law_is_that_of_the_truth_at_any_speed_and_loading_is_not(law, speed):
-    one = evaluate_record(press_cycles(law, speed=speed, softening=0.0, rate=2e4 * speed, **EXACT))
-    relaxed = relaxed_law(one, fit_of(law))
+    outcome = evaluate_record(
+        press_cycles(law, speed=speed, softening=0.0, rate=2e4 * speed, **EXACT)
+    )
+    relaxed = relaxed_law(outcome, fit_of(law))
     slope = (law(AT + 1e-6) - law(AT - 1e-6)) / 2e-6
     # first contact is known to some 10 um where a force begins to rise between two samples
     assert (np.abs(relaxed.law.force(AT) - law(AT)) <= 1e-3 * law(AT) + 1e-5 * slope).all()
     assert relaxed.law.tangent(AT) == pytest.approx(slope, rel=0.02)
     assert abs(relaxed.left) < 2e-4
     assert relaxed.hysteresis > 0.05
-    loading = np.interp(AT, one.loading.compression, one.loading.force)
+    loading = np.interp(AT, outcome.loading.compression, outcome.loading.force)
     assert np.abs(loading / law(AT) - 1).max() > 0.06
     assert all(
         check.passed for check in relaxed.checks if check.name != "stroke_within_relaxation_times"
@@ -56,34 +58,34 @@ def test_the_law_is_that_of_the_truth_at_any_speed_and_loading_is_not(law, speed
 
 @pytest.mark.parametrize("seed", range(4))
 def test_noise_counts_and_drift_leave_the_law_near(seed):
-    one = evaluate_record(press_cycles(seed=seed, softening=0.0, drift=2e-4, count=2e-5))
-    relaxed = relaxed_law(one, fit_of(stiffening))
+    outcome = evaluate_record(press_cycles(seed=seed, softening=0.0, drift=2e-4, count=2e-5))
+    relaxed = relaxed_law(outcome, fit_of(stiffening))
     assert relaxed.law.force(AT[2:]) == pytest.approx(stiffening(AT[2:]), rel=0.015)
     z = (relaxed.law.tangent(AT) - 150 - 3 * 7.2656e5 * AT**2) / relaxed.law.stiffness
     assert np.abs(z / relaxed.law.factor_se(AT)).max() < 5
 
 
 def test_relaxed_law_separates_softening_from_relaxation():
-    one = evaluate_record(press_cycles(softening=0.12, **EXACT))
-    relaxed = relaxed_law(one, fit_of(stiffening))
+    outcome = evaluate_record(press_cycles(softening=0.12, **EXACT))
+    relaxed = relaxed_law(outcome, fit_of(stiffening))
     assert relaxed.softening == pytest.approx(0.12 * (1 - np.exp(-2)), abs=1e-3)
-    assert one.softening > relaxed.softening + 0.015
+    assert outcome.softening > relaxed.softening + 0.015
 
 
 def test_relaxation_test_of_another_seal_leaves_hysteresis_or_another_force():
-    one = evaluate_record(press_cycles(softening=0.0))
+    outcome = evaluate_record(press_cycles(softening=0.0))
     half = tuple((g / 2, tau) for g, tau in ARMS)
-    wrong = relaxed_law(one, fit_of(stiffening, arms=half))
+    wrong = relaxed_law(outcome, fit_of(stiffening, arms=half))
     assert "relaxation_explains_hysteresis" in {
         check.name for check in wrong.checks if check.failed
     }
-    other = relaxed_law(one, fit_of(stiffening, scale=1.1))
+    other = relaxed_law(outcome, fit_of(stiffening, scale=1.1))
     agrees = next(check for check in other.checks if check.name == "relaxed_agrees")
     assert agrees.value == pytest.approx(1 / 1.1 - 1, abs=0.01)
     # of a fit to several depths, at each
-    law = relaxed_law(one, fit_of(stiffening)).law
+    law = relaxed_law(outcome, fit_of(stiffening)).law
     depths = tuple(
-        relaxed_law(one, fit_of(stiffening, depth=h)).checks[-1].value for h in (4e-3, 6e-3)
+        relaxed_law(outcome, fit_of(stiffening, depth=h)).checks[-1].value for h in (4e-3, 6e-3)
     )
     assert depths == pytest.approx(law.force([4e-3, 6e-3]) / stiffening(np.array([4e-3, 6e-3])) - 1)
 
@@ -109,11 +111,11 @@ def test_what_has_no_clock_no_rest_or_no_depth_is_refused():
     bare = cld(dp.CLDTest(truth.displacement, truth.force, units="SI"))
     with pytest.raises(FitError, match="no clock"):
         relaxed_law(bare, fit)
-    one = evaluate_record(truth)
+    outcome = evaluate_record(truth)
     loose = replace(fit, solid=dp.GeneralizedMaxwell(0.0, (1.0,), (1.0,)))
     with pytest.raises(FitError, match="no stiffness at rest"):
-        relaxed_law(one, loose)
-    law = relaxed_law(one, fit).law
+        relaxed_law(outcome, loose)
+    law = relaxed_law(outcome, fit).law
     with pytest.raises(DataError, match="at least as deep"):
         apply_elastic_law(fit_of(stiffening, depth=9e-3), law)
     with pytest.raises(DataError, match="no pressed part"):
@@ -165,19 +167,19 @@ def test_scatter_of_specimens_is_not_fitted_as_relaxation():
 
 def test_fit_speeds_refuses_one_speed():
     truth = press_cycles()
-    one = evaluate_record(truth)
+    outcome = evaluate_record(truth)
     with pytest.raises(FitError, match="one speed alone"):
-        fit_speeds([one, one])
+        fit_speeds([outcome, outcome])
     bare = cld(dp.CLDTest(truth.displacement, truth.force, units="SI"))
     with pytest.raises(FitError, match="no clock"):
-        fit_speeds([one, bare])
+        fit_speeds([outcome, bare])
 
 
 def with_relative_error(fit, part=0.05):
     """A fit whose stiffnesses and times are known to a part."""
-    own = fit.model
+    model = fit.model
     names = ("k_inf", "k_1", "k_2", "ln_tau_1", "ln_tau_2")
-    sizes = np.array([own.k_inf, *own.k, 1.0, 1.0])
+    sizes = np.array([model.k_inf, *model.k, 1.0, 1.0])
     estimate = replace(
         fit.estimate, parameters=names, covariance=np.diag((part * sizes) ** 2), profiles=()
     )
@@ -185,21 +187,21 @@ def with_relative_error(fit, part=0.05):
 
 
 def test_relaxed_law_propagates_the_error_of_the_relaxation():
-    one, sure = evaluate_record(press_cycles(softening=0.0), at=6e-3), fit_of(stiffening)
+    outcome, sure = evaluate_record(press_cycles(softening=0.0), at=6e-3), fit_of(stiffening)
     fit, at = with_relative_error(sure), 6e-3
-    relaxed = relaxed_law(one, fit)
+    relaxed = relaxed_law(outcome, fit)
     assert len(relaxed.others) == 8  # six axes of the relaxation or zeros, and the clock
-    in_step = replace(one, delay_sd=0.0)
+    in_step = replace(outcome, delay_sd=0.0)
     exact = relaxed_law(in_step, with_relative_error(sure, 1e-9))
     assert len(exact.others) == 7
     # the zeros alone
-    zeros = exact.law.tangent(at) * one.contact_se, one.zero_se
+    zeros = exact.law.tangent(at) * outcome.contact_se, outcome.zero_se
     assert exact.force_se(at) == pytest.approx(np.linalg.norm(zeros), rel=0.1)
     assert relaxed.law.factor_se(at) > exact.law.factor_se(at)
     # one arm larger by a standard error, and nothing else
     k = (1.05 * sure.model.k[0], sure.model.k[1])
     more = replace(sure, solid=dp.GeneralizedMaxwell(sure.model.k_inf, k, sure.model.tau))
-    off = abs(relaxed_law(one, more).law.force(at) - relaxed.law.force(at))
+    off = abs(relaxed_law(outcome, more).law.force(at) - relaxed.law.force(at))
     assert 0 < off < relaxed_law(in_step, fit).force_se(at) < min(5 * off, relaxed.force_se(at))
 
 
@@ -231,18 +233,18 @@ def test_relaxed_law_of_partial_cycles_equals_that_from_contact(back):
 
 
 def test_several_relaxation_tests_are_held_against_the_law_and_each_other():
-    one = evaluate_record(press_cycles(softening=0.0), at=4e-3)
+    outcome = evaluate_record(press_cycles(softening=0.0), at=4e-3)
     shallow, deep = fit_of(stiffening, depth=4e-3), fit_of(stiffening, depth=8e-3)
-    both = relaxed_law(one, [deep, shallow])
+    both = relaxed_law(outcome, [deep, shallow])
     agreed = [check for check in both.checks if check.name == "relaxed_agrees"]
     assert [check.passed for check in agreed] == [True, True]
-    assert both.relaxation == relaxed_law(one, shallow).relaxation
+    assert both.relaxation == relaxed_law(outcome, shallow).relaxation
     assert "relaxation_tests_agree" not in {check.name for check in both.checks if check.failed}
     slower = fit_of(stiffening, arms=((0.35, 1.5), (0.15, 16.0)))
-    apart = relaxed_law(one, [shallow, slower])
-    assert "relaxation_tests_agree" in {check.name for check in apart.checks if check.failed}
+    separate = relaxed_law(outcome, [shallow, slower])
+    assert "relaxation_tests_agree" in {check.name for check in separate.checks if check.failed}
     with pytest.raises(FitError, match="no fit"):
-        relaxed_law(one, [])
+        relaxed_law(outcome, [])
 
 
 def test_a_dashpot_that_depends_on_compression_comes_back_from_four_speeds():

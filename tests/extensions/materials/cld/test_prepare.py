@@ -44,14 +44,14 @@ def test_cld_stores_the_work_of_a_spring():
             replace(SPECIMEN, length=length),
             units="SI",
         )
-        one = cld(test)
-        assert one.unit == "N per 100 mm"
-        assert one.per * one.nominal.loading == pytest.approx(5, rel=1e-9)
-        assert one.per * one.nominal.slope == pytest.approx(5 / 6e-3, rel=1e-9)
-        assert one.per * one.cycle.energy == pytest.approx(15e-3, rel=1e-5)
-        assert one.cycle.hysteresis == pytest.approx(0, abs=1e-9)
-        assert one.softening == pytest.approx(0, abs=1e-9)
-        assert one.nominal.secant == pytest.approx(one.nominal.slope, rel=1e-9)
+        quantity = cld(test)
+        assert quantity.unit == "N per 100 mm"
+        assert quantity.per * quantity.nominal.loading == pytest.approx(5, rel=1e-9)
+        assert quantity.per * quantity.nominal.slope == pytest.approx(5 / 6e-3, rel=1e-9)
+        assert quantity.per * quantity.cycle.energy == pytest.approx(15e-3, rel=1e-5)
+        assert quantity.cycle.hysteresis == pytest.approx(0, abs=1e-9)
+        assert quantity.softening == pytest.approx(0, abs=1e-9)
+        assert quantity.nominal.secant == pytest.approx(quantity.nominal.slope, rel=1e-9)
 
 
 @pytest.mark.parametrize("law", [stiffening, bulb])
@@ -59,11 +59,11 @@ def test_cld_stores_the_work_of_a_spring():
 def test_figures_are_those_of_the_truth_whatever_the_signs(law, turn):
     truth = press_cycles(law, drift=2e-4)
     turned = replace(truth, displacement=turn[0] * truth.displacement, force=turn[1] * truth.force)
-    one = evaluate_record(turned, at=6e-3, between=(4e-3, 7.5e-3))
-    assert len(one.cycles) == 4
-    assert one.cycle.number == 4
-    assert one.cycle.speed == pytest.approx(5e-3, rel=1e-3)
-    for mark in one.limit_marks:
+    outcome = evaluate_record(turned, at=6e-3, between=(4e-3, 7.5e-3))
+    assert len(outcome.cycles) == 4
+    assert outcome.cycle.number == 4
+    assert outcome.cycle.speed == pytest.approx(5e-3, rel=1e-3)
+    for mark in outcome.limit_marks:
         for inward, force in ((True, mark.loading), (False, mark.unloading)):
             true = true_force(truth, mark.compression, cycle=4, inward=inward)
             assert force == pytest.approx(true, abs=4 * mark.loading_se)
@@ -72,10 +72,10 @@ def test_figures_are_those_of_the_truth_whatever_the_signs(law, turn):
     x, last = truth.compression, truth.time > truth.time[-1] - 1.0 - 2 * 9e-3 / 5e-3
     lost = np.trapezoid(truth.clean[last], x[last])
     inward = last & (np.gradient(x) > 0)
-    assert one.cycle.hysteresis == pytest.approx(
+    assert outcome.cycle.hysteresis == pytest.approx(
         lost / np.trapezoid(truth.clean[inward], x[inward]), abs=0.006
     )
-    assert one.drift == pytest.approx(2e-4 * (truth.time[-1] - 1.0), rel=0.15)
+    assert outcome.drift == pytest.approx(2e-4 * (truth.time[-1] - 1.0), rel=0.15)
 
 
 @pytest.mark.once
@@ -84,8 +84,11 @@ def test_the_errors_of_force_and_contact_hold():
     z = []
     for seed in range(30):
         truth = press_cycles(seed=seed, count=2e-5, cycles=2)
-        one = evaluate_record(truth, at=6e-3)
-        z.append((one.nominal.loading - true_force(truth, 6e-3, cycle=2)) / one.nominal.loading_se)
+        outcome = evaluate_record(truth, at=6e-3)
+        z.append(
+            (outcome.nominal.loading - true_force(truth, 6e-3, cycle=2))
+            / outcome.nominal.loading_se
+        )
     assert np.mean(np.abs(z) < 2) >= 0.85
     assert np.abs(z).max() < 4
 
@@ -122,21 +125,21 @@ def test_cld_reports_exactly_the_faults_of_a_record(how, names):
 
 def test_cld_retains_and_reports_a_preload():
     truth = press_cycles(gap=-1e-3, bias=0.0)
-    one = evaluate_record(truth, at=5e-3)
-    assert one.preload == pytest.approx(float(np.median(truth.clean[:100])), abs=4e-3)
-    assert "begins in contact, under 11 %" in one.verdict.message
-    assert one.cycle.depth == pytest.approx(7e-3, abs=1e-5)
+    outcome = evaluate_record(truth, at=5e-3)
+    assert outcome.preload == pytest.approx(float(np.median(truth.clean[:100])), abs=4e-3)
+    assert "begins in contact, under 11 %" in outcome.verdict.message
+    assert outcome.cycle.depth == pytest.approx(7e-3, abs=1e-5)
 
 
 def test_a_stop_in_the_stroke_is_no_turning_point_but_no_even_speed():
     truth = press_cycles(cycles=3, softening=0.0)
     still = np.flatnonzero((truth.compression > 4e-3) & (np.gradient(truth.compression) > 0))
     i = int(still[-1]) - 60
-    held = [np.insert(one, i, np.full(100, one[i])) for one in (truth.displacement, truth.force)]
+    held = [np.insert(item, i, np.full(100, item[i])) for item in (truth.displacement, truth.force)]
     test = dp.CLDTest(*held, np.arange(len(held[0])) / 100, SPECIMEN, units="SI")
-    one = cld(test, at=6e-3)
-    assert len(one.cycles) == 3
-    assert "plate_speed_constant" in list_failed_checks(one)
+    element = cld(test, at=6e-3)
+    assert len(element.cycles) == 3
+    assert "plate_speed_constant" in list_failed_checks(element)
 
 
 def test_cld_selects_the_requested_or_last_reaching_cycle():
@@ -144,9 +147,9 @@ def test_cld_selects_the_requested_or_last_reaching_cycle():
     assert evaluate_record(truth, at=4e-3).cycle.number == 3
     assert evaluate_record(truth, at=6e-3).cycle.number == 2
     assert evaluate_record(truth, at=6e-3, cycle=1).cycle.number == 1
-    beyond = evaluate_record(truth, at=6e-3, between=(4e-3, 9e-3))
-    assert beyond.most is None
-    assert "compressions_reached" in list_failed_checks(beyond)
+    outcome = evaluate_record(truth, at=6e-3, between=(4e-3, 9e-3))
+    assert outcome.most is None
+    assert "compressions_reached" in list_failed_checks(outcome)
     for how, message in (
         ({"at": 9e-3}, "at most 7.9"),
         ({"at": "-1mm"}, "expected a compression > 0"),
@@ -159,11 +162,11 @@ def test_cld_selects_the_requested_or_last_reaching_cycle():
 def test_cld_without_a_clock_has_the_same_curve_and_no_speed():
     truth = press_cycles()
     timed = evaluate_record(truth, at=6e-3)
-    one = cld(dp.CLDTest(truth.displacement, truth.force, units="SI"), at=6e-3)
-    assert one.nominal.loading == pytest.approx(timed.nominal.loading, abs=1e-4)
-    assert one.cycle.speed is None
-    assert (one.unit, one.per) == ("N", 1)
-    assert list_failed_checks(one) == {"length_given"} | list_failed_checks(timed)
+    quantity = cld(dp.CLDTest(truth.displacement, truth.force, units="SI"), at=6e-3)
+    assert quantity.nominal.loading == pytest.approx(timed.nominal.loading, abs=1e-4)
+    assert quantity.cycle.speed is None
+    assert (quantity.unit, quantity.per) == ("N", 1)
+    assert list_failed_checks(quantity) == {"length_given"} | list_failed_checks(timed)
 
 
 @pytest.mark.parametrize("still", ["displacement", "force"])
@@ -185,8 +188,8 @@ def test_noise_and_counts_make_no_strokes():
     noisy = truth.displacement + 3e-5 * np.random.default_rng(0).standard_normal(len(truth.time))
     for x in (truth.displacement, noisy):
         ways = strokes_of(x, resolution=1.2e-4)
-        assert [one.inward for one in ways] == [True, False] * 5
-        assert np.diff([(one.first, one.last) for one in ways], axis=1).min() > 600
+        assert [item.inward for item in ways] == [True, False] * 5
+        assert np.diff([(item.first, item.last) for item in ways], axis=1).min() > 600
 
 
 def test_relaxation_makes_the_unloading_lower():
@@ -204,18 +207,22 @@ def test_relaxation_makes_the_unloading_lower():
 def test_swapped_columns_make_energy_and_are_not_to_be_used():
     truth = press_cycles(cycles=3)
     swapped = dp.CLDTest(1e-3 * truth.force, 1e3 * truth.displacement, truth.time, units="SI")
-    one = cld(swapped)
-    assert one.verdict.use == "do not use"
-    assert "swapped" in one.verdict.message
+    fit = cld(swapped)
+    assert fit.verdict.use == "do not use"
+    assert "swapped" in fit.verdict.message
 
 
 def test_a_curve_typed_from_a_sheet_begins_where_it_begins():
     """A few rows from 0 mm and 0 N, without a clock, a rest or the way back."""
     x = np.linspace(0, 8e-3, 17)
-    one = cld(dp.CLDTest(x, 200.0 * x, units="SI"), at=6e-3)
-    assert one.nominal.loading == pytest.approx(1.2)
-    assert one.preload == 0
-    assert list_failed_checks(one) == {"specimen_conditioned", "unloading_recorded", "length_given"}
+    item = cld(dp.CLDTest(x, 200.0 * x, units="SI"), at=6e-3)
+    assert item.nominal.loading == pytest.approx(1.2)
+    assert item.preload == 0
+    assert list_failed_checks(item) == {
+        "specimen_conditioned",
+        "unloading_recorded",
+        "length_given",
+    }
     up = np.concatenate((x, x[-2::-1]))
     assert cld(dp.CLDTest(up, 200.0 * up, units="SI")).cycle.hysteresis == pytest.approx(
         0, abs=1e-9
@@ -225,17 +232,17 @@ def test_a_curve_typed_from_a_sheet_begins_where_it_begins():
 @pytest.mark.once
 def test_its_numbers_are_a_table_and_its_picture_is_there():
     pytest.importorskip("pandas")
-    one = evaluate_record(press_cycles(cycles=1), at=6e-3)
-    table = one.to_pandas()
+    outcome = evaluate_record(press_cycles(cycles=1), at=6e-3)
+    table = outcome.to_pandas()
     assert list(table.columns) == ["force", "time"]
     assert table.attrs["units"]["force"] == "N"
-    assert np.array_equal(table["force"], one.force)
-    assert one.plot().panels[0].y.label == "force, N per 100 mm"
+    assert np.array_equal(table["force"], outcome.force)
+    assert outcome.plot().panels[0].y.label == "force, N per 100 mm"
 
 
 @pytest.mark.parametrize(("pull", "holds"), [(0.0, True), (0.015, True), (0.05, False)])
 def test_cld_distinguishes_adhesion_from_noise(pull, holds):
     truth = press_cycles(softening=0.0)
     back = (np.gradient(truth.compression) < 0) & (np.abs(truth.compression - 2e-4) < 4e-4)
-    one = evaluate_record(replace(truth, force=truth.force - pull * back))
-    assert {check.name: check.passed for check in one.checks}["no_adhesion_on_release"] is holds
+    outcome = evaluate_record(replace(truth, force=truth.force - pull * back))
+    assert {check.name: check.passed for check in outcome.checks}["no_adhesion_on_release"] is holds

@@ -34,16 +34,16 @@ def simulate_plan(plan, seed, rubber=TRUE, drift=0.03):
     zero, hours = drift * random.standard_normal(), np.array(plan.times) / HOUR
     parts = []
     for kelvin, count in zip(plan.oven_temperatures, plan.specimens, strict=True):
-        one = lot(
+        item = lot(
             rubber, int(random.integers(2**31)), ovens=(kelvin - 273.15,), specimens=count,
             hours=hours, spread=0.0, off=plan.oven_sd, noise=plan.scatter, zero=zero,
         )  # fmt: skip
-        parts.append((one, len(parts) * 100))
+        parts.append((item, len(parts) * 100))
     return CSRTest(
-        np.concatenate([one.hours for one, _ in parts]),
-        np.concatenate([one.force for one, _ in parts]),
-        np.concatenate([one.celsius for one, _ in parts]),
-        np.concatenate([one.specimen_number + more for one, more in parts]),
+        np.concatenate([test.hours for test, _ in parts]),
+        np.concatenate([record.force for record, _ in parts]),
+        np.concatenate([test.celsius for test, _ in parts]),
+        np.concatenate([element.specimen_number + more for element, more in parts]),
         units="h, N, degC",
     )
 
@@ -60,10 +60,10 @@ def lives(plan, seeds, machine=None, **how):
 
 def test_the_expected_error_is_that_of_simulated_tests():
     """Of 40 the standard deviation is known to 11 %."""
-    found, stated = lives(make_usual_plan(), range(40))
-    assert found.std() == pytest.approx(make_usual_plan().life_sd, rel=0.33)
+    result, stated = lives(make_usual_plan(), range(40))
+    assert result.std() == pytest.approx(make_usual_plan().life_sd, rel=0.33)
     assert np.median(stated) == pytest.approx(make_usual_plan().life_sd, rel=0.1)
-    assert np.mean(found) == pytest.approx(
+    assert np.mean(result) == pytest.approx(
         np.log(TRUE.life(70.0)), abs=4 * make_usual_plan().life_sd / 6
     )
 
@@ -81,14 +81,14 @@ def test_the_planned_interval_holds_the_life_in_two_hundred_tests(how):
     plan = plan_aging(**{"use_at": "70degC", **how})
     machine = how.get("machine")
     drift = 0.03 if machine is None else 0.0
-    found, _ = lives(plan, range(2000, 2200), machine, drift=drift)
+    result, _ = lives(plan, range(2000, 2200), machine, drift=drift)
     truth = np.log(TRUE.life(plan.use_at - 273.15, plan.part))
-    inside = np.mean(np.abs(found - truth) < 1.96 * plan.life_sd)
+    inside = np.mean(np.abs(result - truth) < 1.96 * plan.life_sd)
     assert 0.92 <= inside <= 0.98, inside
-    assert found.std() == pytest.approx(plan.life_sd, rel=0.2)
+    assert result.std() == pytest.approx(plan.life_sd, rel=0.2)
 
 
-def closed_form_sd(plan, loss_known=True):
+def closed_form_sd(plan, expected=True):
     """Of the ln life by rates alone: no noise of loss or drift, and what the ovens' errors leave.
 
     With perfect readings a rate is off by Ea s_T / (R T^2), and the line over 1/T passes them on.
@@ -195,7 +195,7 @@ def test_plan_needs_fewer_specimens_for_a_wider_interval_or_longer_test():
     tight = plan_aging(use_at="70degC", within=1.1)
     assert "life_sd_within_target" in list_failed_checks(tight)
     assert tight.verdict.use != "use"
-    by = {one.change: one.life_sd for one in make_usual_plan().alternatives}
+    by = {alternative.change: alternative.life_sd for alternative in make_usual_plan().alternatives}
     assert by["2000 h in the ovens"] < make_usual_plan().life_sd < by["500 h in the ovens"]
     assert by["twice as many specimens"] < make_usual_plan().life_sd
     assert all(oven.significance >= 4 for oven in make_usual_plan().ovens)
@@ -240,9 +240,9 @@ def test_a_law_without_activation_energy_plans_nothing():
 
 
 def test_the_command_prints_the_plan(tmp_path):
-    found = run_json("plan", "--use-at", "70degC")
-    assert found["schema"] == "dashpot/aging-plan@1"
-    assert found["life_sd"] == make_usual_plan().life_sd
+    document = run_json("plan", "--use-at", "70degC")
+    assert document["schema"] == "dashpot/aging-plan@1"
+    assert document["life_sd"] == make_usual_plan().life_sd
     (tmp_path / "plan.json").write_text(dp.files.to_json(make_usual_plan()))
     assert dp.read(tmp_path / "plan.json") == make_usual_plan()
     text = ran("plan", "--use-at", "70degC").stdout

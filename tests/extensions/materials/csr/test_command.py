@@ -28,22 +28,22 @@ def folder(tmp_path_factory):
 
 
 def test_inspect_says_what_it_is(folder):
-    (found,) = run_json("inspect", folder / "ovens.csv")["files"]
-    assert found["kind"] == "csr"
+    (result,) = run_json("inspect", folder / "ovens.csv")["files"]
+    assert result["kind"] == "csr"
     # rows that are read by hand have no rate that could be wrong
-    assert not found["warnings"]
+    assert not result["warnings"]
 
 
 def test_a_document_is_predicted_from(folder):
     document = json.loads((folder / "csr.json").read_text())
     assert document["schema"] == "dashpot/csr@2"
     assert document["oven_sd"] == 1.0
-    found = run_json("predict", folder / "csr.json", "--temperature", "70degC", "--end", "50%",
+    result = run_json("predict", folder / "csr.json", "--temperature", "70degC", "--end", "50%",
                  "--end", "1000h", "--plot", folder / "aged.svg")  # fmt: skip
-    life, cold, left = found["values"]
+    life, cold, retention = result["values"]
     assert life["low"] < 3600 * 101430 < life["high"]
     assert cold["name"] == "life_if_Ea_falls"
-    assert left["low"] < 0.8964 < left["high"]
+    assert retention["low"] < 0.8964 < retention["high"]
     assert (folder / "aged.svg").stat().st_size > 1000
     again = dp.read(folder / "csr.json")
     aged = dp.predict(again, temperature="70degC")
@@ -57,12 +57,12 @@ def test_a_seal_is_aged_for_a_mass_a_door_and_a_deck(folder):
     dp.save(dp.fit(new, arms=2), folder / "fit.json")
     aged = "predict", folder / "csr.json", "--temperature", "70degC", "--end"
     run_json(*aged, "1000h", "--unaged-fit", folder / "fit.json", "-o", folder / "old.json")
-    left = run_json(*aged, "1000h")["values"][0]
+    value = run_json(*aged, "1000h")["values"][0]
     before, after = dp.read(folder / "fit.json"), dp.read(folder / "old.json")
-    assert after.model.k_inf == pytest.approx(left["value"] * before.model.k_inf)
+    assert after.model.k_inf == pytest.approx(value["value"] * before.model.k_inf)
     assert after.model.tau == pytest.approx(before.model.tau)
-    peaks = [dp.predict(one, mass="104g", seals=2).modes[0].frequency for one in (before, after)]
-    assert peaks[1] / peaks[0] == pytest.approx(left["value"] ** 0.5, rel=1e-3)
+    peaks = [dp.predict(item, mass="104g", seals=2).modes[0].frequency for item in (before, after)]
+    assert peaks[1] / peaks[0] == pytest.approx(value["value"] ** 0.5, rel=1e-3)
     deck = ran("export", folder / "old.json", "--to", "abaqus", "--unit-system", "SI",
                "--temperature", "23degC", "--length", "100mm", "--allow", "all")  # fmt: skip
     assert "is left after 1000 h at 70 degC" in deck.stdout
@@ -107,16 +107,16 @@ def test_what_does_not_suit_is_refused_by_name(folder, words, message):
 
 
 @pytest.mark.parametrize(
-    ("asked", "name"),
+    ("requested", "name"),
     [
         (("fit", "ovens.csv", "--machine", "oven=1K"), "csr"),
         (("predict", "csr.json", "--temperature", "70degC"), "aged"),
     ],
 )
 def test_a_page_holds_what_the_command_prints(
-    folder: Path, tmp_path: Path, asked: tuple[str, ...], name: str
+    folder: Path, tmp_path: Path, requested: tuple[str, ...], name: str
 ) -> None:
-    verb, file, *rest = asked
+    verb, file, *rest = requested
     page = tmp_path / "page.html"
     printed = run_json(verb, folder / file, *rest, "-o", page)
     text = page.read_text(encoding="utf-8")

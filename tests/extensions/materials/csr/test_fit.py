@@ -28,8 +28,10 @@ TRUE = Rubber()
 LAW = AgingLaw(0.03, float(np.log(2500 * HOUR)), 90e3, 1.0, 398.15, np.zeros((4, 4)), 2.0)
 
 
-def make_test(one):
-    return CSRTest(one.hours, one.force, one.celsius, one.specimen_number, units="h, N, degC")
+def make_test(record):
+    return CSRTest(
+        record.hours, record.force, record.celsius, record.specimen_number, units="h, N, degC"
+    )
 
 
 def fit_lot(rubber=TRUE, seed=0, oven=1.0, drift=0.0, **how):
@@ -49,7 +51,7 @@ def exact():
 
 
 @pytest.mark.parametrize(
-    ("celsius", "tau", "left", "fifth", "half"),
+    ("celsius", "tau", "retention", "fifth", "half"),
     [
         (150, 501.607, 0.122839, 78.2680, 304.432),
         (125, 2500, 0.604058, 336.696, 1458.964),
@@ -58,56 +60,60 @@ def exact():
         (23, 2.9145e7, 0.900938, 619935, 1.28736e7),
     ],
 )
-def test_the_numbers_of_the_reference(celsius, tau, left, fifth, half):
+def test_the_numbers_of_the_reference(celsius, tau, retention, fifth, half):
     kelvin = celsius + 273.15
     assert LAW.tau(kelvin) / HOUR == pytest.approx(tau, rel=2e-5)
-    assert LAW.compute_retention(kelvin, 1000 * HOUR) == pytest.approx(left, abs=1e-6)
+    assert LAW.compute_retention(kelvin, 1000 * HOUR) == pytest.approx(retention, abs=1e-6)
     assert LAW.life(kelvin, 0.8) / HOUR == pytest.approx(fifth, rel=2e-5)
     assert LAW.life(kelvin, 0.5) / HOUR == pytest.approx(half, rel=2e-5)
 
 
 def test_exact_readings_give_the_truth_back():
-    found = exact()
-    assert found.law.physical == pytest.approx(0.03, rel=1e-5)
-    assert found.law.activation == pytest.approx(90e3, rel=1e-5)
-    assert found.law.life(343.15, 0.5) / HOUR == pytest.approx(101430.38, rel=1e-4)
-    assert not list_failed_checks(found)
+    result = exact()
+    assert result.law.physical == pytest.approx(0.03, rel=1e-5)
+    assert result.law.activation == pytest.approx(90e3, rel=1e-5)
+    assert result.law.life(343.15, 0.5) / HOUR == pytest.approx(101430.38, rel=1e-4)
+    assert not list_failed_checks(result)
 
 
 def test_what_a_force_is_measured_in_changes_nothing():
-    one = lot(TRUE, 1)
-    first = np.repeat(one.force.reshape(9, -1)[:, 0], len(HOURS))
+    record = lot(TRUE, 1)
+    first = np.repeat(record.force.reshape(9, -1)[:, 0], len(HOURS))
     parts = CSRTest(
-        one.hours, 100 * one.force / first, one.celsius, one.specimen_number, units="h, N, degC"
+        record.hours,
+        100 * record.force / first,
+        record.celsius,
+        record.specimen_number,
+        units="h, N, degC",
     )
     still = Machine(drift=0.0)  # a drift in newtons is another of each ratio
-    given, ratio = (fit_aging([each], machine=still).law for each in (make_test(one), parts))
-    assert ratio.activation == pytest.approx(given.activation, rel=1e-6)
-    assert ratio.covariance == pytest.approx(given.covariance, rel=1e-4, abs=1e-12)
+    law, ratio = (fit_aging([item], machine=still).law for item in (make_test(record), parts))
+    assert ratio.activation == pytest.approx(law.activation, rel=1e-6)
+    assert ratio.covariance == pytest.approx(law.covariance, rel=1e-4, abs=1e-12)
 
 
 def test_fit_of_several_csr_records_equals_one_record():
-    one = lot(TRUE, 1)
-    apart = [
-        CSRTest(one.hours[own], one.force[own], one.celsius[own], one.specimen_number[own] % 3,
-                         units="h, N, degC")
-        for own in (one.celsius == oven for oven in (150.0, 100.0, 125.0))
+    record = lot(TRUE, 1)
+    csr_tests = [
+        CSRTest(record.hours[mask], record.force[mask], record.celsius[mask],
+                record.specimen_number[mask] % 3, units="h, N, degC")
+        for mask in (record.celsius == oven for oven in (150.0, 100.0, 125.0))
     ]  # fmt: skip
-    law, together = dp.fit(*apart).law, dp.fit(make_test(one)).law
+    law, together = dp.fit(*csr_tests).law, dp.fit(make_test(record)).law
     assert law.activation == pytest.approx(together.activation, rel=1e-6)
 
 
 def test_csr_fit_selects_a_stretched_exponential_by_bic():
-    found = fit_lot(Rubber(exponent=0.7), off=0.0)
-    assert min(found.orders, key=lambda one: one[1])[0] == "stretched"
-    exponent = found["exponent"]
+    fit = fit_lot(Rubber(exponent=0.7), off=0.0)
+    assert min(fit.orders, key=lambda item: item[1])[0] == "stretched"
+    exponent = fit["exponent"]
     assert exponent.low < 0.7 < exponent.high
     assert fit_usual_lot().law.exponent == 1.0
 
 
-def predicted_life(found):
+def predicted_life(result):
     """Whether the interval of the life holds it."""
-    life = predict_aging(found, temperature="70degC").answers[0]
+    life = predict_aging(result, temperature="70degC").answers[0]
     return life.low < HOUR * TRUE.life(70.0) < life.high
 
 
@@ -116,16 +122,18 @@ def count_covered(seeds, rubber=TRUE, oven=1.0, **how):
     hits, lives = [], []
     truth = np.log(rubber.life(70.0)), rubber.energy, rubber.left(1000.0, 70.0)
     for seed in seeds:
-        found = fit_lot(rubber, seed, oven, **how)
-        law, energy = found.law, found["activation_energy"]
-        life, left = predict_aging(found, temperature="70degC", until=["50%", "1000h"]).answers[::2]
+        fit = fit_lot(rubber, seed, oven, **how)
+        law, energy = fit.law, fit["activation_energy"]
+        life, retention = predict_aging(fit, temperature="70degC", until=["50%", "1000h"]).answers[
+            ::2
+        ]
         hits.append([
             life.low < HOUR * np.exp(truth[0]) < life.high,
             energy.low < truth[1] < energy.high,
-            left.low < truth[2] < left.high,
+            retention.low < truth[2] < retention.high,
         ])  # fmt: skip
-        said = np.log(life.high / life.low) / 2 / law.quantile
-        lives.append((np.log(life.value / HOUR), said))
+        message = np.log(life.high / life.low) / 2 / law.quantile
+        lives.append((np.log(life.value / HOUR), message))
     return np.mean(hits, axis=0), np.array(lives)
 
 
@@ -163,14 +171,16 @@ def test_ovens_that_are_off_unsaid_are_not_covered():
 def lower_limits(seeds, **how):
     rubber, held = Rubber(hours=1e8), []
     for seed in seeds:
-        found = fit_lot(rubber, seed, **how)
-        assert "chemical_aging_resolved" in list_failed_checks(found)
-        assert [one.name for one in found.found] == ["physical_loss", "chemical_time"]
-        life, left = predict_aging(found, temperature="70degC", until=["50%", "1000h"]).answers
+        fit = fit_lot(rubber, seed, **how)
+        assert "chemical_aging_resolved" in list_failed_checks(fit)
+        assert [item.name for item in fit.found] == ["physical_loss", "chemical_time"]
+        life, retention = predict_aging(fit, temperature="70degC", until=["50%", "1000h"]).answers
         assert np.isnan(life.value)
-        assert np.isnan(left.value)
+        assert np.isnan(retention.value)
         assert "at least" in life.text
-        held.append(life.low / HOUR < rubber.life(70.0) and left.low < rubber.left(1000.0, 70.0))
+        held.append(
+            life.low / HOUR < rubber.life(70.0) and retention.low < rubber.left(1000.0, 70.0)
+        )
     return np.mean(held)
 
 
@@ -184,86 +194,86 @@ def test_two_hundred_lots_without_chemistry_give_a_limit_that_holds():
 
 
 def test_a_limit_ends_at_the_hottest_oven():
-    found = fit_lot(Rubber(hours=1e8))
-    assert predict_aging(found, temperature="151degC").answers
+    fit = fit_lot(Rubber(hours=1e8))
+    assert predict_aging(fit, temperature="151degC").answers
     with pytest.raises(DataError, match="no oven up to 150 degC showed aging"):
-        predict_aging(found, temperature="153degC")
+        predict_aging(fit, temperature="153degC")
 
 
 def test_two_ovens_know_the_activation_energy_as_well_as_themselves():
-    one = [make_test(lot(TRUE, 3, ovens=(100.0, 150.0)))]
-    unsaid, said = fit_aging(one), fit_aging(one, machine=Machine(oven=1.0))
+    item = [make_test(lot(TRUE, 3, ovens=(100.0, 150.0)))]
+    unsaid, aging = fit_aging(item), fit_aging(item, machine=Machine(oven=1.0))
     assert not np.isfinite(unsaid["activation_energy"].error)
     assert "ovens_enough" in list_failed_checks(unsaid)
     life = predict_aging(unsaid, temperature="70degC").answers[0]
     assert not life.has_interval
-    assert life.value == pytest.approx(said.law.life(343.15, 0.5))
-    known = said["activation_energy"]
-    assert known.low < 90e3 < known.high
-    assert predict_aging(said, temperature="70degC").answers[0].has_interval
+    assert life.value == pytest.approx(aging.law.life(343.15, 0.5))
+    activation_energy = aging["activation_energy"]
+    assert activation_energy.low < 90e3 < activation_energy.high
+    assert predict_aging(aging, temperature="70degC").answers[0].has_interval
 
 
 def test_aging_of_one_oven_predicts_only_its_temperature():
-    found = fit_lot(ovens=(125.0,), off=0.0)
-    life = predict_aging(found, temperature="125degC").answers[0]
+    fit = fit_lot(ovens=(125.0,), off=0.0)
+    life = predict_aging(fit, temperature="125degC").answers[0]
     assert life.low / HOUR < 1458.964 < life.high / HOUR
     with pytest.raises(DataError, match="one oven, at 125 degC, shows nothing of 70 degC"):
-        predict_aging(found, temperature="70degC")
+        predict_aging(fit, temperature="70degC")
 
 
 def test_predicted_life_includes_a_lower_activation_energy_when_cold():
-    found = exact()
-    cold = predict_aging(found, temperature="70degC").answers[1]
+    result = exact()
+    cold = predict_aging(result, temperature="70degC").answers[1]
     assert cold.value / HOUR == pytest.approx(51162, rel=1e-4)
     assert cold.words == "the same, if Ea were 65 kJ/mol below 100 degC"
-    assert len(predict_aging(found, temperature="98.1degC").answers) == 1
+    assert len(predict_aging(result, temperature="98.1degC").answers) == 1
 
 
 @pytest.mark.parametrize(("celsius", "marked"), [(70.01, False), (69.99, True)])
 def test_what_is_far_below_the_ovens_is_marked(celsius, marked):
-    found = predict_aging(fit_usual_lot(), temperature=celsius + 273.15, until="1000h")
-    assert ("temperature_near_ovens" in list_failed_checks(found)) is marked
+    aging = predict_aging(fit_usual_lot(), temperature=celsius + 273.15, until="1000h")
+    assert ("temperature_near_ovens" in list_failed_checks(aging)) is marked
 
 
 @pytest.mark.parametrize(("end", "marked"), [("99999h", False), ("100001h", True)])
 def test_aging_check_marks_times_far_after_the_readings(end, marked):
-    found = predict_aging(fit_usual_lot(), temperature="100degC", until=end)
-    assert ("time_near_readings" in list_failed_checks(found)) is marked
+    aging = predict_aging(fit_usual_lot(), temperature="100degC", until=end)
+    assert ("time_near_readings" in list_failed_checks(aging)) is marked
 
 
 def test_aging_check_marks_a_life_far_after_the_readings():
-    found = exact()
-    assert "time_near_readings" in list_failed_checks(predict_aging(found, temperature="70degC"))
+    result = exact()
+    assert "time_near_readings" in list_failed_checks(predict_aging(result, temperature="70degC"))
     assert "time_near_readings" not in list_failed_checks(
-        predict_aging(found, temperature="71degC")
+        predict_aging(result, temperature="71degC")
     )
 
 
 def test_a_force_that_rises_is_no_aging():
-    found = fit_lot(Rubber(loss=-0.03, hours=1e9))
-    assert "force_falls" in list_failed_checks(found)
-    assert found.verdict.use == "do not use"
+    fit = fit_lot(Rubber(loss=-0.03, hours=1e9))
+    assert "force_falls" in list_failed_checks(fit)
+    assert fit.verdict.use == "do not use"
 
 
 def test_an_oven_that_ages_otherwise_is_off_the_line():
-    one = lot(TRUE, off=0.0)
-    hot = one.celsius == 150
+    record = lot(TRUE, off=0.0)
+    hot = record.celsius == 150
     slow = Rubber(hours=5000.0)
-    force = np.where(hot, one.force * slow.left(one.hours, 150) / TRUE.left(one.hours, 150),
-                     one.force)  # fmt: skip
-    found = CSRTest(one.hours, force, one.celsius, one.specimen_number, units="h, N, degC")
-    assert "one_activation_energy_explains_ovens" in list_failed_checks(fit_aging([found]))
+    force = np.where(hot, record.force * slow.left(record.hours, 150)
+                     / TRUE.left(record.hours, 150), record.force)  # fmt: skip
+    test = CSRTest(record.hours, force, record.celsius, record.specimen_number, units="h, N, degC")
+    assert "one_activation_energy_explains_ovens" in list_failed_checks(fit_aging([test]))
 
 
 def test_aging_check_compares_cell_drift_with_the_coldest_oven():
-    one = [make_test(lot(TRUE))]
+    item = [make_test(lot(TRUE))]
     # 3 % of 34 N in 1000 h is 1 mN/h
-    assert "aging_exceeds_cell_drift" not in list_failed_checks(fit_aging(one))
-    bad = fit_aging(one, machine=Machine(drift="5mN/h"))
+    assert "aging_exceeds_cell_drift" not in list_failed_checks(fit_aging(item))
+    bad = fit_aging(item, machine=Machine(drift="5mN/h"))
     assert "aging_exceeds_cell_drift" in list_failed_checks(bad)
-    none = fit_aging(one, machine=Machine(drift=0.0))
+    none = fit_aging(item, machine=Machine(drift=0.0))
     assert "aging_exceeds_cell_drift" not in list_failed_checks(none)
-    (held,) = (one for one in none.checks if one.name == "load_cell_zero_stable")
+    (held,) = (check for check in none.checks if check.name == "load_cell_zero_stable")
     assert held.passed is None
 
 
@@ -272,10 +282,10 @@ def test_aging_fit_detects_and_covers_an_unstated_drift(drift):
     """3 % of F0 in 1000 h, added in every oven: a life was 2.4 times too long without."""
     shown = []
     for seed in (12, 14, 16):
-        found = fit_lot(seed=seed, drift=None, zero=drift)
-        (held,) = (one for one in found.checks if one.name == "load_cell_zero_stable")
+        fit = fit_lot(seed=seed, drift=None, zero=drift)
+        (held,) = (check for check in fit.checks if check.name == "load_cell_zero_stable")
         shown.append(held.value)
-        assert predicted_life(found), seed
+        assert predicted_life(fit), seed
     assert np.sign(drift) * np.median(shown) > 2.0
 
 
@@ -337,12 +347,12 @@ def test_a_prediction_is_of_a_temperature():
     ],
 )
 def test_readings_that_are_no_lot_are_refused(change, message):
-    one = lot(TRUE)
+    record = lot(TRUE)
     arrays = {
-        "time": one.hours,
-        "force": one.force,
-        "temperature": one.celsius,
-        "specimen_number": one.specimen_number,
+        "time": record.hours,
+        "force": record.force,
+        "temperature": record.celsius,
+        "specimen_number": record.specimen_number,
     }
     for name, how in change.items():
         arrays[name] = how(arrays[name]) if callable(how) else how
@@ -371,26 +381,26 @@ def test_a_record_counts_from_zero(name):
 def test_a_fit_ages_as_the_force_does():
     aging, new = fit_usual_lot(), a_fit(PAPER, elastic_law=ElasticLaw.linear(PAPER.k_inf, 8e-3))
     old = aging.age_fit(new, temperature="70degC", time="1000h")
-    left = predict_aging(aging, temperature="70degC", until="1000h").facts[0]
-    assert left.value == pytest.approx(0.896367, abs=4 * left.error)
-    assert old.model.k == pytest.approx(left.value * np.array(PAPER.k))
+    fact = predict_aging(aging, temperature="70degC", until="1000h").facts[0]
+    assert fact.value == pytest.approx(0.896367, abs=4 * fact.error)
+    assert old.model.k == pytest.approx(fact.value * np.array(PAPER.k))
     assert old.model.tau == PAPER.tau
-    assert old.elastic_law.stiffness == pytest.approx(left.value * PAPER.k_inf)
+    assert old.elastic_law.stiffness == pytest.approx(fact.value * PAPER.k_inf)
     # 1 % of a stiffness, and the error of the part that is left, which is one of all
-    sd = np.hypot(0.01 * left.value, left.error) * PAPER.k_inf
+    sd = np.hypot(0.01 * fact.value, fact.error) * PAPER.k_inf
     assert np.sqrt(old.covariance[0, 0]) == pytest.approx(sd)
     assert old.standard_error["tau"] == new.standard_error["tau"]
     joint = old.covariance[0, 1]
-    assert joint == pytest.approx(left.error**2 * PAPER.k_inf * PAPER.k[0])
+    assert joint == pytest.approx(fact.error**2 * PAPER.k_inf * PAPER.k[0])
     assert "is left after 1000 h at 70 degC" in old.steps[-1].message
     assert "stiffness_follows_force" not in list_failed_checks(old)
     spent = aging.age_fit(new, temperature="125degC", time="1000h")
     assert "stiffness_follows_force" in list_failed_checks(spent)
     # aged modes: a mass on it, by the square root of the stiffness
     first, last = (
-        dp.predict(one, mass="104g", band=(1, 50)).modes[0].frequency for one in (new, old)
+        dp.predict(item, mass="104g", band=(1, 50)).modes[0].frequency for item in (new, old)
     )
-    assert last / first == pytest.approx(np.sqrt(left.value), rel=1e-3)
+    assert last / first == pytest.approx(np.sqrt(fact.value), rel=1e-3)
 
 
 def test_a_fit_is_not_scaled_by_a_limit():
@@ -410,17 +420,19 @@ def test_lower_limit_law_loses_more_and_shifts_each_constant():
 
 
 def test_the_last_reading_of_a_piece_is_no_neighbour_of_the_first_of_the_next():
-    found = fit_usual_lot()
+    fit = fit_usual_lot()
     read = readings_of([make_test(lot(TRUE, 0))])
-    left = np.zeros(len(read.time))
+    residual = np.zeros(len(read.time))
     ends = np.flatnonzero(np.diff(read.specimen_number))
-    left[ends] = left[ends + 1] = 1.0  # they miss the law together, and are of two specimens
-    own = SimpleNamespace(
-        optimum=SimpleNamespace(residual=left, theta=np.ones(9)), standard_error=np.ones(9)
+    residual[ends] = residual[ends + 1] = (
+        1.0  # they miss the law together, and are of two specimens
+    )
+    options = SimpleNamespace(
+        optimum=SimpleNamespace(residual=residual, theta=np.ones(9)), standard_error=np.ones(9)
     )
     scatter = next(
-        one
-        for one in csr_checks.run_checks(found, read, own, None, drift=0.0)
-        if one.name == "readings_residuals_random"
+        check
+        for check in csr_checks.run_checks(fit, read, options, None, drift=0.0)
+        if check.name == "readings_residuals_random"
     )
     assert scatter.value == 0.0

@@ -26,8 +26,10 @@ TRUE = Rubber()
 
 
 def make_test(rubber=TRUE, seed=0, **how):
-    one = lot(rubber, seed, **how)
-    return CSRTest(one.hours, one.force, one.celsius, one.specimen_number, units="h, N, degC")
+    record = lot(rubber, seed, **how)
+    return CSRTest(
+        record.hours, record.force, record.celsius, record.specimen_number, units="h, N, degC"
+    )
 
 
 @cache
@@ -42,7 +44,7 @@ def fit_usual_lot():
 
 def marks_of(picture, kind, label):
     (panel,) = picture.panels[:1]
-    return next(one for one in panel.marks if isinstance(one, kind) and one.label == label)
+    return next(item for item in panel.marks if isinstance(item, kind) and item.label == label)
 
 
 def test_the_line_of_the_chart_is_the_life_of_the_rubber():
@@ -68,7 +70,7 @@ def test_the_line_of_a_lower_energy_bends_at_the_coldest_oven():
 def test_the_marked_life_and_its_interval_are_those_of_the_prediction():
     chart = draw_life_chart(fit_usual_lot(), 0.5, 343.15)
     fact = predict_aging(fit_usual_lot(), temperature="70degC").answers[0]
-    tag = next(one for one in chart.panels[0].marks if isinstance(one, Tag))
+    tag = next(item for item in chart.panels[0].marks if isinstance(item, Tag))
     assert (1000 / tag.x, 3600 * tag.y) == pytest.approx((343.15, fact.value))
     assert re.fullmatch(r"70 °C: [\d.]+ years \([\d.]+ to [\d.]+\)", tag.text)
     band = marks_of(chart, Area, "95 % interval")
@@ -93,16 +95,16 @@ def test_chart_hatches_temperatures_whose_prediction_is_marked():
 
 def test_the_table_goes_about_the_coldest_oven():
     lives = list_lives(fit_usual_lot(), 0.5)
-    assert [round(one.temperature - 273.15) for one in lives] == list(range(40, 120, 10))
-    assert [one.lower_energy_life is None for one in lives] == [False] * 6 + [True] * 2
+    assert [round(life.temperature - 273.15) for life in lives] == list(range(40, 120, 10))
+    assert [life.lower_energy_life is None for life in lives] == [False] * 6 + [True] * 2
 
 
 @pytest.mark.parametrize(("hours", "fails"), [(HOURS, False), (HOURS[HOURS <= 168], True)])
 def test_a_force_that_never_fell_so_far_is_marked(hours, fails):
     """At 150 degC 65 % are left after 168 h, and 12 % after 1000 h."""
     aging = fit_aging([make_test(hours=hours)], machine=Machine(oven=1.0, drift=0.0))
-    found = predict_aging(aging, temperature="90degC")
-    assert ("end_point_reached" in list_failed_checks(found)) is fails
+    result = predict_aging(aging, temperature="90degC")
+    assert ("end_point_reached" in list_failed_checks(result)) is fails
     assert "end_point_reached" not in list_failed_checks(
         predict_aging(aging, temperature="90degC", until=["70%", "1000h"])
     )
@@ -134,12 +136,12 @@ def folder(tmp_path_factory):
 
 
 def test_fit_with_a_temperature_of_use_keeps_the_law_and_shows_the_life(folder):
-    asked = "fit", folder / "ovens.csv", "--use-at", "85degC"
-    found = run_json(*asked, "-o", folder / "csr.json")
-    assert found["schema"] == "dashpot/aged@2"
-    kept = run_json("predict", folder / "csr.json", "--temperature", "85degC")
-    assert kept["values"] == found["values"]
-    assert ran(*asked, "-o", folder / "life.html", "--plot", folder / "life.svg").exit_code == 0
+    requested = "fit", folder / "ovens.csv", "--use-at", "85degC"
+    document = run_json(*requested, "-o", folder / "csr.json")
+    assert document["schema"] == "dashpot/aged@2"
+    retained = run_json("predict", folder / "csr.json", "--temperature", "85degC")
+    assert retained["values"] == document["values"]
+    assert ran(*requested, "-o", folder / "life.html", "--plot", folder / "life.svg").exit_code == 0
     page = (folder / "life.html").read_text()
     for words in ("How long it seals", "At 85 °C", "Extrapolation", "Life at other temperatures"):
         assert words in page
@@ -154,10 +156,10 @@ def test_the_page_of_the_law_shows_lives(folder):
 
 
 def test_ovens_exchanged_give_no_life_to_use():
-    one = make_test()
+    test = make_test()
     turned = CSRTest(
-        one.time, one.force, one.temperature.max() + one.temperature.min() - one.temperature,
-        one.specimen_number, units="SI",
+        test.time, test.force, test.temperature.max() + test.temperature.min() - test.temperature,
+        test.specimen_number, units="SI",
     )  # fmt: skip
     life = fit_life([turned], use_at="85degC")
     assert "activation_energy_plausible" in list_failed_checks(life)
@@ -205,12 +207,12 @@ def test_a_limit_of_life_hangs_on_the_lower_energy_where_the_life_does():
 
 def test_a_limit_of_life_asks_for_the_temperature_of_use(folder):
     (folder / "limits.toml").write_text('[life]\nlower = "10 years"\n')
-    asked = "fit", folder / "ovens.csv", "--limits", folder / "limits.toml"
-    run = ran(*asked)
+    requested = "fit", folder / "ovens.csv", "--limits", folder / "limits.toml"
+    run = ran(*requested)
     assert run.exit_code != 0
     assert "--use-at" in run.output
-    found = run_json(*asked, "--use-at", "85degC")["acceptance"]
-    assert [limit["name"] for limit in found["limits"]] == ["life"]
+    acceptance = run_json(*requested, "--use-at", "85degC")["acceptance"]
+    assert [limit["name"] for limit in acceptance["limits"]] == ["life"]
 
 
 @pytest.mark.parametrize(("temperature", "is_noted"), [("23degC", True), ("100degC", False)])

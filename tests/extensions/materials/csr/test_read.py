@@ -45,11 +45,11 @@ def test_read_csr_recognises_clock_and_force_headings(tmp_path, head, of):
     text = "# temperature: 125 degC\n" + rows(head, SHORT["hours"], SHORT["force"])
     path = write_text(tmp_path, text)
     assert recognise(path).kind == "csr"
-    found = read_csr(path)
-    assert found.time == pytest.approx(of * np.array([0.5, 24, 500]))
-    assert found.force == pytest.approx([40, 38, 31])
-    assert found.temperature == pytest.approx([398.15] * 3)
-    assert found.specimen_number.tolist() == [1, 1, 1]
+    test = read_csr(path)
+    assert test.time == pytest.approx(of * np.array([0.5, 24, 500]))
+    assert test.force == pytest.approx([40, 38, 31])
+    assert test.temperature == pytest.approx([398.15] * 3)
+    assert test.specimen_number.tolist() == [1, 1, 1]
 
 
 @pytest.mark.parametrize(
@@ -71,10 +71,10 @@ def test_recognise_rejects_tables_that_are_no_csr(tmp_path, text, kind):
 
 
 def test_a_file_comes_back_as_it_was_written(tmp_path):
-    found = read_csr(write_text(tmp_path, LOT.text()))
-    assert found.time == pytest.approx(3600 * LOT.hours)
-    assert found.force == pytest.approx(LOT.force)
-    assert found.specimen_number.tolist() == LOT.specimen_number.tolist()
+    test = read_csr(write_text(tmp_path, LOT.text()))
+    assert test.time == pytest.approx(3600 * LOT.hours)
+    assert test.force == pytest.approx(LOT.force)
+    assert test.specimen_number.tolist() == LOT.specimen_number.tolist()
 
 
 @pytest.mark.parametrize("mark", [",", ";", "\t"])
@@ -83,9 +83,9 @@ def test_pieces_and_methods_are_words(tmp_path, mark):
     head = mark.join(["time [h]", "force [N]", "temperature [degC]", "piece", "method"])
     text = rows(head, SHORT["hours"] * 2, SHORT["force"] * 2, [125] * 6, names, ["A"] * 6,
                 mark=mark)  # fmt: skip
-    found = read_csr(write_text(tmp_path, text))
-    assert found.specimen_number.tolist() == [1, 1, 1, 2, 2, 2]
-    assert found.method == "A"
+    test = read_csr(write_text(tmp_path, text))
+    assert test.specimen_number.tolist() == [1, 1, 1, 2, 2, 2]
+    assert test.method == "A"
 
 
 def test_a_piece_begins_where_the_clock_does(tmp_path):
@@ -97,26 +97,29 @@ def test_a_piece_begins_where_the_clock_does(tmp_path):
 def test_a_file_for_each_oven(tmp_path):
     paths = []
     for oven in (100.0, 125.0, 150.0):
-        own = oven == LOT.celsius
+        individual = oven == LOT.celsius
         text = rows(
-            "time [h],force [N],piece", LOT.hours[own], LOT.force[own], LOT.specimen_number[own]
+            "time [h],force [N],piece",
+            LOT.hours[individual],
+            LOT.force[individual],
+            LOT.specimen_number[individual],
         )
         paths.append(write_text(tmp_path, text, f"{oven:.0f}.csv"))
     with pytest.raises(ReadError, match="the file says no temperature of its oven"):
         csr_files(paths)
     with pytest.raises(ReadError, match="--temperature was given 2 times for 3 files"):
         csr_files(paths, temperatures=[373.15, 398.15])
-    found = csr_files(paths, temperatures=[373.15, 398.15, 423.15])
-    assert [one.temperature for one in found.ovens] == pytest.approx([373.15, 398.15, 423.15])
-    assert [one.specimens for one in found.ovens] == [3, 3, 3]
-    assert len(found.sources) == 3
+    result = csr_files(paths, temperatures=[373.15, 398.15, 423.15])
+    assert [oven.temperature for oven in result.ovens] == pytest.approx([373.15, 398.15, 423.15])
+    assert [oven.specimens for oven in result.ovens] == [3, 3, 3]
+    assert len(result.sources) == 3
 
 
 @pytest.mark.parametrize("kelvin", [398.15, 398.6])
 def test_read_csr_accepts_the_temperature_of_the_file_repeated(tmp_path, kelvin):
     text = rows("time [h],force [N],temperature [degC]", *SHORT.values(), [125] * 3)
-    found = read_csr(write_text(tmp_path, text), specimen=Specimen(temperature=kelvin))
-    assert found.temperature == pytest.approx([398.15] * 3)
+    test = read_csr(write_text(tmp_path, text), specimen=Specimen(temperature=kelvin))
+    assert test.temperature == pytest.approx([398.15] * 3)
 
 
 @pytest.mark.parametrize(
@@ -177,9 +180,9 @@ def test_methods_of_two_files_are_not_mixed(tmp_path):
     head = "time [h],force [N],temperature [degC]"
     paths = [
         write_text(
-            tmp_path, f"# method {one}\n" + rows(head, *SHORT.values(), [125] * 3), f"{one}.csv"
+            tmp_path, f"# method {item}\n" + rows(head, *SHORT.values(), [125] * 3), f"{item}.csv"
         )
-        for one in "AB"
+        for item in "AB"
     ]
     assert [read_csr(path).method for path in paths] == ["A", "B"]
     with pytest.raises(ReadError, match="Fit each method by itself"):

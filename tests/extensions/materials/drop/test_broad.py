@@ -54,13 +54,13 @@ def test_impact_fit_with_one_arm_warns_for_a_broad_spectrum(
     rows = np.column_stack([np.arange(len(force)) / RATE, force])
     path = tmp_path / "slam.csv"
     np.savetxt(path, rows, "%.6f", ",", header="# slams\ntime [s],force [N]", comments="")
-    found = dp.fit(
+    fit = dp.fit(
         dp.read(path, kind="slam"),
         mass=MASS,
-        drop=[f"{one}m/s" for one in SPEEDS],
+        drop=[f"{speed}m/s" for speed in SPEEDS],
         relaxation=[fit_relaxation(*truth, random)],
     )
-    assert found.verdict.use == use
-    assert ("spectrum_has_gaps" in {one.name for one in found.verdict.failed_checks}) == (
-        use != "use"
-    )
+    assert fit.verdict.use == use
+    assert (
+        "spectrum_has_gaps" in {failed_check.name for failed_check in fit.verdict.failed_checks}
+    ) == (use != "use")

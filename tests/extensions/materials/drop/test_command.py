@@ -25,16 +25,16 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_predict_writes_an_impact(folder: Path, tmp_path: Path) -> None:
     page, how = tmp_path / "slam.html", ("--drop", "0.3m/s", "--mass", "200g", "--seals", "2")
-    found = run_json(
+    document = run_json(
         "predict", folder / "law.json", *how, "-o", page, "--plot", tmp_path / "slam.svg"
     )
-    assert found["schema"] == "dashpot/slammed@2"
-    force = found["values"][0]
+    assert document["schema"] == "dashpot/slammed@2"
+    force = document["values"][0]
     # of the straight law 393 x, as the table has it
     assert (force["name"], force["unit"]) == ("peak_force", "N")
     assert force["value"] == pytest.approx(3.423483, rel=1e-6)
     assert force["low"] < force["value"] < force["high"]
-    assert max(found["force"]) == pytest.approx(force["value"], rel=1e-3)
+    assert max(document["force"]) == pytest.approx(force["value"], rel=1e-3)
     assert "peak force" in page.read_text(encoding="utf-8")
     assert "relaxed" in (tmp_path / "slam.svg").read_text(encoding="utf-8")
 
@@ -58,15 +58,15 @@ def test_predict_drop_command_refuses_unsuitable_options(
 # the page of the documents runs the same
 @pytest.mark.slow
 def test_drop_test_is_recognised_fitted_and_predicted_from(folder: Path, tmp_path: Path) -> None:
-    kept = tmp_path / "slam.json"
+    mask = tmp_path / "slam.json"
     done = ran(
         "fit", folder / "slam.csv", "--mass", "200g", "--drop", "0.3m/s", "--relaxation",
-        folder / "law.json", "-o", kept,
+        folder / "law.json", "-o", mask,
     )  # fmt: skip
     assert "recognised slam.csv: a drop test of a mass on a specimen" in done.stderr
     assert "from three impacts" in done.stdout
-    found = run_json("predict", kept, "--mass", "104g")
-    assert found["schema"].startswith("dashpot/")
+    document = run_json("predict", mask, "--mass", "104g")
+    assert document["schema"].startswith("dashpot/")
     missing = ran("fit", folder / "slam.csv")
     assert missing.exit_code == 2
     assert "--mass 200g" in missing.stderr

@@ -46,14 +46,14 @@ def impact_force(speed: float, hidden: float = HIDDEN_G) -> np.ndarray:
 
     gone.terminal, gone.direction = True, -1
     start = np.array([0.0, speed, 0.0, 0.0, 0.0])
-    found = solve_ivp(
+    solution = solve_ivp(
         rate, (0, 0.2), start, "DOP853", rtol=1e-9, atol=1e-12, events=gone, dense_output=True,
         max_step=2e-3,
     )  # fmt: skip
-    time = np.arange(-0.02, found.t[-1] + 0.02, 1 / RATE)
-    inside = (time > 0) & (time < found.t[-1])
+    time = np.arange(-0.02, solution.t[-1] + 0.02, 1 / RATE)
+    inside = (time > 0) & (time < solution.t[-1])
     whole = np.zeros(len(time))
-    whole[inside] = force(found.sol(time[inside]))
+    whole[inside] = force(solution.sol(time[inside]))
     return whole
 
 
@@ -84,7 +84,7 @@ def fit_impacts(
     seed: int,
     speeds: tuple[float, ...],
     *,
-    known: float = 0.0,
+    expected: float = 0.0,
     speed_sd: float = 0.05,
     hidden: float = HIDDEN_G,
 ) -> DropFit:
@@ -97,9 +97,9 @@ def fit_impacts(
         tests.append(dp.DropTest(np.arange(len(force)) / RATE, force=noisy, units="s, N"))
         stated_speeds.append(speed * (1 + speed_sd * random.standard_normal()))
     law = ElasticLawPrior.free()
-    if known:
-        off = LAW * (1 + known * random.standard_normal(3))
-        law = ElasticLawPrior(cubic(off), np.diag(1 / (known * LAW)))
+    if expected:
+        off = LAW * (1 + expected * random.standard_normal(3))
+        law = ElasticLawPrior(cubic(off), np.diag(1 / (expected * LAW)))
     relaxation = make_relaxation_fit(random)
     return fit_drop_tests(
         tests, mass=MASS, drop=stated_speeds, relaxation=relaxation, law=law, speed_sd=speed_sd
@@ -110,34 +110,36 @@ THREE = (0.3, 0.6, 1.0)
 
 
 def test_three_speeds_and_the_slow_law_tell_the_loss_factor() -> None:
-    found = fit_impacts(1, THREE, known=0.01)
-    told = found["loss_factor"]
-    truth = loss(found.frequency)
-    assert told.error == pytest.approx(0.035 * truth, rel=0.2)
-    assert abs(told.value - truth) < 3 * told.error
-    assert found.verdict.use == "use"
+    drop_fit = fit_impacts(1, THREE, expected=0.01)
+    loss_factor = drop_fit["loss_factor"]
+    truth = loss(drop_fit.frequency)
+    assert loss_factor.error == pytest.approx(0.035 * truth, rel=0.2)
+    assert abs(loss_factor.value - truth) < 3 * loss_factor.error
+    assert drop_fit.verdict.use == "use"
     # the arm itself, and a solid that vibrates with it
-    assert found["arm"].low < HIDDEN_G < found["arm"].high
-    assert found["arm_time"].low < HIDDEN_TAU < found["arm_time"].high
-    assert found.fit.model.loss_factor(frequency=found.frequency) == pytest.approx(told.value)
-    assert found.fit.band[0] < found.frequency < found.fit.band[1]
-    law = found.fit.elastic_law
+    assert drop_fit["arm"].low < HIDDEN_G < drop_fit["arm"].high
+    assert drop_fit["arm_time"].low < HIDDEN_TAU < drop_fit["arm_time"].high
+    assert drop_fit.fit.model.loss_factor(frequency=drop_fit.frequency) == pytest.approx(
+        loss_factor.value
+    )
+    assert drop_fit.fit.band[0] < drop_fit.frequency < drop_fit.fit.band[1]
+    law = drop_fit.fit.elastic_law
     assert law is not None
     depth = law.depth
     assert law.force(depth) == pytest.approx(depth * (LAW @ depth ** np.arange(3)), rel=0.03)
-    for one, speed in zip(found.hits, THREE, strict=True):
-        assert one.speed.low < speed < one.speed.high
+    for hit, speed in zip(drop_fit.hits, THREE, strict=True):
+        assert hit.speed.low < speed < hit.speed.high
     # the solid is dropped as the specimen was
-    again = dp.predict(found.fit, drop=0.6, mass=MASS)
-    assert again.motion.peak.force == pytest.approx(found.hits[1].peak, rel=2e-3)
-    assert again.motion.rebound == pytest.approx(found.hits[1].rebound, rel=2e-3)
+    again = dp.predict(drop_fit.fit, drop=0.6, mass=MASS)
+    assert again.motion.peak.force == pytest.approx(drop_fit.hits[1].peak, rel=2e-3)
+    assert again.motion.rebound == pytest.approx(drop_fit.hits[1].rebound, rel=2e-3)
 
 
 def test_fit_of_one_impact_on_a_free_law_is_undetermined() -> None:
-    found = fit_impacts(1, (0.6,))
-    assert found.verdict.use == "do not use"
-    assert "not determined" in found.verdict.message
-    assert "impact_speeds_spread" in {one.name for one in found.checks if one.failed}
+    drop_fit = fit_impacts(1, (0.6,))
+    assert drop_fit.verdict.use == "do not use"
+    assert "not determined" in drop_fit.verdict.message
+    assert "impact_speeds_spread" in {check.name for check in drop_fit.checks if check.failed}
 
 
 def test_an_acceleration_says_what_the_force_does() -> None:
@@ -145,12 +147,12 @@ def test_an_acceleration_says_what_the_force_does() -> None:
         len(impact_force(0.6))
     )
     time = np.arange(len(force)) / RATE
-    (felt,) = find_impacts(dp.DropTest(time, force=force, units="s, N"), MASS, "hit")
+    (sensed,) = find_impacts(dp.DropTest(time, force=force, units="s, N"), MASS, "hit")
     # pushed the other way, with an offset, in g
-    moved = dp.DropTest(time, acceleration=0.03 - force / MASS / 9.80665, units="s, g")
-    (other,) = find_impacts(moved, MASS, "hit")
-    assert other.force == pytest.approx(felt.force, abs=1e-9)
-    assert (other.touch, other.contact, other.ratio) == (felt.touch, felt.contact, None)
+    test = dp.DropTest(time, acceleration=0.03 - force / MASS / 9.80665, units="s, g")
+    (other,) = find_impacts(test, MASS, "hit")
+    assert other.force == pytest.approx(sensed.force, abs=1e-9)
+    assert (other.touch, other.contact, other.ratio) == (sensed.touch, sensed.contact, None)
     (both,) = find_impacts(dp.DropTest(time, force, -force / (1.1 * MASS), units="SI"), MASS, "hit")
     assert both.ratio == pytest.approx(1.1, rel=0.01)
 
@@ -159,7 +161,7 @@ def test_an_acceleration_says_what_the_force_does() -> None:
 def test_relaxation_test_of_another_specimen_is_detected() -> None:
     random = np.random.default_rng(1)
     wrong = make_relaxation_fit(random)
-    k = tuple(1.6 * one for one in wrong.model.k)
+    k = tuple(1.6 * value for value in wrong.model.k)
     wrong = replace(wrong, solid=replace(wrong.model, k=k))
     tests = [
         dp.DropTest(
@@ -169,35 +171,37 @@ def test_relaxation_test_of_another_specimen_is_detected() -> None:
         )
         for exact in map(impact_force, THREE)
     ]
-    found = fit_drop_tests(
+    drop_fit = fit_drop_tests(
         tests,
         mass=MASS,
         drop=THREE,
         relaxation=wrong,
         law=ElasticLawPrior.from_fit(make_relaxation_fit(random)),
     )
-    failed = {one.name for one in found.checks if one.failed}
+    failed = {check.name for check in drop_fit.checks if check.failed}
     assert failed & {"arms_agree_with_relaxation_test", "loss_factors_agree", "impact_speeds_agree"}
 
 
 def record(*speeds: float, rest: float = 0.5) -> dp.DropTest:
-    parts = [np.append(impact_force(one), np.zeros(int(rest * RATE))) for one in speeds]
+    parts = [np.append(impact_force(speed), np.zeros(int(rest * RATE))) for speed in speeds]
     force = np.concatenate(parts)
     force += 0.02 * np.random.default_rng(1).standard_normal(len(force))
     return dp.DropTest(np.arange(len(force)) / RATE, force=force, units="s, N")
 
 
 def test_find_impacts_separates_impacts_of_one_record() -> None:
-    found = find_impacts(record(*THREE), MASS, "slam.csv")
-    assert [one.name for one in found] == [f"slam.csv, impact {i}" for i in (1, 2, 3)]
+    recorded_impacts = find_impacts(record(*THREE), MASS, "slam.csv")
+    assert [recorded_impact.name for recorded_impact in recorded_impacts] == [
+        f"slam.csv, impact {i}" for i in (1, 2, 3)
+    ]
     begins = 0.0
-    for one, speed in zip(found, THREE, strict=True):
-        assert one.touch == pytest.approx(begins + 0.02, abs=3e-3)
-        assert one.contact == pytest.approx(len(impact_force(speed)) / RATE - 0.04, rel=0.15)
-        assert one.noise == pytest.approx(0.02, rel=0.2)
+    for item, speed in zip(recorded_impacts, THREE, strict=True):
+        assert item.touch == pytest.approx(begins + 0.02, abs=3e-3)
+        assert item.contact == pytest.approx(len(impact_force(speed)) / RATE - 0.04, rel=0.15)
+        assert item.noise == pytest.approx(0.02, rel=0.2)
         begins += len(impact_force(speed)) / RATE + 0.5
-    assert found[0].rest is None
-    assert found[1].rest == pytest.approx(0.54, abs=0.01)
+    assert recorded_impacts[0].rest is None
+    assert recorded_impacts[1].rest == pytest.approx(0.54, abs=0.01)
 
 
 @pytest.mark.parametrize(
@@ -227,10 +231,10 @@ def test_find_impacts_refuses_noise() -> None:
 
 def test_impact_law_from_load_deflection_has_one_per_cent_error() -> None:
     law = cubic(LAW)
-    known = ElasticLawPrior.from_fit(
+    expected = ElasticLawPrior.from_fit(
         replace(a_fit(GeneralizedMaxwell(law.stiffness)), elastic_law=law)
     )
-    P = known.precision * LAW
+    P = expected.precision * LAW
     sd = LAW[0] * np.sqrt(np.linalg.inv(P.T @ P)[0, 0])
     # the tangent at first contact, as well as one knot, or a little less
     assert 0.01 * LAW[0] < sd < 0.06 * LAW[0]
@@ -261,16 +265,23 @@ ROWS = {
 def test_fit_drop_tests_covers_loss_factor_and_meets_cramer_rao_limit(
     row: tuple[tuple[float, ...], float, float],
 ) -> None:
-    speeds, known, speed_sd = row
-    found = [fit_impacts(seed, speeds, known=known, speed_sd=speed_sd) for seed in range(40)]
-    off = np.array([one["loss_factor"].value / loss(one.frequency) - 1 for one in found])
-    sd = np.array([one["loss_factor"].error / loss(one.frequency) for one in found])
+    speeds, expected, speed_sd = row
+    drop_fits = [
+        fit_impacts(seed, speeds, expected=expected, speed_sd=speed_sd) for seed in range(40)
+    ]
+    off = np.array(
+        [drop_fit["loss_factor"].value / loss(drop_fit.frequency) - 1 for drop_fit in drop_fits]
+    )
+    sd = np.array(
+        [drop_fit["loss_factor"].error / loss(drop_fit.frequency) for drop_fit in drop_fits]
+    )
     covered = [
-        one["loss_factor"].low < loss(one.frequency) < one["loss_factor"].high for one in found
+        response["loss_factor"].low < loss(response.frequency) < response["loss_factor"].high
+        for response in drop_fits
     ]
     assert 100 * np.median(sd) == pytest.approx(ROWS[row], rel=0.2)
     # 40 draws know a standard deviation to 11 %
-    used = [one.verdict.use != "do not use" for one in found]
+    used = [drop_fit.verdict.use != "do not use" for drop_fit in drop_fits]
     assert np.mean(used) >= 0.95
     assert 100 * np.std(off[used]) < 1.33 * ROWS[row]
     assert 0.9 <= np.mean(covered) <= 1.0
@@ -285,9 +296,11 @@ WEAK = {(0.6,): (0.0, 33.6), THREE: (0.01, 10.50), tuple(10 * THREE): (0.01, 5.2
 @pytest.mark.parametrize("speeds", WEAK, ids=len)
 def test_a_weak_arm_takes_three_heights_and_repeats(speeds: tuple[float, ...]) -> None:
     """An arm of .05, whose loss factor is .0233: one impact of a free law says little of it."""
-    known, least = WEAK[speeds]
-    found = [fit_impacts(i, speeds, known=known, speed_sd=0.005, hidden=0.05) for i in range(5)]
-    sd = [one["loss_factor"].error / loss(one.frequency, 0.05) for one in found]
+    expected, least = WEAK[speeds]
+    drop_fits = [
+        fit_impacts(i, speeds, expected=expected, speed_sd=0.005, hidden=0.05) for i in range(5)
+    ]
+    sd = [drop_fit["loss_factor"].error / loss(drop_fit.frequency, 0.05) for drop_fit in drop_fits]
     # of repeats each speed is known apart, where the page has one error of each height
     low = 0.75 if len(speeds) <= 3 else 0.6
     assert low * least < 100 * np.median(sd) < 1.25 * least
@@ -306,7 +319,7 @@ def pulses(*starts: float) -> dp.DropTest:
 def test_find_impacts_shares_no_sample_and_estimates_noise():
     first, second = find_impacts(pulses(0.0, 0.017), MASS, "hits")
     assert first.time[-1] <= second.time[0]
-    assert [one.noise for one in (first, second)] == pytest.approx([50e-4] * 2, rel=1e-3)
+    assert [item.noise for item in (first, second)] == pytest.approx([50e-4] * 2, rel=1e-3)
 
 
 def test_a_record_that_is_mostly_contact_rests_at_its_ends():
@@ -314,6 +327,6 @@ def test_a_record_that_is_mostly_contact_rests_at_its_ends():
     force = 3.0 + np.where(
         (time > 0.0008) & (time < 0.0102), 50 * np.sin(np.pi * (time - 0.0008) / 0.0094), 0.0
     )
-    (one,) = find_impacts(dp.DropTest(time, force=force, units="s, N"), MASS, "hit")
-    assert one.force.max() == pytest.approx(50, rel=1e-2)
-    assert one.force[0] == pytest.approx(0.0, abs=1e-9)
+    (item,) = find_impacts(dp.DropTest(time, force=force, units="s, N"), MASS, "hit")
+    assert item.force.max() == pytest.approx(50, rel=1e-2)
+    assert item.force[0] == pytest.approx(0.0, abs=1e-9)

@@ -66,8 +66,8 @@ def seal(law: ElasticLaw, *, g: tuple[float, ...] = (), tau: tuple[float, ...] =
     return replace(a_fit(GeneralizedMaxwell(k, arms, (*tau, *TAU))), elastic_law=law)
 
 
-def numbers(one: DropPrediction) -> list[float]:
-    named = {fact.name: fact.value for fact in one.facts}
+def numbers(drop_prediction: DropPrediction) -> list[float]:
+    named = {fact.name: fact.value for fact in drop_prediction.facts}
     ms, mm = 1e3, 1e3
     return [
         named["peak_force"], ms * named["peak_time"], mm * named["compression"],
@@ -82,17 +82,17 @@ NIGHTLY = {("stiff", 0.3, 0.0), ("stiff", 1.0, 0.0)}
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(one, marks=pytest.mark.slow if one in NIGHTLY else (), id=str(one))
-        for one in TABLE
+        pytest.param(item, marks=pytest.mark.slow if item in NIGHTLY else (), id=str(item))
+        for item in TABLE
     ],
 )
 def test_predict_drop_agrees_with_independent_solver(name: tuple[str, float, float]) -> None:
     law, speed, _ = name
-    found = numbers(predict_drop(seal(LAWS[law]), drop=speed, mass=0.2))
-    for one, known in zip(found, TABLE[name], strict=True):
+    result = numbers(predict_drop(seal(LAWS[law]), drop=speed, mass=0.2))
+    for item, expected in zip(result, TABLE[name], strict=True):
         # as many digits as the table has, and one in a million
-        digits = len(repr(known).partition(".")[2])
-        assert one == pytest.approx(known, rel=1e-6, abs=0.51 * 10.0**-digits)
+        digits = len(repr(expected).partition(".")[2])
+        assert item == pytest.approx(expected, rel=1e-6, abs=0.51 * 10.0**-digits)
 
 
 @pytest.fixture
@@ -114,28 +114,31 @@ def test_impact_scales_with_its_speed_on_a_linear_law() -> None:
 
 def test_gravity_pulls_a_mass_that_falls() -> None:
     height = 0.6**2 / (2 * 9.80665)
-    found = numbers(predict_drop(seal(LAWS["stiff"]), drop=f"{1e3 * height:.12f}mm", mass="200g"))
-    force, at, deep, _, left, _, rebound, *_ = found
+    result = numbers(predict_drop(seal(LAWS["stiff"]), drop=f"{1e3 * height:.12f}mm", mass="200g"))
+    force, at, deep, _, duration, _, rebound, *_ = result
     assert force == pytest.approx(14.7648, abs=5e-5)
-    assert [at, deep, left] == pytest.approx([24.33376, 11.60084, 48.11418], rel=1e-6)
+    assert [at, deep, duration] == pytest.approx([24.33376, 11.60084, 48.11418], rel=1e-6)
     assert rebound == pytest.approx(0.985000, abs=1e-6)
 
 
 def test_a_rebound_sees_the_arm_that_a_ramp_cannot() -> None:
-    found = numbers(
+    result = numbers(
         predict_drop(seal(LAWS["stiff"], g=(0.2545,), tau=(0.0125,)), drop=0.6, mass=0.2)
     )
-    assert found[0] == pytest.approx(10.14836, rel=1e-6)
-    assert found[4] == pytest.approx(44.0891, rel=2e-6)
-    assert found[6] == pytest.approx(0.898407, rel=1e-6)
+    assert result[0] == pytest.approx(10.14836, rel=1e-6)
+    assert result[4] == pytest.approx(44.0891, rel=2e-6)
+    assert result[6] == pytest.approx(0.898407, rel=1e-6)
 
 
 @pytest.mark.usefixtures("coarse")
 def test_two_pieces_carry_twice_the_mass_alike() -> None:
     fit = seal(LAWS["linear"])
-    one, two = predict_drop(fit, drop=0.3, mass=0.1), predict_drop(fit, drop=0.3, mass=0.2, seals=2)
-    assert numbers(two)[0] == pytest.approx(2 * numbers(one)[0], rel=1e-9)
-    assert numbers(two)[2:8] == pytest.approx(numbers(one)[2:8], rel=1e-9)
+    drop_prediction, two = (
+        predict_drop(fit, drop=0.3, mass=0.1),
+        predict_drop(fit, drop=0.3, mass=0.2, seals=2),
+    )
+    assert numbers(two)[0] == pytest.approx(2 * numbers(drop_prediction)[0], rel=1e-9)
+    assert numbers(two)[2:8] == pytest.approx(numbers(drop_prediction)[2:8], rel=1e-9)
 
 
 def test_an_arm_far_faster_than_the_contact_is_a_dashpot() -> None:
@@ -158,13 +161,13 @@ def test_an_arm_far_faster_than_the_contact_is_a_dashpot() -> None:
 def test_predict_drop_marks_conditions_outside_the_test() -> None:
     fit = seal(LAWS["stiff"])
     deep = predict_drop(fit, drop=2.0, mass="200g")
-    marked = {one.name for one in deep.checks if one.failed}
+    marked = {check.name for check in deep.checks if check.failed}
     assert {"impact_within_measured_depth", "air_escapes", "specimen_length_given"} <= marked
     assert "20 mm" in next(
-        one.message for one in deep.checks if one.name == "impact_within_measured_depth"
+        check.message for check in deep.checks if check.name == "impact_within_measured_depth"
     )
     bare = predict_drop(replace(fit, elastic_law=None), drop=0.3, mass="200g")
-    assert "impact_within_measured_depth" in {one.name for one in bare.checks if one.failed}
+    assert "impact_within_measured_depth" in {check.name for check in bare.checks if check.failed}
 
 
 @pytest.mark.parametrize(
@@ -174,8 +177,8 @@ def test_predict_drop_marks_conditions_outside_the_test() -> None:
 def test_a_mass_meets_the_piece_at_a_speed_or_after_a_fall(
     stated: str | float, speed: float, pull: float
 ) -> None:
-    found = Approach.from_quantity(stated)
-    assert (found.speed, found.pull) == (pytest.approx(speed, rel=1e-12), pull)
+    approach = Approach.from_quantity(stated)
+    assert (approach.speed, approach.pull) == (pytest.approx(speed, rel=1e-12), pull)
 
 
 @pytest.mark.parametrize(
@@ -208,9 +211,9 @@ RAMPS = {
 @pytest.mark.parametrize("ramp", RAMPS)
 def test_a_ramp_presses_as_hard_as_its_speed_lets_it(ramp: float) -> None:
     x = np.linspace(0.0, 6e-3, 8001)
-    alone = 240 * x + 1e4 * x**2 + 3e6 * x**3
+    single = 240 * x + 1e4 * x**2 + 3e6 * x**3
     # the law is the path of a solid of 1 N/m
     relaxation = GeneralizedMaxwell(1.0, tuple(G), tuple(TAU))
-    force = relaxation.force(np.linspace(0.0, ramp, len(x)), alone)
-    found = force[-1] / alone[-1], np.trapezoid(force, x) / np.trapezoid(alone, x)
-    assert found == pytest.approx(RAMPS[ramp], abs=1e-6)
+    force = relaxation.force(np.linspace(0.0, ramp, len(x)), single)
+    result = force[-1] / single[-1], np.trapezoid(force, x) / np.trapezoid(single, x)
+    assert result == pytest.approx(RAMPS[ramp], abs=1e-6)

@@ -29,7 +29,7 @@ def list_failed_checks(fit):
 
 
 def check(fit, name):
-    return next(one for one in fit.checks if one.name == name)
+    return next(item for item in fit.checks if item.name == name)
 
 
 @pytest.mark.parametrize("law", [Hyperelastic("neo-hooke", (0.2e6,)), RUBBER, YEOH, OGDEN],
@@ -56,18 +56,18 @@ def test_fit_hyperelastic_recovers_a_foam_with_its_poisson_ratio(law, modes, wor
     np.testing.assert_allclose(fit.law.exponents, law.exponents, rtol=1e-5)
 
 
-@pytest.mark.parametrize(("told", "kind"), [(0.0, "hyperfoam"), (0.449, "hyperfoam"),
+@pytest.mark.parametrize(("message", "kind"), [(0.0, "hyperfoam"), (0.449, "hyperfoam"),
                                             (0.45, "neo-hooke"), (0.5, "neo-hooke")])  # fmt: skip
-def test_a_strain_sideways_says_whether_it_is_a_foam(told, kind):
+def test_a_strain_sideways_says_whether_it_is_a_foam(message, kind):
     law = (
-        Hyperelastic("hyperfoam", (0.2e6,), (2.0,), told)
+        Hyperelastic("hyperfoam", (0.2e6,), (2.0,), message)
         if kind == "hyperfoam"
         else Hyperelastic("neo-hooke", (0.2e6,))
     )
-    test = replace(simulate_loading(law, "uniaxial", (0.5, 1)), poisson=told, units="SI")
+    test = replace(simulate_loading(law, "uniaxial", (0.5, 1)), poisson=message, units="SI")
     fit = fit_hyperelastic([test])
     assert fit.law.kind == kind
-    assert fit.law.poisson == pytest.approx(told if kind == "hyperfoam" else 0.5)
+    assert fit.law.poisson == pytest.approx(message if kind == "hyperfoam" else 0.5)
     np.testing.assert_allclose(fit.law.constants, law.constants, rtol=1e-6)
     assert not check(fit, "lateral_swelling_agrees").failed
 
@@ -94,22 +94,22 @@ def test_a_strain_sideways_is_of_a_uniaxial_test():
 def test_fit_hyperelastic_reports_a_sponge_fitted_as_rubber_with_a_remedy():
     sponge = simulate_loading(FOAM, "uniaxial", (0.5, 1), noise=0.003)
     fit = fit_hyperelastic([sponge])
-    told = check(fit, "law_residual_small")
-    assert told.failed
-    assert "A foam that does not swell sideways follows to 0." in told.message
-    assert (told.remedy.option, told.remedy.value) == ("poisson", "0")
-    obeyed = fit_hyperelastic([sponge], poisson=float(told.remedy.value))
+    message = check(fit, "law_residual_small")
+    assert message.failed
+    assert "A foam that does not swell sideways follows to 0." in message.message
+    assert (message.remedy.option, message.remedy.value) == ("poisson", "0")
+    obeyed = fit_hyperelastic([sponge], poisson=float(message.remedy.value))
     assert obeyed.law.kind == "hyperfoam"
     assert not check(obeyed, "law_residual_small").failed
 
 
 @pytest.mark.parametrize(
-    ("left", "swelling", "named"),
+    ("residual", "swelling", "named"),
     [(0.3, 0.0499, True), (0.3, 0.0501, False), (0.12, 0.0299, True), (0.12, 0.0301, False)],
 )
-def test_a_foam_is_named_where_it_follows_and_much_closer(left, swelling, named):
-    found = checks.law_residual_small(left, "uniaxial", swelling)
-    assert ("foam" in found.message, found.remedy.option == "poisson") == (named, named)
+def test_a_foam_is_named_where_it_follows_and_much_closer(residual, swelling, named):
+    finding = checks.law_residual_small(residual, "uniaxial", swelling)
+    assert ("foam" in finding.message, finding.remedy.option == "poisson") == (named, named)
 
 
 def test_a_bulk_modulus_comes_from_the_volumetric_test():
@@ -128,26 +128,28 @@ def test_derivatives_of_the_power_laws_are_exact():
         elastic_curve(simulate_loading(CLOSED, mode, (0.5, 1))) for mode in ("uniaxial", "planar")
     ]
     rows = weighed(curves)
-    found = power_law(rows, 2, "hyperfoam", None)
+    result = power_law(rows, 2, "hyperfoam", None)
 
     def stress(law):
         parts = zip(rows.weights, curves, strict=True)
-        return np.concatenate([w * law.nominal(one.mode, one.stretch) for w, one in parts])
+        return np.concatenate([w * law.nominal(item.mode, item.stretch) for w, item in parts])
 
-    numbers = np.array([*found.law.constants, *found.law.exponents, found.law.poisson])
+    numbers = np.array([*result.law.constants, *result.law.exponents, result.law.poisson])
     for j, value in enumerate(numbers):
         h = 1e-6 * abs(value)
         sides = []
         for step in (-h, h):
-            moved = numbers.copy()
-            moved[j] += step
-            law = Hyperelastic("hyperfoam", tuple(moved[:2]), tuple(moved[2:4]), float(moved[4]))
+            variant = numbers.copy()
+            variant[j] += step
+            law = Hyperelastic(
+                "hyperfoam", tuple(variant[:2]), tuple(variant[2:4]), float(variant[4])
+            )
             sides.append(stress(law))
         slope = (sides[1] - sides[0]) / (2 * h)
         # exponents and Poisson's ratio come before the constants
-        column = found.optimum.jacobian[:, (j + 3) % 5]
+        column = result.optimum.jacobian[:, (j + 3) % 5]
         np.testing.assert_allclose(column, slope, atol=1e-6 * np.abs(slope).max())
-    hold_slopes(found.optimum.problem, found.optimum.theta, found.optimum.beta)
+    hold_slopes(result.optimum.problem, result.optimum.theta, result.optimum.beta)
 
 
 def test_a_mode_with_more_rows_does_not_rule():
@@ -157,8 +159,8 @@ def test_a_mode_with_more_rows_does_not_rule():
         simulate_loading(OGDEN, "equibiaxial", (1, 3), rows=30),
     ]
     many = [simulate_loading(OGDEN, "uniaxial", (1, 4), rows=3000), few[1]]
-    one, other = (fit_hyperelastic(each, law="mooney-rivlin").law for each in (few, many))
-    np.testing.assert_allclose(one.constants, other.constants, rtol=0.05)
+    law, other = (fit_hyperelastic(item, law="mooney-rivlin").law for item in (few, many))
+    np.testing.assert_allclose(law.constants, other.constants, rtol=0.05)
 
 
 def test_intervals_hold_the_truth_nineteen_times_in_twenty():
@@ -216,11 +218,13 @@ def test_fit_hyperelastic_with_relaxation_needs_a_clock():
 
 def test_fit_hyperelastic_of_tension_leaves_the_second_constant_undetermined():
     """The trap of C01: uniaxial tension follows to 1 %, equibiaxial tension is not determined."""
-    alone = simulate_loading(RUBBER, "uniaxial", noise=0.01)
-    fit = fit_hyperelastic([alone])
+    loading = simulate_loading(RUBBER, "uniaxial", noise=0.01)
+    fit = fit_hyperelastic([loading])
     assert "unmeasured_modes_determined" in list_failed_checks(fit)
     assert check(fit, "law_residual_small").passed
-    both = fit_hyperelastic([alone, simulate_loading(RUBBER, "equibiaxial", (1, 1.6), noise=0.01)])
+    both = fit_hyperelastic(
+        [loading, simulate_loading(RUBBER, "equibiaxial", (1, 1.6), noise=0.01)]
+    )
     assert "unmeasured_modes_determined" not in list_failed_checks(both)
     assert both["C01"].high - both["C01"].low < 0.3 * (fit["C01"].high - fit["C01"].low)
 
@@ -229,7 +233,7 @@ def test_fit_hyperelastic_reports_and_avoids_an_unstable_law():
     wrong = Hyperelastic("mooney-rivlin", (0.3e6, -0.12e6))
     tests = [simulate_loading(wrong, "uniaxial", (1, 1.8))]
     named = fit_hyperelastic(tests, law="mooney-rivlin")
-    assert {one.name for one in named.verdict.failed_checks} >= {"stable_in_use"}
+    assert {failed_check.name for failed_check in named.verdict.failed_checks} >= {"stable_in_use"}
     assert named.verdict.use == "do not use"
     assert named.law.stable_range("uniaxial")[1] == pytest.approx((0.3 / 0.12) ** 0.5, rel=1e-4)
     assert check(fit_hyperelastic(tests), "stable_in_use").passed
@@ -257,8 +261,8 @@ def simulate_cycles(law, *, lost=0.0, softens=0.0):
                          [(0.2, 0.0, "loading_reversible"), (0.0, 0.1,
                           "specimen_conditioned")])  # fmt: skip
 def test_fit_hyperelastic_reports_hysteresis_and_softening(lost, softens, name):
-    beside = [simulate_loading(RUBBER, mode) for mode in ("equibiaxial", "planar")]
-    assert not list_failed_checks(fit_hyperelastic([simulate_cycles(RUBBER), *beside]))
+    loadings = [simulate_loading(RUBBER, mode) for mode in ("equibiaxial", "planar")]
+    assert not list_failed_checks(fit_hyperelastic([simulate_cycles(RUBBER), *loadings]))
     fit = fit_hyperelastic([simulate_cycles(RUBBER, lost=lost, softens=softens)])
     assert name in list_failed_checks(fit)
 
@@ -333,10 +337,10 @@ def test_fit_hyperelastic_refuses_volumetric_data_only():
 
 
 def simulate_scatter(law, mode, span, seed, factor=1.0):
-    one = simulate_loading(law, mode, span)
-    stress = factor * one.stress
+    loading = simulate_loading(law, mode, span)
+    stress = factor * loading.stress
     error = 5e-3 * np.abs(stress).max() * np.random.default_rng(seed).standard_normal(len(stress))
-    return replace(one, stress=stress + error, units="SI")
+    return replace(loading, stress=stress + error, units="SI")
 
 
 @pytest.mark.parametrize("law", [RUBBER, OGDEN], ids=lambda law: law.kind)
@@ -353,10 +357,10 @@ def test_fit_hyperelastic_reports_modes_that_differ_by_a_factor(law, factor, use
 
 
 def test_fit_hyperelastic_of_one_rubber_mode_is_use_with_care():
-    one = fit_hyperelastic([simulate_scatter(RUBBER, "uniaxial", (1, 2), 0)])
-    assert check(one, "modes_enough").failed
-    assert one.verdict.use == "use with care"
-    assert check(one, "modes_in_scale").passed is None
+    hyperelastic_fit = fit_hyperelastic([simulate_scatter(RUBBER, "uniaxial", (1, 2), 0)])
+    assert check(hyperelastic_fit, "modes_enough").failed
+    assert hyperelastic_fit.verdict.use == "use with care"
+    assert check(hyperelastic_fit, "modes_in_scale").passed is None
     # tension and compression of one specimen are as two modes; a foam's Poisson's ratio is given
     both = fit_hyperelastic([simulate_scatter(RUBBER, "uniaxial", (0.7, 2), 0)])
     assert check(both, "modes_enough").passed
@@ -376,7 +380,11 @@ def test_a_sponge_is_named_where_a_law_of_rubber_follows_it(foam, fails):
     else:
         stress = 0.15e6 / stretch * (stretch**4 - wide**4)
     noise = 0.003 * np.abs(stress).max() * np.random.default_rng(1).standard_normal(60)
-    found = fit_hyperelastic([StressStrainTest("uniaxial", stretch, stress + noise, units="SI")])
-    (check,) = (one for one in found.checks if one.name == "compressible_law_no_better")
+    hyperelastic_fit = fit_hyperelastic(
+        [StressStrainTest("uniaxial", stretch, stress + noise, units="SI")]
+    )
+    (check,) = (
+        item for item in hyperelastic_fit.checks if item.name == "compressible_law_no_better"
+    )
     assert check.failed is fails
-    assert ("--poisson" in str(found)) is fails
+    assert ("--poisson" in str(hyperelastic_fit)) is fails

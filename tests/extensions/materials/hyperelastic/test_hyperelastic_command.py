@@ -32,15 +32,15 @@ def test_the_examples_end_to_end(tmp_path):
     law, figure, card = (tmp_path / name for name in ("law.json", "law.svg", "law.inp"))
     words = [tmp_path / "tension.csv", tmp_path / "biaxial.csv", "--test", "uniaxial", "--test",
              "biaxial"]  # fmt: skip
-    told = did("fit", *words, "-o", law, "--plot", figure, "--stretches", "0.9:1.5")
-    assert told.stdout.startswith("Use: ")
-    assert "dashpot export" in told.stderr
+    result = did("fit", *words, "-o", law, "--plot", figure, "--stretches", "0.9:1.5")
+    assert result.stdout.startswith("Use: ")
+    assert "dashpot export" in result.stderr
     assert "planar" in figure.read_text("utf-8")
-    found = from_json(law.read_text("utf-8"))
-    assert isinstance(found, dp.HyperelasticFit)
-    assert to_json(found) == law.read_text("utf-8").rstrip("\n")
-    assert found["C10"].low < 0.15e6 < found["C10"].high
-    assert found["C01"].low < 0.05e6 < found["C01"].high
+    outcome = from_json(law.read_text("utf-8"))
+    assert isinstance(outcome, dp.HyperelasticFit)
+    assert to_json(outcome) == law.read_text("utf-8").rstrip("\n")
+    assert outcome["C10"].low < 0.15e6 < outcome["C10"].high
+    assert outcome["C01"].low < 0.05e6 < outcome["C01"].high
     stated = ["--temperature", "23degC", "--bulk-modulus", "2000MPa", "--unit-system", "mm-t-s"]
     did("export", law, "--to", "calculix", *stated, "-o", card)
     assert "SIMULATED" in card.read_text()
@@ -59,8 +59,8 @@ def test_the_examples_end_to_end(tmp_path):
 )
 def test_fit_accepts_stretch_or_strain_nominal_or_true(tmp_path, head, columns):
     file = save_table(tmp_path / "a.csv", head, *columns(X, RUBBER.nominal("uniaxial", X)))
-    found = law_of(file, "--model", "mooney-rivlin")
-    np.testing.assert_allclose(found["constants"], RUBBER.constants, rtol=1e-4)
+    law = law_of(file, "--model", "mooney-rivlin")
+    np.testing.assert_allclose(law["constants"], RUBBER.constants, rtol=1e-4)
     assert inspect_file(file).kind == "stress-strain"
 
 
@@ -72,11 +72,11 @@ def test_fit_of_a_compressed_foam_is_independent_of_signs(tmp_path):
         ("uniaxial", x - 1, -P),
     ):  # fmt: skip
         file = save_table(tmp_path / "a.csv", "strain [%],stress [MPa]", 100 * strain, stress / 1e6)
-        found = law_of(file, "--test", mode, "--poisson", 0)
-        np.testing.assert_allclose(found["constants"], FOAM.constants, rtol=1e-5)
+        law = law_of(file, "--test", mode, "--poisson", 0)
+        np.testing.assert_allclose(law["constants"], FOAM.constants, rtol=1e-5)
     file = save_table(tmp_path / "a.csv", "strain [%],stress [MPa]", 100 * (1 - x), P / 1e6)
-    told = did("fit", file, "--test", "uniaxial", "--poisson", 0, code=2)
-    assert "--test compression" in told.output
+    result = did("fit", file, "--test", "uniaxial", "--poisson", 0, code=2)
+    assert "--test compression" in result.output
 
 
 def test_pressure_over_volume(tmp_path):
@@ -86,8 +86,8 @@ def test_pressure_over_volume(tmp_path):
     J = np.linspace(1, 0.95, 30)
     for head, column in (("volume ratio", J), ("volumetric strain [%]", 100 * (1 - J))):
         file = save_table(tmp_path / "v.csv", f"{head},pressure [MPa]", column, 2000 * (1 - J))
-        found = law_of(a, file, "--test", "uniaxial", "--test", "volumetric")
-        assert found["bulk"] == pytest.approx(2e9, rel=1e-4)
+        law = law_of(a, file, "--test", "uniaxial", "--test", "volumetric")
+        assert law["bulk"] == pytest.approx(2e9, rel=1e-4)
 
 
 def test_relaxation_test_unites_rates(tmp_path):
@@ -102,10 +102,10 @@ def test_relaxation_test_unites_rates(tmp_path):
         test = simulate_loading_at_rate(RUBBER, "equibiaxial", rate, rows=400)
         head, file = "time [s],stretch,nominal stress [MPa]", tmp_path / f"{rate}.csv"
         files.append(save_table(file, head, test.time, test.stretch, test.stress / 1e6))
-    found = law_of(
+    law = law_of(
         *files, "--test", "biaxial", "--relaxation", relaxation, "--model", "mooney-rivlin"
     )
-    np.testing.assert_allclose(found["constants"], RUBBER.constants, rtol=5e-3)
+    np.testing.assert_allclose(law["constants"], RUBBER.constants, rtol=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -132,8 +132,8 @@ def test_fit_reports_unreadable_stress_strain_files(tmp_path, head, scale, messa
     columns = [X * scale[0], np.linspace(0.001, 1, 50) * scale[1]]
     columns = [np.arange(50.0), *columns] if "time" in head else columns
     file = save_table(tmp_path / "a.csv", head, *columns)
-    told = " ".join(did("fit", file, "--kind", "stress-strain", code=2).output.split())
-    assert message in told
+    text = " ".join(did("fit", file, "--kind", "stress-strain", code=2).output.split())
+    assert message in text
 
 
 def test_fit_asks_for_a_file():
@@ -151,5 +151,5 @@ def test_fit_says_at_which_rate_the_law_holds(tmp_path, clocked: bool, says: str
     columns = [*([strain / 0.05] if clocked else []), strain, stress]
     rows = "\n".join(",".join(f"{cell:.8g}" for cell in row) for row in zip(*columns, strict=True))
     (tmp_path / "a.csv").write_text(head + rows + "\n", "utf-8")
-    told = did("fit", tmp_path / "a.csv", "--test", "uniaxial")
-    assert f", {says}\n" in told.stdout
+    result = did("fit", tmp_path / "a.csv", "--test", "uniaxial")
+    assert f", {says}\n" in result.stdout

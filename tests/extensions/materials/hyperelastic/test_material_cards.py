@@ -73,7 +73,7 @@ def read_back(target, name, deck):
         fields = [[float(row[i : i + 10]) for i in range(0, len(row), 10)] for row in rows]
         if not count:
             C = dict(zip(("C10", "C01", "C11", "C20", "C02", "C30"), fields[1], strict=False))
-            return Hyperelastic(law.kind, tuple(C[each] for each in law.constant_names)), None
+            return Hyperelastic(law.kind, tuple(C[item] for item in law.constant_names)), None
         mu = tuple(m * a / 2 for m, a in zip(fields[1], fields[2], strict=True))[:count]
         alpha = tuple(fields[2][:count])
         v = fields[0][3] / (1 + 2 * fields[0][3]) if law.kind == "hyperfoam" else 0.5
@@ -86,7 +86,7 @@ def read_back(target, name, deck):
             size = len(law.constants)
             return Hyperelastic(law.kind, tuple(values[:size])), values[size]
         m, alpha = terms(values, count)
-        mu = tuple(one * a / 2 for one, a in zip(m, alpha, strict=True))
+        mu = tuple(value * a / 2 for value, a in zip(m, alpha, strict=True))
         beta = values[2 * count]
         v = beta / (1 + 2 * beta) if law.kind == "hyperfoam" else 0.5
         return Hyperelastic(law.kind, mu, alpha, v), beta
@@ -101,10 +101,10 @@ def read_back(target, name, deck):
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("target", ["abaqus", "calculix", "ansys", "lsdyna"])
 def test_a_card_says_the_law(target, name):
-    found, volume = read_back(target, name, card(target, name))
+    result, volume = read_back(target, name, card(target, name))
     x, law = np.linspace(0.5, 2, 20), fit_law(name).law
     for mode in SHEARING:
-        np.testing.assert_allclose(1e6 * found.nominal(mode, x), law.nominal(mode, x), rtol=2e-5,
+        np.testing.assert_allclose(1e6 * result.nominal(mode, x), law.nominal(mode, x), rtol=2e-5,
                                    atol=20)  # fmt: skip
     if volume is not None and name != "hyperfoam":
         assert volume == pytest.approx(2 / 2000)
@@ -197,7 +197,7 @@ def cube(deck, mode, stretch):
     ties = [
         (axis, nodes)
         for axis, nodes in FACES.items()
-        if not any(axis == moved for _, moved, _ in pulled)
+        if not any(axis == variant for _, variant, _ in pulled)
     ]
     lines = [CUBE, "*ELEMENT, TYPE=C3D8, ELSET=E", "1, 1, 2, 3, 4, 5, 6, 7, 8"]
     for axis, (first, *others) in ties:

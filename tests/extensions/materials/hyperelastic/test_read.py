@@ -25,8 +25,8 @@ def write_tension(folder: Path, head: str, clock: np.ndarray) -> Path:
 
 
 def test_read_stress_strain_keeps_a_valid_clock(tmp_path: Path) -> None:
-    found = read_stress_strain(write_tension(tmp_path, "time [s]", CLOCK), "uniaxial")
-    np.testing.assert_allclose(found.time, CLOCK)
+    test = read_stress_strain(write_tension(tmp_path, "time [s]", CLOCK), "uniaxial")
+    np.testing.assert_allclose(test.time, CLOCK)
 
 
 @pytest.mark.parametrize(
@@ -37,10 +37,10 @@ def test_read_stress_strain_keeps_a_valid_clock(tmp_path: Path) -> None:
 def test_read_stress_strain_omits_an_invalid_clock_with_a_note(
     tmp_path: Path, head: str, clock: np.ndarray, message: str
 ) -> None:
-    found = read_stress_strain(write_tension(tmp_path, head, clock), "uniaxial")
-    assert found.time is None
-    assert len(found.stress) == len(PULL)
-    (note,) = [one for one in found.source.notes if "the clock is left out" in one]
+    test = read_stress_strain(write_tension(tmp_path, head, clock), "uniaxial")
+    assert test.time is None
+    assert len(test.stress) == len(PULL)
+    (note,) = [note for note in test.source.notes if "the clock is left out" in note]
     assert message in note
 
 
@@ -68,10 +68,10 @@ def write_foam_compression(
     "across", ["lateral strain [%]", "transverse strain [%]", "Querdehnung [%]", "Strain Width [%]"]
 )
 def test_a_strain_sideways_shows_poissons_ratio(tmp_path: Path, across: str) -> None:
-    found = read_stress_strain(write_foam_compression(tmp_path, across), "uniaxial")
-    assert found.stretch.min() == pytest.approx(0.6)
-    assert found.poisson == pytest.approx(0.15, abs=1e-9)
-    assert any("shows Poisson's ratio 0.15" in one for one in found.source.notes)
+    test = read_stress_strain(write_foam_compression(tmp_path, across), "uniaxial")
+    assert test.stretch.min() == pytest.approx(0.6)
+    assert test.poisson == pytest.approx(0.15, abs=1e-9)
+    assert any("shows Poisson's ratio 0.15" in note for note in test.source.notes)
 
 
 def test_sizes_of_a_piece_that_was_pressed_show_it_too(tmp_path: Path) -> None:
@@ -96,13 +96,13 @@ def test_read_stress_strain_asks_about_an_impossible_lateral_strain(
 def test_a_relaxation_in_strain_and_stress_is_refused_with_the_line_that_fits_it(
     tmp_path: Path, units: str, strain: float, stress: float, lengths: str
 ) -> None:
-    time, moved, force = press_and_hold(20.0)
+    time, displacement, force = press_and_hold(20.0)
     names = [
         f"{name} [{unit}]"
         for name, unit in zip(("Strain", "Stress"), units.split(","), strict=True)
     ]
     head = ";".join(["Time [s]", *names])
-    columns = [time, moved / 80 * strain, force / 10 * stress]
+    columns = [time, displacement / 80 * strain, force / 10 * stress]
     (tmp_path / "a.csv").write_text(format_table(head, columns), "utf-8")
     with pytest.raises(ReadError, match=r"relaxation test in strain and stress") as error:
         read_stress_strain(tmp_path / "a.csv", "uniaxial")
@@ -115,8 +115,8 @@ def test_a_relaxation_in_strain_and_stress_is_refused_with_the_line_that_fits_it
     assert test.force.max() / test.displacement.max() == pytest.approx(
         force.max() / 10 / (0.1 * 1e-3), rel=1e-4
     )
-    kept = dp.read(tmp_path / "a.csv", test="uniaxial", kind="stress-strain")
-    assert type(kept).__name__ == "StressStrainTest"
+    record = dp.read(tmp_path / "a.csv", test="uniaxial", kind="stress-strain")
+    assert type(record).__name__ == "StressStrainTest"
 
 
 def test_a_strain_that_goes_on_is_no_relaxation(tmp_path: Path) -> None:

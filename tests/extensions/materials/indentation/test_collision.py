@@ -23,8 +23,8 @@ K = sphere_stiffness(3e6 / 0.75, RADIUS)
 
 
 def numbers(law, *, mass=MASS, **how):
-    one = collide(law, mass=mass, velocity=how.pop("velocity", 1.0), **how)
-    return one.restitution, one.duration, one.depth, one.largest_force
+    collision = collide(law, mass=mass, velocity=how.pop("velocity", 1.0), **how)
+    return collision.restitution, collision.duration, collision.depth, collision.largest_force
 
 
 class TestNumbers:
@@ -49,16 +49,16 @@ class TestNumbers:
         assert force == pytest.approx(7.0455598, rel=1e-6)
 
     @pytest.mark.parametrize(
-        ("A", "told"),
+        ("A", "message"),
         [
             (2e-5, (0.9584814, 2.592299e-3, 0.8722554e-3, 6.872882)),
             (1e-4, (0.8139689, 2.522252e-3, 0.8185083e-3, 6.316236)),
         ],
     )
-    def test_kuwabara_and_kono(self, A, told):
-        found = numbers(ViscousContact(K, A))
-        assert found[0] == pytest.approx(told[0], abs=2e-7)
-        assert found == pytest.approx(told, rel=2e-5)
+    def test_kuwabara_and_kono(self, A, message):
+        result = numbers(ViscousContact(K, A))
+        assert result[0] == pytest.approx(message[0], abs=2e-7)
+        assert result == pytest.approx(message, rel=2e-5)
 
     def test_ting(self):
         e, _, depth, force = numbers(RelaxingContact(K, 0.6885, 1e-3))
@@ -90,15 +90,17 @@ class TestLaws:
             RelaxingContact(K, 0.7, 1e-3),
             ViscousContact(8e3, 2.5e-4, 1.0),
         ):
-            one = collide(law, mass=MASS, velocity=1.0, pull=9.81)
-            work = np.trapezoid(one.force, one.displacement)
-            lost = MASS / 2 * (1 - one.restitution**2) + MASS * 9.81 * one.displacement[-1]
+            collision = collide(law, mass=MASS, velocity=1.0, pull=9.81)
+            work = np.trapezoid(collision.force, collision.displacement)
+            lost = (
+                MASS / 2 * (1 - collision.restitution**2) + MASS * 9.81 * collision.displacement[-1]
+            )
             assert work == pytest.approx(lost, rel=5e-4)
 
     def test_impulse_is_the_change_of_momentum(self):
-        one = collide(RelaxingContact(K, 0.7, 1e-3), mass=MASS, velocity=1.0, pull=9.81)
-        change = MASS * (1 + one.restitution + 9.81 * one.duration)
-        assert np.trapezoid(one.force, one.time) == pytest.approx(change, rel=2e-4)
+        collision = collide(RelaxingContact(K, 0.7, 1e-3), mass=MASS, velocity=1.0, pull=9.81)
+        change = MASS * (1 + collision.restitution + 9.81 * collision.duration)
+        assert np.trapezoid(collision.force, collision.time) == pytest.approx(change, rel=2e-4)
 
     def test_modulus_and_stiffness_are_inverse(self):
         assert reduced_modulus(sphere_stiffness(4e6, RADIUS), RADIUS) == pytest.approx(4e6)
@@ -115,18 +117,20 @@ class TestMarch:
     @pytest.mark.parametrize("pull", [0.0, 9.81])
     def test_viscous_contacts(self, law, force, pull):
         T, X, V, F = contacts.march(force, MASS, 1.0, pull=pull)
-        one = collide(law, mass=MASS, velocity=1.0, pull=pull)
-        assert one.duration == pytest.approx(T[-1], abs=2e-6)
-        assert np.interp(T[:-2], one.time, one.displacement) == pytest.approx(X[:-2], abs=2e-8)
-        assert one.restitution == pytest.approx(-V[-1], rel=2e-4)
-        assert one.largest_force == pytest.approx(F.max(), rel=1e-4)
+        collision = collide(law, mass=MASS, velocity=1.0, pull=pull)
+        assert collision.duration == pytest.approx(T[-1], abs=2e-6)
+        assert np.interp(T[:-2], collision.time, collision.displacement) == pytest.approx(
+            X[:-2], abs=2e-8
+        )
+        assert collision.restitution == pytest.approx(-V[-1], rel=2e-4)
+        assert collision.largest_force == pytest.approx(F.max(), rel=1e-4)
 
     def test_a_relaxing_contact(self):
         T, X, F, e = contacts.ting(K, 1.5, 4e-4, MASS, 1.0)
-        one = collide(RelaxingContact(K, 1.5, 4e-4), mass=MASS, velocity=1.0)
-        assert np.interp(T, one.time, one.displacement) == pytest.approx(X, abs=1e-6)
-        assert np.interp(T, one.time, one.force) == pytest.approx(F, abs=5e-3 * F.max())
-        assert one.restitution == pytest.approx(e, abs=2e-3)
+        collision = collide(RelaxingContact(K, 1.5, 4e-4), mass=MASS, velocity=1.0)
+        assert np.interp(T, collision.time, collision.displacement) == pytest.approx(X, abs=1e-6)
+        assert np.interp(T, collision.time, collision.force) == pytest.approx(F, abs=5e-3 * F.max())
+        assert collision.restitution == pytest.approx(e, abs=2e-3)
 
 
 def test_what_is_no_collision():

@@ -47,42 +47,42 @@ def fit_hit(law=HKV, **how):
     return fit_indentation(hit(**how), law=law)
 
 
-def holds(found, **truth):
+def holds(result, **truth):
     for name, value in truth.items():
-        one = found[name]
+        quantity = result[name]
         # three standard errors for one fixed draw; slow coverage stands below
-        half = 1.5 * (one.high - one.low) / 2
-        assert abs(one.value - value) <= half, (name, one, value)
+        half = 1.5 * (quantity.high - quantity.low) / 2
+        assert abs(quantity.value - value) <= half, (name, quantity, value)
 
 
 class TestTruths:
     @pytest.mark.parametrize("of", ["acceleration", "velocity", "displacement", "force"])
     def test_whatever_was_recorded(self, of):
-        found = fit_hit(of=of, noise=0.002)
-        holds(found, k=K, modulus=MODULUS, restitution=E, impact_velocity=1.0)
-        assert found["modulus"].value == pytest.approx(MODULUS, rel=0.02)
+        indentation_fit = fit_hit(of=of, noise=0.002)
+        holds(indentation_fit, k=K, modulus=MODULUS, restitution=E, impact_velocity=1.0)
+        assert indentation_fit["modulus"].value == pytest.approx(MODULUS, rel=0.02)
 
     def test_fit_indentation_selects_the_law_and_the_sign(self):
-        sound = hit()
-        found = fit_indentation(replace(sound, signal=-sound.signal))
-        assert (found.law, found.verdict.use) == (HKV, "use")
-        holds(found, k=K, viscous_time=A, restitution=E)
-        assert dict(found.orders)["hertz"] > dict(found.orders)[HKV] + 100
+        intact = hit()
+        indentation_fit = fit_indentation(replace(intact, signal=-intact.signal))
+        assert (indentation_fit.law, indentation_fit.verdict.use) == (HKV, "use")
+        holds(indentation_fit, k=K, viscous_time=A, restitution=E)
+        assert dict(indentation_fit.orders)["hertz"] > dict(indentation_fit.orders)[HKV] + 100
 
     def test_a_linear_contact(self):
         rows = contacts.march(contacts.kelvin_voigt(1e4, 2.0), 0.01, 1.0)
         t, y = contacts.record_sensor(rows, 0.01, 1e5)
         test = IndentationTest(t, contacts.noisy(y), "acceleration", Indenter(0.01), units="SI")
-        found = fit_indentation(test, law="kelvin-voigt")
-        holds(found, k=1e4, c=2.0, restitution=0.7440794, depth=0.8626004e-3)
+        indentation_fit = fit_indentation(test, law="kelvin-voigt")
+        holds(indentation_fit, k=1e4, c=2.0, restitution=0.7440794, depth=0.8626004e-3)
 
     def test_a_relaxing_contact(self):
         T, X, F, e = contacts.ting(K, 0.6885, 1e-3, MASS, 1.0, end=2.2e-3)
         t, y = contacts.record_sensor((T, X, np.gradient(X, T), F), MASS, 2e5)
         test = IndentationTest(t, contacts.noisy(y, 0.001), "acceleration", BALL, units="SI")
-        found = fit_indentation(test, law="hertz-maxwell")
-        holds(found, restitution=e, g=0.6885, tau=1e-3, glassy_modulus=1.6885 * MODULUS)
-        assert found["glassy_modulus"].value == pytest.approx(1.6885 * MODULUS, rel=0.03)
+        indentation_fit = fit_indentation(test, law="hertz-maxwell")
+        holds(indentation_fit, restitution=e, g=0.6885, tau=1e-3, glassy_modulus=1.6885 * MODULUS)
+        assert indentation_fit["glassy_modulus"].value == pytest.approx(1.6885 * MODULUS, rel=0.03)
 
     def test_a_fall_is_pulled_on(self):
         rows = contacts.march(contacts.kuwabara(K, A), MASS, 1.0, pull=9.80665)
@@ -100,9 +100,9 @@ class TestTruths:
         count = {"k": 0, "viscous_time": 0, "restitution": 0, "impact_velocity": 0}
         truth = {"k": K, "viscous_time": A, "restitution": E, "impact_velocity": 1.0}
         for seed in range(60):
-            found = fit_hit(of=of, noise=0.01, seed=seed, rate=6e4, phase=seed / 60)
+            indentation_fit = fit_hit(of=of, noise=0.01, seed=seed, rate=6e4, phase=seed / 60)
             for name, value in truth.items():
-                count[name] += found[name].low <= value <= found[name].high
+                count[name] += indentation_fit[name].low <= value <= indentation_fit[name].high
         assert min(count.values()) >= least, count
 
 
@@ -122,13 +122,13 @@ class TestSpoilt:
         ],
     )
     def test_by_the_sensor_or_the_surface(self, check, spoilt):
-        found = fit_hit(spoilt=spoilt)
-        assert check in list_failed_checks(found)
-        assert found.verdict.use != "use"
+        indentation_fit = fit_hit(spoilt=spoilt)
+        assert check in list_failed_checks(indentation_fit)
+        assert indentation_fit.verdict.use != "use"
 
     def test_fit_indentation_excludes_a_clipped_peak(self):
-        found = fit_hit(spoilt=lambda t, y: np.maximum(y, 0.8 * y.min()))
-        holds(found, k=K, restitution=E)
+        indentation_fit = fit_hit(spoilt=lambda t, y: np.maximum(y, 0.8 * y.min()))
+        holds(indentation_fit, k=K, restitution=E)
 
     def test_yielding_is_not_to_be_used(self):
         def yields(x, v, top=[0.0]):  # noqa: B006 -- what the surface remembers
@@ -143,20 +143,20 @@ class TestSpoilt:
         assert fit_indentation(test, law=HKV).verdict.use == "do not use"
 
     def test_g_read_as_m_per_s2(self):
-        found = fit_hit(spoilt=lambda t, y: y / 9.80665)
-        told = next(check for check in found.checks if check.name == "velocity_agrees")
-        assert told.failed
-        assert "g and m/s^2" in told.message
+        indentation_fit = fit_hit(spoilt=lambda t, y: y / 9.80665)
+        message = next(check for check in indentation_fit.checks if check.name == "velocity_agrees")
+        assert message.failed
+        assert "g and m/s^2" in message.message
 
     def test_a_trigger_in_the_contact(self):
         end = ball()[0][-1]
         for cut, use in ((0.3, "use with care"), (0.6, "do not use")):
             whole = hit()
-            kept = whole.time > cut * end
-            late = replace(whole, time=whole.time[kept], signal=whole.signal[kept])
-            found = fit_indentation(late, law=HKV)
-            assert found.verdict.use == use
-            assert "flights_recorded" in list_failed_checks(found)
+            mask = whole.time > cut * end
+            late = replace(whole, time=whole.time[mask], signal=whole.signal[mask])
+            indentation_fit = fit_indentation(late, law=HKV)
+            assert indentation_fit.verdict.use == use
+            assert "flights_recorded" in list_failed_checks(indentation_fit)
 
     def test_fit_indentation_excludes_a_bounce(self):
         t = np.arange(0, 0.06, 1e-5)
@@ -164,10 +164,10 @@ class TestSpoilt:
         y = np.interp(t - 3e-3, T, F, left=0, right=0)
         y = y + 0.7 * np.interp(t - 0.05, 1.05 * T, F, left=0, right=0)
         first = IndentationTest(t, contacts.noisy(y / MASS), "acceleration", BALL, units="SI")
-        found = fit_indentation(first, law=HKV)
-        holds(found, k=K, restitution=E)
-        assert found.touch == pytest.approx(3e-3, abs=2e-5)
-        assert "1 later contacts" in str([check.message for check in found.checks])
+        indentation_fit = fit_indentation(first, law=HKV)
+        holds(indentation_fit, k=K, restitution=E)
+        assert indentation_fit.touch == pytest.approx(3e-3, abs=2e-5)
+        assert "1 later contacts" in str([check.message for check in indentation_fit.checks])
         again = replace(first, signal=first.signal[::-1])
         assert "first_contact" in list_failed_checks(fit_indentation(again, law=HKV))
 
@@ -175,15 +175,17 @@ class TestSpoilt:
         def hum(t, y):
             return y + 0.05 * np.abs(y).max() * np.sin(2 * np.pi * 50 * t + 1)
 
-        found, quiet = fit_hit(spoilt=hum), fit_hit()
-        assert found["k"].high - found["k"].low > 3 * (quiet["k"].high - quiet["k"].low)
-        assert found["k"].low < K < found["k"].high
+        indentation_fit, quiet = fit_hit(spoilt=hum), fit_hit()
+        assert indentation_fit["k"].high - indentation_fit["k"].low > 3 * (
+            quiet["k"].high - quiet["k"].low
+        )
+        assert indentation_fit["k"].low < K < indentation_fit["k"].high
 
     def test_fit_indentation_reports_a_mass_that_contradicts_the_force(self):
         test = hit(ball_of=replace(BALL, mass=1.15 * MASS))
         _, force = contacts.record_sensor(ball(), MASS, 1e5, of="force")
-        found = fit_indentation(replace(test, force=force), law=HKV)
-        assert "force_agrees" in list_failed_checks(found)
+        indentation_fit = fit_indentation(replace(test, force=force), law=HKV)
+        assert "force_agrees" in list_failed_checks(indentation_fit)
         right = replace(hit(), force=force)
         assert "force_agrees" not in list_failed_checks(fit_indentation(right, law=HKV))
 
@@ -239,9 +241,9 @@ def gap(test, starts):
     solved = fit._fit_law(fit._window(test, largest_contact(test)), "hertz-maxwell")
     best = solved.optimum
     others = []
-    for own in starts:
+    for start in starts:
         theta = best.theta.copy()
-        theta[1:3] = np.arcsinh(own / np.array([0.02, 1.0]))
+        theta[1:3] = np.arcsinh(start / np.array([0.02, 1.0]))
         others.append(best.problem.solve([theta], most=40, flat=1e-7).cost)
     return (best.cost - min(others)) / best.cost * len(best.residual)
 
@@ -255,10 +257,12 @@ def test_no_valley_of_a_relaxing_contact_is_lower(seed):
 
 def test_the_interval_is_that_of_all_valleys():
     """Little loss and much explain this record nearly alike: the better one is the wrong one."""
-    found = [fit_indentation(relaxing(seed, 0.01)[0], law="hertz-maxwell") for seed in (1, 4)]
-    for one, seed in zip(found, (1, 4), strict=True):
+    indentation_fits = [
+        fit_indentation(relaxing(seed, 0.01)[0], law="hertz-maxwell") for seed in (1, 4)
+    ]
+    for indentation_fit, seed in zip(indentation_fits, (1, 4), strict=True):
         for name, value in relaxing(seed, 0.01)[1].items():
-            assert one[name].low <= value <= one[name].high, (seed, name)
+            assert indentation_fit[name].low <= value <= indentation_fit[name].high, (seed, name)
 
 
 @pytest.mark.slow
@@ -266,9 +270,9 @@ def test_intervals_of_a_relaxing_contact_cover():
     count = dict.fromkeys(("k", "g", "tau", "restitution"), 0)
     for seed in range(100):
         test, truth = relaxing(seed, (0.0003, 0.003, 0.01)[seed % 3])
-        found = fit_indentation(test, law="hertz-maxwell")
+        indentation_fit = fit_indentation(test, law="hertz-maxwell")
         for name, value in truth.items():
-            count[name] += found[name].low <= value <= found[name].high
+            count[name] += indentation_fit[name].low <= value <= indentation_fit[name].high
         if seed % 5 == 0:
             starts = [(loss, time) for loss in (0.03, 0.15, 0.8) for time in (0.2, 1.0, 5.0)]
             assert gap(test, starts) < 0.3
@@ -299,33 +303,36 @@ def slight(A, seed):
 
 
 def test_fit_indentation_bounds_an_insignificant_loss():
-    found = slight(1e-6, 3)
-    bound = found["viscous_time"]
+    result = slight(1e-6, 3)
+    bound = result["viscous_time"]
     assert bound.low == 0
     assert 1e-6 < bound.high < 2e-5
-    known = next(check for check in found.checks if check.name == "parameters_determined")
-    assert known.passed
-    assert f"viscous time is below {bound.high:.3g} s" in known.message
-    assert found["k"].low < K < found["k"].high
+    expected = next(check for check in result.checks if check.name == "parameters_determined")
+    assert expected.passed
+    assert f"viscous time is below {bound.high:.3g} s" in expected.message
+    assert result["k"].low < K < result["k"].high
     assert slight(5e-5, 3)["viscous_time"].low > 4e-5
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("A", [0.0, 1e-6, 5e-6, 2e-5])
 def test_bounds_of_a_slight_loss_hold(A):
-    found = [slight(A, seed)["viscous_time"] for seed in range(40)]
-    assert sum(one.low <= A <= one.high for one in found) >= 36
-    assert np.median([one.high for one in found]) < A + 1e-5
+    viscous_times = [slight(A, seed)["viscous_time"] for seed in range(40)]
+    assert sum(viscous_time.low <= A <= viscous_time.high for viscous_time in viscous_times) >= 36
+    assert np.median([viscous_time.high for viscous_time in viscous_times]) < A + 1e-5
 
 
 @pytest.mark.parametrize("blunt", [-0.04, 0.0, 0.04])
 def test_radius_error_affects_only_the_modulus(blunt):
     """A tip that is 4 % blunter than its radius says makes the modulus 2 % too large."""
-    said = replace(BALL, radius=RADIUS / (1 + blunt))
-    found = fit_hit(ball_of=said)
-    modulus = found["modulus"]
+    message = replace(BALL, radius=RADIUS / (1 + blunt))
+    indentation_fit = fit_hit(ball_of=message)
+    modulus = indentation_fit["modulus"]
     assert modulus.value == pytest.approx(MODULUS * (1 + blunt) ** 0.5, rel=0.01)
     assert modulus.low < MODULUS < modulus.high
-    exact = fit_hit(ball_of=replace(said, radius_error=0.0))
-    assert (found["k"].low, found["k"].high) == (exact["k"].low, exact["k"].high)
+    exact = fit_hit(ball_of=replace(message, radius_error=0.0))
+    assert (indentation_fit["k"].low, indentation_fit["k"].high) == (
+        exact["k"].low,
+        exact["k"].high,
+    )
     assert exact["modulus"].high - exact["modulus"].low < 0.3 * (modulus.high - modulus.low)

@@ -34,12 +34,12 @@ def test_the_example_end_to_end(tmp_path):
     path.write_text(EXAMPLES["hit.csv"](), encoding="utf-8")
     assert inspect_file(path).kind == "indentation"
     words = [path, *BALL, "--drop-height", "51mm"]
-    found = json.loads(ran(*words, "--json", "--plot", figure).stdout)
-    assert found["schema"] == "dashpot/indentation@2"
-    assert found["modulus"] == pytest.approx(4e6, rel=0.01)
-    low, high = found["intervals"]["modulus"]
-    assert low < found["modulus"] < high
-    assert found["verdict"]["verdict_grade"] == "use"
+    document = json.loads(ran(*words, "--json", "--plot", figure).stdout)
+    assert document["schema"] == "dashpot/indentation@2"
+    assert document["modulus"] == pytest.approx(4e6, rel=0.01)
+    low, high = document["intervals"]["modulus"]
+    assert low < document["modulus"] < high
+    assert document["verdict"]["verdict_grade"] == "use"
     assert "hertz-kelvin-voigt" in figure.read_text("utf-8")
     text = ran(*words).stdout
     assert "restitution" in text
@@ -56,9 +56,9 @@ def test_the_example_end_to_end(tmp_path):
 def test_headers_and_units_of_other_labs(tmp_path, hit, of, header, scale):
     t, y = hit[of]
     path = save_table(tmp_path / "a.csv", header, 1e3 * t, scale * y)
-    found = json.loads(ran(path, *BALL, "--impact-velocity", "1m/s", "--json").stdout)
-    assert found["of"] == of
-    assert found["modulus"] == pytest.approx(4e6, rel=2e-3)
+    document = json.loads(ran(path, *BALL, "--impact-velocity", "1m/s", "--json").stdout)
+    assert document["of"] == of
+    assert document["modulus"] == pytest.approx(4e6, rel=2e-3)
 
 
 def test_fit_asks_for_missing_or_wrong_indentation_input(tmp_path, hit):

@@ -41,8 +41,8 @@ def test_the_published_transmissibility():
 @pytest.mark.parametrize("ratio", [0.5, 1.0, 5.0, 50.0])
 def test_the_modulus_comes_back_over_two_resonances(ratio):
     hz = np.arange(20.0, 1200.0, 5.0)
-    one = compute_modulus(base(hz, ratio=ratio), hz, ratio=ratio, errors=CALIBRATED)
-    assert one.modulus == pytest.approx(E, rel=1e-9)
+    modulus = compute_modulus(base(hz, ratio=ratio), hz, ratio=ratio, errors=CALIBRATED)
+    assert modulus.modulus == pytest.approx(E, rel=1e-9)
 
 
 def test_a_force_on_the_mass_tells_the_same():
@@ -74,8 +74,8 @@ def test_a_spring_without_mass_is_that_far_off(ratio, massless, third):
 
 def test_what_a_degree_and_a_per_cent_do():
     degree = compute_modulus(base() * np.exp(1j * np.pi / 180))
-    told = 100 * (degree.storage / 1e6 - 1)
-    assert told == pytest.approx([0.987, 0.234, 0.016, -0.065], abs=2e-3)
+    message = 100 * (degree.storage / 1e6 - 1)
+    assert message == pytest.approx([0.987, 0.234, 0.016, -0.065], abs=2e-3)
     assert degree.loss_factor == pytest.approx([0.0354, 0.0967, 0.1086, 0.1134], abs=1e-4)
     gain = 100 * (compute_modulus(1.01 * base()).storage / 1e6 - 1)
     assert gain == pytest.approx([-3.45, -0.17, 0.49, 0.76], abs=0.01)
@@ -89,7 +89,7 @@ def test_sensitivities_are_the_slopes(kind, bonded):
     value = base(hz) if kind == "base" else base(hz) / 2e3
     whole, d = compute_modulus(value, hz, of, bonded=bonded), 1e-6
     wide = Disc(0.02 * np.sqrt(1 + d), 0.02)
-    moved = {
+    variants = {
         "by_gain": compute_modulus(value * (1 + d), hz, of, bonded=bonded),
         "by_phase": compute_modulus(value * np.exp(1j * d), hz, of, bonded=bonded),
         "by_mass": compute_modulus(value, hz, of, bonded=bonded, mass=5 * OWN * (1 + d)),
@@ -105,7 +105,7 @@ def test_sensitivities_are_the_slopes(kind, bonded):
         assert whole.by_poisson == pytest.approx(slope, rel=0.05)
     else:
         assert (whole.by_poisson == 0).all()
-    for name, other in moved.items():
+    for name, other in variants.items():
         slope = np.log(other.modulus / whole.modulus) / d
         assert getattr(whole, name) == pytest.approx(slope, abs=1e-4), name
         storage, loss = whole.changes(name.removeprefix("by_"), d)
@@ -120,10 +120,12 @@ def test_a_bonded_cylinder_is_stiffer_than_its_material():
 
 def test_rod_band_is_where_storage_and_loss_are_determined():
     hz = np.arange(10.0, 300.0, 2.0)
-    one = compute_modulus(base(hz), hz, errors=RodErrors(0.003, 0.003, 0.0, 0.0, 0.0))
-    low, high = one.band
+    modulus = compute_modulus(base(hz), hz, errors=RodErrors(0.003, 0.003, 0.0, 0.0, 0.0))
+    low, high = modulus.band
     inside = (hz >= low) & (hz <= high)
-    good = (one.storage_sd < 0.1 * one.storage) & (one.loss_factor_sd < 0.1 * one.loss_factor)
+    good = (modulus.storage_sd < 0.1 * modulus.storage) & (
+        modulus.loss_factor_sd < 0.1 * modulus.loss_factor
+    )
     assert good[inside].all()
     assert low > 10
     assert low < 105 < high
@@ -137,19 +139,22 @@ def test_the_scatter_of_lines_that_come_without_it_is_counted():
     draw = np.random.default_rng(3).standard_normal
     noisy = base(hz) * (1 + 0.02 * (draw(len(hz)) + 1j * draw(len(hz))))
     sure = RodErrors(*[0.0] * 8)
-    one, clean = compute_modulus(noisy, hz, errors=sure), compute_modulus(base(hz), hz, errors=sure)
-    off = (one.storage - 1e6) / one.storage_sd
-    assert 0.9 < np.sqrt(np.mean(off[one.usable] ** 2)) < 1.1
+    modulus, clean = (
+        compute_modulus(noisy, hz, errors=sure),
+        compute_modulus(base(hz), hz, errors=sure),
+    )
+    off = (modulus.storage - 1e6) / modulus.storage_sd
+    assert 0.9 < np.sqrt(np.mean(off[modulus.usable] ** 2)) < 1.1
     assert clean.band == (20.0, 299.0)
-    assert 20 < one.band[0] < one.band[1] < 299
+    assert 20 < modulus.band[0] < modulus.band[1] < 299
 
 
 @pytest.mark.parametrize(("gain", "degrees", "holds"), [(1.02, 2, True), (1.05, 0, False),
                                                          (1.0, 5, False)])  # fmt: skip
 def test_sensors_are_held_against_each_other_at_rest(gain, degrees, holds):
     hz = np.arange(5.0, 300.0, 1.0)
-    one = compute_modulus(gain * base(hz) * np.exp(1j * np.radians(degrees)), hz)
-    assert {check.name: check.passed for check in one.checks}["sensors_agree"] is holds
+    modulus = compute_modulus(gain * base(hz) * np.exp(1j * np.radians(degrees)), hz)
+    assert {check.name: check.passed for check in modulus.checks}["sensors_agree"] is holds
 
 
 # -- rods whose truth is known, .5 % noisy ---------------------------------------------------------
@@ -169,41 +174,42 @@ def noisy_rod(seed, fault=1.0, rocking=0.0, ratio=4.0):
     middle = 0.7 * LINES[np.abs(T).argmax()]
     value = T * (1 + error) * fault + rocking / (1 - (LINES / middle) ** 2 + 0.1j)
     frf = FRF(LINES, value, Kind.TRANSMISSIBILITY, sd=0.005 * np.abs(T), units="SI")
-    one = rod_modulus(frf, PART, mass=ratio * OWN, density=RHO, bonded=False)
+    response = rod_modulus(frf, PART, mass=ratio * OWN, density=RHO, bonded=False)
     return (
-        one,
-        np.interp(one.frequency, LINES, truth.real),
-        np.interp(one.frequency, LINES, truth.imag / truth.real),
+        response,
+        np.interp(response.frequency, LINES, truth.real),
+        np.interp(response.frequency, LINES, truth.imag / truth.real),
     )
 
 
-def use_of(one):
-    return verdict(one.checks).use
+def use_of(fit):
+    return verdict(fit.checks).use
 
 
 @pytest.mark.parametrize("fault", [1.0, 1.02, np.exp(1j * np.radians(1)), np.exp(0.03j)])
 def test_rod_modulus_corrects_sensor_gain_and_phase(fault):
     """Loss and storage hold on nine lines of ten, whatever gain and phase the sensors have."""
     for seed in range(5):
-        one, storage, loss = noisy_rod(seed, fault)
-        near = one.usable
+        model, storage, loss = noisy_rod(seed, fault)
+        near = model.usable
         assert near.sum() > 40
-        for found, truth, sd in (
-            (one.storage, storage, one.storage_sd), (one.loss_factor, loss, one.loss_factor_sd),
-        ):  # fmt: skip
-            assert np.mean(np.abs(found - truth)[near] < 1.96 * sd[near]) >= 0.9
-        assert use_of(one) == "use"
+        for value, truth, sd in (
+            (model.storage, storage, model.storage_sd),
+            (model.loss_factor, loss, model.loss_factor_sd),
+        ):
+            assert np.mean(np.abs(value - truth)[near] < 1.96 * sd[near]) >= 0.9
+        assert use_of(model) == "use"
 
 
 @pytest.mark.parametrize("rocking", [0.05, 0.15])
 def test_a_rocking_mode_is_no_solid(rocking):
     for seed in range(5):
-        one, _, _ = noisy_rod(seed, rocking=rocking)
-        checks = {check.name: check for check in one.checks}
+        fit, _, _ = noisy_rod(seed, rocking=rocking)
+        checks = {check.name: check for check in fit.checks}
         assert checks["one_solid_explains_lines"].failed
-        assert use_of(one) != "use"
-    sound, _, _ = noisy_rod(0)
-    (check,) = [one for one in sound.checks if one.name == "one_solid_explains_lines"]
+        assert use_of(fit) != "use"
+    intact, _, _ = noisy_rod(0)
+    (check,) = [check for check in intact.checks if check.name == "one_solid_explains_lines"]
     assert check.passed
     assert check.value is not None
     assert 0.7 < check.value < 1.4
@@ -213,9 +219,9 @@ def test_rod_modulus_omits_lines_lost_in_noise():
     """Where T is 1 within its noise no modulus is reported; the others stay."""
     value = base(LINES)
     value[:3] = 1 / (1 + 0.9j)
-    one = compute_modulus(value, LINES, errors=CALIBRATED)
-    assert len(one.frequency) <= len(LINES)
-    assert one.modulus[40:] == pytest.approx(E, rel=0.02)
+    modulus = compute_modulus(value, LINES, errors=CALIBRATED)
+    assert len(modulus.frequency) <= len(LINES)
+    assert modulus.modulus[40:] == pytest.approx(E, rel=0.02)
 
 
 def test_refusals():
@@ -242,11 +248,11 @@ def compute_glued_rod(hz, give, ratio=5.0, modulus=E):
 @pytest.mark.parametrize("give", [0.0, 0.06, 0.12])
 def test_intervals_hold_a_rod_on_glue_and_say_so(give):
     hz = np.arange(20.0, 300.0, 1.0)
-    one = compute_modulus(compute_glued_rod(hz, give), hz)
-    usable = one.usable
+    modulus = compute_modulus(compute_glued_rod(hz, give), hz)
+    usable = modulus.usable
     assert np.count_nonzero(usable) > 50
-    off = np.abs(one.storage - 1e6)[usable] / one.storage_sd[usable]
-    loss = np.abs(one.loss_factor - 0.1)[usable] / one.loss_factor_sd[usable]
+    off = np.abs(modulus.storage - 1e6)[usable] / modulus.storage_sd[usable]
+    loss = np.abs(modulus.loss_factor - 0.1)[usable] / modulus.loss_factor_sd[usable]
     assert max(off.max(), loss.max()) < 1.96
     if give == 0.12:
         # moulded to its plates, as its user says, it is known better, and this one is not

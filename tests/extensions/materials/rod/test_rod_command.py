@@ -33,13 +33,13 @@ def shaken(hz=HZ, *, mass=31.4e-3, density=1000.0, elements=80):
     """Base to mass by linear finite elements, the tridiagonal system solved from the base up."""
     area, width = np.pi / 4 * 0.02**2, 0.02 / elements
     E, square = bonded_cylinder(0.25) * rubber(hz), (2 * np.pi * hz) ** 2
-    own = density * area * width * square
-    inner, beside = 2 * E * area / width - 2 * own / 3, -E * area / width - own / 6
-    top = E * area / width - own / 3 - mass * square
-    pivot, load = inner, -beside
+    individual = density * area * width * square
+    inner, neighbour = 2 * E * area / width - 2 * individual / 3, -E * area / width - individual / 6
+    top = E * area / width - individual / 3 - mass * square
+    pivot, load = inner, -neighbour
     for i in range(2, elements + 1):
-        factor = beside / pivot
-        pivot, load = (top if i == elements else inner) - factor * beside, -factor * load
+        factor = neighbour / pivot
+        pivot, load = (top if i == elements else inner) - factor * neighbour, -factor * load
     return load / pivot
 
 
@@ -58,31 +58,31 @@ def read_result(path, *words):
     return json.loads(ran(path, *(words or WORDS), "--json").stdout)
 
 
-def list_failed_checks(found):
-    return {one["name"] for one in found["checks"] if one["passed"] is False}
+def list_failed_checks(result):
+    return {check["name"] for check in result["checks"] if check["passed"] is False}
 
 
-def off(found):
+def off(result):
     """Largest error of storage and of loss factor in the band, relative."""
-    hz = np.array(found["frequency"])
-    used = (hz >= found["band"][0]) & (hz <= found["band"][1])
+    hz = np.array(result["frequency"])
+    used = (hz >= result["band"][0]) & (hz <= result["band"][1])
     truth = rubber(hz)
-    storage = np.array(found["storage"]) / truth.real - 1
-    loss = np.array(found["loss_factor"]) * truth.real / truth.imag - 1
+    storage = np.array(result["storage"]) / truth.real - 1
+    loss = np.array(result["loss_factor"]) * truth.real / truth.imag - 1
     return np.abs(storage[used]).max(), np.abs(loss[used]).max()
 
 
 def test_fit_of_a_rod_file_writes_a_part(tmp_path):
     path = write_transfer(tmp_path / "a.csv", shaken())
     solid, picture = str(tmp_path / "fit.json"), tmp_path / "rod.svg"
-    found = json.loads(ran(path, *WORDS, "--json", "-o", solid, "--plot", str(picture)).stdout)
-    assert found["schema"] == "dashpot/rod@2"
-    assert found["shape_factor"] == pytest.approx(0.25)
-    assert found["verdict"]["verdict_grade"] == "use"
-    low, high = found["band"]
+    document = json.loads(ran(path, *WORDS, "--json", "-o", solid, "--plot", str(picture)).stdout)
+    assert document["schema"] == "dashpot/rod@2"
+    assert document["shape_factor"] == pytest.approx(0.25)
+    assert document["verdict"]["verdict_grade"] == "use"
+    low, high = document["band"]
     assert 50 < low < 100
     assert 190 < high < 400
-    assert max(off(found)) < EXACT
+    assert max(off(document)) < EXACT
     fit = from_json((tmp_path / "fit.json").read_text())
     assert fit.unit == "Pa"
     inside = np.linspace(low, high, 9)
@@ -108,7 +108,7 @@ def test_complex_columns_and_two_accelerometers_tell_the_same(tmp_path):
     spectrum = (draw[0] + 1j * draw[1]) * (lines > 5) * (lines < 900)
     answer = np.zeros(len(lines), complex)
     answer[1:] = shaken(lines[1:], elements=40)
-    base, mass = (1e3 * np.fft.irfft(one, count) for one in (spectrum, spectrum * answer))
+    base, mass = (1e3 * np.fft.irfft(item, count) for item in (spectrum, spectrum * answer))
     table = np.column_stack([np.arange(count) / rate, base, mass])
     np.savetxt(tmp_path / "t.csv", table, delimiter=",", comments="",
                header="time [s],base [m/s^2],mass [m/s^2]")  # fmt: skip
@@ -133,9 +133,9 @@ def test_complex_columns_and_two_accelerometers_tell_the_same(tmp_path):
     ids=["sign", "polarity", "swapped", "relative", "gain", "delay", "rocking"],
 )
 def test_what_is_spoilt_is_named(tmp_path, spoil, names):
-    found = read_result(write_transfer(tmp_path / "a.csv", spoil(shaken())))
-    assert names <= list_failed_checks(found)
-    assert found["verdict"]["verdict_grade"] != "use"
+    result = read_result(write_transfer(tmp_path / "a.csv", spoil(shaken())))
+    assert names <= list_failed_checks(result)
+    assert result["verdict"]["verdict_grade"] != "use"
 
 
 def test_fit_reports_a_folded_phase_and_accepts_an_unwrapped_one(tmp_path):
@@ -163,18 +163,18 @@ def test_masses_far_off_are_named(tmp_path):
 def test_what_no_line_shows_is_a_scale(tmp_path):
     """A mass 10 % off is a modulus some 9.9 % off: nothing in one resonance knows the mass."""
     value = shaken(mass=31.4e-3 / 1.1)
-    found = read_result(write_transfer(tmp_path / "a.csv", value))
-    at = found["frequency"].index(HZ[np.abs(value).argmax()])
-    there = found["storage"][at] / rubber(found["frequency"][at]).real - 1
+    result = read_result(write_transfer(tmp_path / "a.csv", value))
+    at = result["frequency"].index(HZ[np.abs(value).argmax()])
+    there = result["storage"][at] / rubber(result["frequency"][at]).real - 1
     assert there == pytest.approx(0.099, abs=0.01)
 
 
 def test_the_example(tmp_path):
     path = tmp_path / "rod.csv"
     path.write_text(EXAMPLES["rod.csv"](), encoding="utf-8")
-    said = ran(str(path), *WORDS).stdout
-    assert "shape factor 0.25: its ends are bonded, so 1.192" in said
-    assert "known to 10 %" in said
+    stdout = ran(str(path), *WORDS).stdout
+    assert "shape factor 0.25: its ends are bonded, so 1.192" in stdout
+    assert "known to 10 %" in stdout
 
 
 @pytest.mark.parametrize(
@@ -195,15 +195,15 @@ def test_fit_asks_for_missing_or_wrong_rod_input(tmp_path, words, message):
 def test_rest_is_taken_at_its_word_no_further_than_its_lines_scatter():
     """Of lines that scatter by 2 % a few tell a gain to 1 %, which is what was said of it."""
     draw = np.random.default_rng(1).standard_normal
-    left = []
+    gains = []
     for scatter in (0.0, 0.002, 0.02):
         value = shaken(elements=40) * (1 + scatter * (draw(len(HZ)) + 1j * draw(len(HZ))))
         frf = dp.FRF(HZ, 1.004 * value, "transmissibility", units="SI")
-        one = rod_modulus(frf, Disc(0.02, 0.02), mass=31.4e-3, density=1000.0)
-        left.append(one.errors.gain)
-    assert left[0] == pytest.approx(0.003, rel=0.01)
-    assert 0.003 < left[1] < 0.004
-    assert 0.006 < left[2] <= 0.01
+        item = rod_modulus(frf, Disc(0.02, 0.02), mass=31.4e-3, density=1000.0)
+        gains.append(item.errors.gain)
+    assert gains[0] == pytest.approx(0.003, rel=0.01)
+    assert 0.003 < gains[1] < 0.004
+    assert 0.006 < gains[2] <= 0.01
     # who knows the sensors better than rest tells keeps what was said
     sure = RodErrors(gain=0.001, phase=0.001)
     frf = dp.FRF(HZ, shaken(elements=40), "transmissibility", units="SI")
@@ -215,22 +215,27 @@ def test_the_truth_is_inside_the_intervals_as_often_as_they_say():
     """Sensors are off by what is said, which rest tells, and above by .3 % and .3 deg."""
     draw = np.random.default_rng(5).standard_normal
     truth, inside, count = rubber(HZ), np.zeros(2), 200
-    said = RodErrors(length=0.0, area=0.0, poisson=0.0, glue=0.0)
+    rod_errors = RodErrors(length=0.0, area=0.0, poisson=0.0, glue=0.0)
     above_rest = np.interp(HZ, [45, 80], [0, 1])
     for number in range(count):
-        gain, phase, mass, density = draw(4) * [said.gain, said.phase, said.mass, said.density]
-        further, turned = draw(2) * [0.003, np.radians(0.3)]
+        gain, phase, mass, density = draw(4) * [
+            rod_errors.gain,
+            rod_errors.phase,
+            rod_errors.mass,
+            rod_errors.density,
+        ]
+        extra, turned = draw(2) * [0.003, np.radians(0.3)]
         value = shaken(mass=31.4e-3 * (1 + mass), density=1000 * (1 + density), elements=40)
-        value = value * np.exp(gain + 1j * phase + (further + 1j * turned) * above_rest)
+        value = value * np.exp(gain + 1j * phase + (extra + 1j * turned) * above_rest)
         value = value * (1 + 0.005 * (draw(len(HZ)) + 1j * draw(len(HZ))))
-        one = rod_modulus(
+        model = rod_modulus(
             dp.FRF(HZ, value, "transmissibility", units="SI"), Disc(0.02, 0.02),
-            mass=31.4e-3, density=1000.0, errors=said,
+            mass=31.4e-3, density=1000.0, errors=rod_errors,
         )  # fmt: skip
         at = 40 + number % 40  # 100 to 178 Hz
-        known = one.storage_sd[at], one.loss_factor_sd[at]
-        found = one.storage[at], one.loss_factor[at]
+        expected = model.storage_sd[at], model.loss_factor_sd[at]
+        result = model.storage[at], model.loss_factor[at]
         right = truth[at].real, truth[at].imag / truth[at].real
-        inside += [abs(a - b) < 1.96 * sd for a, b, sd in zip(found, right, known, strict=True)]
+        inside += [abs(a - b) < 1.96 * sd for a, b, sd in zip(result, right, expected, strict=True)]
     assert (inside > 0.91 * count).all()
     assert (inside < 0.99 * count).all()
