@@ -155,14 +155,14 @@ def test_a_format_goes_through_every_command(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("labkit")
 def test_plugin_kind_reports_numbers_under_its_name(tmp_path: Path) -> None:
     file = sample(tmp_path / "seal.lab")
-    mask = tmp_path / "peel.json"
+    path = tmp_path / "peel.json"
     words = ("fit", file, "--file-part", "format=labkit", "--kind", "peel")
-    document = run_json(*words, "-o", mask)
+    document = run_json(*words, "-o", path)
     (force,) = document["values"]
     assert (force["name"], force["unit"]) == ("peel_force", "N")
     assert force["value"] == pytest.approx(1.602, abs=1e-3)
     assert "by 'peel' of labkit 0.1.0, not verified by dashpot" in document["verdict"]["message"]
-    again = dp.read(mask)
+    again = dp.read(path)
     assert (again.by, again.found[0].value) == ("labkit 0.1.0", force["value"])
     test = dp.read(file, part={"format": "labkit"}, kind="peel")
     assert dp.fit(test)["peel_force"].value == force["value"]

@@ -368,14 +368,14 @@ def test_a_deck_of_the_page_is_that_of_the_command_line(tmp_path, expected):
     arms = GeneralizedMaxwell(196.4, (117.0, 17.9), (0.5, 16.4))
     fit = a_fit(arms, relative=1e-3, specimen=who)
     page = html(replace(handmade.bench_only(), fit=fit))
-    mask = tmp_path / "fit.json"
-    mask.write_text(to_json(fit))
+    fit_file = tmp_path / "fit.json"
+    fit_file.write_text(to_json(fit))
     result = decks(page)
     assert set(result) == {"model.bdf", "model.inp"}
     commands = re.findall(r"the same as (dashpot export [^<]*)", unescape(page))
     for deck, command in zip(result.values(), commands, strict=True):
         words = shlex.split(command)[2:]
-        message = ran("export", mask, *words[1:])
+        message = ran("export", fit_file, *words[1:])
         assert message.exit_code == 0, message.output
         assert message.stdout == deck
         assert ("OVERRIDE: the test temperature is not stated" in deck) is not expected

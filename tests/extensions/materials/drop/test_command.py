@@ -58,14 +58,14 @@ def test_predict_drop_command_refuses_unsuitable_options(
 # the page of the documents runs the same
 @pytest.mark.slow
 def test_drop_test_is_recognised_fitted_and_predicted_from(folder: Path, tmp_path: Path) -> None:
-    mask = tmp_path / "slam.json"
+    path = tmp_path / "slam.json"
     done = ran(
         "fit", folder / "slam.csv", "--mass", "200g", "--drop", "0.3m/s", "--relaxation",
-        folder / "law.json", "-o", mask,
+        folder / "law.json", "-o", path,
     )  # fmt: skip
     assert "recognised slam.csv: a drop test of a mass on a specimen" in done.stderr
     assert "from three impacts" in done.stdout
-    document = run_json("predict", mask, "--mass", "104g")
+    document = run_json("predict", path, "--mass", "104g")
     assert document["schema"].startswith("dashpot/")
     missing = ran("fit", folder / "slam.csv")
     assert missing.exit_code == 2
