@@ -145,7 +145,7 @@ def test_stamp_states_available_specimen_data():
 def test_matplotlib_is_loaded_for_png_and_pdf_only_and_pyplot_never():
     code = (
         "import sys, dashpot.plot as plot; from kit import handmade\n"
-        "picture = plot.segments(handmade.prepared()); plot.to_svg(picture)\n"
+        "picture = plot.segments(handmade.make_ramp_hold()); plot.to_svg(picture)\n"
         "assert not any(m.startswith('matplotlib') for m in sys.modules)\n"
         "plot.render_figure(picture, '.png', dpi=40)\n"
         "assert 'matplotlib.pyplot' not in sys.modules\n"
