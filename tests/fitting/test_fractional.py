@@ -445,7 +445,9 @@ def test_joint_fit_of_hammer_and_relaxation_is_one_fractional_model() -> None:
     # leaves what the hammer determined
     named_rig_test = press_seal(Seal.fractional(*TRUTHS[0]), machine=NAMED)
     rig = HammerRig(cable=0.0)
-    sure = identify(simulate_hammer_frf(), tests=named_rig_test, family="fractional", rig=rig, **RIG)
+    sure = identify(
+        simulate_hammer_frf(), tests=named_rig_test, family="fractional", rig=rig, **RIG
+    )
     assert holds_truth(sure)
     relaxation_errors = solid_errors(fit(named_rig_test, family="fractional"))
     assert solid_errors(sure)["k_0"] < 0.15 * relaxation_errors["k_0"]
