@@ -303,7 +303,9 @@ def stiffness_panel(
     unseen: StiffnessBounds | None = None,
 ) -> str:
     """Return storage stiffness and loss factor of one seal, with their interval and their bound."""
-    drawn = plot.solid.stiffness(fit, parameters=parameters, unseen=unseen)
+    from dashpot.plot.solid import stiffness
+
+    drawn = stiffness(fit, parameters=parameters, unseen=unseen)
     storage, _, factor = (panel for (panel,) in drawn.strips)
     unit = storage.y.label.rpartition(", ")[2]
     modulus = "E′" if fit.unit == "Pa" else "K′"
