@@ -41,14 +41,14 @@ def some(used_held=0, used=0, doubted_held=0, doubted=0, group="none"):
     ]
 
 
-def test_held_counts_limits_with_their_ends_and_rejects_missing_ones(verdicts):
-    assert verdicts.held(line(k_end=[1.0, 1.0, 2.0]))
-    assert verdicts.held(line(k_end=[0.0, 2.0, 2.0]))
-    assert not verdicts.held(line(k_end=[1.0 + 1e-12, 1.0, 2.0]))
-    assert not verdicts.held(line(k_inf=[0.0, 2.0, 2.0 - 1e-12]))
-    assert not verdicts.held(line(peak_height=[np.nan, 1.0, np.nan]))
-    assert verdicts.held({"error": 0.05, "allowed": 0.05})
-    assert not verdicts.held({"error": 0.0501, "allowed": 0.05})
+def test_holds_truth_counts_limits_with_their_ends_and_rejects_missing_ones(verdicts):
+    assert verdicts.holds_truth(line(k_end=[1.0, 1.0, 2.0]))
+    assert verdicts.holds_truth(line(k_end=[0.0, 2.0, 2.0]))
+    assert not verdicts.holds_truth(line(k_end=[1.0 + 1e-12, 1.0, 2.0]))
+    assert not verdicts.holds_truth(line(k_inf=[0.0, 2.0, 2.0 - 1e-12]))
+    assert not verdicts.holds_truth(line(peak_height=[np.nan, 1.0, np.nan]))
+    assert verdicts.holds_truth({"error": 0.05, "allowed": 0.05})
+    assert not verdicts.holds_truth({"error": 0.0501, "allowed": 0.05})
 
 
 def test_half_widths_are_of_the_truth_and_of_a_logarithm(verdicts):
