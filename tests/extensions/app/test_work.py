@@ -563,14 +563,14 @@ def archived(taken: dict[str, str], name: str) -> str:
         return archive.read(name).decode()
 
 
-def test_a_model_unit_is_that_of_the_command(store, page_job, at_home):
+def test_a_model_unit_is_that_of_the_command(store, page_job, working_folder):
     specimen = {"temperature": "23degC", "length": "100mm"}
     job = page_job | {"joint": False, "impact": [], "mass": "", "specimen": specimen}
     taken = ask("take", store, job=job, what="deck", target="fmu")
     assert taken["name"] == "fmu.fmu"
-    (at_home / "fit.json").write_text(ask("take", store, job=job, what="fit")["text"])
+    (working_folder / "fit.json").write_text(ask("take", store, job=job, what="fit")["text"])
     ran("export", "fit.json", "--unit-system", "mm-t-s", "--to", "fmu", "-o", "seal.fmu")
-    with zipfile.ZipFile(at_home / "seal.fmu") as archive:
+    with zipfile.ZipFile(working_folder / "seal.fmu") as archive:
         assert set(archive.namelist()) >= {"modelDescription.xml", "sources/model.h"}
         for name in archive.namelist():
             if name.endswith((".xml", ".h", ".c")):
