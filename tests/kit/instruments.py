@@ -274,6 +274,7 @@ def write_format_examples(folder: Path) -> dict[str, bytes]:
     arrays = {"time_s": np.arange(9.0), "force_N": np.arange(9.0)}
     savemat(folder / "mat", {**arrays, "s": {"data": np.eye(3), "unit": "mm"}, "c": [1j, "a"]})
     savemat(folder / "mat packed", arrays, do_compression=True)
+    savemat(folder / "mat 4", arrays, format="4")
     with h5py.File(folder / "hdf5", "w") as file:
         for name, values in arrays.items():
             file.create_dataset(f"run/{name}", data=values, compression=1).attrs["unit"] = "s"

@@ -20,6 +20,7 @@ from dashpot.extensions.formats.ati import AXES
 from dashpot.extensions.projects import history, verification
 from dashpot.extensions.projects import project as folder
 from dashpot.extensions.projects.verification import find_largest_difference, same_page, verify
+from dashpot.extensions.projects.verification_checks import SAME
 from dashpot.reading.read_options import ReadOptions, load_profile
 from dashpot.reading.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -455,6 +456,28 @@ def test_verify_detects_non_finite_numbers(project_copy, word):
     listed["sha256"] = history.sha256(place.read_bytes())
     rewritten(project_copy, lines)
     assert failures(project_copy) == ["result_recomputed"]
+
+
+def test_find_largest_difference_leaves_what_rounding_decides():
+    """Of arms of one time constant only the sum is determined; a gap of 1e-14 has no digits."""
+
+    def write_model(*arms):
+        keys = ("k", "tau", "b")
+        return {"model": {"arms": [dict(zip(keys, arm, strict=True)) for arm in arms]}}
+
+    one = write_model((1.0, 0.1, 0.1), (2.0, 0.1, 0.2), (5.0, 2.0, 10.0))
+    other = write_model((1.5, 0.1, 0.15), (1.5, 0.1 + 1e-9, 0.15), (5.0, 2.0, 10.0))
+    merged = write_model((3.0, 0.1, 0.3), (5.0, 2.0, 10.0))
+    assert find_largest_difference(one, other)[0] < SAME
+    assert find_largest_difference(one, merged)[0] < SAME
+    apart = write_model((1.5, 0.1, 0.15), (1.5, 0.1001, 0.15), (5.0, 2.0, 10.0))
+    assert find_largest_difference(one, apart)[0] > SAME
+    more = write_model((1.5, 0.1, 0.15), (1.51, 0.1, 0.151), (5.0, 2.0, 10.0))
+    assert find_largest_difference(one, more)[0] > SAME
+    gaps = [{"certificate": {"gap": gap}} for gap in (5.0e-14, 5.1e-14, 1e-3, np.nan)]
+    assert find_largest_difference(*gaps[:2])[0] < SAME
+    assert find_largest_difference(*gaps[1:3])[0] > SAME
+    assert find_largest_difference(*gaps[2:])[0] == np.inf
 
 
 def test_find_largest_difference_distinguishes_true_from_one(project_copy):

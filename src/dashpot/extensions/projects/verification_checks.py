@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from dashpot.base.checks import Finding, Remedy, criterion
 
-SAME = 1e-7
+SAME = 1e-6
 """Relative difference up to which a number that was computed again is the same."""
 LISTED = 20
 """Files that a sentence names before it counts the rest."""
