@@ -28,6 +28,7 @@ from dashpot.planning.checks import format_percent
 from dashpot.planning.expected_errors import (
     ExpectedArm,
     ExpectedError,
+    expected_end,
     expected_error,
     half_sine,
     hammer_rows,
@@ -126,6 +127,47 @@ def test_the_sensitivities_are_slopes_of_the_force() -> None:
     late = -np.subtract(*later) / 2e-6
     smooth = np.abs(t - 0.5) > 1e-3  # where the plate stops a delay has no slope
     assert J[smooth, -1] == pytest.approx(late[smooth], rel=1e-5, abs=1e-7)
+
+
+@pytest.mark.parametrize("method", ["full", "hold"])
+@pytest.mark.parametrize(("ramp_time", "rate"), [(1.0, 1000.0), (0.05, 2000.0), (5.0, 50.0)])
+def test_rows_of_grouped_samples_hold_the_information_of_all(
+    method: str, ramp_time: float, rate: float
+) -> None:
+    """For every direction of the parameters, determined or not, with effects of the rig."""
+    model = PAPER + GeneralizedMaxwell(0.0, (33.0,), (0.0125,))
+    bench = Bench(8e-3, ramp_time, 40.0, rate, 5e-3, method, 1.0, Machine())
+    rows, unmeasured = bench.rows(model)
+    time, columns = bench.time(), bench.sensitivity(model)
+    effects = bench.unmeasured_effects(model, time, columns[:, 1 : 1 + model.arms])
+    prior_rows = np.eye(columns.shape[1])[1 + 2 * model.arms :] / bench.prior_sd(model)[:, None]
+    every = np.vstack((columns / bench.noise, prior_rows))
+    scale = np.linalg.norm(every, axis=0)
+    inverses = [np.linalg.pinv(matrix / scale) for matrix in (rows, every)]
+    covariances = [inverse @ inverse.T for inverse in inverses]
+    deviations = np.sqrt(np.diag(covariances[1]))
+    difference = (covariances[0] - covariances[1]) / np.outer(deviations, deviations)
+    assert np.abs(difference).max() < 1e-3
+    shifts = [
+        inverses[0] @ unmeasured,
+        inverses[1] @ np.pad(effects / bench.noise, ((0, len(prior_rows)), (0, 0))),
+    ]
+    assert np.abs(shifts[0] - shifts[1]).max() < 1e-3 * np.abs(shifts[1]).max()
+
+
+def test_no_error_is_zero_where_little_is_determined() -> None:
+    """Of 122 samples and a ramp of one: the limit was 0 where its terms cancelled."""
+    model = GeneralizedMaxwell(
+        370.3120776317598,
+        (284.1073427241991, 108.20050472147489, 66.25896222420332, 57.99801709931713),
+        (0.019842149200051208, 7.887791391853817, 15.887744532502307, 38.65011183173403),
+    )
+    bench = Bench(
+        depth=8e-3, ramp_time=0.04757466916304349, hold_time=4.305161040811437,
+        rate=28.31379301182, noise=5e-3,
+    )  # fmt: skip
+    end = expected_end(model, bench)
+    assert 1e-3 < end.if_machine_named <= end.half_width < 0.1
 
 
 def test_planned_priors_equal_those_of_the_fit() -> None:

@@ -111,28 +111,27 @@ def expected_error(
         extra = np.zeros((len(hammer), rows.shape[1] - parameter_count))
         rows = np.hstack((np.vstack((rows, np.hstack((hammer[:, :-1], extra)))), mass))
         unmeasured = np.pad(unmeasured, ((0, len(hammer)), (0, 0)))
-    covariance = _compute_covariance(rows, unmeasured)
+    errors = _compute_errors(rows, unmeasured)
     storage, loss_factor, gradients = _compute_gradients(model, at)
-    standard_deviations = [
-        float(np.sqrt(max(row @ covariance @ row, 0.0)))
-        for row in np.pad(gradients, ((0, 0), (0, len(covariance) - gradients.shape[1])))
-    ]
+    sd = np.linalg.norm(gradients @ errors[: gradients.shape[1]], axis=1)
     return ExpectedError(
         method=bench.method if hammer is None else "joint",
         ramp_time=bench.ramp_time,
         hold_time=bench.hold_time,
-        storage_sd=standard_deviations[0] / storage,
-        loss_factor_sd=standard_deviations[1] / loss_factor,
-        arm_sd=None if arm is None else float(np.sqrt(covariance[1 + arm, 1 + arm])) / model.k[arm],
+        storage_sd=float(sd[0]) / storage,
+        loss_factor_sd=float(sd[1]) / loss_factor,
+        arm_sd=None if arm is None else float(np.linalg.norm(errors[1 + arm])) / model.k[arm],
         repeated=tuple(repeat.temperature for repeat in repeats),
     )
 
 
-def _compute_covariance(rows: FloatArray, unmeasured: FloatArray) -> FloatArray:
-    r"""Return the covariance of the parameters, with the shifts by unmeasured effects c.
+def _compute_errors(rows: FloatArray, unmeasured: FloatArray) -> FloatArray:
+    r"""Return independent errors E of the parameters, shape (p, m), and so their covariance E E'.
 
-    .. math:: C = (J'J)^{-1} + \sum_c \delta\theta\,\delta\theta', \qquad
+    .. math:: E E' = (J'J)^{-1} + \sum_c \delta\theta\,\delta\theta', \qquad
               \delta\theta = (J'J)^{-1} J' c
+
+    The last columns are the shifts by unmeasured effects c, one standard deviation each.
 
     A fit does not estimate the compliance of its machine: it is shifted by it. Directions without
     information get a very large variance.
@@ -143,7 +142,7 @@ def _compute_covariance(rows: FloatArray, unmeasured: FloatArray) -> FloatArray:
     values = np.maximum(values, SINGULAR * values[0])
     root = vectors.T / values / scale[:, None]
     shifts = root @ (left_vectors.T @ unmeasured)
-    return np.asarray(root @ root.T + shifts @ shifts.T)
+    return np.hstack((root, shifts))
 
 
 def _compute_gradients(model: GeneralizedMaxwell, at: float) -> tuple[float, float, FloatArray]:
@@ -203,7 +202,7 @@ def _compute_arm_half_widths(model: GeneralizedMaxwell, bench: Bench) -> FloatAr
     """Return relative half widths of k, tau and b of every arm, shape (N, 3)."""
     n = model.arms
     arms = slice(1, 1 + 2 * n)
-    covariance = _compute_covariance(*bench.rows(model))[arms, arms]
+    errors = _compute_errors(*bench.rows(model))[arms]
     inverse_k, identity = np.diag(1 / np.asarray(model.k)), np.eye(n)
     zeros = np.zeros((n, n))
     transformation = np.vstack(
@@ -213,8 +212,7 @@ def _compute_arm_half_widths(model: GeneralizedMaxwell, bench: Bench) -> FloatAr
             np.hstack((inverse_k, identity)),
         )
     )
-    variance = np.einsum("ij,jk,ik->i", transformation, covariance, transformation)
-    return np.asarray(NORMAL * np.sqrt(np.maximum(variance, 0.0)).reshape(3, n).T)
+    return np.asarray(NORMAL * np.linalg.norm(transformation @ errors, axis=1).reshape(3, n).T)
 
 
 def _name_machine(bench: Bench, *names: str) -> Bench:
@@ -293,10 +291,8 @@ def _compute_end_half_width(model: GeneralizedMaxwell, bench: Bench) -> float:
     age = bench.hold_time / tau
     gradient = np.concatenate(([1.0], np.exp(-age), k * age * np.exp(-age)))
     gradient = np.pad(gradient, (0, augmented_rows.shape[1] - len(gradient)))
-    variance = float(
-        gradient @ _compute_covariance(augmented_rows, augmented_rows[:, :0]) @ gradient
-    )
-    return float(np.sqrt(STANDS * max(variance, 0.0)))
+    errors = _compute_errors(augmented_rows, augmented_rows[:, :0])
+    return float(np.sqrt(STANDS) * np.linalg.norm(gradient @ errors))
 
 
 # -- the hammer ------------------------------------------------------------------------------------

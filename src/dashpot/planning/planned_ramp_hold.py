@@ -19,6 +19,8 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # an unmeasured effect is smooth: number of nodes over the ramp, and over the hold
 _NODE_COUNT = 300
+# of its age that a group of samples may last: they weigh as one, to 1e-4 of an error
+_GROUP_DURATION = 0.005
 # warming in a chamber over that in a room, one standard deviation
 _CHAMBER_WARMING_SD = USUAL["warming in a chamber"].size / USUAL["warming"].size
 
@@ -75,12 +77,22 @@ class Bench(PlannedRamp):
         t = np.arange(1, count + 1) / self.rate
         return t if self.method == "full" else t[t >= self.ramp_time * (1 - 1e-12)]
 
-    def sensitivity(self, model: GeneralizedMaxwell) -> FloatArray:
+    def _group_samples(self) -> tuple[FloatArray, FloatArray]:
+        """Return mean times, s, and numbers of samples of groups that see the same, shape (m,)."""
+        t = self.time()
+        is_held = t > self.ramp_time
+        age = t - self.ramp_time * is_held
+        groups = np.floor(np.log(age * self.rate) / _GROUP_DURATION) + np.where(is_held, 1e6, 0.0)
+        starts = np.flatnonzero(np.diff(groups, prepend=-np.inf))
+        counts = np.diff(starts, append=len(t))
+        return np.add.reduceat(t, starts) / counts, counts
+
+    def sensitivity(self, model: GeneralizedMaxwell, time: FloatArray | None = None) -> FloatArray:
         r"""Return J = dF / d(k_inf, k, ln tau[, offset, drift[, delay]]), shape (n, p), N per unit.
 
-        The offset is that at the middle of the baseline.
+        The offset is that at the middle of the baseline; `time` (n,) is that of every sample.
         """
-        t = self.time()
+        t = self.time() if time is None else time
         speed = self.depth / self.ramp_time
         tau, k = np.asarray(model.tau), np.asarray(model.k)
         ramp_age = np.minimum(t, self.ramp_time)[:, None]
@@ -93,7 +105,7 @@ class Bench(PlannedRamp):
         if self.machine is not None:
             columns += [np.ones((len(t), 1)), self._compute_time_since_baseline(t)]
             if self.method == "full":
-                columns.append(self._compute_delay_sensitivity(model, columns[1]))
+                columns.append(self._compute_delay_sensitivity(model, t, columns[1]))
         return np.hstack(columns)
 
     def _compute_time_since_baseline(self, t: FloatArray) -> FloatArray:
@@ -101,13 +113,13 @@ class Bench(PlannedRamp):
         return (t + 0.5 * self.baseline)[:, None]
 
     def _compute_delay_sensitivity(
-        self, model: GeneralizedMaxwell, by_arms: FloatArray
+        self, model: GeneralizedMaxwell, t: FloatArray, by_arms: FloatArray
     ) -> FloatArray:
         """Return the derivative of the force by a delay, N/s, shape (n, 1), from columns of arms.
 
         The force of an arm rises at k times the speed of the plate, less itself over tau.
         """
-        t, speed = self.time(), self.depth / self.ramp_time
+        speed = self.depth / self.ramp_time
         is_moving = t <= self.ramp_time if self.method == "full" else np.zeros(len(t), dtype=bool)
         relaxation_rate = by_arms @ (np.asarray(model.k) / np.asarray(model.tau))
         return np.asarray(relaxation_rate - speed * model.k_0 * is_moving)[:, None]
@@ -144,8 +156,9 @@ class Bench(PlannedRamp):
         A fit of `several` temperatures estimates the warming of the seal, and its errors leave out
         earlier presses.
         """
-        columns, prior_rows = self.sensitivity(model), np.zeros((0, 0))
-        unmeasured = self.unmeasured_effects(model, columns[:, 1 : 1 + model.arms])
+        time, counts = self._group_samples()
+        columns, prior_rows = self.sensitivity(model, time), np.zeros((0, 0))
+        unmeasured = self.unmeasured_effects(model, time, columns[:, 1 : 1 + model.arms])
         if self.machine is not None:
             sd = self.prior_sd(model)
             if several:
@@ -154,21 +167,23 @@ class Bench(PlannedRamp):
                 unmeasured = unmeasured[:, 2:]
             prior_rows = np.diag(1 / np.maximum(sd, 1e-300))
         count = columns.shape[1]
-        triangle = np.asarray(np.linalg.qr(np.hstack((columns, unmeasured)), mode="r")) / self.noise
+        weighted = np.hstack((columns, unmeasured)) * np.sqrt(counts)[:, None]
+        triangle = np.asarray(np.linalg.qr(weighted, mode="r")) / self.noise
         priors = np.pad(prior_rows, ((0, 0), (count - len(prior_rows), 0)))
         return PlannedRows(
             np.vstack((triangle[:, :count], priors)),
             np.pad(triangle[:, count:], ((0, len(prior_rows)), (0, 0))),
         )
 
-    def unmeasured_effects(self, model: GeneralizedMaxwell, by_arms: FloatArray) -> FloatArray:
+    def unmeasured_effects(
+        self, model: GeneralizedMaxwell, time: FloatArray, by_arms: FloatArray
+    ) -> FloatArray:
         """Return forces of climate and machine that the fit does not estimate, N, shape (n, d).
 
         Each column is one standard deviation: the first of a seal that warms, the second of one
-        that was pressed before. `by_arms` are the sensitivities to k. The crosshead is assumed to
-        settle by less than the resolution of its encoder.
+        that was pressed before. `by_arms` are the sensitivities to k at each `time`. The crosshead
+        is assumed to settle by less than the resolution of its encoder.
         """
-        time = self.time()
         if self.machine is None:
             return np.zeros((len(time), 0))
         machine, held = self.machine, self.ramp_time * 1e-3
@@ -191,7 +206,8 @@ class Bench(PlannedRamp):
         _, fitted_drift_sd, free_drift_sd = self._compute_offset_and_drift_sd(model)
         if self.method == "hold":
             columns.append(
-                self._compute_delay_sensitivity(model, by_arms) * machine.delay_sd(1 / self.rate)
+                self._compute_delay_sensitivity(model, time, by_arms)
+                * machine.delay_sd(1 / self.rate)
             )
         else:
             # the part of the drift that the prior of the fit excludes
