@@ -18,7 +18,7 @@ from kit.lots import draw_rows, lot_of
 from kit.shell import ran
 
 from dashpot import workflow
-from dashpot.base.units import find_unit, parse_column_title
+from dashpot.base.units import find_unit
 from dashpot.datamodel.fit import list_arm_values, list_known_values
 from dashpot.extensions.amplitude import page as level
 from dashpot.extensions.amplitude import text as amplitude_text
@@ -27,6 +27,7 @@ from dashpot.extensions.app import view_models
 from dashpot.extensions.batch import page
 from dashpot.extensions.batch import table_row as row
 from dashpot.extensions.batch.limits import read_limits
+from dashpot.extensions.batch.quantities import parse_column_title
 from dashpot.extensions.batch.summary import summary
 from dashpot.extensions.materials.cld.fit_files import cld_files
 from dashpot.extensions.materials.hyperelastic.fit_files import hyperelastic_files

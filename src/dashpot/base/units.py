@@ -303,9 +303,6 @@ _READ = MappingProxyType({
 _FINE = MappingProxyType({"N": "mN", "N/s": "mN/s", "s": "ms"})
 """That of what is small of its kind: a tare, a drift, a delay."""
 
-_OF_COLUMNS = ("N/m", "Hz", "Pa", "s", "m", "N", "kg")
-"""Those that a column may end in, the longer ones first."""
-
 
 def parse_quantity(text: str, dimension: Dimension) -> float:
     """Return the SI value of a quantity such as ``"104g"``, ``"12.71 Hz"`` or ``"8mm"``.
@@ -390,17 +387,6 @@ def column(name: str, unit: str) -> str:
     return f"{name}_{unit.replace('/', '_per_')}" if unit else name
 
 
-def parse_column_title(title: str) -> tuple[str, str]:
-    """Return the name of a column of such a table, and its unit.
-
-    >>> parse_column_title("k_inf_N_per_m"), parse_column_title("tau_1_s"), parse_column_title(
-    ...     "damping_ratio")
-    (('k_inf', 'N/m'), ('tau_1', 's'), ('damping_ratio', ''))
-    """
-    unit = next((name for name in _OF_COLUMNS if title.endswith(column("", name))), "")
-    return (title.removesuffix(column("", unit)) if unit else title), unit
-
-
 @overload
 def convert_to_unit(value: float, unit: str) -> float: ...
 @overload
@@ -444,25 +430,6 @@ def format_quantity(value: float, unit: str, form: str = ".4g") -> str:
 def celsius(temperature: float) -> str:
     """Return a temperature, K, as a sentence says it."""
     return format_quantity(temperature, "degC")
-
-
-def format_command_quantity(value: float, dimension: Dimension) -> str:
-    """Return an SI value as it is typed: a text that :func:`parse_quantity` gives back exactly.
-
-    In the unit that people use where that loses no digit, else in the SI unit.
-
-    >>> format_command_quantity(0.1148, "mass"), format_command_quantity(296.15,
-    ...     "temperature"), format_command_quantity(1 / 3, "length")
-    ('114.8g', '23degC', '0.3333333333333333m')
-    >>> format_command_quantity(0.01, "strain"), format_command_quantity(1 / 3, "strain")
-    ('1%', '0.3333333333333333m/m')
-    """
-    # behind a number the unit 1 is a digit more
-    share = dimension == "strain"
-    plain = parse_unit("m/m", dimension) if share else si_unit(dimension)
-    usual = find_unit("%" if share else _USUAL.get(dimension, ""), dimension) or plain
-    text = f"{(value - usual.offset) / usual.factor:.12g}{usual.word}"
-    return text if parse_quantity(text, dimension) == value else f"{value!r}{plain.word}"
 
 
 @overload

@@ -148,11 +148,6 @@ class ModeShape(EqualByValue):
     residue_se: FloatArray
     misfit: float
 
-    @property
-    def normalised_residues(self) -> ComplexArray:
-        """Residues over that of the point that moves most, shape (points,)."""
-        return np.asarray(self.residues / self.residues[np.argmax(np.abs(self.residues))])
-
 
 # Free modes, from a finite element code or a modal test.
 

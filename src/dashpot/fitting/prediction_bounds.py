@@ -18,6 +18,7 @@ from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
 from dashpot.datamodel.fit import Fit, get_fewest_arms_model
 from dashpot.datamodel.frf import Kind
 from dashpot.datamodel.parameter_estimate import ELEMENT, parameter_names
+from dashpot.numerics.quasirandom import draw_normal
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.mass_on_seals import MassOnSeals
@@ -113,7 +114,6 @@ def _build_solid(fit: Fit, here: FloatArray, there: FloatArray) -> Solid:
 
 
 DRAWS = 400
-SEED = 20061
 # what an unidentified ln tau or relative stiffness may do in a draw
 UNKNOWN = 3.0
 # the resonance is sought within this factor of the fit's own
@@ -373,7 +373,7 @@ def _draws(mean: FloatArray, covariance: FloatArray, widest: FloatArray) -> Floa
     lost = ~np.isfinite(variance) | (variance > widest**2)
     covariance[lost, :] = covariance[:, lost] = 0.0
     covariance[lost, lost] = widest[lost] ** 2
-    normal = np.random.default_rng(SEED).standard_normal((DRAWS, len(mean)))
+    normal = draw_normal(DRAWS, len(mean))
     return np.asarray(mean + normal @ compute_covariance_root(covariance))
 
 

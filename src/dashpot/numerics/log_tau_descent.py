@@ -15,6 +15,7 @@ from dashpot.numerics.design_matrices.block import DataBlock, stiffnesses
 from dashpot.numerics.least_squares import FINISHED, LocalOptimum, Objective, triangle
 from dashpot.numerics.least_squares import descend as descend_problem
 from dashpot.numerics.nonnegative_least_squares import nonnegative, nonnegative_columns
+from dashpot.numerics.quasirandom import fill_unit_cube
 
 # Descent in ln tau, linear parameters solved exactly.
 
@@ -627,13 +628,7 @@ def make_partition_starts(
 
 
 def draw_quasirandom_starts(stack: Stack, arms: int, count: int, seed: int) -> list[FloatArray]:
-    """Quasi-random starts that fill the window: a Kronecker sequence, shifted by the seed."""
-    # the generalized golden ratio: the real root of x^(d+1) = x + 1
-    ratio = 2.0
-    for _ in range(60):
-        ratio = (1 + ratio) ** (1 / (arms + 1))
-    shift = np.random.default_rng(seed).random(arms)
-    steps = ratio ** -np.arange(1, arms + 1)
-    unit = (shift + np.arange(1, count + 1)[:, None] * steps) % 1.0
+    """Return quasi-random starts that fill the window, shifted by the seed."""
+    points = fill_unit_cube(count, arms, np.random.default_rng(seed).random(arms))
     low, high = stack.bounds
-    return [np.sort(low + (high - low) * row) for row in unit]
+    return [np.sort(low + (high - low) * row) for row in points]

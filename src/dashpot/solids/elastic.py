@@ -130,11 +130,6 @@ class ElasticLaw(Serialisable):
         return self.stiffness * self.factor(x)
 
     @property
-    def without_evidence(self) -> TangentTable:
-        """What follows of it alone."""
-        return TangentTable(self.kind, self.knots, self.tangents)
-
-    @property
     def tangents(self) -> FloatArray:
         """Tangent stiffness at the knots, N/m."""
         return self.tangent(self.knots)

@@ -302,13 +302,13 @@ def test_a_lone_damper_makes_shapes_complex(damper):
     for mode in modes:
         i = int(np.argmin(np.abs(poles - mode.mode.pole)))
         assert abs(mode.mode.pole / poles[i] - 1) < 1e-4
-        assert phase_collinearity(mode.normalised_residues) == pytest.approx(
+        assert phase_collinearity(mode.residues) == pytest.approx(
             phase_collinearity(residues[:, i]), abs=1e-3
         )
-        assert phase_deviation(mode.normalised_residues) == pytest.approx(
+        assert phase_deviation(mode.residues) == pytest.approx(
             phase_deviation(residues[:, i]), abs=2e-3
         )
-    least = min(phase_collinearity(item.normalised_residues) for item in modes)
+    least = min(phase_collinearity(item.residues) for item in modes)
     assert least > 0.999 if damper < 1 else least < 0.98
 
 

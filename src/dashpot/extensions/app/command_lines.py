@@ -9,7 +9,14 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of
-from dashpot.base.units import format_command_quantity
+from dashpot.base.units import (
+    Dimension,
+    find_unit,
+    get_default_unit,
+    parse_quantity,
+    parse_unit,
+    si_unit,
+)
 from dashpot.datamodel.frf import FRF
 from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.job import Job, replace_paths
@@ -79,6 +86,25 @@ def texts_of(attribute: Field[Any], value: Any) -> list[str]:
         return [format_command_quantity(item, how["unit"]) for item in several]
     return [repr(number).removesuffix(".0") if isinstance(number, float) else str(number)
             for number in several]  # fmt: skip
+
+
+def format_command_quantity(value: float, dimension: Dimension) -> str:
+    """Return an SI value as it is typed: a text that is read as exactly this value.
+
+    In the unit that people use where that loses no digit, else in the SI unit.
+
+    >>> format_command_quantity(0.1148, "mass"), format_command_quantity(296.15,
+    ...     "temperature"), format_command_quantity(1 / 3, "length")
+    ('114.8g', '23degC', '0.3333333333333333m')
+    >>> format_command_quantity(0.01, "strain"), format_command_quantity(1 / 3, "strain")
+    ('1%', '0.3333333333333333m/m')
+    """
+    # behind a number the unit 1 is a digit more
+    share = dimension == "strain"
+    plain = parse_unit("m/m", dimension) if share else si_unit(dimension)
+    usual = find_unit("%" if share else get_default_unit(dimension), dimension) or plain
+    text = f"{(value - usual.offset) / usual.factor:.12g}{usual.word}"
+    return text if parse_quantity(text, dimension) == value else f"{value!r}{plain.word}"
 
 
 # A job as the command that is typed for it, so that what a page shows can be repeated.

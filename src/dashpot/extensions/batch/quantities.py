@@ -12,10 +12,10 @@ from dashpot.base.number_format import format_cell
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import (
     Dimension,
+    column,
     convert_to_unit,
     find_unit,
     get_display_unit,
-    parse_column_title,
 )
 
 _WORDS = {
@@ -32,6 +32,20 @@ _WORDS = {
     "indent_modulus": "modulus under the indenter", "restitution": "restitution",
 }  # fmt: skip
 _KINDS = {"storage": "storage stiffness", "loss": "loss stiffness", "loss_factor": "loss factor"}
+
+_COLUMN_UNITS = ("N/m", "Hz", "Pa", "s", "m", "N", "kg")
+"""Units that a column may end in, the longer ones first."""
+
+
+def parse_column_title(title: str) -> tuple[str, str]:
+    """Return the name of a column of a lot, and its unit.
+
+    >>> parse_column_title("k_inf_N_per_m"), parse_column_title("tau_1_s"), parse_column_title(
+    ...     "damping_ratio")
+    (('k_inf', 'N/m'), ('tau_1', 's'), ('damping_ratio', ''))
+    """
+    unit = next((name for name in _COLUMN_UNITS if title.endswith(column("", name))), "")
+    return (title.removesuffix(column("", unit)) if unit else title), unit
 
 
 class Quantity(NamedTuple):

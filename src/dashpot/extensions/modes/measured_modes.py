@@ -275,8 +275,9 @@ def _is_driven(name: str) -> bool:
 def _build_measured_mode(
     mode_shape: ModeShape, chart: Stabilisation, points: Sequence[str]
 ) -> MeasuredMode:
-    mode, shape = mode_shape.mode, mode_shape.normalised_residues
-    errors = mode_shape.residue_se / np.abs(mode_shape.residues).max()
+    mode = mode_shape.mode
+    largest = mode_shape.residues[np.argmax(np.abs(mode_shape.residues))]
+    shape, errors = mode_shape.residues / largest, mode_shape.residue_se / abs(largest)
     return MeasuredMode(
         mode.frequency,
         mode.damping_ratio,

@@ -308,7 +308,7 @@ def _compute_relative_difference(text: Any, again: Any) -> float:
 def _compute_gap_difference(gap: Any, again: Any) -> float:
     """Return the difference of two gaps, which are fractions: all digits of a small one round."""
     if _is_number(gap) and _is_number(again) and math.isfinite(gap) and math.isfinite(again):
-        return abs(gap - again)
+        return float(abs(gap - again))
     return _compute_relative_difference(gap, again)
 
 

@@ -22,7 +22,7 @@ from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import format_quantity
 from dashpot.base.value_ranges import refuse_absurd_record
 from dashpot.datamodel.specimen import Specimen
-from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.elastic import ElasticLaw, TangentTable
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 PER = 0.1
@@ -457,7 +457,7 @@ class RelaxedLaw(Serialisable):
     """
 
     _keys = (
-        Key("elastic_law", "law.without_evidence"),
+        Key("elastic_law", "tangent_table"),
         Key("force_se", "knot_se"),
         "residual",
         "hysteresis",
@@ -473,6 +473,11 @@ class RelaxedLaw(Serialisable):
     softening: float
     checks: tuple[Check, ...] = ()
     others: tuple[ElasticLaw, ...] = ()
+
+    @property
+    def tangent_table(self) -> TangentTable:
+        """The elastic law by its tangent stiffness at the knots."""
+        return TangentTable(self.law.kind, self.law.knots, self.law.tangents)
 
     @property
     def knot_se(self) -> tuple[float, ...]:
@@ -521,7 +526,7 @@ class RateLaw(EqualByValue, Serialisable):
     """
 
     _keys = (
-        Key("elastic_law", "law.without_evidence"),
+        Key("elastic_law", "tangent_table"),
         "knots",
         "damping",
         "damping_se",
@@ -542,6 +547,11 @@ class RateLaw(EqualByValue, Serialisable):
     residual: float
     bic: float
     checks: tuple[Check, ...] = ()
+
+    @property
+    def tangent_table(self) -> TangentTable:
+        """The elastic law by its tangent stiffness at the knots."""
+        return TangentTable(self.law.kind, self.law.knots, self.law.tangents)
 
     @property
     def arms(self) -> tuple[RateArm, ...]:
