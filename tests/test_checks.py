@@ -1910,8 +1910,8 @@ PROJECTS = [
     Case(
         "former_result_recomputed",
         lambda x: verification_checks.former_result_recomputed(x, "k", 1, "0.1"),
-        0.99e-7,
-        1.01e-7,
+        0.99e-6,
+        1.01e-6,
     ),
     Case(
         "uncertainty_unrevised",
@@ -1924,8 +1924,8 @@ PROJECTS = [
     Case(
         "result_recomputed",
         lambda x: verification_checks.result_recomputed(x, "k", 1),
-        0.99e-7,
-        1.01e-7,
+        0.99e-6,
+        1.01e-6,
     ),
 ]
 
@@ -2347,7 +2347,7 @@ LIMITS = {
         "modes_stable": 5, "modes_explain_lines": 4, "points_share_modes": 0.2,
     },
     "extensions/projects": {
-        "result_recomputed": 1e-7, "former_result_recomputed": 1e-7, "uncertainty_unrevised": 0,
+        "result_recomputed": 1e-6, "former_result_recomputed": 1e-6, "uncertainty_unrevised": 0,
         "history_present": 1,
         "files_listed": 0, "page_redrawn": 0, "history_whole": 0, "nothing_half_written": 0,
     },

@@ -20,8 +20,8 @@ pytestmark = [pytest.mark.fuzz, pytest.mark.usefixtures("mutants")]
 
 
 FORMATS = (
-    "arrow", "hdf5", "hdf5 links", "lvm", "lvm clocks", "mat", "mat packed", "mdf", "mdf 3",
-    "mdf unsorted", "ods", "parquet", "tdms", "uff", "uff frf", "wav", "xls", "xlsx",
+    "arrow", "hdf5", "hdf5 links", "lvm", "lvm clocks", "mat", "mat 4", "mat packed", "mdf",
+    "mdf 3", "mdf unsorted", "ods", "parquet", "tdms", "uff", "uff frf", "wav", "xls", "xlsx",
 )  # fmt: skip
 TRIOS = {"Properties": {"Name": "a"}, "Results": [
     {"columns": [{"name": "Time", "unit": "s"}, {"name": "Gap"}], "values": [[1, 2], [2, 3], [3]]},
