@@ -417,12 +417,14 @@ def test_a_result_fits_the_terminal_that_shows_it(monkeypatch):
     check = Check("a_check", False, sentence)
     message = text, verdict([check]), [check]
     monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
-    monkeypatch.setattr("shutil.get_terminal_size", lambda fallback=(80, 24): os.terminal_size((80, 24)))
+    small = os.terminal_size((80, 24))
+    monkeypatch.setattr("shutil.get_terminal_size", lambda fallback=(80, 24): small)
     lines = format_for_screen(*message, size=_terminal.screen())
     assert max(map(len, lines)) <= 80
     assert len(lines) + _terminal.BESIDE <= 24
     assert lines[-1].strip() == "more with -v"
-    monkeypatch.setattr("shutil.get_terminal_size", lambda fallback=(80, 24): os.terminal_size((300, 90)))
+    large = os.terminal_size((300, 90))
+    monkeypatch.setattr("shutil.get_terminal_size", lambda fallback=(80, 24): large)
     assert _terminal.screen() == (COLUMNS, LINES)
     monkeypatch.setattr("sys.stdout.isatty", lambda: False, raising=False)
     assert _terminal.screen() == (COLUMNS, LINES)
