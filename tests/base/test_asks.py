@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 
 from dashpot.base.errors import DataError
-from dashpot.base.option_fields import FormData, FormField
+from dashpot.base.option_fields import FormField
+from dashpot.extensions.app.kind_results import read_form
+from dashpot.extensions.materials.rod.app_form import get_density
 
 MASS = FormField("mass", "Moving mass", "g", "--mass")
 DENSITY = FormField("density", "Density", "kg/m^3", "--density", form="bare")
@@ -30,25 +32,23 @@ MODE = FormField("test", "Kind of test", "", "--test", ("uniaxial", "biaxial"), 
 )
 def test_a_field_is_an_option_of_the_shell(ask, typed, words):
     assert ask.words(ask.read(typed)) == words
-    form_data = FormData.from_fields((ask,), {ask.name: typed})
+    form_data = read_form((ask,), {ask.name: typed})
     assert form_data.options(1) == tuple(word for item in words for word in (ask.flag, item))
 
 
 def test_per_file_form_field_has_a_choice_for_each_file():
-    form_data = FormData.from_fields((MODE,), {"test 1": "biaxial", "other": "1"})
+    form_data = read_form((MODE,), {"test 1": "biaxial", "other": "1"})
     assert form_data.options(2) == ("--test", "uniaxial", "--test", "biaxial")
 
 
 def test_form_data_converts_numbers_to_si_and_reports_missing_ones():
-    form_data = FormData.from_fields(
-        (MASS, BETWEEN, DENSITY), {"mass": "114,8", "between": "4 to 8"}
-    )
+    form_data = read_form((MASS, BETWEEN, DENSITY), {"mass": "114,8", "between": "4 to 8"})
     assert form_data.number("mass", "mass") == pytest.approx(0.1148)
     assert form_data.range("between", "length") == pytest.approx((4e-3, 8e-3))
-    assert form_data.get_number("density") is None
-    assert FormData.from_fields((DENSITY,), {"density": "1100"}).get_number("density") == 1100.0
+    assert get_density(form_data) is None
+    assert get_density(read_form((DENSITY,), {"density": "1100"})) == 1100.0
     with pytest.raises(DataError, match="moving mass is not given: type it beside the files"):
-        FormData.from_fields((MASS,), {}).require_quantity("mass", "mass")
+        read_form((MASS,), {}).require_quantity("mass", "mass")
     for typed in ("heavy", "1.1 g/cm3"):
         with pytest.raises(DataError, match=f"density is '{typed}'; expected a number of kg/m"):
-            FormData.from_fields((DENSITY,), {"density": typed}).get_number("density")
+            get_density(read_form((DENSITY,), {"density": typed}))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -39,6 +40,56 @@ def test_the_give_of_the_machine_is_off_the_motion():
     np.testing.assert_allclose(test.travel[test.displacement > 0], travel[test.displacement > 0])
     message = next(step for step in test.steps if step.name == "machine")
     assert "5e-05 m/N" in message.message
+
+
+STIFF = Seal.of_arms(2000.0, (800.0, 600.0), (1.0, 30.0))
+SOFT_MACHINE = Bench(compliance=33e-6, rate=RATE)
+
+
+def read_named(name: str, seal: Seal, folder: Path) -> dp.RelaxationTest:
+    """Return the test of a seal on the soft machine, from a file with this name of the motion."""
+    test = relaxation_test(record(seal, SOFT_MACHINE))
+    rows = np.column_stack([test.time, 1e3 * test.displacement, test.force])
+    header = f"time [s],{name} [mm],force [N]"
+    np.savetxt(folder / "seal.csv", rows, delimiter=",", header=header, comments="", fmt="%.6f")
+    return dp.read(folder / "seal.csv")
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["Crosshead", "crosshead position", "Traverse", "Traversenweg", "Kolbenweg", "Stroke",
+     "piston stroke", "Actuator displacement", "ストローク"],
+)  # fmt: skip
+def test_prepare_doubts_a_motion_named_for_a_soft_machine(name, tmp_path):
+    test = read_named(name, STIFF, tmp_path)
+    doubt = next(c for c in test.prepare().checks if c.name == "machine_deflection_small")
+    assert doubt.failed
+    assert "a crosshead or piston" in doubt.message
+    stated = test.prepare(machine=dp.Machine(compliance=33e-6))
+    assert all(check.name != "machine_deflection_small" for check in stated.checks)
+
+
+def test_a_fit_to_a_crosshead_needs_the_compliance(tmp_path):
+    test = read_named("crosshead", STIFF, tmp_path)
+    doubtful, stated = dp.fit(test), dp.fit(test, machine=dp.Machine(compliance=33e-6))
+    ends = [fit.evidence.end_of_hold for fit in (doubtful, stated)]
+    truths = [STIFF.relaxation(np.array([end.end_time])).item() for end in ends]
+    assert ends[0].k_end[1] < truths[0]  # too soft: limits that no one may rely on
+    assert doubtful.verdict.use == "use with care"
+    assert ends[1].k_end[0] < truths[1] < ends[1].k_end[1]
+    assert stated.verdict.use == "use"
+
+
+@pytest.mark.parametrize("name", ["displacement", "laser", "Weg", "extensometer"])
+def test_prepare_does_not_doubt_another_motion(name, tmp_path):
+    test = read_named(name, STIFF, tmp_path)
+    assert all(c.name != "machine_deflection_small" for c in test.prepare().checks)
+
+
+def test_prepare_accepts_the_crosshead_over_a_soft_seal(tmp_path):
+    test = read_named("crosshead", PAPER, tmp_path)
+    check = next(c for c in test.prepare().checks if c.name == "machine_deflection_small")
+    assert check.passed
 
 
 def test_encoder_step_is_detected_after_compliance_correction():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import Field, field, fields
 from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
@@ -198,14 +198,6 @@ class FormData:
     asks: tuple[FormField, ...] = ()
     said: tuple[tuple[str, str], ...] = ()
 
-    @classmethod
-    def from_fields(cls, asks: tuple[FormField, ...], fields: Mapping[str, str]) -> FormData:
-        """The fields as they were typed; those that are not asked, and empty ones, fall away."""
-        of = {form_field.name: form_field for form_field in asks}
-        stated = ((name, of[name.split(" ")[0]].read(text)) for name, text in fields.items()
-                if name.split(" ")[0] in of)  # fmt: skip
-        return cls(asks, tuple(sorted((name, text) for name, text in stated if text)))
-
     def get_text(self, name: str) -> str:
         """Return the text of a field; empty where there is none."""
         return dict(self.said).get(name, "")
@@ -214,23 +206,6 @@ class FormData:
         """Return a quantity, SI: in the field's unit, or in the one typed after it."""
         text = self.get_option_value(name)
         return convert_to_si(text, dimension) if text else None
-
-    def get_number(self, name: str) -> float | None:
-        """Return a number in the field's unit alone.
-
-        Raises
-        ------
-        DataError
-            If it is none.
-        """
-        text = self.get_text(name)
-        try:
-            return float(text) if text else None
-        except ValueError:
-            item = self._ask(name)
-            raise DataError(
-                f"{item.label.lower()} is '{text}'; expected a number of {item.unit}, without it"
-            ) from None
 
     def range(self, name: str, dimension: Dimension) -> tuple[float, float] | None:
         """Two of them, SI, as 4 to 8."""

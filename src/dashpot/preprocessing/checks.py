@@ -52,6 +52,12 @@ MAX_PAUSE, MAX_LEAP = 0.25, 1e-3
 MAX_PAST_MISFIT, MAX_FACE_OFF = 0.03, 0.01
 # of the depth, which the plate may have moved by between rows that are missing
 MAX_PAST_JUMP = 0.1
+# of the depth; m/N, the give of a soft machine with its load cell
+MAX_DEFLECTION, USUAL_COMPLIANCE = 0.025, 5e-5
+MACHINE_WORDS = (
+    "crosshead", "cross head", "cross-head", "travers", "querhaupt", "kolben", "maschinenweg",
+    "piston", "actuator", "ram ", "stroke", "ストローク", "横梁", "活塞", "크로스헤드",
+)  # fmt: skip
 JUMPED = "The clock jumped, or the record was interrupted. Later times and slow arms are not known"
 
 
@@ -554,6 +560,36 @@ def motion_measured(test: RampHold) -> Finding:
         "the hold",
         remedy="Measure the displacement at the seal.",
     )
+
+
+@criterion(
+    "50 um/N x force / depth",
+    "<=",
+    MAX_DEFLECTION,
+    "two standard deviations of the deflection that limits include",
+)
+def machine_deflection_small(test: RampHold) -> Finding:
+    """The displacement of a crosshead or piston has little deflection of the machine in it."""
+    share = USUAL_COMPLIANCE * float(np.abs(test.force).max()) / test.depth
+    return Finding(
+        "The displacement is that of a crosshead or piston: a compliance of 50 um/N would be "
+        f"{100 * share:.2g} % of it",
+        share,
+        "The stiffness is then too low. Press steel on steel; 0 if it is measured at the seal",
+        Remedy("State the compliance of the machine.", "machine", "compliance=..."),
+    )
+
+
+def check_machine(test: RampHold) -> list[Check]:
+    """Return the check of a displacement named for a machine whose compliance is not stated."""
+    columns = test.source.columns if test.source is not None else ()
+    named = any(
+        column.startswith("displacement") and word in column.casefold()
+        for column in columns
+        for word in MACHINE_WORDS
+    )
+    unknown = named and test.machine.compliance is None
+    return [machine_deflection_small(test)] if unknown else []
 
 
 @criterion(

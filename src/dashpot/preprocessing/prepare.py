@@ -215,6 +215,7 @@ def prepare(
             checks.columns_plausible(loading),
             checks.motion_resolved(loading),
             checks.motion_measured(loading),
+            *checks.check_machine(loading),
             *checks.check_temperature(test.specimen),
             *caution_checks(sources_of([test])),
         ]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -26,14 +25,6 @@ from dashpot.base.units import format_quantity
 GENTLE, STRAIGHT = 0.10, 0.025
 # and even, if its path leaves it by no more than this part of its tangent's, and this more
 SMOOTH, SLACK = 0.30, 0.004
-
-
-class TangentTable(NamedTuple):
-    """Table of an elastic law: its kind, compressions, m, and tangent stiffnesses, N/m."""
-
-    kind: str
-    knots: tuple[float, ...]
-    tangent: FloatArray
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from typing import Any
 
 from dashpot.base import dataclass
 from dashpot.base.errors import DataError
-from dashpot.base.option_fields import FormData
+from dashpot.base.option_fields import FormData, FormField
 from dashpot.base.progress import send_progress
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.app import result_cache, view_models, wire_format
@@ -43,6 +43,14 @@ class KindRequest:
     behind: str = ""
 
 
+def read_form(asks: tuple[FormField, ...], fields: Mapping[str, str]) -> FormData:
+    """Return the fields as they were typed; those not asked, and empty ones, are left out."""
+    of = {form_field.name: form_field for form_field in asks}
+    stated = ((name, of[name.split(" ")[0]].read(text)) for name, text in fields.items()
+            if name.split(" ")[0] in of)  # fmt: skip
+    return FormData(asks, tuple(sorted((name, text) for name, text in stated if text)))
+
+
 def _parse_request(request: Mapping[str, Any], folder: Path) -> KindRequest:
     files = tuple(str(path_in(folder, item)) for item in get_list(request, "files"))
     if not files:
@@ -55,7 +63,7 @@ def _parse_request(request: Mapping[str, Any], folder: Path) -> KindRequest:
     row, test = KINDS.get(kind), request.get("test")
     return KindRequest(
         kind, files[:1] if row is not None and row.takes_one_file else files,
-        FormData.from_fields(asks_of(kind), stated),
+        read_form(asks_of(kind), stated),
         part(ReadOptions, request.get("options", {}), "options"),
         str(path_in(folder, test)) if test else "",
     )  # fmt: skip

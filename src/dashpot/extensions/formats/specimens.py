@@ -290,7 +290,10 @@ def _make_question(names: Sequence[str], message: str, reason: str = "") -> Ques
     """Return the question which specimen is meant; its answers are as they are typed."""
     reason = reason or "tests of several specimens, or repeats, stand below each other"
     answers = tuple((name, f"segment={i}") for i, name in enumerate(names, start=1))
-    message = f"{message}: {reason}; choose one, for example --file-part segment=1"
+    message = (
+        f"{message}: {reason}; choose one, for example --file-part segment=1, or fit all of them: "
+        "dashpot batch FILE -o lot"
+    )
     return Question(message, "--file-part segment=N", choices=len(names), answers=answers)
 
 

@@ -57,7 +57,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     if len(likely) > 1:
         message = (
             f"sheets {format_sheet_names(likely)} could each be the test; choose with --file-part "
-            f'sheet="{likely[0]}"'
+            f'sheet="{likely[0]}", or fit all of them: dashpot batch {raw.name} -o lot'
         )
         answers = tuple((name, f"sheet={name}") for name in likely)
         question = Question(message, "--file-part sheet=NAME", choices=len(likely), answers=answers)

@@ -16,7 +16,6 @@ from dashpot.base.value_ranges import SIZES, format_quantity_short
 LEAST_TRAVEL = SIZES["travel"].soft[0]
 LEAST_FORCE = SIZES["force"].soft[0]
 LEAST_STIFFNESS = SIZES["stiffness"].soft[0]
-LEAST_STRAIN = 0.05
 MOST_STRESS_FACTOR = 1e4
 
 _SMALLER = {
@@ -61,7 +60,7 @@ def make_size_criterion(
     )  # fmt: skip
     def judge(size: float, unit: str) -> Finding:
         text = f"{message} {format_quantity_short(size, symbol)}"
-        return Finding(text, size, **_make_unit_advice(text, role, unit, likely))
+        return Finding(text, size, **make_unit_advice(text, role, unit, likely))
 
     return judge
 
@@ -89,7 +88,7 @@ def travel_of_a_bench(travel: float, unit: str, *, force: float) -> Finding:
     return Finding(
         message,
         travel,
-        **_make_unit_advice(text, "displacement", unit, _LARGER),
+        **make_unit_advice(text, "displacement", unit, _LARGER),
         always_passes=probe,
     )
 
@@ -116,7 +115,7 @@ def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
     return Finding(
         message,
         force,
-        **_make_unit_advice(text, "force", unit, _LARGER),
+        **make_unit_advice(text, "force", unit, _LARGER),
         always_passes=travel < 5e-4,
     )
 
@@ -137,7 +136,7 @@ def stiffness_of_a_seal(force: float, unit: str, *, travel: float, moves: str) -
     return Finding(
         message,
         force / travel if travel > 0 else None,
-        **_make_unit_advice(message, "force", unit, _LARGER),
+        **make_unit_advice(message, "force", unit, _LARGER),
         always_passes=moves not in _COARSE,
     )
 
@@ -195,7 +194,7 @@ def size_possible(kind: str, size: float, unit: str, *, role: str) -> Finding:
     )
     likely = _SMALLER if size > high else _LARGER
     far = max(size / high, low / size) if size > 0 else 0.0
-    return Finding(message, far, **_make_unit_advice(expected, role, unit, likely))
+    return Finding(message, far, **make_unit_advice(expected, role, unit, likely))
 
 
 ramp_not_fast = make_size_criterion(
@@ -237,15 +236,6 @@ hammer_not_oversampled = make_size_criterion(
 
 
 @criterion(
-    "greatest strain", ">=", LEAST_STRAIN, "our choice: nonlinearity shows above it", grade="stop"
-)
-def strain_of_a_rubber(strain: float, unit: str) -> Finding:
-    """The strain is large enough to determine a hyperelastic law."""
-    message = f"The strain reaches {strain:.3g} of the length"
-    return Finding(message, strain, **_make_unit_advice(message, "strain", unit, {"%": "1"}))
-
-
-@criterion(
     "greatest stress, Pa",
     "x/",
     MOST_STRESS_FACTOR,
@@ -259,7 +249,7 @@ def stress_of_a_rubber(stress: float, unit: str) -> Finding:
     return Finding(
         message,
         convert_to_unit(stress, "MPa"),
-        **_make_unit_advice(message, "stress", unit, likely),
+        **make_unit_advice(message, "stress", unit, likely),
     )
 
 
@@ -268,7 +258,7 @@ class _Advice(TypedDict):
     remedy: Remedy
 
 
-def _make_unit_advice(message: str, role: str, unit: str, likely: dict[str, str]) -> _Advice:
+def make_unit_advice(message: str, role: str, unit: str, likely: dict[str, str]) -> _Advice:
     """Return the question after a unit, and the unit that is likelier."""
     likelier = likely.get(unit)
     question = f"{message}, in {unit} as the file has it."

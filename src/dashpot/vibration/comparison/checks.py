@@ -168,7 +168,11 @@ def no_unit_error(c: Comparison) -> Finding:
     height = float(np.median(np.abs(c.measured.value) / np.abs(c.predicted.value)))
     for ratio, factor, words in (
         (frequency, np.sqrt(1000), "mass or stiffness by a factor 1000 (g for kg, N/mm for N/m)"),
-        (height, GRAVITY, "an acceleration in g where m/s^2 was meant"),
+        (
+            height,
+            GRAVITY,
+            "an acceleration in g where m/s^2 was meant, or a sensitivity 10 times off",
+        ),
         (height, 1000.0, "mm for m, or mN for N"),
     ):
         if abs(abs(np.log(ratio)) - np.log(factor)) < np.log(1.1):

@@ -534,12 +534,15 @@ def high_frequency_mass_agrees(apparent: tuple[float, float] | None, mass: float
 def _format_likely_cause(factor: float) -> str:
     if factor < 0:
         return "The polarity of the hammer or of the accelerometers is wrong"
-    for unit, ratio in (
+    causes = (
         ("The acceleration looks like g, not m/s^2", GRAVITY),
         ("The acceleration looks like m/s^2, not g", 1 / GRAVITY),
         ("The mass looks like grams, or the force like mN", 1e-3),
         ("The mass looks like tonnes, or the force like kN", 1e3),
-    ):
-        if abs(factor / ratio - 1) < 2 * TOLERANCE:
-            return f"{unit} (factor {factor:.4g})"
+        ("A sensitivity looks ten times too large or small, such as 100 mV/g for 10 mV/g", 10.0),
+        ("A sensitivity looks ten times too large or small, such as 10 mV/g for 100 mV/g", 0.1),
+    )
+    cause, ratio = min(causes, key=lambda item: abs(np.log(factor / item[1])))
+    if abs(factor / ratio - 1) < 2 * TOLERANCE:
+        return f"{cause} (factor {factor:.4g})"
     return f"If the mass is right, a sensor sensitivity is wrong by a factor of {1 / factor:.4g}"

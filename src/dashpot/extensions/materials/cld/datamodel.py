@@ -22,7 +22,7 @@ from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import format_quantity
 from dashpot.base.value_ranges import refuse_absurd_record
 from dashpot.datamodel.specimen import Specimen
-from dashpot.solids.elastic import ElasticLaw, TangentTable
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 PER = 0.1
@@ -30,6 +30,14 @@ PER = 0.1
 
 SAME_SPEED = 1.5
 """Factor within which two speeds are one."""
+
+
+class TangentTable(NamedTuple):
+    """Table of an elastic law: its kind, compressions, m, and tangent stiffnesses, N/m."""
+
+    kind: str
+    knots: tuple[float, ...]
+    tangent: FloatArray
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -12,6 +12,7 @@ from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
+from dashpot.extensions.materials.hyperelastic.size_checks import strain_of_a_rubber
 from dashpot.extensions.materials.hyperelastic.strain_energy import poisson_of
 from dashpot.extensions.materials.options import Measures, Mode
 from dashpot.reading.columns import vocabulary
@@ -21,7 +22,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import Channel, OpenedFile
 from dashpot.reading.readers.relaxation import signals
-from dashpot.reading.readers.size_checks import strain_of_a_rubber, stress_of_a_rubber
+from dashpot.reading.readers.size_checks import stress_of_a_rubber
 from dashpot.reading.table import Column
 
 _RESTS, _HELD, _RELAXED = 0.02, 0.5, 0.02

@@ -26,5 +26,20 @@ def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -
         raise DataError("the shape is not given: type diameter and length, such as 20, 20")
     return rod_files(
         files, mass=form.require_quantity("mass", "mass"),
-        density=form.get_number("density") or _WATER, rod=RodChoices(disc=disc), options=options,
+        density=get_density(form) or _WATER, rod=RodChoices(disc=disc), options=options,
     )  # fmt: skip
+
+
+def get_density(form: FormData) -> float | None:
+    """Return the density that was typed, kg/m^3; None if none was.
+
+    Raises
+    ------
+    DataError
+        If it is no number.
+    """
+    text = form.get_text("density")
+    try:
+        return float(text) if text else None
+    except ValueError:
+        raise DataError(f"density is '{text}'; expected a number of kg/m^3, without it") from None
