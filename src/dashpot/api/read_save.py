@@ -125,11 +125,11 @@ def read(
     True
     """
     keywords = _drop_unset(keywords)
+    read_frame = None if isinstance(path, str | Path) else find_handler("read", path)
+    if read_frame is not None:
+        return read_frame(path, kind=kind, **keywords)
     options = _options(keywords, kind)
     if not isinstance(path, str | Path):
-        read_frame = find_handler("read", path)
-        if read_frame is not None:
-            return read_frame(path, kind=kind, **keywords)
         return _several([Path(name) for name in path], options, keywords)
     detection = recognise(path, options)
     if detection.stored:
@@ -265,12 +265,11 @@ def inspect(
     from dashpot.workflow.inspections import inspect_files
 
     keywords = _drop_unset(keywords)
-    options = _options(keywords, kind)
     inspect_frame = None if isinstance(path, str | Path) else find_handler("inspect", path)
     if inspect_frame is not None:
         result: InspectedFile = inspect_frame(path, kind=kind, **keywords)
         return result
-    return inspect_files([path], options=options).files[0]
+    return inspect_files([path], options=_options(keywords, kind)).files[0]
 
 
 @refuse_wrong_options

@@ -81,3 +81,21 @@ def test_figure_is_that_of_the_fit_with_its_origin(fit):
     assert prediction.plot().name == fit.plot().name
     stamped = draw_stiffness_prediction(prediction, stamp="of a test")
     assert stamped.stamp == "of a test"
+
+
+@pytest.mark.parametrize("grade", ["limit", "stop"])
+def test_a_doubt_of_the_fit_is_one_of_its_stiffness(fit, grade):
+    doubt = replace(fit.checks[0], name="doubted", passed=False, grade=grade)
+    doubtful = replace(fit, evidence=replace(fit.evidence, checks=(*fit.checks, doubt)))
+    verdicts = [
+        dp.predict(doubtful, **asked).verdict for asked in ({"frequency": 0.2}, {"mass": 0.1})
+    ]
+    assert all("doubted" in verdict.reasons for verdict in verdicts)
+    assert verdicts[0].use == doubtful.verdict.use != "use"
+
+
+def test_a_model_without_a_band_is_not_for_use(fit):
+    bare = replace(fit, evidence=replace(fit.evidence, band=(0.0, 0.0), checks=()))
+    verdict = dp.predict(bare, frequency="0.001Hz").verdict
+    assert verdict.use == "use with care"
+    assert "frequencies_in_valid_band" in verdict.reasons

@@ -217,3 +217,19 @@ def test_read_refuses_keywords_of_another_kind(keywords: dict[str, str]) -> None
     with pytest.raises(DataError, match=f"{next(iter(keywords))}= is for .*kind="):
         dp.read(TABLE, units=UNITS, **keywords)
     assert dp.read(TABLE, units=UNITS, kind="stress-strain", test="uniaxial").mode == "uniaxial"
+
+
+def test_units_of_a_table_may_be_listed_in_the_order_of_its_columns():
+    time = np.linspace(0.0, 10.0, 100)
+    table = {"t": time, "x": 5 * np.minimum(time, 1), "F": np.minimum(time, 1) * np.exp(-time / 9)}
+    listed = dp.read(table, units="s, mm, N")
+    named = dp.read(table, units={"t": "s", "x": "mm", "F": "N"})
+    assert np.array_equal(listed.displacement, named.displacement)
+    with pytest.raises(DataError, match="units lists 2 units, and the table has 3 columns"):
+        dp.read(table, units="s, mm")
+
+
+@pytest.mark.parametrize("function", [dp.read, dp.inspect])
+def test_a_bare_array_is_refused_with_what_to_give(function):
+    with pytest.raises(DataError, match=r"shape \(20, 3\) has no names of columns"):
+        function(np.zeros((20, 3)))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kit.shell import ran
 
 import dashpot as dp
 from dashpot.base.errors import DataError
@@ -314,3 +315,25 @@ def test_sheet_outside_the_valid_band_notes_its_standard_errors(
     sheet.save(tmp_path / "sheet.html")
     for text in (str(find_handler("text", sheet)(sheet)), (tmp_path / "sheet.html").read_text()):
         assert ("the intervals contain standard errors alone" in text) is is_noted
+
+
+@pytest.mark.parametrize(
+    ("file", "advice"),
+    [
+        ("seal_8mm.csv", "Fit it first: dashpot fit"),
+        ("sweep.csv", ""),
+        ("ovens.csv", "Its fit has no stiffness over frequency"),
+        ("cld_1.csv", "Its fit has no stiffness over frequency"),
+        ("slam.csv", "Its fit has no stiffness over frequency"),
+        ("preload_map.csv", "Use dashpot map"),
+    ],
+)
+def test_stiffness_advises_a_fit_that_has_one(file, advice, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert ran("demo", "--files", "--all").exit_code == 0
+    result = ran("stiffness", file)
+    if not advice:
+        assert result.exit_code == 0, result.output
+        return
+    assert result.exit_code == 2
+    assert advice in result.output

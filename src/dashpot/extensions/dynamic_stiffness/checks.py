@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from dashpot.base.checks import Finding, criterion
 from dashpot.base.number_format import format_band
 from dashpot.datamodel.bounds import WELL_KNOWN
@@ -12,7 +14,12 @@ def frequencies_in_valid_band(frequencies: tuple[float, ...], band: tuple[float,
     """The requested frequencies lie in the valid band of the fit."""
     low, high = band
     if not high > 0:
-        return Finding("The fit has no valid band, so nothing says how well the answer is known")
+        return Finding(
+            f"{frequencies[0]:.4g} Hz is asked, and the model has no valid band",
+            math.inf,
+            "Nothing says how well the answer is known",
+            "Fit a test.",
+        )
 
     def distance(frequency: float) -> float:
         return max(frequency / high, low / frequency)

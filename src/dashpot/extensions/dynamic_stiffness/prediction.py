@@ -149,8 +149,7 @@ def predict_stiffness(
     own_checks = [checks.loss_factor_determined_at(largest)]
     if not records:
         own_checks.insert(0, checks.frequencies_in_valid_band(hertz, fit_here.band))
-    stop_checks = (check for check in fit.checks if check.grade == "stop")
-    return StiffnessPrediction(fit_here, hertz, values, (*own_checks, *stop_checks))
+    return StiffnessPrediction(fit_here, hertz, values, (*own_checks, *fit.checks))
 
 
 def _report_values(

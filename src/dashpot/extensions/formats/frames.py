@@ -56,7 +56,7 @@ def read_frame(frame: Any, *, kind: str | None = None, **keywords: Any) -> Any:
         If no column holds numbers, or columns differ in length.
     """
     with _write_temporary_file(frame) as path:
-        return read(path, kind=kind, **keywords)
+        return read(path, kind=kind, **_name_units(frame, keywords))
 
 
 def inspect_frame(frame: Any, *, kind: str | None = None, **keywords: Any) -> InspectedFile:
@@ -68,7 +68,40 @@ def inspect_frame(frame: Any, *, kind: str | None = None, **keywords: Any) -> In
         As :func:`read_frame`.
     """
     with _write_temporary_file(frame) as path:
-        return inspect(path, kind=kind, **keywords)
+        return inspect(path, kind=kind, **_name_units(frame, keywords))
+
+
+def refuse_array(array: Any, **_: Any) -> None:
+    """Refuse a bare array, whose columns have neither names nor units.
+
+    Raises
+    ------
+    DataError
+    """
+    raise DataError(
+        f"an array of shape {array.shape} has no names of columns. Give a DataFrame with named "
+        f"columns, or one array each: {_LINE}"
+    )
+
+
+def _name_units(frame: Any, keywords: dict[str, Any]) -> dict[str, Any]:
+    """Return the keywords, with units that were listed as text named by the columns they are of.
+
+    Raises
+    ------
+    DataError
+        If they are not as many as the columns.
+    """
+    if not isinstance(keywords.get("units"), str):
+        return keywords
+    names = [name for name, _, _ in _iterate_columns(frame)]
+    words = _list_stated_units(keywords["units"])
+    if len(words) != len(names):
+        raise DataError(
+            f"units lists {len(words)} units, and the table has {len(names)} columns of numbers "
+            f"({', '.join(names[:6])}). Name them, as {_HINT}"
+        )
+    return keywords | {"units": dict(zip(names, words, strict=True))}
 
 
 @contextmanager

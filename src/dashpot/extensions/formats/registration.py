@@ -18,8 +18,14 @@ EXTENSION = Extension(
         "adapt table": {
             "dashpot.reading.table:FileTable": "dashpot.extensions.formats.specimens:adapt_table",
         },
-        "read": dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:read_frame"),
-        "inspect": dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:inspect_frame"),
+        "read": {
+            **dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:read_frame"),
+            "numpy:ndarray": "dashpot.extensions.formats.frames:refuse_array",
+        },
+        "inspect": {
+            **dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:inspect_frame"),
+            "numpy:ndarray": "dashpot.extensions.formats.frames:refuse_array",
+        },
         "make records": dict.fromkeys((*_FRAMES, "numpy:ndarray", "builtins:list"), "dashpot.extensions.formats.frames:make_records"),
         "write frf": {
             ".uff": "dashpot.extensions.formats.write_uff:frf_uff",

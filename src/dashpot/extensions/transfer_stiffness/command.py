@@ -33,6 +33,8 @@ _SWEEP_KINDS = " ".join(
     if not set(kind.classes).isdisjoint(list_names("dynamic stiffness"))
 )
 """Kinds of sweeps of storage and loss."""
+_MODEL_ROUTES = {"bench", "hits"}
+"""Fits that give a viscoelastic model, which has a stiffness over frequency."""
 _MEASURED_KINDS = f"{_FRF} {_BASE} {_SWEEP_KINDS}"
 
 
@@ -153,8 +155,11 @@ def _read_frf(
         sweep = load_object(KINDS[kind].reader)(path, options=options)
         response: FRF = find_handler("dynamic stiffness", sweep)(sweep)
         return response
-    is_fitted = kind in KINDS and KINDS[kind].fit_route
-    advice = "fit it first: dashpot fit" if is_fitted else get_kind_command(kind)
+    route = KINDS[kind].fit_route if kind in KINDS else ""
+    if route in _MODEL_ROUTES:
+        advice = "fit it first: dashpot fit"
+    else:
+        advice = "its fit has no stiffness over frequency" if route else get_kind_command(kind)
     raise click.UsageError(
         f"{path} is {get_kind_label(kind)}. A sheet is of a force over a motion, a "
         f"transmissibility, or a fit. {sentence(advice)}"
