@@ -1810,6 +1810,7 @@ CLD = [
 
 LOTS = [
     Case("files_fitted", lambda x: lots.files_fitted(int(x), 9), 0, 1),
+    Case("few_fits_doubted", lambda x: lots.few_fits_doubted(int(x), 100), 50, 51),
     Case("fits_usable", lambda x: lots.fits_usable(int(x), 9), 0, 1),
     Case("scatter_normal", lambda x: lots.scatter_normal("seal", x), 0.251, 0.249),
     Case("hammers_compared", lambda x: lots.hammers_compared(int(x), 9), 0, 1),
@@ -2313,7 +2314,8 @@ LIMITS = {
         "spring_cubic": 20, "up_and_down_sweeps_agree": 0.03,
         "levels_as_stated": 2, "levels_controlled": 0, "amplitude_in_tested_range": 1,
     },
-    "extensions/batch": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
+    "extensions/batch": {"files_fitted": 0, "fits_usable": 0, "few_fits_doubted": 0.5,
+        "hammers_compared": 0,
              "tests_alike": 0, "records_distinct": 0, "seals_within_limits": 0,
              "gauge_discriminates": 0.3,
              "no_lot_outlier": 0, "frequencies_in_band": 0, "lots_tested_alike": 0,

@@ -11,6 +11,9 @@ from dashpot.extensions.batch.statistics.gauge_rr import LIMIT, TRUSTED, Gauge
 from dashpot.extensions.batch.statistics.process_capability import Capability
 from dashpot.extensions.batch.statistics.variance_components import NOT_NORMAL
 
+MOST_DOUBTED = 0.5
+"""Part of the fits of a lot that may be doubted."""
+
 
 @criterion(
     "files without a fit", "<=", 0, "by definition", other_grade="stop where no file was fitted"
@@ -33,6 +36,22 @@ def fits_usable(unusable: int, fitted: int) -> Finding:
         unusable,
         remedy="Look up their reasons in the table.",
     )
+
+
+@criterion(
+    'fits with the verdict "use with care" / fits',
+    "<=",
+    MOST_DOUBTED,
+    "our choice: what most tests share, a mean does not remove",
+)
+def few_fits_doubted(doubted: int, fitted: int) -> Finding:
+    """Few fits of a batch have the verdict "use with care"."""
+    return Finding(
+        f"{doubted} of {fitted} fits have the verdict 'use with care'",
+        doubted / max(fitted, 1),
+        "A fault that all tests share is in the mean, too",
+        "Look up their reasons in the table.",
+    )  # fmt: skip
 
 
 @criterion("hammer tests not compared", "<=", 0, "by definition")

@@ -18,6 +18,7 @@ from dashpot.base.provenance import SIMULATED
 from dashpot.base.units import format_quantity
 from dashpot.base.version import byline
 from dashpot.extensions.batch.checks import (
+    few_fits_doubted,
     files_fitted,
     fits_usable,
     hammers_compared,
@@ -429,6 +430,7 @@ class Lot:
         return (
             files_fitted(self.record_count - fitted, self.record_count),
             fits_usable(self.verdicts.get("do not use", 0), fitted),
+            few_fits_doubted(self.verdicts.get("use with care", 0), fitted),
             hammers_compared(paired - sum(self.agreements.values()), paired),
             tests_alike(len(self.dissimilar), self.fitted_rows.height),
             records_distinct(len(self.copies), self.rows_in_statistics.height + len(self.copies)),

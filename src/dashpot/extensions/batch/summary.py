@@ -19,6 +19,7 @@ from dashpot.extensions.batch.acceptance import SealDecision, check_lot_acceptan
 from dashpot.extensions.batch.checks import (
     capability_as_asked,
     charts_in_control,
+    few_fits_doubted,
     files_fitted,
     fits_usable,
     frequencies_in_band,
@@ -47,8 +48,8 @@ from dashpot.extensions.batch.statistics.variance_components import (
 _FILES = frozenset(
     criterion.name
     for criterion in (
-        files_fitted, fits_usable, hammers_compared, tests_alike, records_distinct, seals_named,
-        frequencies_in_band,
+        few_fits_doubted, files_fitted, fits_usable, hammers_compared, tests_alike,
+        records_distinct, seals_named, frequencies_in_band,
     )
 )  # fmt: skip
 _MEASURING = frozenset({gauge_discriminates.name})
