@@ -1810,7 +1810,7 @@ CLD = [
 
 LOTS = [
     Case("files_fitted", lambda x: lots.files_fitted(int(x), 9), 0, 1),
-    Case("few_fits_doubted", lambda x: lots.few_fits_doubted(int(x), 100), 50, 51),
+    Case("few_fits_doubted", lambda x: lots.few_fits_doubted(round(100 * x), 100), 0.5, 0.51),
     Case("fits_usable", lambda x: lots.fits_usable(int(x), 9), 0, 1),
     Case("scatter_normal", lambda x: lots.scatter_normal("seal", x), 0.251, 0.249),
     Case("hammers_compared", lambda x: lots.hammers_compared(int(x), 9), 0, 1),
