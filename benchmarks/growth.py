@@ -24,7 +24,7 @@ import numpy as np
 
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.batch_run import BatchJob
-from dashpot.extensions.batch.folder_watch import BEAT, watch_batch
+from dashpot.extensions.batch.folder_watch import POLL_PERIOD, watch_batch
 
 ENVIRONMENT = {
     **{name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"},
@@ -104,7 +104,7 @@ def measure_idle_beat(folder: Path, files: int) -> float:
         last = time.process_time()
 
     job = BatchJob((folder,), folder.parent / "lot", BatchOptions(arms=1, quick=True), jobs=1)
-    watch_batch(job, lambda _: None, wait=wait, clock=lambda: BEAT * len(beats))
+    watch_batch(job, lambda _: None, wait=wait, clock=lambda: POLL_PERIOD * len(beats))
     return statistics.median(beats[SETTLED:])
 
 

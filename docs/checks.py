@@ -55,7 +55,7 @@ TITLES = {
     "extensions/materials/hyperelastic": "Hyperelastic laws",
     "extensions/materials/indentation": "Rebound indentation",
     "extensions/materials/rod": "Rods",
-    "extensions/materials/drop": "Impact (drop) tests",
+    "extensions/materials/drop": "Drop tests",
     "extensions/modes": "Modes of several points and masses",
     "extensions/projects": "Projects",
     "extensions/dynamic_stiffness": "Stiffness at requested frequencies",
@@ -108,7 +108,7 @@ def page() -> str:
 
 
 def _file(asked: Criterion[...]) -> tuple[str, str]:
-    return asked.stage, asked.judge.__module__
+    return asked.stage, asked.evaluate.__module__
 
 
 def _stage(asked: Criterion[...]) -> str:

@@ -135,7 +135,7 @@ def _draw_figures() -> dict[str, dp.plot.Picture]:
         "segments": study.prepared.plot(),
         "fit": dp.plot.fit(study.fit, study.prepared),
         "stiffness": dp.plot.stiffness(
-            study.fit, parameters=study.parameters, unseen=study.unmeasured
+            study.fit, parameters=study.parameters, unresolved_bounds=study.unmeasured
         ),
         "spectrum": dp.plot.spectrum(study.fit, joint=study.joint),
         "hits": dp.plot.hits(hits, frf),

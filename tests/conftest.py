@@ -114,7 +114,7 @@ def broad_test() -> RampHold:
 
 @pytest.fixture(scope="session")
 def broad_fit(broad_test: RampHold) -> Fit:
-    """What that test tells of it."""
+    """What that test shows of it."""
     return fit(broad_test)
 
 

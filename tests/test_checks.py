@@ -70,10 +70,10 @@ from dashpot.fitting.fractional_model import checks as fractional
 from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.input_tests import EndStiffness
 from dashpot.fitting.nonlinear_ramp import checks as ramp
-from dashpot.fitting.nonlinear_ramp.linearity import judge_linear_fit
+from dashpot.fitting.nonlinear_ramp.linearity import assess_linear_fit
 from dashpot.numerics.inference.correlated_noise import Noise, nearly_white, noise_of
 from dashpot.numerics.inference.model_order import (
-    DECISIVE,
+    DECISIVE_BIC,
     OrderChoice,
     Shortage,
     select_model_order,
@@ -486,7 +486,7 @@ PREPARATION = [
     Case(
         "overshoot_small",
         lambda x: preparation.overshoot_small(
-            plate(np.where((TIME > 0.995) & (TIME < 1.1), 1 + x, 1.0)), moves=1
+            plate(np.where((TIME > 0.995) & (TIME < 1.1), 1 + x, 1.0)), ramp_count=1
         ),
         0.0499,
         0.0501,
@@ -585,7 +585,9 @@ PREPARATION = [
 
 COLD_AND_WARM = np.array([273.15, 296.15])
 FITTING = [
-    Case("uncertainty_estimated", lambda x: solid.uncertainty_estimated(made=bool(x)), 1, 0),
+    Case(
+        "uncertainty_estimated", lambda x: solid.uncertainty_estimated(is_estimated=bool(x)), 1, 0
+    ),
     Case("optimum_found", lambda x: solid.optimum_found(stationary=bool(x)), 1, 0),
     Case("k_end_determined", check_k_inf, 0.499, 0.501),
     Case("k_end_determined", check_k_end, 0.499, 0.501),
@@ -910,7 +912,7 @@ RAMP = [
     Case(
         "ramp_explained",
         lambda x: ramp.ramp_explained(
-            judge_linear_fit(x, 1.0, 1.0, noise=1.0, discrepancy=1.0, samples=1e6, peak=1.0)
+            assess_linear_fit(x, 1.0, 1.0, noise=1.0, discrepancy=1.0, samples=1e6, peak=1.0)
         ),
         1.199,
         1.201,
@@ -1909,10 +1911,16 @@ PROJECTS = [
         1,
     ),
     Case(
-        "page_redrawn", lambda x: verification_checks.page_redrawn(1, same=not x, alike=True), 0, 1
+        "page_redrawn",
+        lambda x: verification_checks.page_redrawn(1, same=not x, is_same=True),
+        0,
+        1,
     ),
     Case(
-        "history_unchanged", lambda x: verification_checks.history_unchanged(1, whole=bool(x)), 1, 0
+        "history_unchanged",
+        lambda x: verification_checks.history_unchanged(1, is_unchanged=bool(x)),
+        1,
+        0,
     ),
     Case("file_present", lambda _: verification_checks.file_present("raw.csv", 1), None, 0),
     Case(
@@ -1956,7 +1964,7 @@ READING = [
     ),
     Case(
         "stiffness_of_a_seal",
-        lambda x: reading.stiffness_of_a_seal(8e-3 * x, "mN", travel=8e-3, moves="mm"),
+        lambda x: reading.stiffness_of_a_seal(8e-3 * x, "mN", travel=8e-3, motion="mm"),
         10.01,
         9.99,
     ),
@@ -2056,8 +2064,8 @@ PRELOAD_MAPS = [
     Case("departure_excluded", lambda x: maps.departure_excluded(0.05 * x, 0.0), 0.99, 1.01),
     Case("departure_excluded", lambda x: maps.departure_excluded(0.0, 0.02 * x), 0.99, 1.01),
     Case("sweeps_followed", lambda x: maps.sweeps_followed(x, where="8 mm"), 0.099, 0.101),
-    Case("levels_enough", judge_integer(lambda n: maps.levels_enough(n, of="compression")), 3, 2),
-    Case("levels_dense", lambda x: maps.levels_dense(x, of="compression"), 0.049, 0.051),
+    Case("levels_enough", judge_integer(lambda n: maps.levels_enough(n, axis="compression")), 3, 2),
+    Case("levels_dense", lambda x: maps.levels_dense(x, axis="compression"), 0.049, 0.051),
     Case(
         "solid_follows_master_curve",
         lambda x: maps.solid_follows_master_curve(x, misfit=0.01), 1.99, 2.01,
@@ -2554,7 +2562,8 @@ def test_the_gravest_of_what_went_wrong_is_how_a_fit_ended() -> None:
     assert select_fit_status([arms], {Status.FEWER_ARMS: True}) is Status.FEWER_ARMS
     assert select_fit_status([arms], {Status.FEWER_ARMS: False}) is Status.NOT_IDENTIFIED
     assert (
-        select_fit_status([solid.arms_supported(arm(), WEAK, needed=True)]) is Status.NOT_IDENTIFIED
+        select_fit_status([solid.arms_supported(arm(), WEAK, arms_selected=True)])
+        is Status.NOT_IDENTIFIED
     )
     for i, grave in enumerate(GRAVEST_FIRST):
         assert select_fit_status([], dict.fromkeys(GRAVEST_FIRST[i:], True)) is grave
@@ -2661,7 +2670,7 @@ def test_a_gross_failure_forbids_the_use(
 
 def test_what_another_condition_makes_harmless_is_a_note() -> None:
     assert solid.arms_supported(arm(), WEAK).grade == "limit"
-    assert solid.arms_supported(arm(), WEAK, needed=True).grade == "note"
+    assert solid.arms_supported(arm(), WEAK, arms_selected=True).grade == "note"
     short = replace(RECORD, hold_end=1 + 5.0)
     assert preparation.hold_outlasts_ramp(short).grade == "note"
     assert preparation.hold_outlasts_ramp(replace(RECORD, hold_end=1 + 3.0)).grade == "limit"
@@ -2795,7 +2804,7 @@ def test_criterion_refuses_a_duplicate_name() -> None:
         criterion(source="nowhere")(overshoot_small)
 
 
-# -- what is not judged, and what is excused ------------------------------------------------------
+# -- what is not checked, and what is excused ------------------------------------------------------
 
 
 def test_undecidable_check_neither_passes_nor_fails() -> None:
@@ -2804,7 +2813,7 @@ def test_undecidable_check_neither_passes_nor_fails() -> None:
     for check in (
         preparation.contact_found(Touch(0.0, 1e-3), DEPTH, provided=True),
         preparation.contact_found(Touch(0.0, 0.0), DEPTH, provided=False),
-        preparation.overshoot_small(RECORD, moves=2),
+        preparation.overshoot_small(RECORD, ramp_count=2),
         preparation.force_resolved(RECORD.force),
         preparation.strain_small(RECORD),
         relaxation.hold_long_enough(None),
@@ -2934,8 +2943,12 @@ def test_advice_follows_only_where_a_check_fails() -> None:
 
 def test_bic_is_decisive_from_50_on() -> None:
     doubtful = (True, True, False)
-    assert select_model_order(range(3), (99.0, 49.9, 0.0), doubtful, decisive=DECISIVE).arms == 1
-    assert select_model_order(range(3), (99.0, 50.1, 0.0), doubtful, decisive=DECISIVE).arms == 2
+    assert (
+        select_model_order(range(3), (99.0, 49.9, 0.0), doubtful, decisive=DECISIVE_BIC).arms == 1
+    )
+    assert (
+        select_model_order(range(3), (99.0, 50.1, 0.0), doubtful, decisive=DECISIVE_BIC).arms == 2
+    )
 
 
 @pytest.mark.parametrize(("kappa", "white"), [(2.99, True), (3.01, False)])

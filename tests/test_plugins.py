@@ -347,7 +347,7 @@ def test_none_is_used_where_they_are_off(
     file = tmp_path / "seal.good"
     file.write_bytes(b"anything")
     assert ran("inspect", file, "--file-part", "format=good").exit_code == 0
-    monkeypatch.setenv(plugins.SWITCH, plugins.OFF)
+    monkeypatch.setenv(plugins.SWITCH, plugins.NO_PLUGINS)
     plugins.read_plugins.cache_clear()
     done = ran("inspect", file, "--file-part", "format=good")
     assert (done.exit_code, "Plug-ins are off" in done.stderr) == (2, True)

@@ -40,7 +40,7 @@ pytestmark = pytest.mark.once
 NOTE = Check("a_note", False, "A note.", grade="note")
 LIMIT = Check("a_limit", False, "A limit.", remedy=Remedy("Do this."))
 STOP = Check("a_stop", False, "A stop.", grade="stop", remedy=Remedy("Do that.", "band", "1:5Hz"))
-OPEN = Check("open", None, "not judged", grade="stop")
+OPEN = Check("open", None, "not checked", grade="stop")
 
 
 # -- the rule -------------------------------------------------------------------------------------

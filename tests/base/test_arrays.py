@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 import dashpot as dp
 from dashpot.base.arrays import (
-    LEAST,
-    MOST,
+    MAX_SI_MAGNITUDE,
+    MIN_SI_MAGNITUDE,
     MOST_SAMPLES,
     compute_single_dft,
     frozen,
@@ -24,13 +24,19 @@ from dashpot.base.arrays import (
 from dashpot.base.errors import DataError
 
 
-@given(st.lists(st.floats(-MOST, MOST), min_size=1), st.sampled_from([LEAST, -LEAST, MOST, -MOST]))
+@given(
+    st.lists(st.floats(-MAX_SI_MAGNITUDE, MAX_SI_MAGNITUDE), min_size=1),
+    st.sampled_from([MIN_SI_MAGNITUDE, -MIN_SI_MAGNITUDE, MAX_SI_MAGNITUDE, -MAX_SI_MAGNITUDE]),
+)
 def test_validate_measured_accepts_values_within_range(values, peak):
     array = validate_measured("force", [*values, peak])
     assert array.tolist() == [*values, peak]
 
 
-@pytest.mark.parametrize("peak", [1.01 * MOST, -1.01 * MOST, 0.99 * LEAST, -1e-300, 1e308])
+@pytest.mark.parametrize(
+    "peak",
+    [1.01 * MAX_SI_MAGNITUDE, -1.01 * MAX_SI_MAGNITUDE, 0.99 * MIN_SI_MAGNITUDE, -1e-300, 1e308],
+)
 def test_what_cannot_is_refused(peak):
     with pytest.raises(DataError, match=r"force reaches .* check the unit"):
         validate_measured("force", [0.0, peak])

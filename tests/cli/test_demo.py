@@ -9,7 +9,7 @@ import pytest
 from kit.shell import ran, run_json
 
 from dashpot.datamodel.machine import Machine
-from dashpot.fitting.prediction_bounds import unseen_arm_band
+from dashpot.fitting.prediction_bounds import unresolved_arm_band
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.workflow.json_archive import from_json
 
@@ -42,7 +42,7 @@ def test_the_cold_test_answers_the_puzzle_without_the_hammer(tmp_path, seed):
     fit = from_json(json.dumps(seal["cold"]["fit"]))
 
     def decades(tests):
-        low, high = unseen_arm_band(fit, tests, [12.71]).loss_factor[:, 0]
+        low, high = unresolved_arm_band(fit, tests, [12.71]).loss_factor[:, 0]
         assert low < 0.0561894 < high
         return np.log10(high / low)
 

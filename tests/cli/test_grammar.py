@@ -18,7 +18,7 @@ from dashpot.base.option_fields import get_choice_values
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._command import LIMIT, WIDTH, CommandOption, DashpotCommand
 from dashpot.cli._param_types import Keyed, Scoped, Units, format_suggestion
-from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindAsked
+from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindOption
 from dashpot.extensions.materials.options import MODES
 from dashpot.reading.read_options import ReadOptions
 
@@ -344,5 +344,5 @@ def test_the_nearest_word_is_named_or_all_are() -> None:
     assert format_suggestion("qqq", ["full", "hold"]) == "Known are full and hold."
     assert format_suggestion("qqq", ["one"]) == ""
     assert all(
-        format_suggestion(word, get_choice_values(ElasticKindAsked)) for word in ("ogdn", "qqq")
+        format_suggestion(word, get_choice_values(ElasticKindOption)) for word in ("ogdn", "qqq")
     )

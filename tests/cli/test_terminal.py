@@ -73,7 +73,7 @@ def test_screen_output_states_that_lines_were_cut(rows, more):
 
 def test_screen_output_never_cuts_requested_lines():
     body, wanted = [f"line {i}" for i in range(80)], [f"share {i}" for i in range(50)]
-    text = format_for_screen(Text(body, asked=wanted), None, [Check("one", True, "")])
+    text = format_for_screen(Text(body, requested_lines=wanted), None, [Check("one", True, "")])
     assert [line for line in text if line.startswith("share")] == wanted
     assert text[-2:] == ["  checks      1 passed", "  more with -v"]
     assert len(text) == LINES + len(wanted)
@@ -231,8 +231,8 @@ def test_colour_is_for_terminals_that_want_it(monkeypatch):
 def test_every_verdict_has_a_distinct_colour(use):
     (line,) = layout.lead(Verdict(use, "because"))
     assert click.unstyle(line) == f"{use.capitalize()}: because"
-    others = {layout.USES[other] for other in layout.USES if other != use}
-    assert layout.USES[use] not in others
+    others = {layout.VERDICT_COLOURS[other] for other in layout.VERDICT_COLOURS if other != use}
+    assert layout.VERDICT_COLOURS[use] not in others
 
 
 # -- what comes last -------------------------------------------------------------------------------
@@ -306,8 +306,8 @@ class Terminal(io.StringIO):
 
 def draw_progress(monkeypatch, stream, *, patience):
     monkeypatch.setattr(sys, "stderr", stream)
-    monkeypatch.setattr(_terminal, "PATIENCE", patience)
-    monkeypatch.setattr(_terminal, "BEAT", 0.001)
+    monkeypatch.setattr(_terminal, "PROGRESS_DELAY", patience)
+    monkeypatch.setattr(_terminal, "PROGRESS_PERIOD", 0.001)
     shown_once = stream.tell
     with _terminal.progress():
         send_progress("fitting")
@@ -421,7 +421,7 @@ def test_a_result_fits_the_terminal_that_shows_it(monkeypatch):
     monkeypatch.setattr("shutil.get_terminal_size", lambda fallback=(80, 24): small)
     lines = format_for_screen(*message, size=_terminal.screen())
     assert max(map(len, lines)) <= 80
-    assert len(lines) + _terminal.BESIDE <= 24
+    assert len(lines) + _terminal.MAX_COLUMNS <= 24
     assert lines[-1].strip() == "more with -v"
     large = os.terminal_size((300, 90))
     monkeypatch.setattr("shutil.get_terminal_size", lambda fallback=(80, 24): large)

@@ -13,7 +13,7 @@ import pytest
 from kit import handmade
 
 import dashpot as dp
-from dashpot.base.result_mixins import LINES, HasSummary, HasVerdict, Plottable
+from dashpot.base.result_mixins import MAX_LINES, HasSummary, HasVerdict, Plottable
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.readers.inspect import inspect_file
@@ -57,7 +57,7 @@ EVERY = (*PICTURED, "RelaxationTest", "ImpactTest", "DynamicTest", "RelaxationMo
 def test_a_shell_shows_a_few_lines(nouns, name):
     text = repr(nouns[name])
     assert text.startswith(f"{name}: ")
-    assert len(text.splitlines()) <= LINES
+    assert len(text.splitlines()) <= MAX_LINES
     assert len(text) < 2000
     assert "array(" not in text
 
@@ -66,10 +66,10 @@ def test_a_long_description_is_cut():
     class Long(HasSummary):
         _summary_lines = tuple(f"line {i}" for i in range(40))
 
-    assert len(repr(Long()).splitlines()) == LINES
+    assert len(repr(Long()).splitlines()) == MAX_LINES
     assert repr(Long()).endswith("\n...")
-    Long._summary_lines = Long._summary_lines[:LINES]
-    assert repr(Long()).endswith(f"line {LINES - 1}")
+    Long._summary_lines = Long._summary_lines[:MAX_LINES]
+    assert repr(Long()).endswith(f"line {MAX_LINES - 1}")
 
 
 def test_verdicts_lead(nouns):

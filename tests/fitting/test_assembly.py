@@ -18,11 +18,11 @@ from dashpot.datamodel.parameter_estimate import Nuisance
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.checks.solid import arms_supported, optimum_found
 from dashpot.fitting.fit_construction import (
-    UNJUDGED,
+    NO_EVIDENCE,
     SolidEstimate,
     build_fit,
+    estimate_without_errors,
     nuisances,
-    point_estimate,
     provenance_of,
 )
 from dashpot.fitting.relaxation import fit as fit_tests
@@ -33,7 +33,7 @@ from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import PAPER
 
 SOURCES = Path(dp.__file__).parent
-POINT = point_estimate(PAPER, 100, 25.0, ())
+POINT = estimate_without_errors(PAPER, 100, 25.0, ())
 COLUMNS = ("k_inf", "offset@0", "drift@0", "offset@1", "warming@1", "b")
 VALUES = {name: float(i) for i, name in enumerate(COLUMNS)}
 
@@ -43,7 +43,7 @@ def make_nuisances(*names: str, **more: object) -> tuple[Nuisance, ...]:
 
 
 def test_nuisances_of_several_tests_are_named_by_their_number():
-    assert make_nuisances(*COLUMNS, known={"drift@0": 0.5}) == (
+    assert make_nuisances(*COLUMNS, priors={"drift@0": 0.5}) == (
         Nuisance("offset of test 1", 1.0, 10.0, "N"),
         Nuisance("drift of test 1", 2.0, 20.0, "N/s", 0.5),
         Nuisance("offset of test 2", 3.0, 30.0, "N"),
@@ -59,7 +59,7 @@ def test_nuisance_parameters_of_one_test_have_no_number():
         ("drift", "N/s"),
     ]
     VALUES["offset"] = VALUES["drift"] = 1.0
-    assert [nuisance.unit for nuisance in make_nuisances("k_inf", "offset", "drift", of="m")] == [
+    assert [nuisance.unit for nuisance in make_nuisances("k_inf", "offset", "drift", unit="m")] == [
         "m",
         "m/s",
     ]
@@ -67,7 +67,7 @@ def test_nuisance_parameters_of_one_test_have_no_number():
 
 
 def test_a_point_estimate_knows_no_error_of_any_parameter():
-    fit = build_fit(SolidEstimate(PAPER, POINT), UNJUDGED, Provenance("full"))
+    fit = build_fit(SolidEstimate(PAPER, POINT), NO_EVIDENCE, Provenance("full"))
     assert np.isinf(np.diag(fit.covariance)).all()
     assert fit.covariance.shape == (5, 5)
     assert (
@@ -80,7 +80,7 @@ def test_a_point_estimate_knows_no_error_of_any_parameter():
 
 
 @pytest.mark.parametrize(
-    ("fewer", "at_bound", "checks", "status"),
+    ("has_fewer_arms", "at_bound", "checks", "status"),
     [
         (False, False, (), Status.CONVERGED),
         (True, False, (), Status.FEWER_ARMS),
@@ -92,14 +92,16 @@ def test_a_point_estimate_knows_no_error_of_any_parameter():
     ],
 )
 def test_a_fit_ends_as_its_optimum_and_its_checks_say(
-    fewer: bool, at_bound: bool, checks: tuple[str, ...], status: Status
+    has_fewer_arms: bool, at_bound: bool, checks: tuple[str, ...], status: Status
 ):
     failed = {
         "weak": arms_supported(PAPER, np.full(5, np.inf)),
         "lost": optimum_found(stationary=False),
     }
     evidence = Evidence((0.1, 1.0), checks=tuple(failed[name] for name in checks))
-    fit = build_fit(SolidEstimate(PAPER, POINT, fewer, at_bound), evidence, Provenance("full"))
+    fit = build_fit(
+        SolidEstimate(PAPER, POINT, has_fewer_arms, at_bound), evidence, Provenance("full")
+    )
     assert fit.status is status
 
 

@@ -22,7 +22,7 @@ from dashpot.fitting.admissible_spectra import (
     compute_transmissibility_range,
     deviance_limit,
 )
-from dashpot.fitting.prediction_bounds import frf_band, parameter_band, unseen_arm_band
+from dashpot.fitting.prediction_bounds import frf_band, parameter_band, unresolved_arm_band
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.preprocessing.prepare import prepare
@@ -35,7 +35,7 @@ AT = np.array([0.05, 0.3, 1.0, 5.0, 12.71, 30.0])
 
 
 def test_unresolved_arm_band_contains_the_truth(broad_fit: Fit, broad_test: RampHold) -> None:
-    band = unseen_arm_band(broad_fit, broad_test, AT, level=0.99)
+    band = unresolved_arm_band(broad_fit, broad_test, AT, level=0.99)
     truth = BROAD.complex_stiffness(omega=2 * np.pi * AT)
     for limits, value in (
         (band.storage, truth.real),
@@ -49,10 +49,10 @@ def test_unresolved_arm_band_contains_the_truth(broad_fit: Fit, broad_test: Ramp
 def test_the_band_opens_where_the_test_is_blind(broad_fit: Fit, broad_test: RampHold) -> None:
     # on a machine that is known: 5 ms between the clocks are a loss of their own
     expected = replace(broad_test, machine=Machine(sync="1ms", compliance=0.0, drift="20uN/s"))
-    band = unseen_arm_band(broad_fit, expected, AT)
+    band = unresolved_arm_band(broad_fit, expected, AT)
     width = (band.loss[1] - band.loss[0]) / BROAD.loss(omega=2 * np.pi * AT)
     assert width[1] < 0.06  # 0.3 Hz: the hold sees it
-    unknown = unseen_arm_band(broad_fit, broad_test, AT[1:2])
+    unknown = unresolved_arm_band(broad_fit, broad_test, AT[1:2])
     assert np.ptp(unknown.loss) > 2 * np.ptp(band.loss[:, 1])
     assert width[4] > 1.0  # 12.71 Hz: it does not
     assert width[5] > width[4]
@@ -64,7 +64,7 @@ def test_a_fit_of_too_few_arms_has_limits_although_it_leaves_no_degree_of_freedo
     item = fit(test, arms=1)
     assert item.estimate.dof < 1
     with np.errstate(all="raise", under="ignore"):
-        band = unseen_arm_band(item, test, AT)
+        band = unresolved_arm_band(item, test, AT)
     truth = PAPER.complex_stiffness(omega=2 * np.pi * AT)
     for limits, value in ((band.storage, truth.real), (band.loss, truth.imag)):
         assert np.isfinite(limits).all()
@@ -84,7 +84,7 @@ def test_the_formal_band_of_two_arms_is_absurdly_narrow() -> None:
     test = prepare(simulate_relaxation(BROAD, seed=5).test)
     hold = fit(test, arms=2, method="hold")
     formal = parameter_band(hold, [12.71])
-    stiffness_bounds = unseen_arm_band(hold, test, [12.71])
+    stiffness_bounds = unresolved_arm_band(hold, test, [12.71])
     truth = BROAD.loss_factor(omega=2 * np.pi * 12.71)
     assert formal.loss_factor[1, 0] < truth / 3
     assert np.ptp(formal.loss_factor) < 0.1 * truth
@@ -116,7 +116,7 @@ def test_a_faster_ramp_tells_the_fast_arms_where_the_clocks_agree() -> None:
         noise = 2e-3 * np.random.default_rng(1).standard_normal(len(t))
         end = 0.5 + ramp_time
         held = RampHold(t, x, BROAD.force(t, x) + noise, 0.5, end, float(t[-1]), 8e-3)
-        band = unseen_arm_band(fit(held), held, [12.71])
+        band = unresolved_arm_band(fit(held), held, [12.71])
         short.append(float(BROAD.loss(omega=2 * np.pi * 12.71) - band.loss[0, 0]))
     assert 0 < short[1] < 0.5 * short[0]
 
@@ -162,7 +162,7 @@ def test_confidence_region_reach_is_never_exceeded(spectra: AdmissibleSpectra) -
     from scipy.optimize import nnls
 
     storage, loss = spectra.stiffness_at(2 * np.pi * 5.0)
-    low, high = spectra.reach(loss)
+    low, high = spectra.limit_functional(loss)
     row = loss / spectra.scale
 
     def compute_excess_residual(t: float) -> float:
@@ -179,8 +179,8 @@ def test_confidence_region_reach_is_never_exceeded(spectra: AdmissibleSpectra) -
     best = spectra.value(loss) / spectra.value(storage)
     assert ratio[0] < best < ratio[1]
     # and no end of K'' over an end of K' is beyond the ratio's own
-    assert ratio[1] <= high / spectra.reach(storage)[0] * (1 + 1e-9)
-    assert ratio[0] >= low / spectra.reach(storage)[1] * (1 - 1e-9)
+    assert ratio[1] <= high / spectra.limit_functional(storage)[0] * (1 + 1e-9)
+    assert ratio[0] >= low / spectra.limit_functional(storage)[1] * (1 - 1e-9)
 
 
 def test_a_finer_grid_moves_no_limit(
@@ -191,7 +191,7 @@ def test_a_finer_grid_moves_no_limit(
     def limits() -> np.ndarray:
         result = AdmissibleSpectra(data, fastest=320.0, limit=5.0, extra=broad_fit.model.tau)
         at = [result.stiffness_at(2 * np.pi * f) for f in (0.01, 0.1, 1.0, 5.0, 12.7, 50.0)]
-        return np.array([result.reach(v) for pair in at for v in pair])
+        return np.array([result.limit_functional(v) for pair in at for v in pair])
 
     usual = limits()
     monkeypatch.setattr(admissible_spectra, "PER_DECADE", 4 * admissible_spectra.PER_DECADE)
@@ -201,7 +201,7 @@ def test_a_finer_grid_moves_no_limit(
 
 def test_the_fit_and_the_truth_lie_within_the_lines(broad_fit: Fit, broad_test: RampHold) -> None:
     start = time.process_time()
-    band = unseen_arm_band(broad_fit, broad_test, LINES)
+    band = unresolved_arm_band(broad_fit, broad_test, LINES)
     assert time.process_time() - start < 2.0
     for solid, least in ((broad_fit.model, 1.0), (BROAD, 0.9)):
         K = solid.complex_stiffness(omega=2 * np.pi * LINES)
@@ -216,8 +216,8 @@ def test_the_fit_and_the_truth_lie_within_the_lines(broad_fit: Fit, broad_test: 
 def test_unresolved_arm_band_is_independent_of_other_lines(
     broad_fit: Fit, broad_test: RampHold
 ) -> None:
-    many = unseen_arm_band(broad_fit, broad_test, LINES[::2])
-    few = unseen_arm_band(broad_fit, broad_test, LINES[::20])
+    many = unresolved_arm_band(broad_fit, broad_test, LINES[::2])
+    few = unresolved_arm_band(broad_fit, broad_test, LINES[::20])
     assert many.storage[:, ::10] == pytest.approx(few.storage, rel=1e-3)
     assert many.loss[:, ::10] == pytest.approx(few.loss, rel=1e-2)
 
@@ -231,7 +231,7 @@ def test_the_limits_of_an_frf_are_those_of_the_set_of_stiffnesses(
         inertia = BROAD_MASS / 2 * omega**2
         near, far = compute_distance_range(spectra, omega, inertia)
         columns = np.array(spectra.stiffness_at(omega))
-        ends = np.array([spectra.reach(v) for v in columns])
+        ends = np.array([spectra.limit_functional(v) for v in columns])
         angles = np.linspace(0, 2 * np.pi, 721)
         # directions as even over the set as over a circle
         aims = np.column_stack((np.cos(angles), np.sin(angles))) / np.ptp(ends, axis=1)
@@ -268,8 +268,8 @@ def test_band_of_a_hold_leaves_the_dashpot_unbounded() -> None:
 
 
 def test_a_higher_level_is_a_wider_band(broad_fit: Fit, broad_test: RampHold) -> None:
-    narrow = unseen_arm_band(broad_fit, broad_test, [5.0], level=0.68)
-    wide = unseen_arm_band(broad_fit, broad_test, [5.0], level=0.99)
+    narrow = unresolved_arm_band(broad_fit, broad_test, [5.0], level=0.68)
+    wide = unresolved_arm_band(broad_fit, broad_test, [5.0], level=0.99)
     assert wide.loss[0] < narrow.loss[0]
     assert wide.loss[1] > narrow.loss[1]
 
@@ -282,7 +282,7 @@ def held_at(solid: GeneralizedMaxwell, *, seed: int, late: int = 0) -> np.ndarra
     test = simulate_relaxation(solid, seed=seed).test
     force = np.concatenate((test.force[:1].repeat(late), test.force[: len(test.force) - late]))
     held = prepare(replace(test, force=force))
-    band = unseen_arm_band(fit(held), held, COVERED)
+    band = unresolved_arm_band(fit(held), held, COVERED)
     K = solid.complex_stiffness(omega=2 * np.pi * COVERED)
     expected = ((band.storage, K.real), (band.loss, K.imag), (band.loss_factor, K.imag / K.real))
     return np.array([(low <= value) & (value <= high) for (low, high), value in expected])
@@ -319,20 +319,20 @@ def test_a_seal_that_may_bear_nothing_has_a_loss_factor_all_the_same(broad_fit: 
 
 def test_what_cannot_be_is_refused(broad_fit: Fit, broad_test: RampHold) -> None:
     with pytest.raises(DataError, match="a band needs frequencies > 0"):
-        unseen_arm_band(broad_fit, broad_test, [0.0, 1.0])
+        unresolved_arm_band(broad_fit, broad_test, [0.0, 1.0])
     with pytest.raises(DataError, match="expected a coverage between 0 and 1"):
         parameter_band(broad_fit, [1.0], level=95)
     with pytest.raises(DataError, match="the fit of that test"):
-        unseen_arm_band(replace_fields(broad_fit, method="joint"), broad_test, [1.0])
+        unresolved_arm_band(replace_fields(broad_fit, method="joint"), broad_test, [1.0])
     with pytest.raises(DataError, match="no relaxation test"):
-        unseen_arm_band(broad_fit, [], [1.0])
+        unresolved_arm_band(broad_fit, [], [1.0])
     with pytest.raises(DataError, match="mass = 0"):
         frf_band(broad_fit, broad_test, mass=0, frequency=[1.0, 2.0])
 
 
 def test_a_seal_without_fast_arms_keeps_its_loss_within_the_band() -> None:
     test = prepare(simulate_relaxation(PAPER, seed=2).test)
-    band = unseen_arm_band(fit(test), test, [12.71], level=0.99)
+    band = unresolved_arm_band(fit(test), test, [12.71], level=0.99)
     truth = PAPER.loss(omega=2 * np.pi * 12.71)
     assert band.loss[0, 0] <= truth <= band.loss[1, 0]
 
@@ -358,7 +358,7 @@ def test_the_limits_over_a_base_are_those_of_the_set_of_stiffnesses(
     inertia = BROAD_MASS / 2 * omega**2
     low, high = compute_transmissibility_range(spectra, omega, inertia)
     columns = np.array(spectra.stiffness_at(omega))
-    ends = np.array([spectra.reach(v) for v in columns])
+    ends = np.array([spectra.limit_functional(v) for v in columns])
     angles = np.linspace(0, 2 * np.pi, 721)
     aims = np.column_stack((np.cos(angles), np.sin(angles))) / np.ptp(ends, axis=1)
     points = np.array([columns @ spectra.find_extreme_spectrum(aim @ columns) for aim in aims])

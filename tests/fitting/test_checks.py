@@ -235,7 +235,7 @@ def test_drift_that_hides_a_slow_arm() -> None:
     check = get_check(fit(loose, arms=1), "drift_distinguished_from_arm")
     assert check.failed
     assert "Record a longer baseline before contact" in check.message_with_remedy
-    # eq. 5 has no ramp to tell them apart either
+    # eq. 5 has no ramp to distinguish them either
     assert get_check(fit(loose, arms=1, method="hold"), "drift_distinguished_from_arm").failed
     single = fit(record_of(slow), arms=1, method="hold", nuisance=())
     without = get_check(single, "drift_distinguished_from_arm")

@@ -15,11 +15,11 @@ from kit.foreign.truths import TRUTHS, Seal
 
 from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.fit import Fit, list_known_values
-from dashpot.datamodel.machine import USUAL, Machine
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.admissible_spectra import compute_end_limits
-from dashpot.fitting.nonlinear_ramp.checks import TOO_LATE, TOO_LATE_TOGETHER, clocks_agree
+from dashpot.fitting.nonlinear_ramp.checks import MAX_DELAY_SD, MAX_JOINT_DELAY_SD, clocks_agree
 from dashpot.fitting.nuisance_priors import build_load_cell_priors, build_nuisance_terms
 from dashpot.fitting.prediction_bounds import frf_band
 from dashpot.fitting.relaxation import fit
@@ -63,7 +63,7 @@ def width(result: Fit) -> float:
 
 
 def test_hold_fit_includes_clock_differences_in_its_errors() -> None:
-    """A hold that begins late by d has arms of k e^(d/tau); nothing of it tells d."""
+    """A hold that begins late by d has arms of k e^(d/tau); nothing of it shows d."""
     errors = {}
     for sync in (5e-3, 20e-3):
         record = prepare(simulate_relaxation(PAPER, seed=1).test, machine=Machine(sync=sync))
@@ -161,9 +161,9 @@ def test_each_doubt_moves_the_fit_as_far_as_a_record_that_has_it(record: RampHol
 
 
 def test_every_doubt_says_its_source() -> None:
-    for name, usual in USUAL.items():
+    for name, usual in DEFAULT_UNCERTAINTIES.items():
         assert usual.size > 0, name
-        assert usual.of, name
+        assert usual.quantity, name
         assert usual.source, name
 
 
@@ -293,7 +293,7 @@ def test_a_sum_of_columns_that_are_there_doubts_as_a_column_does(record: RampHol
     wide = compute_end_limits(
         [build_relaxation_data(record, result)],
         time=record.hold_time,
-        own=result.model,
+        model=result.model,
         dof=result.estimate.dof,
     )
     for name in ("k_end", "k_3end", "k_inf"):
@@ -304,7 +304,7 @@ def test_a_sum_of_columns_that_are_there_doubts_as_a_column_does(record: RampHol
 def test_the_point_knows_nothing_of_it_and_every_limit_does(record: RampHold) -> None:
     blind, wide = (
         build_nuisance_terms(record).priors["drift"],
-        build_nuisance_terms(record, claimed=True).priors["drift"],
+        build_nuisance_terms(record, for_limits=True).priors["drift"],
     )
     assert blind.sd < wide.sd
     usual, expected = fit(record), fit(replace(record, machine=KNOWN))
@@ -350,7 +350,7 @@ def test_end_of_hold_of_a_stated_rig_is_within_one_per_cent() -> None:
 
 def test_several_tests_together_are_a_point(record: RampHold) -> None:
     result = fit(record)
-    names = build_relaxation_data(record, result, claimed=False).block.fixed_names
+    names = build_relaxation_data(record, result, for_limits=False).block.fixed_names
     assert not {"give", "settling", "warming"} & set(names)
     assert {"give", "settling", "warming"} < set(
         build_relaxation_data(record, result).block.fixed_names
@@ -383,7 +383,7 @@ def test_limits_hold_a_fit_that_the_record_would_not() -> None:
     poor = fit(replace(test, machine=KNOWN), arms=0)
     end = poor.evidence.end_of_hold
     assert end is not None
-    assert end.beyond > 0.25
+    assert end.distance_outside > 0.25
     assert end.k_end[0] <= float(poor.model.relaxation(end.end_time)) <= end.k_end[1]
 
 
@@ -464,7 +464,7 @@ def test_fit_reports_an_unstated_filter_with_a_valid_bound(
 def test_a_force_is_too_late_from_so_much_on() -> None:
     thought = 5e-3
     for times, grade in ((0.99, "note"), (1.01, "limit")):
-        for many, far in ((1, TOO_LATE), (2, TOO_LATE_TOGETHER)):
+        for many, far in ((1, MAX_DELAY_SD), (2, MAX_JOINT_DELAY_SD)):
             late = times * far * thought
             for value in (late, -late):
                 check = clocks_agree([(value, 1e-4, thought)] * many)
@@ -480,7 +480,9 @@ def test_what_creeps_on_is_correlated_by_itself() -> None:
     t = np.arange(0, 8.0, 2e-3)
     x = 8e-3 * np.clip(t, 0, 1) + 1e-9 * (1 - np.exp(-np.maximum(t - 1, 0) / 0.1))
     weights = np.where(t < 1.2, 0.5, 1.0)
-    block = recorded_block(t, x, PAPER.force(t, x), weights=weights, reach=(1e-5, 500.0))
+    block = recorded_block(
+        t, x, PAPER.force(t, x), weights=weights, relaxation_window=(1e-5, 500.0)
+    )
     log_tau = np.log(np.geomspace(2e-5, 400.0, 40))
     result, whole = block.evaluate(log_tau, False), block.exact.evaluate(log_tau, False)
     individual = np.concatenate((result.fixed, result.arms), axis=1)
@@ -498,7 +500,7 @@ def test_a_column_of_nothing_stays_nothing_and_rounding_is_refused() -> None:
     np.testing.assert_array_equal(factor, np.diag([2.0, 0.0, 3.0]))
     fine = np.array([[1.0, 1.0 + 4e-10], [1.0 + 4e-10, 1.0]])
     assert np.isfinite(upper_factor(fine)).all()
-    with pytest.raises(ValueError, match="told apart"):
+    with pytest.raises(ValueError, match="distinguished"):
         upper_factor(np.array([[1.0, 1.0 + 4e-9], [1.0 + 4e-9, 1.0]]))
 
 

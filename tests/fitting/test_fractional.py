@@ -30,7 +30,9 @@ from dashpot.fitting.data_blocks import FitData, FitSetup, data_of
 from dashpot.fitting.fractional_model.family_selection import (
     ArmColumns,
     divergence_frequency,
-    element,
+)
+from dashpot.fitting.fractional_model.family_selection import (
+    fit_fractional as fit_fractional_model,
 )
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.identify import identify
@@ -43,7 +45,7 @@ from dashpot.fitting.identification.likelihood import (
 from dashpot.fitting.identification.parametrisation import FractionalElement
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.fitting.nuisance_priors import Prior
-from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
+from dashpot.fitting.prediction_bounds import parameter_band, unresolved_arm_band
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.numerics.design_matrices.recorded_motion import recorded_block
@@ -190,14 +192,14 @@ def test_fractional_element_is_recovered_from_any_noise_free_test() -> None:
     omega = 2 * np.pi * np.geomspace(0.01, 100, 60)
     swept = frequency_block(omega, solid.complex_stiffness(omega=omega))
     for blocks in ([in_time], [swept], [in_time, swept.scale_rows(1e-3)]):
-        result = element(FitData(blocks, blocks)).solid
+        result = fit_fractional_model(FitData(blocks, blocks)).solid
         near = (500.0, 200.0, 0.05, 0.5)
         assert (result.k_0, result.k_inf, result.tau, result.alpha) == pytest.approx(near, rel=2e-4)
 
 
 def test_a_trial_is_differentiated() -> None:
     columns = ArmColumns(
-        data_of([press_seal(Seal.fractional(*TRUTHS[0]))], FitSetup("full")).bound().rows
+        data_of([press_seal(Seal.fractional(*TRUTHS[0]))], FitSetup("full")).bind_parameters().rows
     )
     theta = np.array([np.log(0.07), 0.55])
     here = columns.problem.solve_linear(theta)
@@ -248,7 +250,7 @@ def test_its_formal_band_is_that_of_its_four_parameters() -> None:
 def test_it_is_bounded_over_every_spectrum_as_arms_are() -> None:
     result, truth = fit_fractional(TRUTHS[0]), TRUTHS[0]
     test = press_seal(Seal.fractional(*truth))
-    bounds = unseen_arm_band(result, test, [0.1, 1.0])
+    bounds = unresolved_arm_band(result, test, [0.1, 1.0])
     true = Seal.fractional(*truth).stiffness(2 * np.pi * bounds.frequency)
     for limits, value in ((bounds.storage, true.real), (bounds.loss, true.imag)):
         assert (limits[0] <= value).all()
@@ -569,7 +571,7 @@ def coverage(seeds: int) -> dict[str, float]:
     inside = dict.fromkeys(truth, 0)
     for seed in range(seeds):
         test = press_seal(Seal.fractional(200.0, 300.0, 0.05, 0.5), bench=bench, seed=seed)
-        result = element(data_of([test], FitSetup("full")).bound())
+        result = fit_fractional_model(data_of([test], FitSetup("full")).bind_parameters())
         parameter_estimate = ParameterEstimate(
             result.parameters, result.covariance, result.estimate.dof, Residual(1, 1.0, 1.0)
         )

@@ -313,12 +313,12 @@ def test_the_joint_fit_holds_over_seeds() -> None:
         )
 
 
-# -- what a rig may have done unseen ---------------------------------------------------------------
+# -- what a rig may have done without a trace ------------------------------------------------------
 
 
 @pytest.mark.parametrize("rig", ["compliance 50 um/N", "crosshead creep 20 um"])
 def test_intervals_of_a_joint_fit_include_rig_errors(rig: str) -> None:
-    """A hammer tells nothing of the machine of the relaxation test, whose errors it bears."""
+    """A hammer shows nothing of the machine of the relaxation test, whose errors it bears."""
     record = next(verdict_records([TRUTHS[0]], [rig], 0))
     held = prepare(RelaxationTest(record.time, record.displacement, record.force, units="SI"))
     seal, mass = record.seal.solid, record.seal.mass_at(12.7, 2)

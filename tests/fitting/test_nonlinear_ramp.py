@@ -18,9 +18,9 @@ from dashpot.base.errors import FitError
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.nonlinear_ramp.checks import k_inf_plausible
 from dashpot.fitting.nonlinear_ramp.elastic_law import LADDER, RampLaw, select_elastic_law
-from dashpot.fitting.nonlinear_ramp.fit_construction import ramp_checks, ramp_fit
+from dashpot.fitting.nonlinear_ramp.fit_construction import build_ramp_fit, ramp_checks
 from dashpot.fitting.nonlinear_ramp.hold_then_ramp import build_nuisances
-from dashpot.fitting.nonlinear_ramp.linearity import judge_linear_fit, judge_linear_residuals
+from dashpot.fitting.nonlinear_ramp.linearity import assess_linear_fit, assess_residuals
 from dashpot.fitting.nonlinear_ramp.quasi_linear import (
     QuasiLinear,
     Weighted,
@@ -70,7 +70,7 @@ def test_hats_are_integrated_exactly() -> None:
 def test_downsample_counts_every_sample_once() -> None:
     test = qlv(cubic, Bench())
     rows = downsample([test])
-    assert rows.count.sum() == len(test.time) - rows.known[0].first_sample
+    assert rows.count.sum() == len(test.time) - rows.priors[0].first_sample
     assert len(rows.time) < 600
     ramp = rows.count[rows.ramp]
     assert max(ramp[:20].max(), ramp[-20:].max(), rows.count[~rows.ramp][:10].max()) <= 2
@@ -116,7 +116,7 @@ def test_a_descent_leaves_less_than_noise() -> None:
 def test_the_mean_of_a_shape_is_no_doubt() -> None:
     choice = select_elastic_law([qlv(cubic, QUICK, seed=1)])
     knots = np.array(choice.law.knots)
-    weights = QuasiLinear(choice.followed.weighted.solid.rows, knots).weights
+    weights = QuasiLinear(choice.optimum.weighted.solid.rows, knots).weights
     shape = choice.law_covariance[-len(knots) :, -len(knots) :]
     assert weights @ shape @ weights < 1e-8 * np.diag(shape).min()
 
@@ -139,7 +139,7 @@ def test_units_do_not_matter() -> None:
 @pytest.mark.parametrize("baseline", [0.5, 0.0])
 def test_the_cubic_seal_gives_its_secant_and_its_tangents(baseline: float) -> None:
     choice = select_elastic_law([qlv(cubic, Bench(baseline=baseline), seed=4)])
-    assert not choice.sound
+    assert not choice.is_linear
     assert choice.law.kind == "piecewise"
     assert abs(off(choice)) < 0.5
     for x in (8e-3, 2.6e-3):
@@ -163,7 +163,7 @@ def test_the_default_rig_gives_the_issue_s_seal() -> None:
 
 def test_a_linear_seal_passes_the_gate_and_keeps_its_errors() -> None:
     choice = select_elastic_law([qlv(linear, Bench(), seed=5)])
-    assert choice.sound
+    assert choice.is_linear
     assert choice.law == ElasticLaw.linear(choice.model.k_inf, choice.law.depth)
     error = float(np.sqrt(choice.estimate.covariance[0, 0]))
     assert abs(choice.model.k_inf - 196.5) < 3 * error
@@ -173,7 +173,7 @@ def test_a_linear_seal_passes_the_gate_and_keeps_its_errors() -> None:
 
 def test_elastic_law_fit_recovers_a_force_delay() -> None:
     choice = select_elastic_law([qlv(linear, Bench(delay=3e-3), seed=6)])
-    assert choice.sound
+    assert choice.is_linear
     delay = next(n for n in choice.estimate.nuisance if n.name == "delay")
     assert delay.value == pytest.approx(3e-3, abs=4 * delay.standard_error)
     assert delay.standard_error < 0.3e-3
@@ -217,14 +217,14 @@ def test_two_ramp_rates_share_the_law() -> None:
     assert choice.law.depth == pytest.approx(8e-3)
     assert abs(off(choice)) < 0.5
     assert float(choice.law.tangent(2.6e-3)) == pytest.approx(164.7, rel=0.02)
-    fitted = ramp_fit(tests, choice)
+    fitted = build_ramp_fit(tests, choice)
     assert replace(fitted.elastic_law, ratio_se=()) == choice.law
     assert fitted.model_at(2.6e-3).k_inf == pytest.approx(164.7, rel=0.02)
     message = next(check for check in fitted.checks if check.name == "tangent_determined")
     assert message.passed
     assert message.value == 3
     lone = next(
-        check for check in ramp_fit(tests[:1], select_elastic_law(tests[:1])).checks
+        check for check in build_ramp_fit(tests[:1], select_elastic_law(tests[:1])).checks
         if check.name == "tangent_determined"
     )  # fmt: skip
     assert lone.failed
@@ -279,15 +279,19 @@ def broken(kind: str, seed: int) -> RampHold:
 def test_a_broken_ramp_leaves_what_the_hold_says(kind: str) -> None:
     test = broken(kind, 8)
     choice = select_elastic_law([test])
-    assert not choice.sound
+    assert not choice.is_linear
     assert abs(off(choice)) < 0.5
-    followed = next(c for c in ramp_fit([test], choice).checks if c.name == "ramp_residual_small")
+    followed = next(
+        c for c in build_ramp_fit([test], choice).checks if c.name == "ramp_residual_small"
+    )
     assert followed.failed or kind == "clipped"
 
 
 def test_an_offset_that_takes_stiffness_is_not_believed() -> None:
     test = qlv(linear, QUICK, seed=9)
-    checks = {check.name: check for check in ramp_fit([test], select_elastic_law([test])).checks}
+    checks = {
+        check.name: check for check in build_ramp_fit([test], select_elastic_law([test])).checks
+    }
     for name in ("k_inf_plausible", "offset_plausible", "drift_plausible"):
         assert checks[name].passed, checks[name].message
 
@@ -306,15 +310,17 @@ def test_a_k_inf_that_the_end_of_the_hold_denies_is_not_believed() -> None:
 
 def test_judge_linear_fit_has_the_stated_limits() -> None:
     usual = {"noise": 4e-3, "discrepancy": 1.4, "samples": 1000.0, "peak": 2.0}
-    assert judge_linear_fit(4.7e-3, 4.3e-3, 4e-3, **usual).sound
-    assert not judge_linear_fit(4.9e-3, 4.3e-3, 4e-3, **usual).sound
-    assert not judge_linear_fit(4.7e-3, 4.5e-3, 4e-3, **usual).sound
-    assert not judge_linear_fit(4.7e-3, 4.3e-3, 4e-3, **(usual | {"discrepancy": 1.7})).sound
+    assert assess_linear_fit(4.7e-3, 4.3e-3, 4e-3, **usual).is_adequate
+    assert not assess_linear_fit(4.9e-3, 4.3e-3, 4e-3, **usual).is_adequate
+    assert not assess_linear_fit(4.7e-3, 4.5e-3, 4e-3, **usual).is_adequate
+    assert not assess_linear_fit(4.7e-3, 4.3e-3, 4e-3, **(usual | {"discrepancy": 1.7})).is_adequate
     # of few samples chance leaves more, and of none of the peak nobody cares
-    assert judge_linear_fit(
+    assert assess_linear_fit(
         6e-3, 4e-3, 4e-3, **(usual | {"samples": 10.0, "discrepancy": 2.0})
-    ).sound
-    assert judge_linear_fit(1e-4, 1e-4, 1e-6, **(usual | {"noise": 1e-9, "discrepancy": 9.0})).sound
+    ).is_adequate
+    assert assess_linear_fit(
+        1e-4, 1e-4, 1e-6, **(usual | {"noise": 1e-9, "discrepancy": 9.0})
+    ).is_adequate
 
 
 def test_external_linear_fit_has_the_same_result() -> None:
@@ -323,10 +329,12 @@ def test_external_linear_fit_has_the_same_result() -> None:
         choice = select_elastic_law([test], law="linear")
         whole, truth = choice.residuals[0], PAPER.force(test.time + 1.0, test.displacement)
         single = (test.force - truth)[test.hold] if law is linear else whole[-40_000:]
-        linear_fit_quality = judge_linear_residuals(test, whole, single)
-        assert linear_fit_quality.sound == choice.sound == (law is linear)
+        linear_fit_quality = assess_residuals(test, whole, single)
+        assert linear_fit_quality.is_adequate == choice.is_linear == (law is linear)
         if law is linear:
-            assert linear_fit_quality.ramp == pytest.approx(choice.soundness[0].ramp, rel=0.1)
+            assert linear_fit_quality.ramp == pytest.approx(
+                choice.linear_qualities[0].ramp, rel=0.1
+            )
 
 
 def test_a_bend_below_the_noise_is_seen() -> None:
@@ -352,7 +360,7 @@ def test_a_law_is_taken_where_it_moves_the_path_by_half_a_thousandth(
         lambda x: linear(x) * (1 + bend * (x / DEPTH - 1)), replace(QUICK, noise=5e-4), seed=1
     )
     choice = select_elastic_law([test])
-    assert not choice.sound
+    assert not choice.is_linear
     assert choice.law.kind == kind
     # a small bend that has its law doubts nothing
     assert (list_failed_checks([test], choice) == {"tangent_determined"}) == (kind == "piecewise")
@@ -375,13 +383,13 @@ def test_select_elastic_law_refuses_a_record_without_a_single_ramp() -> None:
 @pytest.mark.parametrize("stretch", [0.04, 0.16, 0.4])
 def test_a_tape_follows_its_hold(stretch: float) -> None:
     choice = select_elastic_law([tape(stretch)])
-    assert not choice.sound
+    assert not choice.is_linear
     assert choice.law.kind == "piecewise"
     assert choice.model.k_inf == pytest.approx(choice.hold.plateau[0], rel=0.01)
     assert max(choice.rho) < 1.1
     offset, expected = (
         choice.estimate.nuisance[0],
-        choice.followed.weighted.solid.rows.known[0].offset,
+        choice.optimum.weighted.solid.rows.priors[0].offset,
     )
     assert abs(offset.value - expected.mean) < 3 * expected.sd
     assert choice.relative_residuals[0] < 0.01
@@ -400,7 +408,7 @@ def test_muscle_gives_the_k_inf_of_its_hold(real_data: Path, family: str, ramp: 
     path = real_data / "titin-ramp-hold" / f"{family}_{ramp}s.csv"
     t, length, force = np.loadtxt(path, delimiter=",", skiprows=1, usecols=(0, 1, 2)).T
     choice = select_elastic_law([prepare(RelaxationTest(t, length - length[0], force, units="SI"))])
-    assert not choice.sound
+    assert not choice.is_linear
     assert choice.law.kind == "piecewise"
     assert choice.model.k_inf == pytest.approx(choice.hold.plateau[0], rel=0.05)
     assert max(choice.rho) < 1.25
@@ -423,7 +431,7 @@ def test_the_rheometer_set_passes_the_gate(real_data: Path) -> None:
     t, x, force = np.loadtxt(real_data / "rheos-data-time" / "data_time.csv", delimiter=",").T
     # strain and stress in no stated unit: taken as sizes that a seal may have
     choice = select_elastic_law([prepare(RelaxationTest(t, x, force, units="s, mm, N"))])
-    assert choice.sound
+    assert choice.is_linear
     assert choice.law.kind == "linear"
 
 

@@ -152,7 +152,7 @@ def test_creep_fit_uses_the_stated_clock_error():
         next(part for part in fit.estimate.nuisance if part.name == "delay")
         for fit in (sure, usual)
     ]
-    # an operator who is wrong is held to it, and the verdict tells
+    # an operator who is wrong is held to it, and the verdict shows
     assert errors[0].prior_sd == pytest.approx(2e-4)
     assert errors[0].value != errors[1].value
     still = make_delayed_sheet("creep", 5, 0.0, 50.0)

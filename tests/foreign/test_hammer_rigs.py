@@ -163,7 +163,7 @@ def test_a_tdms_file_and_a_mat_file_state_a_window(tmp_path):
                | {"exponential_window_tau": 0.8})  # fmt: skip
     units = {name: unit for name, (_, unit) in columns.items()}
     hits = dp.read(mat, units=units)
-    # without a unit it is stated, and its noise tells how fast
+    # without a unit it is stated, and its noise shows how fast
     assert np.isnan(hits.window_rate)
     assert hits.frf().shift == pytest.approx(1.25, rel=0.05)
 

@@ -55,7 +55,7 @@ def test_twenty_of_a_kind_repeat_and_half_are_spoilt(kind):
         ("amplitude", "strain-sweep"),
         ("stress strain", "stress-strain"),
         ("indentation", "indentation"),
-        # the columns of these are those of a relaxation test: the motion tells them apart
+        # the columns of these are those of a relaxation test: the motion distinguishes them
         ("loops", "cyclic"),
         ("cld", "cld"),
         ("creep", "creep"),

@@ -81,7 +81,7 @@ def test_two_temperatures_tell_the_loss_factor_of_arms() -> None:
             for held, item in ((inside, result), (by_noise, restrict_to_noise(result))):
                 low, high = parameter_band(item, [HERTZ]).loss_factor[:, 0]
                 held.append(low <= true.imag / true.real <= high)
-            # what the noise does not tell to 3 % may be off by more, nothing else
+            # what the noise does not show to 3 % may be off by more, nothing else
             message = high - low < 0.06 * true.imag / true.real
             assert close[-1] or not message
     assert np.mean(close) >= 0.95

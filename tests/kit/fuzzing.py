@@ -188,7 +188,7 @@ class _Parsers:
             narrow = ReadOptions(sheet=options.sheet, segment=options.segment)
             answer = child_process.run_parser(what, function, raw, narrow)
             with Path(os.devnull).open("wb") as out:
-                message_protocol.send_answer(out, answer)
+                message_protocol.send_reply(out, answer)
         except DashpotError as error:
             return ReadError(str(error))
         return answer

@@ -91,9 +91,9 @@ def _error(fit: dp.Fit, of_k, of_ln_tau):
 
 
 def _is_inside(trial: Trial, fit: dp.Fit, record: dp.RampHold) -> bool:
-    from dashpot.fitting.prediction_bounds import unseen_arm_band
+    from dashpot.fitting.prediction_bounds import unresolved_arm_band
 
-    band = unseen_arm_band(fit, record, LINES)
+    band = unresolved_arm_band(fit, record, LINES)
     true = trial.stiffness_at(2 * np.pi * np.asarray(LINES), trial.bench.depth)
     return bool(
         np.all((band.storage[:, 0] <= true.real) & (true.real <= band.storage[:, 1]))

@@ -23,7 +23,7 @@ from dashpot.numerics.least_squares import (
     require_optimum,
     stack_real_rows,
 )
-from dashpot.numerics.nonnegative_least_squares import MANY, solve_linear
+from dashpot.numerics.nonnegative_least_squares import MANY_COLUMNS, solve_linear
 
 TIME = np.linspace(0.0, 10.0, 400)
 TRUTH = np.array([2.0, 1.0, 0.7])  # plateau, arm, relaxation time
@@ -211,7 +211,7 @@ def test_solve_linear_with_sign_constraints_equals_a_library(seed: int, q: int, 
     assert np.linalg.norm(y - basis() @ (basis().T @ y)) == pytest.approx(norm, rel=1e-9)
 
 
-@pytest.mark.parametrize("q", [MANY, MANY + 1])
+@pytest.mark.parametrize("q", [MANY_COLUMNS, MANY_COLUMNS + 1])
 def test_few_and_many_nearly_dependent_columns_are_solved_alike(q: int) -> None:
     t = np.geomspace(1e-3, 1e3, 90)
     A = np.exp(-t[:, None] / np.geomspace(1e-3, 1e3, q))
@@ -319,11 +319,11 @@ def test_estimate_gives_no_error_at_zero_unless_requested() -> None:
 
 def test_a_theta_that_is_held_has_no_error_and_takes_none() -> None:
     best = require_optimum(decay(noisy(2)), [np.zeros(1)])
-    free, held = estimate(best), estimate(best, held=np.array([True]))
+    free, held = estimate(best), estimate(best, is_fixed=np.array([True]))
     assert held.standard_error[0] == 0
     assert (held.standard_error[1:] < free.standard_error[1:]).all()
     np.testing.assert_array_equal(
-        estimate(best, held=np.array([False])).covariance, free.covariance
+        estimate(best, is_fixed=np.array([False])).covariance, free.covariance
     )
 
 
@@ -351,7 +351,7 @@ def test_a_systematic_error_moves_as_the_refit_does() -> None:
 def ends(expected: Estimate, index: int = 0) -> tuple[float, float]:
     """Of a profile interval."""
     profile = expected.profile(index)
-    low, high = (float(profile[i].known.optimum.theta[index]) for i in (0, -1))
+    low, high = (float(profile[i].estimate.optimum.theta[index]) for i in (0, -1))
     return low, high
 
 

@@ -11,7 +11,7 @@ import pytest
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.prediction_bounds import unseen_arm_band
+from dashpot.fitting.prediction_bounds import unresolved_arm_band
 from dashpot.numerics.design_matrices.data_compression import reduced_block
 from dashpot.numerics.design_matrices.recorded_motion import recursion_block
 from dashpot.solids.demo_seals import BROAD
@@ -24,7 +24,7 @@ def test_it_is_the_block_in_other_coordinates() -> None:
     force = BROAD.force(t - t[0], x) + 1e-3 * draw.standard_normal(len(t))
     fixed = {"k_inf": x, "offset": np.ones(len(t))}
     whole = recursion_block(t, x, force, window=slice(0, len(t)), fixed=fixed)
-    few = reduced_block(whole, reach=(1e-5, 1e3))
+    few = reduced_block(whole, relaxation_window=(1e-5, 1e3))
     assert len(few.target) < 140
     assert few.samples == 3000
     log_tau = np.log([3e-5, 2e-3, 0.0137, 0.31, 5.0, 270.0])
@@ -46,9 +46,9 @@ def test_the_band_on_an_uneven_clock(broad_fit: Fit, broad_test: RampHold) -> No
     # on a machine that is known: unknown clocks leave the highest storage to the noise alone
     expected = replace(broad_test, machine=Machine(sync="1ms", compliance=0.0, drift="20uN/s"))
     shaken = replace(expected, time=expected.time + shake)
-    even = unseen_arm_band(broad_fit, expected, [1.0, 12.71])
+    even = unresolved_arm_band(broad_fit, expected, [1.0, 12.71])
     start = clock.process_time()
-    noise_gain_differs = unseen_arm_band(broad_fit, shaken, [1.0, 12.71])
+    noise_gain_differs = unresolved_arm_band(broad_fit, shaken, [1.0, 12.71])
     assert clock.process_time() - start < 20
     assert noise_gain_differs.storage == pytest.approx(even.storage, rel=0.02)
     assert noise_gain_differs.loss[:, 0] == pytest.approx(even.loss[:, 0], rel=0.05)

@@ -158,7 +158,8 @@ def test_the_plan_puts_the_cold_test_into_its_table():
     assert shown[:3] == [("full", ()), ("hold", (273.15,)), ("hold", ())]
     single = make_plan().expected.loss_factor_sd
     assert plan.alternatives[0].loss_factor_sd == single
-    # what the rig may do unseen, in the cold and at room temperature, is as much as the noise again
+    # what the rig may do without a trace, in the cold and at room temperature, is as much as the
+    # noise again
     rows = build_planned_rows(HIDDEN, make_bench(machine=Machine()), places(0)).rows
     assert plan.expected.loss_factor_sd > 1.5 * loss_factor_sd(HIDDEN, rows)
     quiet = make_plan(cold="0degC", force_alone=True).expected.loss_factor_sd

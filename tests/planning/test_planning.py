@@ -53,7 +53,7 @@ def a_foreign_record(baseline: float) -> RelaxationTest:
 def expected_force_error(
     arm: tuple[float, float], *, at: float = 12.71, **changes: object
 ) -> ExpectedError:
-    """What the force alone would tell, without offset, drift and delay."""
+    """What the force alone would show, without offset, drift and delay."""
     model = PAPER + GeneralizedMaxwell(0.0, (arm[0],), (arm[1],))
     bench = Bench(machine=None, **changes)  # type: ignore[arg-type]
     return expected_error(model, bench, at, model.tau.index(arm[1]))

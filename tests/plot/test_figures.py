@@ -51,7 +51,7 @@ DRAW = {
     "hold": lambda: plot.fit(S.hold_fit, S.prepared),
     "spectrum": lambda: plot.spectrum(S.fit, joint=S.joint),
     "stiffness": lambda: plot.stiffness(
-        S.fit, parameters=S.parameters, unseen=S.unmeasured, joint=S.joint, mark=12.71
+        S.fit, parameters=S.parameters, unresolved_bounds=S.unmeasured, joint=S.joint, mark=12.71
     ),
     "comparison": lambda: plot.comparison(S.comparison, joint=S.joint_comparison, band=S.frf_band),
     "resonance": lambda: plot.resonance(
@@ -280,7 +280,7 @@ def test_a_bound_that_no_test_sets_runs_out_at_the_top_of_a_finite_axis(endless)
     tops = np.where((f > 1) | (endless == "all"), np.inf, 2 * result.solid.k_0)
     edges = np.array([0 * f, tops])
     bounds = StiffnessBounds(f, edges, edges, edges)
-    picture = plot.stiffness(result, unseen=bounds)
+    picture = plot.stiffness(result, unresolved_bounds=bounds)
     for strip in picture.strips:
         for panel in strip:
             assert np.isfinite(panel.y.limits).all()

@@ -9,7 +9,13 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from dashpot.plot.layout import STRAIGHT, arrange_sheet, lay_out, simplify_line, text_width
+from dashpot.plot.layout import (
+    STRAIGHT_TOLERANCE,
+    arrange_sheet,
+    lay_out,
+    simplify_line,
+    text_width,
+)
 from dashpot.plot.picture import FIT, Line, Panel, Pen, Picture, Scale, Span, Tag
 from dashpot.plot.ticks import format_ticks, numbers, place
 
@@ -33,7 +39,7 @@ def test_a_curve_less_what_is_straight_stays_within_a_hair(seed, size, noise):
     points = np.column_stack([x, y])
     kept = simplify_line(points)
     assert np.array_equal(kept[[0, -1]], points[[0, -1]])
-    assert max(distance(point, kept) for point in points) <= 8 * STRAIGHT + 1e-9
+    assert max(distance(point, kept) for point in points) <= 8 * STRAIGHT_TOLERANCE + 1e-9
 
 
 def test_a_straight_line_keeps_few_points_and_a_spike_stays():

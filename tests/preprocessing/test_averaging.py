@@ -87,7 +87,7 @@ def test_prepare_of_a_long_record_needs_memory_of_ten_channels() -> None:
     test = RelaxationTest(time, x, 300 * x + hum + noise, units="SI")
     tracemalloc.start()
     try:
-        ramp_hold = prepare(test, judged=False)
+        ramp_hold = prepare(test, with_checks=False)
         _, most = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()

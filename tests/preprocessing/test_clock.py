@@ -19,7 +19,7 @@ def test_find_clock_jumps_detects_a_jump_at_any_position(at: int) -> None:
     (item,) = find_clock_jumps(leapt(at, 0.1))
     assert item.at == at
     assert item.step == pytest.approx(0.11)
-    assert item.beside == pytest.approx(0.01)
+    assert item.expected_step == pytest.approx(0.01)
     assert not find_clock_jumps(leapt(at, 0.08))
 
 
@@ -28,7 +28,11 @@ def test_a_change_of_rate_is_no_leap() -> None:
     assert not find_clock_jumps(slower)
     change = find_rate_change(slower)
     assert change is not None
-    assert (change.at, change.step, change.beside) == (len(EVEN) - 1, 1.0, pytest.approx(0.01))
+    assert (change.at, change.step, change.expected_step) == (
+        len(EVEN) - 1,
+        1.0,
+        pytest.approx(0.01),
+    )
 
 
 @pytest.mark.parametrize(

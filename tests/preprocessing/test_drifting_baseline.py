@@ -34,7 +34,7 @@ def find_contact_errors(drift: float, first: float) -> np.ndarray:
         channels = press_seal(seed)
         time, x, force = channels[:, channels[0] >= DEPARTURE - first]
         test = dp.RelaxationTest(time - time[0], x, force + drift * time, units="SI")
-        errors.append(DEPTH - prepare(test, judged=False).depth)
+        errors.append(DEPTH - prepare(test, with_checks=False).depth)
     return np.array(errors)
 
 

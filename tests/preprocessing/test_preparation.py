@@ -180,9 +180,9 @@ def test_units_and_zeros_do_not_matter(scale: float, shift: float, later: float)
 @pytest.mark.parametrize(
     ("plate", "cell", "sentence"),
     [
-        (-1, -1, "displacement and force count downwards in the record; both are turned"),
-        (-1, 1, "displacement counts downwards in the record and is turned"),
-        (1, -1, "force counts downwards in the record and is turned"),
+        (-1, -1, "displacement and force are negative in compression; both signs are changed"),
+        (-1, 1, "displacement is negative in compression; its sign is changed"),
+        (1, -1, "force is negative in compression; its sign is changed"),
         (1, 1, "as recorded"),
     ],
 )
@@ -465,11 +465,11 @@ def test_a_saturated_force_is_refused(raw: RelaxationTest, ceiling: float):
 
 @pytest.mark.once
 def test_prepare_without_checks_is_the_same_and_refuses_the_same(raw: RelaxationTest):
-    ramp_hold = prepare(raw, judged=False)
+    ramp_hold = prepare(raw, with_checks=False)
     assert ramp_hold.checks == ()
     assert replace(ramp_hold, checks=prepare(raw).checks) == prepare(raw)
     with pytest.raises(DataError, match="clipped"):
-        prepare(replace(raw, force=np.minimum(raw.force, 0.7 * raw.force.max())), judged=False)
+        prepare(replace(raw, force=np.minimum(raw.force, 0.7 * raw.force.max())), with_checks=False)
 
 
 def test_swapped_columns_are_not_called_saturated():

@@ -156,7 +156,7 @@ def test_a_loading_ends_where_the_plate_comes_back():
         corners += [(start, 0), (start + 1, 8), (start + 5, 8), (start + 6, 0)]
     cycles = find_cycles(find_segments(T, path(T, *corners)))
     assert len(cycles) == 3
-    assert all(cycle.moves == 1 and cycle.rest is not None for cycle in cycles)
+    assert all(cycle.ramp_count == 1 and cycle.rest is not None for cycle in cycles)
     assert [round(cycle.hold.duration) for cycle in cycles] == [4, 4, 4]
 
 
@@ -169,7 +169,7 @@ def test_a_turning_point_is_no_hold():
 def test_a_partial_unloading_stays_within_the_loading():
     x = path(T, (0, 0), (1, 0), (2, 8), (10, 8), (11, 5), (40, 5))
     (cycle,) = find_cycles(find_segments(T, x))
-    assert cycle.moves == 2
+    assert cycle.ramp_count == 2
     assert isinstance(cycle.hold, MotionSegment)
     assert cycle.hold.level == pytest.approx(5.0)
     assert "unloading 10 to 11 s by -3000 mm" in cycle.words()

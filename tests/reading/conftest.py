@@ -26,7 +26,7 @@ def parsed_here(what, function, raw, options, *, columns=None):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # as a child does
         try:
-            message_protocol.send_answer(
+            message_protocol.send_reply(
                 pipe, child_process.run_parser(what, function, raw, read_options)
             )
         except DashpotError as error:

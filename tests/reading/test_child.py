@@ -56,7 +56,7 @@ def test_a_table_comes_through_whole() -> None:
 
 def test_a_large_file_is_read_from_its_place(tmp_path: Path) -> None:
     path = tmp_path / "a.bin"
-    path.write_bytes(RAW.held)
+    path.write_bytes(RAW.content)
     process = run(misbehaving.behaves, RawFile("a.bin", path))
     np.testing.assert_array_equal(process.load([1]).values[:, 0], [1, 3, 5, 7])
 

@@ -18,7 +18,7 @@ from dashpot.extensions.materials.drop.read import read_drop_test
 from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
 from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
 from dashpot.extensions.materials.indentation.read import read_indentation
-from dashpot.reading.columns.file_kinds import RECOGNISED
+from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
 from dashpot.reading.columns.kind_detection import (
     MASTER_CURVE_DECADES,
     ONE_FREQUENCY_DECADES,
@@ -66,13 +66,15 @@ def test_each_kind_is_named(tmp_path: Path, name: str) -> None:
     kind = FILES[name][1]
     (result,) = inspect_files([write_kind(tmp_path, name)]).files
     assert result.kind == kind
-    assert result.use == RECOGNISED[kind].use
+    assert result.use == KINDS_OF_FILE[kind].use
     assert not result.questions
 
 
 def test_every_kind_has_a_file() -> None:
     shown = {kind for _, kind in FILES.values()}
-    assert shown == set(RECOGNISED) - {"plug-in", "blank"}, "add a file of it to tests/kit/kinds.py"
+    assert shown == set(KINDS_OF_FILE) - {"plug-in", "blank"}, (
+        "add a file of it to tests/kit/kinds.py"
+    )
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -82,7 +84,7 @@ def test_a_reader_takes_its_kind_and_says_of_others_what_they_are(
 ) -> None:
     kind = FILES[name][1]
     path = write_kind(tmp_path, name)
-    by_numbers = name == "creep.csv" and read in {read_relaxation, read_cld}  # prepare() tells it
+    by_numbers = name == "creep.csv" and read in {read_relaxation, read_cld}  # prepare() shows it
     if name == "unclocked.csv" and read in {read_relaxation, read_creep}:
         with pytest.raises(ReadError, match="--rate"):
             read(path)
@@ -93,7 +95,7 @@ def test_a_reader_takes_its_kind_and_says_of_others_what_they_are(
     with pytest.raises(ReadError) as caught:
         read(path)
     seen = "relaxation" if name in {"creep.csv", "triangle.csv", "fatigue.csv"} else kind
-    what, command, *_ = RECOGNISED[seen]
+    what, command, *_ = KINDS_OF_FILE[seen]
     message = str(caught.value)
     assert message.startswith(f"{name}: this is {what} (")
     assert message.endswith(command.replace("COLUMN", '"Relaxation modulus"'))
@@ -268,4 +270,4 @@ def test_inspect_file_explains_a_sweep_with_frequency_in_its_header(
 
 def test_old_name_of_a_kind_is_accepted_and_not_shown():
     assert parse_file_kind("slam") == parse_file_kind("drop")
-    assert "slam" not in RECOGNISED
+    assert "slam" not in KINDS_OF_FILE

@@ -245,7 +245,7 @@ def test_columns_are_handed_over_in_blocks(at_a_time: int, monkeypatch: pytest.M
     columns = tuple(Column(f"c{i}") for i in range(7))
     values = np.arange(140.0).reshape(20, 7)
     stream = io.BytesIO()
-    message_protocol.send_answer(stream, FileTable("made", columns, make_loader(values)))
+    message_protocol.send_reply(stream, FileTable("made", columns, make_loader(values)))
     stream.seek(0)
     answer = message_protocol.receive_answer(stream, message_protocol.receive(stream))
     assert (answer.load(range(7)).values == values).all()

@@ -15,7 +15,7 @@ from dashpot.base.errors import ReadError
 from dashpot.extensions.curves.creep.read import read_creep
 from dashpot.extensions.curves.dynamic.read import read_dynamic
 from dashpot.extensions.curves.modulus.read import read_modulus
-from dashpot.reading.columns.file_kinds import RECOGNISED, get_kind_label
+from dashpot.reading.columns.file_kinds import KINDS_OF_FILE, get_kind_label
 from dashpot.reading.formats import text
 from dashpot.reading.read_options import PROFILE, ReadOptions, dump_profile
 from dashpot.reading.readers import channels
@@ -213,13 +213,13 @@ def test_recognise_accepts_a_requested_kind(tmp_path: Path) -> None:
     path = write_content(tmp_path, FILES["cld_1.csv"].write())
     assert recognise(path).kind == "cld"
     recognised = recognise(path, kind="relaxation")
-    assert (recognised.kind, recognised.reason) == ("relaxation", "as was said")
+    assert (recognised.kind, recognised.reason) == ("relaxation", "as stated")
     assert inspect_file(path, options=ReadOptions(kind="relaxation")).kind == "relaxation"
 
 
 @pytest.mark.parametrize(
     ("word", "message"),
-    [("relaxtion", "Did you mean 'relaxation'"), ("zzz", f"Kinds are {', '.join(RECOGNISED)}")],
+    [("relaxtion", "Did you mean 'relaxation'"), ("zzz", f"Kinds are {', '.join(KINDS_OF_FILE)}")],
 )
 def test_a_kind_that_there_is_not_is_answered_with_the_nearest(
     tmp_path: Path, word: str, message: str
@@ -317,9 +317,9 @@ def test_a_file_that_was_written_to_is_read_as_it_is(tmp_path: Path) -> None:
 
 
 def test_recognise_caches_few_files(tmp_path: Path) -> None:
-    for number in range(channels._MOST + 3):
+    for number in range(channels._MAX_KEPT + 3):
         recognise(write_content(tmp_path, format_both_moduli(), f"{number}.csv"))
-    assert len(channels._LEFT_OPEN) == channels._MOST
+    assert len(channels._LEFT_OPEN) == channels._MAX_KEPT
 
 
 @pytest.mark.parametrize(("unit", "force"), [("lb", "lbf"), ("kg", "kgf"), ("lbs", "lbf")])

@@ -75,7 +75,7 @@ def test_pipe_without_end_is_abandoned(tmp_path: Path, monkeypatch: pytest.Monke
         writer = threading.Thread(target=path.write_text, args=(TEXT,))
         writer.start()
         if most == len(TEXT):
-            assert open_raw(path).held == TEXT.encode()
+            assert open_raw(path).content == TEXT.encode()
         else:
             with pytest.raises(ReadError, match="brings more than 0 MiB through a pipe; save it"):
                 open_raw(path)

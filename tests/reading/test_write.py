@@ -106,7 +106,7 @@ def test_read_impact_refuses_files_of_two_rates(tmp_path: Path, rate: float, ite
     for path, value, sign in zip(paths, (100.0, rate), (1, -1), strict=True):
         time = np.arange(50) / value
         write_impact(ImpactTest(time, sign * signal[0], signal[1:], units="SI"), path)
-    if item:  # as 50 samples tell it
+    if item:  # as 50 samples show it
         assert read_impact(paths).rate == pytest.approx(100)
         return
     with pytest.raises(ReadError, match=rf"b\.csv is sampled at {rate:g} Hz, but .*at 100 Hz"):

@@ -36,7 +36,7 @@ from dashpot.extensions.preload_map.fit import fit_preload_map
 from dashpot.extensions.preload_map.read import read_sweeps
 from dashpot.plot.picture import Picture
 from dashpot.preprocessing.prepare import prepare
-from dashpot.reading.columns.file_kinds import RECOGNISED, SWEEP_KINDS, FileKind
+from dashpot.reading.columns.file_kinds import KINDS_OF_FILE, SWEEP_KINDS, FileKind
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.impact import read_impact
@@ -135,8 +135,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_every_recognised_kind_is_registered() -> None:
-    assert set(RECOGNISED) == set(get_args(FileKind)) - {"not-a-test", "unclear"}
-    assert set(KINDS) - SAID == set(RECOGNISED)
+    assert set(KINDS_OF_FILE) == set(get_args(FileKind)) - {"not-a-test", "unclear"}
+    assert set(KINDS) - SAID == set(KINDS_OF_FILE)
 
 
 @pytest.mark.parametrize("kind", ROWS)
@@ -151,12 +151,12 @@ def test_every_reference_of_a_kind_resolves(kind: KindOfTest) -> None:
     assert not kind.alternative_kind or KINDS[kind.alternative_kind].app_form
     if kind.checks:
         stage = load_object(f"{kind.checks}:__name__")
-        assert any(item.judge.__module__ == stage for item in REGISTER.values())
+        assert any(item.evaluate.__module__ == stage for item in REGISTER.values())
 
 
 @pytest.mark.parametrize("kind", ROWS)
 def test_commands_named_by_a_kind_exist(kind: KindOfTest) -> None:
-    message = RECOGNISED[kind.name].use if kind.name in RECOGNISED else ""
+    message = KINDS_OF_FILE[kind.name].use if kind.name in KINDS_OF_FILE else ""
     matches = re.findall(r"dashpot ([a-z]+)", f"{message} {kind.lot_hint}")
     assert set(matches) <= set(COMMANDS)
     assert matches or not kind.fit_route or kind.name in SAID

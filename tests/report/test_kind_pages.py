@@ -31,7 +31,7 @@ from dashpot.report.result_page import (
     build_page_contents,
     group_by_record,
     kind_page,
-    lights,
+    make_indicators,
     row,
 )
 from dashpot.solids.shift_laws import WLF
@@ -69,7 +69,7 @@ def test_page_of_every_kind_has_the_same_structure(name):
     for part in ('class="who"', 'id="verdict"', 'class="lights"', 'id="numbers"', 'id="checks"'):
         assert page.count(part) == 1, part
     assert f">{result.verdict.use.capitalize()}<" in page
-    worst = max((item.mark for item in shown.lights), key=ORDER.index)
+    worst = max((item.mark for item in shown.indicators), key=ORDER.index)
     assert (VERDICT_COLOURS[result.verdict.use] == "good") == (worst in {"good", "note"})
     (link,) = re.findall(
         rf'download="{shown.name}.json" href="data:application/json;base64,([^"]+)"', page
@@ -84,10 +84,12 @@ def test_page_of_every_kind_has_the_same_structure(name):
 @pytest.mark.parametrize("grade", ["note", "limit", "stop"])
 @pytest.mark.parametrize("name", ["asked", "nobody_names_it"])
 def test_lights_are_as_bad_as_the_worst_check(name, grade):
-    # whatever part asks a question, some light tells how it was answered
+    # whatever part asks a question, some light shows how it was answered
     checks = (Check("sound", True, "It is."), Check(name, False, "It is not.", grade=grade))
     message = "as it should be"
-    result = lights(checks, Topic("Test", message=message), Topic("Peak", {"asked"}, message))
+    result = make_indicators(
+        checks, Topic("Test", message=message), Topic("Peak", {"asked"}, message)
+    )
     marks = {item.name: item.mark for item in result}
     assert marks.pop("Peak" if name == "asked" else "Test") == {
         "note": "note", "limit": "care", "stop": "bad",
@@ -252,7 +254,7 @@ def test_constant_of_a_shift_law_shows_interval_or_noise_error():
 
 def test_a_light_counts_its_checks_as_the_verdict_does() -> None:
     passed, noted = Check("a", True, ""), Check("b", False, "", grade="note")
-    (light,) = lights([passed, noted], Topic("Records"))
+    (light,) = make_indicators([passed, noted], Topic("Records"))
     assert (light.mark, light.message) == ("note", "1 check passed, 1 note")
 
 

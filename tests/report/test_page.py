@@ -286,7 +286,7 @@ def test_a_joint_fit_that_fails_looks_failed():
 
 
 def test_what_the_joint_fit_mends_does_not_fail_the_page(whole_page):
-    """The prediction from relaxation alone misses; the joint model does not, and the page tells."""
+    """The prediction from relaxation alone misses; the joint model does not, and the page shows."""
     missed = [check for check in S.comparison.checks if check.failed]
     assert missed
     assert S.verdict.use == "use with care"

@@ -61,7 +61,7 @@ def broad_seal(paper_seal: GeneralizedMaxwell) -> GeneralizedMaxwell:
 
 @pytest.fixture(scope="session")
 def strike(paper_seal: GeneralizedMaxwell) -> Strike:
-    """Return a maker of impact tests: one record per hit, of a block on two seals."""
+    """Return a maker of hammer tests: one record per hit, of a block on two seals."""
 
     def make(
         model: GeneralizedMaxwell | None = None,

@@ -402,7 +402,7 @@ def test_tests_that_do_not_belong_together_are_refused(strike):
         estimate_frf([strike(), strike(rate=1024)])
     with pytest.raises(DataError, match="name the columns alike"):
         estimate_frf([strike(), replace(strike(), channels=("left",))])
-    with pytest.raises(DataError, match="no impact test given"):
+    with pytest.raises(DataError, match="no hammer test given"):
         estimate_frf([])
 
 

@@ -218,7 +218,7 @@ def test_from_sweeps_to_two_discs_on_a_shaker():
         u = (X / X_c) ** m
         return 1 - d + d / (1 + u**2) + 2j * d * m / np.pi * u / (1 + u**2)
 
-    # an amplitude sweep of the material at 10 Hz tells the softening, in displacement of the part
+    # an amplitude sweep of the material at 10 Hz shows the softening, in displacement of the part
     X = np.geomspace(1e-6, 1e-3, 16)
     E = RUBBER.complex_stiffness(omega=2 * np.pi * 10) * phi(X)
     law = fit_amplitude(

@@ -52,7 +52,7 @@ def test_a_motion_over_a_motion_of_any_derivative(tmp_path, over, under, kind):
     transmissibility = over_base(np.arange(2.0, 40.0, 1.0), kind)
     read = read_frf(write_export(tmp_path / "t.csv", transmissibility, over, under))
     assert read.value == pytest.approx(transmissibility.value, rel=1e-12)
-    assert read.quantity == "transmissibility"  # whose motion it is a unit does not tell
+    assert read.quantity == "transmissibility"  # whose motion it is a unit does not show
 
 
 F = np.arange(5.0, 40.0, 1.0)

@@ -12,7 +12,7 @@ import dashpot as dp
 from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError, Status
 from dashpot.datamodel.fit import list_undetermined_times
-from dashpot.datamodel.machine import USUAL
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES
 from dashpot.extensions.formats.write_uff import frf_uff
 from dashpot.fitting.identification.identify import identify
 from dashpot.reading.readers.inspect import inspect_file
@@ -250,12 +250,12 @@ def test_lines_that_nobody_measured_tell_an_arm_a_hundred_times_slower(kind, mes
     # over a base the line at 1 Hz shows a 160th of the stiffness: of 1e-9 no arm so slow is known
     assert message or expected.message.startswith("1 of the 2 arms (relaxation time 16.4 s) is not")
     assert list_undetermined_times(fit) == (() if message else fit.model.tau[1:])
-    first = text.fit(fit, asked=2).lines[0]
+    first = text.fit(fit, requested_arms=2).lines[0]
     assert ("relaxation time 16.4 s not determined" in first) is not message
     # its stiffness in the band is known all the same
     assert fit.verdict.use == "use"
     assert fit.model.tau == pytest.approx(tau, rel=1e-4)
-    # of the lines: what a rig may add unseen moves arms that so few of them tell apart
+    # of the lines: what a rig may add without a trace moves arms that so few of them distinguish
     covariance = fit.estimate.noise_only.covariance
     error = dict(zip(fit.estimate.parameters, np.sqrt(np.diag(covariance)), strict=True))
     assert error["ln_tau_1"] < 0.01
@@ -448,7 +448,7 @@ def test_joint_fit_of_relaxation_and_shaker_is_valid_in_both_bands(bench, tmp_pa
     assert limits[1] / limits[0] < 1.06
     # of a bench that nobody named the seal may be as much stiffer as that gives
     run_json("fit", seal, path, *on, *free, "-o", joint)
-    give = 1.96 * USUAL["give"].size
+    give = 1.96 * DEFAULT_UNCERTAINTIES["give"].size
     assert limits_near(12.0, joint, on)[1] == pytest.approx(
         [size(1 + give), size(1 - give)], rel=0.1
     )

@@ -24,7 +24,7 @@ from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.mass_on_seals import MassOnSeals, operating_point, predict_frf
 from dashpot.workflow.bench_tests import fit_files
 from dashpot.workflow.example_files import EXAMPLES
-from dashpot.workflow.frf_comparison import compare_files, weighed
+from dashpot.workflow.frf_comparison import compare_files, find_mass_on_seals
 from dashpot.workflow.frf_prediction import predict_files
 from dashpot.workflow.identification import identify_files
 from dashpot.workflow.inspections import inspect_files
@@ -213,7 +213,7 @@ def test_the_coherence_of_a_file_is_used_and_checked_in_the_band(foreign):
     frf_comparison = identify_files(
         [foreign], BlockOnSeals(0.104, 2), hammer=HammerChoices(), options=SAID, band=(8, 40)
     )
-    fit, straight, noted = frf_comparison.fit, frf_comparison.direct.of, frf_comparison.noted
+    fit, straight, noted = frf_comparison.fit, frf_comparison.direct.stiffness, frf_comparison.noted
     (lines,) = [check for check in fit.checks if check.name == "lines_explained"]
     assert "It has coherence but no number of hits" in lines.message
     assert lines.value < 0.1
@@ -282,7 +282,9 @@ def test_a_mass_and_the_stiffness_under_it_find_each_other():
         f, mass=0.104, seals=2, scale=hardening.tangent(at) / hardening.K_INF, noise=1e-3, seed=1
     )
     frf = FRF(f, value, sd=sd, averages=4, units="SI")
-    assert weighed(hard(), frf, BlockOnSeals(seals=2)).mass == pytest.approx(0.104, rel=5e-3)
+    assert find_mass_on_seals(hard(), frf, BlockOnSeals(seals=2)).mass == pytest.approx(
+        0.104, rel=5e-3
+    )
 
 
 def test_what_nothing_limits_stays_without_limit_however_the_tangent_slides():

@@ -101,9 +101,9 @@ def test_recommendation_bounds_contain_unresolved_arms():
         (seal["dynamic stiffness"], BROAD.storage(omega=omega)),
         (seal["loss factor"], BROAD.loss_factor(omega=omega)),
     ):
-        assert quantity.bound
+        assert quantity.is_limit
         assert quantity.low <= value <= quantity.high
-    assert not any(item.bound for item in recommend_solid(S).under_mass)
+    assert not any(item.is_limit for item in recommend_solid(S).under_mass)
 
 
 def test_the_stiffness_at_the_end_of_the_hold_is_that_of_the_test():
@@ -111,7 +111,12 @@ def test_the_stiffness_at_the_end_of_the_hold_is_that_of_the_test():
     expected = replace(ALONE, fit=replace_fields(S.fit, end_of_hold=end))
     quantity = index_by_name(recommend_solid(expected).one_seal)["end of hold"]
     assert quantity.value == pytest.approx(S.fit.model.relaxation(40.0))
-    assert (quantity.low, quantity.high, quantity.at, quantity.bound) == (190.0, 210.0, 40.0, True)
+    assert (quantity.low, quantity.high, quantity.at, quantity.is_limit) == (
+        190.0,
+        210.0,
+        40.0,
+        True,
+    )
     assert "end of hold" not in index_by_name(recommend_solid(ALONE).one_seal)
 
 

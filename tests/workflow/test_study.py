@@ -12,7 +12,7 @@ from kit.fits import restrict_to_noise
 import dashpot as dp
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.fit_options import FitOptions
-from dashpot.fitting.prediction_bounds import frf_band, parameter_band, unseen_arm_band
+from dashpot.fitting.prediction_bounds import frf_band, parameter_band, unresolved_arm_band
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.impact import Hammer, simulate_impact
@@ -97,7 +97,7 @@ def test_standard_errors_exclude_unresolved_arms():
     prepared = prepare(simulate_relaxation(PAPER, seed=2).test)
     fit = fit_tests(prepared, arms=2)
     formal = parameter_band(fit, [12.71]).loss_factor[:, 0]
-    bound = unseen_arm_band(fit, prepared, [12.71]).loss_factor[:, 0]
+    bound = unresolved_arm_band(fit, prepared, [12.71]).loss_factor[:, 0]
     assert formal[1] / formal[0] - 1 < 0.1
     quiet = parameter_band(restrict_to_noise(fit), [12.71]).loss_factor[:, 0]
     assert quiet[1] / quiet[0] - 1 < 0.05

@@ -62,11 +62,13 @@ def merge_signatures(function: Callable[..., Any], cases: Iterable[Signature]) -
     that has it.
     """
     signatures = tuple(cases)
-    own = signature(function)
-    kept = (Parameter.KEYWORD_ONLY, Parameter.VAR_KEYWORD)
-    leading = [item for item in own.parameters.values() if item.kind not in kept]
+    own_signature = signature(function)
+    option_kinds = (Parameter.KEYWORD_ONLY, Parameter.VAR_KEYWORD)
+    leading = [item for item in own_signature.parameters.values() if item.kind not in option_kinds]
     options: dict[str, Parameter] = {
-        item.name: item for item in own.parameters.values() if item.kind is kept[0]
+        item.name: item
+        for item in own_signature.parameters.values()
+        if item.kind is option_kinds[0]
     }
     for case in signatures:
         for name, item in case.parameters.items():
@@ -83,7 +85,7 @@ def merge_signatures(function: Callable[..., Any], cases: Iterable[Signature]) -
                     annotation=f"{first.annotation} | None".replace("None | None", "None"),
                 )
     results = dict.fromkeys(str(case.return_annotation) for case in signatures)
-    return own.replace(
+    return own_signature.replace(
         parameters=[*leading, *options.values()], return_annotation=" | ".join(results)
     )
 
@@ -138,7 +140,7 @@ def refuse_unknown_option(
     subject: str,
     error: type[DashpotError] = DataError,
 ) -> None:
-    """Refuse an option that is none of some names, and tell the nearest.
+    """Refuse an option that is none of some names, and name the nearest.
 
     Raises
     ------

@@ -8,7 +8,7 @@ from typing import Any, Literal, TypeAlias
 
 from dashpot.api import call_with_options, show_stub_signature
 from dashpot.base.errors import DataError, FitError
-from dashpot.base.option_fields import FamilyAsked
+from dashpot.base.option_fields import FamilyOption
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
@@ -31,13 +31,13 @@ Vibration: TypeAlias = ImpactTest | ShakenTest | FRF | FRFSet
 
 @show_stub_signature
 def fit(*records: Any, **options: Any) -> Any:
-    """Fit the model that suits the records; several records are of one part.
+    """Fit the model for the records; several records must be of one part.
 
     Parameters
     ----------
     *records : RelaxationTest, CreepTest, DynamicTest, RelaxationModulus, ImpactTest, FRF, ...
-        Tests on a bench are fitted together; hits and FRFs give modes, and with a `mass` the solid
-        under it, alone or together with tests of that solid or with their fit.
+        Relaxation and other quasi-static tests are fitted together. Hits and FRFs give modes; with
+        a `mass` they give the model of the seal, alone or together with other tests or a fit.
     arms : int or "auto"
         Number of Maxwell arms.
     model : str
@@ -47,29 +47,29 @@ def fit(*records: Any, **options: Any) -> Any:
     method : "full" or "hold"
         Ramp and hold as recorded, or the paper's equation (5).
     mass : float or str, or a sequence of them
-        Of the block, kg or ``"104g"``; one for each FRF holds several masses against one solid.
+        Test mass, kg or ``"104g"``; a sequence has one mass for each FRF.
     seals : float
-        How many carry it.
+        Number of seals that carry the mass.
     levels : sequence
-        Of the force of each FRF, N.
+        Force amplitude of each FRF, N.
     density, shape
-        Of a rod under the mass: kg/m^3, and ``"disc:20mm,20mm"``.
+        Density, kg/m^3, and shape, ``"disc:20mm,20mm"``, of a rod under the mass.
     compression, between, force_limits, relaxation, poisson, terms, stretches
-        As ``dashpot fit FILE --help`` says of the kind.
+        Options of a kind of test, as in ``dashpot fit FILE --help``.
 
     Returns
     -------
     Fit
-        Of tests on a bench, and of vibration under a mass.
+        For quasi-static tests, and for vibration under a mass.
     Modes
-        Of hits and FRFs without a mass.
+        For hits and FRFs without a mass.
     CLDResult, HyperelasticFit, IndentationFit, AmplitudeFit, AmplitudeResult, MassSeriesModes
-        Of the kinds that have a result of their own.
+        For other kinds of tests.
 
     Raises
     ------
     DataError, FitError
-        If the records do not go together, or an option does not suit them.
+        If the records cannot be fitted together, or an option does not apply to them.
 
     Examples
     --------
@@ -88,8 +88,8 @@ def fit(*records: Any, **options: Any) -> Any:
     kinds = identify_record_kinds(records)
     mass = options.get("mass")
     masses = len(mass) if isinstance(mass, list | tuple) else int(mass is not None)
-    given = [name for name, value in options.items() if value is not None and value != ()]
-    meant = route(kinds, masses=masses, selected=find_selected_fit(given))
+    given_options = [name for name, value in options.items() if value is not None and value != ()]
+    meant = route(kinds, masses=masses, selected=find_selected_fit(given_options))
     row = FITS.get(meant)
     word = row.records if row is not None else ""
     fitted = load_object(word or KINDS[next(iter(kinds.values()))].fits)
@@ -159,7 +159,7 @@ def fit_bench_tests(
     records: list[Any],
     *,
     arms: Arms = "auto",
-    model: FamilyAsked = "maxwell",
+    model: FamilyOption = "maxwell",
     elastic: Elastic = "auto",
     method: Literal["full", "hold"] = "full",
     thorough: bool = False,
@@ -205,7 +205,7 @@ def fit_jointly(
     seals: float | None = None,
     seal_mass: Quantity | None = None,
     arms: Arms = "auto",
-    model: FamilyAsked = "maxwell",
+    model: FamilyOption = "maxwell",
     band: Range | None = None,
     compression: Quantity | None = None,
     prior: KnownSolid | None = None,

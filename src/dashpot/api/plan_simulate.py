@@ -38,29 +38,29 @@ def plan(
     hits: int = 5,
     max_std: float = 0.1,
 ) -> Plan:
-    """Say how well a planned test will measure stiffness and loss factor at a frequency.
+    """Return how well a planned test will determine stiffness and loss factor at a frequency.
 
     Parameters
     ----------
     frequency : float or str
-        That matters, Hz or ``"12.71Hz"``.
+        Frequency of interest, Hz or ``"12.71Hz"``.
     depth, ramp, hold, rate, noise, baseline, method
-        Of the ramp and hold, m, s, s, Hz, N and s.
+        Settings of the ramp and hold, in m, s, s, Hz, N and s.
     machine : Machine, optional
-        What is known of the testing machine.
+        Known properties of the testing machine.
     seal : str, Fit or GeneralizedMaxwell
-        A guess at the seal: ``"paper"``, ``"broad"`` or ``"hidden"``, or a solid.
+        Assumed seal: ``"paper"``, ``"broad"`` or ``"hidden"``, or a solid.
     cold : sequence of float or str
         Temperatures at which the test is repeated, K or ``"0degC"``.
     mass, seals, hits
-        Of a hammer test besides.
+        Settings of an additional hammer test.
     max_std : float
-        Relative standard deviation of the loss factor that would do.
+        Target relative standard deviation of the loss factor.
 
     Raises
     ------
     DataError
-        If a number makes no sense.
+        If a value is out of range.
 
     Examples
     --------
@@ -91,7 +91,7 @@ def plan(
         seal=SupposedSeal(model=solid.maxwell, law=law),
         hammer=HammerPlan(mass=convert_to_si(mass, "mass"), seals=seals, hits=hits),
         cold=[convert_to_si(item, "temperature") for item in cold],
-        wanted=max_std,
+        target_sd=max_std,
     )
 
 
@@ -118,16 +118,16 @@ def simulate(
     Parameters
     ----------
     what : str
-        ``"relaxation"``, ``"creep"`` or ``"impact"``.
+        ``"relaxation"``, ``"creep"`` or ``"impact"`` (a hammer test).
     seal : str, Fit or Solid
-        ``"paper"`` (its Table 1), ``"broad"`` (three faster arms) or ``"hidden"`` (one), or one's
-        own.
+        ``"paper"`` (its Table 1), ``"broad"`` (three faster arms) or ``"hidden"`` (one), or a
+        fit or model.
     depth, load, ramp, hold : float or str
-        Of the ramp and hold, m or N, s and s.
+        Settings of the ramp and hold, in m or N, s and s.
     mass, seals, hits, hit_length
-        Of the block, kg; how many seals carry it; and of the hits, s.
+        Test mass, kg; number of seals that carry it; number of hits and their length, s.
     temperature : float or str, optional
-        Of the test, K.
+        Temperature of the test, K.
     noise_free : bool
         Without noise, drift, bias, hum and steps.
     seed : int
@@ -135,7 +135,7 @@ def simulate(
     Raises
     ------
     DataError
-        If there is no such seal, or a word does not suit the test.
+        If there is no such seal, or an option does not apply to the test.
 
     Examples
     --------
@@ -149,14 +149,14 @@ def simulate(
     if what not in _TESTS:
         raise DataError(f"'{what}' is not simulated; expected one of {', '.join(_TESTS)}")
     instrument, words = _TESTS[what]
-    own = {
+    stated_options = {
         "depth": depth, "load": load, "ramp": ramp, "hold": hold, "mass": mass, "seals": seals,
         "hits": hits, "hit_length": hit_length,
     }  # fmt: skip
-    own = {name: value for name, value in own.items() if value is not None}
-    refuse_unknown_option(own, words, f"a test of {what}")
+    stated_options = {name: value for name, value in stated_options.items() if value is not None}
+    refuse_unknown_option(stated_options, words, f"a test of {what}")
     solid, law, block = _get_seal_model(seal)
-    options: dict[str, Any] = {words[name]: value for name, value in own.items()}
+    options: dict[str, Any] = {words[name]: value for name, value in stated_options.items()}
     if what == "impact":
         options = {"mass": block, "seals": 2.0, **options}
         if options["mass"] is None:
@@ -174,8 +174,8 @@ def simulate(
     climate = None
     if temperature is not None:
         climate = simulation.Climate(convert_to_si(temperature, "temperature"), law)
-    made = getattr(simulation, f"simulate_{what}")
-    return made(solid, rig=rig, seed=seed, climate=climate, **options).test
+    simulate_kind = getattr(simulation, f"simulate_{what}")
+    return simulate_kind(solid, rig=rig, seed=seed, climate=climate, **options).test
 
 
 _TIMES = {"ramp": "ramp_time", "hold": "hold_time"}

@@ -44,22 +44,22 @@ To: TypeAlias = Literal[
 
 @show_stub_signature
 def predict(solid: Any, /, **options: Any) -> Any:
-    """Predict how a solid vibrates under a mass, on a moving base, at a level, or in a door.
+    """Predict how a solid vibrates under a mass, on a moving base, at an amplitude, or in a door.
 
     Parameters
     ----------
     solid : Fit, a solid or Door
-        A fit brings what is known of it; a bare solid gives an FRF alone.
+        A fit gives an FRF with uncertainty and checks, a model without data an FRF alone.
     mass : float or str
-        Of the block, kg or ``"104g"``.
+        Test mass, kg or ``"104g"``.
     seals : float
-        How many carry it.
+        Number of seals that carry the mass.
     band : (float, float) or str
         Hz, ``"1:50Hz"``.
     base : bool or str
-        The base moves; a text says how it shakes at random: a file, or ``"0.01g^2/Hz"``.
+        Whether the base moves; a text is its power spectral density: a file, or ``"0.01g^2/Hz"``.
     compression, temperature, shape, level, sweep, record
-        As ``dashpot predict --help`` has them; `record` is the test behind the fit.
+        As in ``dashpot predict --help``; `record` is the test behind the fit.
     close : float or str
         Of a door: the speed at its edge, m/s.
     leak : bool
@@ -74,13 +74,13 @@ def predict(solid: Any, /, **options: Any) -> Any:
     Raises
     ------
     DataError
-        If an option does not suit, or no one means the mass.
+        If an option does not apply, or the mass is implausible.
 
     Examples
     --------
     >>> import dashpot as dp
-    >>> found = dp.fit(dp.read("seal_8mm.csv"), arms=2)
-    >>> predicted = dp.predict(found, mass="114.8g", seals=2, band=(1, 50))
+    >>> fit = dp.fit(dp.read("seal_8mm.csv"), arms=2)
+    >>> predicted = dp.predict(fit, mass="114.8g", seals=2, band=(1, 50))
     >>> round(predicted.modes[0].frequency, 1)
     12.2
     """
@@ -100,8 +100,8 @@ def _find_prediction(solid: Any, options: Iterable[str]) -> Callable[..., Any]:
         by_option = (find_handler("predict with option", option) for option in options)
         special = next(filter(None, by_option), None)
     if special is not None:
-        answer: Callable[..., Any] = special
-        return answer
+        predict: Callable[..., Any] = special
+        return predict
     return _predict_under_mass if isinstance(solid, Fit) else _predict_solid_frf
 
 
@@ -185,17 +185,17 @@ def _prepare_tests(record: Records, machine: Machine | None = None) -> list[Ramp
 
 @show_stub_signature
 def compare(first: Any, other: Any, /, **options: Any) -> Any:
-    """Hold a prediction against a measurement, an FRF against an FRF, or a lot against a lot.
+    """Compare a prediction with a measurement, two FRFs, or two lots.
 
     Parameters
     ----------
     first : Fit, Prediction, FRF or Lot
     other : ImpactTest, FRF or Lot
     mass, seals : optional
-        Of the block, and how many carry it; a prediction knows both. Without a mass it is taken
-        from the measurement, and said so.
+        Test mass, and number of seals that carry it; a prediction has both. A missing mass is
+        inferred from the measurement, with a note.
     band : optional
-        Lines compared, Hz.
+        Frequencies to compare, Hz.
 
     Raises
     ------
@@ -205,8 +205,8 @@ def compare(first: Any, other: Any, /, **options: Any) -> Any:
     Examples
     --------
     >>> import dashpot as dp
-    >>> found, hits = dp.fit(dp.read("seal_8mm.csv"), arms=2), dp.read("hammer.csv")
-    >>> dp.compare(found, hits, mass="114.8g", seals=2).verdict.use
+    >>> fit, hits = dp.fit(dp.read("seal_8mm.csv"), arms=2), dp.read("hammer.csv")
+    >>> dp.compare(fit, hits, mass="114.8g", seals=2).verdict.use
     'do not use'
     """
     special = find_handler("compare", first)
@@ -294,15 +294,15 @@ def report(
     *records : RelaxationTest, and ImpactTest or FRF
         Tests of one seal, and hits or an FRF of a mass on such seals.
     mass : float or str, optional
-        Of the block, kg; inferred from the hits, and said so, if missing.
+        Test mass, kg; inferred from the hits, with a note, if missing.
     seals, arms, method, model, elastic, band, filter, time_limits, cycle, machine, compression
-        As ``dp.fit`` takes them.
+        As in ``dp.fit``.
     impact_temperature, hammer
-        As ``dp.fit`` takes them, of the hits.
+        As in ``dp.fit``, for the hits.
     joint : bool
         Whether to fit tests and hits together, too.
     title : str
-        Of the page.
+        Title of the page.
 
     Raises
     ------
@@ -379,23 +379,23 @@ def export(
     ----------
     solid : Fit, a solid, HyperelasticFit or AmplitudeResult
     path : path, optional
-        Where the deck is written.
+        File of the deck.
     to : str
         The solver: ``"nastran"``, ``"abaqus"``...
     unit_system : str
-        Of the deck: ``"SI"``, ``"mm-t-s"``, ``"mm-kg-ms"`` or ``"in-lbf-s"``.
+        Unit system of the deck: ``"SI"``, ``"mm-t-s"``, ``"mm-kg-ms"`` or ``"in-lbf-s"``.
     temperature, length : float or str
-        Of the seal, K or ``"23degC"``, and its length in contact, m or ``"50mm"``.
+        Temperature of the seal, K or ``"23degC"``, and its contact length, m or ``"50mm"``.
     specimen : Specimen, optional
-        In place of these two.
+        Instead of temperature and length.
     seals, compression
-        How many side by side, and about which compression they vibrate.
+        Number of parallel seals, and their static compression.
     band : (float, float) or str, optional
-        Of a table, Hz.
+        Frequencies of a table, Hz.
     tolerance, nominal, line, shear, first_id, first_tag, modulus, bulk_modulus, density, points
-        Of some solvers alone, as ``dashpot export --help`` has them.
+        Options of some solvers, as in ``dashpot export --help``.
     allow : str or sequence of str
-        Problems to overlook, by their names, or ``"all"``; the deck says so.
+        Problems to ignore, by their names, or ``"all"``; the header of the deck lists them.
 
     Raises
     ------
@@ -405,9 +405,9 @@ def export(
     Examples
     --------
     >>> import dashpot as dp
-    >>> found = dp.fit(dp.read("seal_8mm.csv"), arms=2)
+    >>> fit = dp.fit(dp.read("seal_8mm.csv"), arms=2)
     >>> deck = dp.export(
-    ...     found, to="nastran", unit_system="mm-t-s", temperature="23degC", length="100mm"
+    ...     fit, to="nastran", unit_system="mm-t-s", temperature="23degC", length="100mm"
     ... )
     >>> "PBUSHT" in deck
     True

@@ -73,7 +73,7 @@ class ReadOptionKeywords(TypedDict, total=False):
 
 
 _TEXT = {"skip": "skip_rows"}
-_TAKEN: Mapping[str, Callable[[Any], Any]] = {
+_CONVERTERS: Mapping[str, Callable[[Any], Any]] = {
     "units": dict,
     "axis": str,
     "calibration": str,
@@ -91,18 +91,18 @@ def read(
     kind: str | None = None,
     **keywords: Any,
 ) -> Any:
-    """Read a record, or a stored result, as what it is.
+    """Read a record or a stored result; its kind is detected.
 
     Parameters
     ----------
     path : path or sequence of path
-        A file; several of hits are one hammer test. A folder of a batch is a lot. A table of
-        pandas, polars or xarray, or a mapping of arrays, is read as a file of its columns.
+        A file; several files of hits are one hammer test. The folder of a batch is a lot. A table
+        of pandas, polars or xarray, or a mapping of arrays, is read as a file of its columns.
     kind : str, optional
-        What the file is to be taken for, such as ``"relaxation"``; by default what it is
-        recognised as.
+        Kind of the file, such as ``"relaxation"`` or ``"impact"`` (a hammer test); detected by
+        default.
     columns, units, text, part, rate, ...
-        What the file leaves open; see :class:`ReadOptionKeywords`.
+        Settings that the file does not state; see :class:`ReadOptionKeywords`.
 
     Returns
     -------
@@ -112,7 +112,7 @@ def read(
     Raises
     ------
     ReadError
-        If the file cannot be read, or leaves open which column is what, or in which unit.
+        If the file cannot be read, or a column or a unit is ambiguous.
 
     Examples
     --------
@@ -154,7 +154,9 @@ def _options(keywords: Mapping[str, Any], kind: str | None) -> ReadOptions:
     columns = {role: _column(role, item) for role, item in (keywords.get("columns") or {}).items()}
     stated: dict[str, Any] = {**columns, **(keywords.get("part") or {})}
     stated |= {_TEXT.get(name, name): value for name, value in (keywords.get("text") or {}).items()}
-    stated |= {name: taken(keywords[name]) for name, taken in _TAKEN.items() if name in keywords}
+    stated |= {
+        name: taken(keywords[name]) for name, taken in _CONVERTERS.items() if name in keywords
+    }
     fields = ReadOptions.__dataclass_fields__
     strange = next((name for name in stated if name not in fields), None)
     if strange is not None:
@@ -273,12 +275,12 @@ def inspect(
 
 
 @refuse_wrong_options
-def save(noun: N, path: Place) -> N:
+def save(result: N, path: Place) -> N:
     """Write a record or a result to a file, and return it.
 
     Parameters
     ----------
-    noun : object
+    result : object
         A record or a result.
     path : path
         How its name ends says how it is written: ``.json``, which :func:`read` takes back;
@@ -287,7 +289,7 @@ def save(noun: N, path: Place) -> N:
     Raises
     ------
     ExportError
-        If it cannot be written so.
+        If the result has no such format.
 
     Examples
     --------
@@ -297,5 +299,5 @@ def save(noun: N, path: Place) -> N:
     >>> dp.read(path) == solid
     True
     """
-    load_function("report.result_output", "save")(noun, path)
-    return noun
+    load_function("report.result_output", "save")(result, path)
+    return result

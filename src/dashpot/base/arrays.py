@@ -30,7 +30,7 @@ ComplexArray: TypeAlias = npt.NDArray[np.complex128]
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
 IndexArray: TypeAlias = npt.NDArray[np.intp]
 
-LEAST, MOST = 1e-30, 1e30
+MIN_SI_MAGNITUDE, MAX_SI_MAGNITUDE = 1e-30, 1e30
 """Between these lies, in SI units, the largest magnitude of whatever is measured."""
 
 MOST_SAMPLES = 2e7
@@ -123,14 +123,16 @@ def validate_measured(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> 
     ------
     DataError
         As for :func:`samples`, or if their largest magnitude is neither 0 nor from
-        :data:`LEAST` to :data:`MOST`: squares of such numbers are no numbers any more.
+        :data:`MIN_SI_MAGNITUDE` to :data:`MAX_SI_MAGNITUDE`: squares of such numbers are no
+        numbers any more.
     """
     array = samples(name, values, minimum=minimum)
     peak = max(-float(array.min()), float(array.max()))
-    if peak != 0 and not LEAST <= peak <= MOST:
+    if peak != 0 and not MIN_SI_MAGNITUDE <= peak <= MAX_SI_MAGNITUDE:
         raise DataError(
-            f"{name} reaches {peak:.3g} in SI units; expected a magnitude from {LEAST:g} to "
-            f"{MOST:g}: check the unit"
+            f"{name} reaches {peak:.3g} in SI units; expected a magnitude from "
+            f"{MIN_SI_MAGNITUDE:g} to "
+            f"{MAX_SI_MAGNITUDE:g}: check the unit"
         )
     return array
 

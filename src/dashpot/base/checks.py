@@ -83,7 +83,7 @@ class Check(Serialisable):
     name : str
         Stable identifier, ``snake_case``.
     passed : bool or None
-        The answer; None if the record gives none: not judged.
+        The answer; None if the record gives none: not checked.
     value, limit : float or None
         What was measured and what it was held against (None where there is no number).
     message : str
@@ -294,7 +294,7 @@ class Finding(NamedTuple):
         What was found, in a sentence.
     value : float or None
         Compared with the limit; None if nothing was measured: a criterion with a measure is then
-        not judged.
+        not checked.
     reason : str
         What it means, if the check fails: sentences that follow `message`.
     remedy : Remedy or str
@@ -357,7 +357,7 @@ class Criterion(Generic[P]):
         Where a failure means another, in words: ``"stop beyond 10"``.
     fit_status : Status or None
         Status of a fit that fails it; None if the optimum is valid all the same.
-    judge : callable
+    evaluate : callable
         Returns a `Finding`.
     """
 
@@ -371,11 +371,11 @@ class Criterion(Generic[P]):
     grade: Grade
     other_grade: str
     fit_status: Status | None
-    judge: Callable[P, Finding]
+    evaluate: Callable[P, Finding]
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> Check:
         """Return the answer; here alone a value meets its limit."""
-        finding = self.judge(*args, **kwargs)
+        finding = self.evaluate(*args, **kwargs)
         limit = self.limit if isinstance(finding.limit, EllipsisType) else finding.limit
         passed = self._evaluate_rule(finding, limit)
         text, remedy = finding.message, None
@@ -423,10 +423,10 @@ def criterion(
         By default the function's name and the first line of its docstring.
     """
 
-    def register(judge: Callable[P, Finding]) -> Criterion[P]:
-        stage = _stage(judge.__module__)
-        text = question or (judge.__doc__ or "").strip().partition("\n")[0]
-        check_name = name or judge.__name__
+    def register(evaluate: Callable[P, Finding]) -> Criterion[P]:
+        stage = _stage(evaluate.__module__)
+        text = question or (evaluate.__doc__ or "").strip().partition("\n")[0]
+        check_name = name or evaluate.__name__
         new_criterion = Criterion(
             check_name,
             stage,
@@ -438,7 +438,7 @@ def criterion(
             grade,
             other_grade,
             fit_status,
-            judge,
+            evaluate,
         )
         if (stage, new_criterion.name) in REGISTER:
             raise ValueError(

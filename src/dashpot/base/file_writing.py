@@ -143,8 +143,7 @@ def write_atomic(path: str | Path, content: bytes) -> None:
     if mode is not None and is_locked(place):
         raise DataError(
             f"{escape_terminal_text(str(path))} is being written by another dashpot; wait until it "
-            "ends, or "
-            "give another name"
+            "ends, or give another name"
         )
     parallel_path = place.with_name(f".{os.urandom(8).hex()}{PART}")
     try:

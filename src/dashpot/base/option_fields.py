@@ -17,16 +17,16 @@ from dashpot.base.units import Dimension, convert_to_si, si_range
 
 
 Method: TypeAlias = Literal["full", "hold"]
-RampLawAsked: TypeAlias = Literal["auto", "linear", "nonlinear"]
+RampLawOption: TypeAlias = Literal["auto", "linear", "nonlinear"]
 Family: TypeAlias = Literal["maxwell", "fractional"]
-FamilyAsked: TypeAlias = Literal["auto", Family]
+FamilyOption: TypeAlias = Literal["auto", Family]
 Estimate: TypeAlias = Literal["H1", "H2", "Hv", "Hs"]
 OverBase: TypeAlias = Literal["absolute", "relative"]
 ShiftLaw: TypeAlias = Literal["auto", "wlf", "arrhenius", "free"]
 Vertical: TypeAlias = Literal["1", "T/T_r", "free"]
 VerticalAsked: TypeAlias = Literal["auto", Vertical]
 AmplitudeLaw: TypeAlias = Literal["factor", "additive", "cubic", "factor+cubic", "additive+cubic"]
-AmplitudeLawAsked: TypeAlias = Literal["auto", AmplitudeLaw]
+AmplitudeLawOption: TypeAlias = Literal["auto", AmplitudeLaw]
 PartMode: TypeAlias = Literal[
     "compression", "shear", "axial", "torsion", "radial-short", "radial-long"
 ]  # fmt: skip
@@ -41,7 +41,7 @@ FigureSize: TypeAlias = Literal["column", "slide"]
 def get_choice_values(choice: Any) -> tuple[str, ...]:
     """Return the words of such a type, or of an enumeration.
 
-    >>> get_choice_values(FamilyAsked)
+    >>> get_choice_values(FamilyOption)
     ('auto', 'maxwell', 'fractional')
     """
     return get_args(choice) or tuple(choice)
@@ -191,16 +191,16 @@ class FormData:
     Attributes
     ----------
     asks : tuple of Ask
-    said : tuple of (str, str)
+    entries : tuple of (str, str)
         Name of the field, of one that is asked of every file with its number, and what was typed.
     """
 
     asks: tuple[FormField, ...] = ()
-    said: tuple[tuple[str, str], ...] = ()
+    entries: tuple[tuple[str, str], ...] = ()
 
     def get_text(self, name: str) -> str:
         """Return the text of a field; empty where there is none."""
-        return dict(self.said).get(name, "")
+        return dict(self.entries).get(name, "")
 
     def number(self, name: str, dimension: Dimension) -> float | None:
         """Return a quantity, SI: in the field's unit, or in the one typed after it."""

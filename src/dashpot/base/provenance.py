@@ -16,24 +16,24 @@ SIMULATED = "simulated"
 class Caution(str):
     """Note of a reader on data that may not be what was measured.
 
-    `told` is the same without the options of a command line, as checks say it.
+    `sentence` is the same without the options of a command line, as checks say it.
 
     >>> cautions_in(["200 rows", Caution("the header states a gain")])
     ('the header states a gain',)
     """
 
-    told: str
+    sentence: str
 
     def __new__(cls, note: str, told: str = "") -> Self:
         """Return the note; by default both texts are the same."""
-        made = super().__new__(cls, note)
-        made.told = told or str(note)
-        return made
+        caution = super().__new__(cls, note)
+        caution.sentence = told or str(note)
+        return caution
 
 
 def cautions_in(notes: Iterable[str]) -> tuple[str, ...]:
     """Return those of some notes that can change a number, each once, as plain text."""
-    return tuple(dict.fromkeys(note.told for note in notes if isinstance(note, Caution)))
+    return tuple(dict.fromkeys(note.sentence for note in notes if isinstance(note, Caution)))
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Source(Serialisable):
         True if the file says that it was made by simulation.
     cautions : tuple of str
         Those of the notes that can change a number, which the checks of what is made of the
-        record tell.
+        record show.
 
     Examples
     --------

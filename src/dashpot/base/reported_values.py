@@ -12,7 +12,7 @@ from dashpot.base.number_format import ascii_only, format_interval, round_to_err
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import convert_to_unit, get_display_unit
 
-HELD, UNKNOWN = "held", "not identified"
+FIXED, UNKNOWN = "held", "not identified"
 """What stands in place of an error of 0, and of one without limit."""
 _WORD = compile_on_use(r"_(?=[a-z]{4})")
 NORMAL = 1.96
@@ -21,9 +21,9 @@ INTERVAL_LEVELS = (0.025, 0.975)
 """Probabilities at the ends of a 95 % interval of draws."""
 AT_MOST = "at most"
 """What stands before the upper limit of a number that nothing bounds from below."""
-LOPSIDED = 0.1
+ASYMMETRY_LIMIT = 0.1
 """An interval whose one end is that much nearer to the value than the other."""
-BESIDE = 1e-2
+SECOND_ROW_SHARE = 1e-2
 """The same, where that end stands for the value itself."""
 
 
@@ -44,7 +44,7 @@ class TableCells(NamedTuple):
     @property
     def with_error(self) -> str:
         """Value and standard error in one cell."""
-        if self.error in {"", HELD, UNKNOWN}:
+        if self.error in {"", FIXED, UNKNOWN}:
             return ", ".join(filter(None, (self.value, self.error)))
         return f"{self.value} ± {self.error}"
 
@@ -197,7 +197,7 @@ class ReportedValue(Serialisable):
             return TableCells(self.label, text, "", f"{AT_MOST} {most}", self.word)
         error = "" if self.error is None else _error(self.size)
         between = ""
-        if self.has_interval and error not in (HELD, UNKNOWN):
+        if self.has_interval and error not in (FIXED, UNKNOWN):
             between = format_interval(value, low, high, self.size)
         text = round_to_error(value, self.size, digits=4)
         return TableCells(self.label, text, error, between, self.word)
@@ -210,11 +210,11 @@ class ReportedValue(Serialisable):
             return "unknown", round_to_error(low), "no limit"
         below, above = value - low, high - value
         near, far = sorted((below, above))
-        if math.isfinite(far) and near <= BESIDE * far:
+        if math.isfinite(far) and near <= SECOND_ROW_SHARE * far:
             # an end that is the value itself says nothing of its digits
             return round_to_error(value), round_to_error(low), round_to_error(high)
         # of a lopsided interval each end has the digits of its own distance
-        if min(below, above) > LOPSIDED * max(below, above):
+        if min(below, above) > ASYMMETRY_LIMIT * max(below, above):
             below = above = (high - low) / 2
         else:
             below, above = below or above, above or below
@@ -244,7 +244,7 @@ class HasReportedValues(HasChecks):
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
-        """The numbers that it tells."""
+        """The numbers that it shows."""
         return self.found
 
     def __getitem__(self, name: str) -> ReportedValue:
@@ -255,4 +255,4 @@ class HasReportedValues(HasChecks):
 def _error(size: float) -> str:
     if math.isinf(size):
         return UNKNOWN
-    return HELD if size <= 0 else round_to_error(size, size)
+    return FIXED if size <= 0 else round_to_error(size, size)

@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 Series: TypeAlias = Mapping[str, tuple[Any, str]]
 """Columns of one length, each with its SI unit ("" if it has none)."""
 
-LINES = 15
-"""Lines of a result in a Python shell."""
+MAX_LINES = 15
+"""Most lines of a result in a Python shell."""
 
 
 def load_function(module: str, name: str) -> Callable[..., Any]:
-    """Return a function of a higher layer: ``verb("report.notebook", "picture")``."""
+    """Return a function of a higher layer: ``load_function("report.result_output", "picture")``."""
     function: Callable[..., Any] = getattr(import_module(f"dashpot.{module}"), name)
     return function
 
@@ -37,7 +37,7 @@ def collect_arrays(result: object, **units: str) -> Series:
 
 
 def collect_columns(rows: Iterable[object], **units: str) -> Series:
-    """Return attributes of several things by their names, each with its SI unit."""
+    """Return attributes of several objects by their names, each with its SI unit."""
     group = tuple(rows)
     return {name: ([getattr(item, name) for item in group], unit) for name, unit in units.items()}
 
@@ -81,15 +81,14 @@ class HasSummary(Printable):
     def _table_columns(self) -> Series:
         """Numbers as columns, the first of them their index.
 
-        None in place of numbers that it does not have; nothing at all where its facts are its
-        table.
+        Missing numbers are None. The mapping is empty where the reported values are the table.
         """
         return {}
 
     def __repr__(self) -> str:
         lines = "\n".join(self._summary_lines).split("\n")
-        cut = [*lines[: LINES - 1], "..."] if len(lines) > LINES else lines
-        return "\n".join((f"{type(self).__name__}: {cut[0]}", *cut[1:]))
+        shown_lines = [*lines[: MAX_LINES - 1], "..."] if len(lines) > MAX_LINES else lines
+        return "\n".join((f"{type(self).__name__}: {shown_lines[0]}", *shown_lines[1:]))
 
     def to_pandas(self) -> pd.DataFrame:
         """Return the numbers as a :class:`pandas.DataFrame`; units stand in its ``attrs``.
@@ -119,11 +118,11 @@ class Plottable(HasSummary):
 
     def plot(self) -> Picture:
         """Return the :class:`~dashpot.plot.picture.Picture` for :func:`dashpot.plot.save`."""
-        drawn: Picture = load_function("report.result_output", "picture")(self)
-        return drawn
+        picture: Picture = load_function("report.result_output", "picture")(self)
+        return picture
 
     def _repr_html_(self) -> str:
-        """Return its picture and its words, for a notebook."""
+        """Return its picture and its text, for a notebook."""
         page: str = load_function("report.result_output", "html")(self)
         return page
 
@@ -135,7 +134,7 @@ class HasVerdict(Plottable):
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
-        """The numbers that it tells, each with its unit and how well it is known."""
+        """Reported values, each with its unit and interval."""
         return ()
 
     @property

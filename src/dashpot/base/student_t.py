@@ -20,7 +20,7 @@ _DEGREE = np.arange(1.0, 64.0)
 _NODES, _VECTORS = np.linalg.eigh(np.diag(_DEGREE / np.sqrt(4.0 * _DEGREE**2 - 1.0), -1))
 _WEIGHTS = 2.0 * _VECTORS[0] ** 2
 # Newton squares what a step leaves: after one as short as this, a part of the angle, it is rounding
-_SHORT = 1e-12
+_LAST_STEP = 1e-12
 
 
 def t_quantile(level: float, dof: float) -> float:
@@ -42,10 +42,10 @@ def t_quantile(level: float, dof: float) -> float:
         density = exp(_log_constant(dof)) * max(cos(angle), 0.0) ** (dof - 1.0)
         step = error / density if density > 0 else inf
         # rounding may lie on either side of the level
-        if abs(step) > _SHORT * angle and not low < angle - step < high:
+        if abs(step) > _LAST_STEP * angle and not low < angle - step < high:
             step = angle - 0.5 * (low + high)
         angle -= step
-        if abs(step) <= _SHORT * angle:
+        if abs(step) <= _LAST_STEP * angle:
             break
     return sqrt(dof) * tan(angle)
 

@@ -94,7 +94,7 @@ def _table() -> dict[str, Unit]:
     return units
 
 
-LEAST, MOST = 1e-15, 1e15
+MIN_SI_VALUE, MAX_SI_VALUE = 1e-15, 1e15
 """Between these lies, in SI units, every quantity that a user can mean, if it is not 0."""
 
 TABLE = MappingProxyType(_table())
@@ -286,13 +286,13 @@ def _filter_units(dimension: Dimension) -> list[Unit]:
     return [unit for unit in TABLE.values() if unit.dimension == dimension]
 
 
-_USUAL: dict[Dimension, str] = {
+_SEAL_UNITS: dict[Dimension, str] = {
     "mass": "g", "length": "mm", "temperature": "degC", "stiffness": "N/mm", "stress": "MPa",
     "compliance": "um/N",
 }  # fmt: skip
 """What a seal is measured in, where that is not the first unit of the table."""
 
-_READ = MappingProxyType({
+_DISPLAY_UNITS = MappingProxyType({
     "m": "mm", "kg": "g", "N/m": "N/mm", "N*s/m": "N*s/mm", "Pa": "MPa", "Pa*s": "MPa*s",
     "m/N": "mm/N", "1/Pa": "1/MPa", "J": "mJ", "J/mol": "kJ/mol", "m/s": "mm/s", "m^2": "mm^2",
     "strain": "% strain",
@@ -324,19 +324,25 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
         names = [unit.word for unit in _filter_units(dimension)]
         raise DataError(
             f"'{text}' has no unit; add a unit of {dimension} to it, for example '{text.strip()}"
-            f"{_USUAL.get(dimension, names[names[0] == '1'])}' (known: {', '.join(names)})"
+            f"{_SEAL_UNITS.get(dimension, names[names[0] == '1'])}' (known: {', '.join(names)})"
         )
     if re.match(r",\d", match[2]):
-        bare = text.strip().replace(",", "")
-        grouped = f", or '{bare}' if that is meant" if re.match(r",\d{3}(?!\d)", match[2]) else ""
+        plain_text = text.strip().replace(",", "")
+        grouped = (
+            f", or '{plain_text}' if that is meant" if re.match(r",\d{3}(?!\d)", match[2]) else ""
+        )
         pointed = text.strip().replace(",", ".", 1)
         raise DataError(f"'{text}' has a decimal comma; write '{pointed}' with a point{grouped}")
     unit = parse_unit(match[2], dimension)
     scaled = from_unit(float(match[1]), replace(unit, offset=0.0))
-    if re.search("[1-9]", match[1].lower().partition("e")[0]) and not LEAST <= abs(scaled) <= MOST:
+    if (
+        re.search("[1-9]", match[1].lower().partition("e")[0])
+        and not MIN_SI_VALUE <= abs(scaled) <= MAX_SI_VALUE
+    ):
         raise DataError(
-            f"'{text}' is {scaled:.3g} in SI units; expected 0 or a magnitude from {LEAST:g} to "
-            f"{MOST:g}: check the number and its unit"
+            f"'{text}' is {scaled:.3g} in SI units; expected 0 or a magnitude from "
+            f"{MIN_SI_VALUE:g} to "
+            f"{MAX_SI_VALUE:g}: check the number and its unit"
         )
     return scaled + unit.offset
 
@@ -359,7 +365,7 @@ def get_default_unit(dimension: Dimension) -> str:
     >>> get_default_unit("length"), get_default_unit("time")
     ('mm', 's')
     """
-    return _USUAL.get(dimension, _filter_units(dimension)[0].word)
+    return _SEAL_UNITS.get(dimension, _filter_units(dimension)[0].word)
 
 
 def get_display_unit(unit: str, *, fine: bool = False) -> str:
@@ -373,9 +379,9 @@ def get_display_unit(unit: str, *, fine: bool = False) -> str:
     """
     word, per, what = unit.partition(" per ")
     resolved_unit = find_unit(word)
-    of = word if resolved_unit is None else resolved_unit.word
-    usual = _READ.get(of, word)
-    return (_FINE.get(of, usual) if fine else usual) + per + what
+    unit_word = word if resolved_unit is None else resolved_unit.word
+    display_unit = _DISPLAY_UNITS.get(unit_word, word)
+    return (_FINE.get(unit_word, display_unit) if fine else display_unit) + per + what
 
 
 def column(name: str, unit: str) -> str:

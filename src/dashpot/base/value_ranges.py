@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 
 
 def require_positive(
-    of: str = "",
+    owner: str = "",
     /,
     *,
     unit: str = "",
@@ -25,7 +25,7 @@ def require_positive(
 
     Parameters
     ----------
-    of : str
+    owner : str
         What is said before the name.
     unit : str
         What is said behind the number.
@@ -42,13 +42,15 @@ def require_positive(
     for name, value in named.items():
         provided: Any = value
         if not (optional and provided is None) and not (math.isfinite(provided) and provided > 0):
-            raise DataError(f"{of}{name} = {provided!r}{unit}; expected {expected}")
+            raise DataError(f"{owner}{name} = {provided!r}{unit}; expected {expected}")
 
 
-def require_nonnegative(of: str = "", /, *, expected: str = "a number >= 0", **named: Any) -> None:
+def require_nonnegative(
+    owner: str = "", /, *, expected: str = "a number >= 0", **named: Any
+) -> None:
     """Refuse the first number that is not finite and >= 0, as :func:`require_positive` does."""
     require_positive(
-        of, expected=expected, **{name: value for name, value in named.items() if value != 0}
+        owner, expected=expected, **{name: value for name, value in named.items() if value != 0}
     )
 
 
@@ -168,7 +170,7 @@ def refuse_absurd_record(result: Any) -> None:
 
 
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"))
-_OWN = {
+_NAMED_RANGES = {
     "kg": ((1e3, "t"), (1.0, "kg"), (1e-3, "g"), (1e-6, "mg"), (1e-9, "ug")),
     "s": ((86400.0, "days"), (3600.0, "h"), (1.0, "s"), (1e-3, "ms"), (1e-6, "us")),
 }  # fmt: skip
@@ -182,7 +184,7 @@ def format_quantity_short(value: float, unit: str) -> str:
     ...     "s"), format_quantity_short(0.104, "kg"), format_quantity_short(259200.0, "s")
     ('2.1 kN', '41 ms', '104 g', '3 days')
     """
-    steps = _OWN.get(unit, () if unit in _PLAIN else _build_prefix_steps(unit))
+    steps = _NAMED_RANGES.get(unit, () if unit in _PLAIN else _build_prefix_steps(unit))
     for factor, word in steps:
         if abs(value) >= factor * (1 - 1e-12):
             return f"{value / factor:.3g} {word}"

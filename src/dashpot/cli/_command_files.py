@@ -58,12 +58,12 @@ def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]
 
 def is_json(path: str) -> bool:
     """Return whether a file begins like a JSON object, so that it may be a fit."""
-    from dashpot.reading.raw_file import like_json
+    from dashpot.reading.raw_file import looks_like_json
 
     if not Path(path).is_file():  # a look into a pipe would take its first bytes away
         return False
     with Path(path).open("rb") as file:
-        return like_json(file.read(64))
+        return looks_like_json(file.read(64))
 
 
 # The kind that each record was taken for, which is reported to the user.
@@ -118,11 +118,11 @@ def _format_column_hint(path: str, options: ReadOptions) -> str:
 
 def format_override_hint(kinds: Collection[str]) -> str:
     """Return how to state that a file is of this kind; empty for a choice of several."""
-    from dashpot.reading.columns.file_kinds import RECOGNISED
+    from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
 
     (word, *more) = kinds
-    known = word in RECOGNISED and not more
-    return f" If the file is {RECOGNISED[word].what}, add --kind {word}." if known else ""
+    is_kind = word in KINDS_OF_FILE and not more
+    return f" If the file is {KINDS_OF_FILE[word].label}, add --kind {word}." if is_kind else ""
 
 
 def print_detected_kinds(detections: Mapping[str, Recognised]) -> None:

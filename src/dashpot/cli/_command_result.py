@@ -27,7 +27,7 @@ JUDGE = "dashpot.judge"
 """Where an option keeps the function that judges the outcome."""
 _MAKERS = ("simulate", "demo")
 """Commands that write records; to all others a record is somebody's measurement."""
-_SEEN = (".html", ".png", ".svg", ".pdf")
+_VISUAL_SUFFIXES = (".html", ".png", ".svg", ".pdf")
 
 
 def collect_outputs(context: click.Context, *, may_replace: bool) -> Outputs:
@@ -87,7 +87,7 @@ def write_figure(path: str, figure: dp.plot.Picture) -> None:
 
 def open_written(written: Sequence[str]) -> None:
     """Open the last page or picture that was written, or say why not."""
-    pages = [path for path in written if Path(path).suffix.lower() in _SEEN]
+    pages = [path for path in written if Path(path).suffix.lower() in _VISUAL_SUFFIXES]
     if not pages:
         to_stderr("nothing to open: name a page (-o page.html) or a picture (--plot fit.png)")
     elif click.launch(pages[-1]):
@@ -102,7 +102,7 @@ class CommandResult(NamedTuple):
 
     Attributes
     ----------
-    found
+    result
         What it prints as a document.
     text
         It is printed unless stdout is taken by what was asked for there.
@@ -118,7 +118,7 @@ class CommandResult(NamedTuple):
         An acceptance limit is not met, which ``--strict`` heeds.
     """
 
-    found: Serialisable
+    result: Serialisable
     text: Text
     checks: Sequence[Check] = ()
     must_pass: bool = False
@@ -178,7 +178,7 @@ def run_and_report(context: click.Context, run: Callable[[], CommandResult]) -> 
 
 def _format_result(outcome: CommandResult, *, as_json: bool, verbose: bool) -> str:
     if as_json:
-        return format_json(outcome.found)
+        return format_json(outcome.result)
     if click.get_current_context().meta.get(STDOUT_TAKEN):
         return ""
     from dashpot.cli._terminal import screen

@@ -24,7 +24,7 @@ from dashpot.registry import find_handler
 BAD, FAULT, INTERRUPTED = 2, 3, 130
 """Exit codes: bad input or usage, internal error of dashpot, stopped by the user."""
 
-WHERE = "the maintainers of the repository that dashpot came from (SECURITY.md there)"
+REPORT_ADDRESS = "the maintainers of the repository that dashpot came from (SECURITY.md there)"
 """Where a fault is reported."""
 
 
@@ -98,8 +98,8 @@ def _failure(error: BaseException) -> Failure:
     what = ": ".join((kind, *str(error).splitlines()[:1]))
     message = (
         f"a fault in dashpot {__version__} itself, not in what you typed: {what}. Please report "
-        f"it, with the command and, if it may be shown, the file, to {WHERE}; --traceback shows "
-        "where it happened"
+        f"it, with the command and, if it may be shown, the file, to {REPORT_ADDRESS}; "
+        "--traceback shows where it happened"
     )
     return _sentence("InternalError", message, FAULT)
 

@@ -36,7 +36,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.job import BlockOnSeals, HammerChoices, Job, TimeLimits
 
 MODEL, MASS, READING, RESULT = "Model", "Mass on seals", "Reading the files", "Result"
-RAMP, WARM, HITS = "Ramp and hold", "Several temperatures", "Hammer hits"
+RAMP, TEMPERATURE_GROUP, HITS = "Ramp and hold", "Several temperatures", "Hammer hits"
 PIECE = "Specimen"
 
 VIBRATION = "impact frf transmissibility"
@@ -168,9 +168,9 @@ def under_mass(*, kinds: str = "", name: str = "", required: bool = False) -> li
     ]
 
 
-def pop_block(said: dict[str, Any]) -> BlockOnSeals:
+def pop_block(options: dict[str, Any]) -> BlockOnSeals:
     """Take the block that the options of :func:`under_mass` describe out of what was said."""
-    return BlockOnSeals(*(said.pop(attribute.name) for attribute in fields(BlockOnSeals)))
+    return BlockOnSeals(*(options.pop(attribute.name) for attribute in fields(BlockOnSeals)))
 
 
 def hammer(*, kinds: str = "", leave: Sequence[str] = ()) -> list[CommandOption]:
@@ -277,7 +277,7 @@ def format_column_hint(files: Sequence[str]) -> str:
 
 
 def select_arguments(
-    function: Callable[..., Any], said: Mapping[str, Any], verb: DashpotCommand, reason: str
+    function: Callable[..., Any], options: Mapping[str, Any], verb: DashpotCommand, reason: str
 ) -> dict[str, Any]:
     """Return those of the arguments that a function takes; options that fill others are refused.
 
@@ -291,4 +291,4 @@ def select_arguments(
         other = option.group != RESULT and option.names.isdisjoint(names)
         if other and option.get_typed_words(click.get_current_context()):
             raise click.UsageError(f"{option.flag} {reason}. Leave out one of them.")
-    return {name: said[name] for name in names if name in said}
+    return {name: options[name] for name in names if name in options}

@@ -96,7 +96,7 @@ class WithUnit(click.ParamType[Any]):
     def __init__(self, dimension: Dimension, word: str = "") -> None:
         self.dimension: Dimension = dimension
         self.word = word
-        self.name = NAMED.get(dimension, dimension.replace(" ", "-"))
+        self.name = DIMENSION_NAMES.get(dimension, dimension.replace(" ", "-"))
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if not isinstance(value, str) or value == self.word:
@@ -115,8 +115,8 @@ class Plain(click.ParamType[float]):
 
     name = "number"
 
-    def __init__(self, of: str, example: str) -> None:
-        self.of, self.example = of, example
+    def __init__(self, quantity: str, example: str) -> None:
+        self.of, self.example = quantity, example
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -129,7 +129,7 @@ class Plain(click.ParamType[float]):
 
 DENSITY = Plain(" of kg/m^3", "1000")
 
-NAMED = {"strain": "share", "force rate": "rate"}
+DIMENSION_NAMES = {"strain": "share", "force rate": "rate"}
 """What a dimension is called in the help, where not by its own name."""
 
 

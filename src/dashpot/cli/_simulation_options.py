@@ -45,11 +45,11 @@ def relaxation(
 ) -> tuple[Any, ...]:
     """Return a simulated relaxation test as CSV, its truth as JSON, and what an extension adds."""
     simulated, rig, climate = _bench(seal, choices)
-    made = dp.simulation.simulate_relaxation(
+    record = dp.simulation.simulate_relaxation(
         simulated.solid, depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
         seed=choices.get("seed", 0),
     )  # fmt: skip
-    return _serialise_record(made, choices)
+    return _serialise_record(record, choices)
 
 
 def simulate_trajectory(*, seal: str, follow: str, **choices: Any) -> tuple[Any, ...]:
@@ -57,10 +57,10 @@ def simulate_trajectory(*, seal: str, follow: str, **choices: Any) -> tuple[Any,
     simulated, rig, climate = _bench(seal, choices)
     with as_it_stands(follow):
         sent = dp.files.read_trajectory(follow)
-    made = dp.simulation.simulate_motion(
+    motion = dp.simulation.simulate_motion(
         simulated.solid, sent, rig=rig, climate=climate, seed=choices.get("seed", 0)
     )
-    return _serialise_record(made, choices)
+    return _serialise_record(motion, choices)
 
 
 @contextmanager
@@ -87,16 +87,16 @@ def _bench(seal: str, choices: dict[str, Any]) -> tuple[SimulatedSeal, Any, Any]
     return simulated, rig, climate
 
 
-def _serialise_record(made: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
+def _serialise_record(record: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
     """Return record and truth as text, and what an extension adds that was asked for."""
-    asked = next((name for name in list_names("simulated record") if choices.get(name)), None)
-    if asked is not None:
-        texts: tuple[Any, ...] = find_handler("simulated record", asked)(made, choices)
+    option = next((name for name in list_names("simulated record") if choices.get(name)), None)
+    if option is not None:
+        texts: tuple[Any, ...] = find_handler("simulated record", option)(record, choices)
         return texts
     from dashpot.reading.write import write_relaxation
 
-    text = write_relaxation(made.test, comments=dp.simulation.stamp(made.truth))
-    return text, dp.simulation.truth_json(made.truth)
+    text = write_relaxation(record.test, comments=dp.simulation.stamp(record.truth))
+    return text, dp.simulation.truth_json(record.truth)
 
 
 def creep(
@@ -107,12 +107,12 @@ def creep(
 
     simulated, rig, climate = _bench(seal, choices)
     module = dp.simulation
-    made = module.simulate_creep(
+    record = module.simulate_creep(
         simulated.solid, load=load, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
         seed=choices.get("seed", 0),
     )  # fmt: skip
-    comments = (*module.stamp(made.truth), "creep test: the force is held")
-    return write_relaxation(made.test, comments=comments), module.truth_json(made.truth)
+    comments = (*module.stamp(record.truth), "creep test: the force is held")
+    return write_relaxation(record.test, comments=comments), module.truth_json(record.truth)
 
 
 def impact(
@@ -127,14 +127,14 @@ def impact(
     block = mass if mass is not None else simulated.mass
     if block is None:
         raise DataError(f"the mass under the hammer is not known for {seal}; add --mass")
-    made = module.simulate_impact(
+    record = module.simulate_impact(
         simulated.solid, mass=block, seals=seals, hits=hits, rig=rig, climate=climate,
         seed=choices.get("seed", 0),
     )  # fmt: skip
     kelvin = choices.get("temperature")
     stated = () if kelvin is None else (temperature_line(kelvin),)
-    comments = (*module.stamp(made.truth), *stated)
-    return write_impact(made.test, comments=comments), module.truth_json(made.truth)
+    comments = (*module.stamp(record.truth), *stated)
+    return write_impact(record.test, comments=comments), module.truth_json(record.truth)
 
 
 def _set_up(

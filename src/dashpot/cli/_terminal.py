@@ -20,13 +20,13 @@ from dashpot.text_output.layout import COLUMNS, SIZE, ScreenSize
 # Colour and progress.
 
 
-PATIENCE, BEAT = 1.0, 0.25
+PROGRESS_DELAY, PROGRESS_PERIOD = 1.0, 0.25
 """Seconds until progress shows, and between its changes."""
 
 
-LEAST = ScreenSize(60, 20)
+MIN_SCREEN = ScreenSize(60, 20)
 """A screen that is smaller scrolls."""
-BESIDE = 4
+MAX_COLUMNS = 4
 """Lines that are left for what was recognised and written, and for what comes next."""
 
 
@@ -34,10 +34,10 @@ def screen() -> ScreenSize:
     """Return the size for which a result is laid out: that of the terminal, if stdout is one."""
     if not getattr(sys.stdout, "isatty", bool)():
         return SIZE
-    columns, lines = shutil.get_terminal_size((COLUMNS, SIZE.lines + BESIDE))
+    columns, lines = shutil.get_terminal_size((COLUMNS, SIZE.lines + MAX_COLUMNS))
     return ScreenSize(
-        min(max(columns, LEAST.columns), SIZE.columns),
-        min(max(lines - BESIDE, LEAST.lines), SIZE.lines),
+        min(max(columns, MIN_SCREEN.columns), SIZE.columns),
+        min(max(lines - MAX_COLUMNS, MIN_SCREEN.lines), SIZE.lines),
     )
 
 
@@ -60,9 +60,9 @@ def progress() -> Iterator[None]:
 
 def _watch(now: list[str], over: threading.Event, began: float) -> None:
     """Write what is being done and for how long, over itself, and wipe it at the end."""
-    if over.wait(PATIENCE):
+    if over.wait(PROGRESS_DELAY):
         return
-    while not over.wait(BEAT):
+    while not over.wait(PROGRESS_PERIOD):
         line = f"{escape_terminal_text(now[0])} ... {time.monotonic() - began:.0f} s"
         sys.stderr.write(f"\r\x1b[K{line[: COLUMNS - 1]}")
         sys.stderr.flush()

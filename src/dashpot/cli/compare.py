@@ -46,7 +46,7 @@ _MEASURED = set(VIBRATION.split())
         build_options(Job, "band", kinds=f"{_SOLID} {VIBRATION}", help="Frequencies to compare, "
                                                                        "e.g. 5:40Hz."),
         opt("--record", "records", type=File(), multiple=True, metavar="FILE", kinds=_SOLID,
-            help="The fitted record: adds the bound on what it cannot see."),
+            help="The fitted record: adds bounds for unresolved arms."),
         options.relative(_SOLID),
         mark_advanced(opt("--quantity", "quantities", multiple=True, metavar="NAME", kinds=_LOT,
                  help="Quantities to compare in two lots (all).")),
@@ -55,34 +55,34 @@ _MEASURED = set(VIBRATION.split())
     options.reading(),
     options.result(),
 )  # fmt: skip
-def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
-    """Compare the first with the others, as what they are."""
+def command(*, files: tuple[str, ...], **arguments: Any) -> CommandResult:
+    """Compare the first file with the others, according to their kinds."""
     first, *others = files
     if not others:
         raise click.UsageError(f"Give what {first} is compared with: a measurement, an FRF, a lot.")
-    detections = detect_file_kinds([_place(path) for path in files], said["options"])
-    entries = kinds_of(detections, said["options"])
-    kinds = {path: entries[_place(path)] for path in files}
-    text, rest_ = kinds[first], {kinds[path] for path in others}
-    lots = text == _LOT and rest_ == {_LOT} and len(others) == 1
-    if not (lots or (text in {_SOLID, *_MEASURED} and rest_ <= _MEASURED)):
-        raise click.UsageError(_no_pair(kinds))
+    detections = detect_file_kinds([_get_lot_path(path) for path in files], arguments["options"])
+    entries = kinds_of(detections, arguments["options"])
+    kinds = {path: entries[_get_lot_path(path)] for path in files}
+    text, other_kinds = kinds[first], {kinds[path] for path in others}
+    lots = text == _LOT and other_kinds == {_LOT} and len(others) == 1
+    if not (lots or (text in {_SOLID, *_MEASURED} and other_kinds <= _MEASURED)):
+        raise click.UsageError(_format_no_pair(kinds))
     refuse_others(command, click.get_current_context(), {first: text})
     if lots:
-        return _lots(first, others[0], said["quantities"])
+        return _compare_lots(first, others[0], arguments["quantities"])
     if text == _SOLID:
         print_detected_kinds({path: detections[path] for path in others})
-        return _prediction(
-            first, others, options.pop_block(said),
-            picture=said["picture"], reading=said["options"],
-            **{name: said[name] for name in ("records", "band", "hammer")},
+        return _compare_prediction(
+            first, others, options.pop_block(arguments),
+            picture=arguments["picture"], reading=arguments["options"],
+            **{name: arguments[name] for name in ("records", "band", "hammer")},
         )  # fmt: skip
     print_detected_kinds(detections)
-    return _frfs(first, others, said)
+    return _compare_frfs(first, others, arguments)
 
 
-def _no_pair(kinds: Mapping[str, str]) -> str:
-    """Why files of these kinds are not compared, and what would be."""
+def _format_no_pair(kinds: Mapping[str, str]) -> str:
+    """Return why files of these kinds are not compared, and what is."""
     first, *others = kinds
     text = "; ".join(f"{path} is {get_kind_label(kind)}" for path, kind in kinds.items())
     message = f"{text}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
@@ -93,13 +93,13 @@ def _no_pair(kinds: Mapping[str, str]) -> str:
     return message
 
 
-def _place(path: str) -> str:
-    """The folder of ``FOLDER:NAME``, one lot of several; of all else the path."""
+def _get_lot_path(path: str) -> str:
+    """Return the folder of ``FOLDER:NAME``, one lot of several; of other files the path."""
     folder = path.rpartition(":")[0]
     return folder if folder and not Path(path).exists() and Path(folder).is_dir() else path
 
 
-def _prediction(
+def _compare_prediction(
     fit: str,
     measured: Sequence[str],
     block: BlockOnSeals,
@@ -108,7 +108,7 @@ def _prediction(
     reading: Any,
     **choices: Any,
 ) -> CommandResult:
-    """Hold the prediction of a fit against hits or FRFs."""
+    """Compare the prediction of a fit with hits or FRFs."""
     fitted = workflow.read_fit(fit)
     agreement = workflow.compare_files(
         fitted,
@@ -138,8 +138,8 @@ def _prediction(
     return CommandResult.from_result(agreement, follow=follow)
 
 
-def _frfs(first: str, others: Sequence[str], stated: dict[str, Any]) -> CommandResult:
-    """Hold the modes of FRFs of one structure against those of another test of it."""
+def _compare_frfs(first: str, others: Sequence[str], stated: dict[str, Any]) -> CommandResult:
+    """Compare the modes of FRFs of one structure with those of another test of it."""
     result, chart = find_handler("compare files", "frf")(
         [first], options=stated["options"], band=stated["band"], against=others
     )
@@ -150,8 +150,8 @@ def _frfs(first: str, others: Sequence[str], stated: dict[str, Any]) -> CommandR
     return CommandResult.from_result(result)
 
 
-def _lots(first: str, second: str, quantities: tuple[str, ...]) -> CommandResult:
-    """Tell whether two lots differ; ``FOLDER:NAME`` is one lot of several."""
+def _compare_lots(first: str, second: str, quantities: tuple[str, ...]) -> CommandResult:
+    """Compare two lots; ``FOLDER:NAME`` is one lot of several."""
     result = find_handler("compare files", _LOT)(first, second, quantities)
     return CommandResult(
         result, Text(str(result).splitlines()), result.checks, verdict=result.verdict

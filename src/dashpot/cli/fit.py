@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from dashpot.base.errors import DashpotError, ReadError
-from dashpot.base.option_fields import Method, RampLawAsked, get_choice_values
+from dashpot.base.option_fields import Method, RampLawOption, get_choice_values
 from dashpot.cli import _options as options
 from dashpot.cli._command import (
     CommandOption,
@@ -24,7 +24,7 @@ from dashpot.cli._command import (
 )
 from dashpot.cli._command_files import detect_file_kinds, kinds_of, print_detected_kinds
 from dashpot.cli._command_result import CommandResult
-from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, VIBRATION, WARM
+from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, TEMPERATURE_GROUP, VIBRATION
 from dashpot.cli._param_types import ChoiceWithSuggestion, Output, WithUnit
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.reading.read_options import ReadOptions
@@ -39,7 +39,7 @@ from dashpot.registry import (
 from dashpot.workflow.job import Job, LevelJob, ShiftChoices
 
 _BENCH = SOLIDS
-_ELASTIC_LAWS = (*get_choice_values(RampLawAsked), "by-depth")
+_ELASTIC_LAWS = (*get_choice_values(RampLawOption), "by-depth")
 
 
 def _detect_kinds(files: Sequence[str]) -> Mapping[str, str]:
@@ -120,7 +120,7 @@ _OPTIONS = (
             opt("--thorough", kinds=_BENCH, help="Try more starting points."),
         ),
         group(
-            WARM,
+            TEMPERATURE_GROUP,
             build_options(ShiftChoices, into="shifting", kinds=_BENCH),
             opt("--save-shifts", type=Output([".csv"]), metavar="FILE", kinds=_BENCH,
                 help="Write the shift factors as CSV."),

@@ -14,7 +14,7 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base import dataclass
 from dashpot.base.errors import FitError
-from dashpot.base.option_fields import FamilyAsked, Method, get_choice_values
+from dashpot.base.option_fields import FamilyOption, Method, get_choice_values
 from dashpot.cli._command_files import (
     PAGE_SUFFIXES,
     format_command,
@@ -45,20 +45,20 @@ class FitRequest:
     files : tuple of str
     kinds : mapping of str to str
         What each file was taken for.
-    said : mapping
+    stated_options : mapping
         The options by name, in SI.
     """
 
     files: tuple[str, ...]
     kinds: Mapping[str, str]
-    said: Mapping[str, Any]
+    stated_options: Mapping[str, Any]
 
     def __getitem__(self, name: str) -> Any:
-        return self.said[name]
+        return self.stated_options[name]
 
     def some(self, *names: str) -> dict[str, Any]:
         """Return these options by name."""
-        return {name: self.said[name] for name in names}
+        return {name: self.stated_options[name] for name in names}
 
     def select_files(self, *kinds: str) -> tuple[str, ...]:
         """Return the files of these kinds, in their order."""
@@ -72,7 +72,7 @@ class FitRequest:
         click.UsageError
             If it is another.
         """
-        named = self.said["model"] or usual
+        named = self.stated_options["model"] or usual
         values = get_choice_values(choice)
         if named not in values:
             raise click.UsageError(
@@ -83,7 +83,7 @@ class FitRequest:
     @property
     def mass(self) -> float | None:
         """The one mass that was given, kg."""
-        masses = self.said["mass"]
+        masses = self.stated_options["mass"]
         if len(masses) > 1:
             raise click.UsageError(
                 f"--mass was given {len(masses)} times. Give it once, for these files together."
@@ -93,32 +93,32 @@ class FitRequest:
     @property
     def reading(self) -> ReadOptions:
         """Reading options of the files."""
-        options: ReadOptions = self.said["options"]
+        options: ReadOptions = self.stated_options["options"]
         return options
 
     @property
     def hammer(self) -> HammerChoices:
         """Options of the averaging of hits."""
-        choices: HammerChoices = self.said["hammer"]
+        choices: HammerChoices = self.stated_options["hammer"]
         return choices
 
     @property
     def output(self) -> str | None:
         """Path of the result."""
-        path: str | None = self.said["output"]
+        path: str | None = self.stated_options["output"]
         return path
 
     @property
     def specimen(self) -> Specimen:
         """The specimen, with the one temperature of all files."""
-        warmth = self.said["temperatures"]
+        warmth = self.stated_options["temperatures"]
         if len(warmth) > 1:
             raise click.UsageError(
                 f"--temperature was given {len(warmth)} times; these records have one."
             )
         from dataclasses import replace
 
-        specimen: Specimen = self.said["specimen"]
+        specimen: Specimen = self.stated_options["specimen"]
         return replace(specimen, temperature=warmth[0]) if warmth else specimen
 
     def refuse_polarity(self) -> None:
@@ -151,8 +151,8 @@ class FitRequest:
 
     def draw(self, figure: Any) -> None:
         """Draw the figure that a function makes, if it was asked for."""
-        if self.said["picture"]:
-            write_figure(self.said["picture"], figure())
+        if self.stated_options["picture"]:
+            write_figure(self.stated_options["picture"], figure())
 
     @property
     def page(self) -> bool:
@@ -169,8 +169,8 @@ class FitRequest:
         if not self.page:
             write_output(self.output, format_json(result._saved_result) + "\n")
             return
-        made = {name: make() for name, make in figures.items()}
-        write_output(self.output, render_page(result, **made))
+        pictures = {name: make() for name, make in figures.items()}
+        write_output(self.output, render_page(result, **pictures))
 
     def write_output(
         self, result: Any, *, figure: Callable[[], Any] | None = None, follow: str = ""
@@ -201,7 +201,7 @@ def run_bench_tests(request: FitRequest) -> CommandResult:
         request.files,
         depth_law=elastic == "by-depth",
         law="auto" if elastic == "by-depth" else elastic,
-        family=request.model(FamilyAsked, "maxwell"),
+        family=request.model(FamilyOption, "maxwell"),
         options=request.reading,
         **request.some("arms", "method", "thorough", "filter", "time_limits", "machine", "specimen",
                      "temperatures", "shifting"),
@@ -212,7 +212,7 @@ def run_bench_tests(request: FitRequest) -> CommandResult:
     request.keep(fit, **_make_bench_figures(fit, records))
     return CommandResult(
         fit,
-        results.fit(fit, asked=request["arms"]),
+        results.fit(fit, requested_arms=request["arms"]),
         fit.checks,
         verdict=fit.verdict,
         follow=_format_bench_next_steps(request, fit),
@@ -257,10 +257,10 @@ def _make_bench_figures(fit: dp.Fit, records: tuple[Any, ...]) -> dict[str, Call
     first = records[0]
     drawn = partial(_draw_bench_tests, fit, records)
     if fit.temperatures is not None and not isinstance(first, dp.RampHold):
-        return {"lead": drawn, "beside": lambda: (fit.plot(),)}
+        return {"lead": drawn, "extra_pictures": lambda: (fit.plot(),)}
     return {
         "lead": lambda: workflow.over_frequency(fit, records),
-        "beside": lambda: (drawn(),),
+        "extra_pictures": lambda: (drawn(),),
     }
 
 
@@ -364,7 +364,7 @@ def run_joint(request: FitRequest) -> CommandResult:
         tests=[path for path in extras if path not in fits],
         options=reading.drop_fields(reading.bench_fields),
         options_with=reading.select_fields(("units", *reading.bench_fields)),
-        family=request.model(FamilyAsked, "maxwell"),
+        family=request.model(FamilyOption, "maxwell"),
         seals_assumed="--seals" not in request.get_option_words(),
         bench=BenchFitOptions(
             law=request["elastic"],

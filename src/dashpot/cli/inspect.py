@@ -70,13 +70,13 @@ def command(
         from dashpot.reading.read_options import dump_profile
 
         write_output(save, dump_profile(options))
-    answers = [
+    questions = [
         line
         for file, path in zip(inspections.files, files, strict=True)
         for line in _answer(file, "" if len(files) == 1 else path)
     ]
     tables = [line for file in inspections.files for line in (file.file, *_columns(file))]
-    text = Text(answers, tables) if len(files) > 1 else Text([*answers, *tables[1:]])
+    text = Text(questions, tables) if len(files) > 1 else Text([*questions, *tables[1:]])
     return CommandResult(
         inspections, text, inspections.checks, follow=_follow(files, inspections.files, save)
     )
@@ -99,7 +99,7 @@ def _plugins() -> CommandResult:
         [p.group, p.name, p.package_version, _ASKED[p.group].format(p.name)]
         for p in installed.plugins
     ]
-    lines = table(rows, left=True) if installed.plugins else []
+    lines = table(rows, align_left=True) if installed.plugins else []
     lines += [f"{sentence}." for sentence in installed.refused or ()]
     return CommandResult(installed, Text(lines or ["no plug-in is installed"]))
 
@@ -187,7 +187,7 @@ def _columns(inspection: InspectedFile) -> list[str]:
         f"  segment   {segment.name or number}: {segment.rows} rows"
         for number, segment in enumerate(several, start=1)
     )
-    return [*lines, *(table(rows, left=True) if inspection.columns else []), *segments]
+    return [*lines, *(table(rows, align_left=True) if inspection.columns else []), *segments]
 
 
 def _sampling(inspection: InspectedFile) -> str:

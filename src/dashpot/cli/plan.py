@@ -1,4 +1,4 @@
-"""dashpot plan: what a test can and cannot tell, before it is run."""
+"""dashpot plan: what a test can and cannot show, before it is run."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _NOT_REHEARSED = (
     "bench_method", "bench_baseline",
 )  # fmt: skip
 """Options of the planned test that a simulated one has not."""
-_PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
+_TEST_GROUP, _PRIOR_GROUP, _CONTROLLER_GROUP = "Planned test", "Known beforehand", "Controller"
 
 
 @verb(
@@ -44,7 +44,7 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
   dashpot plan --frequency 12.71Hz --ramp 1s --hold 40s --setpoints ramp.csv
   dashpot plan --use-at 70degC --longest 1000h --hottest 150degC""",
     group(
-        _PLANNED,
+        _TEST_GROUP,
         opt("--frequency", type=WithUnit("frequency"), metavar="FREQUENCY",
             help="The frequency that matters, e.g. 12.71Hz."),
         build_options(PlannedRamp, "depth", "ramp_time", "hold_time", into="bench"),
@@ -63,13 +63,13 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
         ),
     ),
     group(
-        _KNOWN,
+        _PRIOR_GROUP,
         build_options(PlannedRamp, "noise", into="bench"),
         opt("--seal", "guess", metavar="NAME|FIT",
             help="Assumed seal: paper, broad, hidden, or a fit."),
         build_options(HammerPlan, "mass", "seals", into="hammer"),
-        opt("--target-sd", "wanted", former="wanted", type=float, default=10.0, metavar="PERCENT",
-            help="Target standard deviation (10)."),
+        opt("--target-sd", "target_sd", former="wanted", type=float, default=10.0,
+            metavar="PERCENT", help="Target standard deviation (10)."),
         mark_advanced(
             build_options(Machine, into="machine", leave=("force_filter",),
                help="What is known of the machine."),
@@ -81,7 +81,7 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
         ),
     ),
     group(
-        _CONTROLLER,
+        _CONTROLLER_GROUP,
         opt("--setpoints", type=Output((".csv", ".txt")), metavar="FILE",
             help="Write the motion, one set-point a row."),
         mark_advanced(
@@ -117,7 +117,7 @@ def _plan_ramp_hold(
     guess: str | None,
     arm_stiffness: float | None,
     arm_time: float | None,
-    wanted: float,
+    target_sd: float,
     cold: tuple[float, ...],
     wlf: TemperatureLaw | None,
     setpoints: str | None,
@@ -138,7 +138,7 @@ def _plan_ramp_hold(
         seal=workflow.SupposedSeal(supposed.solid, arm, temperature, wlf or supposed.law),
         hammer=hammer,
         cold=cold,
-        wanted=wanted / 100,
+        target_sd=target_sd / 100,
     )
     if setpoints is not None:
         from dashpot.reading.write import write_trajectory
@@ -159,11 +159,13 @@ def _plan_ramp_hold(
     rehearsed = format_command(
         "simulate",
         "relaxation",
-        *get_typed_options(_PLANNED, but=_NOT_REHEARSED),
+        *get_typed_options(_TEST_GROUP, but=_NOT_REHEARSED),
         *(() if guess is None else ("--seal", guess)),
         "-o",
         "rehearsal.csv",
         why="simulates this test",
     )
-    made = plan.verdict
-    return CommandResult(plan, Text([str(plan)]), plan.checks, verdict=made, follow=rehearsed)
+    plan_verdict = plan.verdict
+    return CommandResult(
+        plan, Text([str(plan)]), plan.checks, verdict=plan_verdict, follow=rehearsed
+    )

@@ -269,15 +269,13 @@ def _predict_mass(
 
 
 def _write_frf_output(prediction: workflow.Prediction, path: str) -> None:
-    from dashpot.reading.write import write_frf
-
     suffix = path.lower().rpartition(".")[2]
     if path.lower().endswith(PAGE_SUFFIXES):
         write_output(path, workflow.html(prediction))
     elif suffix == "json":
         write_output(path, format_json(prediction) + "\n")
     elif suffix in {"csv", path.lower()}:
-        write_output(path, write_frf(prediction.table_frf))
+        write_output(path, prediction.csv())
     else:
         raise click.UsageError(f"-o {path}: a prediction is written as .csv, .json or .html.")
 

@@ -54,7 +54,7 @@ class Reported(Serialisable):
         # a page of help does without
         from dashpot.workflow.recommended_solid import recommend_solid
 
-        return [answer.fact for answer in recommend_solid(self.study, requested=True).answers]
+        return [value.fact for value in recommend_solid(self.study, requested=True).values]
 
 
 @verb(

@@ -131,29 +131,29 @@ _RECORD_OPTIONS = find_handler("options", "simulate")()
     ),
 )
 def command(*, what: str, output: str, **choices: Any) -> CommandResult:
-    """Simulate a relaxation, creep or impact test, or the record of a motion."""
+    """Simulate a relaxation, creep or hammer test, or the record of a motion."""
     tests: dict[str, Any] = {
         "relaxation": relaxation, "creep": creep, "impact": impact, "motion": simulate_trajectory,
     }  # fmt: skip
-    made = tests[what]
+    simulate_kind = tests[what]
     _refuse_senseless(what, choices)
-    beside = find_handler("files beside", "simulate")(output, choices)
+    extra_files = find_handler("files beside", "simulate")(output, choices)
     if output == "-":
-        text, *_ = made(**choices)
+        text, *_ = simulate_kind(**choices)
         write_output(output, text)
         return CommandResult(Simulated(what, output, None, text), Text())
     extra = str(Path(output).with_suffix(".truth.json"))
-    claim_outputs([output, extra, *beside])
-    text, truth, *more = made(**choices)
+    claim_outputs([output, extra, *extra_files])
+    text, truth, *more = simulate_kind(**choices)
     write_output(output, text)
     write_output(extra, truth)
     message = [f"{output}: a simulated {what} test; what is true stands in {extra}"]
     reading = ["inspect", output]
     if more:
         calibration, stated = more
-        write_output(beside[0], calibration)
+        write_output(extra_files[0], calibration)
         message += [f"! {item}" for item in stated]
-        reading = ["fit", output, "--calibration", beside[0]]
+        reading = ["fit", output, "--calibration", extra_files[0]]
     story = Text(message)
     return CommandResult(Simulated(what, output, extra), story, follow=format_command(*reading))
 

@@ -25,7 +25,7 @@ from dashpot.solids.maxwell import Solid
 # naming the machine is worth a sentence if it leaves less than this part of the width
 WORTH_NAMING = 0.8
 #: a spectrum stands at 95 % if it leaves no more than that above the best, in squared noises
-STANDS = 5.0
+MAX_DEVIANCE = 5.0
 
 
 def naming(time: float, now: float, then: float) -> str:
@@ -44,8 +44,7 @@ def naming(time: float, now: float, then: float) -> str:
         "Record a baseline of 10 s, and give the drift, compliance and creep of the machine and "
         "the rest time of the seal before the test: "
         f"k({duration(time)}) is then known to about {round_to_error(100 * then, digits=1)} % "
-        "instead of "
-        f"{round_to_error(100 * now, digits=2)} %."
+        f"instead of {round_to_error(100 * now, digits=2)} %."
     )
 
 
@@ -81,7 +80,7 @@ class EndOfHold(Serialisable):
         Of k_inf. An arm slower than the hold is a spring to the test, so the lower limit is 0.
     slope_limit : float
         The steepest :math:`-dk/d\ln t` at T; nan but of a hold.
-    beyond : float
+    distance_outside : float
         Distance of the fit's own k(T) from its limits before they were widened to contain it, in
         units of their width; not saved.
     if_machine_named : float
@@ -109,7 +108,7 @@ class EndOfHold(Serialisable):
     k_3end: tuple[float, float]
     k_inf: tuple[float, float]
     slope_limit: float = field(default=math.nan, compare=False)
-    beyond: float = field(default=0.0, repr=False, compare=False)
+    distance_outside: float = field(default=0.0, repr=False, compare=False)
     if_machine_named: float = field(default=math.nan, compare=False)
     k_10end: tuple[float, float] = field(default=_UNKNOWN, compare=False)
     test_kind: Ended = "hold"
@@ -123,17 +122,17 @@ class EndOfHold(Serialisable):
             return 1 / float(solid.creep(t))
         return float(solid.relaxation(t))
 
-    def holding(self, solid: Solid) -> EndOfHold:
+    def widen_to_contain(self, solid: Solid) -> EndOfHold:
         """Return the limits, widened to contain the values of a fit."""
-        (low, high), here = self.k_end, self.compute_stiffness(solid)
-        missed = max(low - here, here - high, 0.0)
+        (low, high), stiffness = self.k_end, self.compute_stiffness(solid)
+        missed = max(low - stiffness, stiffness - high, 0.0)
         return replace(
             self,
-            k_end=_holding(self.k_end, here),
-            k_3end=_holding(self.k_3end, self.compute_stiffness(solid, 3)),
-            k_10end=_holding(self.k_10end, self.compute_stiffness(solid, 10)),
+            k_end=_widen_to_contain(self.k_end, stiffness),
+            k_3end=_widen_to_contain(self.k_3end, self.compute_stiffness(solid, 3)),
+            k_10end=_widen_to_contain(self.k_10end, self.compute_stiffness(solid, 10)),
             k_inf=(0.0, max(self.k_inf[1], solid.k_inf)),
-            beyond=max(self.beyond, missed / max(high - low, 1e-300)),
+            distance_outside=max(self.distance_outside, missed / max(high - low, 1e-300)),
         )
 
     @property
@@ -242,7 +241,7 @@ class EndOfHold(Serialisable):
         )
 
 
-def _holding(reach: tuple[float, float], value: float) -> tuple[float, float]:
+def _widen_to_contain(reach: tuple[float, float], value: float) -> tuple[float, float]:
     """Return limits that hold a value, where there are any."""
     low, high = reach
     return reach if math.isnan(low) else (min(low, value), max(high, value))

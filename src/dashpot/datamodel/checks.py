@@ -12,7 +12,7 @@ from dashpot.base.units import celsius
 if TYPE_CHECKING:
     from dashpot.datamodel.shift_factors import TemperatureShifts
 
-_SHOWN = 3
+_MAX_LISTED = 3
 """Number of cautions that are reported one by one."""
 
 
@@ -25,8 +25,8 @@ _SHOWN = 3
 def numbers_unambiguous(cautions: tuple[str, ...]) -> Finding:
     """Nothing in the files makes their numbers ambiguous."""
     shown = list(dict.fromkeys(cautions))
-    more = len(shown) - _SHOWN
-    sentences = [*shown[:_SHOWN], *([f"{more} more such notes"] if more > 0 else [])]
+    more = len(shown) - _MAX_LISTED
+    sentences = [*shown[:_MAX_LISTED], *([f"{more} more such notes"] if more > 0 else [])]
     return Finding(
         "No file says that its numbers may be others than those read",
         float(len(shown)),

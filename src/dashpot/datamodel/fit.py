@@ -37,7 +37,7 @@ from dashpot.numerics.inference.model_order import is_well_determined
 from dashpot.solids.elastic import ElasticLaw, require_plausible_compression
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, MaxwellArm, Solid
-from dashpot.solids.part_geometry import Geometry, named_shape
+from dashpot.solids.part_geometry import Geometry, find_shape
 from dashpot.solids.shift_laws import TemperatureLaw
 
 _Value = TypeVar("_Value")
@@ -155,7 +155,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         band = format_band(self.band)
         advice = "Outside this band the model is an extrapolation."
         if self.unit == "N/m" and self.method in get_choice_values(Method):
-            # no ramp and hold tells a flow that grows as a power of its force from arms
+            # no ramp and hold shows a flow that grows as a power of its force from arms
             advice = "Outside this band a linear seal is assumed: add a hammer test."
         shifts = () if self.temperatures is None else self.temperatures.shifts
         if self.method == "full" and 1 < len(shifts) < CONTRADICT:
@@ -571,8 +571,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
             "compression",
             (("compression_m", repr(compression)), ("of", self._identity)),
             f"tangent at {format_quantity(compression, 'mm')}, {factor:.4g} times the secant of "
-            "fit "
-            f"{self._identity}",
+            f"fit {self._identity}",
         )
         return replace(scale_stiffness(self, factor, step), solid=tangent, elastic_law=None)
 
@@ -602,7 +601,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
                 f"the fit is of a part, in {self.unit}; a shape is given to a material's modulus"
             )
         if isinstance(shape, str):
-            shape = named_shape(shape)
+            shape = find_shape(shape)
         has_geometry = isinstance(shape, Geometry)
         factor = shape.factor(mode, bonded=bonded) if isinstance(shape, Geometry) else shape
         require_positive("geometry ", factor=factor, unit=" m")

@@ -39,7 +39,7 @@ class Alternative(Serialisable):
         From which frequency on the two differ by more than data of this kind are worth, Hz;
         None if nowhere that a part vibrates.
     message : str
-        What the two predict there, and what would tell them apart.
+        What the two predict there, and what would distinguish them.
     """
 
     _keys = (

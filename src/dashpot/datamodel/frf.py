@@ -217,15 +217,15 @@ class FRF(EqualByValue, Plottable, Serialisable):
 
         As :func:`~dashpot.vibration.modal.dynamic_stiffness.dynamic_stiffness` finds them.
         """
-        of = load_function("vibration.modal.dynamic_stiffness", "dynamic_stiffness")
+        compute_stiffness = load_function("vibration.modal.dynamic_stiffness", "dynamic_stiffness")
         errors = {} if phase_sd is None else {"phase_sd": phase_sd}
-        stiffness: DynamicStiffness = of(
+        stiffness: DynamicStiffness = compute_stiffness(
             self, mass, seals=seals, mass_sd=mass_sd, band=band, **errors
         )
         return stiffness
 
     def _into_si(self) -> None:
-        """Put lines and values into SI: a ratio of two units tells what the values relate."""
+        """Put lines and values into SI: a ratio of two units shows what the values relate."""
         if self.units == SI:
             return
         hertz, of_value = words_of(self, {"frequency": "frequency", "value": "compliance"})
@@ -274,13 +274,15 @@ class FRF(EqualByValue, Plottable, Serialisable):
         """Summary: the kind of FRF, its range, and its highest line."""
         size = np.abs(self.value)
         top = int(size.argmax())
-        made = f"{self.averages} averages" if self.averages else "predicted, or of unknown averages"
+        averaging = (
+            f"{self.averages} averages" if self.averages else "predicted, or of unknown averages"
+        )
         files = ", ".join(source.file for source in self.source)
         return (
             (
                 f"{self.quantity}, {self.unit}, {len(self.value)} lines, "
                 f"{self.frequency[0]:.6g} to {self.frequency[-1]:.6g} Hz, "
-                f"{made}{f', {files}' if files else ''}"
+                f"{averaging}{f', {files}' if files else ''}"
             ),
             f"highest line: {size[top]:.5g} {self.unit} at {self.frequency[top]:.6g} Hz",
         )
@@ -360,7 +362,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
             text = "no mass is given" if mass is None else f"mass = {mass!r} kg"
             raise DataError(
                 "a transmissibility relates two motions, the others a motion and a force, and only "
-                f"the mass between them, > 0 kg, tells one by the other: {text} "
+                f"the mass between them, > 0 kg, shows one by the other: {text} "
                 "(Python: frf.to(kind, mass=m))"
             )
         relative = Kind.RELATIVE_TRANSMISSIBILITY
@@ -390,7 +392,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         r"""Scatter of a single average by the coherence, :math:`|H|\sqrt{(1-\gamma^2)/2\gamma^2}`.
 
         Shape (n,); None without coherence. Of an FRF whose number of averages is not known it
-        tells which lines are better than others.
+        shows which lines are better than others.
         """
         if self.coherence is None:
             return None
@@ -499,7 +501,7 @@ class Mode(Serialisable):
     residue : complex
         Of the receptance, m/(N s): :math:`X/F = r/(s-p) + r^*/(s-p^*) + \dots`
     frequency_se, damping_ratio_se, residue_se : float
-        Standard errors; 0 for a model's mode, nan where a method cannot tell.
+        Standard errors; 0 for a model's mode, nan where a method cannot show.
     method : str
         How it was found.
 

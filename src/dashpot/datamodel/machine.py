@@ -24,18 +24,18 @@ class DefaultUncertainty(NamedTuple):
     Attributes
     ----------
     size : float
-    of : str
+    quantity : str
         What it is measured by.
     source : str
         Why so much, and no more.
     """
 
     size: float
-    of: str
+    quantity: str
     source: str
 
 
-USUAL: Mapping[str, DefaultUncertainty] = MappingProxyType({
+DEFAULT_UNCERTAINTIES: Mapping[str, DefaultUncertainty] = MappingProxyType({
     "drift over the record": DefaultUncertainty(
         3.5e-3, "of the final force", "data sheets of load cells: zero drift of a warm amplifier"
     ),
@@ -134,7 +134,7 @@ class MachineCalibration(Serialisable):
 class Machine(Serialisable):
     r"""Test machine: properties that its records show badly or not at all.
 
-    Of what is None nothing is known, and `USUAL` stands for it.
+    A value that is None is unknown; `DEFAULT_UNCERTAINTIES` then applies.
 
     Attributes
     ----------
@@ -208,7 +208,7 @@ class Machine(Serialisable):
         """What is known of the machine of a relaxation test, and nothing of a hammer's rig."""
         return self if self.cable is None else replace(self, cable=None)
 
-    def refuse_unused(self, *names: str, of: str) -> None:
+    def refuse_unused(self, *names: str, subject: str) -> None:
         """Refuse what is said of the machine and a test of another kind does not heed.
 
         Raises
@@ -217,13 +217,13 @@ class Machine(Serialisable):
         """
         if self.calibration is not None and "compliance" not in names:
             raise DataError(
-                f"a machine file is for a ramp and hold, and does not suit {of}. State what it "
-                f"takes instead: --machine {names[0]}="
+                f"a machine file is for a ramp and hold, and does not suit {subject}. State what "
+                f"it takes instead: --machine {names[0]}="
             )
         for field in iterate_option_fields(self):
             if getattr(self, field.name) is not None and field.name not in names:
                 raise DataError(
-                    f"--machine {key_of(field)}= does not suit {of}. Leave it out; it takes "
+                    f"--machine {key_of(field)}= does not suit {subject}. Leave it out; it takes "
                     f"{', '.join(names)}"
                 )
 
@@ -231,26 +231,26 @@ class Machine(Serialisable):
         """Return standard deviation of the delay of the force, s, for samples so far apart, s."""
         filtered = 1 / (2 * math.pi * self.force_filter) if self.force_filter else 0.0
         if self.sync is None:
-            return max(sample, USUAL["delay"].size, filtered)
+            return max(sample, DEFAULT_UNCERTAINTIES["delay"].size, filtered)
         return max(_ONE_CLOCK * sample, self.sync, filtered)
 
     def give_sd(self, depth: float, peak: float) -> float:
         """Standard deviation of what it gives, unsaid, under the `peak` of the force, N, in m."""
         if self.compliance is None:
-            return USUAL["give"].size * depth
-        known = self.calibration
-        if known is not None:
-            return math.hypot(known.compliance_error * peak, known.gain_error * depth)
-        return USUAL["give, named"].size * self.compliance * peak
+            return DEFAULT_UNCERTAINTIES["give"].size * depth
+        calibration = self.calibration
+        if calibration is not None:
+            return math.hypot(calibration.compliance_error * peak, calibration.gain_error * depth)
+        return DEFAULT_UNCERTAINTIES["give, named"].size * self.compliance * peak
 
     def creep_sd(self, depth: float) -> float:
         """Return standard deviation of what its crosshead settles by in a factor e of time, m."""
-        return USUAL["crosshead"].size * depth if self.creep is None else self.creep
+        return DEFAULT_UNCERTAINTIES["crosshead"].size * depth if self.creep is None else self.creep
 
     @property
     def min_rest_time(self) -> float:
         """Time for which a seal was left alone before its record, at least, s."""
-        return USUAL["rest after it"].size if self.rest is None else self.rest
+        return DEFAULT_UNCERTAINTIES["rest after it"].size if self.rest is None else self.rest
 
     def drift_sd(self, final: float, duration: float, noise: float | None = None) -> float:
         r"""Standard deviation of the drift, N/s; of a cell not described, from the final force, N.
@@ -263,11 +263,18 @@ class Machine(Serialisable):
         """
         if self.drift is not None:
             return self.drift
-        usual = USUAL["drift over the record"].size * final / duration
+        default_drift = DEFAULT_UNCERTAINTIES["drift over the record"].size * final / duration
         if noise is None:
-            return usual
-        values = USUAL["drift rate"].size * final, USUAL["drift of a noisy cell"].size * noise
-        return max(usual, math.hypot(*values) / math.sqrt(1 + duration / USUAL["warm after"].size))
+            return default_drift
+        values = (
+            DEFAULT_UNCERTAINTIES["drift rate"].size * final,
+            DEFAULT_UNCERTAINTIES["drift of a noisy cell"].size * noise,
+        )
+        return max(
+            default_drift,
+            math.hypot(*values)
+            / math.sqrt(1 + duration / DEFAULT_UNCERTAINTIES["warm after"].size),
+        )
 
     def combine_drift(
         self,
@@ -287,14 +294,16 @@ class Machine(Serialisable):
         drift is then 0 with :math:`\sigma^2 = s^2 + m^2`.
         """
         mean, error = slope
-        usual = self.drift_sd(final, duration, noise)
-        if not math.isfinite(error) or usual == 0:
-            return 0.0, usual
+        default_drift = self.drift_sd(final, duration, noise)
+        if not math.isfinite(error) or default_drift == 0:
+            return 0.0, default_drift
         if self.drift_conflict(slope, final, duration, noise) > 1:
-            return 0.0, math.hypot(usual, mean)
-        seen = error**2 + (USUAL["drift changes"].size * final / duration) ** 2
-        sd = 1 / math.sqrt(1 / seen + 1 / usual**2)
-        return mean * sd**2 / seen, sd
+            return 0.0, math.hypot(default_drift, mean)
+        baseline_variance = (
+            error**2 + (DEFAULT_UNCERTAINTIES["drift changes"].size * final / duration) ** 2
+        )
+        sd = 1 / math.sqrt(1 / baseline_variance + 1 / default_drift**2)
+        return mean * sd**2 / baseline_variance, sd
 
     def drift_conflict(
         self,
@@ -313,7 +322,7 @@ class Machine(Serialisable):
         mean, error = slope
         if not math.isfinite(error):
             return 0.0
-        changes = USUAL["drift changes"].size * final / duration
+        changes = DEFAULT_UNCERTAINTIES["drift changes"].size * final / duration
         spread = math.hypot(error, changes, self.drift_sd(final, duration, noise))
         return abs(mean) / (3 * spread) if spread > 0 else 0.0
 

@@ -8,7 +8,8 @@ The rows of the covariance are k in N/m and ln tau; what people read follows by 
 
 Intervals are Student's, symmetric in k and in ln tau (so tau > 0 always). Where a profile
 likelihood is stored it replaces them: both ends are where the deviance reaches the quantile, and
-an end that the data leave open is open. What a rig may have done unseen no deviance shows: its part
+an end that the data leave open is open. What a rig may have done without a trace no deviance
+shows: its part
 of the covariance lengthens either side of a profile by the root of the sum of squares.
 """
 
@@ -143,9 +144,9 @@ class Nuisance:
     @property
     def fact(self) -> ReportedValue:
         """Reported value, as every table shows it."""
-        of, read = self.unit, get_display_unit(self.unit, fine=True)
+        unit, read = self.unit, get_display_unit(self.unit, fine=True)
         return ReportedValue.from_error(
-            self.name, self.value, self.standard_error, unit=of, read=read
+            self.name, self.value, self.standard_error, unit=unit, read=read
         )
 
 
@@ -174,8 +175,8 @@ class ParameterEstimate(EqualByValue):
         and ``"b"`` if it was fitted; of a fractional Zener model ``"k_inf"``, ``"k_0"``,
         ``"ln_tau"`` and ``"alpha"``. Stiffness in N/m, ln of tau in s.
     covariance : array, shape (p, p)
-        Of those parameters, for correlated residuals and for all that a rig may have done unseen.
-        Infinite where not identified.
+        Of those parameters, for correlated residuals and for all that a rig may have done without
+        a trace. Infinite where not identified.
     dof : float
         Degrees of freedom of the t quantile: effective samples less parameters.
     residual : Residual
@@ -183,7 +184,7 @@ class ParameterEstimate(EqualByValue):
         Where the covariance is no good guide to an interval; of the noise alone.
     nuisance : tuple of Nuisance
     noise_covariance : array, shape (p, p), or None
-        The covariance for the residuals alone, which decides what the data can tell apart; None
+        The covariance for the residuals alone, which decides what the data can distinguish; None
         where no rig was doubted and it is all there is.
     """
 
@@ -211,13 +212,13 @@ class ParameterEstimate(EqualByValue):
 
     @property
     def noise_only(self) -> ParameterEstimate:
-        """As if the rig had done nothing unseen: what the data can tell apart."""
+        """Estimate by the noise alone, as if the rig added nothing."""
         if self.noise_covariance is None:
             return self
         return replace(self, covariance=self.noise_covariance, noise_covariance=None)
 
     def with_rig(self, unmeasured: FloatArray) -> ParameterEstimate:
-        """With what doubts of a rig move the parameters by, a column each, shape (p, d)."""
+        """Return the estimate with its changes by the rig as columns, shape (p, d)."""
         return replace(
             self,
             covariance=self.covariance + unmeasured @ unmeasured.T,
@@ -440,12 +441,12 @@ class CreepEstimate(FrozenArrays):
 
     def list_values(self, unit: str) -> tuple[ReportedValue, ...]:
         """Return the compliances, in `unit`, and times of a solid, and its flow where it flows."""
-        of, numbers = self.spectrum, range(1, len(self.spectrum.d) + 1)
-        rows = [("glass", of.glass, unit)]
-        for j, d, lam in zip(numbers, of.d, of.lam, strict=True):
+        spectrum, numbers = self.spectrum, range(1, len(self.spectrum.d) + 1)
+        rows = [("glass", spectrum.glass, unit)]
+        for j, d, lam in zip(numbers, spectrum.d, spectrum.lam, strict=True):
             rows += [(f"d_{j}", d, unit), (f"lam_{j}", lam, "s")]
-        if of.flow > 0:
-            rows.append(("flow", of.flow, f"{unit} per s"))
+        if spectrum.flow > 0:
+            rows.append(("flow", spectrum.flow, f"{unit} per s"))
         return tuple(
             ReportedValue(name, value, unit=of_it, error=self.standard_error(name))
             for name, value, of_it in rows

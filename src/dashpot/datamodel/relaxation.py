@@ -33,11 +33,11 @@ from dashpot.numerics.design_matrices.data_compression import uniform_step
 
 
 # a plate so near the depth, as a part of it, has settled; it is given a fifth of the ramp for it
-SETTLED = 0.002
+SETTLED_DISTANCE = 0.002
 SETTLING = 0.2
 # motion left in a hold, as a part of the depth, that a fit of the hold alone can bear
 MAX_CREEP = 0.01
-# samples of a free seal that tell the zero of its force
+# samples of a free seal that show the zero of its force
 FEWEST_UNLOADED = 5
 
 
@@ -297,7 +297,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         """Duration of the hold, s."""
         return self.hold_end - self.ramp_end
 
-    def held_until(self, hold_end: float) -> RampHold:
+    def hold_end_before(self, hold_end: float) -> RampHold:
         """Return the record with an earlier end of its hold, s; its readings are the same."""
         record = replace(self, hold_end=min(hold_end, self.hold_end))
         vars(record)["displacement_quantum"] = self.displacement_quantum
@@ -360,7 +360,9 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     @property
     def _contact_clearance(self) -> float:
         """A plate so far from the face does not touch it, m."""
-        return max(SETTLED * self.depth, self.displacement_quantum, 5 * self.displacement_noise)
+        return max(
+            SETTLED_DISTANCE * self.depth, self.displacement_quantum, 5 * self.displacement_noise
+        )
 
     @cached_property
     def last_loading(self) -> RampHold:
@@ -392,7 +394,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         return 0.0 if self.displacement_noise > 0.5 * step else step
 
     @property
-    def depth_doubt(self) -> float:
+    def depth_error(self) -> float:
         r"""Relative standard deviation of the depth that the encoder's step leaves.
 
         Depth is the difference of two readings, each uniform within one step q: :math:`q/\sqrt6`.
@@ -440,7 +442,9 @@ class RampHold(EqualByValue, Plottable, Serialisable):
             int(np.searchsorted(self.time, self.ramp_end + SETTLING * self.ramp_time)),
         )
         near = max(
-            SETTLED * self.depth, 0.5 * self.displacement_quantum, 5 * self.displacement_noise
+            SETTLED_DISTANCE * self.depth,
+            0.5 * self.displacement_quantum,
+            5 * self.displacement_noise,
         )
         off = np.flatnonzero(np.abs(self.displacement[early] - self.depth) > near)
         # what is left of the swing dies away in as long again

@@ -169,10 +169,12 @@ class SealSection:
         DataError
             If the length is not known, or the fit is of a material or not at that temperature.
         """
-        here = fit if temperature is None else fit.at_temperature(temperature)
-        if here.unit != "N/m":
-            raise DataError(f"the fit is of a material, in {here.unit}: a seal line needs a part's")
-        metres = here.specimen.length if length is None else convert_to_si(length, "length")
+        shifted_fit = fit if temperature is None else fit.at_temperature(temperature)
+        if shifted_fit.unit != "N/m":
+            raise DataError(
+                f"the fit is of a material, in {shifted_fit.unit}: a seal line needs a part's"
+            )
+        metres = shifted_fit.specimen.length if length is None else convert_to_si(length, "length")
         if metres is None or not (np.isfinite(metres) and metres > 0):
             text = "is not known" if metres is None else f"is {metres!r} m"
             raise DataError(
@@ -180,9 +182,15 @@ class SealSection:
                 'which the stiffness of a metre follows: length = "100mm" in [seal] '
                 "(Python: length=)"
             )
-        law = here.elastic_law
+        law = shifted_fit.elastic_law
         elastic_law = None if law is None or law.kind == "linear" else law * (1 / metres)
-        return cls((1 / metres) * here.solid, elastic_law, here.band, shear or Shear(), friction)
+        return cls(
+            (1 / metres) * shifted_fit.solid,
+            elastic_law,
+            shifted_fit.band,
+            shear or Shear(),
+            friction,
+        )
 
     def path(self, compression: npt.ArrayLike) -> FloatArray:
         """What the solid is pressed by, m, where the seal is: less where it is softer at first.

@@ -161,8 +161,8 @@ class TemperatureShifts(EqualByValue, Serialisable):
             )
         log_a, tau = float(np.log(self.law.a_t(temperature))), np.asarray(solid.tau)
         change = np.exp(shifted_log_tau(np.log(tau), log_a, self.slope))
-        whole = solid.shift_to_temperature(float(np.exp(log_a)), self.b_t(temperature))
-        return replace(whole, tau=tuple(change.tolist()))
+        shifted_solid = solid.shift_to_temperature(float(np.exp(log_a)), self.b_t(temperature))
+        return replace(shifted_solid, tau=tuple(change.tolist()))
 
     def error(self, temperature: float) -> tuple[float, float]:
         """Return standard errors of ln a_T and of ln b_T at T, K."""
@@ -196,7 +196,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         covariance: FloatArray,
         solid: GeneralizedMaxwell,
     ) -> FloatArray:
-        """Return the covariance of a solid's parameters at T, K, with the doubt of its shifts.
+        """Return the covariance of a solid's parameters at T, K, with that of its shifts.
 
         `names`, `covariance` and `solid` are those at the reference.
         """

@@ -64,11 +64,14 @@ class FRFSet(EqualByValue):
             self._refuse_other_lines(name, frf, first)
 
     def _refuse_other_lines(self, name: str, frf: FRF, first: FRF) -> None:
-        there, here = frf.frequency, first.frequency
-        if len(there) != len(here) or not np.allclose(there, here, rtol=SAME_LINES, atol=0):
+        there, first_lines = frf.frequency, first.frequency
+        if len(there) != len(first_lines) or not np.allclose(
+            there, first_lines, rtol=SAME_LINES, atol=0
+        ):
             raise DataError(
                 f"'{name}' has {len(there)} lines from {there[0]:.6g} to {there[-1]:.6g} Hz, "
-                f"'{self.points[0]}' {len(here)} from {here[0]:.6g} to {here[-1]:.6g} Hz; poles "
+                f"'{self.points[0]}' {len(first_lines)} from {first_lines[0]:.6g} to "
+                f"{first_lines[-1]:.6g} Hz; poles "
                 "common to several points need the same lines at each: export them alike"
             )
         if (frf.shift, frf.record) != (first.shift, first.record):
@@ -154,5 +157,5 @@ class ModeShape(EqualByValue):
 
 RIGID = 1e-3
 """Part of a shape that may be no rigid motion, and it is one."""
-_NEAR = 8
+_NEIGHBOUR_COUNT = 8
 """Points among which the next ones to a place are looked for."""

@@ -93,7 +93,7 @@ class ShakenTest(EqualByValue, HasSummary):
         return slices(self.starts, len(self.base))
 
 
-# Impact tests.
+# Hammer tests.
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -240,7 +240,7 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
 
 
 def same_rate(first: float, other: float, samples: int) -> bool:
-    """Whether two sampling rates are one, as far as so many samples tell: a thousandth, or more."""
+    """Whether two sampling rates are one, as far as so many samples show: a thousandth, or more."""
     return abs(other / first - 1) <= max(1e-3, 0.5 / (samples - 1))
 
 

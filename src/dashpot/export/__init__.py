@@ -2,7 +2,7 @@
 
 Every target is a function ``target(solid, *, units, specimen, allow, form, ...)`` of a
 bare :class:`~dashpot.solids.maxwell.Solid` or of a
-:class:`~dashpot.datamodel.fit.Fit`, which brings its pedigree and must be worth exporting.
+:class:`~dashpot.datamodel.fit.Fit`, whose source and checks the header lists.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from dashpot.solids.maxwell import Solid
 
 
 class _SolverAttribute(Mapping[str, Any]):
-    """An attribute of the module of each solver, or what bears its name; imported when used."""
+    """Attribute of the module of each solver, by default its writer; imported when used."""
 
     def __init__(self, attribute: str = "", *default: object) -> None:
         self._attribute, self._default = attribute, default
@@ -44,10 +44,10 @@ FORMS: Mapping[str, tuple[str, ...]] = _SolverAttribute("FORMS")
 """Forms that each target can write; the first is the default."""
 
 SUFFIXES: Mapping[str, str] = _SolverAttribute("SUFFIX")
-"""Of the file that each target's decks are kept in."""
+"""File ending of the decks of each target."""
 
 NEEDS: Mapping[str, Mapping[str, tuple[str, ...]]] = _SolverAttribute("NEEDS", {})
-"""Arguments that a form of a target cannot do without."""
+"""Arguments that a form of a target requires."""
 
 TARGETS: Mapping[str, Callable[..., DeckText]] = _SolverAttribute()
 """Every target by its name on the command line."""
@@ -62,17 +62,17 @@ def __getattr__(name: str) -> Callable[..., DeckText]:
 
 def _format_unsupported_option(name: str, *, alternative: bool) -> str:
     """Return the option of an argument that a target lacks, and which other targets have it."""
-    those = [text for text in TARGETS if name in signature(TARGETS[text]).parameters]
-    more = f". Those of {', '.join(those)} do" if those and alternative else ""
+    others = [text for text in TARGETS if name in signature(TARGETS[text]).parameters]
+    more = f". Those of {', '.join(others)} do" if others and alternative else ""
     return option_of(name) + more
 
 
-def reads(target: str, argument: str) -> bool:
+def uses_argument(target: str, argument: str) -> bool:
     """Return whether a target, in its usual form, uses an argument."""
     write = TARGETS[target]
-    able: Mapping[str, tuple[str, ...]] = write.only  # type: ignore[attr-defined]
+    forms_by_argument: Mapping[str, tuple[str, ...]] = write.only  # type: ignore[attr-defined]
     return argument in signature(write).parameters and (
-        FORMS[target][0] in able.get(argument, FORMS[target])
+        FORMS[target][0] in forms_by_argument.get(argument, FORMS[target])
     )
 
 
@@ -85,21 +85,21 @@ def deck_for(
     temperature: float | None = None,
     **choices: object,
 ) -> DeckText:
-    """Return the deck of a fit for one of :data:`TARGETS`, of so many seals in parallel.
+    """Return the deck of a fit for one of :data:`TARGETS`, of `seals` seals in parallel.
 
     Parameters
     ----------
     target : str
         Or a synonym of it, such as ``"mapdl"``, in upper or lower case.
     result : Solid, Fit or another result that a row names
-        Of one seal; of a material, whose card is written.
+        Of one seal, or of a material, whose card is written.
     seals : float
     compression : float, optional
         Of the seals, m: the deck is of small vibration about it.
     temperature : float, optional
         Of the seals, K; by default that of the fit.
     **choices
-        Arguments of the target; one that is None was not chosen.
+        Arguments of the target; None counts as not given.
 
     Raises
     ------
@@ -111,14 +111,19 @@ def deck_for(
     export = find_handler("export", result)
     if export is None:
         raise ExportError(f"a {type(result).__name__} has no deck")
-    made = {name: value for name, value in choices.items() if value is not None}
+    given_options = {name: value for name, value in choices.items() if value is not None}
     deck: DeckText = export(
-        target, result, seals=seals, compression=compression, temperature=temperature, **made
+        target,
+        result,
+        seals=seals,
+        compression=compression,
+        temperature=temperature,
+        **given_options,
     )
     return deck
 
 
-def refuse_untaken(
+def refuse_unused_options(
     target: str, write: Callable[..., DeckText], choices: Collection[str], *, outside: bool = True
 ) -> None:
     """Raise where the writer of a deck does not take an option.
@@ -126,7 +131,7 @@ def refuse_untaken(
     Raises
     ------
     ExportError
-        It lists the solvers whose decks take it where `outside`.
+        The message lists the solvers whose decks take it if `outside`.
     """
     parameters = signature(write).parameters
     for name in choices:
@@ -145,9 +150,9 @@ def export_solid(
     temperature: float | None,
     **choices: object,
 ) -> DeckText:
-    """Return the deck of so many models in parallel."""
+    """Return the deck of `seals` models in parallel."""
     write = find_writer(target)
-    refuse_untaken(target, write, choices)
+    refuse_unused_options(target, write, choices)
     if compression is not None:
         raise ExportError("a model in memory has no elastic law; leave out --compression")
     choices.setdefault("specimen", Specimen(temperature=temperature))
@@ -163,15 +168,15 @@ def export_fit(
     temperature: float | None,
     **choices: object,
 ) -> DeckText:
-    """Return the deck of the fit of so many seals in parallel, at a compression."""
+    """Return the deck of the fit of `seals` seals in parallel, at a compression."""
     write = find_writer(target)
-    refuse_untaken(target, write, choices)
-    here = fit if compression is None else fit.at_compression(compression)
+    refuse_unused_options(target, write, choices)
+    loaded_fit = fit if compression is None else fit.at_compression(compression)
     if seals != 1:
-        here = here.in_parallel(seals)
+        loaded_fit = loaded_fit.in_parallel(seals)
     if temperature is not None:
-        choices["specimen"] = replace(here.specimen, temperature=temperature)
-    return write(here, **choices)
+        choices["specimen"] = replace(loaded_fit.specimen, temperature=temperature)
+    return write(loaded_fit, **choices)
 
 
 def find_writer(target: str) -> Callable[..., DeckText]:
@@ -198,5 +203,6 @@ def find_writer(target: str) -> Callable[..., DeckText]:
 
 __all__ = [
     "FORMS", "NEEDS", "PROBLEMS", "SUFFIXES", "TARGETS", "UNIT_SYSTEMS", "DeckText", "deck_for",
-    "export_fit", "export_solid", "find_writer", "reads", "refuse_untaken",
+    "export_fit", "export_solid", "find_writer", "refuse_unused_options",
+    "uses_argument",
 ]  # fmt: skip

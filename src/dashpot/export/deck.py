@@ -85,8 +85,8 @@ class NonlinearElements:
     @property
     def k3(self) -> float:
         """Stiffness of the cubic springs, deck units."""
-        whole = sum(part.k3 for part in self.parts if isinstance(part, Cubic))
-        return whole * self.units.length**3 / self.units.force
+        total = sum(part.k3 for part in self.parts if isinstance(part, Cubic))
+        return total * self.units.length**3 / self.units.force
 
     @property
     def span(self) -> float:
@@ -146,15 +146,15 @@ class NonlinearElements:
         ------
         ExportError
         """
-        held = CARRIERS.get(target, ())
-        if not self.parts or form in held:
+        supported = CARRIERS.get(target, ())
+        if not self.parts or form in supported:
             return
         many = len(self.sliders)
         name = f"{many} slider{'s' * (many != 1)}" if many else ""
         name += " and " * bool(many and self.k3) + "a cubic spring" * bool(self.k3)
         other = (
-            f"take --form {held[0]} (Python: form='{held[0]}')"
-            if held
+            f"take --form {supported[0]} (Python: form='{supported[0]}')"
+            if supported
             else f"those that hold such: --to {', '.join(CARRIERS)}"
         )
         raise ExportError(
@@ -319,7 +319,7 @@ class Deck:
         Raises
         ------
         ExportError
-            If the instantaneous modulus G_0, Pa, is not given: a part's stiffness tells none.
+            If the instantaneous modulus G_0, Pa, is not given: a part's stiffness shows none.
         """
         if modulus is None or not modulus > 0:
             raise ExportError(
@@ -417,10 +417,10 @@ class Deck:
             *(f"EXTRAPOLATED: {check.message}" for check in informed if check.failed),
         ]
         lines = [*(f"{comment} {function(line)}" for line in header), *body, ""]
-        made = DeckText("\n".join(lines))
-        made.verdict, made.overrides = verdict, self.overrides
-        made.checks = (*self.checks, *informed)
-        return made
+        deck_text = DeckText("\n".join(lines))
+        deck_text.verdict, deck_text.overrides = verdict, self.overrides
+        deck_text.checks = (*self.checks, *informed)
+        return deck_text
 
     def _check_valid_band(self, table: Table | None, nominal: float | None) -> tuple[Check, ...]:
         """Return the checks that every row of a table, and a nominal frequency, are in the band."""

@@ -9,7 +9,7 @@ from inspect import signature
 from types import MappingProxyType
 from typing import Any, Protocol
 
-from dashpot.base.arrays import LEAST, MOST
+from dashpot.base.arrays import MAX_SI_MAGNITUDE, MIN_SI_MAGNITUDE
 from dashpot.base.errors import DataError, ExportError, Status
 from dashpot.base.plain_text import paragraph
 from dashpot.datamodel.checks import temperature_tested
@@ -86,16 +86,16 @@ def target(
             specimen: Specimen | None = None,
             allow: Collection[str] = (),
             form: str = "",
-            **own: Any,
+            **parameters: Any,
         ) -> DeckText:
-            form = form or (forms if own.get("line") is None else line)[0]
-            if own.get("line") is not None and form not in line:
+            form = form or (forms if parameters.get("line") is None else line)[0]
+            if parameters.get("line") is not None and form not in line:
                 raise ExportError(
                     f"{name} decks hold a seal line in the form {' or '.join(line)}; found the "
                     f"form {form}: add --form {line[0]} (Python: form='{line[0]}')"
                 )
             for argument, able in only.items():
-                if own.get(argument) is not None and form in forms and form not in able:
+                if parameters.get(argument) is not None and form in forms and form not in able:
                     option = option_of(argument)
                     raise ExportError(
                         f"{name} decks of the form {form} read no {option}: leave it out, or add "
@@ -103,11 +103,15 @@ def target(
                     )
             deck = open_deck(solid, name, form, forms, units=units, specimen=specimen, allow=allow)
             band = deck.default_band
-            if band and form in only.get("frequency_range", ()) and not own.get("frequency_range"):
-                own["frequency_range"] = band
-                if "nominal" in only and own.get("nominal") is None:
-                    own["nominal"] = min(NOMINAL, band[1])
-            return cards(deck, **own)
+            if (
+                band
+                and form in only.get("frequency_range", ())
+                and not parameters.get("frequency_range")
+            ):
+                parameters["frequency_range"] = band
+                if "nominal" in only and parameters.get("nominal") is None:
+                    parameters["nominal"] = min(NOMINAL, band[1])
+            return cards(deck, **parameters)
 
         request = signature(write)
         common = list(request.parameters.values())[:-1]
@@ -272,10 +276,11 @@ def _refuse_extreme(deck: Deck) -> None:
             for name, var in vars(part).items()
         ),
     ):
-        if value != 0 and not LEAST <= value <= MOST:
+        if value != 0 and not MIN_SI_MAGNITUDE <= value <= MAX_SI_MAGNITUDE:
             raise ExportError(
-                f"{name} = {value:.4g} in SI units; a deck holds 0 or numbers from {LEAST:g} to "
-                f"{MOST:g}"
+                f"{name} = {value:.4g} in SI units; a deck holds 0 or numbers from "
+                f"{MIN_SI_MAGNITUDE:g} to "
+                f"{MAX_SI_MAGNITUDE:g}"
             )
 
 
@@ -287,16 +292,16 @@ def _problems(deck: Deck) -> dict[str, str]:
         for name in ("temperature", "length") if part else ("temperature",):
             if getattr(deck.specimen, name) is None:
                 entries[name] = PROBLEMS[name]
-        doubt = _doubt(deck.fit)
-        if doubt:
+        caution = _format_caution(deck.fit)
+        if caution:
             text = PROBLEMS["not_identified"]
-            entries["not_identified"] = text if text in doubt else f"{text}: {doubt}"
+            entries["not_identified"] = text if text in caution else f"{text}: {caution}"
     if deck.form == "prony" and sum(round(g, 10) for g, _ in deck.prony) >= 1:
         entries["prony_sum"] = f"{PROBLEMS['prony_sum']} (k_inf = {deck.model.k_inf:.4g})"
     return entries
 
 
-def _doubt(fit: Fit | NonlinearFit) -> str | None:
+def _format_caution(fit: Fit | NonlinearFit) -> str | None:
     """Why not every parameter of a fit is identified, or None: never of one whose verdict is "use".
 
     What is called so may be used: an arm that single data cannot place still adds up to limits that

@@ -16,8 +16,8 @@ from dashpot.solids.maxwell import Solid
 Damping: TypeAlias = Literal["loss_factor", "damping"]
 """What stands beside the storage stiffness: K''/K', or the viscous equivalent K''/omega."""
 
-_LONGEST = 5000
-_WITHIN = (np.arange(16) + 0.5) / 16  # where each interval is checked
+_MAX_POINTS = 5000
+_CHECKED_FRACTIONS = (np.arange(16) + 0.5) / 16  # where each interval is checked
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class Table(FrozenArrays):
     error : float
         Largest relative error of the FRF of any mass on the solid, anywhere in the table.
     tolerance : float
-        What was asked for.
+        The requested error.
     """
 
     frequency: FloatArray
@@ -65,11 +65,11 @@ def tabulate(
 ) -> Table:
     r"""Return the shortest table that keeps every FRF within `tolerance`.
 
-    A mass m on the solid answers as :math:`1/(K - m\omega^2)`. A table that says
+    A mass m on the solid has the FRF :math:`1/(K - m\omega^2)`. A table with
     :math:`K + \Delta` changes that by the relative amount :math:`|\Delta| / |K + \Delta -
     m\omega^2|`, which is largest for the mass that resonates there, and never more than
-    :math:`|\Delta| / \operatorname{Im}(K + \Delta)`. That bound is kept, so the table serves
-    every mass. From each point the next is put as far away as the tolerance lets it.
+    :math:`|\Delta| / \operatorname{Im}(K + \Delta)`. That bound is kept, so the table suits
+    every mass. Each point is as far from the one before as the tolerance allows.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def tabulate(
     edges : tuple of float
         Frequencies, Hz, that get a point of their own, such as the ends of the valid band.
     rounded : callable
-        A number as the deck will print it: the error includes the rounding.
+        Rounds a number as the deck prints it: the error includes the rounding.
 
     Raises
     ------
@@ -96,25 +96,27 @@ def tabulate(
         raise ExportError(f"tolerance = {tolerance!r}; expected a number between 0 and 1")
     if solid.k_0 == 0:
         raise ExportError("a dashpot alone has no storage stiffness to tabulate; export its arms")
-    lines = _Chords(solid, damping, rounded)
+    interpolation = _LinearInterpolation(solid, damping, rounded)
     points = [rounded(low)]
-    stops = sorted({rounded(edge) for edge in edges if low < edge < high} | {rounded(high)})
-    reach = 0.1  # in ln f
-    for stop in stops:
+    end_points = sorted({rounded(edge) for edge in edges if low < edge < high} | {rounded(high)})
+    interval = 0.1  # in ln f
+    for stop in end_points:
         while points[-1] < stop:
-            following, reach = lines.furthest(points[-1], stop, reach, tolerance)
+            following, interval = interpolation.find_next_point(
+                points[-1], stop, interval, tolerance
+            )
             points.append(following)
-            if len(points) > _LONGEST:
+            if len(points) > _MAX_POINTS:
                 raise ExportError(
-                    f"tolerance = {tolerance:g} needs more than {_LONGEST} points between {low:g} "
-                    f"and {high:g} Hz; ask for less, or for a narrower range"
+                    f"tolerance = {tolerance:g} needs more than {_MAX_POINTS} points between "
+                    f"{low:g} and {high:g} Hz; ask for less, or for a narrower range"
                 )
     f = np.array(points)
-    return Table(f, *lines.values(f), error=lines.error(f), tolerance=tolerance)
+    return Table(f, *interpolation.values(f), error=interpolation.error(f), tolerance=tolerance)
 
 
 @dataclass(frozen=True)
-class _Chords:
+class _LinearInterpolation:
     """Straight lines between printed points of a solid's stiffness and damping."""
 
     solid: Solid
@@ -134,7 +136,7 @@ class _Chords:
     def error(self, f: FloatArray) -> float:
         """Return largest relative error of any FRF, of lines with points at `f`."""
         storage, damped = self.values(f)
-        inner = f[:-1, None] + np.diff(f)[:, None] * _WITHIN
+        inner = f[:-1, None] + np.diff(f)[:, None] * _CHECKED_FRACTIONS
         between = np.concatenate((f, inner.ravel()))
         omega = 2 * np.pi * between
         K = self.solid.complex_stiffness(omega=omega)
@@ -145,20 +147,20 @@ class _Chords:
         with np.errstate(divide="ignore"):
             return float((np.abs(real + 1j * imaginary - K) / np.abs(imaginary)).max())
 
-    def furthest(
-        self, start: float, stop: float, reach: float, tolerance: float
+    def find_next_point(
+        self, start: float, stop: float, interval: float, tolerance: float
     ) -> tuple[float, float]:
         """Return the next point and how far away it is in ln f: the error grows with its square."""
         for trial in range(60):
-            following = min(stop, self.rounded(start * float(np.exp(reach))))
+            following = min(stop, self.rounded(start * float(np.exp(interval))))
             if not following > start:
                 break
             value = self.error(np.array([start, following]))
             wasteful = value < 0.8 * tolerance and following < stop and trial < 30
             if value <= tolerance and not wasteful:
-                return following, reach
+                return following, interval
             factor = np.sqrt(0.9 * tolerance / max(value, 1e-300))
-            reach *= float(np.clip(factor, 0.1, 4.0 if trial < 30 else 0.5))
+            interval *= float(np.clip(factor, 0.1, 4.0 if trial < 30 else 0.5))
         raise ExportError(
             f"no table reaches the tolerance {tolerance:g} near {start:g} Hz with the digits that "
             "the deck prints; ask for less"

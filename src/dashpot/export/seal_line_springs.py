@@ -13,7 +13,7 @@ from dashpot.datamodel.seal_line import SealSection, Shear, Stations
 from dashpot.export.deck import Deck
 from dashpot.solids.maxwell import Solid
 
-WAYS = ("normal to the line", "across it", "along it")
+DIRECTION_NAMES = ("normal to the line", "across it", "along it")
 """The springs of a station, in the order of every deck: components 1, 2 and 3."""
 _DIGITS = 12
 """Of a direction: frames that differ by rounding are one."""
@@ -162,7 +162,7 @@ def _remarks(deck: Deck, line: Stations, shares: FloatArray, shear: Shear) -> li
         touch += f"; {remaining} more do not touch and are left out"
     sideways = [
         f"{way}: {'a stiffness of its own' if isinstance(value, Solid) else f'{value:g} of it'}"
-        for way, value in zip(WAYS[1:], (shear.across, shear.along), strict=True)
+        for way, value in zip(DIRECTION_NAMES[1:], (shear.across, shear.along), strict=True)
         if value != 0
     ]
     nothing = "no shear is given: the line holds nothing sideways"

@@ -45,7 +45,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 FAR = 2.0
 #: of the grid before it is refined
 PER_DECADE = 16
-# the grid ends this far, as a factor, beyond what frequencies and tests could tell apart
+# the grid ends this far, as a factor, beyond what frequencies and tests could distinguish
 BEYOND = 10.0
 # a gap of ln tau is refined by so many points, until it is as small as this
 POINTS, FINEST = 3, float(np.log(10)) / 400
@@ -85,7 +85,7 @@ class SpectralData(Protocol):
 
     @property
     def window(self) -> tuple[float, float]:
-        """Shortest and longest relaxation time that it could tell, s."""
+        """Shortest and longest relaxation time that it could show, s."""
         ...
 
     def rows(self, log_tau: FloatArray, *, slopes: bool) -> RelaxationRows:
@@ -240,7 +240,7 @@ class AdmissibleSpectra:
         r"""Relaxation :math:`k_\infty + \sum_j k_j e^{-t/\tau_j}` of unit columns, shape (m,)."""
         return np.concatenate(([1.0, 0.0], np.exp(-time / self.tau)))
 
-    def falling_at(self, time: float) -> FloatArray:
+    def slope_limits_at(self, time: float) -> FloatArray:
         r"""Return its slope :math:`-dk/d\ln t` of unit columns, shape (m,)."""
         x = time / self.tau
         return np.concatenate(([0.0, 0.0], x * np.exp(-x)))
@@ -261,7 +261,7 @@ class AdmissibleSpectra:
         stiffness = values / self.scale
         return stiffness if on.all() else np.where(~on & (aim > 0), np.inf, stiffness)
 
-    def reach(self, v: FloatArray) -> tuple[float, float]:
+    def limit_functional(self, v: FloatArray) -> tuple[float, float]:
         """Return smallest and largest v . k that the tests do not reject."""
         return _project_spectrum(v, self.find_extreme_spectrum(-v)), _project_spectrum(
             v, self.find_extreme_spectrum(v)
@@ -342,13 +342,13 @@ def spectra_of_holds(
     relaxations: Sequence[RelaxationData],
     *,
     time: float,
-    own: GeneralizedMaxwell,
+    model: GeneralizedMaxwell,
     dof: float,
     level: float = 0.95,
 ) -> AdmissibleSpectra:
     """Return the spectra that some holds do not reject, as :func:`compute_end_limits` asks."""
     spectra = AdmissibleSpectra(
-        relaxations, fastest=1 / time, limit=deviance_limit(level, dof), extra=own.tau
+        relaxations, fastest=1 / time, limit=deviance_limit(level, dof), extra=model.tau
     )
     spectra.validate_misfit(*misfits(relaxations))
     return spectra
@@ -358,7 +358,7 @@ def compute_end_limits(
     relaxations: Sequence[RelaxationData],
     *,
     time: float,
-    own: GeneralizedMaxwell,
+    model: GeneralizedMaxwell,
     dof: float,
     level: float = 0.95,
     spectra: AdmissibleSpectra | None = None,
@@ -372,7 +372,7 @@ def compute_end_limits(
     relaxations : sequence of RelaxationData
     time : float
         T, how long the longest of them was held, s.
-    own : GeneralizedMaxwell
+    model : GeneralizedMaxwell
         The fit.
     dof : float
         Degrees of freedom of the noise.
@@ -382,8 +382,8 @@ def compute_end_limits(
         Those of :func:`spectra_of_holds`, where they are known already.
     """
     if spectra is None:
-        spectra = spectra_of_holds(relaxations, time=time, own=own, dof=dof, level=level)
-    falling = spectra.falling_at(time)
+        spectra = spectra_of_holds(relaxations, time=time, model=model, dof=dof, level=level)
+    falling = spectra.slope_limits_at(time)
     end = EndOfHold(
         end_time=time,
         k_end=compute_nonnegative_limits(spectra, spectra.relaxed_to(time)),
@@ -392,7 +392,7 @@ def compute_end_limits(
         slope_limit=compute_upper_limit(spectra, falling),
         if_machine_named=_compute_named_rig_share(relaxations, spectra, time),
     )
-    return end.holding(own)
+    return end.widen_to_contain(model)
 
 
 def _compute_named_rig_share(
@@ -402,7 +402,7 @@ def _compute_named_rig_share(
 
     About the best spectrum, whose arms are free: to first order.
     """
-    if not any(data.unseen for data in relaxations):
+    if not any(data.unmeasured_effects for data in relaxations):
         return float("nan")
     tau = spectra.tau[spectra.best[2:] > 0]
     goal = np.append(1.0, np.exp(-time / tau))
@@ -420,7 +420,7 @@ def _compute_named_rig_share(
 
 def compute_nonnegative_limits(spectra: AdmissibleSpectra, v: FloatArray) -> Interval:
     """Return limits of a sum that cannot be negative, freed of rounding."""
-    low, high = spectra.reach(v)
+    low, high = spectra.limit_functional(v)
     return max(low, 0.0), max(high, 0.0)
 
 
@@ -432,7 +432,7 @@ def compute_upper_limit(spectra: AdmissibleSpectra, v: FloatArray) -> float:
 # The set of stiffnesses that tests allow at one frequency, and how a mass on any of them answers.
 #
 # The set of (K', K'') over all spectra that a test does not reject is convex: it is felt by its
-# support in some directions, chosen where they tell most.
+# support in some directions, chosen where they show most.
 
 
 # what the points met and the lines that enclose them allow differs by less, relatively

@@ -40,7 +40,7 @@ _MOST_BY_EQ_5 = 0.05
 _ANOTHER_DEPTH = 0.25
 _FEWEST = 8
 _ROUNDED = 0.01
-# arms of the first solution, which tells the slope of the force
+# arms of the first solution, which shows the slope of the force
 _ROUGH = 2
 
 
@@ -66,7 +66,7 @@ def block_of(
     law: ElasticLaw | None = None,
     columns: Mapping[str, FloatArray] = MappingProxyType({}),
     weights: FloatArray | None = None,
-    reach: tuple[float, float] | None = None,
+    relaxation_window: tuple[float, float] | None = None,
 ) -> DataBlock:
     """Return the rows of one record: what a solid and its rig give, and the force.
 
@@ -90,7 +90,7 @@ def block_of(
         Further terms of the recorded motion, a value at every sample to the end of the hold.
     weights : array, shape (n,), optional
         Of those samples: what is known of the motion, 1 from where it is known.
-    reach : (float, float), optional
+    relaxation_window : (float, float), optional
         Relaxation times that are asked about, s, where the window of the record is not enough.
     """
     at = "" if index is None else f"@{index}"
@@ -108,7 +108,7 @@ def block_of(
     window = slice(first_sample(test) if start is None else start, None)
     return recorded_block(
         time, x if law is None else law.path(x), force, window=window, offset=offset, drift=drift,
-        columns=columns, weights=weights, reach=reach,
+        columns=columns, weights=weights, relaxation_window=relaxation_window,
     )  # fmt: skip
 
 
@@ -135,7 +135,7 @@ def build_delay_blocks(
         return blocks
     stack = Stack(blocks)
     spare = (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups))
-    rows = [*blocks, *bound(tests, blocks, design)]
+    rows = [*blocks, *build_prior_rows(tests, blocks, design)]
     rough_arms = _ROUGH if near is None else len(near)
     rough = solve(
         rows,
@@ -144,7 +144,7 @@ def build_delay_blocks(
         negligible=bic_penalty_per_arm(rows),
     )
     return tuple(
-        block.with_delay(f"delay@{i}", _late(test, block, rough))
+        block.with_delay(f"delay@{i}", _build_delayed_force(test, block, rough))
         for i, (test, block) in enumerate(zip(tests, blocks, strict=True))
     )
 
@@ -155,7 +155,7 @@ def bic_penalty_per_arm(blocks: Sequence[DataBlock]) -> float:
     return (1 + len(stack.groups)) * float(np.log(stack.samples))
 
 
-def bound(
+def build_prior_rows(
     tests: Sequence[RampHold],
     blocks: Sequence[DataBlock],
     design: FitSetup,
@@ -165,14 +165,14 @@ def bound(
 
     `spreads` holds the standard deviation of one independent residual of each test, N; by default
     as its hold shows it (:func:`~dashpot.fitting.nuisance_priors.estimate_hold_noise`). Eq. 5 has
-    no ramp that would tell slow arms from a drift, which is there as free as it may be; its clock
-    begins at the end of the ramp.
+    no ramp that would distinguish slow arms from a drift, which is there as free as it may be; its
+    clock begins at the end of the ramp.
     """
     hold = design.method == "hold"
     if not (design.terms if hold else design.nuisance):
         return ()
     provided = spreads or [*map(estimate_hold_noise, tests)]
-    terms = [build_nuisance_terms(test, claimed=hold) for test in tests]
+    terms = [build_nuisance_terms(test, for_limits=hold) for test in tests]
     if hold:
         terms = [
             replace(term, drift_start=term.drift_start + float(test.ramp_end - test.time[0]))
@@ -184,18 +184,18 @@ def bound(
     )
 
 
-def _late(test: RampHold, block: DataBlock, rough: Solution) -> DelayedForce:
+def _build_delayed_force(test: RampHold, block: DataBlock, solution: Solution) -> DelayedForce:
     """Return the force of the first solution as one that comes late, N/s."""
     time, x, _ = motion(test)
-    k = rough.arms[rough.groups.index(block.arm_group)]
-    k_g = rough.coefficient(block.fixed_names[0]) + float(k.sum())
-    arms = block.exact.evaluate(rough.log_tau, False).arms
+    k = solution.arms[solution.groups.index(block.arm_group)]
+    k_g = solution.coefficient(block.fixed_names[0]) + float(k.sum())
+    arms = block.exact.evaluate(solution.log_tau, False).arms
     speed = np.gradient(x, uniform_step(time) or time)
-    return DelayedForce.from_arms(arms, k, rough.tau, k_g, speed[first_sample(test) :])
+    return DelayedForce.from_arms(arms, k, solution.tau, k_g, speed[first_sample(test) :])
 
 
 def first_sample(test: RampHold) -> int:
-    """Return the first sample of a full fit: those before contact are spent on what they tell."""
+    """Return the first sample of a full fit: those before contact are spent on what they show."""
     return build_load_cell_priors(test).first_sample
 
 
@@ -210,17 +210,17 @@ def _compute_hold_travel(test: RampHold) -> float:
 
 def eq5_obstacle(test: RampHold) -> str | None:
     """Return why eq. 5 does not apply to this history, in a sentence; None if it does."""
-    held = test.displacement[test.hold]
+    held_displacement = test.displacement[test.hold]
     if test.loading_start is not None:
         return (
             "the record has earlier loadings, which the seal remembers, so this is no single ramp "
             "and hold; eq. 5 does not apply: fit ramp and hold instead, or cut the record to the "
             "test of a seal that has rested"
         )
-    if len(held) < _FEWEST:
+    if len(held_displacement) < _FEWEST:
         return (
-            f"the hold has {len(held)} samples, and eq. 5 needs at least {_FEWEST}: fit "
-            "ramp and hold instead, or sample faster"
+            f"the hold has {len(held_displacement)} samples, and eq. 5 needs at least {_FEWEST}: "
+            "fit ramp and hold instead, or sample faster"
         )
     change = _compute_hold_travel(test)
     if change > _MOST_BY_EQ_5:
@@ -321,7 +321,7 @@ class FitData:
         """The standard deviation of one independent residual that each prior assumes, N."""
         return tuple(float(np.sqrt(block.variance or 0.0)) for block in self.priors)
 
-    def bound(self, spreads: Sequence[float] | None = None) -> FitData:
+    def bind_parameters(self, spreads: Sequence[float] | None = None) -> FitData:
         """Return the data with priors whose weight is that of residuals with these spreads, N."""
         return self if self.bind is None else replace(self, priors=self.bind(spreads))
 
@@ -344,7 +344,7 @@ def data_of(
         [block.exact for block in blocks],
         in_time=True,
         encoders=None if design.method == "hold" else [*map(Encoder.from_record, records)],
-        bind=partial(bound, records, blocks, design),
+        bind=partial(build_prior_rows, records, blocks, design),
     )
 
 
@@ -359,7 +359,7 @@ class InitialFit(NamedTuple):
     series : tuple of Series
         What the last of them leaves of each record, N: as it was before its priors were weighed.
     noises : tuple of Noise
-    showed : Solution
+    noise_solution : Solution
         The one that left the series.
     """
 
@@ -367,7 +367,7 @@ class InitialFit(NamedTuple):
     solutions: Sequence[Solution]
     series: tuple[ResidualSeries, ...]
     noises: tuple[Noise, ...]
-    showed: Solution
+    noise_solution: Solution
 
     @property
     def residuals(self) -> tuple[FloatArray, ...]:
@@ -376,34 +376,36 @@ class InitialFit(NamedTuple):
 
     def get_residuals(self, solution: Solution) -> tuple[ResidualSeries, ...]:
         """Return what a solution leaves of each record, where that is at hand; else nothing."""
-        return self.series if solution is self.showed else ()
+        return self.series if solution is self.noise_solution else ()
 
 
-def weighed(
+def fit_all_orders(
     data: FitData,
-    most: int,
+    max_arms: int,
     *,
     auto: bool = True,
     thorough: bool = False,
     only: bool = False,
     near: FloatArray | None = None,
 ) -> InitialFit:
-    """Solve up to `most` arms, with priors that weigh as the noise does that is left.
+    """Solve up to `max_arms` arms, with priors that weigh as the noise does that is left.
 
     Where ``auto`` chooses the number, records in time need no more arms than one beyond those
     that could gain what BIC asks for one. ``only`` leaves out all but the last, which with `near`
     is the one next to these ln tau.
     """
-    data = data.bound()
+    data = data.bind_parameters()
 
     def solve_once() -> Sequence[Solution]:
         least = bic_penalty_per_arm(data.rows) if data.in_time else 0.0
         if only:
             solution = solve(
-                data.rows, most, log_tau_start=near, negligible=least, thorough=thorough
+                data.rows, max_arms, log_tau_start=near, negligible=least, thorough=thorough
             )
             return (solution,)
-        return solve_orders(data.rows, most, negligible=least, every=not auto, thorough=thorough)
+        return solve_orders(
+            data.rows, max_arms, negligible=least, every=not auto, thorough=thorough
+        )
 
     solutions = solve_once()
     series = tuple(ResidualSeries(compute_residual(solutions[-1], block)) for block in data.samples)
@@ -413,7 +415,7 @@ def weighed(
     spreads = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
     if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(spreads, data.units, strict=False)):
         return InitialFit(data, solutions, series, noises, solutions[-1])
-    data = data.bound(spreads)
+    data = data.bind_parameters(spreads)
     return InitialFit(data, solve_once(), series, noises, solutions[-1])
 
 

@@ -57,7 +57,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 
 #: what supports an optimum of which nothing more was asked
-UNJUDGED = Evidence((0.0, 0.0), checks=(uncertainty_estimated(made=False),))
+NO_EVIDENCE = Evidence((0.0, 0.0), checks=(uncertainty_estimated(is_estimated=False),))
 
 
 class SolidEstimate(NamedTuple):
@@ -68,7 +68,7 @@ class SolidEstimate(NamedTuple):
     solid : Solid
     estimate : ParameterEstimate
         Of its parameters.
-    fewer : bool
+    has_fewer_arms : bool
         It has fewer arms than were asked for.
     at_bound : bool
         A bound of what is sought holds it.
@@ -76,7 +76,7 @@ class SolidEstimate(NamedTuple):
 
     solid: Solid
     estimate: ParameterEstimate
-    fewer: bool = False
+    has_fewer_arms: bool = False
     at_bound: bool = False
 
 
@@ -101,7 +101,7 @@ def build_fit(
         As `Fit` holds them.
     """
     evidence = replace(evidence, checks=_with_cautions(evidence.checks, provenance))
-    shown = {Status.FEWER_ARMS: estimate.fewer, Status.TAU_AT_BOUND: estimate.at_bound}
+    shown = {Status.FEWER_ARMS: estimate.has_fewer_arms, Status.TAU_AT_BOUND: estimate.at_bound}
     fit = Fit(
         solid=estimate.solid,
         status=select_fit_status(evidence.checks, shown),
@@ -145,10 +145,10 @@ def _with_cautions(checks: tuple[Check, ...], provenance: Provenance) -> tuple[C
     return (*checks, *caution_checks(provenance.source))
 
 
-def point_estimate(
+def estimate_without_errors(
     model: GeneralizedMaxwell, samples: int, sse: float, nuisance: tuple[Nuisance, ...]
 ) -> ParameterEstimate:
-    """Return what an optimum alone tells of its parameters: no error of any."""
+    """Return what an optimum alone shows of its parameters: no error of any."""
     names = parameter_names(model.arms)
     return ParameterEstimate(
         names,
@@ -164,8 +164,8 @@ def nuisances(
     value: Callable[[str], float],
     error: Callable[[str], float],
     *,
-    of: str = "N",
-    known: Mapping[str, float] | None = None,
+    unit: str = "N",
+    priors: Mapping[str, float] | None = None,
 ) -> tuple[Nuisance, ...]:
     """Return offset, drift, delay and warming of each test; of several, named by its number.
 
@@ -175,19 +175,19 @@ def nuisances(
         Of columns, ``"offset@0"`` of the first test; those of the solid are passed over.
     value, error : callable
         Coefficient and standard error of a column.
-    of : str
+    unit : str
         Unit of what was measured.
-    known : mapping of str to float, optional
+    priors : mapping of str to float, optional
         Standard deviations that were known before the fit.
     """
-    units = {"offset": of, "drift": f"{of}/s", "delay": "s", "warming": "K"}
+    units = {"offset": unit, "drift": f"{unit}/s", "delay": "s", "warming": "K"}
     labels = [name for name in names if name.partition("@")[0] in units]
     several = len({name.partition("@")[2] for name in labels}) > 1
     terms = []
     for name in labels:
         kind, _, test = name.partition("@")
         title = f"{kind} of test {int(test) + 1}" if several else kind
-        before = None if known is None else known.get(name)
+        before = None if priors is None else priors.get(name)
         terms.append(Nuisance(title, value(name), error(name), units[kind], before))
     return tuple(terms)
 
@@ -227,7 +227,7 @@ def run_relaxation_checks(
     end: EndOfHold | None,
     *,
     method: Method = "full",
-    needed: bool = False,
+    arms_selected: bool = False,
     in_arms: bool = True,
 ) -> list[Check]:
     """Return the checks of the records and of the solid fitted to them.
@@ -241,7 +241,7 @@ def run_relaxation_checks(
     residuals : Residuals
     end : EndOfHold or None
     method : "full" or "hold"
-    needed : bool
+    arms_selected : bool
         Fewer arms are rejected.
     in_arms : bool
         The solid was fitted by its arms: each is asked for.
@@ -255,7 +255,14 @@ def run_relaxation_checks(
         *check_records(records, method=method, solids=[model] * len(records)),
         hold_long_enough(end),
         *run_solid_checks(
-            records, model, error, residuals, window, end=end, needed=needed, in_arms=in_arms
+            records,
+            model,
+            error,
+            residuals,
+            window,
+            end=end,
+            arms_selected=arms_selected,
+            in_arms=in_arms,
         ),
     ]
 
@@ -264,8 +271,8 @@ class RelaxationWindow(NamedTuple):
     """Window of relaxation times, s, that some records show, with texts of its two ends."""
 
     span: tuple[float, float]
-    of: str
-    ends: tuple[str, str] = ("", "")
+    source: str
+    end_names: tuple[str, str] = ("", "")
 
 
 def run_solid_checks(
@@ -277,7 +284,7 @@ def run_solid_checks(
     *,
     solids: Sequence[GeneralizedMaxwell] = (),
     end: EndOfHold | None = None,
-    needed: bool = False,
+    arms_selected: bool = False,
     in_arms: bool = True,
 ) -> list[Check]:
     """Return the checks of a solid, as :func:`run_relaxation_checks`, at each temperature.
@@ -287,7 +294,7 @@ def run_solid_checks(
     peak = max(float(abs(record.force).max()) for record in records)
     pairs = zip(solids or [model] * len(records), records, strict=True)
     return [
-        *(_check_arms(model, error, window, needed=needed) if in_arms else ()),
+        *(_check_arms(model, error, window, arms_selected=arms_selected) if in_arms else ()),
         k_inf_positive(model, float(error[0]), end),
         k_end_determined(model, float(error[0]), records, end),
         select_gravest_check(arms_where_force_relaxes(solid, record) for solid, record in pairs),
@@ -301,16 +308,16 @@ def run_solid_checks(
 
 
 def _check_arms(
-    model: GeneralizedMaxwell, error: FloatArray, window: RelaxationWindow, *, needed: bool
+    model: GeneralizedMaxwell, error: FloatArray, window: RelaxationWindow, *, arms_selected: bool
 ) -> tuple[Check, ...]:
     return (
         arms_distinct(model),
-        arms_supported(model, error, needed=needed),
+        arms_supported(model, error, arms_selected=arms_selected),
         tau_inside_window(
             model,
             window.span,
-            window.of,
-            ends=window.ends,
+            window.source,
+            end_names=window.end_names,
             within=True,
             remedy=Remedy("Use fewer arms, hold longer, or sample faster.", "arms"),
         ),

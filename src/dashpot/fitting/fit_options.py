@@ -7,9 +7,9 @@ from typing import Any, Literal
 from dashpot.base import dataclass
 from dashpot.base.errors import FitError
 from dashpot.base.option_fields import (
-    FamilyAsked,
+    FamilyOption,
     Method,
-    RampLawAsked,
+    RampLawOption,
     ShiftLaw,
     Vertical,
     option,
@@ -38,13 +38,13 @@ class SolidOptions:
     method: Method = option(
         "full", "Whole record, or equation (5) of the paper.", choices=Method, decides="fit"
     )
-    law: RampLawAsked = option(
-        "auto", "Elastic law of the ramp.", choices=RampLawAsked, flag="elastic", decides="fit"
+    law: RampLawOption = option(
+        "auto", "Elastic law of the ramp.", choices=RampLawOption, flag="elastic", decides="fit"
     )
-    family: FamilyAsked = option(
+    family: FamilyOption = option(
         "maxwell",
         "Model of the seal: Maxwell arms, or fractional.",
-        choices=FamilyAsked,
+        choices=FamilyOption,
         flag="model",
         decides="fit",
     )
@@ -96,7 +96,7 @@ def checked_family(family: str, arms: int | str = "auto") -> None:
     ------
     FitError
     """
-    require_choice("family", family, FamilyAsked, FitError)
+    require_choice("family", family, FamilyOption, FitError)
     if family == "fractional" and arms != "auto":
         raise FitError(
             f"arms = {arms}, but a fractional model has no number of arms: leave out --arms, or "
@@ -118,7 +118,7 @@ def require_maxwell_family(family: str) -> None:
         )
 
 
-def refuse_shifts(what: str, asked: FitOptions) -> None:
+def refuse_shifts(subject: str, asked: FitOptions) -> None:
     """Refuse what is asked of shifts where one temperature, or none, leaves nothing to shift."""
     options = {
         "--reference": asked.reference is not None,
@@ -128,7 +128,7 @@ def refuse_shifts(what: str, asked: FitOptions) -> None:
     named = [flag for flag, option in options.items() if option]
     if named:
         raise FitError(
-            f"{what} of one temperature as far as is known, and shifted to no other: leave out "
+            f"{subject} of one temperature as far as is known, and shifted to no other: leave out "
             f"{' and '.join(named)}, or fit tests at several temperatures and give those "
             "(--temperature 23degC --temperature 0degC)"
         )
@@ -137,7 +137,7 @@ def refuse_shifts(what: str, asked: FitOptions) -> None:
 def refuse_law(options: FitOptions) -> None:
     """Refuse an elastic law that is none, or that contradicts the method or the starts."""
     law = options.law
-    require_choice("law", law, RampLawAsked, FitError)
+    require_choice("law", law, RampLawOption, FitError)
     if law == "nonlinear" and options.method == "hold":
         raise FitError(
             "a nonlinear law is found from the ramp, and the method hold leaves the ramp out. "

@@ -59,8 +59,12 @@ def depths_of(test: RelaxationTest, **how: Any) -> tuple[RampHold, ...]:
     """
     chosen = prepare(test, **how)
     parameters = next(dict(step.parameters) for step in chosen.steps if step.name == "segments")
-    of = int(parameters["cycle"].partition(" of ")[2])
-    every = [prepare(test, **how, cycle=number) for number in range(1, of + 1)] if of > 1 else []
+    cycle_count = int(parameters["cycle"].partition(" of ")[2])
+    every = (
+        [prepare(test, **how, cycle=number) for number in range(1, cycle_count + 1)]
+        if cycle_count > 1
+        else []
+    )
     records: list[RampHold] = []
     for ramp_hold in sorted(every, key=lambda record: -record.hold_time):
         if all(abs(ramp_hold.depth / other.depth - 1) > SAME_DEPTH for other in records):
@@ -99,8 +103,8 @@ def _prepare_test(test: object) -> RampHold:
         raise FitError(
             f"a fit takes relaxation tests, prepared or as read, found a {type(test).__name__}"
         )
-    made = prepare(test)
-    return replace(made, steps=(BY_DEFAULT, *made.steps))
+    prepared = prepare(test)
+    return replace(prepared, steps=(BY_DEFAULT, *prepared.steps))
 
 
 # Temperatures of tests, and the reference temperature.
@@ -179,7 +183,7 @@ def find_reference_index(temperatures: FloatArray, target: float | None) -> int:
 
 # Distinct records of one seal.
 #
-# A record given twice makes every standard error smaller by :math:`\sqrt 2` and tells nothing; two
+# A record given twice makes every standard error smaller by :math:`\sqrt 2` and shows nothing; two
 # lots fitted as one seal give a seal that does not exist.
 
 
@@ -232,8 +236,12 @@ def _describe_copy(first: RampHold, second: RampHold) -> str:
         return "sample for sample"
     if abs(first.depth / second.depth - 1) > SAME_DEPTH:
         return ""
-    alike = noise_correlation(first, second)
-    return f"resampled (their noise correlates by {alike:.2f})" if alike > COPY_CORRELATION else ""
+    correlation = noise_correlation(first, second)
+    return (
+        f"resampled (their noise correlates by {correlation:.2f})"
+        if correlation > COPY_CORRELATION
+        else ""
+    )
 
 
 def noise_correlation(ramp_hold: RampHold, other: RampHold) -> float:
@@ -303,12 +311,12 @@ def _end_stiffness(record: RampHold, at: float) -> EndStiffness:
     force = (
         float(record.force[last].mean()) - cell_priors.offset.mean - cell_priors.drift.mean * later
     )
-    doubt = (
+    relative_error = (
         cell_priors.offset.sd,
         cell_priors.drift.sd * later,
         record.force_noise / np.sqrt(last.sum()),
     )
-    depth = float(np.hypot(record.depth_doubt, record.contact_error / record.depth))
+    depth = float(np.hypot(record.depth_error, record.contact_error / record.depth))
     value = force / record.depth
-    sd = float(np.hypot(np.linalg.norm(doubt) / record.depth, value * depth))
+    sd = float(np.hypot(np.linalg.norm(relative_error) / record.depth, value * depth))
     return EndStiffness(value, sd, record.depth, record.specimen.temperature)

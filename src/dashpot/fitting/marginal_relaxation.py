@@ -71,13 +71,13 @@ class ThermalShift(NamedTuple):
         """Ln of relaxation times there."""
         return shifted_log_tau(log_tau, self.log_a, self.slope)
 
-    def doubts(self, answer: GeneralizedMaxwell, slopes: FloatArray) -> FloatArray:
+    def compute_shift_columns(self, model: GeneralizedMaxwell, slopes: FloatArray) -> FloatArray:
         """What a doubtful shift and slope add to a force: columns times their standard deviation.
 
-        `answer` is the solid at this temperature, `slopes` the derivatives of its arms' columns.
+        `model` is the solid at this temperature, `slopes` the derivatives of its arms' columns.
         """
-        k = np.asarray(answer.k)
-        far = decades(np.log(np.asarray(answer.tau)) - self.log_a)
+        k = np.asarray(model.k)
+        far = decades(np.log(np.asarray(model.tau)) - self.log_a)
         return np.column_stack(
             (slopes @ (k * self.shift_sd), slopes @ (k * self.log_a * far * self.slope_sd))
         )
@@ -143,7 +143,7 @@ class RelaxationData:
         :math:`S/s^2`: so many samples say the same thing.
     terms : NuisanceTerms
         What is known of private columns; the others are free.
-    answer : GeneralizedMaxwell
+    model : GeneralizedMaxwell
         The solid whose force is late, and whose size the depth decides.
     delay, size : float
         Standard deviations of the delay, s, and of the relative size of the force.
@@ -151,9 +151,9 @@ class RelaxationData:
         The test without the columns that only doubt the motion.
     misfit : float
         Sum of squares that the fit leaves of every sample, in units of the noise.
-    moved : ThermalShift or None
+    thermal_shift : ThermalShift or None
         How the solid that is asked about lies at the temperature of the test.
-    unseen : UnmeasuredEffects or None
+    unmeasured_effects : UnmeasuredEffects or None
         Doubts beside those that have a column of their own.
     drift : Prior
         As the fit that is asked about held it, N/s; `terms` are those of the doubtful rig.
@@ -163,20 +163,20 @@ class RelaxationData:
     weight: float
     kappa: float
     terms: NuisanceTerms
-    answer: GeneralizedMaxwell
+    model: GeneralizedMaxwell
     delay: float
     size: float
     certain: DataBlock
     misfit: float
-    moved: ThermalShift | None = None
-    unseen: UnmeasuredEffects | None = None
+    thermal_shift: ThermalShift | None = None
+    unmeasured_effects: UnmeasuredEffects | None = None
     drift: Prior = EXACT
 
     @property
     def window(self) -> tuple[float, float]:
-        """Shortest and longest relaxation time, at the reference, that the test could tell, s."""
+        """Shortest and longest relaxation time, at the reference, that the test could show, s."""
         low, high = self.block.window
-        a_t = 1.0 if self.moved is None else self.moved.a_t
+        a_t = 1.0 if self.thermal_shift is None else self.thermal_shift.a_t
         return low / a_t, high / a_t
 
     @property
@@ -184,8 +184,10 @@ class RelaxationData:
         """The data if machine, crosshead and rest were known, the drift to a fifth of its doubt."""
         mean, sd = self.terms.priors["drift"]
         terms = self.terms.add_terms(drift=Prior(mean, NAMED_DRIFT * sd))
-        effects = self.unseen and self.unseen.but("give", "settling", "memory")
-        return replace(self, unseen=effects, terms=terms)
+        effects = self.unmeasured_effects and self.unmeasured_effects.but(
+            "give", "settling", "memory"
+        )
+        return replace(self, unmeasured_effects=effects, terms=terms)
 
     @property
     def floor(self) -> float:
@@ -198,13 +200,13 @@ class RelaxationData:
         return self.block.samples / self.kappa
 
     def build_weighted_block(self, index: int) -> DataBlock:
-        """The certain block in rows of unit noise; `index` tells private columns of tests apart."""
+        """The certain block in rows of unit noise; `index` shows private columns of tests apart."""
         names = (n if n in SOLID else f"{n}@{index}" for n in self.certain.fixed_names)
-        made = self.certain.scale_rows(self.weight, tuple(names))
-        where = self.moved
+        block = self.certain.scale_rows(self.weight, tuple(names))
+        where = self.thermal_shift
         if where is None:
-            return made
-        return made.map_relaxation_times(
+            return block
+        return block.map_relaxation_times(
             where.log_tau, float(np.exp(where.log_b)), stretch=where.stretch, window=self.window
         )
 
@@ -222,24 +224,26 @@ class RelaxationData:
         """
         count, kinds = len(log_tau), [get_column_kind(name) for name in self.block.fixed_names]
         shortest = np.log(DASHPOT * self.block.window[0])
-        shift = self.moved or ThermalShift()
+        shift = self.thermal_shift or ThermalShift()
         doubtful = shift.shift_sd > 0
-        effects, span = self.unseen, slice(count, count + self.answer.arms)
+        effects, span = self.unmeasured_effects, slice(count, count + self.model.arms)
         others = np.zeros(0) if effects is None else effects.log_tau
         evaluation = self.block.evaluate(
-            np.concatenate((shift.log_tau(log_tau), np.log(self.answer.tau), others, [shortest])),
+            np.concatenate((shift.log_tau(log_tau), np.log(self.model.tau), others, [shortest])),
             slopes or doubtful,
         )
         spring = evaluation.fixed[:, kinds.index("k_inf")]
         fast = evaluation.arms[:, -1] / np.exp(shortest)
-        of_answer = _build_delay_columns(self.answer, spring, fast, evaluation.arms[:, span])
+        of_answer = _build_delay_columns(self.model, spring, fast, evaluation.arms[:, span])
         doubts, mean = self.terms.build_prior_columns(evaluation.fixed, self.block.fixed_names)
         if effects is not None:
             doubts = np.hstack(
                 (doubts, effects.columns(evaluation.fixed, evaluation.arms[:, span.stop : -1]))
             )
         of_shift = (
-            shift.doubts(self.answer, evaluation.d_arms[:, span]) if doubtful else doubts[:, :0]
+            shift.compute_shift_columns(self.model, evaluation.d_arms[:, span])
+            if doubtful
+            else doubts[:, :0]
         )
         b_t = float(np.exp(shift.log_b))
         sentences = {*SOLID, *self.terms.priors, *borne}
@@ -260,24 +264,27 @@ class RelaxationData:
         )
 
     def compute_rig_gradient(self, solid: Solid) -> FloatArray:
-        r"""By how much each doubt of the rig pulls at a solid, J'c, shape (p + 1, d).
+        r"""By how much each uncertainty of the rig pulls at a solid, J'c, shape (p + 1, d).
 
         Of data that are claimed, each doubt with a column c; J is free of what the fit knew of
         offset, drift, delay and motion. The solid's parameters are k_inf, every k, every ln tau, or
         those of a fractional solid, then b; N/m, s and N s/m.
         """
-        model, priors, held = solid.maxwell, dict(self.terms.priors), self.drift
+        model, priors, fixed_terms = solid.maxwell, dict(self.terms.priors), self.drift
         # a seal that warms is sought where several temperatures were fitted
         kinds = (
             "give",
             "settling",
             "preload",
             "memory",
-            *(("warming",) if self.moved is None else ()),
+            *(("warming",) if self.thermal_shift is None else ()),
         )
         borne = {kind: priors.pop(kind) for kind in kinds if kind in priors}
         if "drift" in priors:
-            borne["drift"], priors["drift"] = priors["drift"].compute_remainder(held), held
+            borne["drift"], priors["drift"] = (
+                priors["drift"].compute_remainder(fixed_terms),
+                fixed_terms,
+            )
         values, arms = np.unique(
             np.clip(np.log(model.tau), *np.log(self.window)), return_inverse=True
         )
@@ -290,12 +297,12 @@ class RelaxationData:
 
 
 def _build_delay_columns(
-    answer: GeneralizedMaxwell, spring: FloatArray, dashpot: FloatArray, arms: FloatArray
+    model: GeneralizedMaxwell, spring: FloatArray, dashpot: FloatArray, arms: FloatArray
 ) -> FloatArray:
     """Return columns of a late force, -dF/dt, and of the force itself, shape (n, 2)."""
-    k, tau = np.asarray(answer.k), np.asarray(answer.tau)
-    late = arms @ (k / tau) - (answer.k_inf + k.sum()) * dashpot
-    return np.column_stack((late, answer.k_inf * spring + arms @ k))
+    k, tau = np.asarray(model.k), np.asarray(model.tau)
+    delayed = arms @ (k / tau) - (model.k_inf + k.sum()) * dashpot
+    return np.column_stack((delayed, model.k_inf * spring + arms @ k))
 
 
 def misfits(relaxations: Sequence[RelaxationData]) -> tuple[float, float]:

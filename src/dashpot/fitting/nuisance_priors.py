@@ -4,8 +4,8 @@ The force that the solid gives comes with an offset, a drift and a delay,
 
 .. math:: F(t) = F_\mathrm{solid}(t) + F_0 + \dot F\,t - \delta\,\dot F_\mathrm{solid}(t)
 
-An offset or a drift that is free takes what a wrong model leaves, and k_inf with it; each is
-bound by what the record, or the data sheet, says of it.
+A free offset or drift absorbs the misfit of a wrong model and biases k_inf. Each is therefore
+limited by a prior from the record or the data sheet.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray, block_means, cache_on_record
-from dashpot.datamodel.machine import USUAL, Machine
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.numerics.design_matrices.block import DataBlock, prior_block
@@ -124,7 +124,7 @@ def get_column_kind(name: str) -> str:
     return name.partition("@")[0]
 
 
-WARMING = Prior(0.0, USUAL["warming in a chamber"].size)
+WARMING = Prior(0.0, DEFAULT_UNCERTAINTIES["warming in a chamber"].size)
 """Prior of the warming of the seal over its record, K, where several temperatures are tested."""
 # standard deviation of the warming of the seal about a recorded rise of temperature, K
 _WARMING_SD = 0.1
@@ -169,8 +169,9 @@ def build_load_cell_priors(record: RampHold) -> LoadCellPriors:
 
     The offset is the mean of the samples before contact, with standard error
     :math:`s\sqrt{\kappa/n}`; of a record that begins on the ramp it is the first reading, with
-    the force that the first compression may have given. The drift is what the slope of those
-    samples and the cell say together (:meth:`~dashpot.datamodel.machine.Machine.combine_drift`).
+    the force that the first compression may have given. The drift is combined from the slope of
+    those
+    samples and the data of the cell (:meth:`~dashpot.datamodel.machine.Machine.combine_drift`).
     The delay is 0 with the larger of one sample, `Machine.sync` and 1/(2 pi f) of a named filter.
     """
     time, force = record.time - record.time[0], record.force
@@ -210,14 +211,14 @@ def build_load_cell_priors(record: RampHold) -> LoadCellPriors:
     )
 
 
-def build_nuisance_terms(record: RampHold, *, claimed: bool = False) -> NuisanceTerms:
+def build_nuisance_terms(record: RampHold, *, for_limits: bool = False) -> NuisanceTerms:
     """Return the priors of offset, drift and delay for columns that begin with the record.
 
-    With `claimed` the drift has the wider prior of limits.
+    With `for_limits` the drift has the wider prior of limits.
     """
     cell_priors = build_load_cell_priors(record)
     least = ROUNDING * float(np.abs(record.force).max())
-    drift = cell_priors.limit_drift if claimed else cell_priors.drift
+    drift = cell_priors.limit_drift if for_limits else cell_priors.drift
     all_priors = {"offset": cell_priors.offset, "drift": drift, "delay": cell_priors.delay}
     return NuisanceTerms(all_priors, -cell_priors.offset_time, least)
 
@@ -240,11 +241,11 @@ def estimate_hold_noise(record: RampHold) -> float:
     return float(min(np.sqrt(group_size * noise.power), record.force_noise * np.sqrt(len(force))))
 
 
-def _compute_hold_noise(since: FloatArray, values: FloatArray) -> Noise:
+def _compute_hold_noise(time: FloatArray, values: FloatArray) -> Noise:
     """Return the noise of a hold about a plateau, a drift and a dozen arms fitted to it."""
-    end, sample_count = float(since[-1]), len(since)
-    arms = np.exp(-since[:, None] / np.geomspace(end / (2 * sample_count), 3 * end, _HOLD_ARMS))
-    basis = np.linalg.qr(np.column_stack((np.ones(sample_count), since, arms)))[0]
+    end, sample_count = float(time[-1]), len(time)
+    arms = np.exp(-time[:, None] / np.geomspace(end / (2 * sample_count), 3 * end, _HOLD_ARMS))
+    basis = np.linalg.qr(np.column_stack((np.ones(sample_count), time, arms)))[0]
     return noise_of(values - basis @ (basis.T @ values), basis)
 
 
@@ -403,5 +404,5 @@ def build_warming_prior(specimen: Specimen) -> Prior:
     A recorded rise widens it, as its effect on the seal is unknown.
     """
     if specimen.warmed is None:
-        return Prior(0.0, USUAL["warming"].size)
+        return Prior(0.0, DEFAULT_UNCERTAINTIES["warming"].size)
     return Prior(0.0, float(np.hypot(specimen.warmed, _WARMING_SD)))

@@ -18,9 +18,9 @@ from dashpot.fitting.checks.solid import arms_enough, optimum_found, samples_ind
 from dashpot.fitting.data_blocks import (
     FitData,
     InitialFit,
+    fit_all_orders,
     max_determinable_arms,
     solid_of,
-    weighed,
 )
 from dashpot.fitting.fit_construction import SolidEstimate, nuisances
 from dashpot.fitting.fit_options import FitOptions
@@ -51,7 +51,7 @@ from dashpot.numerics.inference.correlated_noise import (
     whitened_block,
 )
 from dashpot.numerics.inference.model_order import (
-    DECISIVE,
+    DECISIVE_BIC,
     OrderChoice,
     Shortage,
     bic_of_deviance,
@@ -72,7 +72,9 @@ def score_in_noise_metric(
     thorough: bool,
     priors: Sequence[DataBlock] = (),
 ) -> tuple[Score, ...] | None:
-    """Return every number of arms judged anew, or None if a record has no noise.
+    """Return the scores of every number of arms in the metric of the noise.
+
+    None is returned if a record has no noise.
 
     Parameters
     ----------
@@ -81,13 +83,13 @@ def score_in_noise_metric(
     every_sample : sequence of DataBlock
         One per record, a row per sample.
     largest : Jacobian
-        Residual and Jacobian of every sample for the most arms: they tell the noise.
+        Residual and Jacobian of every sample for the most arms: they give the noise.
     peak : float
-        The largest force, N: it sets what rounding alone leaves.
+        The largest force, N: it sets the residual by rounding alone.
     thorough : bool
         Add quasi-random starts.
     priors : sequence of DataBlock
-        What was known before the data.
+        Rows of the priors.
     """
     solutions = [score.solution for score in scores]
     residuals, jacobians = split_by_record(largest, [*every_sample, *priors])
@@ -98,10 +100,10 @@ def score_in_noise_metric(
     blocks = [
         whitened_block(block, noise) for block, noise in zip(every_sample, noises, strict=True)
     ]
-    # in the metric of the noise a row is worth one
+    # in the metric of the noise a row has unit variance
     blocks += [block.scale_rows(1 / np.sqrt(block.variance)) for block in priors if block.variance]
     refitted = [*solve_orders(blocks, len(solutions) - 1, thorough=thorough)]
-    # where a further arm with k > 0 does not help, its number leaves what the last one left
+    # where a further arm with k > 0 does not help, the residual is that of the last number
     refitted += [refitted[-1]] * (len(solutions) - len(refitted))
     effective = sum(noise.effective for noise in noises)
     size = [_parameters(solution) for solution in solutions]
@@ -123,13 +125,13 @@ def _parameters(solution: Solution) -> int:
 # Fit of every number of arms, and selection.
 
 
-# a step that would remove less of the residual than this is rounding, whatever it does to tau
+# fraction of the residual below which a step is rounding, whatever it does to tau
 _STATIONARY = 1e-6
-# where another spectrum leaves so much less, what is left is no noise
+# fraction of the residual below which that of another spectrum shows a misfit
 _MISFIT = 0.5
-#: so many arms beyond those that were asked for are tried
-FURTHER = 2
-#: no more of a sum of squares can be gained
+#: arms beyond the requested number that are tried
+EXTRA_ARMS = 2
+#: largest fraction by which a sum of squares can fall
 ALL = 1 - 1e-12
 
 
@@ -145,16 +147,16 @@ class SelectedModel:
     scores : tuple of Score
         Every number tried, from none up.
     choice : Choice or None
-        How the rules chose; None if the number was asked for.
-    asked : int or None
-        The number asked for; None if the rules chose.
+        How the rules chose; None if a number was requested.
+    requested_arms : int or None
+        The requested number; None if the rules chose.
     """
 
     data: FitData
     estimate: SolutionEstimate
     scores: tuple[Score, ...]
     choice: OrderChoice | None
-    asked: int | None
+    requested_arms: int | None
 
     @property
     def solution(self) -> Solution:
@@ -205,13 +207,13 @@ class SelectedModel:
 
     @property
     def stiffnesses(self) -> dict[str, float]:
-        """Those that an error of the depth scales, by their rows."""
+        """Stiffnesses, which an error of the depth scales, by the names of their rows."""
         solution = self.solution
         arms = {f"k_{j}": k for j, k in enumerate(solution.arms.ravel().tolist(), start=1)}
         return {"k_inf": solution.coefficient("k_inf"), **arms}
 
-    def with_depth_doubt(self, doubts: Sequence[float]) -> SelectedModel:
-        """As found, with what the encoder's step leaves unknown of each depth."""
+    def add_depth_error(self, doubts: Sequence[float]) -> SelectedModel:
+        """Return the model with the error of each depth by the step of the encoder."""
         return replace(self, estimate=self.estimate.add_depth_error(doubts, self.stiffnesses))
 
     @property
@@ -247,24 +249,28 @@ class SelectedModel:
         """
         solution = self.solution
         least = solution.samples * rounding_rms(self.data.peak) ** 2
-        if self.asked is None or solution.order < self.asked or solution.sse <= least:
+        if (
+            self.requested_arms is None
+            or solution.order < self.requested_arms
+            or solution.sse <= least
+        ):
             return None
         gain = -solution.samples * float(np.log1p(-min(self.certificate.gap, ALL)))
         if gain < 2 * float(np.log(solution.samples)):
             return None
-        more = select_order(self.data, FitOptions(max_arms=solution.order + FURTHER))
+        more = select_order(self.data, FitOptions(max_arms=solution.order + EXTRA_ARMS))
         supported = more.solution.order
         if supported <= solution.order:
             return None
         return Shortage(solution.order, supported, self.estimate.rms, more.estimate.rms)
 
-    def enough(self, unit: str) -> tuple[Check, ...]:
+    def check_arm_count(self, unit: str) -> tuple[Check, ...]:
         """Whether the arms that were asked for are enough, residuals in `unit`; and the samples."""
         estimate = self.estimate
-        answers = (samples_independent(estimate.effective, len(estimate.names), estimate.kappa),)
-        if self.asked is None:
-            return answers
-        return (arms_enough(self.shortage, self.solution.order, unit=unit), *answers)
+        all_checks = (samples_independent(estimate.effective, len(estimate.names), estimate.kappa),)
+        if self.requested_arms is None:
+            return all_checks
+        return (arms_enough(self.shortage, self.solution.order, unit=unit), *all_checks)
 
     @property
     def convergence_check(self) -> Check:
@@ -282,31 +288,31 @@ class SelectedModel:
         self,
         value: Callable[[str], float] | None = None,
         *,
-        of: str = "N",
+        unit: str = "N",
         delays: Sequence[float] = (),
     ) -> tuple[Nuisance, ...]:
-        """Offset, drift and delay of each test, N or `of`, beside what was known of `delays`, s.
+        """Return offset, drift and delay of each test, with the prior SD of `delays`, s.
 
         By their columns, or by the `value` of each.
         """
         entries = {f"delay@{i}": sd for i, sd in enumerate(delays)}
-        if len(delays) == 1:  # a test alone may bear no number
+        if len(delays) == 1:  # a test alone may carry no number
             entries["delay"] = delays[0]
         value = value or self.solution.coefficient
         error = self.estimate.standard_error
-        return nuisances(self.solution.fixed_names, value, error, of=of, known=entries)
+        return nuisances(self.solution.fixed_names, value, error, unit=unit, priors=entries)
 
-    def outcome(
+    def make_solid_estimate(
         self,
         residual: Residual,
         nuisance: tuple[Nuisance, ...] = (),
         *,
-        unseen: FloatArray | None = None,
+        rig_sensitivity: FloatArray | None = None,
     ) -> SolidEstimate:
-        """Return the solid and what is known of it, as every fit is made of.
+        """Return the solid, its covariance and its nuisances, from which a fit is built.
 
-        `unseen`, shape (p, d), is what each doubt of a rig adds to the parameters: it is in every
-        interval, and in nothing that a check judges by the noise.
+        `rig_sensitivity`, shape (p, d), is the change of the parameters by one standard deviation
+        of each unknown of the rig. It widens intervals; checks against the noise do not use it.
         """
         steady = self.data.in_time and self.certificate.gap < _MISFIT
         estimate = ParameterEstimate(
@@ -317,9 +323,9 @@ class SelectedModel:
             self.profiles(in_order_of_time=steady),
             nuisance,
         )
-        if unseen is not None:
-            estimate = estimate.with_rig(unseen)
-        fewer = self.asked is not None and self.solution.order < self.asked
+        if rig_sensitivity is not None:
+            estimate = estimate.with_rig(rig_sensitivity)
+        fewer = self.requested_arms is not None and self.solution.order < self.requested_arms
         return SolidEstimate(self.solid, estimate, fewer, bool(self.solution.at_bound.any()))
 
 
@@ -358,12 +364,12 @@ def select_order(
     auto, most = options.arms == "auto", validate_arm_count(options.arms, options.max_arms)
     if auto:
         most = min(most, max_determinable_arms(data.blocks))
-    first = first or weighed(data, most, auto=auto, thorough=options.thorough)
+    first = first or fit_all_orders(data, most, auto=auto, thorough=options.thorough)
     data, noises = first.data, first.noises
     samples, peak, in_time = data.samples, data.peak, data.in_time
     scores = _score_orders(first.solutions[: most + 1], data, noises)
     exhausted = len(scores) - 1 < most or not in_time
-    choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE if in_time else np.inf)
+    choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE_BIC if in_time else np.inf)
 
     @lru_cache(maxsize=1)  # the order that the rules support is, as a rule, the one chosen
     def solve_whole_order(order: int) -> Jacobian:
@@ -385,7 +391,9 @@ def select_order(
         )
         if anew is not None:
             scores = anew
-            choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE, in_noise_metric=True)
+            choice = _choice(
+                scores, exhausted=exhausted, decisive=DECISIVE_BIC, in_noise_metric=True
+            )
     taken = choice.arms if auto else min(most, len(scores) - 1)
     estimate = estimate_covariance(
         scores[taken].solution,

@@ -29,7 +29,7 @@ from dashpot.numerics.inference.correlated_noise import (
     noise_of,
 )
 from dashpot.numerics.inference.model_order import bic, significant
-from dashpot.numerics.inference.profile_likelihood import BEYOND, Coordinate, ProfileTarget
+from dashpot.numerics.inference.profile_likelihood import WINDOW_FACTOR, Coordinate, ProfileTarget
 from dashpot.numerics.inference.profile_likelihood import profiles as walk_profiles
 from dashpot.numerics.log_tau_descent import Stack
 from dashpot.solids.fractional import FractionalZener
@@ -486,7 +486,7 @@ def compute_profiles(
     # a prior is a few rows already
     stack = Stack(
         [
-            compact_block(block, excess=BEYOND) if block.variance is None else block
+            compact_block(block, excess=WINDOW_FACTOR) if block.variance is None else block
             for block in blocks
         ]
     )
@@ -639,7 +639,7 @@ def compute_rig_sensitivity(
 
 
 def _evaluate_test_columns(data: RelaxationData, solid: Solid) -> _TestColumns:
-    model, rig_effects = solid.maxwell, data.unseen
+    model, rig_effects = solid.maxwell, data.unmeasured_effects
     log_tau = np.zeros(0) if rig_effects is None else rig_effects.log_tau
     # arms of a fractional model beyond the range of a record have one effect at its limit
     base, arms = np.unique(

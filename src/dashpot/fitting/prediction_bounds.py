@@ -55,10 +55,10 @@ def get_solid_parameters(fit: Fit) -> SolidParameters:
         model, dashpot = fit.model, "b" in fit.estimate.parameters
         names = parameter_names(model.arms, dashpot=dashpot)
         results = [model.k_inf, *model.k, *np.log(model.tau), *([model.b] if dashpot else [])]
-    here = [i for i, name in enumerate(names) if name in fit.estimate.parameters]
-    rows = [fit.estimate.parameters.index(names[i]) for i in here]
+    indices = [i for i, name in enumerate(names) if name in fit.estimate.parameters]
+    rows = [fit.estimate.parameters.index(names[i]) for i in indices]
     covariance = np.zeros((len(names), len(names)))
-    covariance[np.ix_(here, here)] = fit.covariance[np.ix_(rows, rows)]
+    covariance[np.ix_(indices, indices)] = fit.covariance[np.ix_(rows, rows)]
     return SolidParameters(names, np.array(results), covariance)
 
 
@@ -91,21 +91,21 @@ def off_by_error(fit: Fit) -> tuple[Solid, ...]:
 
     None where no covariance is known; a stiffness is moved no nearer to 0 than 2 % of it.
     """
-    here = get_parameter_values(fit)
-    if here is None or not np.isfinite(fit.covariance).all():
+    values = get_parameter_values(fit)
+    if values is None or not np.isfinite(fit.covariance).all():
         return ()
     return tuple(
-        _build_solid(fit, here, here + by) for by in compute_covariance_axes(fit.covariance)
+        _build_solid(fit, values, values + by) for by in compute_covariance_axes(fit.covariance)
     )
 
 
-def _build_solid(fit: Fit, here: FloatArray, there: FloatArray) -> Solid:
+def _build_solid(fit: Fit, rates: FloatArray, there: FloatArray) -> Solid:
     if fit.estimate.parameters == ELEMENT:
-        k_inf, k_0 = np.maximum(there[:2], _LEAST_PART * here[:2])
+        k_inf, k_0 = np.maximum(there[:2], _LEAST_PART * rates[:2])
         alpha = float(np.clip(there[3], 0.05, 1.0))
         return FractionalZener(float(k_0), float(k_inf), float(np.exp(there[2])), alpha)
     arms = fit.model.arms
-    k = np.maximum(there[: 1 + arms], _LEAST_PART * here[: 1 + arms]).tolist()
+    k = np.maximum(there[: 1 + arms], _LEAST_PART * rates[: 1 + arms]).tolist()
     tau = np.exp(there[1 + arms : 1 + 2 * arms])
     order = np.argsort(tau)
     return GeneralizedMaxwell(
@@ -117,13 +117,13 @@ DRAWS = 400
 # what an unidentified ln tau or relative stiffness may do in a draw
 UNKNOWN = 3.0
 # the resonance is sought within this factor of the fit's own
-SOUGHT = 5.0
+SEARCH_FACTOR = 5.0
 # where the resonance may lie, to this part of a frequency
 PLACED = 1e-4
 # lines of that range, over which the height of the peak is sought
 PEAK_LINES = 61
 # and other lines within this factor of it
-ABOUT = 1.5
+LINE_FACTOR = 1.5
 
 
 def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -> StiffnessBounds:
@@ -155,7 +155,7 @@ def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -
     )
 
 
-def unseen_arm_band(
+def unresolved_arm_band(
     fit: Fit,
     tests: Tests,
     frequency: npt.ArrayLike,
@@ -186,7 +186,7 @@ def unseen_arm_band(
     limits = np.array([_limits(spectra, 2 * np.pi * at) for at in f])
     stiffness = fit.solid.complex_stiffness(omega=2 * np.pi * f)
     storage, loss, factor = (
-        _holding(part, value)
+        _widen_to_contain(part, value)
         for part, value in zip(
             limits.transpose(1, 2, 0),
             (stiffness.real, stiffness.imag, stiffness.imag / stiffness.real),
@@ -216,7 +216,7 @@ def frf_band(
     With :math:`|A| = \omega^2 / |n K^* - m\omega^2|`, the limits follow from the nearest and the
     farthest point of the set of (K', K'') to :math:`(m\omega^2/n, 0)`; those of
     :math:`|T| = |K^*| / |K^* - m\omega^2/n|` from its distances to the origin and that point. For
-    the unseen arms that set is convex, and known by its support in every direction asked. The
+    the unresolved arms that set is convex, and known by its support in every direction asked. The
     resonance lies where :math:`K' = m\omega^2/n` for one of them, its height between the largest
     lower and the largest upper limit.
 
@@ -247,20 +247,22 @@ def frf_band(
     predicted = PredictedFRF(MassOnSeals(mass, seals, coupled=coupled), kind)
     values, formal = _formal(fit, 2 * np.pi * f, predicted, level=level)
     resonance = np.sqrt(seals * fit.model.k_0 / mass) / (2 * np.pi)
-    fastest = 2 * np.pi * max(float(f[-1]), SOUGHT * resonance)
+    fastest = 2 * np.pi * max(float(f[-1]), SEARCH_FACTOR * resonance)
     spectra = _spectra(fit, tests, fastest=fastest, level=level)
 
     def limits(at: FloatArray) -> FloatArray:
         omega = 2 * np.pi * at
         reach = np.transpose([predicted.reach(spectra, item) for item in omega])
-        return _holding(reach, predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega))
+        return _widen_to_contain(
+            reach, predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega)
+        )
 
     unmeasured = limits(f)
     peak = _resonance(spectra, mass / seals, 2 * np.pi * resonance)
     height = None
     if peak is not None and np.isfinite(peak[1]):
         there = limits(np.linspace(*peak, PEAK_LINES))
-        about = (f > peak[0] / ABOUT) & (f < peak[1] * ABOUT)
+        about = (f > peak[0] / LINE_FACTOR) & (f < peak[1] * LINE_FACTOR)
         low, high = np.concatenate((there, unmeasured[:, about]), axis=1).max(axis=1)
         height = (float(low), float(high))
     return FRFBounds(
@@ -371,9 +373,9 @@ def _draw_stiffnesses(fit: Fit, omega: FloatArray) -> ComplexArray:
 def _draws(mean: FloatArray, covariance: FloatArray, widest: FloatArray) -> FloatArray:
     """Normal draws of parameters, none known worse than `widest`, shape (draws, p)."""
     variance = np.diag(covariance)
-    lost = ~np.isfinite(variance) | (variance > widest**2)
-    covariance[lost, :] = covariance[:, lost] = 0.0
-    covariance[lost, lost] = widest[lost] ** 2
+    is_undetermined = ~np.isfinite(variance) | (variance > widest**2)
+    covariance[is_undetermined, :] = covariance[:, is_undetermined] = 0.0
+    covariance[is_undetermined, is_undetermined] = widest[is_undetermined] ** 2
     normal = draw_normal(DRAWS, len(mean))
     return np.asarray(mean + normal @ compute_covariance_root(covariance))
 
@@ -396,11 +398,11 @@ def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Admissi
     _level(level)
     records = ramp_holds(tests)
     if not records:
-        raise DataError("no relaxation test: the unseen arms are those that such a test misses")
+        raise DataError("no relaxation test: the unresolved arms are those that such a test misses")
     if fit.method not in get_choice_values(Method):
         raise DataError(
-            f"the fit's method is {fit.method!r}: the unseen arms are bounded by the noise of the "
-            "relaxation test alone; give the fit of that test"
+            f"the fit's method is {fit.method!r}: the unresolved arms are bounded by the noise "
+            "of the relaxation test alone; give the fit of that test"
         )
     data = [build_relaxation_data(record, fit) for record in records]
     spectra = AdmissibleSpectra(
@@ -415,10 +417,14 @@ def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Admissi
 
 def _limits(spectra: AdmissibleSpectra, omega: float) -> list[tuple[float, float]]:
     storage, loss = spectra.stiffness_at(omega)
-    return [spectra.reach(storage), spectra.reach(loss), spectra.ratio_reach(loss, storage)]
+    return [
+        spectra.limit_functional(storage),
+        spectra.limit_functional(loss),
+        spectra.ratio_reach(loss, storage),
+    ]
 
 
-def _holding(limits: FloatArray, values: FloatArray) -> FloatArray:
+def _widen_to_contain(limits: FloatArray, values: FloatArray) -> FloatArray:
     """Limits, shape (2, n), that hold the fit itself."""
     return np.array([np.minimum(limits[0], values), np.maximum(limits[1], values)])
 
@@ -438,7 +444,7 @@ def _resonance(
             float(storage @ spectra.find_extreme_spectrum(sign * storage)) / (share * omega**2) - 1
         )
 
-    low, high = value / SOUGHT, value * SOUGHT
+    low, high = value / SEARCH_FACTOR, value * SEARCH_FACTOR
     if excess(1, low) < 0 or excess(-1, high) > 0:
         return None
     ends = [_crossing(partial(excess, sign), low, high) for sign in (-1, 1)]

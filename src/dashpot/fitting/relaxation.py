@@ -11,9 +11,9 @@ import numpy as np
 from dashpot.base.checks import Check
 from dashpot.base.errors import DashpotError, FitError
 from dashpot.base.option_fields import (
-    FamilyAsked,
+    FamilyOption,
     Method,
-    RampLawAsked,
+    RampLawOption,
     ShiftLaw,
     Vertical,
     require_choice,
@@ -43,16 +43,16 @@ from dashpot.fitting.data_blocks import (
     compress_tests,
     data_of,
     eq5_obstacle,
+    fit_all_orders,
     solid_of,
-    weighed,
 )
 from dashpot.fitting.fit_construction import (
-    UNJUDGED,
+    NO_EVIDENCE,
     Residuals,
     SolidEstimate,
     build_fit,
+    estimate_without_errors,
     nuisances,
-    point_estimate,
     provenance_of,
     run_relaxation_checks,
 )
@@ -180,7 +180,7 @@ class _HoldArguments(TypedDict):
     """Arguments of the limits: longest hold, s, fitted model, degrees of freedom of the noise."""
 
     time: float
-    own: GeneralizedMaxwell
+    model: GeneralizedMaxwell
     dof: float
 
 
@@ -192,8 +192,8 @@ def fit(
     thorough: bool = False,
     nuisance: Sequence[str] = NUISANCE,
     max_arms: int = 6,
-    law: RampLawAsked = "auto",
-    family: FamilyAsked = "maxwell",
+    law: RampLawOption = "auto",
+    family: FamilyOption = "maxwell",
     intervals: bool = True,
     vertical: Vertical = "free",
     shift_law: ShiftLaw = "auto",
@@ -204,8 +204,8 @@ def fit(
     ``method="full"`` fits the response to the *recorded* motion x(t) from contact to the end of
     the hold, without the encoder's counts and noise where it shows any
     (:func:`~dashpot.preprocessing.denoising.denoise_displacement`). Offset and drift of the load
-    cell and the delay of the force are nuisance terms, each bound by what the record and its
-    machine give (:mod:`dashpot.fitting.nuisance_priors`); the force is never filtered,
+    cell and the delay of the force are nuisance terms, each with a prior from the record and its
+    machine (:mod:`dashpot.fitting.nuisance_priors`); the force is never filtered,
 
     .. math:: F(t) = S(t) - \delta\,\dot S(t) + F_0 + \dot F t, \qquad
               S(t) = k_\infty x(t) + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j} \dot x(u)\,du
@@ -345,13 +345,13 @@ def _refuse_history(records: Sequence[RampHold]) -> None:
     """Raise FitError for a nonlinear law of a ramp after earlier loadings."""
     if any(record.loading_start is not None for record in records):
         raise FitError(
-            "an elastic law from the ramp was asked for, and a record has earlier loadings, which "
-            "its ramp answers to as well: ask for a linear law, or cut the record to the test of a "
+            "an elastic law from the ramp was requested, and a record has earlier loadings, which "
+            "affect its ramp as well: use a linear law, or cut the record to the test of a "
             "seal that has rested"
         )
 
 
-def _record_law_option(fit: Fit, law: RampLawAsked) -> Fit:
+def _record_law_option(fit: Fit, law: RampLawOption) -> Fit:
     """Return a fit whose last step names the requested elastic law, if any."""
     if law == "auto" or not fit.steps or fit.steps[-1].name != "fit":
         return fit
@@ -368,15 +368,15 @@ def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: 
     linearity = None
     if setup == FitSetup("full"):
         motion, linearity = select_delayed_motion(motion, options)
-        initial_fit, fractional_fit = linearity.first, linearity.element
+        initial_fit, fractional_fit = linearity.initial_fit, linearity.fractional_fit
         # a ramp after earlier loadings responds to those as well: it determines no nonlinear law
-        keeps_linear_law = linearity.sound or any(
+        keeps_linear_law = linearity.is_linear or any(
             record.loading_start is not None for record in records
         )
         ramp_law = (
             None if keeps_linear_law else _select_elastic_law(records, options.law, options.count)
         )
-        if ramp_law is not None and not ramp_law.sound:
+        if ramp_law is not None and not ramp_law.is_linear:
             fit = _fit_hold_then_ramp(records, ramp_law, options.count)
             return (
                 fit
@@ -384,20 +384,20 @@ def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: 
                 else with_linear_fractional(fit, ramp_law.residuals, fractional_fit)
             )
     if options.point is not None:
-        initial_fit = initial_fit or weighed(motion.data, options.point, only=True)
+        initial_fit = initial_fit or fit_all_orders(motion.data, options.point, only=True)
         return build_point_fit(motion, initial_fit, setup, options.point)
     selected = select_order(motion.data, options, first=initial_fit)
     family_selection = chosen_family(selected, options.family, fractional_fit)
     if setup.method == "hold":
-        depth_errors = [record.depth_doubt for record in records]
+        depth_errors = [record.depth_error for record in records]
         family_selection = replace(
-            family_selection, best=family_selection.best.with_depth_doubt(depth_errors)
+            family_selection, best=family_selection.best.add_depth_error(depth_errors)
         )
     return _build_linear_fit(motion, family_selection, setup, linearity, options)
 
 
 def _select_elastic_law(
-    records: Sequence[RampHold], law: RampLawAsked, arms: int | None = None
+    records: Sequence[RampHold], law: RampLawOption, arms: int | None = None
 ) -> RampLaw:
     """Return the elastic law that the ramps support."""
     from dashpot.fitting.nonlinear_ramp.elastic_law import select_elastic_law
@@ -418,11 +418,11 @@ def build_point_fit(
     return build_fit(
         SolidEstimate(
             model,
-            point_estimate(model, solution.samples, solution.sse, terms),
-            fewer=solution.order < arms,
+            estimate_without_errors(model, solution.samples, solution.sse, terms),
+            has_fewer_arms=solution.order < arms,
             at_bound=bool(solution.at_bound.any()),
         ),
-        UNJUDGED,
+        NO_EVIDENCE,
         provenance_of(setup.method, records, *motion.steps),
         elastic_law=ElasticLaw.linear(model.k_inf, max(record.depth for record in records)),
     )
@@ -447,7 +447,9 @@ def _build_linear_fit(
     data = _build_limit_data(records, family_selection.arms, setup)
     hold = _collect_hold_arguments(records, family_selection.arms)
     spectra = spectra_of_holds(data, **hold)
-    end_of_hold = compute_end_limits(data, **hold, spectra=spectra).holding(selection.model)
+    end_of_hold = compute_end_limits(data, **hold, spectra=spectra).widen_to_contain(
+        selection.model
+    )
     band, band_error = find_hold_band(spectra, selection.solid, band)
     sensitivity = compute_rig_sensitivity(data, selection.solid)
     if setup.method == "hold" and "delay" in setup.nuisance and selection.solid is selection.model:
@@ -455,13 +457,13 @@ def _build_linear_fit(
     alternative = family_selection.alternative(band)
     steps = (*_make_motion_steps(records, setup), *motion.steps)
     return build_fit(
-        selection.outcome(
+        selection.make_solid_estimate(
             selection.residual,
             selection.nuisances(
                 motion.coefficients(selection.solution.coefficient),
                 delays=[build_delay_prior(record).sd for record in records],
             ),
-            unseen=sensitivity,
+            rig_sensitivity=sensitivity,
         ),
         Evidence(
             band,
@@ -471,7 +473,7 @@ def _build_linear_fit(
                 *(check for record in records for check in record.checks),
                 selection.convergence_check,
                 *_run_checks(motion, selection, setup, end_of_hold),
-                *([] if linearity is None else [ramp_checks.ramp_explained(linearity.judged)]),
+                *([] if linearity is None else [ramp_checks.ramp_explained(linearity.quality)]),
                 *family_selection.checks(alternative),
                 valid_band_exists(band),
                 loss_factor_determined(band_error),
@@ -492,9 +494,9 @@ def _build_linear_fit(
 def _fit_hold_then_ramp(records: Sequence[RampHold], ramp_law: RampLaw, arms: int | None) -> Fit:
     """Return the fit hold first, with the elastic law that the ramps support."""
     from dashpot.fitting.nonlinear_ramp.elastic_law import supported_by_holds
-    from dashpot.fitting.nonlinear_ramp.fit_construction import held_ramps, ramp_fit
+    from dashpot.fitting.nonlinear_ramp.fit_construction import build_ramp_data, build_ramp_fit
 
-    data = held_ramps(records, ramp_law)
+    data = build_ramp_data(records, ramp_law)
     hold_arguments = _collect_hold_arguments(records, ramp_law)
     spectra = spectra_of_holds(data, **hold_arguments)
     end_of_hold = compute_end_limits(data, **hold_arguments, spectra=spectra)
@@ -503,7 +505,7 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], ramp_law: RampLaw, arms: in
     if arms is not None:
         supported = supported_by_holds(records, ramp_law.hold)
         arm_checks = (arms_enough(supported, ramp_law.model.arms, unit="N"),)
-    return ramp_fit(
+    return build_ramp_fit(
         records,
         ramp_law,
         requested=arms,
@@ -532,7 +534,7 @@ def _collect_hold_arguments(
     """Return the arguments of the limits: hold time, model, degrees of freedom."""
     return {
         "time": max(record.hold_time for record in records),
-        "own": result.model,
+        "model": result.model,
         "dof": result.estimate.dof,
     }
 
@@ -553,7 +555,7 @@ def _run_checks(
             Residuals(estimate.residuals, estimate.rms, estimate.kappa),
             end_of_hold,
             method=setup.method,
-            needed=choice is not None,
+            arms_selected=choice is not None,
             in_arms=has_arms_only,
         ),
     ]
@@ -563,7 +565,7 @@ def _run_checks(
     all_checks += _check_load_cells(motion, selection, end_of_hold)
     if choice is not None:
         all_checks.append(order_agreed(choice))
-    all_checks += selection.enough("N")
+    all_checks += selection.check_arm_count("N")
     if setup.method == "full" and has_arms_only:
         all_checks.append(
             checks.hold_and_full_agree(
@@ -599,7 +601,7 @@ def _check_load_cells(
                 )
         return results
 
-    beyond_hold = np.inf if end_of_hold is None else end_of_hold.beyond
+    beyond_hold = np.inf if end_of_hold is None else end_of_hold.distance_outside
     all_checks = [
         ramp_checks.offset_plausible(list_departures("offset")),
         ramp_checks.drift_plausible(list_departures("drift"), beyond_hold),
@@ -640,7 +642,7 @@ def _compute_drift_correlation(estimate: SolutionEstimate) -> float | None:
 def _make_fit_step(
     records: Sequence[RampHold], selection: SelectedModel, setup: FitSetup, options: FitOptions
 ) -> Step:
-    requested = selection.asked
+    requested = selection.requested_arms
     parameters = (
         ("arms", "auto" if requested is None else str(requested)),
         ("method", setup.method),
@@ -664,8 +666,7 @@ def _make_motion_steps(records: Sequence[RampHold], setup: FitSetup) -> tuple[St
                 f"read the displacement between counts of {format_quantity(step, 'um', '.3g')} "
                 "and "
                 f"averaged its scatter of {format_quantity(noise, 'um', '.3g')} where the motion "
-                "allows; "
-                "the force is as recorded"
+                "allows; the force is as recorded"
             )
             parameters = (("count", f"{step:.6g} m"), ("noise", f"{noise:.6g} m"))
             steps.append(Step("motion", parameters, message))

@@ -12,7 +12,7 @@ from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median, slow_
 from dashpot.base.errors import DataError
 from dashpot.base.units import celsius
 from dashpot.datamodel.fit import Fit, get_fewest_arms_model
-from dashpot.datamodel.machine import USUAL
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
 from dashpot.fitting.data_blocks import block_of, first_sample, motion
@@ -35,7 +35,7 @@ from dashpot.fitting.nuisance_priors import (
 )
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import uniform_step
-from dashpot.numerics.design_matrices.recorded_motion import FARTHEST, window_of
+from dashpot.numerics.design_matrices.recorded_motion import MAX_SLOWNESS, window_of
 from dashpot.preprocessing.denoising import between_samples, denoise_displacement, rests
 from dashpot.signals.disturbances import (
     build_earlier_press,
@@ -51,7 +51,7 @@ _CELL = ("offset", "drift")
 # relaxation times of a record on an uneven clock are asked about from this on, s
 SHORTEST = 1e-6
 # readings that stand for a while on the way, at most
-RESTS = 8
+MAX_PAUSES = 8
 # the rate of a force is that of the arms slower than so many samples
 SLOW_ARM = 5.0
 # what lags may be a filter, in the difference of the two
@@ -60,17 +60,17 @@ FILTERED = 1.0
 # as many of the ramp, and relaxation times of which it is a sum
 LAID_OUT, MIXED = 100, 16
 # samples of earlier loadings
-REMEMBERED = 4000
+MAX_HISTORY_SAMPLES = 4000
 # cycles per record between which noise limits the detection of an arm
 SLOWEST_NOISE, FASTEST_NOISE = 8, 160
 # a line of the periodogram so far above its middle is a hum, and no noise
 LINE = 20.0
 # slower noise counts where its power is so much larger: by chance it never is
-WANDERS = 2.0
+SLOW_NOISE_RATIO = 2.0
 # standard errors of a shift within which other spectra may move it, and never less than this, ln
 _FREE, _LEAST_SHIFT = 5.0, 0.007
 # standard errors of a slope from which on arms do shift apart
-_SURE = 3.0
+_SIGNIFICANT_SE = 3.0
 # another temperature may change every stiffness by so much more than b_T
 _GAIN = 0.02
 
@@ -80,13 +80,13 @@ def build_relaxation_data(
     fit: Fit,
     *,
     single_fit: Fit | None = None,
-    claimed: bool = True,
+    for_limits: bool = True,
     shift: ThermalShift | None = None,
     warms: tuple[float, float] = (0.0, 0.0),
 ) -> RelaxationData:
     r"""Weigh a test by its own residual, and doubt all that its rig adds to the force.
 
-    What is before first contact only tells offset and drift, and is spent on their priors. A
+    What is before first contact only shows offset and drift, and is spent on their priors. A
     reading that stands, such as the first and that of the hold, is uniform within a count q of the
     encoder, a standard deviation of :math:`q/\sqrt{12}`; while it moves, what is left of counts
     and noise makes the samples worth less. Either looks like an arm faster than the ramp.
@@ -98,8 +98,8 @@ def build_relaxation_data(
         The solid whose response to a small motion stands for the doubt; its method is kept.
     single_fit : Fit, optional
         Of this test alone, where `fit` is of more than this test: its solid leaves the noise.
-    claimed : bool
-        For limits, which bear all that a rig may have done unseen
+    for_limits : bool
+        For limits, which allow all that a rig may have done without a trace in the record
         (:func:`compute_unmeasured_effects`). A fit of several tests is a point, and not of the
         doubtful rig: what could be moved by so much would hide that the tests disagree.
     shift : ThermalShift, optional
@@ -114,11 +114,11 @@ def build_relaxation_data(
         If the fit is of several temperatures, and the test of none of them.
     """
     if fit.temperatures is not None:
-        return _shift_to_reference(test, fit, single_fit, claimed=claimed)
+        return _shift_to_reference(test, fit, single_fit, for_limits=for_limits)
     model, solid = get_fewest_arms_model(fit), get_fewest_arms_model(single_fit or fit)
     if fit.method == "hold":
-        held = _compute_arm_residual(solid, block_of(test, method="hold", terms=_CELL))
-        return build_hold_data(test, model, held, claimed=claimed)
+        hold_residual = _compute_arm_residual(solid, block_of(test, method="hold", terms=_CELL))
+        return build_hold_data(test, model, hold_residual, for_limits=for_limits)
     law = fit.elastic_law
     if law is not None and law.kind == "linear":
         law = None
@@ -130,18 +130,18 @@ def build_relaxation_data(
         name: (model.force(time, 1.0 * there), sd)
         for name, (there, sd) in _doubts(test, time).items()
     }
-    if claimed:
+    if for_limits:
         at = select_motion_samples(test, time)
         for name, (column, sd) in compute_unmeasured_effects(test, time[at], x[at], model).items():
             doubts[name] = np.interp(time, time[at], column), sd
     if shift is not None:
         by_a, by_b = warms
         doubts["warming"] = compute_warming(time, x, model, by_a=by_a, by_b=by_b), 0.0
-    late = _lateness(single_fit or fit)
-    if late:
-        doubts |= _build_delay_columns(test, model, time, x, late=late)
+    delay = _find_fitted_delay(single_fit or fit)
+    if delay:
+        doubts |= _build_delay_columns(test, model, time, x, delay=delay)
     columns = {name: column for name, (column, _) in doubts.items()}
-    certain = block_of(test, terms=_CELL, law=law, reach=_reach(test, 1.0))
+    certain = block_of(test, terms=_CELL, law=law, relaxation_window=_reach(test, 1.0))
     residual = _compute_arm_residual(solid, certain)
     power = max(noise_power(residual), certain.rounding_floor)
     trusted = 1 / np.sqrt(1 + (model.k_0 * magnitude) ** 2 / power)
@@ -153,7 +153,7 @@ def build_relaxation_data(
             law=law,
             columns=columns,
             weights=trusted,
-            reach=_reach(test, shift.a_t if shift else 1.0),
+            relaxation_window=_reach(test, shift.a_t if shift else 1.0),
         ),
         certain,
         model,
@@ -161,9 +161,9 @@ def build_relaxation_data(
         size=float(np.hypot(_compute_law_deviation(law), set_of(test, model))),
         rms=fit.estimate.residual.rms,
         doubts={get_column_kind(name): sd for name, (_, sd) in doubts.items()},
-        claimed=claimed,
+        for_limits=for_limits,
     )
-    relaxation_data = replace(relaxation_data, delay=0.0) if late else relaxation_data
+    relaxation_data = replace(relaxation_data, delay=0.0) if delay else relaxation_data
     if shift is None:
         return relaxation_data
     relaxation_data = replace(
@@ -171,32 +171,34 @@ def build_relaxation_data(
         terms=relaxation_data.terms.add_terms(warming=build_recorded_warming_prior(test.specimen)),
     )
     gain = _GAIN if shift.shift_sd > 0 else 0.0
-    return replace(relaxation_data, moved=shift, size=float(np.hypot(relaxation_data.size, gain)))
+    return replace(
+        relaxation_data, thermal_shift=shift, size=float(np.hypot(relaxation_data.size, gain))
+    )
 
 
 def _build_delay_columns(
-    test: RampHold, model: GeneralizedMaxwell, time: FloatArray, x: FloatArray, *, late: float
+    test: RampHold, model: GeneralizedMaxwell, time: FloatArray, x: FloatArray, *, delay: float
 ) -> dict[str, tuple[FloatArray, float]]:
     """Return the columns of a force that is so late, s, with their standard deviations.
 
     They are of the size that was found: the chord is exact there, where the tangent is not.
     """
     slow = _slower(model, SLOW_ARM * test.step)
-    displacement = slow.force(time, np.interp(time - late, time, x, left=0.0))
+    displacement = slow.force(time, np.interp(time - delay, time, x, left=0.0))
     # what has lagged once may lag by that, whatever was thought possible
-    sd = max(build_delay_prior(test).sd, late)
-    entries = {"delay": ((displacement - slow.force(time, x)) / late, sd)}
-    if late > 0:
-        low_passed = x - arm_response(time, x, late)
+    sd = max(build_delay_prior(test).sd, delay)
+    entries = {"delay": ((displacement - slow.force(time, x)) / delay, sd)}
+    if delay > 0:
+        low_passed = x - arm_response(time, x, delay)
         entries["filter"] = slow.force(time, low_passed) - displacement, FILTERED
     return entries
 
 
-def _lateness(fit: Fit) -> float:
+def _find_fitted_delay(fit: Fit) -> float:
     """The delay of the force of one test, s, where it is too large for the tangent; else 0."""
     values = [nuisance.value for nuisance in fit.estimate.nuisance if nuisance.name == "delay"]
-    late = values[0] if fit.method == "full" and values else 0.0
-    return late if abs(late) > LINEAR_DELAY else 0.0
+    delay = values[0] if fit.method == "full" and values else 0.0
+    return delay if abs(delay) > LINEAR_DELAY else 0.0
 
 
 def _slower(solid: GeneralizedMaxwell, tau: float) -> GeneralizedMaxwell:
@@ -216,7 +218,7 @@ def _compute_law_deviation(law: ElasticLaw | None) -> float:
 
 
 def _shift_to_reference(
-    test: RampHold, fit: Fit, single_fit: Fit | None, *, claimed: bool
+    test: RampHold, fit: Fit, single_fit: Fit | None, *, for_limits: bool
 ) -> RelaxationData:
     """Return a test of several temperatures: what it says of the solid at their reference.
 
@@ -235,29 +237,29 @@ def _shift_to_reference(
             f"a record is of {celsius(kelvin)}, and no test of the fit is: give those that were "
             "fitted"
         )
-    here = replace(fit.at_temperature(shift.temperature), temperatures=None)
+    shifted_fit = replace(fit.at_temperature(shift.temperature), temperatures=None)
     rates, at_reference = shifts.rates(shift.temperature), shift.temperature == shifts.reference
     slope_sd = float(np.sqrt(shifts.cross[-1, -1])) if len(shifts.cross) else 0.0
     where = ThermalShift(
         shift.log10_a_t * LN_10,
         float(np.log(shift.b_t)),
         # arms that shift apart by no more than chance are laid out together, and doubted
-        shifts.slope if abs(shifts.slope) > _SURE * slope_sd else 0.0,
+        shifts.slope if abs(shifts.slope) > _SIGNIFICANT_SE * slope_sd else 0.0,
         0.0 if at_reference else max(_FREE * shift.se * LN_10, _LEAST_SHIFT),
         0.0 if at_reference else _FREE * slope_sd,
     )
     return build_relaxation_data(
-        test, here, single_fit=single_fit, claimed=claimed, shift=where, warms=rates
+        test, shifted_fit, single_fit=single_fit, for_limits=for_limits, shift=where, warms=rates
     )
 
 
 def build_hold_data(
     test: RampHold,
-    answer: GeneralizedMaxwell,
+    model: GeneralizedMaxwell,
     residual: FloatArray,
     *,
     law: ElasticLaw | None = None,
-    claimed: bool = True,
+    for_limits: bool = True,
 ) -> RelaxationData:
     """The hold after an ideal ramp, whose depth scales the force, by way of its elastic law."""
     block = block_of(test, method="hold", terms=_CELL, law=law)
@@ -269,11 +271,11 @@ def build_hold_data(
         test,
         block,
         block,
-        answer,
+        model,
         residual,
         since=since,
-        claimed=claimed,
-        size=float(np.hypot(test.depth_doubt, set_of(test, answer))),
+        for_limits=for_limits,
+        size=float(np.hypot(test.depth_error, set_of(test, model))),
     )
     if law is None:
         # eq. 5 is fitted with a drift as free as it may be
@@ -281,28 +283,28 @@ def build_hold_data(
     start = float(test.time[test.settled_samples.start] - test.time[0])
     return (
         relaxation_data
-        if not claimed
+        if not for_limits
         else _add_rig_columns(relaxation_data, test, (time, ramp), since=since, start=start)
     )
 
 
 def fitted_data(
-    test: RampHold, block: DataBlock, answer: GeneralizedMaxwell, residual: FloatArray
+    test: RampHold, block: DataBlock, model: GeneralizedMaxwell, residual: FloatArray
 ) -> RelaxationData:
     """As :func:`build_relaxation_data`, from the block of a recorded motion that a fit has at hand.
 
     What the encoder leaves unknown of the depth scales the force; what it leaves unknown of the
     ramp's corners is not in it, so it serves no question about fast arms.
     """
-    size = float(np.hypot(test.depth_doubt, test.contact_error / test.depth))
-    size = float(np.hypot(size, set_of(test, answer)))
+    size = float(np.hypot(test.depth_error, test.contact_error / test.depth))
+    size = float(np.hypot(size, set_of(test, model)))
     time, x, _ = motion(test)
-    relaxation_data = _weight_block(test, block, block, answer, residual, size=size)
+    relaxation_data = _weight_block(test, block, block, model, residual, size=size)
     relaxation_data = _add_rig_columns(
         relaxation_data, test, (time, x), start=float(time[first_sample(test)])
     )
-    late = any(get_column_kind(name) == "delay" for name in block.fixed_names)
-    return replace(relaxation_data, delay=0.0) if late else relaxation_data
+    has_delay = any(get_column_kind(name) == "delay" for name in block.fixed_names)
+    return replace(relaxation_data, delay=0.0) if has_delay else relaxation_data
 
 
 def _add_rig_columns(
@@ -319,7 +321,7 @@ def _add_rig_columns(
     counts from `since`, s, all from the first sample on.
     """
     time, x = (part[select_motion_samples(test, changes[0])] for part in changes)
-    adds = compute_unmeasured_effects(test, time, x, data.answer)
+    adds = compute_unmeasured_effects(test, time, x, data.model)
     tau = np.geomspace(max(test.ramp_time / 100, test.step), 10 * test.hold_time, MIXED)
     shapes = {"k_inf": x, "offset": np.ones(len(time)), "drift": time - since}
     kinds = [get_column_kind(name) for name in data.block.fixed_names]
@@ -332,7 +334,10 @@ def _add_rig_columns(
     fixed = np.zeros((len(kinds), wanted.shape[1]))
     fixed[there] = weights[: len(columns)]
     return replace(
-        data, unseen=UnmeasuredEffects(tuple(adds), np.log(tau), fixed, weights[len(columns) :])
+        data,
+        unmeasured_effects=UnmeasuredEffects(
+            tuple(adds), np.log(tau), fixed, weights[len(columns) :]
+        ),
     )
 
 
@@ -349,7 +354,7 @@ def noise_power(residual: FloatArray) -> float:
         return float(np.mean(residual**2))
     slow = power[(cycles >= SLOWEST_NOISE / 3) & (cycles <= 2 * SLOWEST_NOISE)]
     level = float(medium.mean())
-    return max(level, float(slow.mean())) if slow.mean() > WANDERS * level else level
+    return max(level, float(slow.mean())) if slow.mean() > SLOW_NOISE_RATIO * level else level
 
 
 def _without_lines(power: FloatArray) -> FloatArray:
@@ -360,16 +365,16 @@ def _weight_block(
     test: RampHold,
     block: DataBlock,
     certain: DataBlock,
-    answer: GeneralizedMaxwell,
+    model: GeneralizedMaxwell,
     residual: FloatArray,
     *,
     doubts: Mapping[str, float] = MappingProxyType({}),
     size: float = 0.0,
     since: float = 0.0,
     rms: float = 0.0,
-    claimed: bool = True,
+    for_limits: bool = True,
 ) -> RelaxationData:
-    terms = build_nuisance_terms(test, claimed=claimed)
+    terms = build_nuisance_terms(test, for_limits=for_limits)
     power = max(noise_power(residual), certain.rounding_floor)
     remainder = max(float(np.mean(residual**2)), rms**2, power)
     return RelaxationData(
@@ -379,7 +384,7 @@ def _weight_block(
         terms=replace(terms, drift_start=since + terms.drift_start).add_terms(
             **{name: Prior(0.0, sd) for name, sd in doubts.items()}
         ),
-        answer=_slower(answer, SLOW_ARM * test.step),
+        model=_slower(model, SLOW_ARM * test.step),
         delay=terms.priors["delay"].sd,
         size=size,
         certain=certain,
@@ -399,7 +404,7 @@ def _reach(test: RampHold, a_t: float) -> tuple[float, float]:
     """Relaxation times that are asked about where the solid is `a_t` times slower, s."""
     time = motion(test)[0]
     low, high = window_of(time, uniform_step(time))
-    return min(DASHPOT * low, SHORTEST) * min(a_t, 1.0), FARTHEST * high * max(a_t, 1.0)
+    return min(DASHPOT * low, SHORTEST) * min(a_t, 1.0), MAX_SLOWNESS * high * max(a_t, 1.0)
 
 
 def _doubts(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, float]]:
@@ -419,7 +424,7 @@ def _doubts(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, floa
 
 
 def compute_unmeasured_effects(
-    test: RampHold, time: FloatArray, x: FloatArray, answer: GeneralizedMaxwell
+    test: RampHold, time: FloatArray, x: FloatArray, model: GeneralizedMaxwell
 ) -> dict[str, tuple[FloatArray, float]]:
     """What a rig may add to the force that no record shows, in N a unit, and its sd in units.
 
@@ -431,11 +436,11 @@ def compute_unmeasured_effects(
     ----------
     test : RampHold
     time, x : array, shape (n,)
-        Since the first sample, s, and the motion that the solid `answer` is thought to feel, m.
+        Since the first sample, s, and the motion that the solid `model` is thought to feel, m.
     """
     terms = build_machine_terms(
         test.machine,
-        answer,
+        model,
         time,
         x,
         since=time + test.time[0] - test.ramp_end,
@@ -443,14 +448,14 @@ def compute_unmeasured_effects(
         depth=test.depth,
         settles=not test.changed_readings,
     )
-    peak = float(np.abs(answer.force(time, x)).max())
+    peak = float(np.abs(model.force(time, x)).max())
     if test.preload and peak > 0:
         # pressed when the record begins; what it carries in the middle of the rest is offset
-        relaxing = answer.force(time, np.ones(len(time)))
+        relaxing = model.force(time, np.ones(len(time)))
         tared = float(np.interp(build_load_cell_priors(test).offset_time, time, relaxing))
         terms["preload"] = relaxing - tared, test.preload * test.depth / peak
-    if test.loading_start is None and not test.gap > 0 and answer.arms:
-        memory, sd = build_earlier_press(test.machine, answer, time, depth=test.depth)
+    if test.loading_start is None and not test.gap > 0 and model.arms:
+        memory, sd = build_earlier_press(test.machine, model, time, depth=test.depth)
         # what it carries in the middle of the rest is offset
         terms["memory"] = (
             memory - float(np.interp(build_load_cell_priors(test).offset_time, time, memory)),
@@ -458,35 +463,35 @@ def compute_unmeasured_effects(
         )
     # its temperature is that of its contact, however long the machine stood before
     value = max(test.onset - test.ramp_time - test.time[0], 0.0)
-    warms = compute_warming(time, x, answer, since=value)
+    warms = compute_warming(time, x, model, since=value)
     terms["warming"] = warms, build_warming_prior(test.specimen).sd
     if test.machine.force_filter is None:
         lines = build_folded_mains(time, step=test.step)
         # four parts of one line of that size
-        sd = USUAL["folded mains"].size * peak / 2
+        sd = DEFAULT_UNCERTAINTIES["folded mains"].size * peak / 2
         terms |= {f"mains@{i}": (line, sd) for i, line in enumerate(lines)}
     return terms
 
 
-def set_of(test: RampHold, answer: GeneralizedMaxwell) -> float:
+def set_of(test: RampHold, model: GeneralizedMaxwell) -> float:
     """Return the standard deviation of the depth that a set of earlier presses leaves, relative.
 
     A gap that was found may be the set of a seal that was pressed before its record began.
     """
     if not test.gap > 0 or test.loading_start is not None:
         return 0.0
-    return compute_set_sd(test.machine, answer, depth=test.depth, gap=test.gap) / test.depth
+    return compute_set_sd(test.machine, model, depth=test.depth, gap=test.gap) / test.depth
 
 
 def select_motion_samples(test: RampHold, time: FloatArray) -> IndexArray:
     """Return some hundred samples of a motion, and some of what relaxes after it."""
     corner = test.ramp_end - test.time[0]
     even = int(np.searchsorted(time, corner + test.ramp_time))
-    late = np.searchsorted(time, corner + np.geomspace(test.ramp_time, time[-1], LAID_OUT))
+    late_samples = np.searchsorted(time, corner + np.geomspace(test.ramp_time, time[-1], LAID_OUT))
     early = np.arange(test.start, even, max((even - test.start) // (3 * LAID_OUT), 1))
     # of earlier loadings the solid remembers the way, whose corners count
-    past = np.arange(0, test.start, max(test.start // REMEMBERED, 1))
-    chosen = np.concatenate((past, early, np.minimum(late, len(time) - 1), [len(time) - 1]))
+    past = np.arange(0, test.start, max(test.start // MAX_HISTORY_SAMPLES, 1))
+    chosen = np.concatenate((past, early, np.minimum(late_samples, len(time) - 1), [len(time) - 1]))
     chosen.sort()
     return np.asarray(chosen[np.append(True, np.diff(chosen) > 0)])
 
@@ -497,5 +502,5 @@ def _few_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:
     first, last = (-np.inf, test.onset), (test.ramp_end, np.inf)
     if len(results) > 1:
         first, last = results[0], results[-1]
-    longest = sorted(results[1:-1], key=lambda rest: rest[0] - rest[1])[:RESTS]
+    longest = sorted(results[1:-1], key=lambda rest: rest[0] - rest[1])[:MAX_PAUSES]
     return [first, *longest, last]

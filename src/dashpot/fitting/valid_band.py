@@ -162,7 +162,9 @@ class SolidErrors:
         magnitude, angle = (1 / abs(K) if self.creep else abs(K)), float(np.angle(K))
         eta = K.imag / K.real if K.real > 0 else np.inf
         if self.stiffness is None:
-            lowest, highest = self.spectra.reach(storage * np.cos(angle) + loss * np.sin(angle))
+            lowest, highest = self.spectra.limit_functional(
+                storage * np.cos(angle) + loss * np.sin(angle)
+            )
         else:
             lowest, highest = magnitude / (1 + self.stiffness), magnitude * (1 + self.stiffness)
         stiffness_ratio = highest / lowest if lowest > 0 else np.inf
@@ -342,7 +344,7 @@ def compute_posterior_spread(
     rows = stack.evaluate(log_tau, derivative=False)
     fixed, arms = rows.phi[:, : len(stack.names)], rows.phi[:, len(stack.names) :]
     basis = np.linalg.qr(fixed)[0]
-    # spring, offset and drift are free: what they explain tells nothing of an arm
+    # spring, offset and drift are free: what they explain shows nothing of an arm
     arms = arms - basis @ (basis.T @ arms)
     prior_sd = _PRIOR_SD_RATIO * stiffness
     information = arms.T @ arms * (prior_sd / noise) ** 2

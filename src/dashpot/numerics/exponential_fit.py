@@ -34,18 +34,18 @@ from dashpot.numerics.log_tau_descent import (
 
 
 #: where descents that are yet to be compared end: steps, and falls of the SSE
-LOOSE = 1e-4
-FLAT = 1e-10
+COARSE_TOLERANCE = 1e-4
+FLAT_DEVIANCE = 1e-10
 EXTRA_STARTS = 16
-DOUBT = 0.1
+MIN_PRIOR_SHARE = 0.1
 #: numbers of arms for which every set of points of a grid is tried, and the points of that grid
-LOOK: dict[int, tuple[Callable[[Grid], FloatArray | None], int]] = {
+GRID_SEARCH: dict[int, tuple[Callable[[Grid], FloatArray | None], int]] = {
     1: (single, 48),
     2: (find_best_pair, 48),
     3: (find_best_triple, 94),
 }
 #: in units of the noise variance
-FAR = 20.0
+FAR_DEVIANCE = 20.0
 
 
 class ArmInsertion:
@@ -123,9 +123,9 @@ class ArmInsertion:
             spread = np.diagonal(np.linalg.inv(point.curvature)) * noise
         except np.linalg.LinAlgError:  # an arm of which nothing is known
             return None
-        if not (spread < DOUBT**2).all():
+        if not (spread < MIN_PRIOR_SHARE**2).all():
             return None
-        if arms not in LOOK and point.sse - self.grid.residual_sse > FAR * noise:
+        if arms not in GRID_SEARCH and point.sse - self.grid.residual_sse > FAR_DEVIANCE * noise:
             return None
         return local
 
@@ -137,7 +137,7 @@ class ArmInsertion:
                 None
                 if start is None
                 else descend(
-                    self.stack, start, damping=1e-6, wanted=self._get_nonnegative_mask(arms)
+                    self.stack, start, damping=1e-6, selected=self._get_nonnegative_mask(arms)
                 )
             )
         return self._attempts[arms]
@@ -145,17 +145,17 @@ class ArmInsertion:
     def _has_separated_start(self, arms: int) -> bool:
         """Return whether the best set of grid points has no two that are neighbours."""
         start, (low, high) = self._first_start(arms), self.stack.bounds
-        if start is None or arms not in LOOK:
+        if start is None or arms not in GRID_SEARCH:
             return start is not None
-        step = (high - low) / (LOOK[arms][1] - 1)
+        step = (high - low) / (GRID_SEARCH[arms][1] - 1)
         return bool((np.diff(start) > 1.5 * step).all())
 
     def _first_start(self, arms: int) -> FloatArray | None:
         if self.thorough or self.signed or len(self.stack.groups) > 1:
             return None
         if arms not in self._starts_found:
-            if arms in LOOK:
-                best_set, size = LOOK[arms]
+            if arms in GRID_SEARCH:
+                best_set, size = GRID_SEARCH[arms]
                 start = best_set(Grid(self.stack, size))
             else:
                 start = next(
@@ -177,8 +177,8 @@ class ArmInsertion:
             last, count = self.best[-1].point, self.largest_order + 1
             if last.sse <= self.stack.nothing:
                 return
-            enough = self._leaves_less_than(negligible)
-            if enough:
+            is_small_enough = self._leaves_less_than(negligible)
+            if is_small_enough:
                 optimum = self._best_with(count, starts=self._insert_arm(count=1))
             else:
                 optimum = self._find_certain_optimum(count) or self._best_with(count)
@@ -186,7 +186,7 @@ class ArmInsertion:
             if optimum is None or optimum.point.sse >= worth:
                 return
             self.best.append(optimum)
-            if enough and not every:
+            if is_small_enough and not every:
                 return
 
     def _leaves_less_than(self, negligible: float) -> bool:
@@ -204,8 +204,8 @@ class ArmInsertion:
         together = np.concatenate((point.log_tau, self.grid.log_tau))
         near = np.arange(len(together)) < len(point.log_tau)
         fixed = point.beta[: len(self.stack.names)]
-        loose = ~(self.stack.get_nonnegative_mask(0, signed=False) & (fixed == 0))
-        return Grid(self.stack, log_tau=together, loose=loose, near=near).residual_sse
+        is_free = ~(self.stack.get_nonnegative_mask(0, signed=False) & (fixed == 0))
+        return Grid(self.stack, log_tau=together, is_free=is_free, near=near).residual_sse
 
     def _best_with(
         self, arms: int, *, starts: list[FloatArray] | None = None
@@ -258,7 +258,7 @@ class ArmInsertion:
         optima = [] if first is None else [first]
         for start in starts:
             rivals = [np.sort(rival.point.log_tau) for rival in optima]
-            local = self._descend(start, rivals, wanted=restricted)
+            local = self._descend(start, rivals, selected=restricted)
             if local is not None:
                 optima.append(local)
         sse = np.array([local.point.sse for local in optima])
@@ -289,17 +289,17 @@ class ArmInsertion:
         rivals: Sequence[FloatArray],
         *,
         restricted: BoolArray | None = None,
-        wanted: BoolArray | None = None,
-        finished: float = LOOSE,
+        selected: BoolArray | None = None,
+        finished: float = COARSE_TOLERANCE,
     ) -> LocalOptimum[StackTrial] | None:
         return descend(
             self.stack,
             start,
             restricted=restricted,
-            wanted=wanted,
+            selected=selected,
             rivals=rivals,
             finished=finished,
-            flat=0.0 if finished == FINISHED else FLAT,
+            flat=0.0 if finished == FINISHED else FLAT_DEVIANCE,
         )
 
 
@@ -519,13 +519,13 @@ def full_jacobian(blocks: Sequence[DataBlock], solution: Solution) -> Jacobian:
     # columns stand as contiguous rows, turned
     matrix = np.zeros((by_tau + arms, len(target)))
     for block, part in zip(blocks, parts, strict=True):
-        here = slice(first, first + len(part.target))
+        rows = slice(first, first + len(part.target))
         index = solution.groups.index(block.arm_group)
         for name, column in zip(block.fixed_names, part.fixed.T, strict=True):
-            matrix[stack.names.index(name), here] = column
-        matrix[q + index * arms : q + (index + 1) * arms, here] = part.arms.T
-        np.multiply(solution.arms[index][:, None], part.d_arms.T, out=matrix[by_tau:, here])
-        first = here.stop
+            matrix[stack.names.index(name), rows] = column
+        matrix[q + index * arms : q + (index + 1) * arms, rows] = part.arms.T
+        np.multiply(solution.arms[index][:, None], part.d_arms.T, out=matrix[by_tau:, rows])
+        first = rows.stop
     names = list(solution.fixed_names)
     for group in solution.groups:
         kind, at, where = group.partition("@")
@@ -661,13 +661,13 @@ def certificate(blocks: Sequence[DataBlock], solution: Solution) -> OptimalityCe
     stack = Stack(blocks)
     groups = len(stack.groups)
     # k_inf resting at zero is no free direction: its column then is not swept out
-    loose = ~(stack.get_nonnegative_mask(0, signed=False) & (solution.fixed == 0))
+    is_free = ~(stack.get_nonnegative_mask(0, signed=False) & (solution.fixed == 0))
     grid, support = np.linspace(*stack.bounds, CERTIFICATE_GRID), solution.log_tau
     best, remainder, dual_gradient, place = np.inf, 0.0, -np.inf, 0.0
     for round_ in range(CERTIFICATE_ROUNDS):
         together = np.concatenate((solution.log_tau, grid))
         near = np.append(np.ones(solution.order, bool), np.isin(grid, support))
-        offered = Grid(stack, log_tau=together, loose=loose, near=near)
+        offered = Grid(stack, log_tau=together, is_free=is_free, near=near)
         if round_ == 0:
             length = offered.length.reshape(groups, -1)[:, : solution.order]
             values = np.zeros((groups, len(together)))

@@ -22,31 +22,31 @@ from dashpot.numerics.nonnegative_least_squares import solve_linear
 
 LONGEST_STEP = 1.5
 TAIL = 1e-5
-NEAR = 0.1
+NEAR_OPTIMUM = 0.1
 #: steps shorter than this change the gradient by rounding only
 ROUNDING = 1e-7
 #: Gauss-Newton that converges creeps when a step is more than this part of the last
-SLOW = 1e-3
+SLOW_RATE = 1e-3
 FINISHED = 1e-11
 #: so short a step changes the linear parameters in proportion, to rounding
 LINEAR = 1e-6
 #: what then may be left of theta
-REST = 1e-9
+THETA_TOLERANCE = 1e-9
 #: what carries less, as a part, has faded: its steps are damped as if it carried that
 FADED = 1e-12
 #: after a step that was refused none goes farther than this part of it
-NEARER = 0.5
+STEP_REDUCTION = 0.5
 #: after one, damping falls to this part a step, and not at all where a step gained less than this
 #: part of what it promised
 EASED, GAINED = 0.5, 0.75
 #: what was learned of the Hessian is dropped where the fall that it foretells is so far off
-MISTAKEN = 0.25
+POOR_PREDICTION = 0.25
 #: a step so little damped promises what there is to gain
 DAMPED = 1e-3
 #: and by how much, in parts of it, the SSE may fall
 UNCHANGED = 1e-12
 #: so many steps with a coefficient of the wrong sign lead to none of the right one
-PATIENCE = 12
+MAX_WRONG_SIGN_STEPS = 12
 
 T = TypeVar("T", bound="Trial")
 
@@ -107,14 +107,16 @@ def is_step_acceptable(new: Any, old: Any, change: Any, rounding: Any) -> Any:
 
 def has_converged(change: Any, last: Any, fall: Any, sse: Any) -> Any:
     """At the rate of the last undamped steps next to nothing is left, of theta and of the SSE."""
-    return (change <= LINEAR) & (change * change <= REST * last) & (fall <= UNCHANGED * sse)
+    return (
+        (change <= LINEAR) & (change * change <= THETA_TOLERANCE * last) & (fall <= UNCHANGED * sse)
+    )
 
 
 def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     objective: Objective[T],
     start: FloatArray,
     *,
-    wanted: BoolArray | None = None,
+    selected: BoolArray | None = None,
     met: Callable[[FloatArray], bool] | None = None,
     finished: float = FINISHED,
     flat: float = 0.0,
@@ -136,58 +138,60 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     *Math. Programming Study* 16, 1982).
 
     With `flat` it ends where a step promises to lower the SSE by less than that part of it. A
-    descent on which coefficients that are `wanted` positive have long been negative, such as two
+    descent on which coefficients that are `selected` positive have long been negative, such as two
     arms that merge with ever larger coefficients of opposite sign, ends there.
 
     Returns None when it has `met` what is known already, or where the start cannot be evaluated.
     """
     at, low, high, floor, rounding = objective
     bounds = low.tolist(), high.tolist()
-    here = at(np.minimum(np.maximum(start, low), high), None)
-    if here.sse == np.inf:
+    current = at(np.minimum(np.maximum(start, low), high), None)
+    if current.sse == np.inf:
         return None
     lacking: FloatArray | None = None
     last, wrong, refused, wary = np.inf, 0, np.inf, False
     for count in range(2, limit + 2):
-        trial = _trial(here, lacking, damping, bounds)
-        step = trial - here.theta
+        trial = _trial(current, lacking, damping, bounds)
+        step = trial - current.theta
         change = max(map(abs, step.tolist()), default=0.0)
         # much the step that was refused
-        while TAIL < NEARER * refused < change:
+        while TAIL < STEP_REDUCTION * refused < change:
             damping *= 10
-            trial = _trial(here, lacking, damping, bounds)
-            step = trial - here.theta
+            trial = _trial(current, lacking, damping, bounds)
+            step = trial - current.theta
             change = max(map(abs, step.tolist()), default=0.0)
         refused = np.inf
-        fall, sse = abs(float(here.gradient @ step)), floor + here.sse
+        fall, sse = abs(float(current.gradient @ step)), floor + current.sse
         if change <= finished or (fall < flat * sse and damping <= DAMPED):
-            return LocalOptimum(here, count, True)
+            return LocalOptimum(current, count, True)
         if damping < LINEAR and has_converged(change, last, fall, sse):
-            return LocalOptimum(here.ahead(step), count, True)
-        new = at(trial, here)
-        if here.sse < new.sse < np.inf and change >= TAIL:
+            return LocalOptimum(current.ahead(step), count, True)
+        new = at(trial, current)
+        if current.sse < new.sse < np.inf and change >= TAIL:
             # along a valley that bends the step ends on its side: from there to its floor
             floored = at(_trial(new, None, damping, bounds), new)
-            if floored.sse < here.sse:
-                new, step = floored, floored.theta - here.theta
+            if floored.sse < current.sse:
+                new, step = floored, floored.theta - current.theta
                 change = max(map(abs, step.tolist()))
-        if is_step_acceptable(new.sse, here.sse, change, rounding):
-            promised = -float(step @ (2 * here.gradient + here.curvature @ step))
-            short = wary and here.sse - new.sse < GAINED * promised
-            sure = change < TAIL or _foretold(lacking, here, new, step)
-            lacking = _update_hessian_correction(lacking, here, new, change, last) if sure else None
-            last, here = change, new
-            wrong = wrong + 1 if wanted is not None and (here.beta[wanted] < 0).any() else 0
+        if is_step_acceptable(new.sse, current.sse, change, rounding):
+            promised = -float(step @ (2 * current.gradient + current.curvature @ step))
+            short = wary and current.sse - new.sse < GAINED * promised
+            sure = change < TAIL or _foretold(lacking, current, new, step)
+            lacking = (
+                _update_hessian_correction(lacking, current, new, change, last) if sure else None
+            )
+            last, current = change, new
+            wrong = wrong + 1 if selected is not None and (current.beta[selected] < 0).any() else 0
             damping *= (1.0 if short else EASED if wary else 0.1) * (change >= TAIL)
         elif (change < TAIL and damping == 0.0) or fall <= UNCHANGED * sse:
-            return LocalOptimum(here, count, True)
+            return LocalOptimum(current, count, True)
         else:
             damping, refused, wary = 10 * max(damping, 1e-6), change, True
-        if here.sse <= rounding or damping > 1e9 or wrong > PATIENCE:
-            return LocalOptimum(here, count, here.sse <= rounding)
-        if met is not None and met(here.theta):
+        if current.sse <= rounding or damping > 1e9 or wrong > MAX_WRONG_SIGN_STEPS:
+            return LocalOptimum(current, count, current.sse <= rounding)
+        if met is not None and met(current.theta):
             return None
-    return LocalOptimum(here, limit, False)
+    return LocalOptimum(current, limit, False)
 
 
 def _foretold(lacking: FloatArray | None, old: Trial, new: Trial, step: FloatArray) -> bool:
@@ -195,14 +199,14 @@ def _foretold(lacking: FloatArray | None, old: Trial, new: Trial, step: FloatArr
     if lacking is None:
         return True
     fall = -float(step @ (2 * old.gradient + (old.curvature + lacking) @ step))
-    return bool(abs(old.sse - new.sse - fall) <= MISTAKEN * fall)
+    return bool(abs(old.sse - new.sse - fall) <= POOR_PREDICTION * fall)
 
 
 def _update_hessian_correction(
     lacking: FloatArray | None, old: Trial, new: Trial, length: float, last: float
 ) -> FloatArray | None:
     """What the Hessian holds beyond J'J, corrected so that it explains a step that creeps."""
-    if not (ROUNDING < length < NEAR and length > SLOW * last):
+    if not (ROUNDING < length < NEAR_OPTIMUM and length > SLOW_RATE * last):
         return lacking
     change = new.theta - old.theta
     missed = new.gradient - old.gradient - new.curvature @ change
@@ -234,8 +238,8 @@ def _trial(
         step = _solve_damped_step(curvature, gradient, ridge)
     else:
         low, high = map(np.array, bounds)
-        held = ((at <= low) & (gradient > 0)) | ((at >= high) & (gradient < 0))
-        index = np.flatnonzero((scale > 0) & ~held)
+        at_bounds = ((at <= low) & (gradient > 0)) | ((at >= high) & (gradient < 0))
+        index = np.flatnonzero((scale > 0) & ~at_bounds)
         step = np.zeros(len(gradient))
         part = curvature[index[:, None], index]
         step[index] = _solve_damped_step(part, gradient[index], ridge[index])
@@ -291,11 +295,11 @@ def _upper(size: int) -> FloatArray:
 
 
 #: part of the data, in squares, that rounding leaves
-_NOTHING = 1e-22
+_ROUNDING_POWER = 1e-22
 #: a descent that is worse by this factor after its first steps is not followed
-_CLEARLY = 2.0
+_WORSE_FACTOR = 2.0
 #: step of a coefficient for a difference, in parts of it
-_SMALL = 1e-5
+_DIFFERENCE_STEP = 1e-5
 
 
 class Rows(NamedTuple):
@@ -393,7 +397,7 @@ class Problem:
         best = min(optima, key=lambda optimum: optimum.cost, default=None)
         if best is None or not rough:
             return best
-        near = [optimum.theta for optimum in optima if optimum.cost <= _CLEARLY * best.cost]
+        near = [optimum.theta for optimum in optima if optimum.cost <= _WORSE_FACTOR * best.cost]
         return self.solve(near, most=most, finished=finished, flat=flat)
 
     def valleys(
@@ -544,7 +548,7 @@ class Optimum:
     @property
     def nothing(self) -> float:
         """Sum of squares that rounding leaves."""
-        return _NOTHING * float(self.rows.y @ self.rows.y)
+        return _ROUNDING_POWER * float(self.rows.y @ self.rows.y)
 
     @property
     def free(self) -> BoolArray:
@@ -597,7 +601,7 @@ class Optimum:
             results.append(
                 (-min(h, max(value - parameter.low, 0.0)), min(h, max(parameter.high - value, 0.0)))
             )
-        row = _SMALL * np.maximum(np.abs(self.beta), 1e-300)
+        row = _DIFFERENCE_STEP * np.maximum(np.abs(self.beta), 1e-300)
         return results + [(-h, h) for h in row.tolist()]
 
     def _slopes(self, *, central: bool) -> FloatArray:

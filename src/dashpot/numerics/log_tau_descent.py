@@ -108,14 +108,14 @@ class Stack:
         columns = np.zeros((q + every + slopes + 1, sum(len(part.target) for part in parts)))
         first = 0
         for (indices, group), part in zip(self._places, parts, strict=True):
-            here = slice(first, first + len(part.target))
+            rows = slice(first, first + len(part.target))
             at = q + group * arms
-            columns[indices, here] = part.fixed.T
-            columns[at : at + arms, here] = part.arms.T
+            columns[indices, rows] = part.fixed.T
+            columns[at : at + arms, rows] = part.arms.T
             if derivative:
-                columns[at + every : at + every + arms, here] = part.d_arms.T
-            columns[-1, here] = part.target
-            first = here.stop
+                columns[at + every : at + every + arms, rows] = part.d_arms.T
+            columns[-1, rows] = part.target
+            first = rows.stop
         return StackRows(columns, q + every)
 
     @cached_property
@@ -206,8 +206,8 @@ class StackTrial(NamedTuple):
 
     def put(self, index: IndexArray, new: StackTrial) -> None:
         """Write some records anew."""
-        for old, fresh in zip(self, new, strict=True):
-            old[index] = fresh
+        for old, updated in zip(self, new, strict=True):
+            old[index] = updated
 
 
 def point_at(
@@ -259,7 +259,7 @@ def descend(
     start: FloatArray,
     *,
     restricted: BoolArray | None = None,
-    wanted: BoolArray | None = None,
+    selected: BoolArray | None = None,
     rivals: Sequence[FloatArray] = (),
     finished: float = FINISHED,
     flat: float = 0.0,
@@ -279,7 +279,7 @@ def descend(
     return descend_problem(
         objective,
         np.sort(start),
-        wanted=wanted,
+        selected=selected,
         met=(lambda log_tau: _is_near_rival(log_tau, rivals)) if rivals else None,
         finished=finished,
         flat=flat,
@@ -319,7 +319,7 @@ GRID = 72
 COARSE = 3
 MOST_PEAKS = 9
 #: samplings whose lattices are kept
-KEPT = 8
+MAX_CACHED = 8
 
 
 class ColumnGrid(NamedTuple):
@@ -345,17 +345,17 @@ class ColumnGrid(NamedTuple):
 
     @classmethod
     def from_stack(
-        cls, stack: Stack, log_tau: FloatArray, loose: BoolArray | None = None
+        cls, stack: Stack, log_tau: FloatArray, is_free: BoolArray | None = None
     ) -> tuple[ColumnGrid, FloatArray]:
         """Return the lattice, and the target in its coordinates.
 
-        `loose` says which fixed columns have a coefficient that is not held at zero; all, by
+        `is_free` says which fixed columns have a coefficient that is not held at zero; all, by
         default.
         """
         stack_rows = stack.evaluate(log_tau, derivative=False)
         target, phi, q = stack_rows.target, stack_rows.phi, len(stack.names)
         rows = np.ascontiguousarray(phi.T[q:])
-        fixed = phi[:, :q] if loose is None else phi[:, :q][:, loose]
+        fixed = phi[:, :q] if is_free is None else phi[:, :q][:, is_free]
         basis = np.linalg.qr(fixed)[0] if fixed.size else np.zeros((len(target), 0))
         raw = np.vecdot(rows, rows)
         rows -= (rows @ basis) @ basis.T
@@ -377,7 +377,7 @@ class _GridCache(OrderedDict[Hashable, ColumnGrid]):
         if stack.sampling is None:
             return grid, target
         self[key] = grid
-        if len(self) > KEPT:
+        if len(self) > MAX_CACHED:
             self.popitem(last=False)
         return grid, target
 
@@ -404,13 +404,13 @@ class Grid:
         size: int = GRID,
         *,
         log_tau: FloatArray | None = None,
-        loose: BoolArray | None = None,
+        is_free: BoolArray | None = None,
         near: BoolArray | None = None,
     ) -> None:
         if log_tau is None:
             lattice, target = _KEPT_LATTICES.get_grid(stack, size)
         else:
-            lattice, target = ColumnGrid.from_stack(stack, log_tau, loose)
+            lattice, target = ColumnGrid.from_stack(stack, log_tau, is_free)
         self.stack, self.near = stack, near
         self.groups = len(stack.groups)
         self.log_tau, self.length, self.gram = lattice.log_tau, lattice.length, lattice.gram
@@ -490,7 +490,7 @@ def find_best_pair(grid: Grid) -> FloatArray | None:
 
     All pairs at once: unit columns with cosine c and moments m_1, m_2 explain
     :math:`(m_1^2 + m_2^2 - 2 c\, m_1 m_2)/(1 - c^2)` of the sum of squares. The best of them and
-    its neighbours then tell where between the points that is largest.
+    its neighbours then show where between the points that is largest.
     """
     cosine, m = grid.gram, grid.moment
     determinant = 1.0 - cosine * cosine

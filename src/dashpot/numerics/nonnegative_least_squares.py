@@ -24,10 +24,10 @@ from dashpot.base.errors import FitError
 # that this takes, and its import costs a hundred fits.
 
 
-ROUNDS = 3
+ITERATIONS = 3
 ZERO_SLOPE = 1e-11
 #: columns that are dependent; and so many that must not be negative, of which most carry nothing
-DEPENDENT_COLUMN, MANY = 1e-13, 8
+DEPENDENT_COLUMN, MANY_COLUMNS = 1e-13, 8
 
 
 def solve_linear(
@@ -62,7 +62,7 @@ def solve_linear(
     size = np.sqrt(np.einsum("ij,ij->j", A, A))
     size[size == 0] = 1.0
     unit, must = A / size, np.zeros(A.shape[1], dtype=bool) | positive
-    if int(must.sum()) > MANY:
+    if int(must.sum()) > MANY_COLUMNS:
         beta = _solve_mixed_sign(unit, y, must, near)
         carries = (beta > 0) | ~must
         return beta / size, lambda: _solve_unit_columns(unit[:, carries], y)[1]
@@ -96,13 +96,13 @@ def _solve_mixed_sign(
 def _solve_unit_columns(A: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Least squares by columns of unit length, and a basis of those that carry weight."""
     basis, factor = np.linalg.qr(A)
-    lost = np.ones(A.shape[1], dtype=bool)
-    lost[: len(factor)] = np.abs(factor.diagonal()) <= DEPENDENT_COLUMN
-    if not lost.any():
+    is_dependent = np.ones(A.shape[1], dtype=bool)
+    is_dependent[: len(factor)] = np.abs(factor.diagonal()) <= DEPENDENT_COLUMN
+    if not is_dependent.any():
         along = basis.T @ y
         return np.linalg.solve(factor, along) if len(along) else along, basis
     beta = np.zeros(A.shape[1])
-    beta[~lost], basis = _solve_unit_columns(A[:, ~lost], y)
+    beta[~is_dependent], basis = _solve_unit_columns(A[:, ~is_dependent], y)
     return beta, basis
 
 
@@ -132,7 +132,7 @@ def nonnegative(gram: FloatArray, moment: FloatArray, near: BoolArray | None = N
         return x
 
     free: BoolArray = moment > 0 if near is None else near.copy()
-    for _ in range(ROUNDS if near is None else 0):
+    for _ in range(ITERATIONS if near is None else 0):
         x = solve_free_coefficients(free)
         wrong = np.where(free, x < 0, moment - gram @ x > nothing)
         if not wrong.any():
@@ -213,13 +213,13 @@ def nonnegative_columns(phi: FloatArray, y: FloatArray, restricted: BoolArray) -
 #: a gain below this part of the data is rounding
 ZERO_GAIN = 1e-13
 #: walks per column, at most
-PATIENCE = 3
+MAX_WALKS = 3
 #: what is left of a unit column that enters, below which its digits are rounding
 DEPENDENT_DIRECTION = 1e-9
 #: square of what a column may lose when another leaves by a reflection
-LOST = 1e-26
+DEPENDENCE_TOLERANCE = 1e-26
 #: faces that are remembered
-REMEMBERED = 512
+MAX_CACHED_FACES = 512
 
 
 class ActiveSet(NamedTuple):
@@ -326,7 +326,7 @@ class NonnegativeConfidenceRegion:
     ) -> FloatArray:
         s, barred = start.copy(), list[int]()
         face, entered = self._get_face(np.flatnonzero(s > 0)), -1
-        for _ in range(PATIENCE * len(self._rows)):
+        for _ in range(MAX_WALKS * len(self._rows)):
             active = face.active
             goal, multiplier, residual = face.find_farthest_point(aim, squared)
             if len(active) and goal.min() <= 0:
@@ -372,7 +372,7 @@ class NonnegativeConfidenceRegion:
             self._met.move_to_end(key)
             return face
         face = self._met[key] = factored()
-        if len(self._met) > REMEMBERED:
+        if len(self._met) > MAX_CACHED_FACES:
             self._met.popitem(last=False)
         return face
 
@@ -399,7 +399,7 @@ class NonnegativeConfidenceRegion:
             mirror[-1] += 1.0 if mirror[-1] > 0 else -1.0
             mirror *= sqrt(2.0 / (mirror @ mirror))
             turned = factor - np.multiply.outer(mirror, mirror @ factor)
-            if turned[-1] @ turned[-1] <= LOST:
+            if turned[-1] @ turned[-1] <= DEPENDENCE_TOLERANCE:
                 basis = face.basis - np.multiply.outer(mirror, mirror @ face.basis)
                 return self._face(active, basis[:-1], turned[:-1])
         turn, factor = np.linalg.qr(factor)

@@ -16,7 +16,7 @@ from dashpot.solids.shift_laws import TemperatureLaw
 # an arm of this part of the instantaneous stiffness is what sponge rubber may hide
 USUAL_PART = 0.1
 # an arm of the model this near, as a factor in time, already stands for the unseen one
-NEAR = 3.0
+NEAR_FACTOR = 3.0
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class SupposedSeal:
     model : GeneralizedMaxwell
         The paper's Table 1 by default.
     arm : (float, float), optional
-        Stiffness, N/m, and relaxation time, s, of the unseen arm. By default 10 % of the
+        Stiffness, N/m, and relaxation time, s, of the unresolved arm. By default 10 % of the
         instantaneous stiffness at 1/omega, unless the model has an arm within a factor of 3.
     temperature : float, optional
         Temperature of `model`, K; by default the reference of the law.
@@ -59,11 +59,11 @@ class SupposedSeal:
         return self.law.reference if self.temperature is None else self.temperature
 
     def with_arm(self, at: float) -> tuple[GeneralizedMaxwell, tuple[float, float] | None]:
-        """Return the model with the unseen arm that matters at a frequency, Hz, and that arm."""
+        """Return the model with the unresolved arm that matters at a frequency, Hz, and the arm."""
         arm = self.arm
         if arm is None:
             tau = 1 / (2 * np.pi * at)
-            if any(1 / NEAR < value / tau < NEAR for value in self.model.tau):
+            if any(1 / NEAR_FACTOR < value / tau < NEAR_FACTOR for value in self.model.tau):
                 return self.model, None
             arm = (USUAL_PART * self.model.k_0, tau)
         values = convert_to_si(arm[0], "stiffness"), convert_to_si(arm[1], "time")

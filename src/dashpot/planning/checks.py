@@ -8,15 +8,15 @@ from dashpot.planning.expected_errors import Pulse, RecordNeed
 
 
 @criterion("standard deviation / loss factor", "<=", source="the target, 0.1 by default")
-def loss_factor_determined(sd: float, at: float, wanted: float, *, remedy: str = "") -> Finding:
+def loss_factor_determined(sd: float, at: float, target_sd: float, *, remedy: str = "") -> Finding:
     """The planned test determines the loss factor well enough."""
     return Finding(
         f"The loss factor at {at:g} Hz would be known to {format_relative_sd(sd)} (1 SD); "
-        f"{format_relative_sd(wanted)} is "
+        f"{format_relative_sd(target_sd)} is "
         "wanted",
         sd,
         remedy=remedy or "Add a hammer test.",
-        limit=wanted,
+        limit=target_sd,
     )
 
 
@@ -56,8 +56,7 @@ def tip_excites(tip: Pulse, at: float) -> Finding:
     """The hammer tip excites the frequency of interest."""
     return Finding(
         f"A pulse of {format_quantity(tip.duration, 'ms', 'g')} is {tip.level_db:.3f} dB at {at:g} "
-        "Hz. It "
-        f"excites up to {tip.band_10db:.3g} Hz (-10 dB)",
+        f"Hz. It excites up to {tip.band_10db:.3g} Hz (-10 dB)",
         tip.level_db,
         remedy="Use a harder tip.",
     )

@@ -10,7 +10,8 @@ deviation sigma, no unbiased fit of :math:`\theta = (k_\infty, k_j, \ln\tau_j)` 
 
 with J the sensitivities of the force (paper eqs. 1-5) at every sample. What the fit of a recorded
 motion must find besides, offset, drift and delay, stands in J too, each with a row 1/sd for what is
-known of it before. What machine and climate may add unseen moves the fit, and is in C as it is in
+known of it before. What machine and climate may add without a trace moves the fit, and is in C as
+it is in
 the intervals of a fit. An impact record must be long enough for the mass to come to rest, and its
 pulse short enough to make it ring.
 """
@@ -27,7 +28,7 @@ from dashpot.base.number_format import duration, round_to_error
 from dashpot.base.plain_text import paragraph
 from dashpot.base.reported_values import NORMAL
 from dashpot.base.serialisation import EVERY_FIELD, Serialisable
-from dashpot.datamodel.bounds import STANDS, naming
+from dashpot.datamodel.bounds import MAX_DEVIANCE, naming
 from dashpot.datamodel.machine import Machine
 from dashpot.planning.planned_ramp_hold import Bench, Repeat
 from dashpot.registry import find_handler
@@ -36,7 +37,7 @@ from dashpot.vibration.mass_on_seals import accelerance, ringing_pole
 
 # directions with less than this share of the information are not known at all
 SINGULAR = 1e-14
-# of the machine that is named, s, and what it says to be nothing; its drift the baseline tells
+# of the machine that is named, s, and what it says to be nothing; its drift the baseline shows
 NAMED_BASELINE = 10.0
 _NAMED_EFFECTS = ("compliance", "creep")
 # Trethewey and Cafeo 1992: six time constants leave less than 0.5 % error in the FRF
@@ -60,7 +61,7 @@ class ExpectedError:
         Expected standard deviation over the value, dimensionless; infinite if the test says
         nothing.
     arm_sd : float or None
-        That of the stiffness of the unseen arm; None if none was supposed.
+        That of the stiffness of the unresolved arm; None if none was supposed.
     repeated : tuple of float
         Temperatures at which the test is repeated, K; all are fitted together.
     """
@@ -94,7 +95,7 @@ def expected_error(
     at : float
         Frequency, Hz.
     arm : int or None
-        Index of the unseen arm.
+        Index of the unresolved arm.
     hammer : array, optional
         Rows of a hammer test in the same parameters and the mass, for a joint fit.
     repeats : sequence of Repeat
@@ -237,7 +238,8 @@ class ExpectedEnd(Serialisable):
     stiffness : float
         k(T) of the solid that was supposed, N/m.
     half_width : float
-        Of its 95 % limits, over the value: all that machine and climate may do unseen is in them.
+        Of its 95 % limits, over the value: all that machine and climate may do without a trace is
+        in them.
     if_machine_named : float
         The same with a baseline of 10 s, and compliance and creep of the machine known.
     """
@@ -292,7 +294,7 @@ def _compute_end_half_width(model: GeneralizedMaxwell, bench: Bench) -> float:
     gradient = np.concatenate(([1.0], np.exp(-age), k * age * np.exp(-age)))
     gradient = np.pad(gradient, (0, augmented_rows.shape[1] - len(gradient)))
     errors = _compute_errors(augmented_rows, augmented_rows[:, :0])
-    return float(np.sqrt(STANDS) * np.linalg.norm(gradient @ errors))
+    return float(np.sqrt(MAX_DEVIANCE) * np.linalg.norm(gradient @ errors))
 
 
 # -- the hammer ------------------------------------------------------------------------------------

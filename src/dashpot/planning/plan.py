@@ -55,7 +55,7 @@ def list_advice(
     tip: Pulse | None,
     *,
     at: float,
-    wanted: float,
+    target_sd: float,
     without_arm: str,
     test_temperature: float,
 ) -> tuple[str, ...]:
@@ -64,8 +64,8 @@ def list_advice(
     Temperatures are in K, frequencies in Hz, times in s.
     """
     advice = _format_cold_advice(expected, alternatives, at=at, test_temperature=test_temperature)
-    if expected.loss_factor_sd > wanted:
-        advice.append(_format_ramp_advice(expected, alternatives, at=at, wanted=wanted))
+    if expected.loss_factor_sd > target_sd:
+        advice.append(_format_ramp_advice(expected, alternatives, at=at, target_sd=target_sd))
     if need.record is None:
         advice.append(
             f"Record each hit for {compute_record_length(need):.3g} s{without_arm}. Six time "
@@ -139,43 +139,43 @@ def _format_cold_advice(
 
 
 def _format_ramp_advice(
-    expected: ExpectedError, alternatives: Sequence[ExpectedError], *, at: float, wanted: float
+    expected: ExpectedError, alternatives: Sequence[ExpectedError], *, at: float, target_sd: float
 ) -> str:
-    ways = [
+    changes = [
         f"{how} ({format_relative_sd(best.loss_factor_sd)})"
-        for how, best in _list_changes(expected, alternatives, wanted)
+        for how, best in _list_changes(expected, alternatives, target_sd)
     ]
     no_faster_ramp = (
         ""
-        if len(ways) > 1
-        else f" No faster ramp that was tried gives {format_relative_sd(wanted)}."
+        if len(changes) > 1
+        else f" No faster ramp that was tried gives {format_relative_sd(target_sd)}."
     )
     return (
         f"The loss factor at {at:g} Hz would be known to "
         f"{format_relative_sd(expected.loss_factor_sd)} "
-        f"(1 SD) only.{no_faster_ramp} {sentence(', or '.join(ways))}"
+        f"(1 SD) only.{no_faster_ramp} {sentence(', or '.join(changes))}"
     )
 
 
 def format_remedy(
-    expected: ExpectedError, alternatives: Sequence[ExpectedError], *, wanted: float
+    expected: ExpectedError, alternatives: Sequence[ExpectedError], *, target_sd: float
 ) -> str:
     """Return the changes that give the wanted loss factor, in one or two sentences."""
-    *faster, hammer = (how for how, _ in _list_changes(expected, alternatives, wanted))
+    *faster, hammer = (how for how, _ in _list_changes(expected, alternatives, target_sd))
     if not faster:
         return sentence(hammer)
     return f"{sentence(', or '.join(faster))} Alternatively, {hammer}."
 
 
 def _list_changes(
-    expected: ExpectedError, alternatives: Sequence[ExpectedError], wanted: float
+    expected: ExpectedError, alternatives: Sequence[ExpectedError], target_sd: float
 ) -> list[tuple[str, ExpectedError]]:
     joint = next(e for e in alternatives if e.method == "joint")
-    ways = [
-        _find_faster_ramp(expected, alternatives, wanted),
-        _find_colder_repeat(expected, alternatives, wanted),
+    changes = [
+        _find_faster_ramp(expected, alternatives, target_sd),
+        _find_colder_repeat(expected, alternatives, target_sd),
     ]
-    pairs = [(how, best) for how, best in ways if best is not None]
+    pairs = [(how, best) for how, best in changes if best is not None]
     return [*pairs, ("add a hammer test and fit both together", joint)]
 
 
@@ -184,13 +184,13 @@ Change: TypeAlias = tuple[str, ExpectedError | None]
 
 
 def _find_faster_ramp(
-    expected: ExpectedError, alternatives: Sequence[ExpectedError], wanted: float
+    expected: ExpectedError, alternatives: Sequence[ExpectedError], target_sd: float
 ) -> Change:
     """Return the slowest ramp that is fast enough, or the other method."""
     good = [
         e
         for e in alternatives
-        if e.loss_factor_sd <= wanted and e.method != "joint" and not e.repeated
+        if e.loss_factor_sd <= target_sd and e.method != "joint" and not e.repeated
     ]
     if not good:
         return "", None
@@ -201,10 +201,10 @@ def _find_faster_ramp(
 
 
 def _find_colder_repeat(
-    expected: ExpectedError, alternatives: Sequence[ExpectedError], wanted: float
+    expected: ExpectedError, alternatives: Sequence[ExpectedError], target_sd: float
 ) -> Change:
     """Return a repeat in the cold, if none is planned and it is enough."""
-    good = [e for e in alternatives if e.repeated and e.loss_factor_sd <= wanted]
+    good = [e for e in alternatives if e.repeated and e.loss_factor_sd <= target_sd]
     if expected.repeated or not good:
         return "", None
     return f"repeat it at {format_temperatures(good[0].repeated)}", good[0]
@@ -225,7 +225,7 @@ def _compute_longest_pulse(at: float) -> float:
     return half_sine(1.0, at).band_10db / at
 
 
-WANTED = 0.1
+TARGET_SD = 0.1
 RAMP_TIME_RATIOS = (1 / 3, 1 / 10, 1 / 30)
 # a hammer test determines the lines within this factor of the peak; their usual spacing, Hz
 HAMMER_SPAN = 3.5
@@ -244,7 +244,7 @@ class Plan(HasChecks, Serialisable):
     at : float
         Hz.
     model : GeneralizedMaxwell
-        The assumed model of the seal, the unseen arm included.
+        The assumed model of the seal, the unresolved arm included.
     arm : (float, float) or None
         Stiffness, N/m, and relaxation time, s, of the arm that the test may not show.
     expected : ExpectedError
@@ -337,7 +337,7 @@ def plan(
     seal: SupposedSeal = SupposedSeal(),  # noqa: B008
     hammer: HammerPlan = HammerPlan(),  # noqa: B008
     cold: Quantity | Sequence[Quantity] = (),
-    wanted: float = WANTED,
+    target_sd: float = TARGET_SD,
 ) -> Plan:
     r"""Return the expected errors of a test at a frequency, before it is run, and advice.
 
@@ -362,7 +362,7 @@ def plan(
     cold : float or sequence of float
         Temperatures, K, at which the same test is repeated: arms that are too fast for the ramp
         are slower there (:mod:`dashpot.planning.planned_ramp_hold`).
-    wanted : float
+    target_sd : float
         The relative standard deviation of the loss factor that is enough.
 
     Raises
@@ -373,7 +373,7 @@ def plan(
     at = convert_to_si(at, "frequency")
     requested = [cold] if isinstance(cold, str | float | int) else cold
     cold_temperatures = [convert_to_si(item, "temperature") for item in requested]
-    require_positive(at=at, wanted=wanted, expected=IN_SI)
+    require_positive(at=at, wanted=target_sd, expected=IN_SI)
     for temperature in cold_temperatures:
         require_positive(cold=temperature, expected=IN_SI)
     test_temperature, law = seal.test_temperature, seal.law
@@ -404,19 +404,21 @@ def plan(
     need = record_need(total, mass, hammer.record)
     tip = None if hammer.pulse is None else half_sine(hammer.pulse, at)
     band = _compute_frequency_range(bench, repeats)
-    remedy = format_remedy(expected, alternatives, wanted=wanted)
-    answered_checks = _run_checks(expected, band, need, tip, at=at, wanted=wanted, remedy=remedy)
+    remedy = format_remedy(expected, alternatives, target_sd=target_sd)
+    answered_checks = _run_checks(
+        expected, band, need, tip, at=at, target_sd=target_sd, remedy=remedy
+    )
     without_arm = (
         ""
         if arm is None
         else _format_record_without_arm(hammer.seals * seal.model, hammer.mass, at)
     )
     advice = list_advice(
-        expected, alternatives, answered_checks, need, tip, at=at, wanted=wanted,
+        expected, alternatives, answered_checks, need, tip, at=at, target_sd=target_sd,
         test_temperature=test_temperature, without_arm=without_arm,
     )  # fmt: skip
     advise = find_handler("plan advice", "machine")
-    if advise is not None and expected.loss_factor_sd > wanted:
+    if advise is not None and expected.loss_factor_sd > target_sd:
         advice += advise(model, bench, at, index)
     return Plan(
         at=at, model=model, arm=arm, expected=expected, alternatives=alternatives, band=band,
@@ -484,11 +486,11 @@ def _run_checks(
     tip: Pulse | None,
     *,
     at: float,
-    wanted: float,
+    target_sd: float,
     remedy: str,
 ) -> tuple[Check, ...]:
     new_checks = [
-        checks.loss_factor_determined(expected.loss_factor_sd, at, wanted, remedy=remedy),
+        checks.loss_factor_determined(expected.loss_factor_sd, at, target_sd, remedy=remedy),
         checks.inside_valid_band(at, band),
     ]
     if need.record is not None and need.peak_error is not None:

@@ -40,8 +40,8 @@ def to_figure(picture: Picture) -> Figure:
     from matplotlib.font_manager import fontManager
 
     sheet = arrange_sheet(picture)
-    made = Figure(figsize=(picture.width / INCH, sheet.height / INCH), facecolor="white")
-    ax = made.add_axes((0, 0, 1, 1))
+    figure = Figure(figsize=(picture.width / INCH, sheet.height / INCH), facecolor="white")
+    ax = figure.add_axes((0, 0, 1, 1))
     ax.set(xlim=(0, picture.width), ylim=(sheet.height, 0))
     ax.set_axis_off()
     names = set(fontManager.get_font_names())
@@ -53,7 +53,7 @@ def to_figure(picture: Picture) -> Figure:
         canvas.sample(mark, x, y - 4)
     for word in sheet.words:
         canvas.word(word, 0, 0)
-    return made
+    return figure
 
 
 class _Canvas:
@@ -94,11 +94,11 @@ class _Canvas:
     def line(self, points: FloatArray, pen: Pen, clip: Any) -> None:
         """An unbroken curve."""
         style: Any = "-" if not pen.dashes else (0, tuple(d / pen.width for d in pen.dashes))
-        (made,) = self.ax.plot(
+        (line,) = self.ax.plot(
             *points.T, color=LIGHT[pen.colour], linewidth=PT * pen.width, linestyle=style,
             solid_capstyle="butt", alpha=pen.opacity,
         )  # fmt: skip
-        made.set_clip_path(clip)
+        line.set_clip_path(clip)
 
     def fill(
         self, points: FloatArray, colour: str, tint: float, clip: Any, *, hatched: bool
@@ -112,19 +112,19 @@ class _Canvas:
             ink = (LIGHT["ref" if away else colour], 0.55)
             looks.append({"fill": False, "edgecolor": ink, "hatch": "\\\\" * 2 if away else "////"})
         for look in looks:
-            made = self.ax.add_patch(Polygon(points, linewidth=0, **look))
-            made.set_clip_path(clip)
+            polygon = self.ax.add_patch(Polygon(points, linewidth=0, **look))
+            polygon.set_clip_path(clip)
 
     def dots(
         self, points: FloatArray, size: float, colour: str, clip: Any, *, hollow: bool
     ) -> None:
         """Discs, or rings."""
-        (made,) = self.ax.plot(
+        (markers,) = self.ax.plot(
             *points.T, linestyle="none", marker="o", markersize=PT * size,
             markerfacecolor="white" if hollow else LIGHT[colour], markeredgecolor=LIGHT[colour],
             markeredgewidth=PT * 1.75 if hollow else 0,
         )  # fmt: skip
-        made.set_clip_path(clip)
+        markers.set_clip_path(clip)
 
     def word(self, word: Word, x: float, y: float) -> None:
         """Letters as they stand: nothing in them is read as mathematics."""

@@ -74,7 +74,7 @@ def phase_axis(values: ComplexArray) -> tuple[float, tuple[float, ...]]:
     return lowest, tuple(np.arange(first, max(last, first + 90) + 1, 90).tolist())
 
 
-_NEAR = 1e-4
+_CLOSE_LINES = 1e-4
 """Lines nearer than this part of their frequency are joined straight."""
 
 
@@ -90,7 +90,7 @@ def smooth(frf: FRF) -> tuple[FloatArray, ComplexArray]:
         return frf.frequency, frf.value
     size = np.abs(frf.value)
     parts = np.where(np.maximum(size[:-1], size[1:]) > 0.2 * size.max(), 24, 2)
-    parts = np.where(np.diff(frf.frequency) < _NEAR * frf.frequency[1:], 1, parts)
+    parts = np.where(np.diff(frf.frequency) < _CLOSE_LINES * frf.frequency[1:], 1, parts)
     start = np.repeat(np.arange(len(parts)), parts)
     within = np.arange(len(start)) - np.repeat(np.cumsum(parts) - parts, parts)
     place = np.append(start + within / np.repeat(parts, parts), len(parts))
@@ -117,7 +117,7 @@ def half_power(value: ComplexArray) -> list[int]:
 PENS = (MEASURED, PREDICTED, JOINT, *SIMPLER)
 
 # what people read: the unit, and the factor from SI
-SHOWN = {
+DISPLAY_UNITS = {
     Kind.RECEPTANCE: ("mm/N", convert_to_unit(1.0, "mm/N")),
     Kind.MOBILITY: ("(mm/s)/N", convert_to_unit(1.0, "mm/s")),
     Kind.ACCELERANCE: ("1/kg", 1.0),
@@ -348,7 +348,7 @@ def nyquist(
         What the figure says of its origin; by default the files of the first FRF.
     """
     pens = (*PENS[:2], joint_pen(failed=failed)[0], *PENS[3:])
-    unit, scale = SHOWN[measured.quantity]
+    unit, scale = DISPLAY_UNITS[measured.quantity]
     same = [measured, *(other.to(measured.quantity) for other in others)]
     marks: list[Mark] = []
     ranges = []
@@ -446,7 +446,7 @@ def magnitude_panel(
 ) -> Panel:
     """Magnitudes of FRFs of one kind, log-log, with what the prediction leaves open."""
     kind = curves[0].frf.quantity
-    unit, scale = SHOWN[kind]
+    unit, scale = DISPLAY_UNITS[kind]
     f = curves[0].frf.frequency
     view = view or (max(float(f[0]), 1e-3 * float(f[-1])), float(f[-1]))
     drawn = {id(curve): smooth(curve.frf) for curve in curves}

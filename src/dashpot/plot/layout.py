@@ -28,7 +28,7 @@ from dashpot.plot.picture import (
     Span,
     Tag,
 )
-from dashpot.plot.style import BOLD, SMALL
+from dashpot.plot.style import BOLD_TEXT, SMALL_TEXT
 from dashpot.plot.ticks import compute_minor_ticks, format_ticks, numbers, place
 
 Anchor = Literal["start", "middle", "end"]
@@ -41,7 +41,7 @@ RIGHT, GAP = 14.0, 10.0
 
 TINT_OF_HATCH = 0.1
 
-STRAIGHT = 0.03
+STRAIGHT_TOLERANCE = 0.03
 """A point so near to the line between its neighbours is left out, px; at most eight times so."""
 
 MARGIN, BETWEEN = 12.0, 20.0
@@ -73,7 +73,7 @@ class Word(NamedTuple):
     bold: bool = False
     anchor: Anchor = "start"
     halo: bool = False
-    size: float = SMALL
+    size: float = SMALL_TEXT
 
 
 class AxisLine(NamedTuple):
@@ -159,7 +159,7 @@ def text_width(text: str, *, bold: bool = False) -> float:
     """About how long some words are, px: widths of Arial, by groups of letters."""
     groups = {"fijl.,:;'|!It ()[]/": 0.28, "rs-ckvxyz": 0.48, "mMW%@": 0.85, "ABCDGHKNOQRUVX": 0.7}
     sizes = {letter: width for group, width in groups.items() for letter in group}
-    return SMALL * sum(sizes.get(letter, 0.56) for letter in text) * (1.06 if bold else 1.0)
+    return SMALL_TEXT * sum(sizes.get(letter, 0.56) for letter in text) * (1.06 if bold else 1.0)
 
 
 def lay_out(strip: tuple[Panel, ...], width: float) -> StripLayout:
@@ -172,13 +172,15 @@ def lay_out(strip: tuple[Panel, ...], width: float) -> StripLayout:
     for i, panel in enumerate(strip):
         last = i == len(strip) - 1
         named = y + (ROW + 4) * bool(panel.title)
-        above = 4 + ROW * ((not panel.drawing and not panel.bare) + _rows_above(panel, inner_width))
+        above = 4 + ROW * (
+            (not panel.drawing and not panel.without_axes) + _rows_above(panel, inner_width)
+        )
         box = Box(left, named + above, inner_width, panel.height)
         shown, at = panel, ticks[i]
         if panel.square:
             shown = _equalise_scales(panel, inner_width)
             at = [] if panel.drawing else _upright(shown)
-        frames.append(_frame(shown, box, at, named=last))
+        frames.append(_frame(shown, box, at, with_name=last))
         y = box.y + box.height + (_beneath(panel) if last else 10)
     return StripLayout(width, y, tuple(frames))
 
@@ -239,15 +241,15 @@ def _equalise_scales(panel: Panel, width: float) -> Panel:
     )
 
 
-def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, named: bool) -> Frame:
-    """One panel; `named` gives its horizontal axis numbers and a label."""
+def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, with_name: bool) -> Frame:
+    """One panel; `with_name` adds numbers and a label to the horizontal axis."""
     hairs: list[AxisLine] = []
     ticks: list[Word] = []
     words = _make_panel_words(panel, box)
     if not panel.drawing:
         numbered = _make_horizontal_numbers(panel.x, box)
         hairs, ticks = _axes(panel, box, upright, numbered)
-        if named:
+        if with_name:
             ticks += numbered
             below = box.y + box.height + 34
             words.append(Word(box.x + box.width / 2, below, panel.x.label, anchor="middle"))
@@ -289,7 +291,7 @@ def _wrap_note(panel: Panel, width: float) -> list[str]:
 def _rows_above(panel: Panel, width: float) -> int:
     """Rows of a note over the one that names the upright axis, beside which a short one stands."""
     lines = _wrap_note(panel, width)
-    if panel.bare or panel.drawing:
+    if panel.without_axes or panel.drawing:
         return len(lines) if panel.drawing else 0
     wide = text_width(panel.y.label) + text_width(panel.note) + RIGHT
     return 0 if not lines or wide <= width + 4 else len(lines)
@@ -308,7 +310,9 @@ def _broken(text: str, width: float) -> list[str]:
 
 def _make_panel_words(panel: Panel, box: Box) -> list[Word]:
     """Return what stands above the axes: what they show upright, the title, a note."""
-    words = [] if panel.bare or panel.drawing else [Word(box.x - 4, box.y - 6, panel.y.label)]
+    words = (
+        [] if panel.without_axes or panel.drawing else [Word(box.x - 4, box.y - 6, panel.y.label)]
+    )
     for i, line in enumerate(panel.below.split("\n") if panel.below else ()):
         at = box.x + box.width / 2, box.y + box.height + ROW * (i + 1)
         leads = i == 0 and "\n" in panel.below
@@ -318,7 +322,7 @@ def _make_panel_words(panel: Panel, box: Box) -> list[Word]:
         above = -6 if panel.drawing and not panel.note else -8 - ROW * (rows or 1)
         if rows and not panel.drawing:
             above -= ROW
-        words.append(Word(0, box.y + above, panel.title, "ink", bold=True, size=BOLD))
+        words.append(Word(0, box.y + above, panel.title, "ink", bold=True, size=BOLD_TEXT))
     lines = _wrap_note(panel, box.width)
     over = ROW * (len(lines) if rows and not panel.drawing else len(lines) - 1)
     for i, line in enumerate(lines):
@@ -363,7 +367,7 @@ def _parts(points: FloatArray) -> tuple[FloatArray, ...]:
 
 
 def simplify_line(points: FloatArray) -> FloatArray:
-    """A curve less the points that lie on the line between their neighbours, to `STRAIGHT`."""
+    """Return a curve without points within `STRAIGHT_TOLERANCE` of the line between neighbours."""
     for first in (1, 2) * 4:
         i = np.arange(first, len(points) - 1, 2)
         if not len(i):
@@ -373,7 +377,7 @@ def simplify_line(points: FloatArray) -> FloatArray:
         cross = np.abs(chord[:, 0] * off[:, 1] - chord[:, 1] * off[:, 0])
         # between its neighbours, not beyond them: a spike has a short chord
         along = (chord * off).sum(axis=1)
-        on = (cross <= STRAIGHT * size) & (along >= 0) & (along <= size**2)
+        on = (cross <= STRAIGHT_TOLERANCE * size) & (along >= 0) & (along <= size**2)
         points = np.delete(points, i[on], axis=0)
     return points
 
@@ -415,12 +419,12 @@ def _get_tag_position(tag: Tag) -> tuple[FloatArray, FloatArray]:
 def _dots(mark: Dots, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
     centres = _points(panel, box, mark.x, mark.y)
     values = np.isfinite(centres).all(axis=1)
-    made: list[Polyline | Fill | Markers] = []
+    shapes: list[Polyline | Fill | Markers] = []
     if mark.error is not None:
         low, high = (_points(panel, box, mark.x, mark.y + s * mark.error) for s in (-1, 1))
         bars = tuple(np.array(pair) for pair in zip(low[values], high[values], strict=True))
-        made.append(Polyline(bars, Pen(mark.colour, 1.0)))
-    return [*made, Markers(centres[values], mark.size, mark.colour, mark.hollow, mark.label)]
+        shapes.append(Polyline(bars, Pen(mark.colour, 1.0)))
+    return [*shapes, Markers(centres[values], mark.size, mark.colour, mark.hollow, mark.label)]
 
 
 def _area(mark: Area, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
@@ -430,14 +434,14 @@ def _area(mark: Area, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]
     low, high = (simplify_line(edge[values]) for edge in places)
     ring = np.concatenate([low, high[::-1]])
     tint = TINT_OF_HATCH if mark.hatched else mark.tint
-    made: list[Polyline | Fill | Markers] = [Fill((ring,), mark.colour, tint, mark.hatched)]
+    shapes: list[Polyline | Fill | Markers] = [Fill((ring,), mark.colour, tint, mark.hatched)]
     if mark.label:
         thin = Pen(mark.colour, 0.8 if mark.hatched else 0.4)
-        made += [
+        shapes += [
             Polyline((edge,), thin, mark.label, which)
             for edge, which in ((low, "low"), (high, "high"))
         ]
-    return made
+    return shapes
 
 
 # -- words at points ------------------------------------------------------------------------------
@@ -449,7 +453,7 @@ def _place_tags(
     """Words beside their points, inside the axes, clear of each other, and best of all else."""
     drawn = _strokes(inner, box) if tags else np.zeros((0, 2))
     places = [_points(panel, box, *_get_tag_position(tag))[0] + (box.x, box.y) for tag in tags]
-    taken = [Box(x - 5, y - 5, 10, 10) for tag, (x, y) in zip(tags, places, strict=True)
+    boxes = [Box(x - 5, y - 5, 10, 10) for tag, (x, y) in zip(tags, places, strict=True)
              if not tag.end]  # fmt: skip
     # what reaches beyond the sheet stands further in, upon its own curve
     most = box.x + box.width + RIGHT + 2
@@ -458,7 +462,7 @@ def _place_tags(
              tag.bold, halo=True)
         for tag, x, y in _place_end_names(tags, places)
     ]  # fmt: skip
-    taken += map(_get_word_box, made)
+    boxes += map(_get_word_box, made)
     for tag, (x, y) in zip(tags, places, strict=True):
         if tag.end:
             continue
@@ -480,13 +484,13 @@ def _place_tags(
                 lines,
                 near,
                 far,
-                _Surroundings(box, taken, drawn, _get_hatched_rings(inner, box)),
+                _Surroundings(box, boxes, drawn, _get_hatched_rings(inner, box)),
             )
             for lines in dict.fromkeys(((tag.text,), tuple(_halves(tag.text))))
         ]
         # in two lines only where one is too long, or more runs through it
         words, _ = min(layout, key=lambda pair: pair[1])
-        taken += map(_get_word_box, words)
+        boxes += map(_get_word_box, words)
         made += words
     return made
 
@@ -498,8 +502,8 @@ class _Surroundings(NamedTuple):
     """What words keep clear of: the ends of the axes, other words, curves, and what is hatched."""
 
     box: Box
-    taken: list[Box]
-    drawn: FloatArray
+    boxes: list[Box]
+    points: FloatArray
     hatched: list[FloatArray]
 
 
@@ -531,16 +535,17 @@ def _place_tag_lines(
             for i, line in enumerate(lines)
         ]
 
-    def is_clear(made: list[Word]) -> bool:
+    def is_clear(placed_words: list[Word]) -> bool:
         return all(
-            _is_free_box(_get_word_box(word), surroundings.box, surroundings.taken) for word in made
+            _is_free_box(_get_word_box(word), surroundings.box, surroundings.boxes)
+            for word in placed_words
         )
 
-    def count_crossings(made: list[Word]) -> int:
+    def count_crossings(placed_words: list[Word]) -> int:
         return sum(
-            _count_crossed_points(_get_word_box(word), surroundings.drawn)
+            _count_crossed_points(_get_word_box(word), surroundings.points)
             + _count_points_inside(_get_word_box(word), surroundings.hatched)
-            for word in made
+            for word in placed_words
         )
 
     free = [group for group in map(words, near) if is_clear(group)]
@@ -581,9 +586,9 @@ def _get_hatched_rings(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -
     return [part + np.array((box.x, box.y)) for hatch in hatches for part in hatch.parts]
 
 
-def _count_crossed_points(box: Box, drawn: FloatArray) -> int:
+def _count_crossed_points(box: Box, points: FloatArray) -> int:
     """Return how much of what is drawn runs through some words."""
-    x, y = drawn.T
+    x, y = points.T
     across = (x > box.x) & (x < box.x + box.width)
     return int(np.count_nonzero(across & (y > box.y + 2) & (y < box.y + box.height - 2)))
 
@@ -627,14 +632,14 @@ def _place_end_names(tags: list[Tag], places: list[FloatArray]) -> list[tuple[Ta
     return pairs
 
 
-def _is_free_box(available_box: Box, box: Box, taken: list[Box]) -> bool:
+def _is_free_box(available_box: Box, box: Box, boxes: list[Box]) -> bool:
     """Return whether some words stand inside the axes, and on nothing."""
     parallel = (
         box.x - 2 <= available_box.x
         and available_box.x + available_box.width <= box.x + box.width + RIGHT
     )
     above = box.y - 4 <= available_box.y <= box.y + box.height - ROW
-    return parallel and above and not any(_meet(available_box, other) for other in taken)
+    return parallel and above and not any(_meet(available_box, other) for other in boxes)
 
 
 def _get_word_box(word: Word) -> Box:

@@ -51,7 +51,7 @@ FIT = Pen("fit", 2.0)
 PREDICTED = Pen("fit", 2.0, (7, 4))
 JOINT = Pen("joint", 3.0)
 REF = Pen("ref", 1.2, (2, 3))
-BENEATH, UPON = Pen("fit", 5.5, opacity=0.55), Pen("measured", 1.3)
+FIT_BAND, DATA_ON_FIT = Pen("fit", 5.5, opacity=0.55), Pen("measured", 1.3)
 """A fit as a band, and what was measured as the thin line upon it: a miss leaves the band."""
 SIMPLER = (Pen("ref", 1.8, (8, 3)), Pen("ref", 1.8, (3, 2)))
 REJECTED = Pen("bad", 1.4, (5, 3))
@@ -185,7 +185,7 @@ class Panel:
         A few words in the upper right corner.
     square : bool
         A unit of x is as long as one of y.
-    bare : bool
+    without_axes : bool
         What it shows upright is said elsewhere, and not above its axes.
     drawing : bool
         Without axes: a drawing of a thing, whose place in space says nothing.
@@ -200,7 +200,7 @@ class Panel:
     height: float = 190.0
     note: str = ""
     square: bool = False
-    bare: bool = False
+    without_axes: bool = False
     drawing: bool = False
     below: str = ""
 

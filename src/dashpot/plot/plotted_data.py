@@ -62,8 +62,8 @@ def _assign_bins(x: FloatArray, bins: int, log: bool) -> tuple[IndexArray, Index
     scale = np.log(x) if log else x
     span = scale[-1] - scale[0] or 1.0
     raw = np.minimum((scale - scale[0]) / span * bins, bins - 1).astype(np.intp)
-    fresh = np.concatenate(([True], np.diff(raw) > 0))
-    return np.cumsum(fresh) - 1, np.flatnonzero(fresh)
+    is_new_bin = np.concatenate(([True], np.diff(raw) > 0))
+    return np.cumsum(is_new_bin) - 1, np.flatnonzero(is_new_bin)
 
 
 def _first_equal(y: FloatArray, extreme: FloatArray, label: IndexArray) -> IndexArray:
@@ -76,7 +76,7 @@ def _first_equal(y: FloatArray, extreme: FloatArray, label: IndexArray) -> Index
 
 
 # that many file names are listed; of more, the number
-NAMED = 3
+MAX_NAMED = 3
 
 
 def stamp(
@@ -99,7 +99,7 @@ def stamp(
     """
     files = list(dict.fromkeys(source.file for source in sources))
     simulated = any(source.simulated for source in sources)
-    named = ", ".join(files) if len(files) <= NAMED else f"{files[0]} and {len(files) - 1} more"
+    named = ", ".join(files) if len(files) <= MAX_NAMED else f"{files[0]} and {len(files) - 1} more"
     sentences = ["SIMULATED"] * (simulated or _is_simulated(specimen)) + [named]
     if specimen is not None:
         sentences += [specimen.name, f"lot {specimen.lot}" * bool(specimen.lot), specimen.date]

@@ -37,7 +37,7 @@ from dashpot.vibration.impact.hits import HitBlock, cut_hits
 
 
 ACCEPTED = Pen("fit", 1.1)
-USABLE = 20.0
+USABLE_DB = 20.0
 """The hammer excites the part where its force is within so many dB of that at 0 Hz."""
 
 
@@ -134,14 +134,14 @@ def _spectra(plotted_hits: Sequence[PlottedHit]) -> Panel:
         frequency, level = force_spectrum(hit.block)
         lines.append((frequency, level, hit.pen))
         if hit.is_accepted:
-            below = np.flatnonzero(level < -USABLE)
+            below = np.flatnonzero(level < -USABLE_DB)
             ends.append(float(frequency[below[0]] if below.size else frequency[-1]))
     top = min(2.2 * min(ends), 0.5 * plotted_hits[0].block.rate) if ends else lines[0][0][-1]
-    marks: list[Mark] = [Rule(-USABLE, REF, across=True)]
+    marks: list[Mark] = [Rule(-USABLE_DB, REF, across=True)]
     note = ""
     if ends:
         marks.append(Span(0.0, min(ends), "fit", "band that every accepted hit excites"))
-        note = f"usable to {min(ends):.0f} Hz (−{USABLE:.0f} dB)"
+        note = f"usable to {min(ends):.0f} Hz (−{USABLE_DB:.0f} dB)"
     for frequency, level, pen in lines:
         seen = frequency <= top
         marks.append(Line(*downsample_to_extremes(frequency[seen], level[seen], bins=200), pen))

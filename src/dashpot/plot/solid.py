@@ -335,7 +335,7 @@ def stiffness(
     fit: Fit,
     *,
     parameters: StiffnessBounds | None = None,
-    unseen: StiffnessBounds | None = None,
+    unresolved_bounds: StiffnessBounds | None = None,
     joint: Fit | None = None,
     measured: DynamicStiffness | None = None,
     data: StiffnessSweep | None = None,
@@ -349,7 +349,7 @@ def stiffness(
     Parameters
     ----------
     fit : Fit
-    parameters, unseen : StiffnessBounds, optional
+    parameters, unresolved_bounds : StiffnessBounds, optional
         What the standard errors allow; what any spectrum allows that the test cannot reject.
     joint : Fit, optional
         The fit to relaxation and FRF together.
@@ -362,14 +362,14 @@ def stiffness(
     stamp : str
         What the figure says of its origin; by default the fit's files, specimen and date.
     """
-    f = _frequencies(fit, measured, data, unseen, mark)
+    f = _frequencies(fit, measured, data, unresolved_bounds, mark)
     words = _words(fit)
     panels = []
     for name, label in zip(("storage", "loss", "loss_factor"), words.axes, strict=True):
         factor = 1.0 if name == "loss_factor" else words.scale
         curve = factor * getattr(fit.solid, name)(frequency=f)
         marks: list[Mark] = []
-        for bounds, what in ((unseen, BOUND), (parameters, INTERVAL)):
+        for bounds, what in ((unresolved_bounds, BOUND), (parameters, INTERVAL)):
             if bounds is not None:
                 edges = factor * getattr(bounds, name)
                 marks.append(Area(bounds.frequency, edges[0], edges[1], "fit", what, what == BOUND))

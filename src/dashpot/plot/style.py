@@ -1,8 +1,8 @@
 """Colours, sizes and mark shapes of figures and pages.
 
-Colours of data are those of Okabe and Ito (2008), which readers with any colour vision tell
-apart. Green, orange and vermillion are kept for judgement: no curve of a sound measurement has
-them. Every token has a value for a light and for a dark page.
+Colours of data are those of Okabe and Ito (2008), which readers with any colour vision
+distinguish. Green, orange and vermillion are kept for judgement: no curve of a valid measurement
+has them. Every token has a value for a light and for a dark page.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ LIGHT = {name: light for name, (light, _) in COLOURS.items()}
 """Of whatever is printed or leaves as a file."""
 
 SANS = '-apple-system, "Segoe UI", Roboto, Arial, "Liberation Sans", system-ui, sans-serif'
-SMALL, BOLD = 12.0, 13.0
+SMALL_TEXT, BOLD_TEXT = 12.0, 13.0
 """Sizes of the letters in a figure, px: nothing is smaller."""
 
 

@@ -192,8 +192,8 @@ def _patterns(frames: Iterable[Frame], name: str) -> str:
         for mark in frame.inner
         if isinstance(mark, Fill) and mark.hatched
     }
-    made = "".join(_hatch(f"{name}-{colour}", colour, fine=FINE) for colour in sorted(used))
-    return f"<defs>{made}</defs>" if made else ""
+    patterns = "".join(_hatch(f"{name}-{colour}", colour, fine=FINE) for colour in sorted(used))
+    return f"<defs>{patterns}</defs>" if patterns else ""
 
 
 # -- the key --------------------------------------------------------------------------------------

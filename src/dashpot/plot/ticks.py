@@ -14,9 +14,9 @@ from dashpot.plot.picture import Scale
 # numbers of a decade, ever more of them
 SUBS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8))
 # of a logarithmic axis and of an even one, below which numbers may stand closer
-FEW, PAIR = 5, 3
+FEW_TICKS, PAIR = 5, 3
 # how much so, and if they are short
-CLOSE, SHORT, LETTERS = 0.7, (1e-2, 1e4), 4
+CLOSE_SPACING, SHORT_SPACING, LETTERS = 0.7, (1e-2, 1e4), 4
 # plain numbers are short between these
 PLAIN = (1e-4, 1e5)
 
@@ -39,11 +39,15 @@ def numbers(scale: Scale, length: float, difference: float) -> tuple[float, ...]
     """
     if scale.ticks:
         return scale.ticks
-    values, closer = (_numbers(scale, length, value) for value in (difference, CLOSE * difference))
-    if len(closer) <= len(values) or len(values) >= (FEW if scale.log else PAIR):
+    values, closer = (
+        _numbers(scale, length, value) for value in (difference, CLOSE_SPACING * difference)
+    )
+    if len(closer) <= len(values) or len(values) >= (FEW_TICKS if scale.log else PAIR):
         return values
     if scale.log:
-        return closer if SHORT[0] <= closer[0] and closer[-1] <= SHORT[1] else values
+        return (
+            closer if SHORT_SPACING[0] <= closer[0] and closer[-1] <= SHORT_SPACING[1] else values
+        )
     return closer if max(map(len, format_ticks(scale, closer))) <= LETTERS else values
 
 

@@ -16,7 +16,13 @@ from dashpot.base.units import celsius, format_quantity
 from dashpot.datamodel.relaxation import MAX_CREEP, SETTLING, RampHold, quantum
 from dashpot.datamodel.specimen import Specimen
 from dashpot.preprocessing.contact import MIN_BASELINE, Baseline, Touch
-from dashpot.preprocessing.denoising import CORNERS, LOST, bends, but_corners, denoise_displacement
+from dashpot.preprocessing.denoising import (
+    CORNERS,
+    LOST_FORCE,
+    bends,
+    but_corners,
+    denoise_displacement,
+)
 from dashpot.preprocessing.history import EarlierLoadings
 from dashpot.signals.clock import NEIGHBOUR_STEPS, find_clock_jumps, has_few_pauses
 from dashpot.signals.noise import estimate_robust_scatter, median_of_three, spikes
@@ -43,7 +49,7 @@ GROSSLY = 2.0
 # of a hold: a channel that stood still, and a force that did so for too long
 MAX_FROZEN, GROSSLY_FROZEN = 0.005, 0.1
 # of the depth: a plate that moved; of the hold: in which it is braked
-MOVED, SOON = 1e-3, 0.05
+MOVED_SHARE, BRAKED_SHARE = 1e-3, 0.05
 # bends of a motion that steps, at least
 TO_AND_FRO = 8
 # of the time from onset; of a leap of an even clock, which is then wrong by as much or lost it
@@ -110,12 +116,12 @@ def temperature_held(specimen: Specimen) -> Finding:
 
 def check_temperature(specimen: Specimen) -> list[Check]:
     """What the file says of the temperature, as far as it says anything."""
-    answers = []
+    all_checks = []
     if specimen.stated_temperature is not None:
-        answers.append(temperature_as_stated(specimen))
+        all_checks.append(temperature_as_stated(specimen))
     if specimen.warmed is not None:
-        answers.append(temperature_held(specimen))
-    return answers
+        all_checks.append(temperature_held(specimen))
+    return all_checks
 
 
 # -- what preparation found -----------------------------------------------------------------------
@@ -147,13 +153,13 @@ def contact_found(touch: Touch, depth: float, *, provided: bool) -> Finding:
         )
     if touch.gap == 0:
         return Finding("The seal touches where the motion begins: there is no air gap")
-    doubt = touch.standard_error / depth
+    relative_error = touch.standard_error / depth
     return Finding(
-        f"The depth is known to {100 * doubt:.2g} %. The plate crosses an air gap of "
+        f"The depth is known to {100 * relative_error:.2g} %. The plate crosses an air gap of "
         f"{format_quantity(touch.gap, 'mm', '.3g')} (± "
         f"{format_quantity(touch.standard_error, 'mm', '.1g')}) "
         "before the force rises",
-        doubt,
+        relative_error,
         "Every stiffness has the same uncertainty",
         "Start in light contact.",
     )
@@ -175,17 +181,17 @@ def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Find
             f"The load cell reads {carried:.3g} N as the ramp starts, "
             f"{round_to_error(100 * share, digits=2)} % of the rise"
         )
-    late = moving and share > LATE_START
+    is_late = moving and share > LATE_START
     return Finding(
         message,
         share,
         "The plate moves already at the first sample. The record begins within its ramp, or the "
         "load cell was not tared"
-        if late
+        if is_late
         else "If this is the cell's offset, the tare is right. If the seal was pressed, the "
         "stiffnesses are those about that preload",
-        "Record from a second before the ramp." if late else "Tare in air, or start from rest.",
-        grade="stop" if late else "limit" if share > LARGE_PRELOAD else None,
+        "Record from a second before the ramp." if is_late else "Tare in air, or start from rest.",
+        grade="stop" if is_late else "limit" if share > LARGE_PRELOAD else None,
     )
 
 
@@ -205,9 +211,9 @@ def ramp_recorded(rise: float, change: float) -> Finding:
 
 def refuse_late_start(where: str, rise: float, change: float) -> None:
     """Raise DataError if the record begins after its ramp: nothing in a fit of it would be true."""
-    answer = ramp_recorded(rise, change)
-    if answer.failed:
-        raise DataError(f"{where}: {decapitalise_sentence(answer.message_with_remedy)}")
+    check = ramp_recorded(rise, change)
+    if check.failed:
+        raise DataError(f"{where}: {decapitalise_sentence(check.message_with_remedy)}")
 
 
 @criterion(
@@ -241,10 +247,10 @@ def single_loading(
             f"{before[0].start:.5g} to {before[-1].end:.5g} s, {'are' if many > 1 else 'is'} "
             "followed from the first sample on as what the seal remembers, and not fitted"
         )
-    if cycle.moves > 1:
+    if cycle.ramp_count > 1:
         message += (
-            f". It has {cycle.moves} ramps. The fit of ramp and hold follows them all; the fit of "
-            "the hold alone (eq. 5) does not apply"
+            f". It has {cycle.ramp_count} ramps. The fit of ramp and hold follows them all; the "
+            "fit of the hold alone (eq. 5) does not apply"
         )
     return Finding(message, float(len(cycles)), remedy=remedy, always_passes=requested)
 
@@ -284,8 +290,7 @@ def face_recovered(seen: float, expected: float, *, error: float, depth: float) 
     off = max(abs(seen - expected) - 3 * error, 0.0)
     return Finding(
         f"The plate meets the seal again {format_quantity(seen, 'mm', '.3g')} from first contact, "
-        "where "
-        f"its face is expected at {format_quantity(expected, 'mm', '.3g')}",
+        f"where its face is expected at {format_quantity(expected, 'mm', '.3g')}",
         float(np.copysign(off, seen - expected)) / depth,
         "The seal was set, or recovers otherwise than it relaxes",
         "Let it rest before the test.",
@@ -319,7 +324,7 @@ def history_checks(
     pauses, change = np.diff(record.time[: stop + 1]), np.diff(record.displacement[: stop + 1])
     jumped = np.abs(change) > MAX_PAST_JUMP * record.depth
     broken = bool(np.any(jumped & (pauses > 5 * median(np.diff(record.time)))))
-    answers = [history_explained(past, broken=broken, pressed=pressed)]
+    all_checks = [history_explained(past, broken=broken, pressed=pressed)]
     plate, face = record.plate, record.displacement[stop:corner]
     if plate is not None and met.gap > 0:
         away = np.flatnonzero(plate[stop:corner] < face)
@@ -327,15 +332,15 @@ def history_checks(
             seen = float(np.interp(record.onset, record.time, plate))
             expected = float(face[away[-1]])
             error = met.standard_error
-            answers.append(face_recovered(seen, expected, error=error, depth=record.depth))
-    return answers
+            all_checks.append(face_recovered(seen, expected, error=error, depth=record.depth))
+    return all_checks
 
 
 @criterion("overshoot / depth", "<=", MAX_OVERSHOOT, grade="note")
-def overshoot_small(test: RampHold, *, moves: int) -> Finding:
+def overshoot_small(test: RampHold, *, ramp_count: int) -> Finding:
     """The plate stops without overshoot."""
-    if moves > 1:
-        return Finding("With several ramps an overshoot is not judged")
+    if ramp_count > 1:
+        return Finding("With several ramps an overshoot is not checked")
     highest = float(median_of_three(test.displacement).max()) - 3 * test.displacement_noise
     share = max(highest / test.depth - 1, 0.0)
     return Finding(
@@ -419,7 +424,7 @@ def _leap_of(time: FloatArray, onset: float, least: float) -> Finding | None:
     leap, since = leaps[worst], float(time[leaps[worst].at] - onset)
     before = since < 0
     return Finding(
-        f"The clock goes on by {leap.step:.3g} s where its steps are {leap.beside:.3g} s, "
+        f"The clock goes on by {leap.step:.3g} s where its steps are {leap.expected_step:.3g} s, "
         f"{abs(since):.3g} s {'before' if before else 'after'} onset",
         shares[worst],
         "The clock jumped, or the record was interrupted" if before else JUMPED,
@@ -465,24 +470,24 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
         Of the same samples, as they stand in the file: a tare or a line of hum taken off would
         leave no two readings equal bit for bit.
     """
-    held, time = test.hold, test.time[test.hold]
-    f, x = force[held], displacement[held]
+    hold, time = test.hold, test.time[test.hold]
+    f, x = force[hold], displacement[hold]
     if len(f) < FEWEST:
         return Finding("The hold has too few samples to show whether a channel stands still")
     step = np.abs(x[BEFORE:] - x[:-BEFORE])
-    moves = step > max(MOVED * test.depth, 6 * test.displacement_noise)
+    moves = step > max(MOVED_SHARE * test.depth, 6 * test.displacement_noise)
     resting = ~np.concatenate((moves, np.zeros(BEFORE, dtype=bool)))
     resting[BEFORE:] &= ~moves
     resting &= time > test.ramp_end + SETTLING * test.ramp_time
     before, ramp = np.searchsorted(test.time, (test.onset, test.ramp_end)).tolist()
     # a part that is pressed falls, on either side of zero; a plate that moves on loads it again
-    turn = 1.0 if (f - f.mean()) @ test.force[held] >= 0 else -1.0
+    turn = 1.0 if (f - f.mean()) @ test.force[hold] >= 0 else -1.0
     since = time - test.ramp_end if not moves[resting.argmax() :].any() else None
     besides = force[:before], force[before:ramp]
     stuck = find_stuck_runs(turn * f, resting=resting, since=since, besides=besides)
     still = find_stuck_runs(x, resting=np.zeros(len(x), dtype=bool))
     # a plate that soon rests for good may well show no more noise
-    still = still[(still[:, 1] < len(x) - 1) | (still[:, 0] > SOON * len(x))]
+    still = still[(still[:, 1] < len(x) - 1) | (still[:, 0] > BRAKED_SHARE * len(x))]
     of_force, of_plate = (float(np.sum(np.diff(values) + 1)) / len(f) for values in (stuck, still))
     channel, runs_of_it = ("force", stuck) if of_force >= of_plate else ("displacement", still)
     share = max(of_force, of_plate)
@@ -517,7 +522,7 @@ def motion_resolved(test: RampHold) -> Finding:
     secant stiffness of the ramp times that. A few sharp corners may lie between samples. Limits
     count the rows of the ramp for less by it.
     """
-    ramp = test.held_until(test.ramp_end + test.ramp_time)
+    ramp = test.hold_end_before(test.ramp_end + test.ramp_time)
     x, residual = denoise_displacement(ramp)
     time, force = test.time[: len(x)], test.force[: len(x)]
     if len(x) < 4 * CORNERS:
@@ -529,8 +534,8 @@ def motion_resolved(test: RampHold) -> Finding:
     value = worst / max(test.force_noise, 1e-3 * float(force.max()))
     needed = np.sqrt(value / MAX_UNRESOLVED) / median(np.diff(time))
     # a motor bends to and fro all along the ramp, a servo swings a few times
-    seen = missed[np.abs(missed) * stiffness * value > LOST * worst]
-    steps_on = value > LOST and np.count_nonzero(np.diff(np.sign(seen))) >= TO_AND_FRO
+    seen = missed[np.abs(missed) * stiffness * value > LOST_FORCE * worst]
+    steps_on = value > LOST_FORCE and np.count_nonzero(np.diff(np.sign(seen))) >= TO_AND_FRO
     return Finding(
         "Between two samples the displacement departs from a straight line by a force of "
         f"{format_quantity(worst, 'mN', '.2g')}",
@@ -757,12 +762,12 @@ def _flat_top(force: FloatArray) -> tuple[float, int, int, int]:
 )
 def depth_resolved(test: RampHold) -> Finding:
     """The displacement is resolved finely enough for stiffness and fast arms."""
-    doubt = test.depth_doubt
+    depth_error = test.depth_error
     return Finding(
-        f"The encoder gives the depth of {format_quantity(test.depth, 'mm')} to ±{100 * doubt:.2g} "
-        "%. "
-        "Every stiffness shares this uncertainty, and its standard error includes it",
-        doubt,
+        f"The encoder gives the depth of {format_quantity(test.depth, 'mm')} to "
+        f"±{100 * depth_error:.2g} "
+        "%. Every stiffness shares this uncertainty, and its standard error includes it",
+        depth_error,
         "What lies between its counts on the ramp looks like a fast arm",
         remedy="Use a finer encoder, or press deeper.",
     )
@@ -834,8 +839,7 @@ def force_relaxes(test: RampHold, solid: GeneralizedMaxwell | None = None) -> Fi
         if unexplained <= limit:
             return Finding(
                 f"The force rises by {format_quantity(rise, 'mN', '.3g')} after an unloading, as "
-                "the "
-                "fitted model does",
+                "the fitted model does",
                 unexplained,
                 limit=limit,
             )
@@ -843,8 +847,7 @@ def force_relaxes(test: RampHold, solid: GeneralizedMaxwell | None = None) -> Fi
         "The force does not rise during the hold",
         rise,
         failure=f"The force rises by {format_quantity(rise, 'mN', '.3g')} during the hold; noise "
-        "explains "
-        f"{format_quantity(limit, 'mN', '.3g')}. No relaxing part does that",
+        f"explains {format_quantity(limit, 'mN', '.3g')}. No relaxing part does that",
         remedy="Look for swelling, warming, a plate that creeps, or a sensor that drifts.",
         limit=limit,
     )
@@ -855,7 +858,7 @@ def strain_small(test: RampHold) -> Finding:
     """The compression is small relative to the height of the section."""
     height = test.specimen.height
     if height is None:
-        return Finding("The height of the section is not given, so its strain is not judged")
+        return Finding("The height of the section is not given, so its strain is not checked")
     strain = test.depth / height
     return Finding(
         f"The section is compressed by {100 * strain:.0f} % of its height",
@@ -876,17 +879,19 @@ def force_rise(test: RampHold, solid: GeneralizedMaxwell | None = None) -> tuple
     if len(force) < 20:
         return 0.0, np.inf
     secant = max(float(force[-len(force) // 10 :].mean()), 0.0) / test.depth
-    answer = secant * (x - x.mean()) if solid is None else _answer_of(solid, test)[test.hold]
-    tenths = [part.mean() for part in np.array_split(force - answer, 10)]
+    response = (
+        secant * (x - x.mean()) if solid is None else _compute_response(solid, test)[test.hold]
+    )
+    tenths = [part.mean() for part in np.array_split(force - response, 10)]
     rise = float(tenths[-1] - min(tenths))
     noise = max(test.force_noise, estimate_robust_scatter(test.time, test.force))
     scatter = noise / np.sqrt(len(force) / 10)
     return rise, float(max(7.0 * scatter, 0.005 * np.abs(force).max()))
 
 
-def _answer_of(solid: GeneralizedMaxwell, test: RampHold) -> FloatArray:
+def _compute_response(solid: GeneralizedMaxwell, test: RampHold) -> FloatArray:
     """The force of a solid that follows the recorded motion, N, shape (n,)."""
     x = test.displacement
     arms = zip(solid.k, solid.tau, strict=True)
-    answers = [k * arm_response(test.time, x, tau) for k, tau in arms]
-    return np.asarray(solid.k_inf * x + np.sum(answers, axis=0))
+    responses = [k * arm_response(test.time, x, tau) for k, tau in arms]
+    return np.asarray(solid.k_inf * x + np.sum(responses, axis=0))

@@ -20,25 +20,25 @@ from dashpot.solids.maxwell import arm_response
 # half widths of the windows that compete, in samples: each some 1.4 times the one before
 HALF_WIDTHS = (0, 1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362, 512, 724, 1024)
 # means of windows disagree if they are farther apart than this many standard deviations
-APART = 2.5
+MIN_STEP_DISTANCE = 2.5
 # what scatters after reading between counts, as a part of a count, and what is off while it moves
 SCATTER_OF_A_COUNT, LEFT_OF_A_COUNT = 0.025, 0.2
 # a mean leaves more than this part of the noise only where the motion bends
 NARROW = 0.1
 # a reading that stays so many times as long as its neighbours is a rest
-REST = 4.0
+REST_FACTOR = 4.0
 # readings so few samples apart repeat their errors, as counts beat with samples
-BEAT = 5.0
+BEAT_SAMPLES = 5.0
 # sharp corners that lie between samples of any motion
 CORNERS = 6
 # a force lost between samples that counts, in noises; samples that share an error count twice
-LOST, ALIKE = 0.06, 2.0
+LOST_FORCE, SHARED_ERROR_SAMPLES = 0.06, 2.0
 # the most that counts bend a motion, in counts, and three standard deviations of what noise does
 BENT_BY_COUNTS, BENT_BY_NOISE = 0.11, 3 * 6**0.5 / 8
 # equal neighbours so much closer than the depth are arithmetic, not counts
 LEAST_COUNT = 1e-6
 # second difference, in counts, from which a quarter of it is more than half a count
-SHARP = 2.0
+SHARP_COUNTS = 2.0
 # a reading that returns within half as many samples has flickered
 FLICKER = 7
 # and by less than so many counts
@@ -55,7 +55,7 @@ def denoise_displacement(test: RampHold) -> tuple[FloatArray, FloatArray]:
     r"""Displacement of a test up to the end of its hold, freed of counts and noise.
 
     A first-order low-pass in the force channel, which a linear solid cannot
-    tell from one in its motion, is passed by the motion too,
+    distinguish from one in its motion, is passed by the motion too,
 
     .. math:: x_f(t) = x(t) - \int_0^t e^{-2\pi f (t-u)} \dot x(u)\,\mathrm du
 
@@ -99,11 +99,11 @@ def between_samples(
     missed[: max(test.start - 1, 0)] = 0.0
     size, peak = np.abs(missed), float(np.abs(test.force).max())
     noise = max(test.force_noise, 1e-3 * peak)
-    if len(x) < 4 * CORNERS or peak / test.depth * but_corners(size) <= LOST * noise:
+    if len(x) < 4 * CORNERS or peak / test.depth * but_corners(size) <= LOST_FORCE * noise:
         return np.zeros(len(x))
     side = np.sign(missed)
     run = np.cumsum(np.append(True, side[1:] != side[:-1])) - 1
-    return np.asarray(ALIKE * np.sqrt(size * np.bincount(run, weights=size)[run]))
+    return np.asarray(SHARED_ERROR_SAMPLES * np.sqrt(size * np.bincount(run, weights=size)[run]))
 
 
 def bends(test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray) -> FloatArray:
@@ -162,7 +162,7 @@ def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> 
     # readings before the first change, between changes, and after the last one
     level = displacement[np.append(change, change[-1] + 1)]
     start, stop, before, after = _stays(at)
-    long = stop - start > REST * np.maximum(before, after)
+    long = stop - start > REST_FACTOR * np.maximum(before, after)
     # the motion leaves and reaches a rest as slowly as it crossed the neighbouring count
     ends = np.concatenate(((start + before / 2)[long], (stop - after / 2)[long]))
     inner = np.isfinite(ends)
@@ -174,9 +174,9 @@ def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> 
     interpolated = _restore_steps(time, interpolated, change)
     # a line from half way to half way flattens a bend by a quarter: where that is more than what
     # a reading is off, it is the better guess
-    bent = np.zeros(len(interpolated), dtype=bool)
-    bent[1:-1] = np.abs(np.diff(displacement, 2)) > SHARP * count
-    return np.where(bent, displacement, interpolated)
+    is_curved = np.zeros(len(interpolated), dtype=bool)
+    is_curved[1:-1] = np.abs(np.diff(displacement, 2)) > SHARP_COUNTS * count
+    return np.where(is_curved, displacement, interpolated)
 
 
 def _restore_steps(time: FloatArray, x: FloatArray, change: IndexArray) -> FloatArray:
@@ -204,7 +204,7 @@ def rests(
     if len(change) < 2:
         return ((-np.inf, np.inf),)
     start, stop, before, after = _stays(0.5 * (time[change] + time[change + 1]))
-    long = stop - start > REST * np.maximum(before, after)
+    long = stop - start > REST_FACTOR * np.maximum(before, after)
     return tuple(zip(start[long].tolist(), stop[long].tolist(), strict=True))
 
 
@@ -230,9 +230,9 @@ def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: floa
     turned[2:-2] = np.abs(speed[2:] - speed[:-2])
     stay = np.where(np.isfinite(stop - start), stop - start, 0.0)
     missed = np.minimum(step / 2, stay * turned)
-    alike = 2 * np.maximum(stay / float(np.mean(np.diff(time))), BEAT)
+    alike = 2 * np.maximum(stay / float(np.mean(np.diff(time))), BEAT_SAMPLES)
     residual = np.hypot(LEFT_OF_A_COUNT * step, missed) * np.sqrt(alike)
-    residual[stop - start > REST * np.maximum(before, after)] = 0.0
+    residual[stop - start > REST_FACTOR * np.maximum(before, after)] = 0.0
     reading = np.searchsorted(change, np.arange(len(time)))
     return np.asarray(residual[reading])
 
@@ -275,12 +275,12 @@ def denoise_values(values: FloatArray, noise: float) -> tuple[FloatArray, FloatA
     low, high = np.full(n, -np.inf), np.full(n, np.inf)
     open_still, widened = np.ones(n, dtype=bool), np.zeros(n, dtype=np.uint8)
 
-    def widen(here: slice, sums: FloatArray, count: FloatArray | int) -> None:
-        mean, reach = values[-1] + sums / count, APART * (noise / np.sqrt(count))
-        np.maximum(low[here], mean - reach, out=low[here])
-        np.minimum(high[here], mean + reach, out=high[here])
-        open_still[here] &= low[here] <= high[here]
-        widened[here] += open_still[here]
+    def widen(window: slice, sums: FloatArray, count: FloatArray | int) -> None:
+        mean, reach = values[-1] + sums / count, MIN_STEP_DISTANCE * (noise / np.sqrt(count))
+        np.maximum(low[window], mean - reach, out=low[window])
+        np.minimum(high[window], mean + reach, out=high[window])
+        open_still[window] &= low[window] <= high[window]
+        widened[window] += open_still[window]
 
     # in stretches, whose temporaries are neither given back nor taken again page by page
     for first, width in product(range(0, n, IN_CACHE), HALF_WIDTHS):

@@ -27,7 +27,7 @@ AS_NOISE, EXPLAINED = 1.1, 5e-3
 # of the peak: less is no noise
 ROUNDING = 1e-4
 # times that solid and face are found, each with the other
-ROUNDS = 8
+MAX_ITERATIONS = 8
 # of the depth: a face that moves by less has been found
 SETTLED_FACE = 1e-4
 # times its scatter, and of its peak, by which a seal that is pressed shows a force
@@ -35,7 +35,7 @@ PRESSED, PRESSED_PART = 5.0, 0.004
 # of the peak, and times the scatter, by which a bonded seal pulls at a plate that went back
 PULLED_PART, PULLED = 0.01, 8.0
 # of the depth: a plate as near to first contact has gone back
-BACK = 0.1
+RETURN_SHARE = 0.1
 
 
 class EarlierLoadings(NamedTuple):
@@ -65,7 +65,7 @@ def is_bonded(
     Force and compression of the loadings before the last, N and m; the force is 0 in air.
     """
     least = max(PULLED_PART * peak, PULLED * noise)
-    return bool(np.any((median_of_three(force) < -least) & (compression < BACK * depth)))
+    return bool(np.any((median_of_three(force) < -least) & (compression < RETURN_SHARE * depth)))
 
 
 def follow_history(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
@@ -101,7 +101,7 @@ def _fit_alternately(
     from dashpot.solids.moving_plate import face_under_plate
 
     (solid, remainder), ratio = _solid_of(record, arms), np.inf
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ITERATIONS):
         face, _ = face_under_plate(solid, record.time, plate)
         ratio = float(np.abs(face - record.displacement)[: record.hold.stop].max()) / record.depth
         record = replace(record, displacement=face)
@@ -117,7 +117,7 @@ def _fit_alternately(
 
 
 def _first_face(record: RampHold, plate: FloatArray) -> FloatArray:
-    """Where the force tells that the plate presses, that of the plate; straight between, m."""
+    """Where the force shows that the plate presses, that of the plate; straight between, m."""
     force, t = median_of_three(record.force), record.time
     least = max(PRESSED * record.force_noise, PRESSED_PART * float(force.max()))
     pressed = (force > least) & (plate > 0)

@@ -151,7 +151,7 @@ def find_motion(
     Parameters
     ----------
     test : RelaxationTest
-        As recorded; the force only tells whether the columns are swapped.
+        As recorded; the force only shows whether the columns are swapped.
     where : str
         Name of the record, for errors.
     sign : {1, -1} or None
@@ -239,14 +239,14 @@ def build_motion_from_times(
 
 
 def follow_contact(
-    test: RelaxationTest, motion: PlateMotion, contact: float, *, doubt: float
+    test: RelaxationTest, motion: PlateMotion, contact: float, *, tolerance: float
 ) -> PlateMotion:
-    """Return the motion without the ramps that end in air, before `contact` less `doubt`, m."""
+    """Return the motion without the ramps that end in air, before `contact` less `tolerance`, m."""
     segments = motion.cycle.segments
     flown = [
         i
         for i, segment in enumerate(segments[:-2])
-        if segment.kind == "load" and segment.level <= contact + doubt
+        if segment.kind == "load" and segment.level <= contact + tolerance
     ]
     if not flown or segments[flown[-1] + 1].kind != "hold":
         return motion

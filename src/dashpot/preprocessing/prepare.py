@@ -76,7 +76,7 @@ def prepare(
     drift: float | str | None = None,
     force_range: Quantity | None = None,
     machine: Machine | None = None,
-    judged: bool = True,
+    with_checks: bool = True,
 ) -> RampHold:
     r"""Return the ramp and hold of a test: tared, compression counted from first contact.
 
@@ -113,7 +113,7 @@ def prepare(
         Full scale of the load cell, N, for the check of the range used.
     machine : Machine, optional
         Known properties: clocks, drift, compliance, a filter in the force channel.
-    judged : bool
+    with_checks : bool
         False leaves ``checks`` empty; a record that no fit can use is refused all the same.
 
     Raises
@@ -148,7 +148,7 @@ def prepare(
         _find_contact, test.time, x, despiked_force, provided_contact=contact, delay_sd=delay_sd
     )
     baseline, touch = find_contact(motion, least_gap=least_gap)
-    contact_motion = follow_contact(test, motion, touch.displacement, doubt=least_gap)
+    contact_motion = follow_contact(test, motion, touch.displacement, tolerance=least_gap)
     if contact_motion is not motion:
         # the plate was first moved through air: the ramp that touches the seal is the first
         motion = contact_motion
@@ -175,7 +175,7 @@ def prepare(
     if earlier is not None:
         touch = earlier.touch
     machine.refuse_unused(
-        "sync", "drift", "compliance", "creep", "force_filter", "rest", of="a ramp and hold"
+        "sync", "drift", "compliance", "creep", "force_filter", "rest", subject="a ramp and hold"
     )
     record = _subtract_machine_deflection(record, preload, machine)
     history = None
@@ -192,7 +192,7 @@ def prepare(
     loading_samples = slice(motion.stop + 1 - len(loading.time), motion.stop + 1)
     all_checks = (
         []
-        if not judged
+        if not with_checks
         else [
             checks.single_loading(
                 motion.index,
@@ -205,7 +205,7 @@ def prepare(
             checks.preload_absent(
                 preload, rise, moving=earlier is None and motion.cycle.rest is None
             ),
-            checks.overshoot_small(loading, moves=motion.cycle.moves),
+            checks.overshoot_small(loading, ramp_count=motion.cycle.ramp_count),
             checks.samples_unbroken(loading),
             checks.clock_steady(loading, _select_times(test.time, motion, hold_end)),
             checks.spikes_absent(loading),
@@ -220,9 +220,9 @@ def prepare(
             *caution_checks(sources_of([test])),
         ]
     )
-    if judged:
+    if with_checks:
         all_checks += _check_history(record, motion, earlier, history)
-    if judged and force_range is not None:
+    if with_checks and force_range is not None:
         all_checks.append(checks.load_cell_range_used(rise, force_range))
     steps = [
         _make_orientation_step(motion.sign, force_sign),
@@ -649,8 +649,7 @@ def _compute_force_rise(
             f"{where}: the force does not rise while the plate presses (by "
             f"{format_quantity(peak, 'mN', '.3g')}, with a scatter of "
             f"{format_quantity(record.force_noise, 'mN', '.3g')}); check the force column, its "
-            "unit and "
-            "the sign"
+            "unit and the sign"
         )
     if baseline.long_enough and not may_pull and minimum < -max(8 * record.force_noise, 0.1 * peak):
         raise DataError(
@@ -703,11 +702,10 @@ def _subtract_machine_deflection(record: RampHold, preload: float, machine: Mach
     held_deflection = _time_average(record.time[record.hold], deflection[record.hold])
     if not held_deflection < record.depth:
         raise DataError(
-            f"a machine of {format_quantity(compliance, 'um/N')} gives "
+            f"a machine compliance of {format_quantity(compliance, 'um/N')} means a deflection of "
             f"{format_quantity(held_deflection, 'mm')} under "
             f"the force of the hold, and the plate moved {format_quantity(record.depth, 'mm')}; "
-            "check the "
-            "unit of the compliance"
+            "check the unit of the compliance"
         )
     return replace(
         record,
@@ -735,14 +733,14 @@ def _make_history_step(record: RampHold, history: EarlierLoadings, count: int) -
 def _make_machine_steps(machine: Machine) -> tuple[Step, ...]:
     """Return the step that states the values of the machine and their use."""
     effects = (
-        ("sync_s", machine.sync, "clocks known to {:.4g} s"),
-        ("drift_n_per_s", machine.drift, "load cell that drifts by {:.4g} N/s (one SD)"),
+        ("sync_s", machine.sync, "clock error of {:.4g} s (one SD)"),
+        ("drift_n_per_s", machine.drift, "load cell drift of {:.4g} N/s (one SD)"),
         ("compliance_m_per_n", machine.compliance or None,
-         "machine that gives {:.4g} m/N, taken off the displacement with the force freed of noise"),
-        ("creep_m", machine.creep, "crosshead that creeps by {:.4g} m in e-fold time (one SD)"),
-        ("rest_s", machine.rest, "seal that rested for {:.4g} s before its record"),
+         "machine compliance of {:.4g} m/N, subtracted with the denoised force"),
+        ("creep_m", machine.creep, "crosshead creep of {:.4g} m in e-fold time (one SD)"),
+        ("rest_s", machine.rest, "rest of the seal for {:.4g} s before its record"),
         ("force_filter_hz", machine.force_filter,
-         "force behind a first-order low-pass of {:.4g} Hz, which the fit's motion passes too"),
+         "first-order low-pass of the force at {:.4g} Hz, also applied to the fitted motion"),
     )  # fmt: skip
     known_effects = [(name, value, words) for name, value, words in effects if value is not None]
     if not known_effects:
@@ -757,10 +755,10 @@ def _make_machine_steps(machine: Machine) -> tuple[Step, ...]:
 
 def _make_orientation_step(displacement: int, force: int) -> Step:
     words = {
-        (1, 1): "compression and force count upwards, as recorded",
-        (-1, -1): "displacement and force count downwards in the record; both are turned",
-        (-1, 1): "displacement counts downwards in the record and is turned",
-        (1, -1): "force counts downwards in the record and is turned",
+        (1, 1): "displacement and force are positive in compression, as recorded",
+        (-1, -1): "displacement and force are negative in compression; both signs are changed",
+        (-1, 1): "displacement is negative in compression; its sign is changed",
+        (1, -1): "force is negative in compression; its sign is changed",
     }
     parameters = (("displacement_sign", str(displacement)), ("force_sign", str(force)))
     return Step("orientation", parameters, words[displacement, force])
@@ -776,7 +774,7 @@ def _make_segments_step(motion: PlateMotion, record: RampHold) -> Step:
 
 def _make_contact_step(touch: Touch) -> Step:
     message = (
-        f"an air gap of {format_quantity(touch.gap, 'mm')} is taken off the displacement"
+        f"an air gap of {format_quantity(touch.gap, 'mm')} is subtracted from the displacement"
         if touch.gap > 0
         else "contact where the motion begins"
     )

@@ -262,7 +262,7 @@ _TOO_SMALL = 0.02
 def hum_lines(
     time: FloatArray,
     force: FloatArray,
-    held: slice,
+    hold_samples: slice,
     *,
     noise: float,
     displacement: FloatArray | None = None,
@@ -277,14 +277,14 @@ def hum_lines(
         s, of the whole record.
     force : array, shape (n,)
         N, over the hold, whose clock is uniform.
-    held : slice
+    hold_samples : slice
         The hold.
     noise : float
         Scatter of the force from sample to sample, N.
     displacement : array, shape (n,), optional
         m, of the same samples: lines of the force that are its response are no hum.
     """
-    n, everywhere, time = len(force), time, time[held]
+    n, everywhere, time = len(force), time, time[hold_samples]
     if n < _FEWEST_SAMPLES or noise == 0:
         return (), np.zeros(len(everywhere)), False
     step = (time[-1] - time[0]) / (n - 1)

@@ -87,7 +87,7 @@ _BLOCK = 1 << 18
 """Bytes read at once: their numbers fit in a processor's cache."""
 _BESIDE = 10_000
 """Names of a folder among which that of a missing file is looked for."""
-_HELD = 1 << 24
+_MAX_IN_MEMORY = 1 << 24
 """Bytes of the largest file that is kept in memory, and so opened once."""
 PIPED = 1 << 29
 """Bytes that may come through a pipe: they are held in memory."""
@@ -101,11 +101,11 @@ class RawFile:
 
     name: str
     path: Path | None
-    held: bytes = b""
+    content: bytes = b""
 
     def open(self) -> BinaryIO:
         """Return the bytes from the start."""
-        return BytesIO(self.held) if self.held or self.path is None else self.path.open("rb")
+        return BytesIO(self.content) if self.content or self.path is None else self.path.open("rb")
 
     def head(self, size: int) -> bytes:
         """Return the first `size` bytes, or fewer."""
@@ -121,7 +121,7 @@ class RawFile:
     @cached_property
     def size(self) -> int:
         """Bytes in all."""
-        return len(self.held) if self.held or self.path is None else self.path.stat().st_size
+        return len(self.content) if self.content or self.path is None else self.path.stat().st_size
 
     @cached_property
     def patience(self) -> TimeBudget:
@@ -131,8 +131,8 @@ class RawFile:
     @cached_property
     def sha256(self) -> str:
         """Hash of the raw bytes."""
-        digest = hashlib.sha256(self.held)
-        for block in () if self.held else self.blocks():
+        digest = hashlib.sha256(self.content)
+        for block in () if self.content else self.blocks():
             digest.update(block)
         return digest.hexdigest()
 
@@ -148,7 +148,7 @@ def add_name_to_errors(name: str) -> Iterator[None]:
         raise ReadError(f"{name}{mark}{text}") from None
 
 
-def like_json(head: bytes) -> bool:
+def looks_like_json(head: bytes) -> bool:
     """Return whether the first bytes of a file open a JSON object."""
     return head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")
 
@@ -212,7 +212,7 @@ def _open_path(path: Path) -> RawFile:
         raise ReadError(f"{path} is a {what}; give the file to read")
     _keep_what_is_freed()
     with path.open("rb") as stream:
-        return RawFile(name, path, b"" if status.st_size >= _HELD else stream.read())
+        return RawFile(name, path, b"" if status.st_size >= _MAX_IN_MEMORY else stream.read())
 
 
 @lru_cache(maxsize=1)
@@ -222,7 +222,7 @@ def _keep_what_is_freed() -> None:
     From then on the C library of Linux keeps smaller ones for what is asked next. Given back and
     taken anew for every record, their pages cost up to a third of reading it.
     """
-    bytes(_HELD)
+    bytes(_MAX_IN_MEMORY)
 
 
 @lru_cache(maxsize=1)

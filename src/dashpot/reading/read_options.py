@@ -79,11 +79,11 @@ class ReadOptions:
     real, imaginary, magnitude, phase, coherence : str or None
         So too, in an FRF; in a dynamic test `magnitude` is the size of K*, `phase` its angle.
     hammer : str or None
-        The force of an impact test; by default `force`.
+        The force of a hammer test; by default `force`.
     velocity : str or None
         Of an indenter.
     acceleration : tuple of str
-        The acceleration columns of an impact test, in the order wanted.
+        The acceleration columns of a hammer test, in the order wanted.
     base_acceleration : str or None
         The acceleration of a base that is shaken, in place of a hammer.
     units : mapping or tuple of (str, str)
@@ -242,14 +242,15 @@ class ReadOptions:
         """Return the unit given for a column, by its name or by its role, or None."""
         options, name = self.get_units_by_name(), column.strip().casefold()
         by_role = options.get(role, options.get(_ALSO.get(role, "")))
-        # "force=N" speaks of the force, whichever column is it and whatever another is called
+        # "force=N" concerns the force, whichever column is it and whatever another is called
         return by_role if by_role and name in _FLAGS else options.get(name, by_role)
 
     def for_file(self, path: str | Path) -> ReadOptions:
-        """These options for one file: what was said of it alone wins.
+        """Return the options of one file: options for its name take precedence.
 
-        >>> asked = ReadOptions(force="F", own=(("h*.csv", ReadOptions(force="hammer")),))
-        >>> asked.for_file("rig/hit.csv").force, asked.for_file("seal.csv").force
+        >>> hammer = ReadOptions(force="hammer")
+        >>> options = ReadOptions(force="F", own=(("h*.csv", hammer),))
+        >>> options.for_file("rig/hit.csv").force, options.for_file("seal.csv").force
         ('hammer', 'F')
         """
         options = replace(self, own=()) if self.own else self
@@ -260,7 +261,7 @@ class ReadOptions:
 
     @property
     def bench_fields(self) -> tuple[str, ...]:
-        """Fields that speak of a relaxation test beside a file of vibration.
+        """Fields that concern a relaxation test beside a file of vibration.
 
         The displacement does, but where a base was shaken: there it is that of the mass.
         """
@@ -296,9 +297,9 @@ OF_HAMMER = (
     "acceleration", "hammer", "base_acceleration", "frequency", "real", "imaginary", "magnitude",
     "phase", "coherence", "window_decay",
 )  # fmt: skip
-"""Fields that speak of a hammer test, whatever other file a command reads."""
+"""Fields that concern a hammer test, whatever other file a command reads."""
 OF_BENCH = ("displacement", "cycle")
-"""Fields that speak of a relaxation test so."""
+"""Fields that concern a relaxation test so."""
 
 
 def _sections() -> dict[str, tuple[str, ...]]:

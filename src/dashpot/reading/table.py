@@ -55,7 +55,7 @@ class Column:
     factor: str = ""
 
     def label(self, number: int) -> str:
-        """Return how to speak of it to a user: its name, else its number counted from 1."""
+        """Return how to name it to a user: its name, else its number counted from 1."""
         return self.name or str(number)
 
 

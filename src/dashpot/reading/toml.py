@@ -71,25 +71,25 @@ class Section:
     Attributes
     ----------
     where : str
-        How to speak of it: ``"door.toml, [seal]"``.
+        How to name it: ``"door.toml, [seal]"``.
     entries : mapping
-    known : tuple of str
+    known_names : tuple of str
         The keys that may stand there; any other is refused.
     """
 
     where: str
     entries: Mapping[str, Any]
-    known: tuple[str, ...]
+    known_names: tuple[str, ...]
 
     def __post_init__(self) -> None:
         if not isinstance(self.entries, Mapping):
             raise ReadError(
                 f"{self.where} is {self.entries!r}; expected a table of keys, such as "
-                f"{self.known[0]} = ..."
+                f"{self.known_names[0]} = ..."
             )
         for name in self.entries:
-            if name not in self.known:
-                listed = ", ".join(self.known)
+            if name not in self.known_names:
+                listed = ", ".join(self.known_names)
                 raise ReadError(f"{self.where}: '{name}' is unknown; known are {listed}")
 
     def __contains__(self, name: str) -> bool:

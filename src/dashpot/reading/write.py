@@ -93,7 +93,7 @@ def temperature_line(kelvin: float) -> str:
 def write_impact(
     test: ImpactTest, path: str | Path | None = None, *, comments: Sequence[str] = ()
 ) -> str:
-    """Return an impact test as text, and write it to `path` if one is given.
+    """Return a hammer test as text, and write it to `path` if one is given.
 
     The columns are ``time [s], hammer [N], acceleration 1 [m/s^2], ...``, or the channels' own
     names where they have them. The records follow one another; a line with the names stands

@@ -88,16 +88,16 @@ def _read_registration(path: str, module: str) -> Extension:
         extension: object = getattr(import_module(module), "EXTENSION", None)
         if isinstance(extension, Extension):
             return extension
-        found = f"EXTENSION is {extension!r}; expected EXTENSION = Extension(...)"
+        problem = f"EXTENSION is {extension!r}; expected EXTENSION = Extension(...)"
     except Exception as error:  # noqa: BLE001 -- whatever an extension under work may raise
         from traceback import extract_tb
 
         lines = [frame.lineno for frame in extract_tb(error.__traceback__) if frame[0] == path]
         # of what cannot be parsed no line was run
         line = lines[-1] if lines else getattr(error, "lineno", "")
-        found, path = f"{type(error).__name__}: {error}", f"{path}:{line}"
+        problem, path = f"{type(error).__name__}: {error}", f"{path}:{line}"
     raise DashpotError(
-        f"{path}: the rows of this extension cannot be read: {found}. Correct the file, or move "
+        f"{path}: the rows of this extension cannot be read: {problem}. Correct the file, or move "
         "the folder of the extension elsewhere"
     )
 

@@ -31,7 +31,7 @@ ENTRY_POINTS = "dashpot.extensions"
 """The group of entry points, whose values are packages."""
 ROW = "dashpot_extension.toml"
 """The file of the row in such a package."""
-OFF = "none"
+NO_PLUGINS = "none"
 """The value of :data:`SWITCH` with which no plug-in is used."""
 SWITCH = "DASHPOT_PLUGINS"
 _LONGEST = 300
@@ -78,7 +78,7 @@ class Plugin(Serialisable):
 
     @property
     def label(self) -> str:
-        """How an error speaks of it."""
+        """How an error names it."""
         return f"the plug-in '{self.name}' of {self.package_version}"
 
     def load(self) -> Any:
@@ -89,8 +89,8 @@ class Plugin(Serialisable):
         ReadError
             If it cannot be imported.
         """
-        if os.environ.get(SWITCH) == OFF:
-            raise ReadError(f"{self.label} is not used: {SWITCH}={OFF}")
+        if os.environ.get(SWITCH) == NO_PLUGINS:
+            raise ReadError(f"{self.label} is not used: {SWITCH}={NO_PLUGINS}")
         module, _, attribute = self.value.partition(":")
         try:
             new_module = import_module(module)
@@ -113,7 +113,7 @@ class Plugin(Serialisable):
             f"Ask who maintains {self.package}"
         ) from error
 
-    def wrong(self, found: str, expected: str) -> NoReturn:
+    def wrong(self, problem: str, expected: str) -> NoReturn:
         """Raise that it returned what the contract does not have.
 
         Raises
@@ -121,7 +121,8 @@ class Plugin(Serialisable):
         ReadError
         """
         raise ReadError(
-            f"{self.label} returned {found}; expected {expected}. Ask who maintains {self.package}"
+            f"{self.label} returned {problem}; expected {expected}. Ask who maintains "
+            f"{self.package}"
         )
 
 
@@ -140,7 +141,7 @@ class Installed(Serialisable):
 @cache
 def read_plugins() -> Installed:
     """Return every plug-in that is installed; none is imported."""
-    if os.environ.get(SWITCH) == OFF:
+    if os.environ.get(SWITCH) == NO_PLUGINS:
         return Installed(())
     from importlib.metadata import distributions  # it costs more than all that the scan does
 
@@ -235,8 +236,7 @@ def find_plugin(group: Group, name: str) -> Plugin | None:
     if len(result) > 1:
         raise ReadError(
             f"'{name}' is brought by {' and by '.join(item.package_version for item in result)}. "
-            "Uninstall one of "
-            "them"
+            "Uninstall one of them"
         )
     return result[0] if result else None
 
@@ -262,7 +262,7 @@ def require_plugin(group: Group, name: str) -> Plugin:
     """
     plugin = find_plugin(group, name)
     if plugin is None:
-        off = os.environ.get(SWITCH) == OFF
+        off = os.environ.get(SWITCH) == NO_PLUGINS
         text = format_plugin_names(group) or (
             " Plug-ins are off here." if off else " To see them: dashpot inspect --plugins."
         )

@@ -18,7 +18,7 @@ def html(
     study: Study | HasVerdict,
     *,
     lead: Picture | None = None,
-    beside: Sequence[Picture] = (),
+    extra_pictures: Sequence[Picture] = (),
     **sections: str,
 ) -> str:
     """Return the report as one self-contained HTML file.
@@ -35,7 +35,7 @@ def html(
         Result of ``dashpot report``, ``fit`` or ``predict``.
     lead : Picture, optional
         The main figure, in place of that of the result; not of a study.
-    beside : sequence of Picture
+    extra_pictures : sequence of Picture
         Figures of its records, which are folded; not of a study.
     **sections : str
         HTML below the verdict: ``limits``.
@@ -50,7 +50,7 @@ def html(
         return str(write(study, **sections))
     return render_template(
         "judged.html",
-        result_page.build_page_contents(study, lead=lead, pictures=beside) | sections,
+        result_page.build_page_contents(study, lead=lead, pictures=extra_pictures) | sections,
     )
 
 

@@ -92,9 +92,9 @@ def render_figure(
     most, sheet = low or math.inf, (PAPER - 24 * (on_paper - 1)) / on_paper
     small = (PHONE - 16 * (phone - 1)) / phone
     paper = strips(sheet, "paper", most) if low or columns > 2 else ()
-    made = strips(number, "wide"), strips(small, "narrow", most), paper
+    versions = strips(number, "wide"), strips(small, "narrow", most), paper
     rows = full if picture.rows else ()
-    return RenderedFigure(name, picture.caption, picture.stamp, *made, key, columns, rows)
+    return RenderedFigure(name, picture.caption, picture.stamp, *versions, key, columns, rows)
 
 
 def _scale_to_height(panels: tuple[Panel, ...], most: float) -> tuple[Panel, ...]:
@@ -171,7 +171,7 @@ def _make_relaxation_pictures(study: Study) -> Iterator[plot.Picture]:
     yield plot.stiffness(
         study.fit,
         parameters=study.parameters,
-        unseen=study.unmeasured,
+        unresolved_bounds=study.unmeasured,
         joint=study.joint,
         measured=study.direct,
         mark=None if study.comparison is None else study.comparison.measured_hz,

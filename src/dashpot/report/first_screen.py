@@ -54,7 +54,7 @@ class Light(NamedTuple):
 
 
 class Row(NamedTuple):
-    """Row of the first table as cells; `bound` adds the hatched mark."""
+    """Row of the first table as cells; `is_limit` adds the hatched mark."""
 
     name: str
     value: str
@@ -62,7 +62,7 @@ class Row(NamedTuple):
     high: str
     unit: str
     measured: str
-    bound: bool
+    is_limit: bool
 
 
 def header(study: Study) -> tuple[tuple[str, str], ...]:
@@ -112,7 +112,9 @@ def tally(checks: Iterable[Check], verdict_checks: Collection[Check]) -> tuple[s
     return ("note" if failed and mark == "good" else mark), text
 
 
-def lights(study: Study, recommendation: Recommendation) -> tuple[Light, Light, Light]:
+def make_study_indicators(
+    study: Study, recommendation: Recommendation
+) -> tuple[Light, Light, Light]:
     """Return the lights of the test, and of stiffness and damping against the hammer.
 
     Those of the joint solid if it is recommended, else those of the relaxation test alone: a joint
@@ -159,12 +161,12 @@ def _make_stiffness_light(
         off = max(seen.off, default=0.0)
         worst = "bad" if off > 2 * STORAGE_LIMIT else "care" if off > 0 else "good"
         mark = max(mark, worst, key=ORDER.index)
-        here, there, *ends = (
+        measured, there, *ends = (
             round_to_error(convert_to_unit(value, "N/mm"), digits=3)
             for value in (seen.model, seen.hammer, *seen.test)
         )
         other = f"test {' to '.join(ends)}" if max(seen.off[1:], default=0.0) else f"hammer {there}"
-        text = f"K\N{PRIME}{NBSP}{here}, {other}{NBSP}N/mm"
+        text = f"K\N{PRIME}{NBSP}{measured}, {other}{NBSP}N/mm"
     return Light("Stiffness", mark, f"{'agrees' if mark in _PASSED_MARKS else 'misses'}, {text}")
 
 
@@ -187,10 +189,10 @@ class _StorageAtPeak(NamedTuple):
 
 def _compare_storage_at_peak(study: Study, recommendation: Recommendation) -> _StorageAtPeak | None:
     """Return K' at the peak by model and hammer; None where the mass was inferred."""
-    direct, held = study.direct, study.comparison
-    if direct is None or held is None or study.mass_inferred or not len(direct.frequency):
+    direct, comparison = study.direct, study.comparison
+    if direct is None or comparison is None or study.mass_inferred or not len(direct.frequency):
         return None
-    at = int(np.argmin(np.abs(direct.frequency - held.measured_hz)))
+    at = int(np.argmin(np.abs(direct.frequency - comparison.measured_hz)))
     hertz, hammer = float(direct.frequency[at]), float(direct.storage[at])
     error = 2 * float(direct.storage_sd[at])
     solid, point = recommendation.solid, recommendation.point
@@ -260,7 +262,7 @@ def solid_heading(recommendation: Recommendation) -> str:
 def band_row(recommendation: Recommendation) -> Row:
     """Return the row of the valid band."""
     low, high = (round_to_error(end, digits=2) for end in recommendation.solid.band)
-    return Row("Valid band", "", low, high, "Hz", "", bound=False)
+    return Row("Valid band", "", low, high, "Hz", "", is_limit=False)
 
 
 def under_mass(study: Study, recommendation: Recommendation) -> tuple[str, tuple[Row, ...]]:
@@ -276,28 +278,28 @@ def under_mass(study: Study, recommendation: Recommendation) -> tuple[str, tuple
     return text, rows(recommendation.under_mass)
 
 
-def rows(answers: Iterable[RecommendedValue]) -> tuple[Row, ...]:
+def rows(values: Iterable[RecommendedValue]) -> tuple[Row, ...]:
     """Return rows of the table, with digits by the intervals."""
-    return tuple(_format_row(answer) for answer in answers)
+    return tuple(_format_row(value) for value in values)
 
 
-def _format_row(answer: RecommendedValue) -> Row:
-    measured = "" if answer.measured_fact is None else answer.measured_fact.cells.value
+def _format_row(value: RecommendedValue) -> Row:
+    measured = "" if value.measured_fact is None else value.measured_fact.cells.value
     return Row(
-        _format_name(answer), *answer.fact.cell_texts, answer.fact.word, measured, answer.bound
+        _format_name(value), *value.fact.cell_texts, value.fact.word, measured, value.is_limit
     )
 
 
-def _format_name(answer: RecommendedValue) -> str:
-    where = "" if answer.at is None else f"{round_to_error(answer.at)}{NBSP}Hz"
+def _format_name(value: RecommendedValue) -> str:
+    where = "" if value.at is None else f"{round_to_error(value.at)}{NBSP}Hz"
     return {
         "frequency": "Peak frequency",
         "damping": "Damping ratio",
         "peak": "Peak height",
-        "end of hold": f"Stiffness at end of hold, {_format_hold_time(answer.at or 0.0)}",
+        "end of hold": f"Stiffness at end of hold, {_format_hold_time(value.at or 0.0)}",
         "dynamic stiffness": f"Dynamic stiffness, {where}",
         "loss factor": f"Loss factor, {where}",
-    }[answer.quantity]
+    }[value.quantity]
 
 
 def _format_hold_time(seconds: float) -> str:
@@ -317,27 +319,30 @@ def files(
     name = "joint.json" if recommendation.joint else "fit.json"
     solid, about = fits.pop(name)
     label = "Download this model" if recommendation.recommended else "Download anyway"
-    made = [
+    attached = [
         _attach_json(
             name, label, about if recommendation.recommended else f"DO NOT USE: {about}", solid
         )
     ]
-    made += page_frame.attach_decks(made_decks, name)
+    attached += page_frame.attach_decks(made_decks, name)
     if study.comparison is not None:
         lines = _format_frf_csv(study.comparison, study.joint_comparison)
         about = "measured and predicted accelerance, line by line"
-        made.append(attachment("frf.csv", "frf.csv", about, "text/csv", lines))
-    return (*made, *(_attach_json(name, name, about, fit) for name, (fit, about) in fits.items()))
+        attached.append(attachment("frf.csv", "frf.csv", about, "text/csv", lines))
+    return (
+        *attached,
+        *(_attach_json(name, name, about, fit) for name, (fit, about) in fits.items()),
+    )
 
 
 def decks(recommendation: Recommendation) -> tuple[AttachedDeck, ...]:
     """Return decks of one seal; of a nonlinear elastic law with the tangent under the mass."""
     if not recommendation.recommended:
         return ()
-    bent = recommendation.point is not None and not recommendation.point.linear
+    is_nonlinear = recommendation.point is not None and not recommendation.point.linear
     return page_frame.decks(
         recommendation.solid,
-        recommendation.point.compression if recommendation.point and bent else None,
+        recommendation.point.compression if recommendation.point and is_nonlinear else None,
     )
 
 
@@ -437,8 +442,7 @@ def _describe_equilibrium(study: Study) -> str:
     text = ", deeper than tested" if equilibrium.point.is_extrapolated else ""
     return (
         f"The mass rests at {format_with_error(equilibrium.point.compression, 'mm')}{text}. It "
-        "vibrates on the "
-        "tangent stiffness, "
+        "vibrates on the tangent stiffness, "
         f"{format_with_error(tangent.stiffness, 'N/mm', tangent.stiffness_se)}{at_tangent}. The "
         f"secant at {format_with_error(depth, 'mm')} is "
         f"{format_with_error(secant.stiffness, 'N/mm')}{at_secant}."
@@ -495,8 +499,7 @@ def straight(study: Study) -> str:
     return (
         f"With an uncertainty of {mass:.2g} % of the mass and {phase:.2g}° of the phase, the "
         f"storage stiffness is known to 10 % {format_band(d.storage_band)}. The loss is known to "
-        "30 % "
-        f"{format_band(d.loss_band)}. At higher frequencies the inertia of the "
+        f"30 % {format_band(d.loss_band)}. At higher frequencies the inertia of the "
         "mass dominates; at lower ones the "
         "error of the phase exceeds the damping."
     )
@@ -508,8 +511,7 @@ def inferred_mass(study: Study) -> str:
         return ""
     return (
         f"The mass of {format_with_error(study.mass, 'g', digits=4)} was found from the measured "
-        "FRF, "
-        "so the agreement in frequency proves nothing. Weigh the test mass."
+        "FRF, so the agreement in frequency proves nothing. Weigh the test mass."
     )
 
 
@@ -529,7 +531,7 @@ def sources(study: Study) -> tuple[Source, ...]:
     return tuple(dict.fromkeys(source for source in sources if source is not None))
 
 
-# what a check of each stage speaks of
+# what a check of each stage concerns
 SUBJECTS = {
     "relaxation": "Relaxation test", "fit": "Fit of the relaxation test", "hammer": "Hammer test",
     "FRF": "FRF", "comparison": "Prediction from relaxation", "joint fit": "Joint model",

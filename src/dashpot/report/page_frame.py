@@ -18,7 +18,7 @@ from dashpot.base.plain_text import sentence
 from dashpot.base.units import convert_to_unit
 from dashpot.base.version import byline, software
 from dashpot.datamodel.fit import Fit
-from dashpot.export import SUFFIXES, DeckText, deck_for, reads
+from dashpot.export import SUFFIXES, DeckText, deck_for, uses_argument
 from dashpot.export.deck import NonlinearFit
 from dashpot.export.frequency_tables import round_band_inwards
 from dashpot.plot import style as drawing_style
@@ -218,26 +218,26 @@ def decks(source: DeckSource, compression: float | None = None) -> tuple[Attache
     if terms.band and not terms.choices:
         of_band["frequency_range"] = round_band_inwards(terms.band)
     options += [word for name in terms.unstated for word in ("--allow", name)]
-    made = []
+    attached = []
     for target in _SOLVERS:
-        band = of_band if reads(target, "frequency_range") else {}
+        band = of_band if uses_argument(target, "frequency_range") else {}
         try:
             text = deck_for(target, source, units=_SYSTEM, allow=terms.unstated, **stated, **band)
         except ExportError:
             continue
         ends = [word for low, high in band.values() for word in ("--band", f"{low!r}:{high!r}Hz")]
-        made.append(AttachedDeck(target, text, ("--to", target, *options, *ends)))
-    return tuple(made)
+        attached.append(AttachedDeck(target, text, ("--to", target, *options, *ends)))
+    return tuple(attached)
 
 
-def format_deck_note(source: DeckSource, made: Sequence[AttachedDeck]) -> str:
+def format_deck_note(source: DeckSource, decks: Sequence[AttachedDeck]) -> str:
     """Return where the decks hold, and what they miss; why there is none."""
     if source.verdict.use == "do not use":
         return ""
     terms = _terms_of(source)
-    if not made:
+    if not decks:
         return f"No solver input is here, because {terms.reason}."
-    unknown = " and ".join(words for name, words in _UNSTATED.items() if name in made[0].options)
+    unknown = " and ".join(words for name, words in _UNSTATED.items() if name in decks[0].options)
     requested = f" Before you use one, state {unknown}." if unknown else ""
     return (
         f"Solver inputs are valid {format_band(terms.band)}.{requested}"
@@ -246,10 +246,10 @@ def format_deck_note(source: DeckSource, made: Sequence[AttachedDeck]) -> str:
     )
 
 
-def attach_decks(made: Sequence[AttachedDeck], document: str) -> list[Attachment]:
+def attach_decks(decks: Sequence[AttachedDeck], document: str) -> list[Attachment]:
     """Decks as files inside the page, each with its command of the result's document."""
     files = []
-    for i, (target, text, options) in enumerate(made):
+    for i, (target, text, options) in enumerate(decks):
         command = shlex.join(("dashpot", "export", document, *options))
         files.append(
             attachment(

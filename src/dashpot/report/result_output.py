@@ -97,13 +97,13 @@ def _page(item: Any, name: str) -> str:
 
 
 def _table(result: Any, name: str) -> str:
+    if callable(getattr(result, "csv", None)):
+        return str(result.csv())
     frf = getattr(result, "frf", None)
     result = frf if isinstance(frf, FRF) else result
     for kind, write in _TABLES.items():
         if isinstance(result, kind):
             return str(write(result))
-    if callable(getattr(result, "csv", None)):
-        return str(result.csv())
     raise ExportError(f"{name}: a {type(result).__name__} has no table. Write it as .json")
 
 

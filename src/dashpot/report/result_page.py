@@ -80,16 +80,16 @@ class KindPage:
 
     Attributes
     ----------
-    about : str
+    subject : str
         What was tested, beside the files' names.
-    strip : tuple of (str, str)
+    summary_line : tuple of (str, str)
         The line of facts.
-    lights : tuple of Light
+    indicators : tuple of Light
         None is worse than the verdict; together they are as bad.
-    answers : str
+    figure_title : str
         What the figure shows.
     picture : Picture
-    told : str
+    table_title : str
         What the table is of.
     groups : tuple of Group
     note : str
@@ -100,12 +100,12 @@ class KindPage:
         Of the document, without its ending; by default as its schema is called.
     """
 
-    about: str
-    strip: tuple[tuple[str, str], ...]
-    lights: tuple[Light, ...]
-    answers: str
+    subject: str
+    summary_line: tuple[tuple[str, str], ...]
+    indicators: tuple[Light, ...]
+    figure_title: str
     picture: Picture
-    told: str
+    table_title: str
     groups: tuple[Group, ...]
     sources: tuple[Source, ...]
     note: str = "From and to are the 95 % interval; an empty cell was not computed."
@@ -113,7 +113,7 @@ class KindPage:
     name: str = ""
 
 
-def lights(checks: Iterable[Check], first: Topic, *others: Topic) -> tuple[Light, ...]:
+def make_indicators(checks: Iterable[Check], first: Topic, *others: Topic) -> tuple[Light, ...]:
     """One light for each part of what was asked, as bad as the worst of its checks.
 
     What no part names stands behind the first, which is left out beside others where nothing of
@@ -144,7 +144,7 @@ def row(fact: ReportedValue, name: str = "") -> Row:
     low = UNKNOWN if not fact.has_interval and cells.error == UNKNOWN else low
     if math.isnan(fact.value):
         value = "" if fact.is_upper_bound else value
-    return Row(name or fact.symbol, value, low, high, fact.word, "", bound=False)
+    return Row(name or fact.symbol, value, low, high, fact.word, "", is_limit=False)
 
 
 def group(title: str, facts: Iterable[ReportedValue]) -> Group:
@@ -197,7 +197,7 @@ def kind_page(verdict: Any) -> KindPage:
     Raises
     ------
     TypeError
-        If it is no result that was judged, or tells no number.
+        If it is no result that was judged, or shows no number.
     """
     value = page_of(verdict)
     if value is not None:
@@ -208,12 +208,12 @@ def kind_page(verdict: Any) -> KindPage:
         raise TypeError(f"a {type(verdict).__name__} has no page")
     picture = verdict.plot()
     return KindPage(
-        about=picture.name.replace("-", " "),
-        strip=format_specimen_header(getattr(verdict, "specimen", None)),
-        lights=lights(verdict.checks, Topic("Checks")),
-        answers="Measured and fitted",
+        subject=picture.name.replace("-", " "),
+        summary_line=format_specimen_header(getattr(verdict, "specimen", None)),
+        indicators=make_indicators(verdict.checks, Topic("Checks")),
+        figure_title="Measured and fitted",
         picture=picture,
-        told="What was found",
+        table_title="What was found",
         groups=tuple(group_by_record(facts)),
         sources=sources_behind(verdict),
         name=picture.name,
@@ -246,7 +246,7 @@ def build_page_contents(
     result
         It was judged.
     lead : Picture, optional
-        The figure that answers, where more is known than `result` itself tells.
+        The figure that answers, where more is known than `result` itself shows.
     pictures : sequence of Picture
         Figures of the records behind it, which are folded.
     """
@@ -270,7 +270,7 @@ def build_page_contents(
         files.append(attachment(_ALL, _ALL, "every number", "application/json", whole))
     return {
         **judgement(page.name, result.verdict, result.checks, page.sources),
-        "title": ", ".join(names) or page.about,
+        "title": ", ".join(names) or page.subject,
         "page": page,
         "figures": {"lead": _wide(figure, "lead")}
         | {

@@ -22,7 +22,7 @@ from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit, get_display_unit
 from dashpot.datamodel.fit import Fit, list_known_values
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
+from dashpot.fitting.prediction_bounds import parameter_band, unresolved_arm_band
 from dashpot.plot.picture import Span
 from dashpot.registry import find_handler
 from dashpot.report.figures import LEAD
@@ -34,7 +34,7 @@ from dashpot.report.result_page import (
     Topic,
     format_specimen_header,
     group,
-    lights,
+    make_indicators,
     row,
 )
 from dashpot.report.tables import TextTable
@@ -81,15 +81,15 @@ def modes_page(modes: Modes) -> KindPage:
     head = ("hit", "time, s", "peak, N", "pulse width, ms", "verdict")
     fold = CollapsibleSection("Every hit", used, TextTable(head, hits, marks))
     return KindPage(
-        about="hammer test" if frf.hits else "measured FRF",
-        strip=(("Hits", used), ("Averages", str(frf.averages)),
+        subject="hammer test" if frf.hits else "measured FRF",
+        summary_line=(("Hits", used), ("Averages", str(frf.averages)),
                ("Lines", str(len(frf.frequency))),
                ("Resolution", f"{frf.frequency[1] - frf.frequency[0]:.3g} Hz"),
                ("Quantity", frf.quantity.value.replace("_", " "))),
-        lights=lights(modes.checks, *topics),
-        answers="Measured response",
+        indicators=make_indicators(modes.checks, *topics),
+        figure_title="Measured response",
         picture=modes.plot(),
-        told=format_count(len(modes), "mode").capitalize(),
+        table_title=format_count(len(modes), "mode").capitalize(),
         groups=tuple(Group(f"Mode {i}", tuple(mode_rows(mode)))
                      for i, mode in enumerate(list(modes)[:4], start=1)),
         sources=tuple(dict.fromkeys(frf.source)),
@@ -117,18 +117,20 @@ def prediction_page(prediction: Prediction) -> KindPage:
         low, high = ends or (math.nan, math.nan)
         final_row = row(ReportedValue(name, value, low, high, unit))
         peak.append(
-            final_row._replace(unit=final_row.unit or prediction.frf.read, bound=ends is not None)
+            final_row._replace(
+                unit=final_row.unit or prediction.frf.read, is_limit=ends is not None
+            )
         )
     return KindPage(
-        about=f"prediction of {weight}",
-        strip=(*format_specimen_header(prediction.fit.specimen), ("Mass", weight),
+        subject=f"prediction of {weight}",
+        summary_line=(*format_specimen_header(prediction.fit.specimen), ("Mass", weight),
                ("Valid band", hertz(prediction.fit.band)), ("Fit", prediction.fit._identity[:8])),
-        lights=lights(prediction.checks, Topic("Test"),
+        indicators=make_indicators(prediction.checks, Topic("Test"),
                       Topic("Peak", _PEAK, f"{round_to_error(hz, digits=4)}{NBSP}Hz"),
                       Topic("Rest", {"compression_tested"}, "within the depth tested")),
-        answers="Predicted response",
+        figure_title="Predicted response",
         picture=prediction.plot(),
-        told=f"{weight[:1].upper()}{weight[1:]}",
+        table_title=f"{weight[:1].upper()}{weight[1:]}",
         groups=(Group("Peak", tuple(peak)),
                 *(Group(f"Mode {i}", tuple(mode_rows(mode)))
                   for i, mode in enumerate(prediction.modes[:3], start=1))),
@@ -143,20 +145,20 @@ def prediction_page(prediction: Prediction) -> KindPage:
 def agreement_page(agreement: FRFComparison) -> KindPage:
     """Return the page of a prediction compared with a hammer test."""
     c = agreement.comparison
-    rows = tuple(Row(name, predicted, "", "", "", measured, bound=False)
+    rows = tuple(Row(name, predicted, "", "", "", measured, is_limit=False)
                  for name, predicted, measured, _ in c.rows)  # fmt: skip
     differ = tuple((name, predicted, measured, off) for name, predicted, measured, off in c.rows)
     weight = f"{format_with_error(agreement.mass, 'g', digits=4)} on {seals(agreement.seals)}"
     return KindPage(
-        about=f"prediction against the hammer, {weight}",
-        strip=(("Mass", weight), ("Lines", str(len(c.measured.frequency))),
+        subject=f"prediction against the hammer, {weight}",
+        summary_line=(("Mass", weight), ("Lines", str(len(c.measured.frequency))),
                ("Mass was", "found from the FRF" if agreement.mass_inferred else "given")),
-        lights=lights(agreement.checks, Topic("FRF"),
+        indicators=make_indicators(agreement.checks, Topic("FRF"),
                       Topic("Stiffness", {"stiffness_agrees"}, "agrees"),
                       Topic("Damping", {"peak_agrees", "damping_agrees"}, "agrees")),
-        answers="Measured against predicted",
+        figure_title="Measured against predicted",
         picture=agreement.plot(),
-        told="Predicted",
+        table_title="Predicted",
         groups=(Group("", tuple(row._replace(unit=row.measured, measured="") for row in rows)),),
         note="The last column is what the hammer measured.",
         sources=tuple(dict.fromkeys(c.measured.source)),
@@ -171,7 +173,7 @@ def agreement_page(agreement: FRFComparison) -> KindPage:
 
 _WITHOUT_BAND = (0.1, 10.0)
 """Hz, of a model that has no valid band."""
-_LINES, _BEYOND, _BOUNDED = 41, 4.0, 3
+_LINES, _BAND_FACTOR, _BOUNDED = 41, 4.0, 3
 """Lines of a bound, how far beyond the band it is drawn, and of how many tests at most."""
 
 _FEW_ARMS = 6
@@ -204,7 +206,7 @@ class TemperaturePart(NamedTuple):
 
     about: str
     topics: Sequence[Topic]
-    strip: Sequence[tuple[str, str]]
+    summary_line: Sequence[tuple[str, str]]
     groups: Sequence[Group]
     folds: Sequence[CollapsibleSection]
 
@@ -228,10 +230,10 @@ def identified_page(result: Identified) -> KindPage:
     ) if result.vibration else None  # fmt: skip
     return replace(
         page,
-        about="joint model of relaxation and hammer test" if both else "the model under a hammer",
+        subject="joint model of relaxation and hammer test" if both else "the model under a hammer",
         groups=(*page.groups, *((modes,) if modes else ())),
-        sources=tuple(dict.fromkeys((*page.sources, *result.direct.of.source)))
-        if hasattr(result.direct.of, "source") else page.sources,
+        sources=tuple(dict.fromkeys((*page.sources, *result.direct.stiffness.source)))
+        if hasattr(result.direct.stiffness, "source") else page.sources,
         name="joint" if both else "fit",
     )  # fmt: skip
 
@@ -254,17 +256,17 @@ def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
     strip = [
         *format_specimen_header(fit.specimen),
         *_make_condition_cells(fit),
-        *(part.strip if part is not None else ()),
+        *(part.summary_line if part is not None else ()),
         ("Valid band", hertz(fit.band)),
         ("Fit", fit._identity[:8]),
     ]
     return KindPage(
-        about=part.about if part is not None and material else _format_test_name(fit),
-        strip=tuple(strip),
-        lights=lights(result.checks, Topic("Test"), *topics),
-        answers=f"What {name.lower()} does at each frequency",
+        subject=part.about if part is not None and material else _format_test_name(fit),
+        summary_line=tuple(strip),
+        indicators=make_indicators(result.checks, Topic("Test"), *topics),
+        figure_title=f"What {name.lower()} does at each frequency",
         picture=over_frequency(fit),
-        told=f"{name}, {_format_model_name(fit)}",
+        table_title=f"{name}, {_format_model_name(fit)}",
         groups=tuple(make_solid_groups(fit)),
         note="From and to are the 95 % interval; at the end of the test and at rest they are the "
         "bound that it leaves."
@@ -286,13 +288,13 @@ def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
         Records behind it: the bounds over all spectra of ramps and holds are drawn, too.
     """
     low, high = fit.band if fit.band[1] > 0 else _WITHOUT_BAND
-    lines = np.geomspace(max(low, 1e-9) / _BEYOND, high * (_BEYOND * 10), _LINES)
-    held = [record for record in records if isinstance(record, RampHold)]
+    lines = np.geomspace(max(low, 1e-9) / _BAND_FACTOR, high * (_BAND_FACTOR * 10), _LINES)
+    ramp_holds = [record for record in records if isinstance(record, RampHold)]
     bounds = None
-    if held and len(held) == len(records) <= _BOUNDED:
-        bounds = unseen_arm_band(fit, held, lines)
+    if ramp_holds and len(ramp_holds) == len(records) <= _BOUNDED:
+        bounds = unresolved_arm_band(fit, ramp_holds, lines)
     stiffness_bounds = parameter_band(fit, lines) if fit.estimate.parameters else None
-    drawn = plot.stiffness(fit, parameters=stiffness_bounds, unseen=bounds)
+    drawn = plot.stiffness(fit, parameters=stiffness_bounds, unresolved_bounds=bounds)
     (storage,), _, (loss,) = drawn.strips
     low_end = (float(lines[0]), float(lines[-1]))
     valid = (Span(low, high, "fit", "valid band", tint=0.06),) if fit.band[1] > 0 else ()
@@ -305,9 +307,11 @@ def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
 
 
 def _format_test_name(fit: Fit) -> str:
-    made = {"dynamic": "dynamic sweep", "creep": "creep test"}.get(fit.method, "relaxation test")
+    test_name = {"dynamic": "dynamic sweep", "creep": "creep test"}.get(
+        fit.method, "relaxation test"
+    )
     several = len(fit.source)
-    return made if several < 2 else f"{several} files, {made}s"
+    return test_name if several < 2 else f"{several} files, {test_name}s"
 
 
 def _format_model_name(fit: Fit) -> str:

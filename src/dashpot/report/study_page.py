@@ -30,7 +30,7 @@ def _build_contents(study: Study) -> dict[str, Any]:
         "header": first_screen.header(study),
         "verdict": study.verdict,
         "colour": VERDICT_COLOURS[study.verdict.use],
-        "lights": first_screen.lights(study, recommendation),
+        "lights": first_screen.make_study_indicators(study, recommendation),
         "found": recommendation,
         "heading": first_screen.heading(recommendation),
         "under_mass": first_screen.under_mass(study, recommendation),

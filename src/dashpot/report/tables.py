@@ -42,7 +42,7 @@ from dashpot.workflow.study import Study
 
 STATES = {True: "passed", None: "not applicable"}
 MEANS = {"stop": "failed: do not use", "limit": "failed: use with care", "note": "failed: a note"}
-MENDED = "failed: corrected by the joint model"
+CORRECTED = "failed: corrected by the joint model"
 VALUE = ("", "value ± standard error", "unit")
 
 
@@ -68,14 +68,14 @@ def select_rows(count: int, most: int) -> range:
     return range(0, count, max(-(-count // most), 1))
 
 
-def describe_rows(indices: range, noun: str) -> str:
+def describe_rows(indices: range, singular: str) -> str:
     """Return how many rows there are, and which part of them a table shows.
 
     >>> describe_rows(range(0, 100, 2), "lines"), describe_rows(range(60), "lines")
     ('one of 2 of 100 lines', '60 lines')
     """
     count, step = indices.stop, indices.step
-    return f"{count} {noun}" if step == 1 else f"one of {step} of {count} {noun}"
+    return f"{count} {singular}" if step == 1 else f"one of {step} of {count} {singular}"
 
 
 def assumptions(study: Study) -> TextTable:
@@ -104,7 +104,9 @@ def assumptions(study: Study) -> TextTable:
     )
 
 
-def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Check]) -> TextTable:
+def checks(
+    groups: Sequence[tuple[str, Sequence[Check]]], verdict_checks: Collection[Check]
+) -> TextTable:
     """Return every check in words, failed ones first; a sentence that two stages share stands once.
 
     One that the verdict does not weigh, such as what a joint fit has mended, says so.
@@ -113,35 +115,35 @@ def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Ch
     for stage, checks in groups:
         for check in checks:
             distinct.setdefault((check.name, check.message), (stage, check))
-    ordered = sorted(distinct.values(), key=lambda pair: _gravity(pair[1], weighed))
+    ordered = sorted(distinct.values(), key=lambda pair: _gravity(pair[1], verdict_checks))
     rows = tuple(
         (
-            _state(check, weighed),
+            _state(check, verdict_checks),
             stage,
             split_identifier(check.name),
             format_typographic(check.message_with_remedy),
         )
         for stage, check in ordered
     )
-    marks = tuple(_mark(check, weighed) for _, check in ordered)
+    marks = tuple(_mark(check, verdict_checks) for _, check in ordered)
     return TextTable(("", "stage", "question", "answer"), rows, marks)
 
 
-def _gravity(check: Check, weighed: Collection[Check]) -> int:
-    """Order of a check: failed by grade, mended, then not judged, then passed."""
+def _gravity(check: Check, verdict_checks: Collection[Check]) -> int:
+    """Order of a check: failed by grade, mended, then not checked, then passed."""
     if check.failed:
-        return -GRADES.index(check.grade) if check in weighed else 1
+        return -GRADES.index(check.grade) if check in verdict_checks else 1
     return 3 if check.passed else 2
 
 
-def _state(check: Check, weighed: Collection[Check]) -> str:
+def _state(check: Check, verdict_checks: Collection[Check]) -> str:
     if check.failed:
-        return MEANS[check.grade] if check in weighed else MENDED
+        return MEANS[check.grade] if check in verdict_checks else CORRECTED
     return STATES[check.passed]
 
 
-def _mark(check: Check, weighed: Collection[Check]) -> str:
-    if check.failed and check in weighed:
+def _mark(check: Check, verdict_checks: Collection[Check]) -> str:
+    if check.failed and check in verdict_checks:
         return {"stop": "bad", "limit": "care", "note": "doubt"}[check.grade]
     return "good" if check.passed else "doubt"
 
@@ -420,8 +422,8 @@ def arms_tested(comparison: Comparison | None) -> TextTable | None:
     for arm in comparison.arms:
         tested, resolved = arm.loss_share > 0.1, arm.seen_by_relaxation
         share = f"{100 * arm.loss_share:.1f}"
-        answers = ("yes" if tested else "hardly", "yes" if resolved else "no")
-        rows.append((duration(arm.tau), share, *answers))
+        cells = ("yes" if tested else "hardly", "yes" if resolved else "no")
+        rows.append((duration(arm.tau), share, *cells))
         marks.append("bad" if tested and not resolved else "")
     head = ("τ of the arm", "share of the loss at the peak, %", "tested by this FRF",
             "resolved by the relaxation test")  # fmt: skip

@@ -29,7 +29,7 @@ class ClockJump(NamedTuple):
 
     at: int
     step: float
-    beside: float
+    expected_step: float
 
 
 def find_clock_jumps(time: FloatArray) -> list[ClockJump]:
@@ -42,7 +42,7 @@ def find_clock_jumps(time: FloatArray) -> list[ClockJump]:
     leaps = (
         ClockJump(i, float(steps[i]), _compute_neighbour_step(steps, i)) for i in longest.tolist()
     )
-    return [leap for leap in leaps if leap.step > JUMP_RATIO * leap.beside]
+    return [leap for leap in leaps if leap.step > JUMP_RATIO * leap.expected_step]
 
 
 def find_rate_change(time: FloatArray) -> ClockJump | None:
@@ -79,8 +79,8 @@ def has_few_pauses(time: FloatArray) -> bool:
     around = np.lib.stride_tricks.sliding_window_view(steps, 2 * NEIGHBOUR_STEPS + 1)
     around = around[:: max(1, len(around) // _MOST_STEPS)]
     usual = np.partition(around, NEIGHBOUR_STEPS, axis=1)[:, NEIGHBOUR_STEPS]
-    odd = around[:, NEIGHBOUR_STEPS] > _PAUSE_RATIO * usual
-    return bool(np.mean(odd) <= _MOST_PAUSES)
+    is_pause = around[:, NEIGHBOUR_STEPS] > _PAUSE_RATIO * usual
+    return bool(np.mean(is_pause) <= _MOST_PAUSES)
 
 
 def _compute_neighbour_step(steps: FloatArray, i: int) -> float:
@@ -90,10 +90,10 @@ def _compute_neighbour_step(steps: FloatArray, i: int) -> float:
 
 
 # steps of a clock that differ by less than this part are even but for rounding
-_EVEN = 0.2
+_EVEN_TOLERANCE = 0.2
 
 
 def is_evenly_sampled(time: FloatArray) -> bool:
     """Return whether the steps of a clock differ by no more than a fifth of their mean."""
     steps = np.diff(time)
-    return len(steps) > 1 and bool(np.ptp(steps) <= _EVEN * steps.mean())
+    return len(steps) > 1 and bool(np.ptp(steps) <= _EVEN_TOLERANCE * steps.mean())

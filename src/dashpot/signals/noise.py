@@ -9,8 +9,8 @@ from dashpot.base.arrays import BoolArray, FloatArray, median
 # Scatter and resolution of a channel.
 
 
-# samples that tell a scatter to a fifth of a per cent; of more, so many are taken
-_ENOUGH = 200_000
+# samples that show a scatter to a fifth of a per cent; of more, so many are taken
+_MAX_SAMPLES = 200_000
 
 
 def scatter(time: FloatArray, values: FloatArray) -> float:
@@ -23,7 +23,7 @@ def scatter(time: FloatArray, values: FloatArray) -> float:
     """
     if len(values) < 5:
         return 0.0
-    squares = _misses(time, values, len(values) // _ENOUGH or 1) ** 2
+    squares = _misses(time, values, len(values) // _MAX_SAMPLES or 1) ** 2
     count = max(3, int(0.98 * len(squares)))
     retained = np.partition(squares, count - 1)[:count]
     return float(np.sqrt(retained.mean())) / (0.935 if count < len(squares) else 1.0)
@@ -38,9 +38,9 @@ def estimate_robust_scatter(time: FloatArray, values: FloatArray) -> float:
 
 def _misses(time: FloatArray, values: FloatArray, count: int = 1) -> FloatArray:
     """Return residuals of samples from the line between their neighbours, of variance sigma^2."""
-    before, here, after = (slice(i, len(values) - 2 + i, count) for i in range(3))
-    w = (time[after] - time[here]) / (time[after] - time[before])
-    r = values[here] - w * values[before] - (1 - w) * values[after]
+    before, middle, after = (slice(i, len(values) - 2 + i, count) for i in range(3))
+    w = (time[after] - time[middle]) / (time[after] - time[before])
+    r = values[middle] - w * values[before] - (1 - w) * values[after]
     return np.asarray(r / np.sqrt(1 + w**2 + (1 - w) ** 2))
 
 
@@ -65,9 +65,9 @@ def without_spikes(time: FloatArray, values: FloatArray) -> FloatArray:
 def median_of_three(values: FloatArray) -> FloatArray:
     """Removes a lone glitch, keeps every edge where it is."""
     result = values.copy()
-    here = result[1:-1]  # in place: new memory takes most of the time
-    high = np.maximum(values[:-2], here)
+    inner = result[1:-1]  # in place: new memory takes most of the time
+    high = np.maximum(values[:-2], inner)
     np.minimum(high, values[2:], out=high)
-    np.minimum(values[:-2], here, out=here)
-    np.maximum(here, high, out=here)
+    np.minimum(values[:-2], inner, out=inner)
+    np.maximum(inner, high, out=inner)
     return result

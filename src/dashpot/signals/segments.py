@@ -258,7 +258,7 @@ class RampHoldCycle(NamedTuple):
         return self.segments[-1]
 
     @property
-    def moves(self) -> int:
+    def ramp_count(self) -> int:
         """Number of ramps, up or down, between the rest and the last hold."""
         return sum(segment.kind != "hold" for segment in self.segments)
 
@@ -458,8 +458,8 @@ def is_at_one_speed(time: FloatArray, x: FloatArray, segments: Sequence[MotionSe
     """Return whether a compression goes in and back at one speed, and is never held."""
     moves = [move for move in segments if move.kind != "hold"]
     to_and_fro = {move.kind for move in moves} == {"load", "unload"}
-    held = bool(find_cycles(tuple(segments)))
-    return to_and_fro and not held and all(_is_straight(time, x, move) for move in moves)
+    has_hold = bool(find_cycles(tuple(segments)))
+    return to_and_fro and not has_hold and all(_is_straight(time, x, move) for move in moves)
 
 
 def _is_straight(time: FloatArray, x: FloatArray, move: MotionSegment) -> bool:
@@ -488,9 +488,9 @@ def _is_constant_over_hold(values: FloatArray, cycle: RampHoldCycle) -> bool:
 
 def _compute_change_over_hold(values: FloatArray, hold: MotionSegment) -> float:
     """Return the change of a signal from the first tenth of a hold to the last."""
-    held = values[hold.first : hold.last + 1]
-    tenth = max(len(held) // 10, 1)
-    return float(held[-tenth:].mean() - held[:tenth].mean())
+    hold_values = values[hold.first : hold.last + 1]
+    tenth = max(len(hold_values) // 10, 1)
+    return float(hold_values[-tenth:].mean() - hold_values[:tenth].mean())
 
 
 def is_creep(

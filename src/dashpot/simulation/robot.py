@@ -203,12 +203,12 @@ def planned_trajectory(
         raise DataError("the ramp takes no time; a controller needs one set-point in it at least")
     stop = tuple(convert_to_si(depth, "length") * unit(along))
     line = setpoints((0, 0, 0), stop, duration=counts["ramp"] * step, interval=step)
-    rest, held = np.zeros((counts["rest"], 3)), np.tile(stop, (counts["hold"], 1))
+    rest, hold_positions = np.zeros((counts["rest"], 3)), np.tile(stop, (counts["hold"], 1))
     share = np.arange(counts["ramp"] + 1) / counts["ramp"]
     pressed = convert_to_si(depth, "length") * np.concatenate(
         [rest[:, 0], share, np.ones(counts["hold"])]
     )
-    points = np.vstack([rest, line, held])
+    points = np.vstack([rest, line, hold_positions])
     # a count times a decimal interval is not that decimal
     time = np.round(np.arange(len(points)) * step, 12)
     return Trajectory(time, pressed, points)

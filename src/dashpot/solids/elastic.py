@@ -22,9 +22,9 @@ from dashpot.base.units import format_quantity
 
 
 # a law is gentle if its tangent at the depth, and its path, leave the secant by no more than this
-GENTLE, STRAIGHT = 0.10, 0.025
+GENTLE_TOLERANCE, STRAIGHT_TOLERANCE = 0.10, 0.025
 # and even, if its path leaves it by no more than this part of its tangent's, and this more
-SMOOTH, SLACK = 0.30, 0.004
+SMOOTH, PATH_TOLERANCE = 0.30, 0.004
 
 
 @dataclass(frozen=True)
@@ -139,8 +139,10 @@ class ElasticLaw(Serialisable):
         u = np.linspace(0.0, 1.0, 41)
         whole = float(self.path(self.depth))
         gap = float(np.max(np.abs(self.path(u * self.depth) / whole - u)))
-        bent = abs(float(self.factor(self.depth)) - 1)
-        return bent <= GENTLE and gap <= min(STRAIGHT, SMOOTH * bent + SLACK)
+        deviation = abs(float(self.factor(self.depth)) - 1)
+        return deviation <= GENTLE_TOLERANCE and gap <= min(
+            STRAIGHT_TOLERANCE, SMOOTH * deviation + PATH_TOLERANCE
+        )
 
     def factor_se(self, x: npt.ArrayLike) -> FloatArray:
         """Standard error of `factor`, at most: errors of neighbouring knots taken as one; or 0."""
@@ -160,8 +162,7 @@ class ElasticLaw(Serialisable):
         if not 0 <= target < np.inf or (target > deepest and last <= 0):
             raise DataError(
                 f"no compression carries {force:.4g} N: at {format_quantity(self.depth, 'mm')} the "
-                "relaxed "
-                f"force is {self.stiffness * deepest:.4g} N, its tangent "
+                f"relaxed force is {self.stiffness * deepest:.4g} N, its tangent "
                 f"{self.stiffness * last:.4g} N/m"
             )
         if target > deepest:
@@ -188,7 +189,7 @@ class ElasticLaw(Serialisable):
 # How far a seal is believed to be pressed.
 
 
-FARTHEST = 3.0
+MAX_EXTRAPOLATION = 3.0
 """Times the depth tested, at most."""
 
 
@@ -220,7 +221,7 @@ def require_plausible_compression(
         return
     if height is not None and compression >= height:
         name = f"it is {format_quantity(height, 'mm')} high"
-    elif law is not None and compression > FARTHEST * law.depth:
+    elif law is not None and compression > MAX_EXTRAPOLATION * law.depth:
         name = f"it was tested to {format_quantity(law.depth, 'mm', '.3g')}"
     else:
         return

@@ -39,7 +39,7 @@ TOLERANCE, EXACT = 1e-4, 1e-11
 # the error of the trapezoidal rule, over the law's exponential, at most
 _FACTOR = 10.0
 # part of the weight beyond which no arm is distinguished from the last
-_LEAST = 1e-16
+_MIN_WEIGHT = 1e-16
 # widest panel of ln tau, and what a further Gauss node gains on each
 _PANEL, _GAIN = 1.5, 4.2
 
@@ -252,7 +252,7 @@ class FractionalZener(Solid, Serialisable):
             :math:`t = 1/(2\pi f)`.
 
         The arms are even in ln tau, as dense as tolerance and alpha ask. Those that are faster
-        or slower than the band can tell are one arm each, so that k_inf and k_0 are kept.
+        or slower than the band can show are one arm each, so that k_inf and k_0 are kept.
 
         Raises
         ------
@@ -294,7 +294,7 @@ class FractionalZener(Solid, Serialisable):
         step = strip / log(_FACTOR / tolerance)
         nodes = int(np.ceil(log(_FACTOR / tolerance) / (2 * log(_GAIN))))
         # the share beyond is sin(a pi)/(a pi) e^{-a u}; tau must be a number all the same
-        reach = min(log(1 / max(0.1 * tolerance, _LEAST)) / self.alpha, 300.0)
+        reach = min(log(1 / max(0.1 * tolerance, _MIN_WEIGHT)) / self.alpha, 300.0)
         low, high = -reach, reach
         if band is not None:
             first, last = band

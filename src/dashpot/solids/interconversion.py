@@ -11,7 +11,7 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 
-_TWINS = 1e-8
+_EQUAL_POLES = 1e-8
 """Relative distance below which two poles are one at their weighted mean: an error of its square,
 below rounding, where the difference of the two would have lost half its digits."""
 
@@ -123,22 +123,22 @@ def relaxation_spectrum(
     zeros, slopes = secular_zeros(rates, weights, creep.glass)
     order = np.argsort(zeros)[::-1]
     k = (1 / (zeros * slopes))[order]
-    held = k > 0  # an arm too weak for a double is no arm
+    is_positive = k > 0  # an arm too weak for a double is no arm
     return (
         0.0 if creep.flow > 0 else 1 / creep.equilibrium,
-        tuple(k[held].tolist()),
-        tuple((1 / zeros)[order][held].tolist()),
+        tuple(k[is_positive].tolist()),
+        tuple((1 / zeros)[order][is_positive].tolist()),
         0.0 if creep.glass > 0 else 1 / float(weights.sum()),
     )
 
 
 def merge_twins(rates: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Rates ascending, those closer than rounding can tell made one at their weighted mean."""
+    """Rates ascending, those closer than rounding can show made one at their weighted mean."""
     if not len(rates):
         return rates, weights
     order = np.argsort(rates)
     rates, weights = rates[order], weights[order]
-    first = np.flatnonzero(np.append(True, np.diff(rates) > _TWINS * rates[1:]))
+    first = np.flatnonzero(np.append(True, np.diff(rates) > _EQUAL_POLES * rates[1:]))
     merged = np.add.reduceat(weights, first)
     shift = np.add.reduceat(
         weights * (rates - np.repeat(rates[first], np.diff([*first, len(rates)]))), first

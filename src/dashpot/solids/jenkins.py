@@ -41,12 +41,12 @@ class Masing(RateIndependent):
 
     def step(self, state: _Path, x: float) -> tuple[float, _Path]:
         """Force, N, and the turning points that are not forgotten, the present place last."""
-        *turns, here = state
-        way = x - here[0]
+        *turns, position = state
+        way = x - position[0]
         if way == 0:
-            return here[1], state
-        if _is_opposite(way, here[0] - turns[-1][0]):
-            turns.append(here)
+            return position[1], state
+        if _is_opposite(way, position[0] - turns[-1][0]):
+            turns.append(position)
         while len(turns) > 2 and not _is_opposite(x - turns[-2][0], way):
             del turns[-2:]
         if len(turns) == 2 and abs(x) >= abs(turns[1][0]) and _is_opposite(x, turns[1][0]):

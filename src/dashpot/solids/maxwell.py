@@ -344,8 +344,11 @@ class GeneralizedMaxwell(Solid, Serialisable):
         k, tau = self._arms()
         b = k * tau
         loading = np.clip(t, 0.0, ramp_time)[..., None]
-        held = np.clip(t - ramp_time, 0.0, None)[..., None]
-        shape = self.k_inf * loading[..., 0] + (-np.expm1(-loading / tau) * np.exp(-held / tau)) @ b
+        hold_time = np.clip(t - ramp_time, 0.0, None)[..., None]
+        shape = (
+            self.k_inf * loading[..., 0]
+            + (-np.expm1(-loading / tau) * np.exp(-hold_time / tau)) @ b
+        )
         moving = (t > 0) & (t <= ramp_time)
         return np.asarray(depth / ramp_time * (shape + self.b * moving))
 

@@ -138,16 +138,16 @@ class EvenStep(NamedTuple):
 
     Attributes
     ----------
-    kept : array
+    decay_factors : array
         Of what it carried, on the average of the step; of what is given, at its end.
-    left : array
+    response_factors : array
         Of what it carried, at the end of the step.
     onward : array
         Of what is given, on the average of the step.
     """
 
-    kept: FloatArray
-    left: FloatArray
+    decay_factors: FloatArray
+    response_factors: FloatArray
     onward: FloatArray
 
     @classmethod
@@ -159,8 +159,8 @@ class EvenStep(NamedTuple):
 
     def mean(self, carried: FloatArray, provided: FloatArray) -> FloatArray:
         """Return what arms carry on the average of the step, N."""
-        return carried * self.kept + provided * self.onward
+        return carried * self.decay_factors + provided * self.onward
 
     def end(self, carried: FloatArray, provided: FloatArray) -> FloatArray:
         """Return what they carry at its end, N."""
-        return carried * self.left + provided * self.kept
+        return carried * self.response_factors + provided * self.decay_factors

@@ -331,7 +331,7 @@ def _lengths(shape: Geometry, *names: str) -> None:
         object.__setattr__(shape, name, float(value))
 
 
-def named_shape(words: str) -> Geometry:
+def find_shape(words: str) -> Geometry:
     """Return the shape that words name, its lengths with their units: ``"disc:20mm,20mm"``.
 
     >>> named_shape("disc:20mm,10mm")

@@ -191,24 +191,24 @@ class Linearised(Solid):
     Attributes
     ----------
     solid : Solid
-    beside : AmplitudeDependent
+    rate_independent : AmplitudeDependent
     amplitude : float
         m.
     """
 
     solid: Solid
-    beside: AmplitudeDependent
+    rate_independent: AmplitudeDependent
     amplitude: float
 
     @property
     def k_inf(self) -> float:  # type: ignore[override]  # others keep it as a field
         """Stiffness, N/m, of slow motion of that amplitude."""
-        return self.solid.k_inf + float(self.beside.equivalent(0.0, self.amplitude).real)
+        return self.solid.k_inf + float(self.rate_independent.equivalent(0.0, self.amplitude).real)
 
     @property
     def k_0(self) -> float:  # type: ignore[override]
         """Stiffness, N/m, of fast motion of that amplitude."""
-        return self.solid.k_0 + float(self.beside.equivalent(1e12, self.amplitude).real)
+        return self.solid.k_0 + float(self.rate_independent.equivalent(1e12, self.amplitude).real)
 
     @property
     def maxwell(self) -> GeneralizedMaxwell:
@@ -226,13 +226,15 @@ class Linearised(Solid):
     def stiffness_at(self, s: npt.ArrayLike) -> ComplexArray:
         """Return stiffness on the Laplace plane, N/m, `s` in 1/s; the part's is that of Im s."""
         s = np.asarray(s, dtype=complex)
-        extra = self.beside.equivalent(np.abs(s.imag), self.amplitude)
-        lost = np.where(s.imag < 0, extra.conj(), extra)
-        return np.asarray(self.solid.stiffness_at(s) + lost)
+        extra = self.rate_independent.equivalent(np.abs(s.imag), self.amplitude)
+        loss = np.where(s.imag < 0, extra.conj(), extra)
+        return np.asarray(self.solid.stiffness_at(s) + loss)
 
     def __mul__(self, count: float) -> Linearised:
         """`count` in parallel."""
-        return replace(self, solid=self.solid * count, beside=self.beside * count)
+        return replace(
+            self, solid=self.solid * count, rate_independent=self.rate_independent * count
+        )
 
     __rmul__ = __mul__
 

@@ -22,7 +22,7 @@ def render_text(result: object) -> Text:
     """
     function = _teller(result)
     if function is None:
-        raise TypeError(f"a {type(result).__name__} is no result that is told")
+        raise TypeError(f"a {type(result).__name__} is no result that is shown")
     return function(result)
 
 

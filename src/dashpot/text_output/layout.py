@@ -27,19 +27,19 @@ class Text(NamedTuple):
         Cut where they are longer than a screen.
     details
         For ``-v`` alone.
-    asked
+    requested_lines
         What an option asked for: never cut.
     """
 
     lines: Sequence[str] = ()
     details: Sequence[str] = ()
-    asked: Sequence[str] = ()
+    requested_lines: Sequence[str] = ()
 
 
-def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:
+def table(rows: Sequence[Sequence[str]], *, align_left: bool = False) -> list[str]:
     """Return rows of cells as lines of aligned columns: the first, or all, to the left."""
     widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
-    sides = ["-" if left or i == 0 else "" for i in range(len(widths))]
+    sides = ["-" if align_left or i == 0 else "" for i in range(len(widths))]
     form = "".join(f"  %{side}{width}s" for side, width in zip(sides, widths, strict=True))
     return [(form % tuple(row)).rstrip() for row in rows]
 
@@ -88,7 +88,12 @@ CHECK_LINES = 3
 MARKS = {"stop": ("!!", "red"), "limit": ("!", "yellow"), "note": ("-", None)}
 """How a failed check is marked and coloured, by its grade."""
 
-USES = {"use": "green", "use with care": "yellow", "do not use": "red", "no test": "blue"}
+VERDICT_COLOURS = {
+    "use": "green",
+    "use with care": "yellow",
+    "do not use": "red",
+    "no test": "blue",
+}
 """The colours of a verdict."""
 
 
@@ -111,7 +116,7 @@ def format_for_screen(
     head = [] if verdict is None else lead(verdict, style, columns)
     # of a table of thousands no more is put into lines than can be shown, and one to be cut
     part = text.lines if verbose else text.lines[: lines + 1]
-    body, requested = _lines(part, columns), _lines(text.asked, columns)
+    body, requested = _lines(part, columns), _lines(text.requested_lines, columns)
     counted = [f"  checks      {_format_check_counts(checks)}"] if checks else []
     failed = [
         _check(check, verdict, style, columns)
@@ -148,7 +153,7 @@ def lead(verdict: Verdict, style: Style = apply_no_style, columns: int = COLUMNS
     """Return a verdict and why, as the first lines of a result."""
     mark, _, message = str(verdict).partition(": ")
     return _format_marked_sentence(
-        f"{mark}:", message, USES[verdict.use], style, hang=2, columns=columns
+        f"{mark}:", message, VERDICT_COLOURS[verdict.use], style, hang=2, columns=columns
     )
 
 

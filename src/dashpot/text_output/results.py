@@ -68,13 +68,13 @@ _RESIDUAL = {"N": "mN", "m": "um", "1": "%"}
 """Display unit of the rms residual, by its SI unit."""
 
 
-def fit(fit: Fit, *, asked: int | str = "auto") -> Text:
+def fit(fit: Fit, *, requested_arms: int | str = "auto") -> Text:
     """Return a fit as the paper's Table 1 with intervals, and its limits of use.
 
-    `asked` is the number of arms that was asked for.
+    `requested_arms` is the number of arms that was asked for.
     """
     residual = fit.estimate.residual
-    lines = [_format_fit_heading(fit, asked), *_format_model(fit)]
+    lines = [_format_fit_heading(fit, requested_arms), *_format_model(fit)]
     if residual.n > 0:  # none of a model without a test
         lines += [
             f"  residual    {_format_rms(residual)}; {_format_sample_count(residual)}",
@@ -86,11 +86,13 @@ def fit(fit: Fit, *, asked: int | str = "auto") -> Text:
     lines += _format_part(fit, fit.temperatures)
     lines += _format_part(fit, next(iter(fit.evidence.stiffness_by_depth), None))
     lines += _format_explanations(fit)
-    of = (
+    source_text = (
         " of the one model of all depths, at the deepest" if fit.evidence.stiffness_by_depth else ""
     )
     every = (
-        [f"every parameter{of}", *facts(list_known_values(fit))] if fit.estimate.parameters else []
+        [f"every parameter{source_text}", *facts(list_known_values(fit))]
+        if fit.estimate.parameters
+        else []
     )
     details = [*every, *_format_parameter_changes(fit), f"  optimiser   {fit.status.value}"]
     if fit.evidence.certificate:
@@ -112,8 +114,8 @@ def _format_fit_heading(fit: Fit, request: int | str) -> str:
     if fit.family == "fractional":
         arms = f"fractional Zener model ({arms} stand for it)"
     elif list_undetermined_times(fit):
-        of = ", ".join(f"{tau:.3g} s" for tau in list_undetermined_times(fit))
-        arms += f", relaxation time {of} not determined"
+        times = ", ".join(f"{tau:.3g} s" for tau in list_undetermined_times(fit))
+        arms += f", relaxation time {times} not determined"
     short = request not in ("auto", fit.model.arms) and fit.family == "maxwell"
     text = f", not the {request} asked for: {fit.status.value}" if short else ""
     return f"{files}: {arms}, {_METHODS.get(fit.method, f'method {fit.method}')}{text}"
@@ -134,16 +136,16 @@ def _format_model(fit: Fit) -> list[str]:
         reported_value.name: reported_value for reported_value in list_known_values(fit)
     }
     # stiffnesses that each depth has of its own stand there, and nowhere else
-    of = ("tau",) if fit.evidence.stiffness_by_depth else ("k", "tau", "b")
+    parameter_names = ("tau",) if fit.evidence.stiffness_by_depth else ("k", "tau", "b")
     arms = [
         [reported_values.pop(name) for name in names]
         for j in range(1, fit.model.arms + 1)
-        if reported_values.keys() >= set(names := [f"{name}_{j}" for name in of])
+        if reported_values.keys() >= set(names := [f"{name}_{j}" for name in parameter_names])
     ]
     if not arms:
         return facts(list_known_values(fit))
     rows = [["arm"]]
-    for text, fact in zip(of, arms[0], strict=True):
+    for text, fact in zip(parameter_names, arms[0], strict=True):
         rows[0] += [f"{text}, {fact.cells.ascii.unit}", "±"]
     rest = reported_values.get("k_inf")
     if fit.evidence.stiffness_by_depth:
@@ -322,8 +324,7 @@ def agreement(result: FRFComparison) -> Text:
     if result.mass_inferred:
         lines.append(
             f"  mass        {format_quantity(result.mass, 'g', '.5g')}, inferred from the measured "
-            "FRF: the "
-            "agreement in frequency then proves nothing; give the mass to test it"
+            "FRF: the agreement in frequency then proves nothing; give the mass to test it"
         )
     return Text(lines, [f"  {arm}" for arm in result.comparison.arms])
 
@@ -355,8 +356,8 @@ def study(study: Study) -> Text:
         lines.append(str(study.static_equilibrium))
     solid = fit(study.fit if study.joint is None else study.joint)
     rows = [["main results", "value", "from", "to", "unit"]]
-    for answer in recommend_solid(study, requested=True).answers:
-        rows.append([answer.quantity, *answer.fact.cell_texts, answer.fact.word])
+    for value in recommend_solid(study, requested=True).values:
+        rows.append([value.quantity, *value.fact.cell_texts, value.fact.word])
     details += ["", *table(rows)]
     if study.joint is not None:
         text = fit(study.fit)
@@ -455,7 +456,7 @@ class Measured(Protocol):
         """Lines that determine both."""
         ...
 
-    def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]:
+    def changes(self, name: str, by: float) -> tuple[FloatArray, FloatArray]:
         """Return the changes of storage and loss factor by an error of a kind and size."""
         ...
 
@@ -473,13 +474,13 @@ def render_summary(result: object) -> Text:
 
 
 def format_error_sensitivity(
-    of: Measured, *, errors: tuple[str, ...], unit: str, shown: int
+    measured: Measured, *, errors: tuple[str, ...], unit: str, shown: int
 ) -> list[str]:
     """Return a table of lines of the usable band, or of all, with the effect of small errors.
 
     Parameters
     ----------
-    of : Measured
+    measured : Measured
     errors : tuple of str
         Names in :data:`ERRORS`; none for the lines alone.
     unit : str
@@ -487,15 +488,15 @@ def format_error_sensitivity(
     shown : int
         Number of lines.
     """
-    pairs = [(ERRORS[name], of.changes(name, ERRORS[name][2])) for name in errors]
+    pairs = [(ERRORS[name], measured.changes(name, ERRORS[name][2])) for name in errors]
     rows = [["Hz", f"storage, {get_display_unit(unit)}", "loss factor"]]
     for (heading, _, _), _ in pairs:
         rows[0] += [f"{heading}: %", "loss factor"]
-    for i in _spread(of, shown):
+    for i in _spread(measured, shown):
         row = [
-            format_rounded(float(of.frequency[i])),
-            with_error(float(of.storage[i]), float(of.storage_sd[i]), unit),
-            with_error(float(of.loss_factor[i]), float(of.loss_factor_sd[i])),
+            format_rounded(float(measured.frequency[i])),
+            with_error(float(measured.storage[i]), float(measured.storage_sd[i]), unit),
+            with_error(float(measured.loss_factor[i]), float(measured.loss_factor_sd[i])),
         ]
         for _, (storage, loss) in pairs:
             row += [f"{100 * storage[i]:+.2f}", f"{loss[i]:+.4f}"]
@@ -506,12 +507,14 @@ def format_error_sensitivity(
     return [*table(rows), f"  {words}: change of the storage, %, and of the loss factor"]
 
 
-def _spread(of: Measured, shown: int) -> IndexArray:
+def _spread(measured: Measured, shown: int) -> IndexArray:
     """Return lines at even ratios over the usable band."""
-    lines = np.flatnonzero(of.usable if of.usable.any() else np.isfinite(of.frequency))
+    lines = np.flatnonzero(
+        measured.usable if measured.usable.any() else np.isfinite(measured.frequency)
+    )
     if shown >= len(lines):
         return lines
-    f = of.frequency[lines]
+    f = measured.frequency[lines]
     low, high = float(f[0]), float(f[-1])
     grid = np.geomspace(low, high, shown)
     return np.unique(lines[np.abs(f[:, None] - grid).argmin(axis=0)])
@@ -528,7 +531,7 @@ _ROWS = 3
 
 def render_identification(result: Identified) -> Text:
     """Return the model, and the measured modes where nothing else was fitted."""
-    model, stiffness = fit(result.fit), result.direct.of
+    model, stiffness = fit(result.fit), result.direct.stiffness
     first, lines = list(model.lines[:1]), model.lines[1:]
     if stiffness.over_base:
         first += format_error_sensitivity(
@@ -538,4 +541,4 @@ def render_identification(result: Identified) -> Text:
     rests = [str(result.at_rest)] if str(result.at_rest) else []
     modes = impact(result.vibration) if result.vibration else Text()
     shown = [*first, *lines, *assumed, *rests, *modes.lines]
-    return Text(shown, [*model.details, *modes.details], model.asked)
+    return Text(shown, [*model.details, *modes.details], model.requested_lines)

@@ -534,7 +534,7 @@ class Response:
             self.model.maxwell, float(sizes.min()), float(sizes.max()), self.record
         )
         p = poles(arms, mass)
-        # of an arm faster than the pulse the width of it tells nothing: it has long died away
+        # of an arm faster than the pulse the width of it shows nothing: it has long died away
         p = p[p.real * self.record > -MAX_DECAY]
         r = residues(arms, mass, p)
         size = r * p**2 * np.exp(p * self.record + 0.5 * (self.pulse * p) ** 2)

@@ -1,7 +1,7 @@
 from dashpot.export import UNIT_SYSTEMS as UNIT_SYSTEMS
 from dashpot.export import deck_for as deck_for
 from dashpot.fitting.prediction_bounds import (
-    unseen_arm_band as unseen_arm_band,
+    unresolved_arm_band as unresolved_arm_band,
 )
 from dashpot.planning.assumed_seal import SupposedSeal as SupposedSeal
 from dashpot.planning.plan import plan as plan

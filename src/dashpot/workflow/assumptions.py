@@ -40,10 +40,10 @@ class Assumption:
         self, checks: Iterable[Check]
     ) -> Literal["contradicted", "not contradicted", "not tested"]:
         """Return the state of the assumption by the checks of a study."""
-        answers = [check.passed for check in checks if check.name in self.checks]
-        if False in answers:
+        outcomes = [check.passed for check in checks if check.name in self.checks]
+        if False in outcomes:
             return "contradicted"
-        return "not contradicted" if True in answers else "not tested"
+        return "not contradicted" if True in outcomes else "not tested"
 
 
 ASSUMPTIONS = (

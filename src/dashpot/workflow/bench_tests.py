@@ -71,13 +71,13 @@ def prepared_tests(
         "filter": filter,
         "machine": machine,
         "cycle": cycle,
-        "judged": checked,
+        "with_checks": checked,
         **asdict(time_limits),
     }
     if each_depth and len(tests) == 1 and cycle is None and time_limits == TimeLimits():
         (test,) = tests
         if isinstance(test, RelaxationTest):
-            return depths_of(test, filter=filter, machine=machine, judged=checked)
+            return depths_of(test, filter=filter, machine=machine, with_checks=checked)
     return tuple(
         record if isinstance(record, RampHold) else prepare(record, **how) for record in tests
     )
@@ -195,8 +195,7 @@ class BenchFitOptions(SolidOptions):
         if shifting.at is not None or shifting.shifts is not None:
             raise FitError(
                 "--at-temperature and --shifts are for sweeps, moduli and creep; ramps and "
-                "holds find their "
-                "own shifts: leave them out"
+                "holds find their own shifts: leave them out"
             )
         return FitOptions(
             self.arms, self.method, self.law, self.family, self.intervals, self.thorough,
@@ -252,7 +251,7 @@ def fit_files(
 
 
 def fit_records(
-    tests: Sequence[Bench], asked: BenchFitOptions, *, name: str = ""
+    tests: Sequence[Bench], options: BenchFitOptions, *, name: str = ""
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one solid to the records of a bench, as :func:`fit_files` does to those in files.
 
@@ -262,10 +261,10 @@ def fit_records(
     named = (find_handler("fit records", test) for test in tests)
     fit_others = next((item for item in named if item is not None), None)
     if fit_others is not None:
-        result: tuple[Fit, tuple[Record, ...]] = fit_others(tests, asked, name=name)
+        result: tuple[Fit, tuple[Record, ...]] = fit_others(tests, options, name=name)
         return result
-    prepared = prepare_ramps(tests, asked)
-    return _fit_ramps(prepared, asked), prepared
+    prepared = prepare_ramps(tests, options)
+    return _fit_ramps(prepared, options), prepared
 
 
 def prepare_ramps(
@@ -320,5 +319,5 @@ def _fit_ramps(tests: tuple[RampHold, ...], options: BenchFitOptions) -> Fit:
 
 
 def fit_fixed_order(test: RampHold, arms: int, *, method: Method = "full") -> Fit:
-    """Return the optimum with so many arms alone, which is drawn, not judged."""
+    """Return the optimum with so many arms alone, which is drawn, not checked."""
     return fit_relaxation(test, arms=arms, method=method, intervals=False)

@@ -33,10 +33,10 @@ def to_pandas(result: object) -> Any:
     DataError
         If pandas is not installed.
     """
-    made = frame(result)
-    index, *_ = made.columns
-    table = library("pandas").DataFrame(made.columns).set_index(index)
-    table.attrs["units"] = made.units
+    data = frame(result)
+    index, *_ = data.columns
+    table = library("pandas").DataFrame(data.columns).set_index(index)
+    table.attrs["units"] = data.units
     return table
 
 
@@ -48,11 +48,11 @@ def to_xarray(result: object) -> Any:
     DataError
         If xarray is not installed.
     """
-    xarray, made = library("xarray"), frame(result)
-    index, *others = made.columns
+    xarray, data = library("xarray"), frame(result)
+    index, *others = data.columns
 
     def variable(name: str) -> Any:
-        return xarray.Variable((index,), made.columns[name], {"units": made.units[name]})
+        return xarray.Variable((index,), data.columns[name], {"units": data.units[name]})
 
     return xarray.Dataset({name: variable(name) for name in others}, {index: variable(index)})
 

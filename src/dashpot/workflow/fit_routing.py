@@ -16,7 +16,7 @@ VIBRATION = frozenset(
 )
 """Kinds that are of a mass on its seals."""
 
-_NAMED = 3
+_MAX_NAMED = 3
 """Files of one kind that a sentence names."""
 
 
@@ -57,8 +57,7 @@ def route(kinds: Mapping[str, str], *, masses: int = 0, selected: str = "") -> s
         if masses and selected:
             raise ReadError(
                 f"{_format_file_kinds(kinds)}. A level, a density and a shape are of the vibration "
-                "alone. Leave "
-                "them out, or fit the files one by one."
+                "alone. Leave them out, or fit the files one by one."
             )
         if masses:
             _refuse_several(kinds)
@@ -107,8 +106,7 @@ def _refuse_several(kinds: Mapping[str, str]) -> None:
         )
     raise ReadError(
         f"{_format_file_kinds(shaken)}, and one FRF is fitted under one mass. Give one of them, or "
-        "the level or "
-        "the mass of each, such as --amplitude 0.02N --amplitude 0.5N."
+        "the level or the mass of each, such as --amplitude 0.02N --amplitude 0.5N."
     )
 
 
@@ -123,7 +121,7 @@ def _format_file_kinds(kinds: Mapping[str, str]) -> str:
 def _some(names: Sequence[str]) -> str:
     if len(names) == 1:
         return f"{names[0]} is"
-    named = names if len(names) <= _NAMED else names[: _NAMED - 1]
+    named = names if len(names) <= _MAX_NAMED else names[: _MAX_NAMED - 1]
     last = names[-1] if named is names else f"{len(names) - len(named)} more"
     first = named[:-1] if named is names else named
     return f"{', '.join(first)} and {last} are each"

@@ -35,10 +35,10 @@ from dashpot.workflow.stiffness_under_mass import (
 )
 
 # rounds in which a mass and the stiffness under it find each other
-WEIGHINGS = 100
+MAX_ITERATIONS = 100
 
 
-def weighed(
+def find_mass_on_seals(
     fit: Fit,
     frf: FRF,
     block: BlockOnSeals,
@@ -54,7 +54,7 @@ def weighed(
         return MassOnSeals(mass, block.seals, block.compression)
     near = frf if band is None else frf.band(*band)
     mass = infer_mass(block.seals * fit.model, near)[0]
-    for _ in range(WEIGHINGS):
+    for _ in range(MAX_ITERATIONS):
         on = MassOnSeals(mass, block.seals, block.compression)
         solid = operating_point(fit, on).solid(fit)
         mass = infer_mass(block.seals * solid, near)[0]
@@ -240,21 +240,21 @@ def compare_files(
         from dashpot.workflow.bench_tests import prepared_files  # it brings every fit
 
         tests = prepared_files(records, options=options_with)
-    held = agreement(fit, frf, block, tests=tests, band=band)
-    if not (held.in_sample and tests):
-        return held
+    comparison = agreement(fit, frf, block, tests=tests, band=band)
+    if not (comparison.in_sample and tests):
+        return comparison
     leave_out = find_handler("leave one out", impact)
     if leave_out is None:
-        return held
+        return comparison
     unmeasured = leave_out(
         impact,
         tests,
         fit,
-        MassOnSeals(held.mass, block.seals, block.compression),
+        MassOnSeals(comparison.mass, block.seals, block.compression),
         choices=hammer,
         band=band,
     )
-    return replace(held, unmeasured=unmeasured)
+    return replace(comparison, unmeasured=unmeasured)
 
 
 def agreement(
@@ -281,14 +281,14 @@ def agreement(
     """
     _, noted = total_mass(block)
     frf = remove_seal_mass(frf, block)
-    on = weighed(fit, frf, block, band=band)
+    on = find_mass_on_seals(fit, frf, block, band=band)
     _, comparison = compare_with_measured(fit, frf, on, band=band)
     rests = find_static_equilibrium(fit, on)
     lines = comparison.measured.frequency[comparison.measured.frequency > 0]
     formal = formal_limits(fit, rests.point, on, frequency=lines)
     limits = None
     circular = find_fitted_files(fit, frf)
-    if tests and not circular:  # the unseen arms of a joint fit have no bound
+    if tests and not circular:  # the unresolved arms of a joint fit have no bound
         from dashpot.workflow.bench_tests import refuse_unfitted_tests
 
         refuse_unfitted_tests(tests, fit)

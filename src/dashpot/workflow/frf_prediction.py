@@ -26,9 +26,10 @@ from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.random_response import RandomLimits, RandomResponse
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.write import write_frf
 from dashpot.registry import find_handler
 from dashpot.solids.maxwell import Solid
-from dashpot.solids.part_geometry import Block, Bulb, Bush, Disc, Geometry, named_shape
+from dashpot.solids.part_geometry import Block, Bulb, Bush, Disc, Geometry, find_shape
 from dashpot.vibration.mass_on_seals import (
     MassOnSeals,
     add_mount_mass,
@@ -147,7 +148,7 @@ def parse_part_shape(flag: str, lengths: str | None) -> Geometry:
     DataError
         If there are too few or too many, or one is no length > 0.
     """
-    return named_shape(f"{flag}:{lengths}")
+    return find_shape(f"{flag}:{lengths}")
 
 
 def _part_mode(word: str | None) -> PartMode | None:
@@ -205,7 +206,7 @@ class ShakenMass(Serialisable):
     Attributes
     ----------
     response : RandomResponse
-    of : str
+    kind : str
         The file that says how it shakes, or white noise.
     band : (float, float) or None
         Of that file, Hz.
@@ -215,13 +216,13 @@ class ShakenMass(Serialisable):
 
     _keys = (
         Key("response", flatten=True),
-        "of",
+        Key("of", "kind"),
         Key("band_hz", "band"),
         Key("limits", optional=True, nonfinite_as_null=True),
     )
 
     response: RandomResponse
-    of: str
+    kind: str
     band: tuple[float, float] | None
     limits: RandomLimits | None
 
@@ -355,6 +356,12 @@ class Prediction(HasVerdict, Serialisable):
         """The FRF that a table holds."""
         return self.frf
 
+    def csv(self) -> str:
+        """Return the FRF as a table, which says so if the test behind its fit was simulated."""
+        is_simulated = any(source.simulated for source in self.fit.source)
+        stamp = ["SIMULATED: the test behind this prediction was simulated"]
+        return write_frf(self.table_frf, comments=stamp * is_simulated)
+
 
 class PredictedLevels(Protocol):
     """Predicted response of a mass on seals at levels."""
@@ -363,7 +370,7 @@ class PredictedLevels(Protocol):
     def checks(self) -> tuple[Check, ...]:
         """Those of the levels."""
 
-    def complete(self, plain: Prediction) -> Prediction:
+    def complete(self, prediction: Prediction) -> Prediction:
         """Return the prediction with its levels."""
 
 
@@ -483,23 +490,26 @@ def prediction(
     frf_kind = _select_frf_kind(kind, base=base or base_psd is not None, relative=relative)
     band, predictor = band or BAND, _level_predictor(at_level, swept)
     moving, noted = moving_mass(mass, seal=block.seal_mass or 0.0, seals=seals)
-    here = fit if temperature is None else fit.at_temperature(temperature)
+    shifted_fit = fit if temperature is None else fit.at_temperature(temperature)
     stiffer, of_part = 1.0, part is not None and part != PartChoices()
     if part is not None and of_part:
         _refuse_records(tests)
-        material = here.solid
+        material = shifted_fit.solid
         measured = None if predictor is None else predictor.measured_peak(frf_kind)
-        here = fit = apply_part_factor(
-            part, here, seals=seals, base=frf_kind.over_base, peak=measured
+        shifted_fit = fit = apply_part_factor(
+            part, shifted_fit, seals=seals, base=frf_kind.over_base, peak=measured
         )
         stiffer = float(
-            abs(here.solid.complex_stiffness(omega=1.0) / material.complex_stiffness(omega=1.0))
+            abs(
+                shifted_fit.solid.complex_stiffness(omega=1.0)
+                / material.complex_stiffness(omega=1.0)
+            )
         )
     # over a base, mounts that weigh something couple the mass to it
     coupled = compute_coupled_mass(block.seal_mass, seals) if frf_kind.over_base else 0.0
     load = MassOnSeals(moving, seals, block.compression, coupled)
-    rests = find_static_equilibrium(here, load)
-    on = MountedMass(here, rests, load, frf_kind)
+    rests = find_static_equilibrium(shifted_fit, load)
+    on = MountedMass(shifted_fit, rests, load, frf_kind)
     frf = on.frf(np.linspace(*band, lines))
     bounded = _bounds(on, fit, tests, temperature=temperature)
     limited = on.compute_limits(frf, bounded)
@@ -518,10 +528,10 @@ def prediction(
         *fit.checks,
         *_check_temperature_tested(fit, temperature),
         noted,
-        *family_checks(here, rests.point, load),
+        *family_checks(shifted_fit, rests.point, load),
     )
     plain = Prediction(
-        here,
+        shifted_fit,
         mass,
         moving,
         seals,

@@ -49,38 +49,41 @@ class DirectStiffness(Serialisable):
     """Stiffness and damping of a seal from the FRF directly, each with all its errors."""
 
     _keys = (
-        Key("frequency_hz", "of.frequency"),
-        Key("stiffness", "of.storage"),
-        Key("stiffness_sd", "of.storage_sd"),
-        "of.damping",
-        "of.loss_factor",
-        "of.loss_factor_sd",
-        Key("stiffness_band_hz", "of.storage_band", nonfinite_as_null=True),
-        Key("loss_band_hz", "of.loss_band", nonfinite_as_null=True),
+        Key("frequency_hz", "stiffness.frequency"),
+        Key("stiffness", "stiffness.storage"),
+        Key("stiffness_sd", "stiffness.storage_sd"),
+        "stiffness.damping",
+        "stiffness.loss_factor",
+        "stiffness.loss_factor_sd",
+        Key("stiffness_band_hz", "stiffness.storage_band", nonfinite_as_null=True),
+        Key("loss_band_hz", "stiffness.loss_band", nonfinite_as_null=True),
         "sensitivity",
     )
 
-    of: DynamicStiffness
+    stiffness: DynamicStiffness
 
     @property
     def sensitivity(self) -> dict[str, Changes]:
         """What a degree of phase, and a per cent of mass, change."""
-        phase, mass = self.of.changes("phase", DEGREE), self.of.changes("mass", 0.01)
+        phase, mass = self.stiffness.changes("phase", DEGREE), self.stiffness.changes("mass", 0.01)
         return {"phase_1_degree": Changes(*phase), "mass_1_percent": Changes(*mass)}
 
     @property
     def table(self) -> str:
         """They as CSV, with the bands where they are good in the head."""
-        of = self.of
+        stiffness = self.stiffness
         head = (
             f"# {byline('stiffness from the FRF')}\n"
-            f"# stiffness good to 10 % from {of.storage_band[0]:.4g} to {of.storage_band[1]:.4g} "
-            f"Hz, loss to 30 % from {of.loss_band[0]:.4g} to {of.loss_band[1]:.4g} Hz\n"
+            f"# stiffness good to 10 % from {stiffness.storage_band[0]:.4g} to "
+            f"{stiffness.storage_band[1]:.4g} "
+            f"Hz, loss to 30 % from {stiffness.loss_band[0]:.4g} to {stiffness.loss_band[1]:.4g} "
+            "Hz\n"
             "frequency [Hz],stiffness [N/m],sd of stiffness [N/m],damping [N*s/m],loss factor [1],"
             "sd of loss factor [1]\n"
         )
         columns = (
-            of.frequency, of.storage, of.storage_sd, of.damping, of.loss_factor, of.loss_factor_sd,
+            stiffness.frequency, stiffness.storage, stiffness.storage_sd, stiffness.damping,
+            stiffness.loss_factor, stiffness.loss_factor_sd,
         )  # fmt: skip
         rows = zip(*(column.tolist() for column in columns), strict=True)
         return head + "".join(",".join(map(repr, row)) + "\n" for row in rows)

@@ -184,10 +184,10 @@ def _with_cautions(inspection: Inspection, record: object) -> Inspection:
 
 
 def _build_inspected_file(inspection: Inspection, **more: Any) -> InspectedFile:
-    made = InspectedFile(
+    inspected_file = InspectedFile(
         **{field.name: getattr(inspection, field.name) for field in fields(inspection)}, **more
     )
-    vars(made).update(
-        {name: var for name, var in vars(inspection).items() if name not in vars(made)}
+    vars(inspected_file).update(
+        {name: var for name, var in vars(inspection).items() if name not in vars(inspected_file)}
     )
-    return made  # with the course of its columns, which is drawn and no field
+    return inspected_file  # with the course of its columns, which is drawn and no field

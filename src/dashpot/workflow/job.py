@@ -10,13 +10,13 @@ from typing import Any, Literal, TypeVar
 from dashpot.base import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import (
-    AmplitudeLawAsked,
+    AmplitudeLawOption,
     Estimate,
-    FamilyAsked,
+    FamilyOption,
     Method,
     OverBase,
     PartMode,
-    RampLawAsked,
+    RampLawOption,
     ShiftLaw,
     VerticalAsked,
     copy_option,
@@ -225,8 +225,8 @@ class Job(Serialisable):
     seals: float = copy_option(BlockOnSeals, "seals")
     arms: int | Literal["auto"] = copy_option(SolidOptions, "arms")
     method: Method = copy_option(SolidOptions, "method")
-    law: RampLawAsked = copy_option(SolidOptions, "law")
-    family: FamilyAsked = copy_option(SolidOptions, "family")
+    law: RampLawOption = copy_option(SolidOptions, "law")
+    family: FamilyOption = copy_option(SolidOptions, "family")
     time_limits: TimeLimits = make_nested_options(TimeLimits, decides="test")
     band: tuple[float, float] | None = option(
         None, "Frequencies to use, e.g. 5:40Hz.", unit="frequency", ends=True
@@ -291,10 +291,10 @@ class LevelJob:
         former="resonance-at",
     )  # fmt: skip
     motion: OverBase = copy_option(HammerChoices, "motion")
-    law: AmplitudeLawAsked = option(
+    law: AmplitudeLawOption = option(
         "auto",
         "Law of the amplitude.",
-        choices=AmplitudeLawAsked,
+        choices=AmplitudeLawOption,
         flag="model",
     )
     options: ReadOptions = make_nested_options(ReadOptions)

@@ -23,7 +23,7 @@ from dashpot.base.serialisation import (
 )
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
-from dashpot.reading.raw_file import like_json, open_raw
+from dashpot.reading.raw_file import looks_like_json, open_raw
 from dashpot.registry import KINDS, find_handler, list_names, load_object
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
@@ -123,14 +123,14 @@ def _find_schema_class(name: str) -> type[Serialisable] | None:
     return find_handler("document", name) or schemas().get(name)
 
 
-def to_json(noun: object, *, indent: int | None = 2) -> str:
+def to_json(result: object, *, indent: int | None = 2) -> str:
     """Return a result as one JSON document: its ``"schema"``, SI units, floats in full precision.
 
     A fit and a comparison also carry the keys of the command line's contract.
     """
     import json
 
-    return json.dumps(to_document(noun), indent=indent, ensure_ascii=False, allow_nan=False)
+    return json.dumps(to_document(result), indent=indent, ensure_ascii=False, allow_nan=False)
 
 
 def to_document(result: object) -> dict[str, Any]:
@@ -163,7 +163,7 @@ def from_json(text: str | bytes) -> Any:
             result = _convert_to_class(kind, _map_to_fields(kind, entries))
             unknown = find_unknown_keys(entries, to_document(result))
             changed = has_edited_fit(written)
-    except (*_WRONG, msgspec.ValidationError) as error:
+    except (*_VALUE_ERRORS, msgspec.ValidationError) as error:
         raise ReadError(f"the {name} document is not valid: {_because(error, entries)}") from None
     if unknown:
         raise ReadError(f"the {name} document is not valid: {unknown}")
@@ -175,7 +175,7 @@ def from_json(text: str | bytes) -> Any:
     return result
 
 
-_WRONG = (KeyError, TypeError, ValueError, ArithmeticError, AttributeError)
+_VALUE_ERRORS = (KeyError, TypeError, ValueError, ArithmeticError, AttributeError)
 """Exceptions of classes constructed from a wrong value, besides msgspec's own."""
 
 
@@ -233,8 +233,10 @@ def _map_to_fields(kind: Any, value: Any) -> Any:
         return value
     kinds = get_args(kind) if get_origin(kind) in {Union, UnionType} else (kind,)
     if isinstance(value, list):
-        of = next((get_args(kind) for kind in kinds if get_origin(kind) is tuple), (Any, ...))
-        group = of[:1] * len(value) if ... in of else of
+        item_types = next(
+            (get_args(kind) for kind in kinds if get_origin(kind) is tuple), (Any, ...)
+        )
+        group = item_types[:1] * len(value) if ... in item_types else item_types
         return [_map_to_fields(*pair) for pair in zip_longest(group, value)][: len(value)]
     cls = _find_value_class(kinds, value)
     if cls is None:
@@ -401,7 +403,7 @@ def read_json_document(path: str | Path, *, hint: str = "") -> object:
         If it is none; the sentence ends with the hint.
     """
     raw = open_raw(path)
-    if not like_json(raw.head(64)):
+    if not looks_like_json(raw.head(64)):
         raise ReadError(f"{path}: this is not a JSON document{hint}")
     try:
         return from_json(raw.head(raw.size).decode())

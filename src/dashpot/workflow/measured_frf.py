@@ -47,7 +47,7 @@ from dashpot.workflow.job import BlockOnSeals, HammerChoices
 
 
 _NO_MASS = (
-    "the file holds a transmissibility, which tells the stiffness over the mass and neither alone: "
+    "the file holds a transmissibility, which shows the stiffness over the mass and neither alone: "
     "give the mass (--mass)"
 )
 _NO_BASE = "--relative is of a mass over a base that moves, and here a force moves it: leave out"
@@ -122,8 +122,7 @@ def with_polarity(frfs: Sequence[FRF], polarity: Sequence[int] | None) -> tuple[
     if len(polarity) != len(frfs):
         raise ReadError(
             f"--polarity was given {len(polarity)} times for {format_count(len(frfs), 'FRF')}; "
-            "give +1 "
-            "or -1 for each, in their order"
+            "give +1 or -1 for each, in their order"
         )
     step = Step("polarity", (("turned", "FRF"),), "the sign of the FRF was turned, as given")
     return tuple(
@@ -149,13 +148,13 @@ def refuse_choices_of_hits(choices: HammerChoices, why: str, *, but: Sequence[st
     ReadError
     """
     default = HammerChoices()
-    odd = [
+    unused = [
         flag_of(field)
         for field in iterate_option_fields(choices)
         if field.name not in but and getattr(choices, field.name) != getattr(default, field.name)
     ]
-    if odd:
-        raise ReadError(f"{', '.join(odd)}: of hits, and {why}; leave out")
+    if unused:
+        raise ReadError(f"{', '.join(unused)}: of hits, and {why}; leave out")
 
 
 def add_frf_checks(
@@ -169,7 +168,7 @@ def add_frf_checks(
     """Return an FRF that was averaged elsewhere with what it says of itself at its peak.
 
     The peak is the highest in `band`, Hz, or that of a mode; a transmissibility needs the mass, kg.
-    Only where a point is struck itself (`driven`) does its phase tell whether the part dissipates.
+    Only where a point is struck itself (`driven`) does its phase show whether the part dissipates.
     """
     near = frf.to("accelerance", mass=mass)
     near = near if band is None else near.band(*band)
@@ -193,7 +192,7 @@ def average(
     mass: float | None = None,
     band: tuple[float, float] | None = None,
 ) -> FRF:
-    """Return the FRF of an impact test under these choices."""
+    """Return the FRF of a hammer test under these choices."""
     options = asdict(choices)
     if options.pop("motion") != "absolute":
         raise ReadError(_NO_BASE)
@@ -234,7 +233,7 @@ class ImpactMode:
 
     @property
     def mode(self) -> Mode:
-        """The pole with its errors: nan where a method cannot tell."""
+        """The pole with its errors: nan where a method cannot show."""
         values = (self.frequency_se_hz, self.damping_ratio_se)
         frequency, ratio = (np.nan if se is None else se for se in values)
         return Mode(self.frequency_hz, self.damping_ratio, 0j, frequency, ratio, 0.0, self.method)
@@ -251,7 +250,7 @@ class Modes(Plottable, Serialisable, Sequence[Mode]):
     frf : FRF
         That they were found in, with every check.
     modes : tuple of ImpactMode
-        As the document tells them.
+        As the document shows them.
 
     Examples
     --------

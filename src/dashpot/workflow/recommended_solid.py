@@ -46,7 +46,7 @@ class RecommendedValue:
         SI; nan where no interval is known, infinite where nothing limits the value.
     at : float or None
         Its frequency, Hz, or time, s.
-    bound : bool
+    is_limit : bool
         The interval is a bound over every non-negative spectrum that the test does not reject, not
         a confidence interval of the parameters.
     measured, measured_se : float or None
@@ -58,7 +58,7 @@ class RecommendedValue:
     low: float = float("nan")
     high: float = float("nan")
     at: float | None = None
-    bound: bool = False
+    is_limit: bool = False
     measured: float | None = None
     measured_se: float | None = None
 
@@ -105,7 +105,7 @@ class Recommendation:
     one_seal: tuple[RecommendedValue, ...]
 
     @property
-    def answers(self) -> tuple[RecommendedValue, ...]:
+    def values(self) -> tuple[RecommendedValue, ...]:
         """All values."""
         return (*self.under_mass, *self.one_seal)
 
@@ -125,8 +125,8 @@ def recommend_solid(study: Study, *, requested: bool = False) -> Recommendation:
     point, resonance = _find_resonance(study, solid)
     at = solid.band[1] if resonance is None else resonance.frequency
     bounds, bound = _select_bounds(study, solid, at, joint=joint)
-    stiffness = _evaluate_value(solid, bounds, "storage", at, bound=bound)
-    loss = _evaluate_value(solid, bounds, "loss_factor", at, bound=bound)
+    stiffness = _evaluate_value(solid, bounds, "storage", at, is_limit=bound)
+    loss = _evaluate_value(solid, bounds, "loss_factor", at, is_limit=bound)
     under_mass: tuple[RecommendedValue, ...] = ()
     if resonance is not None:
         under_mass = _list_values_under_mass(study, resonance, stiffness, loss, joint=joint)
@@ -200,7 +200,7 @@ def _select_bounds(
 
 
 def _evaluate_value(
-    solid: Fit, bounds: StiffnessBounds | None, name: str, at: float, *, bound: bool
+    solid: Fit, bounds: StiffnessBounds | None, name: str, at: float, *, is_limit: bool
 ) -> RecommendedValue:
     """Return stiffness or loss factor at a frequency, Hz; the interval contains the value."""
     value = float(getattr(solid.solid, name)(frequency=at))
@@ -209,7 +209,7 @@ def _evaluate_value(
         return RecommendedValue(quantity, value, at=at)
     edges: FloatArray = getattr(bounds, name)
     low, high = (float(np.interp(np.log(at), np.log(bounds.frequency), e)) for e in edges)
-    return RecommendedValue(quantity, value, min(low, value), max(high, value), at, bound)
+    return RecommendedValue(quantity, value, min(low, value), max(high, value), at, is_limit)
 
 
 def _list_values_under_mass(
@@ -231,15 +231,15 @@ def _list_values_under_mass(
     damping = max(peak.damping, 0.0) + 0.0  # of a spring, to rounding
     share = damping / loss.value if loss.value > 0 else 0.5
     damped = _contain((share * loss.low, share * loss.high), damping)
-    bound = stiffness.bound
+    bound = stiffness.is_limit
     return (
         RecommendedValue(
-            "frequency", frequency, float(ends[0]), float(ends[1]), bound=bound,
+            "frequency", frequency, float(ends[0]), float(ends[1]), is_limit=bound,
             measured=None if c is None else c.measured_hz,
             measured_se=None if c is None else c.measured_hz_se,
         ),
         RecommendedValue(
-            "damping", damping, damped[0], damped[1], bound=bound,
+            "damping", damping, damped[0], damped[1], is_limit=bound,
             measured=None if c is None else c.measured_damping,
             measured_se=None if c is None else c.measured_damping_se,
         ),
@@ -266,12 +266,12 @@ def _list_peak_height(
         low, high = (height * loss.value / end if end > 0 else np.inf
                      for end in (loss.high, loss.low))  # fmt: skip
     measured = None if comparison is None else comparison.measured_peak
-    return (RecommendedValue("peak", height, low, high, bound=loss.bound, measured=measured),)
+    return (RecommendedValue("peak", height, low, high, is_limit=loss.is_limit, measured=measured),)
 
 
-def _contain(ends: tuple[float, float], value: float) -> list[float]:
+def _contain(limits: tuple[float, float], value: float) -> list[float]:
     """Return an interval widened to contain a value."""
-    return [min(ends[0], value), max(ends[1], value)]
+    return [min(limits[0], value), max(limits[1], value)]
 
 
 def _list_end_of_hold(study: Study, solid: Fit) -> tuple[RecommendedValue, ...]:
@@ -281,4 +281,4 @@ def _list_end_of_hold(study: Study, solid: Fit) -> tuple[RecommendedValue, ...]:
         return ()
     value = end.compute_stiffness(solid.solid)
     low, high = _contain(end.k_end, value)
-    return (RecommendedValue("end of hold", value, low, high, end.end_time, bound=True),)
+    return (RecommendedValue("end of hold", value, low, high, end.end_time, is_limit=True),)

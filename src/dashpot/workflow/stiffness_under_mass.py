@@ -87,7 +87,7 @@ class StaticEquilibrium:
 
     @property
     def summary(self) -> EquilibriumSummary:
-        """As the document of what stands on it tells it."""
+        """As the document of what stands on it shows it."""
         point = self.point
         at = point.compression if np.isfinite(point.compression) else None
         law = point.is_extrapolated and not point.linear
@@ -155,8 +155,8 @@ def frf_limits(
 
     A solid that is s times as stiff and a times as slow answers at :math:`\omega` as the fit at
     :math:`a\omega` under a mass :math:`m/(a^2 s)`, an accelerance times :math:`1/(a^2 s)`. The
-    doubt of the tangent, and of b_T, slides the limits along the frequency axis (:func:`_slid`);
-    that of a_T is met by the limits at both of its ends.
+    uncertainty of the tangent, and of b_T, slides the limits along the frequency axis
+    (:func:`_slid`); that of a_T is met by the limits at both of its ends.
 
     Parameters
     ----------
@@ -186,11 +186,11 @@ def frf_limits(
     bounds = []
     for a in ends:
         scale = a**2 * s
-        of = frf_band(
+        limits = frf_band(
             fit, tests, mass=on.mass / scale, frequency=a * f, seals=on.seals, kind=kind,
             coupled=on.coupled / scale,
         )  # fmt: skip
-        bounds.append(_scale_bounds(of, 1 / a, 1 / scale if forced else 1.0))
+        bounds.append(_scale_bounds(limits, 1 / a, 1 / scale if forced else 1.0))
     if here is fit:
         joined = bounds[0]
     else:
@@ -199,30 +199,30 @@ def frf_limits(
         values = PredictedFRF(on, kind).magnitude(K, omega)
         formal = formal_frf_band(here, on.divide_masses(point.factor), frequency=f, kind=kind)
         joined = _merge_bounds(bounds, values, formal / point.factor if forced else formal)
-    doubt = "; with the doubt of the tangent at the compression of the mass"
+    note = "; with the uncertainty of the tangent at the compression of the mass"
     slid = replace(point, factor_se=float(np.hypot(point.factor_se, point.factor * doubt_b)))
     return replace(
         joined,
         parameter=_slid(f, joined.parameter, slid),
         unmeasured=_slid(f, joined.unmeasured, slid),
-        message=joined.message + doubt * (point.factor_se > 0),
+        message=joined.message + note * (point.factor_se > 0),
     )
 
 
-def _scale_bounds(of: FRFBounds, frequency: float, height: float) -> FRFBounds:
+def _scale_bounds(bounds: FRFBounds, frequency: float, height: float) -> FRFBounds:
     """Return limits on an axis so many times as long, so many times as high."""
 
     def times(scale: float, ends: tuple[float, float] | None) -> tuple[float, float] | None:
         return None if ends is None else (scale * ends[0], scale * ends[1])
 
     return replace(
-        of,
-        frequency=frequency * of.frequency,
-        magnitude=height * of.magnitude,
-        parameter=height * of.parameter,
-        unmeasured=height * of.unmeasured,
-        peak_frequency=times(frequency, of.peak_frequency),
-        peak_height=times(height, of.peak_height),
+        bounds,
+        frequency=frequency * bounds.frequency,
+        magnitude=height * bounds.magnitude,
+        parameter=height * bounds.parameter,
+        unmeasured=height * bounds.unmeasured,
+        peak_frequency=times(frequency, bounds.peak_frequency),
+        peak_height=times(height, bounds.peak_height),
     )
 
 

@@ -33,7 +33,7 @@ from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.prior_knowledge import HammerRig
-from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
+from dashpot.fitting.prediction_bounds import parameter_band, unresolved_arm_band
 from dashpot.fitting.relaxation import fit
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.vibration.comparison.comparison_result import Comparison
@@ -48,7 +48,7 @@ from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.workflow.bench_tests import fit_fixed_order, prepared_tests
 from dashpot.workflow.checks import hold_fit_possible, prediction_in_valid_band
-from dashpot.workflow.frf_comparison import compare_with_measured, weighed
+from dashpot.workflow.frf_comparison import compare_with_measured, find_mass_on_seals
 from dashpot.workflow.job import BlockOnSeals, Job, TimeLimits
 from dashpot.workflow.measured_frf import read_measured, remove_seal_mass, total_mass
 from dashpot.workflow.stiffness_under_mass import (
@@ -130,7 +130,7 @@ class Study(Plottable, Serialisable):
         Accelerance of the mass on the seals.
     impact : ImpactTest or None
     measured : FRF or None
-        The FRF of the impact test.
+        The FRF of the hammer test.
     comparison : Comparison or None
     joint : Fit or None
         Relaxation and FRF fitted together.
@@ -227,8 +227,8 @@ class Study(Plottable, Serialisable):
     def every_check(self) -> tuple[Check, ...]:
         """The checks of the bench, of the hammer, of their comparison, and of the story."""
         hammer = () if self.measured is None else self.measured.checks
-        held = () if self.comparison is None else self.comparison.checks
-        return (*self.fit.checks, *hammer, *held, *self.checks)
+        comparison_checks = () if self.comparison is None else self.comparison.checks
+        return (*self.fit.checks, *hammer, *comparison_checks, *self.checks)
 
     @property
     def verdict(self) -> Verdict:
@@ -243,13 +243,13 @@ class Study(Plottable, Serialisable):
     def verdict_checks(self) -> tuple[Check, ...]:
         """The checks behind the verdict, each once."""
         hammer = () if self.measured is None else self.measured.checks
-        solid, held = self.fit, self.comparison
+        solid, comparison = self.fit, self.comparison
         if self.joint is not None:
-            solid, held = self.joint, self.joint_comparison
-        agreed = () if held is None else held.checks
+            solid, comparison = self.joint, self.joint_comparison
+        agreed = () if comparison is None else comparison.checks
         of_test = self.fit.checks
         if solid.evidence.alternative is not None:
-            # what the relaxation test cannot tell apart is asked of both tests
+            # what the relaxation test cannot distinguish is asked of both tests
             mine = {check.name for check in solid.checks} & {"model_families_distinguished"}
             of_test = tuple(check for check in of_test if check.name not in mine)
         every = (*of_test, *hammer, *solid.checks, *agreed, *self.checks)
@@ -295,15 +295,16 @@ class FittedTests:
     def alternatives(self) -> tuple[Fit, ...]:
         """Fits with other numbers of arms."""
         prepared = self.tests[find_reference_test(self.fit, self.tests)]
-        own = self.fit.model.arms if self.fit.family == "maxwell" else 0
+        arm_count = self.fit.model.arms if self.fit.family == "maxwell" else 0
         return tuple(
-            self.fit if arms == own else fit_fixed_order(prepared, arms) for arms in COMPARED_ORDERS
+            self.fit if arms == arm_count else fit_fixed_order(prepared, arms)
+            for arms in COMPARED_ORDERS
         )
 
     @cached_property
     def unmeasured_arm_limits(self) -> StiffnessBounds:
         """Limits of the stiffness over every spectrum that the tests do not exclude."""
-        return unseen_arm_band(self.fit, self.tests, STIFFNESS_LINES)
+        return unresolved_arm_band(self.fit, self.tests, STIFFNESS_LINES)
 
 
 def fit_tests(
@@ -383,7 +384,7 @@ def characterise(
     on = None if mass is None else MassOnSeals(mass, block.seals, block.compression)
     if measured is not None:
         measured = remove_seal_mass(measured, block)
-        on = weighed(chosen, measured, block, band=band)
+        on = find_mass_on_seals(chosen, measured, block, band=band)
     response, mended = _MassResponse(), _JointResults()
     if on is not None:
         response = _predict_mass_response(chosen, every, measured, on, band)
@@ -396,8 +397,11 @@ def characterise(
                 compression=response.compression if mass is None else on.compression, arms=number,
                 family=options.family, rig=HammerRig().with_machine(machine), bench=usual,
             )  # fmt: skip
-            found = get_fitted_mass(both) or on.mass, on.seals * get_hammer_stiffness_factor(both)
-            under = MassOnSeals(*found, on.compression)
+            fitted_mass = (
+                get_fitted_mass(both) or on.mass,
+                on.seals * get_hammer_stiffness_factor(both),
+            )
+            under = MassOnSeals(*fitted_mass, on.compression)
             mended = _JointResults(both, *_predict_and_compare(both, measured, under, band))
     send_progress("bounding what the tests leave open")
     hold_fit, checks = fitted.hold_fit

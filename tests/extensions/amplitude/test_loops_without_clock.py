@@ -115,7 +115,7 @@ def test_two_loops_at_one_amplitude_are_enough(tmp_path: Path, cycles: int, loop
     fit = level_files((path,)).fit
     (line,) = fit.lines
     assert (line.storage, line.loss) == pytest.approx((1e3 * K, 1e3 * LOSS), rel=5e-3)
-    assert fit.verdict.use != "use"  # one amplitude tells friction from no spring
+    assert fit.verdict.use != "use"  # one amplitude distinguishes friction from no spring
 
 
 ROW = {"loop_frequency_Hz": HERTZ, "loop_amplitude_m": 5e-4, "loop_storage_N_per_m": 3e3,

@@ -55,7 +55,9 @@ def test_harmonics_and_multipliers_are_those_of_shooting(case):
     )
     assert np.degrees(np.angle(result.harmonics[1])) == pytest.approx(phase, abs=1e-4)
     assert result.growth == pytest.approx(growth, abs=2e-5)
-    assert result.lost == pytest.approx(0.245 if case == "contact lost" else 0.0, abs=2e-3)
+    assert result.dissipated_energy == pytest.approx(
+        0.245 if case == "contact lost" else 0.0, abs=2e-3
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Decks of what FRFs at several levels tell: sliders and a cubic spring beside the arms.
+"""Decks of what FRFs at several levels show: sliders and a cubic spring beside the arms.
 
 Two solvers run them; the others are parsed back into the forces that they stand for.
 """

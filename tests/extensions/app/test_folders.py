@@ -179,15 +179,15 @@ def test_a_page_names_no_file_of_the_machine(store, text):
 
 def test_the_list_of_folders_bears_what_happens_to_it(state, tmp_path):
     assert recent.recent() == []
-    for i in range(recent.MOST + 2):
+    for i in range(recent.MAX_FOLDERS + 2):
         (tmp_path / f"p{i}").mkdir()
         recent.remember(tmp_path / f"p{i}")
     recent.remember(tmp_path / "p5")
     names = [one["name"] for one in recent.recent()]
-    assert names[:2] == ["p5", f"p{recent.MOST + 1}"]
-    assert len(names) == recent.MOST
+    assert names[:2] == ["p5", f"p{recent.MAX_FOLDERS + 1}"]
+    assert len(names) == recent.MAX_FOLDERS
     (tmp_path / "p5").rmdir()
-    assert recent.recent()[0]["name"] == f"p{recent.MOST + 1}"
+    assert recent.recent()[0]["name"] == f"p{recent.MAX_FOLDERS + 1}"
     for text in ("", "[1]", "{", '[{"folder": 3}]'):
         (state / "recent.json").write_text(text)
         assert recent.recent() == []

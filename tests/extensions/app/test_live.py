@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.extensions.app.live_recording import MOST, Live, Trace
+from dashpot.extensions.app.live_recording import MAX_CURVE_POINTS, Live, Trace
 from dashpot.extensions.app.upload_store import Store
 
 pytestmark = pytest.mark.once
@@ -29,12 +29,12 @@ def test_a_curve_is_thinned_evenly_and_keeps_every_peak(block: int):
     for i in range(0, len(time), block):
         trace.add(time[i : i + block], value[i : i + block])
     x, y = trace.curve()
-    assert len(x) <= 2 * MOST + 3
+    assert len(x) <= 2 * MAX_CURVE_POINTS + 3
     assert (x[0], x[-1]) == (pytest.approx(0.0, abs=0.05), time[-1])
     assert (y.max(), y.min()) == (9.0, -9.0)
     assert (np.diff(x) > 0).all()
     # no stretch is coarser than two of the others
-    assert np.diff(x).max() <= 4 * len(time) / MOST / 1000.0
+    assert np.diff(x).max() <= 4 * len(time) / MAX_CURVE_POINTS / 1000.0
 
 
 def test_a_record_goes_from_start_to_a_file_that_can_be_fitted(live, tmp_path):

@@ -1,4 +1,4 @@
-"""Modes of FRFs in the app: as ``dashpot fit`` tells them, digit for digit."""
+"""Modes of FRFs in the app: as ``dashpot fit`` shows them, digit for digit."""
 
 import json
 import shlex

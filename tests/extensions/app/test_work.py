@@ -19,7 +19,7 @@ from kit.shell import ran
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.checks import Check, Remedy
-from dashpot.base.option_fields import RampLawAsked, get_choice_values
+from dashpot.base.option_fields import RampLawOption, get_choice_values
 from dashpot.datamodel.fit_diagnostics import Explanation
 from dashpot.export import SUFFIXES
 from dashpot.extensions.app import (
@@ -189,7 +189,7 @@ def test_long_record_shows_a_quick_fit_first(store, files, monkeypatch):
     assert not rows["long"]
     whole = ask("settle", store, job=job, quick=True)
     assert whole["solid"] == ask("settle", store, job=job)["solid"]
-    monkeypatch.setattr(result_cache, "WHILE_HELD", 4000)
+    monkeypatch.setattr(result_cache, "MAX_QUICK_SAMPLES", 4000)
     assert ask("inspect", store, file=job["relaxation"])["long"]
     part = ask("settle", store, job=job, quick=True)
     assert part["panels"].keys() == whole["panels"].keys()
@@ -241,7 +241,9 @@ def test_a_held_handle_is_followed_from_the_cut_before_to_the_fit_of_its_cut(sto
     ask("live", store, job=page_job)
     cut = job_of(page_job | {"time_limits": {"ramp_end": 2.6, "hold_end": 30.0}}, store.folder)
     after = result_cache.fit_while_dragging(result_cache.select_fit_choices(cut))
-    anew = result_cache.fit_job(result_cache.select_fit_choices(cut), False, result_cache.HELD)
+    anew = result_cache.fit_job(
+        result_cache.select_fit_choices(cut), False, result_cache.MAX_PREVIEW_SAMPLES
+    )
     assert after.model.tau == pytest.approx(anew.model.tau, rel=1e-6)
     assert after.model.k == pytest.approx(anew.model.k, rel=1e-6)
     law = ElasticLaw((0.0, 4e-3, 8e-3), (0.5, 1.0, 1.5), 100.0)
@@ -289,7 +291,7 @@ def test_elastic_law_of_a_result_can_be_requested():
         for fit in (bent, straight, SimpleNamespace(elastic_law=None))
     ]
     assert found == ["nonlinear", "linear", ""]
-    assert set(found[:2]) <= set(get_choice_values(RampLawAsked))
+    assert set(found[:2]) <= set(get_choice_values(RampLawOption))
 
 
 def test_a_response_follows_the_mass(store, page_job):
@@ -387,10 +389,10 @@ def test_a_mass_is_offered_where_it_explains_both_tests(name, explains, told):
 @pytest.mark.slow
 def test_advice_is_shown_once(store, page_job):
     study = result_cache.study(job_of(page_job, store.folder))
-    more = view_models.tells_more(study, ())
+    more = view_models.format_next_test(study, ())
     assert study.fit.evidence.end_of_hold.remedy.split(":")[0] in more.replace("\xa0", " ")
     said = Check("told", False, "Not known.", remedy=Remedy(study.fit.evidence.end_of_hold.remedy))
-    assert view_models.tells_more(study, (said,)) == ""
+    assert view_models.format_next_test(study, (said,)) == ""
 
 
 def test_page_offers_the_mass_of_the_frf_next_to_the_verdict(store, page_job):

@@ -66,7 +66,7 @@ def test_lot_names_duplicate_records_and_refuses_comparison_with_itself():
     both = compare_two_lots(("may", intact), ("june", intact), ["k_end"])
     assert [check.value for check in both.checks if check.name == "records_distinct"] == [6, 0, 0]
     assert both.differences[0].different is both.to_dict()["differences"][0]["different"] is None
-    assert "not judged, the lots have six records in common" in str(both)
+    assert "not checked, the lots have six records in common" in str(both)
     assert "no difference" not in str(both)
     others = [row | {"sha256": f"{i}*"} for i, row in enumerate(rows)]
     assert (

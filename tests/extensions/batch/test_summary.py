@@ -264,7 +264,7 @@ def test_a_test_that_lacks_the_quantity_of_a_limit_has_no_result(tmp_path):
 )
 def test_summary_does_not_release_a_lot_with_an_inadequate_gauge(sds, mark, use):
     result = summary(lot_of(draw_rows(lots=2, seals=25, repeats=4, sds=sds)))
-    lights = {item.name: item.mark for item in result.lights}
+    lights = {item.name: item.mark for item in result.indicators}
     assert lights["measuring"] == mark
     assert (result.verdict.use == "do not use") == (use == "do not use")
 
@@ -273,7 +273,8 @@ def test_lots_that_shift_are_no_chance_and_a_lot_like_the_others_is():
     still = summary(lot_of(draw_rows(lots=12, seals=25, repeats=1, sds=(0.0, 0.03, 0.0))))
     variant = summary(lot_of(draw_rows(lots=12, seals=25, repeats=1, sds=(0.02, 0.03, 0.0))))
     marks = [
-        {item.name: item.mark for item in element.lights}["control"] for element in (still, variant)
+        {item.name: item.mark for item in element.indicators}["control"]
+        for element in (still, variant)
     ]
     assert marks[0] in {"good", "note"}
     assert marks[1] == "care"
@@ -288,9 +289,14 @@ def test_the_verdict_is_as_bad_as_the_worst_light():
     worst = {"use": {"good", "note"}, "use with care": {"care"}, "do not use": {"bad"}}
     for sds in ((0.0, 0.03, 0.005), (0.0, 0.03, 0.012), (0.02, 0.03, 0.005), (0.0, 0.02, 0.02)):
         result = summary(lot_of(draw_rows(lots=6, seals=12, repeats=3, sds=sds)))
-        mark = max((item.mark for item in result.lights), key=ORDER.index)
+        mark = max((item.mark for item in result.indicators), key=ORDER.index)
         assert mark in worst[result.verdict.use]
-        assert [item.name for item in result.lights] == ["files", "measuring", "control", "limits"]
+        assert [item.name for item in result.indicators] == [
+            "files",
+            "measuring",
+            "control",
+            "limits",
+        ]
 
 
 def test_a_copy_is_counted_and_says_nothing():
@@ -301,8 +307,8 @@ def test_a_copy_is_counted_and_says_nothing():
     twice = summary(lot_of([*rows, {**rows[0], "file": "again.csv", "seal": "13"}]))
     assert [len(item.main.seals) for item in (single, twice)] == [12, 12]
     assert twice.lot.copies == {"again.csv": rows[0]["file"]} or len(twice.lot.copies) == 1
-    assert "1 copy" in twice.lights[0].message
-    assert "copy" not in single.lights[0].message
+    assert "1 copy" in twice.indicators[0].message
+    assert "copy" not in single.indicators[0].message
     assert twice.main.gauge.categories == single.main.gauge.categories
 
 

@@ -17,8 +17,8 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.extensions.batch import batch_run
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.batch_run import BatchJob, batch
-from dashpot.extensions.batch.folder_watch import BEAT, STILL, watch_batch
-from dashpot.extensions.batch.parquet_parts import KEY, SMALL
+from dashpot.extensions.batch.folder_watch import POLL_PERIOD, UNCHANGED_SECONDS, watch_batch
+from dashpot.extensions.batch.parquet_parts import KEY, SMALL_PART
 from dashpot.extensions.batch.process_pool import Executor
 from dashpot.extensions.batch.table_row import row
 from dashpot.reading.read_options import ReadOptions
@@ -80,10 +80,13 @@ def until(seconds):
 
 def test_a_file_is_fitted_when_it_has_been_still_for_two_seconds(rig):
     (rig / "old.csv").write_text(TEXT)
-    story = Story(write("new.csv", at=4 * BEAT), until(12 * BEAT))
+    story = Story(write("new.csv", at=4 * POLL_PERIOD), until(12 * POLL_PERIOD))
     both = {"old": "fitted", "new": "fitted"}
     # seen first at 0 and at 2 s, and not a beat earlier than still for two
-    assert story.tables == [(STILL, {"old": "fitted"}), (4 * BEAT + STILL, both)]
+    assert story.tables == [
+        (UNCHANGED_SECONDS, {"old": "fitted"}),
+        (4 * POLL_PERIOD + UNCHANGED_SECONDS, both),
+    ]
     assert story.lot.table.equals(batch("rig", jobs=1, **QUICK).table)
 
 
@@ -176,10 +179,10 @@ def test_hammers_are_paired_as_they_come(rig):
 
 
 def test_watch_merges_many_single_tests_into_few_parts(rig):
-    acts = [write(f"{i:02}.csv", "junk", at=i * BEAT) for i in range(2 * SMALL)]
-    story = Story(*acts, until(2 * SMALL * BEAT + STILL))
-    assert story.lot.table.height == 2 * SMALL
-    assert len(list(Path("lot").glob("*.parquet"))) <= SMALL
+    acts = [write(f"{i:02}.csv", "junk", at=i * POLL_PERIOD) for i in range(2 * SMALL_PART)]
+    story = Story(*acts, until(2 * SMALL_PART * POLL_PERIOD + UNCHANGED_SECONDS))
+    assert story.lot.table.height == 2 * SMALL_PART
+    assert len(list(Path("lot").glob("*.parquet"))) <= SMALL_PART
     assert batch("rig", output="lot", jobs=1, **QUICK).computed == 0
 
 
@@ -195,7 +198,7 @@ def search_count(monkeypatch):
 
 def test_an_idle_folder_is_only_scanned(rig, search_count):
     (rig / "a.csv").write_text(TEXT)
-    Story(until(STILL + BEAT))
+    Story(until(UNCHANGED_SECONDS + POLL_PERIOD))
     before = len(search_count)
     search_count.clear()
     story = Story(write("b.csv", at=40.0), write("a_hammer.csv", at=80.0), until(120.0),

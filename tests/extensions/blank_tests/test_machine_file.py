@@ -225,7 +225,7 @@ def test_document_of_a_machine_without_calibration_is_as_before() -> None:
 
 def test_machine_file_is_refused_where_nothing_is_corrected() -> None:
     with pytest.raises(DataError, match=r"does not suit a creep test. State .* --machine sync="):
-        measure(SLOW, 1).machine.refuse_unused("sync", of="a creep test")
+        measure(SLOW, 1).machine.refuse_unused("sync", subject="a creep test")
 
 
 def test_role_for_no_file_is_refused(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -95,7 +95,7 @@ def test_modes_of_masses_on_a_base_agree_with_one_model(tmp_path):
     assert picture.exists()
     modes = modes_by_mass(paths, [0.1, 0.2], band=(4.0, 30.0))
     # k + b p at the poles, whose real part is -b / 2 m
-    np.testing.assert_allclose([k.real for k in modes.together.stiffness], [560, 600], rtol=1e-4)
+    np.testing.assert_allclose([k.real for k in modes.joint_modes.stiffness], [560, 600], rtol=1e-4)
 
 
 def test_frf_set_refuses_mixed_kinds():
@@ -235,7 +235,7 @@ def test_modes_of_close_poles_are_separated_by_their_shapes(tmp_path):
     assert mac.diagonal() == pytest.approx(1)
     true = np.array([shape for *_, shape in CLOSE], dtype=complex).T
     assert mac[0, 1] == pytest.approx(dp.systems.mac(true, true)[0, 1], abs=0.1)
-    # one point alone cannot: it tells one mode between the two
+    # one point alone cannot: it shows one mode between the two
     (single,) = modes_of(save_frf(tmp_path, points()[0]), band=(5, 79)).modes
     assert 20.0 < single.frequency_hz < 20.4
 
@@ -439,7 +439,7 @@ def test_modes_by_mass_check_one_model_for_all_masses(tmp_path):
     modes = modes_by_mass(files, masses, seals=2)
     assert modes.checks[0].name == "one_solid_explains_masses"
     assert modes.checks[0].passed
-    for mode, k in zip(modes.together.modes, modes.together.stiffness, strict=True):
+    for mode, k in zip(modes.joint_modes.modes, modes.joint_modes.stiffness, strict=True):
         s = mode.pole
         arms = ((60, 0.5), (40, 0.08), (40, 0.016), (40, 0.0032))
         true = (400 + sum(k * s * tau / (1 + s * tau) for k, tau in arms)) / 2
@@ -452,7 +452,7 @@ def test_modes_by_mass_check_one_model_for_all_masses(tmp_path):
     drawn = figure.read_text()
     assert all(
         f"{round_to_error(hz, digits=4)} Hz" in drawn
-        for hz in (m.frequency for m in modes.together.modes)
+        for hz in (m.frequency for m in modes.joint_modes.modes)
     )
     # one seal 3 % stiffer under the middle mass is no arm's doing
     on_seals(tmp_path, 0.25, stiffer=1.03)

@@ -468,7 +468,7 @@ def test_sweeps_that_change_two_things_at_once_are_refused():
     lines = [
         line for line in measure(draw_part(r), r) if wanted[line.compression] == line.amplitude
     ]
-    with pytest.raises(DataError, match="cannot be told apart"):
+    with pytest.raises(DataError, match="cannot be distinguished"):
         fit_preload_map(sweeps_of(lines))
 
 

@@ -177,7 +177,7 @@ def test_the_last_line_survives_the_loss_of_its_line_end(project_copy, raw):
 
 @pytest.mark.parametrize("retained", [1, 40, -40])
 def test_a_half_written_line_never_happened(project_copy, raw, retained):
-    """Killed in the middle of the one write: the head still speaks of the line before."""
+    """Killed in the middle of the one write: the head still concerns the line before."""
     whole = project_copy.history_file.read_bytes()
     first, second, _ = whole.split(b"\n")
     project_copy.history_file.write_bytes(first + b"\n" + second[:retained])
@@ -414,7 +414,7 @@ def test_who_notes_the_head_misses_even_a_forged_end(project_copy, raw):
     assert check.passed
     assert "1 lines were added since" in check.message
     rewritten(project_copy, entries(project_copy)[:1])
-    assert failures(project_copy) == ["files_listed"]  # nothing inside tells
+    assert failures(project_copy) == ["files_listed"]  # nothing inside shows
     assert "history_expected" in failures(project_copy, expect=noted)
 
 

@@ -388,7 +388,7 @@ def test_arms_that_the_ramp_hides_can_only_harden_the_seal():
     doubt = SealDoubt(relative=0.02, delay=2e-4)
     # 5 ms hide in a 1 s ramp; the door feels them
     truth = TABLE_1 + GeneralizedMaxwell(0.0, (2e-4 * TABLE_1.k_0 / 5e-4,), (5e-4,))
-    closing = close_door(a_door(TABLE_1), speed=1.0, doubt=doubt)
+    closing = close_door(a_door(TABLE_1), speed=1.0, seal_uncertainty=doubt)
     low, high = closing.interval
     assert low < closing.minimum < least_speed(a_door(truth))[0] < high
 
@@ -411,7 +411,7 @@ def compute_closing_speeds(fast, lag, **expected):
     fit = fit_tests(test, arms=2)
     per = K / 196.5
     low, high = close_door(
-        a_door(per * fit.model), speed=1.0, doubt=SealDoubt.from_fit(fit)
+        a_door(per * fit.model), speed=1.0, seal_uncertainty=SealDoubt.from_fit(fit)
     ).interval
     k, tau = (117.5, 17.8, fast[0]), (0.5021, 16.416, fast[1])
     return low, least_speed(a_door(per * GeneralizedMaxwell(196.5, k, tau)))[0], high
@@ -434,11 +434,11 @@ def test_what_limits_no_fast_arm_leaves_the_least_speed_open():
     test = prepare(ramp_and_hold((150.0, 5e-3)))
     held = SealDoubt.from_fit(fit_tests(test, arms=2, method="hold"))
     assert held.delay == np.inf
-    low, high = close_door(a_door(TABLE_1), speed=1.0, doubt=held).interval
+    low, high = close_door(a_door(TABLE_1), speed=1.0, seal_uncertainty=held).interval
     assert (low > 0.4, high) == (True, np.inf)
     # a test whose band holds the door's pace hides nothing
     wide = replace(held, highest=1e3)
-    assert close_door(a_door(TABLE_1), speed=1.0, doubt=wide).interval[1] < 1.1 * low
+    assert close_door(a_door(TABLE_1), speed=1.0, seal_uncertainty=wide).interval[1] < 1.1 * low
 
 
 # -- a door as its file has it --------------------------------------------------------------------

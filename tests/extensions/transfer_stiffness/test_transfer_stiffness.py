@@ -268,7 +268,7 @@ MOTION = frf(F, transmissibility(two_seals(F), F, MASS), "transmissibility")
         (MOTION, {"mass": 5.0, "seals": 2}, "one mount as it stood"),
         (MOTION, {"mass": 5.0, "band": (8, 9)}, "5 or more: widen the band"),
         (MOTION, {"mass": 5.0, "band": (9.5, 13.5)}, "no third octave lies in"),
-        (MOTION, {"mass": 5.0, "gain_error": 0.7}, "tell no stiffness"),
+        (MOTION, {"mass": 5.0, "gain_error": 0.7}, "show no stiffness"),
         (FORCE, {"mass": 5.0}, "a blocking mass is of the indirect method"),
         (FORCE, {"exact": True}, "Add its transmissibility: --output-response"),
         (FORCE, {"flange_mass": 0.1}, "Add its transmissibility: --output-response"),
@@ -337,3 +337,26 @@ def test_stiffness_advises_a_fit_that_has_one(file, advice, tmp_path, monkeypatc
         return
     assert result.exit_code == 2
     assert advice in result.output
+
+
+def read_column(table: str, name: str) -> list[float]:
+    head, *rows = (line.split(",") for line in table.splitlines() if not line.startswith("#"))
+    return [float(row[head.index(name)]) for row in rows]
+
+
+def test_table_of_a_prediction_names_the_bands_outside_the_valid_band_of_its_fit():
+    fit = dp.fit(dp.simulate("relaxation", seed=1))
+    sheet = compute_transfer_stiffness(fit, band="0.01:10Hz")
+    low, high = fit.band
+    edges = [(band.centre * 10**-0.05, band.centre * 10**0.05) for band in sheet.bands]
+    inside = [low <= first * 0.99 and last * 1.01 <= high for first, last in edges]
+    assert 0 < sum(inside) < len(inside)
+    assert read_column(sheet.csv(), "in_valid_band_of_fit") == inside
+    lines = read_column(sheet.csv(lines=True), "in_valid_band_of_fit")
+    assert len(lines) == len(sheet.frequency)
+    assert sum(lines) == sum(band.lines for band in sheet.bands if band.in_fit_band)
+    # the condition of ISO 10846 is one of a measurement
+    assert "iso" not in sheet.csv()
+    measured = compute_transfer_stiffness(frf(LINES, two_seals(LINES), "dynamic_stiffness"))
+    assert read_column(measured.csv(), "valid_iso_10846") == [band.valid for band in measured.bands]
+    assert "valid_band_of_fit" not in measured.csv()

@@ -20,7 +20,7 @@ from dashpot.solids.shift_laws import GAS, WLF, Arrhenius
 
 
 def abaqus_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]]:
-    """Return the cards ``*TRS`` that follow ``*VISCOELASTIC``, and what to say of them."""
+    """Return the cards ``*TRS`` that follow ``*VISCOELASTIC``, and remarks on them."""
     law = None if shifts is None else shifts.law
     if shifts is None or not isinstance(law, WLF | Arrhenius):
         return [], []
@@ -45,14 +45,14 @@ def abaqus_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]
 
 FORMS = ("arms", "connector", "prony")
 SUFFIX = "inp"
-READ = (
+NOT_VERIFIED = (
     "not solver-verified: no Abaqus runs in dashpot's tests. CalculiX reads these cards there, and "
     "runs its own deck of the same ones"
 )
-_BLOCKS = 7000
-"""Nodes and elements of sliders come after it."""
-_SHAKES = 1e-5
-"""s: a slider's lid on its own spring takes 2 pi of it for a cycle, so small is its mass."""
+_FIRST_SLIDER_NUMBER = 7000
+"""Number after which nodes and elements of sliders begin."""
+_SLIDER_PERIOD = 1e-5
+"""Period over 2 pi of a slider's lid on its own spring, s: it makes the mass small."""
 
 
 @target(*FORMS, line=("connector",), frequency_range=("connector",), tolerance=("connector",))
@@ -124,7 +124,7 @@ def spring_dashpot_network(deck: Deck) -> list[str]:
             ),
         ]
     for number, (k, F, _) in enumerate(deck.nonlinear_elements.sliders, start=1):
-        cards += _slider(number, k, F, span, k * (_SHAKES / deck.units.time) ** 2)
+        cards += _slider(number, k, F, span, k * (_SLIDER_PERIOD / deck.units.time) ** 2)
     return cards
 
 
@@ -132,9 +132,9 @@ def _slider(number: int, k: float, slip: float, height: float, mass: float) -> l
     r"""A block in simple shear, whose lid follows node 2: :math:`k = GA/h`, :math:`F = \tau A`.
 
     Its section is such that it flows at a Mises stress of 1, for ccx takes a stress of 1e-10 for
-    none. All that is across is held: nothing bends, and nothing is free where it flows.
+    none. All lateral motions are fixed, so nothing bends.
     """
-    name, first = f"SEAL_SLIDER_{number}", _BLOCKS + 10 * number
+    name, first = f"SEAL_SLIDER_{number}", _FIRST_SLIDER_NUMBER + 10 * number
     area = np.sqrt(3) * slip
     edge, ids = float(np.sqrt(area)), [first + i for i in range(1, 9)]
     foot, lid = ids[:4], ids[4:]
@@ -176,7 +176,7 @@ def _arms(deck: Deck) -> DeckText:
         "**",
         "network of springs and dashpots for Abaqus",
         [*spring_dashpot_network(deck), *(["*BOUNDARY", *hold] if hold else [])],
-        verified=READ,
+        verified=NOT_VERIFIED,
         remarks=[
             "node 1 is the ground side, node 2 the moving side, one inner node in each arm; all",
             "act along x",
@@ -247,9 +247,9 @@ def _line(
     cards, tables = pairs_of_nodes(row, first_id), []
     for shares, rank in row.shares.items():
         cards.append(f"*CONNECTOR BEHAVIOR, NAME=SEAL_{rank + 1}")
-        for way, solid in row.springs(shares):
+        for direction, solid in row.springs(shares):
             tables.append(deck.table(frequency_range, tolerance, solid=solid))
-            cards += _component(deck, way + 1, tables[-1])
+            cards += _component(deck, direction + 1, tables[-1])
     for number, (first, frame, shares, members) in enumerate(groups_of(row, first_id), start=1):
         cards += [
             f"*ELEMENT, TYPE=CONN3D2, ELSET=SEAL_LINE_{number}",
@@ -295,7 +295,7 @@ def _frames_of(row: SpringRow) -> list[tuple[tuple[float, ...], ...]]:
 def groups_of(
     row: SpringRow, first_id: int
 ) -> Iterator[tuple[int, int, tuple[float, float, float], list[tuple[int, int]]]]:
-    """Stations of one frame and one share: their first element, their frame, share and nodes."""
+    """Iterate over groups of stations: first element, frame, shares and nodes."""
     frames = {frame: rank for rank, frame in enumerate(_frames_of(row), start=1)}
     entries: dict[tuple[int, tuple[float, float, float]], list[tuple[int, int]]] = {}
     for i, station in enumerate(row.stations):

@@ -24,10 +24,10 @@ def judge(result: Any) -> Acceptance:
 
 def judge_result(outcome: CommandResult) -> CommandResult:
     """Return the result of a command with its limits: their lines follow the verdict."""
-    acceptance = judge(getattr(outcome.found, "study", outcome.found))
+    acceptance = judge(getattr(outcome.result, "study", outcome.result))
     text = outcome.text
     return outcome._replace(
-        found=JudgedResult(outcome.found, acceptance),
+        result=JudgedResult(outcome.result, acceptance),
         text=text._replace(lines=[*render_acceptance(acceptance).lines, *text.lines]),
         unmet=acceptance.word != "meets",
     )

@@ -209,8 +209,8 @@ class Acceptance(Printable, Serialisable):
         limits = "the limit" if every == 1 else f"all {every} limits"
         if self.word == "meets":
             return f"meets {limits}"
-        of = "the limit" if every == 1 else f"{missed} of {every} limits"
-        text = [f"misses {of}"] if missed else []
+        limits_text = "the limit" if every == 1 else f"{missed} of {every} limits"
+        text = [f"misses {limits_text}"] if missed else []
         if still_open:
             count = "the limit" if every == 1 else f"{still_open} of {every} limits"
             verb = "is" if still_open == 1 else "are"

@@ -153,7 +153,7 @@ def list_names(result: Any) -> list[str]:
     """Return the names of the values of a result."""
     if isinstance(result, Study):
         advice = recommend_solid(result)
-        answered = {answer.quantity for answer in advice.under_mass}
+        answered = {value.quantity for value in advice.under_mass}
         names = [name for name, word in _RECOMMENDED_QUANTITIES.items() if word in answered]
         return [*names, "force at TIME", *list_names(advice.solid)]
     if isinstance(result, Identified):
@@ -233,23 +233,21 @@ def _(study: Study, name: _Name) -> ResultValue | None:
     return _find_by_name(advice.solid, name)
 
 
-def _make_answer_value(
-    name: _Name, answer: RecommendedValue, advice: Recommendation
-) -> ResultValue:
+def _make_answer_value(name: _Name, value: RecommendedValue, advice: Recommendation) -> ResultValue:
     """Return a value that a recommendation holds.
 
     As there, a frequency goes with the stiffness at the peak, damping and height with the loss
     factor.
     """
-    fact, place = answer.fact, ""
+    fact, place = value.fact, ""
     hertz = next(item.at for item in advice.one_seal if item.quantity == "dynamic stiffness")
     part = "storage" if name.word in {"frequency", "storage"} else "loss_factor"
-    if name.word in {"loss_factor", "storage"} and answer.at is not None:
-        place = f" at {round_to_error(answer.at)} Hz"
+    if name.word in {"loss_factor", "storage"} and value.at is not None:
+        place = f" at {round_to_error(value.at)} Hz"
     words = _WORDS[name.word] + place
     fact = replace(fact, error=None, words=words)
-    if not fact.has_interval or answer.bound:
-        return ResultValue(name.column, fact, "bound" if answer.bound else "unknown")
+    if not fact.has_interval or value.is_limit:
+        return ResultValue(name.column, fact, "bound" if value.is_limit else "unknown")
     share = _compute_noise_share(advice.solid, partial(_evaluate_at, part=part, hertz=hertz or 0.0))
     return ResultValue(name.column, fact, "random", noise_share=share)
 

@@ -21,7 +21,7 @@ FALLS = 10
 """Lines in a row, earlier than the one before, after which the device has begun again."""
 _GAP = 1.5
 """Steps of the usual size that a missing sample makes at least."""
-_KNOWN, _KEPT = 3, 101
+_MIN_STEPS, _MAX_STEPS = 3, 101
 """Steps of which the usual one is the median: at least, and at most."""
 _SEPARATOR = re.compile(rb"[,;\s]")
 _NAMED = re.compile(r"([^\[\]]+)\[([^\[\]]+)\]")
@@ -78,7 +78,7 @@ class Lines:
         self._checked = False
         self._rest, self._first, self._last = b"", True, -math.inf
         self._held: tuple[float, list[float]] | None = None
-        self._steps: deque[float] = deque(maxlen=_KEPT)
+        self._steps: deque[float] = deque(maxlen=_MAX_STEPS)
         self._median, self._counted = math.inf, 0
         self._garbled, self._example, self._fell, self._falls = 0, "", 0, 0
         self._gaps, self._missing, self._longest = 0, 0, 0.0
@@ -178,18 +178,20 @@ class Lines:
 
     def _register_sample(self, sample: tuple[float, list[float]]) -> tuple[float, list[float]]:
         """Return a sample that is kept; its step is put in the account."""
-        step, usual = sample[0] - self._last, self._get_usual_step()
+        step, usual_step = sample[0] - self._last, self._get_usual_step()
         self._last, self._falls = sample[0], 0
         if math.isinf(step):
             return sample
-        if step > _GAP * usual:
+        if step > _GAP * usual_step:
             self._gaps += 1
-            self._missing += round(step / usual) - 1
+            self._missing += round(step / usual_step) - 1
             self._longest = max(self._longest, step)
         else:
             self._steps.append(step)
             self._counted += 1
-            if self._counted >= _KNOWN and (self._counted < _KEPT or self._counted % _KEPT == 0):
+            if self._counted >= _MIN_STEPS and (
+                self._counted < _MAX_STEPS or self._counted % _MAX_STEPS == 0
+            ):
                 self._median = float(np.median(self._steps))
         return sample
 

@@ -14,7 +14,7 @@ from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.extensions.acquisition.recorder import COLUMNS, Block, Description
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-BEAT = 0.05
+BLOCK_PERIOD = 0.05
 """Seconds between two blocks."""
 
 
@@ -51,7 +51,7 @@ class Paced:
             yield self._time[sent:due], self._values[sent:due]
             sent = due
             if sent < len(self._time):
-                time.sleep(BEAT)
+                time.sleep(BLOCK_PERIOD)
             if self._over:
                 return
 
@@ -71,8 +71,8 @@ def replay(path: str | Path, *, speed: float = 1.0) -> Paced:
     from dashpot.reading.readers.relaxation import read_relaxation
 
     test = read_relaxation(path)
-    made = "simulated; " if test.source is not None and test.source.simulated else ""
-    return Paced(test, f"{made}replayed from {Path(path).name}", speed=speed)
+    stamp = "simulated; " if test.source is not None and test.source.simulated else ""
+    return Paced(test, f"{stamp}replayed from {Path(path).name}", speed=speed)
 
 
 def create_simulated_device(
@@ -82,5 +82,7 @@ def create_simulated_device(
     from dashpot.simulation.relaxation import simulate_relaxation
     from dashpot.solids.demo_seals import PAPER
 
-    made = simulate_relaxation(PAPER if seal is None else seal, seed=seed)
-    return Paced(made.test, "simulated; a virtual indentation rig, not a measurement", speed=speed)
+    record = simulate_relaxation(PAPER if seal is None else seal, seed=seed)
+    return Paced(
+        record.test, "simulated; a virtual indentation rig, not a measurement", speed=speed
+    )

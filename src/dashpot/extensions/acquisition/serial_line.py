@@ -11,7 +11,7 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.extensions.acquisition.line_parser import Lines
 from dashpot.extensions.acquisition.recorder import COLUMNS, Block, Description
 
-BEAT = 0.1
+READ_TIMEOUT = 0.1
 """Seconds for which a silent line is waited for."""
 
 
@@ -51,7 +51,7 @@ class SerialLine:
         """Yield the samples that came, until the line is closed or the clock begins again."""
         try:
             while not self._over and not self._lines.begun_again:
-                ready, _, _ = select.select([self._handle], [], [], BEAT)
+                ready, _, _ = select.select([self._handle], [], [], READ_TIMEOUT)
                 data = self._read() if ready else b""
                 if data is None:
                     self._said = "the device closed the line"

@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base import dataclass
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.option_fields import AmplitudeLaw, get_choice_values
-from dashpot.extensions.amplitude.checks import MATTERS
+from dashpot.extensions.amplitude.checks import SIGNIFICANT_DEVIANCE
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
 from dashpot.extensions.amplitude.payne_softening import softening_factor
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
@@ -29,19 +29,19 @@ from dashpot.solids.jenkins import jenkins_reduction
 LAWS = get_choice_values(AmplitudeLaw)
 """Kraus's law as a factor or beside the solid, a cubic spring, and both."""
 _EXPONENTS = (0.1, 0.95)
-SET = 0.5
+DEFAULT_EXPONENT = 0.5
 """The exponent where it cannot be known."""
-_LEFT = 3e-3
+_MIN_SCATTER = 3e-3
 """Part of a modulus that laws of amplitude leave: scatter counts beyond it."""
 _PER_DECADE = 10
 _RISES = 3.0
 """Residuals by which the storage rises again where a spring stiffens beside friction."""
-_NOTHING = 1e-20
+_ROUNDING_POWER = 1e-20
 """Mean square, over the size of the samples, that rounding leaves."""
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted:
+class FittedLaw:
     """Amplitude law fitted to a sweep.
 
     Attributes
@@ -56,13 +56,13 @@ class Fitted:
         lost, half_way, exponent and k3, those that the law has.
     se : dict of str to float
         Their standard errors; 0 for an exponent that was set.
-    left : complex array, shape (n,)
+    residual : complex array, shape (n,)
         Fit less sample, over the size of the sample.
     loss_left : float
         What is left of the loss over the loss, rms, of the worst third of the amplitudes.
     bic, deviance : float
         n ln(rss/n), with and without what the parameters cost.
-    sound : bool
+    is_adequate : bool
         It loses stiffness with amplitude, or rises where it is said to.
     bends : float
         What a term of X^4 beside a cubic spring would gain in deviance.
@@ -73,11 +73,11 @@ class Fitted:
     linear_se: ComplexArray
     numbers: dict[str, float]
     se: dict[str, float]
-    left: ComplexArray
+    residual_lines: ComplexArray
     loss_left: float
     bic: float
     deviance: float
-    sound: bool
+    is_adequate: bool
     bends: float = 0.0
 
     @property
@@ -88,16 +88,16 @@ class Fitted:
     @property
     def loss_deviance(self) -> float:
         """As `deviance`, of the losses alone."""
-        n, residual = len(self.left), self.left.imag
-        return deviance(float(residual @ residual) / n, effective=n, floor=_NOTHING / n)
+        n, residual = len(self.residual_lines), self.residual_lines.imag
+        return deviance(float(residual @ residual) / n, effective=n, floor=_ROUNDING_POWER / n)
 
     @property
     def residual(self) -> float:
         """Rms of what is left, of either part."""
-        return float(np.sqrt((np.abs(self.left) ** 2).mean() / 2))
+        return float(np.sqrt((np.abs(self.residual_lines) ** 2).mean() / 2))
 
 
-def fit_sweep_law(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> Fitted:
+def fit_sweep_law(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> FittedLaw:
     """Fit one law to a sweep; linear levels are projected out at every trial.
 
     Parameters
@@ -121,14 +121,16 @@ def fit_sweep_law(sweep: AmplitudeSweep, law: str, exponent: float | None = None
         se["exponent"] = 0.0
     of_levels = slice(len(best.theta), len(best.theta) + 2 * len(problem.tones))
     levels, sd = best.values[of_levels], uncertainty.standard_error[of_levels]
-    closeness = {"effective": n, "floor": _NOTHING}
+    closeness = {"effective": n, "floor": _ROUNDING_POWER}
     bends = 0.0
     if problem.cubic:
         bends, other = problem.compute_cubic_gain(best)
         # the number depends on what is taken for the spring, or for the friction beside it
-        others = [other] * (bends > MATTERS) + [problem.among_sliders()] * problem.kraus
+        others = [other] * (bends > SIGNIFICANT_DEVIANCE) + [
+            problem.among_sliders()
+        ] * problem.kraus
         se["k3"] = float(np.hypot(se["k3"], sum(abs(other - numbers["k3"]) for other in others)))
-    return Fitted(
+    return FittedLaw(
         law,
         join_complex_parts(levels),
         join_complex_parts(sd),
@@ -148,9 +150,13 @@ def _worst_third(sweep: AmplitudeSweep, residual: FloatArray) -> float:
     place = np.log(sweep.amplitude)
     third = np.floor(3 * (place - place.min()) / max(float(np.ptp(place)), 1e-12)).clip(0, 2)
     parts = [
-        float(np.sqrt(np.sum(residual[here] ** 2) / max(np.sum(sweep.loss[here] ** 2), 1e-300)))
-        for here in (third == i for i in range(3))
-        if here.any()
+        float(
+            np.sqrt(
+                np.sum(residual[selected] ** 2) / max(np.sum(sweep.loss[selected] ** 2), 1e-300)
+            )
+        )
+        for selected in (third == i for i in range(3))
+        if selected.any()
     ]
     return max(parts)
 
@@ -198,7 +204,7 @@ class _LawOnSweep:
     def starts(self) -> list[FloatArray]:
         """Where its descents begin."""
         low, high = np.log(self.sweep.amplitude.min()), np.log(self.sweep.amplitude.max())
-        rest = [SET] * (self.exponent is None) + [0.5] * self.factor
+        rest = [DEFAULT_EXPONENT] * (self.exponent is None) + [0.5] * self.factor
         return [np.array([(1 - at) * low + at * high, *rest]) for at in (0.2, 0.5, 0.8)]
 
     def insert_fixed_parameters(self, theta: FloatArray) -> FloatArray:
@@ -211,7 +217,7 @@ class _LawOnSweep:
     def size(self) -> FloatArray:
         """What residuals are over: the sample's own size, more where its scatter is more."""
         size, sd = np.abs(self.sweep.value), self.sweep.sd
-        return size if sd is None else np.hypot(size, sd / _LEFT)
+        return size if sd is None else np.hypot(size, sd / _MIN_SCATTER)
 
     @cached_property
     def tones(self) -> FloatArray:
@@ -247,7 +253,7 @@ class _LawOnSweep:
         more = stack_real_rows((X / X.max()) ** 4 / self.size)
         wider = solve_ordinary(best.rows.y, np.column_stack((best.rows.A, more)))
         gain = [
-            bic(optimum.sse / n, effective=n, parameters=0, floor=_NOTHING)
+            bic(optimum.sse / n, effective=n, parameters=0, floor=_ROUNDING_POWER)
             for optimum in (best, wider)
         ]
         return gain[0] - gain[1], float(wider.beta[-2] / X.max() ** 2)
@@ -270,8 +276,8 @@ class _LawOnSweep:
         entries = {}
         if self.kraus:
             p = self.insert_fixed_parameters(theta)
-            lost = p[2] if self.factor else coefficients[2 * len(self.tones)]
-            entries = {"lost": lost, "half_way": np.exp(p[0]), "exponent": p[1]}
+            softening = p[2] if self.factor else coefficients[2 * len(self.tones)]
+            entries = {"lost": softening, "half_way": np.exp(p[0]), "exponent": p[1]}
         if self.cubic:
             entries["k3"] = coefficients[-1] / self.sweep.amplitude.max() ** 2
         return {name: float(entry) for name, entry in entries.items()}
@@ -286,9 +292,9 @@ class _LawOnSweep:
         size = self.size
         storage, X = self.sweep.storage + residual.real * size, self.sweep.amplitude
         least = _RISES * float(np.sqrt((np.abs(residual) ** 2).mean() / 2))
-        for here in self.chosen.T:
-            last = storage[here][X[here].argmax()]
-            if last - storage[here].min() > least * size[here].min():
+        for branch in self.chosen.T:
+            last = storage[branch][X[branch].argmax()]
+            if last - storage[branch].min() > least * size[branch].min():
                 return True
         return False
 

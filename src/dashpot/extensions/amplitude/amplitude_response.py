@@ -24,7 +24,7 @@ from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.extensions.amplitude.mass_response import mass_at_level
 from dashpot.extensions.amplitude.preprocess import sweep_of_loops
 from dashpot.extensions.amplitude.read import read_amplitude, read_loops
-from dashpot.reading.columns.file_kinds import RECOGNISED
+from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.detect_kind import recognise
@@ -56,14 +56,14 @@ STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
 """Strain of a sweep that does to the rubber what X/h of the part does: loaded alike; a part in
 shear beside a sweep in tension, by equal energy."""
 HITS = ("impact",)
-"""Kinds of files that, as responses, tell what a mass on the seals does."""
-_LOOPS = tuple(kind for kind in get_args(Loading) if kind in RECOGNISED)
+"""Kinds of files that, as responses, show what a mass on the seals does."""
+_LOOPS = tuple(kind for kind in get_args(Loading) if kind in KINDS_OF_FILE)
 """What a record of time, displacement and force is taken for; here it is one of loops."""
-_ALIKE = 10.0
+_SAME_TONE_DEVIANCE = 10.0
 """Difference of BIC below which two laws of a sweep are not distinguished."""
 VANISHING = 1e-9
 """A level, N or m/s^2, at which nothing that slips does."""
-_COARSE, _FINE, _REACH = 241, 61, (0.25, 2.5)
+_COARSE, _FINE, _LINE_RANGE = 241, 61, (0.25, 2.5)
 """Lines about the linear resonance, lines about the largest of these, and how far they go."""
 
 
@@ -80,7 +80,7 @@ class LevelResonance(Serialisable):
         Of the largest magnitude, Hz, and that magnitude.
     frequency_between, value_between : (float, float)
         95 %: what the law leaves of storage and loss about that strain and about the one where the
-        part was measured, and the strain measures and laws that the sweep does not tell apart.
+        part was measured, and the strain measures and laws that the sweep does not distinguish.
     amplitude : float
         Of the part's displacement there, m.
     strain : float or None
@@ -142,7 +142,7 @@ class SweptPart(Serialisable):
     Attributes
     ----------
     laws : tuple of AmplitudeFit
-        The one that explains the sweep best, and those that it does not tell from it.
+        The one that explains the sweep best, and those that it does not distinguish from it.
     factors : tuple of float
         Strain of the sweep over that of the part; the first is taken, the others are what it
         might be.
@@ -235,9 +235,9 @@ class SweptPart(Serialisable):
         DataError
             If it has no resonance near `about`, Hz.
         """
-        answer = partial(self.frf, solid, law, factor, **how)
-        f = np.geomspace(about * _REACH[0], about * _REACH[1], _COARSE)
-        frf, _ = answer(frequency=f)
+        compute_frf = partial(self.frf, solid, law, factor, **how)
+        f = np.geomspace(about * _LINE_RANGE[0], about * _LINE_RANGE[1], _COARSE)
+        frf, _ = compute_frf(frequency=f)
         top = int(np.abs(frf.value).argmax())
         if top in {0, _COARSE - 1}:
             raise DataError(
@@ -245,14 +245,14 @@ class SweptPart(Serialisable):
                 f"{f[0]:.4g} and {f[-1]:.4g} Hz"
             )
         fine = np.linspace(f[max(top - 2, 0)], f[min(top + 2, _COARSE - 1)], _FINE)
-        frf, stretch = answer(frequency=fine)
+        frf, stretch = compute_frf(frequency=fine)
         size = np.abs(frf.value)
         top = min(max(int(size.argmax()), 1), _FINE - 2)
-        before, here, after = size[top - 1 : top + 2]
-        shift = (before - after) / (2 * (before - 2 * here + after))
+        before, middle, after = size[top - 1 : top + 2]
+        shift = (before - after) / (2 * (before - 2 * middle + after))
         return (
             float(fine[top] + shift * (fine[1] - fine[0])),
-            float(here - shift * (before - after) / 4),
+            float(middle - shift * (before - after) / 4),
             float(stretch[top]),
         )
 
@@ -286,7 +286,7 @@ class SweptPart(Serialisable):
             hz, value, change = group[0]
             frf, _ = self.frf(solid, self.law, self.factors[0], frequency=frequency, **how)
             strain = change / self.stretch(self.factors[0])
-            off_hz, off_value = self.doubt(strain, hz, reference_point)
+            off_hz, off_value = self.relative_error(strain, hz, reference_point)
             lowest, highest = (pick(values[0] for values in group) for pick in (min, max))
             least, most = (pick(values[1] for values in group) for pick in (min, max))
             resonances.append(
@@ -304,7 +304,9 @@ class SweptPart(Serialisable):
             )
         return tuple(resonances)
 
-    def doubt(self, strain: float, hz: float, anchor: ReferencePoint) -> tuple[float, float]:
+    def relative_error(
+        self, strain: float, hz: float, anchor: ReferencePoint
+    ) -> tuple[float, float]:
         r"""Two standard deviations of ln f and of ln of the height at a strain of the sweep.
 
         .. math:: s_K^2 = r'^2 + r_0'^2 + d^2 + 0.02^2 + (0.05 \ln f_0/f)^2, \qquad
@@ -330,9 +332,9 @@ class SweptPart(Serialisable):
         record, tones = self.record, np.unique(self.record.frequency)
         model = np.zeros(len(record.amplitude), dtype=complex)
         for i, tone in enumerate(tones):
-            here = record.frequency == tone
+            selected = record.frequency == tone
             at = int(np.abs(self.law.frequency - tone).argmin()) if len(tones) > 1 else i
-            model[here] = self.law.stiffness(record.amplitude[here], tone=at)
+            model[selected] = self.law.stiffness(record.amplitude[selected], tone=at)
         away = np.abs(np.log(record.amplitude / max(strain, record.amplitude.min())))
         near = away <= max(np.log(_ABOUT), float(np.sort(away)[min(_NEAREST, len(away)) - 1]))
         parts = (
@@ -369,7 +371,7 @@ class SweptPart(Serialisable):
                 resonance.amplitude / self.stretch(self.factors[0]),
                 self.law.amplitudes,
                 at=f"{resonance.level:.4g} {resonance.unit}",
-                of=self.law.of,
+                subject=self.law.of,
             )
             for resonance in resonances
         )
@@ -382,8 +384,8 @@ def unit_of(kind: Kind) -> str:
 
 def level_of(word: str, kind: Kind) -> float:
     """Return a level as it was typed, N or m/s^2."""
-    of: Dimension = "acceleration" if kind.over_base else "force"
-    value = convert_to_si(word, of)
+    dimension: Dimension = "acceleration" if kind.over_base else "force"
+    value = convert_to_si(word, dimension)
     if not value > 0:
         raise DataError(f"--amplitude {word}; expected an amplitude > 0")
     return value
@@ -485,8 +487,11 @@ def amplitude_file(
 def _strain_factors(sweep: Source | None) -> tuple[float, ...]:
     """Of parts loaded as the sweep, and otherwise: in shear beside tension, or the other way."""
     text = " ".join(sweep.columns) if sweep else ""
-    alike, otherwise = STRAIN_FACTORS
-    return alike, 1 / otherwise if "storage: G" in text or "shear" in text.lower() else otherwise
+    equal_factors, otherwise = STRAIN_FACTORS
+    return (
+        equal_factors,
+        1 / otherwise if "storage: G" in text or "shear" in text.lower() else otherwise,
+    )
 
 
 def _height(choices: LevelChoices, law: AmplitudeFit, height: float | None) -> float | None:
@@ -517,6 +522,6 @@ def _rivals(law: AmplitudeFit, sweep: AmplitudeSweep) -> tuple[AmplitudeFit, ...
     kraus, plus, spring = law.law.partition("+")
     other = {"factor": "additive", "additive": "factor"}.get(kraus, "") + plus + spring
     scores = dict(law.orders)
-    if other not in scores or scores[other] > scores[law.law] + _ALIKE:
+    if other not in scores or scores[other] > scores[law.law] + _SAME_TONE_DEVIANCE:
         return ()
     return (fit_amplitude(sweep, law=other),)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dashpot.api.fit import VIBRATION_RECORDS
 from dashpot.base.errors import FitError
-from dashpot.base.option_fields import AmplitudeLawAsked
+from dashpot.base.option_fields import AmplitudeLawOption
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.machine import Machine
@@ -31,7 +31,7 @@ def fit_levels(
     mass: Quantity | None = None,
     seals: float = 1.0,
     band: Range | None = None,
-    model: AmplitudeLawAsked = "auto",
+    model: AmplitudeLawOption = "auto",
     resonance_at: Sequence[Quantity] = (),
     machine: Machine | None = None,
 ) -> AmplitudeResult | AmplitudeFit:

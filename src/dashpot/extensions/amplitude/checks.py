@@ -9,36 +9,37 @@ import numpy as np
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import convert_to_unit, get_display_unit
 from dashpot.vibration.impact.amplitude_trend import Trend
-from dashpot.vibration.impact.checks import ENOUGH, SOFTENING
+from dashpot.vibration.impact.checks import MIN_HITS, SOFTENING
 
-MATTERS = 20.0
+SIGNIFICANT_DEVIANCE = 20.0
 FAR_ENOUGH = 2.0
-UNSEEN = 0.1
-LOST = 0.1
+MAX_HIDDEN_CUBIC = 0.1
+MAX_CLIPPED_SHARE = 0.1
 """Part of F/X that is left where nothing was explained."""
 
 
 @criterion(
     "2 ln likelihood ratio",
     ">",
-    MATTERS,
+    SIGNIFICANT_DEVIANCE,
     "simulation: linear seals at most 12 in 40; seals with friction at least 199",
     grade="note",
 )
 def amplitude_dependence_detected(
-    gain: float, amplitudes: tuple[float, float], of: str, by: str, *, followed: bool = True
+    gain: float, amplitudes: tuple[float, float], subject: str, by: str, *, is_fitted: bool = True
 ) -> Finding:
     """Stiffness or loss changes with amplitude, as with friction or a cubic spring."""
     low, high = amplitudes
     linear = (
-        f"The part is linear from {low:.3g} to {high:.3g} {of}: no change with amplitude is seen "
+        f"The part is linear from {low:.3g} to {high:.3g} {subject}: no change with amplitude is "
+        "seen "
         f"(2 ln L = {gain:.3g}). Larger amplitudes are not known"
     )
     return Finding(
         f"{by} explains what arms alone do not (2 ln L = {gain:.3g})",
         gain,
         failure=linear
-        if followed
+        if is_fitted
         else "Neither friction nor a cubic spring nor arms alone explain the tests "
         f"(2 ln L = {gain:.3g})",
         remedy="Test at larger amplitudes, if the part moves farther in use.",
@@ -46,10 +47,10 @@ def amplitude_dependence_detected(
 
 
 @criterion("range of amplitudes", ">=", 3.0, "sweeps at one amplitude: others 7 % wrong")
-def amplitudes_spread(ratio: float, of: str) -> Finding:
+def amplitudes_spread(ratio: float, subject: str) -> Finding:
     """The tested amplitudes span a range wide enough to show their effect."""
     return Finding(
-        f"The amplitudes ({of}) span a factor of {ratio:.3g}; at least 3 is needed",
+        f"The amplitudes ({subject}) span a factor of {ratio:.3g}; at least 3 is needed",
         ratio,
         "Each friction slider looks like a spring and a loss",
         "Test at a second amplitude.",
@@ -69,7 +70,9 @@ def softening_seen(reach: float) -> Finding:
     )
 
 
-@criterion("2 ln L of a term of X^4", "<=", MATTERS, "as for any dependence on amplitude")
+@criterion(
+    "2 ln L of a term of X^4", "<=", SIGNIFICANT_DEVIANCE, "as for any dependence on amplitude"
+)
 def spring_cubic(gain: float) -> Finding:
     """The spring stiffens with the square of the amplitude."""
     return Finding(
@@ -83,7 +86,7 @@ def spring_cubic(gain: float) -> Finding:
 
 
 @criterion(
-    "0.75 k3 X^2 / K', 95 %", "<=", UNSEEN,
+    "0.75 k3 X^2 / K', 95 %", "<=", MAX_HIDDEN_CUBIC,
     "simulation: half of it fails 7 of 16 faultless sweeps; without it 2 springs are missed",
 )  # fmt: skip
 def no_hidden_cubic_spring(part: float) -> Finding:
@@ -201,19 +204,19 @@ def levels_residual_small(residual: float, noise: float | None) -> Finding:
         residual / noise,
         "No arms, sliders and cubic spring explain every amplitude",
         Remedy("Check the mass, the order of the amplitudes, and the phase.", "amplitude"),
-        grade="stop" if residual > LOST else "limit",
+        grade="stop" if residual > MAX_CLIPPED_SHARE else "limit",
     )
 
 
 @criterion("distance from the range, a factor", "<=", 1.0, "the amplitudes of the tests")
 def amplitude_in_tested_range(
-    amplitude: float, tested: tuple[float, float], *, at: str, of: str = "m"
+    amplitude: float, tested: tuple[float, float], *, at: str, subject: str = "m"
 ) -> Finding:
     """At the requested amplitude the seal moves within the tested range."""
-    unit, (low, high) = get_display_unit(of), tested
+    unit, (low, high) = get_display_unit(subject), tested
     moves, least, most = (f"{convert_to_unit(value, unit):.3g}" for value in (amplitude, low, high))
     factor = max(amplitude / high, low / amplitude)
-    message = f"At {at} the seal {'moves' if of == 'm' else 'is moved by'} {moves} {unit}"
+    message = f"At {at} the seal {'moves' if subject == 'm' else 'is moved by'} {moves} {unit}"
     range_ = f"{least} to {most} {unit} of the tests"
     return Finding(
         f"{message}, within the {range_}",
@@ -233,7 +236,9 @@ def amplitude_in_tested_range(
 def softening_detectable(trend: Trend | None) -> Finding:
     """The hits differ enough in force to detect a change of stiffness that matters."""
     if trend is None:
-        return Finding(f"A change with amplitude needs more than {ENOUGH} hits of different height")
+        return Finding(
+            f"A change with amplitude needs more than {MIN_HITS} hits of different height"
+        )
     return Finding(
         f"A change of {100 * trend.detectable_stiffness_change:.2g} % of stiffness or "
         f"{100 * trend.detectable_damping_change:.2g} % of damping per doubling is found in four "

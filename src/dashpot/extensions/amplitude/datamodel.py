@@ -87,9 +87,14 @@ class AmplitudeSweep(EqualByValue, HasSummary):
     units: str = make_units_field()
 
     def __post_init__(self) -> None:
-        of: Dimensions = ("stress", "stiffness")
+        dimensions: Dimensions = ("stress", "stiffness")
         arrays = convert_arrays_to_si(
-            self, frequency="frequency", amplitude=("strain", "length"), storage=of, loss=of, sd=of
+            self,
+            frequency="frequency",
+            amplitude=("strain", "length"),
+            storage=dimensions,
+            loss=dimensions,
+            sd=dimensions,
         )
         resolve_unit(self, arrays, "storage", "loss", "sd")
         if arrays:
@@ -109,8 +114,10 @@ class AmplitudeSweep(EqualByValue, HasSummary):
     @property
     def _table_columns(self) -> Series:
         """Storage and loss over amplitude."""
-        unit, of = self.unit, "m" if self.of == "m" else "1"
-        return collect_arrays(self, amplitude=of, frequency="Hz", storage=unit, loss=unit, sd=unit)
+        unit, strain_unit = self.unit, "m" if self.of == "m" else "1"
+        return collect_arrays(
+            self, amplitude=strain_unit, frequency="Hz", storage=unit, loss=unit, sd=unit
+        )
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
@@ -256,7 +263,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         Where there is none: largest size that the data cannot exclude, 95 %; else 0.
     loss_per_lag : float or None
         What a second between the channels of recorded loops makes of the loss factor, 1/s. It does
-        so at every amplitude alike, so loops of one frequency do not tell it from loss.
+        so at every amplitude alike, so loops of one frequency do not distinguish it from loss.
     delay_sd : float
         Of recorded loops: standard deviation of the delay of their force, s, which every standard
         error includes.
@@ -330,12 +337,12 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     @property
     def _headline(self) -> str:
         """By how much the stiffness changes over the amplitudes, and what the law leaves of it."""
-        unit, of = get_display_unit(self.unit), get_display_unit(self.of)
-        low, high = (convert_to_unit(amplitude, of) for amplitude in self.amplitudes)
+        unit, amplitude_unit = get_display_unit(self.unit), get_display_unit(self.of)
+        low, high = (convert_to_unit(amplitude, amplitude_unit) for amplitude in self.amplitudes)
         ends = self.stiffness(self.amplitudes).real
         way = "falls" if ends[1] < ends[0] else "rises"
         return (
-            f"from {low:.3g} to {high:.3g} {of} the stiffness {way} by "
+            f"from {low:.3g} to {high:.3g} {amplitude_unit} the stiffness {way} by "
             f"{100 * abs(ends[1] / ends[0] - 1):.2g} %, to "
             f"{format_quantity(float(ends[1]), unit, '.3g')}. "
             f"The law follows it to {100 * self.residual:.2g} %"
@@ -361,21 +368,23 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     def _summary_lines(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
         lines, error = [str(self.verdict)], dict(self.se)
-        unit, of = get_display_unit(self.unit), get_display_unit(self.of)
-        low, high = (convert_to_unit(amplitude, of) for amplitude in self.amplitudes)
+        unit, amplitude_unit = get_display_unit(self.unit), get_display_unit(self.of)
+        low, high = (convert_to_unit(amplitude, amplitude_unit) for amplitude in self.amplitudes)
         kraus = self.law.partition("+")[0]
         if kraus in {"factor", "additive"}:
-            lost = (
+            softening = (
                 format_quantity(self.lost, "%", ".3g")
                 if kraus == "factor"
                 else format_quantity(self.lost, unit)
             )
-            half_way, doubt = (
-                convert_to_unit(value, of) for value in (self.half_way, error["half_way"])
+            half_way, half_way_error = (
+                convert_to_unit(value, amplitude_unit)
+                for value in (self.half_way, error["half_way"])
             )
             lines.append(
-                f"{kraus} law: {lost} of the stiffness is lost with amplitude, half of it at "
-                f"{ascii_only(round_to_error(half_way, doubt))} ± {doubt:.2g} {of}; exponent "
+                f"{kraus} law: {softening} of the stiffness is lost with amplitude, half of it at "
+                f"{ascii_only(round_to_error(half_way, half_way_error))} ± {half_way_error:.2g} "
+                f"{amplitude_unit}; exponent "
                 f"{self.exponent:.2g}"
             )
         if self.k3:
@@ -395,7 +404,8 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
                 "amplitude."
             )
         lines.append(
-            f"residual {100 * self.residual:.2g} % rms; valid from {low:.3g} to {high:.3g} {of}"
+            f"residual {100 * self.residual:.2g} % rms; valid from {low:.3g} to {high:.3g} "
+            f"{amplitude_unit}"
         )
         if self.left_out:
             lines.append(

@@ -23,13 +23,13 @@ from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels, predict_in
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit
 from dashpot.extensions.amplitude.preprocess import HysteresisLoop, steady_cycles, sweep_of_loops
 from dashpot.extensions.amplitude.response import receptance_at_level
-from dashpot.plot.frf_figure import SHOWN
+from dashpot.plot.frf_figure import DISPLAY_UNITS
 from dashpot.plot.picture import (
-    BENEATH,
+    DATA_ON_FIT,
     FIT,
+    FIT_BAND,
     PREDICTED,
     REF,
-    UPON,
     Area,
     Dots,
     Line,
@@ -58,10 +58,10 @@ if TYPE_CHECKING:
 
 
 _HEIGHT = 240.0
-_WIDE = 860.0
+_WIDTH = 860.0
 _THIN = Pen("fit", 1.2)
 _LINES = 121
-_SMALL, _MULTIPLES = 130.0, 5
+_LOOP_HEIGHT, _MULTIPLES = 130.0, 5
 """Height of a loop, px, and how many are shown."""
 _BINS = 16
 """Means in a decade of amplitude."""
@@ -120,16 +120,18 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
     amplitudes = np.array([loop.amplitude for loop in shown])
     word, mm = ("%", 100.0) if of_material else unit_of(amplitudes, "m")
     unit, labels = ("MPa", ("ε/A", "σ/A")) if of_material else ("N/mm", ("x/X", "F/X"))
-    drawn: list[tuple[str, list[Line]]] = []
+    panels: list[tuple[str, list[Line]]] = []
     for hysteresis_loop in shown:
-        curves = [] if fit is None else [(BENEATH, "fitted loop", *_ellipse(hysteresis_loop, fit))]
-        curves.append((UPON, "measured", hysteresis_loop.displacement, hysteresis_loop.force))
+        curves = [] if fit is None else [(FIT_BAND, "fitted loop", *_ellipse(hysteresis_loop, fit))]
+        curves.append(
+            (DATA_ON_FIT, "measured", hysteresis_loop.displacement, hysteresis_loop.force)
+        )
         X = hysteresis_loop.amplitude
         lines = [
             Line(_close_curve(x) / X, convert_to_unit(_close_curve(F) / X, unit), pen, name)
             for pen, name, x, F in curves
         ]
-        drawn.append((f"{mm * X:.3g} {word}", lines))
+        panels.append((f"{mm * X:.3g} {word}", lines))
     above = [] if fit is None else _over_amplitude(sweep_of_loops(test), fit)
     axes = (
         "amplitude A: stress σ over strain ε"
@@ -139,28 +141,30 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
     caption = f"Hysteresis loops, each over its own {axes}" + (
         "." if fit is None else ", and stiffness and loss over amplitude."
     )
-    strips = tuple((panel,) for panel in (*above, *_draw_loop_panels(drawn, *labels, unit)))
-    rows = tuple(count for count in (len(above), len(drawn)) if count)
+    strips = tuple((panel,) for panel in (*above, *_draw_loop_panels(panels, *labels, unit)))
+    rows = tuple(count for count in (len(above), len(panels)) if count)
     return Picture(
         "loops",
         caption,
         strips,
         2,
         stamp or format_stamp(sources_of([test]), test.specimen),
-        width=_WIDE,
+        width=_WIDTH,
         rows=rows,
     )
 
 
 def _draw_loop_panels(
-    drawn: Sequence[tuple[str, Sequence[Line]]], moved: str, pushed: str, unit: str
+    loops: Sequence[tuple[str, Sequence[Line]]], motion_name: str, pushed: str, unit: str
 ) -> Iterator[Panel]:
     """Small multiples on one pair of scales."""
-    every = [line for _, lines in drawn for line in lines]
-    x = Scale(f"{moved}, 1", compute_padded_limits(*(line.x for line in every)), ticks=(-1, 0, 1))
+    every = [line for _, lines in loops for line in lines]
+    x = Scale(
+        f"{motion_name}, 1", compute_padded_limits(*(line.x for line in every)), ticks=(-1, 0, 1)
+    )
     y = Scale(f"{pushed}, {unit}", compute_padded_limits(*(line.y for line in every)))
-    for title, lines in drawn:
-        yield Panel(x, y, tuple(lines), title=title, height=_SMALL)
+    for title, lines in loops:
+        yield Panel(x, y, tuple(lines), title=title, height=_LOOP_HEIGHT)
 
 
 def amplitude_sweep(
@@ -178,7 +182,7 @@ def amplitude_sweep(
     strips = tuple((panel,) for panel in _over_amplitude(sweep, fit))
     caption = "Storage and loss over amplitude, measured, and the law fitted to them."
     stamp = stamp or format_stamp(sources_of([sweep]), sweep.specimen)
-    return Picture("amplitude", caption, strips, 2, stamp, width=_WIDE)
+    return Picture("amplitude", caption, strips, 2, stamp, width=_WIDTH)
 
 
 def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Picture:
@@ -246,7 +250,7 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
         strips.append((Panel(across, Scale(name, limits), marks, height=_HEIGHT),))
     caption = "The resonance of every hit over the motion that it made."
     text = stamp or format_stamp(levels.frf.source)
-    return Picture("hits", caption, tuple(strips), 2, text, width=_WIDE)
+    return Picture("hits", caption, tuple(strips), 2, text, width=_WIDTH)
 
 
 def _select_distinct_loops(cycles: Sequence[HysteresisLoop]) -> list[HysteresisLoop]:
@@ -277,23 +281,25 @@ def _close_curve(values: FloatArray) -> FloatArray:
 
 def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Panel]:
     """Return storage and loss, one colour a frequency; the law dashed where it was not measured."""
-    of, word, mm = "strain", "%", 100.0
+    axis_unit, word, mm = "strain", "%", 100.0
     if sweep.of != "strain":
-        of, (word, mm) = "displacement", unit_of(sweep.amplitude, "m")
+        axis_unit, (word, mm) = "displacement", unit_of(sweep.amplitude, "m")
     letter, (unit, scale) = "E" if sweep.unit == "Pa" else "K", read_as(sweep.unit)
     tones, tone = np.unique(sweep.frequency.round(6), return_inverse=True)
     low, high = float(sweep.amplitude.min()), float(sweep.amplitude.max())
     dense = np.geomspace(low / 1.5, high * 1.5, 200)
     across = Scale(
-        f"amplitude of {of}, {word}", compute_padded_log_limits(mm * dense, margin=1.0), log=True
+        f"amplitude of {axis_unit}, {word}",
+        compute_padded_log_limits(mm * dense, margin=1.0),
+        log=True,
     )
     value, panels = scale * sweep.value, []
     for name, part in ((f"storage {letter}′", np.real), (f"loss {letter}″", np.imag)):
         marks: list[Mark] = []
         for i, colour in enumerate(sequential(len(tones))):
-            here = tone == i
+            selected = tone == i
             label = "measured" if len(tones) == 1 else f"{tones[i]:.3g} Hz"
-            marks.append(Dots(mm * sweep.amplitude[here], part(value[here]), colour, label))
+            marks.append(Dots(mm * sweep.amplitude[selected], part(value[selected]), colour, label))
         if fit is not None:
             for i in range(len(fit.frequency)):
                 curve = part(scale * fit.stiffness(dense, tone=i))
@@ -317,7 +323,7 @@ def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Pan
 def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
     """Magnitudes as measured, the fit at each level, and the backbone."""
     kind = frfs[0].quantity
-    unit, scale = SHOWN[kind]
+    unit, scale = DISPLAY_UNITS[kind]
     dense = np.linspace(*fit.band, _LINES)
     marks: list[Mark] = []
     fits: list[Mark] = []

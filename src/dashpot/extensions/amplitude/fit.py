@@ -13,15 +13,15 @@ from dashpot.base.provenance import sources_of
 from dashpot.base.reported_values import NORMAL
 from dashpot.datamodel.checks import caution_checks
 from dashpot.extensions.amplitude.amplitude_laws import (
+    DEFAULT_EXPONENT,
     LAWS,
-    SET,
-    Fitted,
+    FittedLaw,
     fit_sweep_law,
     join_complex_parts,
 )
 from dashpot.extensions.amplitude.checks import (
     FAR_ENOUGH,
-    MATTERS,
+    SIGNIFICANT_DEVIANCE,
     amplitude_dependence_detected,
     amplitudes_spread,
     law_residual_small,
@@ -34,7 +34,7 @@ from dashpot.extensions.amplitude.checks import (
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
 from dashpot.fitting.nuisance_priors import Prior, compute_delay_errors
 
-_LEAST = 6
+_MIN_SAMPLES = 6
 """Samples: two numbers of a level, three of the law, one to spare."""
 _LEAST_OF_LEVEL = 2
 """Loops at one amplitude, which have no law."""
@@ -45,11 +45,11 @@ _WORDS = {
     "factor+cubic": "Kraus's law and a cubic spring",
     "additive+cubic": "friction and a cubic spring",
 }
-_PARTED = 2.0
+_DISTINCT_BIC = 2.0
 """Difference of BIC below which two laws are not distinguished (Kass and Raftery 1995)."""
 _ONE_AMPLITUDE = 1.05
 """Largest over smallest amplitude of a frequency within which a drive holds one amplitude."""
-_STRAY = 5.0
+_OUTLIER_SD = 5.0
 """A leading sample so many robust SD off is of an instrument that is not yet in its range."""
 
 
@@ -61,7 +61,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     all, and one :math:`\tfrac34 k_3 X^2`. A law is taken where it explains what is left without it
     by 2 ln L > 20, a spring beside Kraus's law where it makes the storage rise again: else it
     is but another way to soften. Kraus's law is a factor, or stands beside the solid: BIC chooses
-    where frequencies differ enough to tell; at one frequency the two are the same curve, and the
+    where frequencies differ enough to show; at one frequency the two are the same curve, and the
     factor is taken for a modulus, the element beside the solid for a stiffness. Where the sweep
     ends below twice X_c the exponent is set to 0.5.
 
@@ -80,7 +80,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         If there are too few samples, or not two for each frequency.
     """
     varied = _has_several_amplitudes(sweep)
-    least = _LEAST if varied else _LEAST_OF_LEVEL
+    least = _MIN_SAMPLES if varied else _LEAST_OF_LEVEL
     if len(sweep.amplitude) < least:
         what = "a law of amplitude needs" if varied else "at one amplitude the fit needs"
         raise FitError(f"loops or lines found: {len(sweep.amplitude)}; {what} {least}")
@@ -91,24 +91,24 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
             "more at each: the effects of frequency and of amplitude cannot be separated"
         )
     back = _way_back(sweep)
-    tried = _sort_candidate_laws(sweep, law)
-    stray = _strays(sweep, tried[0].left) & varied
-    if stray.any() and np.count_nonzero(~stray) >= _LEAST:
+    candidates = _sort_candidate_laws(sweep, law)
+    stray = _strays(sweep, candidates[0].residual_lines) & varied
+    if stray.any() and np.count_nonzero(~stray) >= _MIN_SAMPLES:
         sweep = sweep.only(~stray)
-        tried = _sort_candidate_laws(sweep, law)
-    plain, best = fit_sweep_law(sweep, "none"), tried[0]
+        candidates = _sort_candidate_laws(sweep, law)
+    plain, best = fit_sweep_law(sweep, "none"), candidates[0]
     reach = float(sweep.amplitude.max()) / best.numbers.get("half_way", np.nan)
     if reach < FAR_ENOUGH:
-        best = fit_sweep_law(sweep, best.law, SET)
+        best = fit_sweep_law(sweep, best.law, DEFAULT_EXPONENT)
     gain, by = plain.deviance - best.deviance, _WORDS.get(best.law, "")
-    if gain <= MATTERS:  # nothing moves with amplitude
+    if gain <= SIGNIFICANT_DEVIANCE:  # nothing moves with amplitude
         best = plain
     range_ = (float(sweep.amplitude.min()), float(sweep.amplitude.max()))
     followed = law_residual_small(best.residual)
     followed_well = bool(followed.passed)
-    seen = amplitude_dependence_detected(gain, range_, sweep.of, by, followed=followed_well)
+    detection = amplitude_dependence_detected(gain, range_, sweep.of, by, is_fitted=followed_well)
     checks: list[Check] = [
-        *([seen] if varied else []),
+        *([detection] if varied else []),
         amplitudes_spread(range_[1] / range_[0], sweep.of),
         followed,
         loss_residual_small(best.loss_left),
@@ -137,7 +137,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         tuple(se.items()),
         range_,
         best.residual,
-        tuple((fitted.law, fitted.bic) for fitted in (plain, *tried)),
+        tuple((fitted.law, fitted.bic) for fitted in (plain, *candidates)),
         int(np.count_nonzero(stray)),
         sweep.unit,
         sweep.of,
@@ -150,23 +150,23 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
 
 
 def _errors_with_delay(
-    sweep: AmplitudeSweep, best: Fitted
+    sweep: AmplitudeSweep, best: FittedLaw
 ) -> tuple[ComplexArray, dict[str, float]]:
     r"""Standard errors of the levels and of the law's numbers with those by a delay of the force.
 
     Of a force that is late by :math:`\delta` every stiffness is turned by
     :math:`e^{-j\omega\delta}`, whatever the amplitude: no law parts that from loss.
     """
-    held = SET if best.se.get("exponent") == 0 else None
+    fixed_exponent = DEFAULT_EXPONENT if best.se.get("exponent") == 0 else None
 
-    def numbers(later: float) -> FloatArray:
-        K = sweep.value * np.exp(-2j * np.pi * sweep.frequency * later)
+    def numbers(delay: float) -> FloatArray:
+        K = sweep.value * np.exp(-2j * np.pi * sweep.frequency * delay)
         turned = replace(sweep, storage=K.real, loss=K.imag, units="SI")
-        fitted = fit_sweep_law(turned, best.law, held)
+        fitted = fit_sweep_law(turned, best.law, fixed_exponent)
         return np.array([*fitted.linear.real, *fitted.linear.imag, *fitted.numbers.values()])
 
-    def levels(later: float) -> FloatArray:
-        L = best.linear * np.exp(-2j * np.pi * np.unique(sweep.frequency) * later)
+    def levels(delay: float) -> FloatArray:
+        L = best.linear * np.exp(-2j * np.pi * np.unique(sweep.frequency) * delay)
         return np.array([*L.real, *L.imag, *best.numbers.values()])
 
     if not sweep.delay_sd:
@@ -181,15 +181,15 @@ def _errors_with_delay(
     return linear_se, {name: float(np.hypot(value, by)) for (name, value), by in wide}
 
 
-def _estimate_hidden_cubic(sweep: AmplitudeSweep, best: Fitted) -> float:
+def _estimate_hidden_cubic(sweep: AmplitudeSweep, best: FittedLaw) -> float:
     """Size of a cubic spring that might stand beside a law that has none, 95 %."""
     law = "cubic" if best.law == "none" else f"{best.law}+cubic"
-    held = best.numbers.get("exponent") if best.se.get("exponent") == 0 else None
-    fitted = fit_sweep_law(sweep, law, held)
+    fixed_exponent = best.numbers.get("exponent") if best.se.get("exponent") == 0 else None
+    fitted = fit_sweep_law(sweep, law, fixed_exponent)
     return abs(fitted.numbers["k3"]) + NORMAL * fitted.se["k3"]
 
 
-def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[Fitted]:
+def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[FittedLaw]:
     """The laws that may be, the best first; of two that BIC does not part the one at home here.
 
     One with a spring that is but another way to soften is not among them, whatever its BIC.
@@ -197,24 +197,27 @@ def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[Fitted]:
     if law == "auto" and not _has_several_amplitudes(sweep):
         return [fit_sweep_law(sweep, "none")]
     home = "factor" if sweep.unit == "Pa" else "additive"
-    tried = [fit_sweep_law(sweep, name) for name in LAWS if law in {"auto", name}]
-    spring = next((fitted for fitted in tried if fitted.law == "cubic"), None)
+    candidates = [fit_sweep_law(sweep, name) for name in LAWS if law in {"auto", name}]
+    spring = next((fitted for fitted in candidates if fitted.law == "cubic"), None)
 
-    def cost(fitted: Fitted) -> float:
-        return fitted.deviance + MATTERS * fitted.terms
+    def cost(fitted: FittedLaw) -> float:
+        return fitted.deviance + SIGNIFICANT_DEVIANCE * fitted.terms
 
-    def is_plausible(fitted: Fitted) -> bool:
+    def is_plausible(fitted: FittedLaw) -> bool:
         if fitted.terms < 2 or spring is None:
-            return fitted.sound
+            return fitted.is_adequate
         # friction beside a spring shows in the loss, another kind of spring in the storage alone
-        return fitted.sound and spring.loss_deviance - fitted.loss_deviance > MATTERS / 2
+        return (
+            fitted.is_adequate
+            and spring.loss_deviance - fitted.loss_deviance > SIGNIFICANT_DEVIANCE / 2
+        )
 
-    tried = [fitted for fitted in tried if is_plausible(fitted)] or tried
-    least = min(map(cost, tried))
+    candidates = [fitted for fitted in candidates if is_plausible(fitted)] or candidates
+    least = min(map(cost, candidates))
     return sorted(
-        tried,
+        candidates,
         key=lambda fitted: (
-            cost(fitted) > least + _PARTED,
+            cost(fitted) > least + _DISTINCT_BIC,
             fitted.terms,
             home not in fitted.law,
             cost(fitted),
@@ -248,7 +251,7 @@ def _has_several_amplitudes(sweep: AmplitudeSweep) -> bool:
 def _strays(sweep: AmplitudeSweep, residual: ComplexArray) -> BoolArray:
     """The smallest amplitudes of a frequency whose residual is beyond the scatter of the rest."""
     size = np.abs(residual)
-    limit = _STRAY * 1.4826 * median(size)
+    limit = _OUTLIER_SD * 1.4826 * median(size)
     out = np.zeros(len(size), dtype=bool)
     for tone in np.unique(sweep.frequency):
         rows = np.flatnonzero(sweep.frequency == tone)

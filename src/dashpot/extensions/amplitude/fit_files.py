@@ -194,7 +194,7 @@ def fit_amplitude_record(
         sweep = record
         require_test_for_machine(machine, tests=int(sweep.delay_sd > 0), add="recorded loops")
         if machine is not None and machine.sync is not None:
-            machine.refuse_unused("sync", of="recorded loops")
+            machine.refuse_unused("sync", subject="recorded loops")
             sweep = replace(sweep, delay_sd=machine.sync, units="SI")
     return _swept(fit_amplitude(sweep, law=law), record)
 

@@ -14,8 +14,8 @@ from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.base.value_ranges import SIZES, format_quantity_short
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.amplitude.checks import (
-    LOST,
-    MATTERS,
+    MAX_CLIPPED_SHARE,
+    SIGNIFICANT_DEVIANCE,
     amplitude_dependence_detected,
     amplitudes_spread,
     levels_controlled,
@@ -33,15 +33,15 @@ from dashpot.vibration.modal.pole_fit import FLOOR
 _PER_DECADE = 10
 _FINER = 8
 """A second grid between the neighbours of every slider found: a sharp one leaves 0.05 % without."""
-_NOTHING = 1e-9
+_ROUNDING = 1e-9
 _THIRD = float(np.sqrt(20 * np.log(2)))
 """Median size of a third difference over the rms size of complex noise (Rayleigh)."""
-_NEAR = 20
+_NEIGHBOUR_LINES = 20
 """Neighbouring lines that are taken to be known alike."""
 _DRAWS = 60
 _PASSES = 2
 _STEP = 1e-4
-_LEAST = 8
+_MIN_LINES = 8
 """Lines at a level."""
 
 Term = Literal["friction", "a cubic spring"]
@@ -117,10 +117,13 @@ def fit_levels(
     inertia, yields = kilograms / seals, np.geomspace(low, high, count + 1)[:-1]
     values = weight * np.abs(K - inertia * omega**2)
     problem = _LineData(omega, X, weight, values, inertia, yields)
-    tried = [problem.fit_terms(K, terms) for terms in _TERMS]
+    candidates = [problem.fit_terms(K, terms) for terms in _TERMS]
     plain, best = (
-        tried[0],
-        min(tried, key=lambda optimum: optimum.deviance + MATTERS * len(optimum.terms)),
+        candidates[0],
+        min(
+            candidates,
+            key=lambda optimum: optimum.deviance + SIGNIFICANT_DEVIANCE * len(optimum.terms),
+        ),
     )
     draws = _draws(problem, K, best, seed)
     solid, elements = best.parts
@@ -128,7 +131,7 @@ def fit_levels(
     begins = np.cumsum([len(row[0]) for row in rows])[:-1]
     followed = levels_residual_small(best.residual, _noise(problem, K, begins))
     gains = {
-        " and ".join(optimum.terms): plain.deviance - optimum.deviance for optimum in tried[1:]
+        " and ".join(optimum.terms): plain.deviance - optimum.deviance for optimum in candidates[1:]
     }
     by = " and ".join(best.terms)
     return LevelFit(
@@ -149,7 +152,7 @@ def fit_levels(
                 range_,
                 "m",
                 by,
-                followed=bool(followed.passed),
+                is_fitted=bool(followed.passed),
             ),
             amplitudes_spread(range_[1] / range_[0], "m"),
             followed,
@@ -168,13 +171,18 @@ def _draws(
 ) -> tuple[Parts, ...]:
     """Return the same fit of records that chance might have given."""
     rng, inertia = np.random.default_rng(seed), problem.inertia * problem.omega**2
-    direct = K + best.left / best.problem.weight - inertia  # F/X of the fit itself
+    direct = K + best.residual_lines / best.problem.weight - inertia  # F/X of the fit itself
     scatter = best.residual / np.sqrt(2)
-    data = replace(problem, weight=best.problem.weight, bent=best.problem.bent)
+    data = replace(problem, weight=best.problem.weight, softening=best.problem.softening)
     pairs = []
     for _ in range(_DRAWS):
         # one error of the FRF is in the stiffness and in the amplitude
-        off = 1 + scatter * (rng.normal(size=len(K)) + 1j * rng.normal(size=len(K))) / problem.known
+        off = (
+            1
+            + scatter
+            * (rng.normal(size=len(K)) + 1j * rng.normal(size=len(K)))
+            / problem.fixed_terms
+        )
         again = replace(data, X=problem.X / np.abs(off))
         pairs.append(again.fit_terms(direct * off + inertia, best.terms, passes=0).parts)
     return tuple(pairs)
@@ -187,24 +195,24 @@ class _TermsOptimum:
     problem: _LineData
     terms: tuple[Term, ...]
     k: FloatArray
-    left: ComplexArray
+    residual_lines: ComplexArray
 
     @property
     def residual(self) -> float:
         """Rms of what is left of F/X."""
-        return float(np.sqrt((np.abs(self.left) ** 2).mean()))
+        return float(np.sqrt((np.abs(self.residual_lines) ** 2).mean()))
 
     @property
     def deviance(self) -> float:
         """Minus twice the log likelihood, but for a constant."""
-        rss = 2 * len(self.left) * float(np.log(max(self.residual**2, 1e-20)))
+        rss = 2 * len(self.residual_lines) * float(np.log(max(self.residual**2, 1e-20)))
         return rss - 4 * float(np.log(self.problem.weight).sum())
 
     @property
     def parts(self) -> Parts:
         """The solid and what stands beside it; what is nothing is left out."""
         problem, k = self.problem, self.k
-        least = _NOTHING * float(k.sum())
+        least = _ROUNDING * float(k.sum())
         arms, rest = k[1 : 1 + len(problem.tau)], k[1 + len(problem.tau) :]
         solid = GeneralizedMaxwell(
             float(k[0]), tuple(arms[arms > least]), tuple(problem.tau[arms > least])
@@ -229,17 +237,17 @@ class _LineData:
     X: FloatArray
     weight: FloatArray
     #: of each line, beside most: at most 1
-    known: FloatArray
+    fixed_terms: FloatArray
     #: of one seal, kg
     inertia: float
     #: yield displacements, m: beyond the largest amplitude a slider is a spring
     yields: FloatArray
     #: what the third harmonic makes of the stiffness of a cubic spring
-    bent: ComplexArray | float = 1.0
+    softening: ComplexArray | float = 1.0
 
     @property
     def tau(self) -> FloatArray:
-        """Relaxation times that the band can tell from a spring and a dashpot, s."""
+        """Relaxation times that the band can distinguish from a spring and a dashpot, s."""
         low, high = 1 / self.omega.max() / 30, 1 / self.omega.min() * 30
         return np.geomspace(low, high, round(_PER_DECADE / 2 * np.log10(high / low)) + 1)
 
@@ -252,7 +260,7 @@ class _LineData:
         sliders = (
             optimum.k[count : count + len(self.yields)] if "friction" in terms else np.zeros(0)
         )
-        active = np.flatnonzero(sliders > _NOTHING * float(optimum.k.sum()))
+        active = np.flatnonzero(sliders > _ROUNDING * float(optimum.k.sum()))
         if len(active):
             step = self.yields[1] / self.yields[0]
             near = step ** (np.arange(-_FINER, _FINER + 1) / _FINER)
@@ -272,8 +280,8 @@ class _LineData:
         up, down = (stiffness_at(parts, self.omega, X * at, self.inertia) for at in (1 + h, 1 - h))
         slope, direct = (up - down) / (2 * h), K - self.inertia * self.omega**2
         size = np.abs(direct) ** 2 + np.abs(slope) ** 2 / 2 + (direct * slope.conj()).real
-        bent = with_third_harmonic(parts, self.omega, X, self.inertia)
-        return replace(self, weight=self.known / np.sqrt(size), bent=bent)
+        nonlinear_response = with_third_harmonic(parts, self.omega, X, self.inertia)
+        return replace(self, weight=self.fixed_terms / np.sqrt(size), softening=nonlinear_response)
 
     def _columns(self, terms: tuple[Term, ...]) -> ComplexArray:
         product = 1j * self.omega[:, None] * self.tau
@@ -281,7 +289,7 @@ class _LineData:
         if "friction" in terms:
             arrays.append(jenkins_reduction(self.X[:, None], self.yields))
         if "a cubic spring" in terms:  # it stiffens, or it softens
-            square = 0.75 * (self.X / self.X.max()) ** 2 * self.bent
+            square = 0.75 * (self.X / self.X.max()) ** 2 * self.softening
             arrays.append(square[:, None] * np.array([1.0, -1.0]))
         return np.hstack(arrays)
 
@@ -312,19 +320,20 @@ def rows_at_level(
     """
     lines = frf.only(frf.usable)
     lines = lines if band is None else lines.band(*band)
-    if len(lines.value) < _LEAST:
+    if len(lines.value) < _MIN_LINES:
         raise DataError(
-            f"{len(lines.value)} usable lines at the amplitude {level:g}; expected {_LEAST} or more"
+            f"{len(lines.value)} usable lines at the amplitude {level:g}; expected {_MIN_LINES} "
+            "or more"
         )
     pull = mass * level if lines.quantity.over_base else level
     receptance = lines.to(Kind.RECEPTANCE, mass=mass)
     direct = 1 / receptance.value
     K = (direct + mass * lines.omega**2) / seals
-    weight = seals / np.abs(direct) * _knowledge(lines)
+    weight = seals / np.abs(direct) * _compute_estimate(lines)
     return lines.omega, np.abs(receptance.value) * pull, K, np.asarray(weight)
 
 
-def _knowledge(lines: FRF) -> FloatArray:
+def _compute_estimate(lines: FRF) -> FloatArray:
     """Return how well lines are known beside most, by the error that the FRF states: at most 1."""
     if lines.line_scatter is None:
         return np.ones(len(lines.value))
@@ -342,15 +351,15 @@ def _noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> float | No
     residuals = [
         np.diff(k, 3) * (weight[1:-2] + weight[2:-1]) / 2
         for k, weight in zip(np.split(K, parts), np.split(problem.weight, parts), strict=True)
-        if len(k) >= _LEAST
+        if len(k) >= _MIN_LINES
     ]
     if not residuals:
         return None
     near = [
         values
         for residual in residuals
-        for values in np.array_split(np.abs(residual), max(len(residual) // _NEAR, 1))
+        for values in np.array_split(np.abs(residual), max(len(residual) // _NEIGHBOUR_LINES, 1))
     ]
-    size = [min(float(np.median(values)) / _THIRD, LOST) for values in near]
+    size = [min(float(np.median(values)) / _THIRD, MAX_CLIPPED_SHARE) for values in near]
     rms = np.sqrt(np.average(np.square(size), weights=[len(values) for values in near]))
     return max(float(rms), FLOOR)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dashpot.base.option_fields import AmplitudeLawAsked
+from dashpot.base.option_fields import AmplitudeLawOption
 from dashpot.cli._command_result import CommandResult
 from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.amplitude.fit_files import level_files
@@ -17,7 +17,7 @@ def run(request: FitRequest) -> CommandResult:
         levels=request["levels"],
         mass=request.mass,
         at=request["at"],
-        law=request.model(AmplitudeLawAsked),
+        law=request.model(AmplitudeLawOption),
         motion=request.hammer.motion,
         options=request.reading,
         **request.some("seals", "band"),

@@ -99,8 +99,8 @@ class Iwan(Masing):
         r = np.minimum(last, 1.0)
         theta = np.arccos(1 - 2 * r)
         slips = (np.sin(theta) - theta * np.cos(theta) - np.sin(theta) ** 3 / 3) / (2 * np.pi)
-        lost = 4 / np.pi * (r**2 / 2 - r**3 / 3)
-        return np.asarray(self.k / last * (slips + (last - r) + 1j * lost))
+        loss = 4 / np.pi * (r**2 / 2 - r**3 / 3)
+        return np.asarray(self.k / last * (slips + (last - r) + 1j * loss))
 
     def __mul__(self, count: float) -> Iwan:
         """`count` in parallel."""
@@ -147,12 +147,12 @@ class Berg(RateIndependent):
         self, state: tuple[float, float, float, float], x: float
     ) -> tuple[float, tuple[float, float, float, float]]:
         """Force, N; only the last turning point is remembered."""
-        x_r, f_r, here, force = state
-        if x == here:
+        x_r, f_r, position, force = state
+        if x == position:
             return force, state
-        up = 1 if x > here else -1
-        if up * (here - x_r) < 0:
-            x_r, f_r = here, force
+        up = 1 if x > position else -1
+        if up * (position - x_r) < 0:
+            x_r, f_r = position, force
         force = float(self._from(f_r, abs(x - x_r), up))
         return force, (x_r, f_r, x, force)
 
@@ -268,13 +268,13 @@ class RelativeToAmplitude(AmplitudeDependent):
     element at X.
     """
 
-    element: AmplitudeDependent
+    model: AmplitudeDependent
     amplitude: float
 
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Change of the equivalent stiffness, N/m."""
-        values = self.element.equivalent(omega, max(self.amplitude, _VANISHING))
-        return self.element.equivalent(omega, amplitude) - values
+        values = self.model.equivalent(omega, max(self.amplitude, _VANISHING))
+        return self.model.equivalent(omega, amplitude) - values
 
     def start(self) -> Any:
         """Refused: a change of stiffness has no path.
@@ -291,4 +291,4 @@ class RelativeToAmplitude(AmplitudeDependent):
 
     def __mul__(self, count: float) -> RelativeToAmplitude:
         """`count` in parallel."""
-        return replace(self, element=self.element * count)
+        return replace(self, model=self.model * count)

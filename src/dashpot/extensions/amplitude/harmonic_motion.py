@@ -15,7 +15,7 @@ _PASSES = 3
 _FEWEST = 2
 """Cycles: a creep that its drift is taken off looks like one."""
 _LEAST, _MANY = 7, 32
-"""Samples of a cycle: fewer do not tell a sine from a triangle; as many tell noise from misfit."""
+"""Fewest samples of a cycle that distinguish a sine from a triangle, and noise from misfit."""
 _DISTORTED = 0.04
 """Rms of what a sine misses beyond noise, over its amplitude; of a triangle it misses 0.08."""
 _COVERED = 0.65
@@ -24,7 +24,7 @@ _SPANNED = 0.4
 """Part of a record that this time is at least: before it may be a ramp and a rest."""
 
 
-def is_harmonic(time: FloatArray, moved: FloatArray, _: FloatArray) -> bool:
+def is_harmonic(time: FloatArray, motion: FloatArray, _: FloatArray) -> bool:
     r"""Return whether a record is of harmonic cycles, at one amplitude and frequency or several.
 
     A cycle is harmonic where :math:`x_0 + \mathrm{Re}\,X e^{j\omega t}` misses its samples,
@@ -32,12 +32,12 @@ def is_harmonic(time: FloatArray, moved: FloatArray, _: FloatArray) -> bool:
 
     Parameters
     ----------
-    time, moved : array, shape (n,)
+    time, motion : array, shape (n,)
         s, and displacement or strain in any unit. A third array, of what pushes, is not asked.
     """
-    rises, falls = find_cycle_starts(time, moved), find_cycle_starts(time, -moved)
+    rises, falls = find_cycle_starts(time, motion), find_cycle_starts(time, -motion)
     starts = max(rises, falls, key=len)
-    cycles = [pair for pair in pairwise(starts.tolist()) if _is_sine(time, moved, *pair)]
+    cycles = [pair for pair in pairwise(starts.tolist()) if _is_sine(time, motion, *pair)]
     if len(cycles) < _FEWEST:
         return False
     filled = sum(end - begin for begin, end in cycles)
@@ -45,12 +45,12 @@ def is_harmonic(time: FloatArray, moved: FloatArray, _: FloatArray) -> bool:
     return bool(filled >= _COVERED * span and span >= _SPANNED * float(np.ptp(time)))
 
 
-def _is_sine(time: FloatArray, moved: FloatArray, begin: float, end: float) -> bool:
+def _is_sine(time: FloatArray, motion: FloatArray, begin: float, end: float) -> bool:
     inside = (time >= begin) & (time < end)
     count = np.count_nonzero(inside)
     if count < _LEAST:
         return False
-    t, x = time[inside] - begin, moved[inside]
+    t, x = time[inside] - begin, motion[inside]
     omega = 2 * np.pi / (end - begin)
     A = np.column_stack((np.ones_like(t), np.cos(omega * t), np.sin(omega * t)))
     factors = np.linalg.lstsq(A, x, rcond=None)[0]

@@ -16,21 +16,28 @@ from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.frf import FRF
 from dashpot.extensions.amplitude.checks import softening_detectable
-from dashpot.vibration.impact.amplitude_trend import KNOWN, RegressionLine, Trend, trend_of_hits
+from dashpot.vibration.impact.amplitude_trend import (
+    TREND_CONFIDENCE,
+    RegressionLine,
+    Trend,
+    trend_of_hits,
+)
 from dashpot.vibration.impact.checks import (
     amplitude_linear,
     high_frequency_mass_agrees,
     hits_enough,
 )
 
-_ROUNDS = 20
+_MAX_ITERATIONS = 20
 
 
 def predict_interval(line: RegressionLine, x: float) -> tuple[float, float]:
     """Return a regression line at x, and half its 95 % interval there."""
     count = line.dof + 2
     error = line.se * float(np.hypot(line.spread / np.sqrt(count), x - line.middle))
-    return line.value + line.slope * (x - line.middle), t_quantile(KNOWN, line.dof) * error
+    return line.value + line.slope * (x - line.middle), t_quantile(
+        TREND_CONFIDENCE, line.dof
+    ) * error
 
 
 class HitSummary(NamedTuple):
@@ -153,7 +160,7 @@ class HitLevels(HasChecks, Serialisable):
             return hz, 1 / (2 * trend.mass * zeta * (2 * np.pi * natural) ** 2)
 
         x = trend.stiffness_line.middle
-        for _ in range(_ROUNDS):
+        for _ in range(_MAX_ITERATIONS):
             hz, receptance = compute_resonance_at(x)
             x = float(np.log2(level * receptance))
         if hz == 0:
@@ -181,7 +188,7 @@ def hits_as_levels(frf: FRF, *, band: tuple[float, float] | None = None) -> HitL
     if not modes or trend is None:
         total = sum(hit.amplitude is not None for hit in frf.hits)
         raise DataError(
-            f"{total} hits whose resonance is told, and too few or too alike in height; expected "
+            f"{total} hits whose resonance is shown, and too few or too alike in height; expected "
             "four or more, from soft to hard"
         )
     checks = (

@@ -64,7 +64,7 @@ class LevelPrediction(Prediction):
 
     @property
     def resonances(self) -> tuple[LevelResonance, ...] | tuple[PreloadedLevel, ...]:
-        """The resonance at each level, by whatever tells it."""
+        """The resonance at each level, by whatever shows it."""
         return self.levels or self.preloaded
 
     @property
@@ -85,9 +85,9 @@ class LevelResonances:
     preloaded: tuple[PreloadedLevel, ...]
     checks: tuple[Check, ...]
 
-    def complete(self, plain: Prediction) -> LevelPrediction:
+    def complete(self, prediction: Prediction) -> LevelPrediction:
         """Return the prediction with its levels."""
-        entries = {field.name: getattr(plain, field.name) for field in fields(plain)}
+        entries = {field.name: getattr(prediction, field.name) for field in fields(prediction)}
         return LevelPrediction(
             **entries, levels=self.levels, sweep=self.swept, preloaded=self.preloaded
         )
@@ -136,12 +136,12 @@ class LevelEffect:
             )  # fmt: skip
             checks = (*self.swept.check_level_coverage(resonances), *self.swept.checks)
             return LevelResonances(resonances, self.swept, (), checks)
-        bent = preloaded_levels(
+        nonlinear_levels = preloaded_levels(
             rig.fit, levels, rig.load, kind=rig.kind, about=about, frequency=frequency
         )
         depth = rig.rests.point.depth
-        pressed = tuple(compression_tested(level.compression, depth) for level in bent)
-        return LevelResonances((), None, bent, pressed)
+        pressed = tuple(compression_tested(level.compression, depth) for level in nonlinear_levels)
+        return LevelResonances((), None, nonlinear_levels, pressed)
 
     def _anchor(
         self, part: PartChoices | None, solid: Solid, *, kind: Kind, scale: float

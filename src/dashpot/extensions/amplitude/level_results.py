@@ -215,11 +215,11 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         The fit leans to the side on which its draws lean: they are reflected about it. Shape
         (2,) of a number, (2, n) of several; not known, NaN, without draws.
         """
-        here = np.asarray(follows(self.solid, self.rate_independent))
+        best_values = np.asarray(follows(self.solid, self.rate_independent))
         if not self.draws:
-            return np.full((2, *here.shape), np.nan)
-        drawn = np.array([np.asarray(follows(*draw), dtype=float) for draw in self.draws])
-        return np.asarray(2 * here - np.quantile(drawn, [0.975, 0.025], axis=0))
+            return np.full((2, *best_values.shape), np.nan)
+        drawn_values = np.array([np.asarray(follows(*draw), dtype=float) for draw in self.draws])
+        return np.asarray(2 * best_values - np.quantile(drawn_values, [0.975, 0.025], axis=0))
 
     @property
     def _identity(self) -> str:
@@ -247,7 +247,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
         solid, frictions = scale_parts(self.solid, self.rate_independent)
         length = None if self.specimen.length is None else count * self.specimen.length
-        made = Step("parallel", (("count", f"{count:g}"),), f"{count:g} such seals in parallel")
+        step = Step("parallel", (("count", f"{count:g}"),), f"{count:g} such seals in parallel")
         return replace(
             self,
             solid=solid,
@@ -255,7 +255,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
             draws=tuple(scale_parts(*draw) for draw in self.draws),
             seals=self.seals / count,
             specimen=replace(self.specimen, length=length),
-            steps=(*self.steps, made),
+            steps=(*self.steps, step),
         )
 
     def covers(self, amplitude: npt.ArrayLike) -> BoolArray:

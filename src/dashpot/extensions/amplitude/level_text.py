@@ -22,10 +22,10 @@ def _format_level_resonances(level_prediction: LevelPrediction) -> list[str]:
     if level_prediction.preloaded:
         return _on_bending_seals(level_prediction.preloaded, level_prediction.frf.read)
     assert level_prediction.sweep is not None  # noqa: S101
-    of = level_prediction.levels[0]
+    first_level = level_prediction.levels[0]
     rows = [
         [
-            f"amplitude, {of.unit}",
+            f"amplitude, {first_level.unit}",
             "peak, Hz",
             "95 %",
             level_prediction.frf.read,
@@ -49,11 +49,11 @@ def _format_level_resonances(level_prediction: LevelPrediction) -> list[str]:
         )
     listed = " or ".join(f"{factor:.3g}" for factor in level_prediction.sweep.factors)
     message = f"  {' or '.join(level_prediction.sweep.names)} law of the sweep"
-    if of.strain is not None:
+    if first_level.strain is not None:
         message += f", its strain {listed} of X/height"
     last = level_prediction.levels[-1]
-    if last is not of:
-        change = 100 * (last.frequency / of.frequency - 1)
+    if last is not first_level:
+        change = 100 * (last.frequency / first_level.frequency - 1)
         message += f"; the peak moves by {change:+.3g} % from first to last"
     return [*table(rows), message]
 
@@ -81,7 +81,7 @@ def _on_bending_seals(levels: Sequence[PreloadedLevel], unit: str) -> list[str]:
                     f"{convert_to_unit(amplitude, 'mm') * (abs(amplitude) > least):.3g}"
                     for amplitude in (*at.amplitudes[1:4].tolist(), at.shift)
                 ),
-                f"{100 * at.lost:.3g} %",
+                f"{100 * at.dissipated_energy:.3g} %",
                 f"{at.growth:.3g}",
             ]
         )

@@ -13,7 +13,7 @@ from dashpot.extensions.amplitude.fit_files import AmplitudeResult, level_files
 from dashpot.extensions.amplitude.preprocess import sweep_of_loops
 from dashpot.registry import LotSpecimen
 
-_SAME = 1.05
+_SAME_AMPLITUDE_FACTOR = 1.05
 """Amplitudes no farther apart than this factor are one."""
 _UNITS = (("N/m", "m"), ("Pa", ""))
 """Of storage and amplitude: of a part, and of a material."""
@@ -37,10 +37,10 @@ def build_lot_row(
     result = level_files((file,), options=lot_specimen.options)
     record: Any = result.records[0]
     sweep = sweep_of_loops(record)
-    top = sweep.only(sweep.amplitude >= sweep.amplitude.max() / _SAME)
+    top = sweep.only(sweep.amplitude >= sweep.amplitude.max() / _SAME_AMPLITUDE_FACTOR)
     tone = float(top.frequency.min())
     top, at_tone = top.only(top.frequency == tone), sweep.only(sweep.frequency == tone)
-    least = at_tone.only(at_tone.amplitude <= at_tone.amplitude.min() * _SAME)
+    least = at_tone.only(at_tone.amplitude <= at_tone.amplitude.min() * _SAME_AMPLITUDE_FACTOR)
     storage, loss = median(top.storage), median(top.loss)
     scatter = (
         1.4826
@@ -48,7 +48,7 @@ def build_lot_row(
         / np.sqrt(len(top.amplitude))
     )
     turn = 2 * np.pi * tone * sweep.delay_sd
-    several = sweep.amplitude.max() > _SAME * least.amplitude.max()
+    several = sweep.amplitude.max() > _SAME_AMPLITUDE_FACTOR * least.amplitude.max()
     kelvin = sweep.specimen.temperature or lot_specimen.temperature
     values = {
         column(f"loop_{name}", unit): None

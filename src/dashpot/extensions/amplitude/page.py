@@ -29,7 +29,7 @@ from dashpot.report.result_page import (
     Topic,
     format_specimen_header,
     group,
-    lights,
+    make_indicators,
     row,
 )
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -68,16 +68,18 @@ def page(levels: AmplitudeResult) -> KindPage:
         frequencies = (("Frequency", f"{text} Hz"),)
     picture = plot.level(fit, levels.records)
     return KindPage(
-        about="amplitudes of a hammer or shaker" if picture.name == "levels" else "amplitude sweep",
-        strip=(
+        subject="amplitudes of a hammer or shaker"
+        if picture.name == "levels"
+        else "amplitude sweep",
+        summary_line=(
             *format_specimen_header(getattr(levels.records[0], "specimen", None)),
             *frequencies,
             every,
         ),
-        lights=lights(levels.checks, *topics),
-        answers="Stiffness and loss with amplitude",
+        indicators=make_indicators(levels.checks, *topics),
+        figure_title="Stiffness and loss with amplitude",
         picture=picture,
-        told="What amplitude does",
+        table_title="What amplitude does",
         groups=(group("", numbers(levels)),),
         note=format_residual_note(levels),
         sources=tuple(dict.fromkeys(levels.source)),
@@ -177,8 +179,8 @@ def _make_law_facts(fit: AmplitudeFit) -> Iterator[ReportedValue]:
         yield _make_fact(text, most * fit.k3, most * error_of["k3"], fit.unit)
     if "lost" not in error_of:
         return
-    lost = ("1", "%") if fit.law.startswith("factor") else (fit.unit, "")
-    yield _make_fact("lost", fit.lost, error_of["lost"], *lost)
+    softening_units = ("1", "%") if fit.law.startswith("factor") else (fit.unit, "")
+    yield _make_fact("lost", fit.lost, error_of["lost"], *softening_units)
     text, si = ("strain", "1") if fit.of == "strain" else ("amplitude", "m")
     yield _make_fact(f"half of the softening, {text}", fit.half_way, error_of["half_way"], si, word)
     # one that was set is not known
@@ -214,8 +216,8 @@ def _make_level_facts(fit: LevelFit) -> Iterator[ReportedValue]:
     omega = np.pi * (fit.band[0] + fit.band[1])
     X = np.array(fit.amplitudes)
 
-    def read(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
-        K = InParallel((solid, *beside)).equivalent(omega, X)
+    def read(solid: GeneralizedMaxwell, elements: Elements) -> FloatArray:
+        K = InParallel((solid, *elements)).equivalent(omega, X)
         return np.array((K.real, K.imag / K.real))
 
     value, (low, high) = read(fit.solid, fit.rate_independent), fit.interval(read)

@@ -13,7 +13,7 @@ solves, for h = 0 to H,
 
 by alternating between frequency and time: :math:`G(jh\omega)` acts on every harmonic of
 :math:`F_e(x)`, as 1 on the mean, for the mean is relaxed, and contact ends after it. The answer is
-followed from rest as the level rises. Whether it lasts, its Floquet multipliers tell: harmonic
+followed from rest as the level rises. Whether it lasts, its Floquet multipliers show: harmonic
 balance finds orbits that do not as readily. Source: M. Krack and J. Gross, *Harmonic Balance for
 Nonlinear Vibration Problems*, 2019, chapters 2 to 4.
 """
@@ -41,9 +41,9 @@ BendingLaw: TypeAlias = ElasticLaw | PolynomialLaw
 
 HARMONICS = 10
 """Of the lines of a sweep; one orbit takes as many as it needs."""
-SHOWN = 5
+REPORTED_HARMONICS = 5
 """Harmonics that are reported."""
-_MOST, _SETTLED = 80, 1e-7
+_MAX_HARMONICS, _HARMONIC_TOLERANCE = 80, 1e-7
 """Harmonics at most, and what twice as many may change of those shown, of the largest."""
 _PER_HARMONIC, _FEWEST = 32, 256
 """Samples of a cycle for each harmonic, and at least."""
@@ -73,7 +73,7 @@ class Orbit(EqualByValue):
         Of the compression, m, the mean first: the real part of each turns with the force's phase.
     multiplier : complex
         The largest Floquet multiplier: by how much a small disturbance grows in a period.
-    lost : float
+    dissipated_energy : float
         Part of the cycle in which nothing presses.
     least, most : float
         Compressions between which it swings, m; a seal that has not caught up lets go above 0.
@@ -84,7 +84,7 @@ class Orbit(EqualByValue):
     rest: float
     harmonics: ComplexArray
     multiplier: complex
-    lost: float
+    dissipated_energy: float
     least: float
     most: float
 
@@ -95,13 +95,13 @@ class Orbit(EqualByValue):
 
     @property
     def harmonic_amplitudes(self) -> FloatArray:
-        """Amplitudes of the mean and of the first :data:`SHOWN` harmonics, m."""
-        return self.amplitudes[: SHOWN + 1]
+        """Amplitudes of the mean and of the first :data:`REPORTED_HARMONICS` harmonics, m."""
+        return self.amplitudes[: REPORTED_HARMONICS + 1]
 
     @property
     def phases(self) -> FloatArray:
         """Of those against the force, rad."""
-        return np.angle(self.harmonics[: SHOWN + 1])
+        return np.angle(self.harmonics[: REPORTED_HARMONICS + 1])
 
     @property
     def shift(self) -> float:
@@ -242,15 +242,15 @@ class PreloadedMass:
         require_positive("shaken: ", level=F, frequency=hz)
         line = _PressedBalance(self, hz, F, HARMONICS)
         state = line.solve_by_continuation()
-        while 2 * line.most <= _MOST:
+        while 2 * line.most <= _MAX_HARMONICS:
             finer = _PressedBalance(self, hz, F, 2 * line.most)
             more = finer.from_start(line.extend_harmonics(state.unknown, finer.most))
             if more is None:
                 break
             coarse, fine = line.harmonics(state.unknown), finer.harmonics(more.unknown)
-            change = np.abs(fine[: SHOWN + 1] - coarse[: SHOWN + 1]).max()
+            change = np.abs(fine[: REPORTED_HARMONICS + 1] - coarse[: REPORTED_HARMONICS + 1]).max()
             line, state = finer, more
-            if change <= _SETTLED * np.abs(fine).max():
+            if change <= _HARMONIC_TOLERANCE * np.abs(fine).max():
                 break
         orbit = line.orbit(state)
         orbit.refuse_unstable()
@@ -308,7 +308,7 @@ class PreloadedMass:
             if not (last.stable and after.stable and _compare_orbits(after, last) > _JUMP):
                 continue
             back = self._solve_near_orbit(after, last.frequency, after.level)
-            if back is None or not back.stable or _compare_orbits(back, last) <= _SAME:
+            if back is None or not back.stable or _compare_orbits(back, last) <= _SAME_SOLUTION:
                 continue
             before, excess = last, after.frequency
             for _ in range(_HALVES):
@@ -349,14 +349,16 @@ class PreloadedMass:
         z = line.real(orbit.harmonics)
         w = np.linalg.svd(line.slope(z))[0][:, -1]
 
-        def evaluate_balance(of: PreloadedMass, hz: float) -> float:
-            return float(w @ _PressedBalance(of, hz, orbit.level, line.most).balance(z, 1.0))
+        def evaluate_balance(preloaded_mass: PreloadedMass, hz: float) -> float:
+            return float(
+                w @ _PressedBalance(preloaded_mass, hz, orbit.level, line.most).balance(z, 1.0)
+            )
 
-        here, step = orbit.frequency, _STEP * orbit.frequency
+        frequency, step = orbit.frequency, _STEP * orbit.frequency
         by_frequency = (
-            evaluate_balance(self, here + step) - evaluate_balance(self, here - step)
+            evaluate_balance(self, frequency + step) - evaluate_balance(self, frequency - step)
         ) / (2 * step)
-        return np.array([-evaluate_balance(other, here) / by_frequency for other in others])
+        return np.array([-evaluate_balance(other, frequency) / by_frequency for other in others])
 
     def _solve_near_orbit(self, orbit: Orbit, hz: float, level: float) -> Orbit | None:
         """Return the answer at a frequency to which that at another leads."""
@@ -365,7 +367,7 @@ class PreloadedMass:
         return None if state is None else line.orbit(state)
 
 
-_SAME = 1e-5
+_SAME_SOLUTION = 1e-5
 """Part of the first harmonic within which two answers are one."""
 
 
@@ -398,16 +400,16 @@ class _PressedBalance:
     They are the mean, then the real and then the imaginary parts of the harmonics 1 to H, m.
     """
 
-    def __init__(self, of: PreloadedMass, hz: float, level: float, most: int) -> None:
-        self.of, self.hz, self.level, self.most = of, hz, level, most
+    def __init__(self, preloaded_mass: PreloadedMass, hz: float, level: float, most: int) -> None:
+        self.of, self.hz, self.level, self.most = preloaded_mass, hz, level, most
         h, omega = np.arange(most + 1), 2 * np.pi * hz
         self.cycle, self.basis = _transforms(most)
         self.samples = len(self.basis)
-        self.inertia = -of.mass * (h * omega) ** 2
+        self.inertia = -preloaded_mass.mass * (h * omega) ** 2
         s = 1j * omega * np.arange(self.samples // 2 + 1)
-        self.arms = np.asarray(of.solid.stiffness_at(s) / of.solid.k_inf)
+        self.arms = np.asarray(preloaded_mass.solid.stiffness_at(s) / preloaded_mass.solid.k_inf)
         self.arms[0] = 1.0  # the mean is relaxed
-        self.size = of.static_force + level
+        self.size = preloaded_mass.static_force + level
         self.steps = 0
 
     def harmonics(self, z: FloatArray) -> ComplexArray:
@@ -483,7 +485,7 @@ class _PressedBalance:
         DataError
             If none is reached.
         """
-        z, done, reached, n = self.build_rest_state(), 0.0, 0.0, 2 * self.most + 1
+        z, fraction, reached, n = self.build_rest_state(), 0.0, 0.0, 2 * self.most + 1
         turned = (-1.0) ** np.arange(self.most + 1)
         half = np.concatenate((turned, turned[1:], [-1.0]))
         toward = self._compute_tangent(z, np.append(np.zeros(n), 1.0))
@@ -491,11 +493,13 @@ class _PressedBalance:
         scale, step = np.append(np.full(n, np.abs(toward[1:n]).max()), 1.0), 2.0
         tangent = toward / np.linalg.norm(toward / scale)
         for _ in range(_STEPS):
-            ratio = float((1 - done) / tangent[n]) if tangent[n] > 0 else np.inf
+            ratio = float((1 - fraction) / tangent[n]) if tangent[n] > 0 else np.inf
             last = ratio <= step
             length = min(ratio, step)
             self.steps += 1
-            arclength_step = self._solve_arclength_step(z, done, tangent, length, scale, last=last)
+            arclength_step = self._solve_arclength_step(
+                z, fraction, tangent, length, scale, last=last
+            )
             if arclength_step is None:
                 step = length / 2
                 if step < _SHORTEST:
@@ -510,8 +514,8 @@ class _PressedBalance:
                 arclength_step[n] < 0
             ):  # the same motion half a period later: light arms turn it in one step
                 arclength_step, tangent = half * arclength_step, half * tangent
-            z, done = arclength_step[:n], float(arclength_step[n])
-            reached = max(reached, done)
+            z, fraction = arclength_step[:n], float(arclength_step[n])
+            reached = max(reached, fraction)
             toward = self._compute_tangent(z, tangent / scale**2)
             tangent = toward / np.linalg.norm(toward / scale)
             step = 1.5 * length
@@ -616,11 +620,11 @@ class _PressedBalance:
         A[..., 2:, 0] = tangent[..., None] / K / (omega * tau)
         A[..., range(2, 2 + len(g)), range(2, 2 + len(g))] = -1 / (omega * tau)
         first, second = A[:, 0], A[:, 1]
-        whole = width / 2 * (first + second) + np.sqrt(3) / 12 * width**2 * (
+        transition = width / 2 * (first + second) + np.sqrt(3) / 12 * width**2 * (
             second @ first - first @ second
         )
-        square, values = whole @ whole / 12, np.eye(2 + len(g))
-        steps = np.linalg.solve(values - whole / 2 + square, values + whole / 2 + square)
+        square, values = transition @ transition / 12, np.eye(2 + len(g))
+        steps = np.linalg.solve(values - transition / 2 + square, values + transition / 2 + square)
         while len(steps) > 1:  # a power of two of them, the later on the left
             steps = steps[1::2] @ steps[::2]
         result = np.linalg.eigvals(steps[0])

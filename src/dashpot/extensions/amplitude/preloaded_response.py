@@ -28,13 +28,13 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.mass_on_seals import MassOnSeals, add_mount_mass
 
-_LINES, _FINE, _REACH = 121, 21, (0.25, 2.5)
+_LINES, _FINE, _LINE_RANGE = 121, 21, (0.25, 2.5)
 """Lines over the band and about the linear resonance, about the largest of these, and how far the
 search goes."""
-_TOLD, _SLIGHT, _WIDE = 3, 1e-3, 1.0
-"""Harmonics that a text tells, the part of the first below which one is not known, and the half
+_MIN_ORBITS, _MIN_HARMONIC_SHARE, _MAX_HALF_WIDTH = 3, 1e-3, 1.0
+"""Harmonics that a text shows, the part of the first below which one is not known, and the half
 width of an interval, in parts of the value, from which on it is none."""
-_SHALLOW = 1e-3
+_UNTESTED_COMPRESSION = 1e-3
 """Part of the tested compression below which no contact was tested."""
 Ends = tuple[float, float]
 
@@ -54,7 +54,7 @@ class LevelInterval(Serialisable):
     mean_shift : (float, float) or None
         Of the mean, m.
     harmonics : tuple of ((float, float) or None), or None
-        Amplitudes, m, the mean first; not of those below a thousandth of the first, which tell how
+        Amplitudes, m, the mean first; not of those below a thousandth of the first, which show how
         a law bends between its knots.
     magnitude : array, shape (2, n)
         Of the response, at the lines of the FRF.
@@ -153,13 +153,13 @@ class PreloadedLevel(Serialisable):
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
         """The resonance, mean and harmonics, with their intervals."""
-        interval, lost = self.interval, (np.nan, np.nan)
+        interval, loss_interval = self.interval, (np.nan, np.nan)
         at = f"at {self.level:.4g} {self.unit}"
 
         def fact(
             name: str, value: float, ends: Ends | None, unit: str, read: str = ""
         ) -> ReportedValue:
-            low, high = ends or lost
+            low, high = ends or loss_interval
             words = f"{name.replace('_', ' ')} {at}"
             error = None if ends or interval is None else math.inf
             return ReportedValue(name, value, low, high, unit, error, read, words)
@@ -176,7 +176,7 @@ class PreloadedLevel(Serialisable):
             ),
             *(
                 fact(f"harmonic_{h}", amplitudes[h], harmonics[h], "m", "mm")
-                for h in range(1, _TOLD + 1)
+                for h in range(1, _MIN_ORBITS + 1)
             ),
         )
 
@@ -235,10 +235,11 @@ def preloaded_levels(
         on, at = load.seals * law, load.compression
         return PreloadedMass(load.mass, on, solid, None if at is None else float(on.force(at)))
 
-    here = build_preloaded_mass(fit.elastic_law, fit.solid)
-    if here.rest < _SHALLOW * fit.elastic_law.depth:
+    preloaded_mass = build_preloaded_mass(fit.elastic_law, fit.solid)
+    if preloaded_mass.rest < _UNTESTED_COMPRESSION * fit.elastic_law.depth:
         raise DataError(
-            f"the mass presses the seal by {format_quantity(here.rest, 'mm', '.2g')} alone, and "
+            f"the mass presses the seal by {format_quantity(preloaded_mass.rest, 'mm', '.2g')} "
+            "alone, and "
             "the tests "
             f"reach to {format_quantity(fit.elastic_law.depth, 'mm', '.3g')}: so slight a contact "
             "was not "
@@ -246,7 +247,7 @@ def preloaded_levels(
         )
     others = [build_preloaded_mass(*group) for group in _off_by_error(fit, fit.elastic_law)]
     band = frequency[:: -(-len(frequency) // _LINES)]
-    rig = _AtLevels(here, others, load, kind)
+    rig = _AtLevels(preloaded_mass, others, load, kind)
     return tuple(rig.compute_resonance(level, band, about) for level in levels)
 
 
@@ -269,7 +270,7 @@ def _off_by_error(fit: Fit, law: ElasticLaw) -> list[tuple[ElasticLaw, Solid]]:
 class _AtLevels:
     """A pressed mass, others one standard error off, and what of them is asked."""
 
-    here: PreloadedMass
+    preloaded_mass: PreloadedMass
     others: Sequence[PreloadedMass]
     load: MassOnSeals
     kind: Kind
@@ -277,16 +278,17 @@ class _AtLevels:
     def compute_resonance(self, level: float, band: FloatArray, about: float) -> PreloadedLevel:
         """Return the resonance at a level, N or m/s^2."""
         force = self.load.mass * level if self.kind.over_base else level
-        if force >= self.here.static_force:
+        if force >= self.preloaded_mass.static_force:
             raise DataError(
                 f"an amplitude of {level:.4g} {unit_of(self.kind)} lifts the mass off the seal: "
-                f"its force is {force:.4g} N, and {self.here.static_force:.4g} N presses; expected "
+                f"its force is {force:.4g} N, and {self.preloaded_mass.static_force:.4g} N "
+                "presses; expected "
                 "less. "
                 "Ask for a lower amplitude"
             )
-        ends = about * _REACH[0], about * _REACH[1]
+        ends = about * _LINE_RANGE[0], about * _LINE_RANGE[1]
         lines = np.union1d(band, np.geomspace(*ends, _LINES))
-        swept = self.here.sweep(level=force, frequency=lines)
+        swept = self.preloaded_mass.sweep(level=force, frequency=lines)
         lasting = [orbit for orbit in swept if orbit.stable]
         near = [orbit for orbit in lasting if ends[0] <= orbit.frequency <= ends[1]]
         top = int(np.argmax([self.size(orbit) for orbit in near])) if near else 0
@@ -295,7 +297,7 @@ class _AtLevels:
                 f"at {level:g} {unit_of(self.kind)} no resonance is found between {ends[0]:.4g} "
                 f"and {ends[1]:.4g} Hz, of steady responses; ask for a lower amplitude"
             )
-        jumps = self.here.jumps(swept)
+        jumps = self.preloaded_mass.jumps(swept)
         into, out = _find_adjacent_jumps(near[top - 1], near[top], near[top + 1], jumps)
         run, best = self._summit(
             force, into.after if into else near[top - 1], out.before if out else near[top + 1]
@@ -321,7 +323,7 @@ class _AtLevels:
     def _summit(self, force: float, start: Orbit, last: Orbit) -> tuple[list[Orbit], int]:
         """Return the responses that last between two, and which of them is the largest."""
         close = np.linspace(start.frequency, last.frequency, _FINE)[1:-1]
-        about_top = self.here.sweep(level=force, frequency=close, start=start)
+        about_top = self.preloaded_mass.sweep(level=force, frequency=close, start=start)
         run = [start, *(orbit for orbit in about_top if orbit.stable), last]
         best = int(np.argmax([self.size(orbit) for orbit in run]))
         if 0 < best < len(run) - 1:
@@ -329,24 +331,22 @@ class _AtLevels:
             three = run[best - 1 : best + 2]
             bend, slope, _ = _parabola(three) @ np.log([self.size(orbit) for orbit in three])
             near_top = np.array([three[1].frequency - slope / (2 * bend)])
-            summit = self.here.sweep(level=force, frequency=near_top, start=three[1])
+            summit = self.preloaded_mass.sweep(level=force, frequency=near_top, start=three[1])
             run[best : best + 1] = [orbit for orbit in summit if orbit.stable] or three[1:2]
         return run, best
 
-    def frf(self, orbits: Sequence[Orbit], moved: complex = 0.0) -> FRF:
+    def frf(self, orbits: Sequence[Orbit], motion: complex = 0.0) -> FRF:
         """First harmonics, all changed by so much, m, as the kind has them."""
         f = np.array([orbit.frequency for orbit in orbits])
         force = np.array([orbit.level for orbit in orbits])
-        shaken = np.array([complex(orbit.harmonics[1]) for orbit in orbits]) + moved
+        shaken = np.array([complex(orbit.harmonics[1]) for orbit in orbits]) + motion
         H = np.asarray(shaken / force, dtype=complex)
         if not self.kind.over_base:
             return FRF.from_receptance(f, H, kind=self.kind)
         T: ComplexArray = np.asarray(1 + self.load.mass * (2 * np.pi * f) ** 2 * H)
-        answer = FRF(f, T, Kind.TRANSMISSIBILITY, units="SI").to(self.kind)
+        frf = FRF(f, T, Kind.TRANSMISSIBILITY, units="SI").to(self.kind)
         coupled = self.load.coupled
-        return (
-            add_mount_mass(answer, mass=self.load.mass, coupled=coupled) if coupled > 0 else answer
-        )
+        return add_mount_mass(frf, mass=self.load.mass, coupled=coupled) if coupled > 0 else frf
 
     def size(self, orbit: Orbit) -> float:
         """Magnitude of the response."""
@@ -365,34 +365,34 @@ class _AtLevels:
         if not self.others:
             return None
         response, f = np.abs(self.frf(shown).value), [orbit.frequency for orbit in shown]
-        some = [_norm(self._logs(orbit)) for orbit in shown[::_THINNED]]
-        spread = np.exp(NORMAL * np.interp(f, f[::_THINNED], some))
+        some = [_norm(self._logs(orbit)) for orbit in shown[::_LINE_STRIDE]]
+        spread = np.exp(NORMAL * np.interp(f, f[::_LINE_STRIDE], some))
         magnitude = np.array([response / spread, response * spread])
         at, first, last = run[best], best == 0, best == len(run) - 1
         if first or last:
             end = at if into is None or last else into.before
-            shift = self.here.end_changes(end, self.others)
+            shift = self.preloaded_mass.end_changes(end, self.others)
         else:
-            shift = self._moves(run[best - 1 : best + 2])
+            shift = self._compute_motions(run[best - 1 : best + 2])
         frequency = _compute_interval(at.frequency, shift)
         if last:
             return LevelInterval(frequency, None, None, None, magnitude)
         by_frequency = self._slopes(run[:2] if first else run[best - 1 : best + 2])
         along = by_frequency(lambda orbit: np.log(self.size(orbit)))
-        value = self.size(at) * np.exp(NORMAL * _norm(self._logs(at) + along * shift) * _BOTH)
+        value = self.size(at) * np.exp(NORMAL * _norm(self._logs(at) + along * shift) * _SIGNS)
         count = len(at.harmonic_amplitudes)
         turn = np.conj(at.harmonics[:count]) / np.maximum(at.harmonic_amplitudes, 1e-300)
-        real = (turn * self.here.changes(at, self.others)[:, :count]).real
+        real = (turn * self.preloaded_mass.changes(at, self.others)[:, :count]).real
         real += np.outer(shift, by_frequency(lambda orbit: orbit.harmonic_amplitudes))
         rests = np.array([other.rest for other in self.others]) - at.rest
         low, high = value.tolist()
         return LevelInterval(
             frequency,
-            (low, high) if high < (1 + _WIDE) * self.size(at) else None,
+            (low, high) if high < (1 + _MAX_HALF_WIDTH) * self.size(at) else None,
             _compute_narrow_interval(at.shift, real[:, 0] - rests),
             tuple(
                 _compute_narrow_interval(float(number), real[:, h])
-                if number > _SLIGHT * at.harmonic_amplitudes[1]
+                if number > _MIN_HARMONIC_SHARE * at.harmonic_amplitudes[1]
                 else None
                 for h, number in enumerate(at.harmonic_amplitudes)
             ),
@@ -404,10 +404,10 @@ class _AtLevels:
         first = complex(orbit.harmonics[1])
         part = _PART * first
         value, less = (complex(self.frf([orbit], off).value[0]) for off in (0.0, -part))
-        change = self.here.changes(orbit, self.others)[:, 1]
+        change = self.preloaded_mass.changes(orbit, self.others)[:, 1]
         return np.asarray(((value - less) / part / value * change).real)
 
-    def _moves(self, three: Sequence[Orbit]) -> FloatArray:
+    def _compute_motions(self, three: Sequence[Orbit]) -> FloatArray:
         """By how much the largest response moves in frequency on each of the others, Hz."""
         bend, slope, _ = _parabola(three)
         size = np.log([self.size(orbit) for orbit in three])
@@ -437,8 +437,8 @@ def _parabola(three: Sequence[Orbit]) -> FloatArray:
     return np.asarray(np.linalg.inv(np.vander(f - f[1], 3)))
 
 
-_BOTH = np.array([-1.0, 1.0])
-_PART, _THINNED = 1e-3, 3
+_SIGNS = np.array([-1.0, 1.0])
+_PART, _LINE_STRIDE = 1e-3, 3
 """Share of the first harmonic by which a slope is determined; every so many lines, errors."""
 
 
@@ -455,7 +455,7 @@ def _compute_interval(value: float, change: FloatArray) -> Ends:
 def _compute_narrow_interval(value: float, change: FloatArray) -> Ends | None:
     """That interval, where it is narrower than the value."""
     ends = _compute_interval(value, change)
-    return ends if ends[1] - value < _WIDE * abs(value) else None
+    return ends if ends[1] - value < _MAX_HALF_WIDTH * abs(value) else None
 
 
 def _unsteady(lines: FloatArray, lasting: Sequence[Orbit]) -> tuple[tuple[float, float], ...]:

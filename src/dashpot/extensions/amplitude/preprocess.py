@@ -15,7 +15,7 @@ from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep, LoopRecord
 from dashpot.extensions.amplitude.harmonic_motion import estimate_scatter, find_cycle_starts
 
-_LEAST = 12
+_MIN_SAMPLES_PER_CYCLE = 12
 """Samples of a cycle."""
 _STEADY = 0.05
 """Change of amplitude from a cycle to the next, relatively, in which a loop is closed."""
@@ -67,10 +67,10 @@ def sweep_of_loops(test: LoopRecord, machine: Machine | None = None) -> Amplitud
         If there are fewer than two cycles, or too few samples in them.
     """
     machine = machine or Machine()
-    machine.refuse_unused("sync", of="recorded loops")
+    machine.refuse_unused("sync", subject="recorded loops")
     cycles = steady_cycles(test)
     K = np.array([cycle.stiffness for cycle in cycles])
-    unit, of, pushed = (
+    unit, strain_unit, pushed = (
         ("N/m", "m", "force") if isinstance(test, RelaxationTest) else ("Pa", "strain", "stress")
     )
     source = test.source
@@ -83,7 +83,7 @@ def sweep_of_loops(test: LoopRecord, machine: Machine | None = None) -> Amplitud
         K.real,
         K.imag,
         unit,
-        of,
+        strain_unit,
         test.specimen,
         source,
         np.array([cycle.sd for cycle in cycles]),
@@ -107,11 +107,11 @@ def steady_cycles(test: LoopRecord) -> tuple[HysteresisLoop, ...]:
     """
     part = isinstance(test, RelaxationTest)
     if isinstance(test, RelaxationTest):
-        moved, pushed = test.displacement, test.force
+        motion, force = test.displacement, test.force
     else:
-        moved, pushed = test.strain, test.stress
-    t, signals = test.time, np.array([moved, pushed])
-    starts = find_cycle_starts(t, moved)
+        motion, force = test.strain, test.stress
+    t, signals = test.time, np.array([motion, force])
+    starts = find_cycle_starts(t, motion)
     if len(starts) < 3:
         raise DataError(
             f"{max(len(starts) - 1, 0)} cycles of {'displacement' if part else 'strain'} found; "
@@ -122,10 +122,10 @@ def steady_cycles(test: LoopRecord) -> tuple[HysteresisLoop, ...]:
     loops, last = [], np.nan
     for i, (begin, end) in enumerate(pairwise(starts.tolist())):
         inside = (t >= begin) & (t < end)
-        if np.count_nonzero(inside) < _LEAST:
+        if np.count_nonzero(inside) < _MIN_SAMPLES_PER_CYCLE:
             raise DataError(
                 f"{np.count_nonzero(inside)} samples in a cycle of {end - begin:.3g} s; loops need "
-                f"{_LEAST} or more; export more samples, or move slower"
+                f"{_MIN_SAMPLES_PER_CYCLE} or more; export more samples, or move slower"
             )
         within = t[inside] - (begin + end) / 2
         # what is higher than the first harmonic leaks into a slope fitted to one cycle
@@ -194,8 +194,8 @@ def _means(t: FloatArray, signals: FloatArray, starts: FloatArray) -> FloatArray
     """Return mean of each signal over each cycle, shape (signals, cycles)."""
     steps = np.diff(t) * (signals[:, 1:] + signals[:, :-1]) / 2
     total = np.pad(np.cumsum(steps, axis=1), ((0, 0), (1, 0)))
-    whole = np.array([np.interp(starts, t, item) for item in total])
-    return np.asarray(np.diff(whole) / np.diff(starts))
+    cumulative = np.array([np.interp(starts, t, item) for item in total])
+    return np.asarray(np.diff(cumulative) / np.diff(starts))
 
 
 def _harmonics(t: FloatArray, signals: FloatArray, omega: float) -> ComplexArray:

@@ -20,7 +20,12 @@ from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import OpenedFile
 from dashpot.reading.readers.header_metadata import add_specimen_temperature
 from dashpot.reading.readers.relaxation import relaxation_in
-from dashpot.reading.readers.sweep_columns import NAMED, amplitude_column, parts_of, sweep_columns
+from dashpot.reading.readers.sweep_columns import (
+    SWEEP_OPTIONS,
+    amplitude_column,
+    parts_of,
+    sweep_columns,
+)
 from dashpot.registry import find_handler
 
 # ASTM D5992 calls the double strain amplitude DSA
@@ -53,8 +58,8 @@ def list_loop_roles(file: OpenedFile) -> tuple[Role, ...]:
     """Return the columns that loops are read from: of a part, or of a material without them."""
 
     def holds(roles: tuple[Role, ...]) -> bool:
-        answers = (assign(file.table, role, file.options) for role in roles[1:])
-        return all(isinstance(answer, RoleAssignment) for answer in answers)
+        assignments = (assign(file.table, role, file.options) for role in roles[1:])
+        return all(isinstance(assignment, RoleAssignment) for assignment in assignments)
 
     return _MATERIAL if holds(_MATERIAL) and not holds(_PART) else _PART
 
@@ -81,7 +86,7 @@ def read_loops(
 
 _WARMER = 10.0
 """K that a rubber does not warm by itself from one visit of an amplitude to the next."""
-_OF: dict[Role, str] = {"strain": "strain", "displacement": "m"}
+_UNIT_OF_ROLE: dict[Role, str] = {"strain": "strain", "displacement": "m"}
 
 
 def read_amplitude(
@@ -105,7 +110,7 @@ def read_amplitude(
             file,
             ["strain-sweep", "one-frequency"],
             "an amplitude sweep is",
-            named=NAMED,
+            stated_columns=SWEEP_OPTIONS,
         )
         wanted, ratio = sweep_columns(file)
         column = amplitude_column(file)
@@ -127,7 +132,7 @@ def read_amplitude(
             values["storage"],
             values["loss"],
             unit,
-            _OF[column.role],
+            _UNIT_OF_ROLE[column.role],
             specimen,
             channels.source(file, [c.message for c in chosen], (*notes, *sentences)),
             units="SI",

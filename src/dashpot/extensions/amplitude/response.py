@@ -61,7 +61,7 @@ def resonance_at_level(
     level_fit : LevelFit
     level : float
         N.
-    of : (GeneralizedMaxwell, tuple of Jenkins or Cubic), optional
+    parts : (GeneralizedMaxwell, tuple of Jenkins or Cubic), optional
         One of the fit's draws, in the place of the fit itself.
 
     Raises
@@ -82,8 +82,8 @@ def resonance_at_level(
     low = high = np.log(level / missing(np.array([level_fit.amplitudes[0]])).min())
     grid = np.linspace(low - 5, high + 5, _AMPLITUDES)
     X = np.exp(grid)
-    enough = np.flatnonzero(X * missing(X).min(axis=1) >= level)
-    first = int(enough[0]) if enough.size else 0
+    strong_enough = np.flatnonzero(X * missing(X).min(axis=1) >= level)
+    first = int(strong_enough[0]) if strong_enough.size else 0
     if not first:
         raise DataError(f"at {level:g} N no amplitude of motion near the fitted ones is found")
     low, high = grid[first - 1], grid[first]
@@ -114,8 +114,8 @@ def stiffness_at(parts: Parts, omega: FloatArray, X: FloatArray, inertia: float)
     )
     K = others.equivalent(omega, X)
     if springs:
-        bent = with_third_harmonic(parts, omega, X, inertia)
-        K = K + bent * sum(spring.stiffness(X) for spring in springs)
+        nonlinear_response = with_third_harmonic(parts, omega, X, inertia)
+        K = K + nonlinear_response * sum(spring.stiffness(X) for spring in springs)
     return np.asarray(K)
 
 

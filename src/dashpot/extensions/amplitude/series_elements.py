@@ -105,8 +105,8 @@ def compute_series_stiffness(
         short = end * np.abs(1 + behind.equivalent(omega, end) / first) < amplitude
         low, high = np.where(short, middle, low), np.where(short, high, middle)
     second = behind.equivalent(omega, amplitude * np.exp(high))
-    whole = first * second / (first + second)
-    return np.asarray(np.where(high < np.log(1e-11), first, whole))
+    series = first * second / (first + second)
+    return np.asarray(np.where(high < np.log(1e-11), first, series))
 
 
 @compute_series_stiffness.register
@@ -128,7 +128,7 @@ def _(behind: Coulomb, solid: Solid, omega: FloatArray, amplitude: FloatArray) -
     return values
 
 
-_STEPS, _ROUNDS, _SETTLED = 512, 60, 1e-9
+_STEPS, _MAX_ITERATIONS, _STEADY_TOLERANCE = 512, 60, 1e-9
 """Of half a cycle; of Newton at most; what a steady state moves by at most, relatively."""
 _AT_ONCE = 1e-4
 """Of a dashpot taken for an arm: omega tau."""
@@ -182,20 +182,20 @@ def _march_steady_cycle(solid: GeneralizedMaxwell, omega: float, ratio: FloatArr
     state = np.zeros((len(X), len(k)))
     unit = np.eye(len(k))
     force = np.empty((len(X), _STEPS + 1))
-    for _ in range(_ROUNDS):
-        here, turns = state, np.broadcast_to(unit, (len(X), *unit.shape))
-        force[:, 0] = np.clip(here @ k, -1, 1)
+    for _ in range(_MAX_ITERATIONS):
+        current, turns = state, np.broadcast_to(unit, (len(X), *unit.shape))
+        force[:, 0] = np.clip(current @ k, -1, 1)
         for i in range(_STEPS):
-            base = here @ (k * keeps[i])
-            tried = base + rise[i] * dx[:, i]
-            force[:, i + 1] = np.clip(tried, -1, 1)
+            base = current @ (k * keeps[i])
+            trial = base + rise[i] * dx[:, i]
+            force[:, i + 1] = np.clip(trial, -1, 1)
             step = (force[:, i + 1] - base) / rise[i]
-            here = keeps[i] * here + gains[i] * step[:, None]
-            slips = np.abs(tried) > 1
+            current = keeps[i] * current + gains[i] * step[:, None]
+            slips = np.abs(trial) > 1
             follows = -np.einsum("k,nkj->nj", k * keeps[i], turns) / rise[i] * slips[:, None]
             turns = keeps[i][:, None] * turns + gains[i][:, None] * follows[:, None, :]
-        residual = here + state
-        if np.abs(residual).max() <= _SETTLED * np.abs(here).max():
+        residual = current + state
+        if np.abs(residual).max() <= _STEADY_TOLERANCE * np.abs(current).max():
             break
         state = state - np.linalg.solve(turns + unit, residual[..., None])[..., 0]
     first = 2 / np.pi * np.trapezoid(force * np.exp(-1j * theta), theta, axis=1) / X

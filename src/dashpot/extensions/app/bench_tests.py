@@ -22,13 +22,13 @@ from dashpot.workflow.bench_tests import fit_files
 from dashpot.workflow.job import Job
 from dashpot.workflow.json_archive import to_json
 
-WIDE = (800.0, 0.0)
+DEFAULT_SIZE = (800.0, 0.0)
 """Default width and height of the figures, px."""
-KEPT = 4
+MAX_CACHED = 4
 """Fits that a worker remembers."""
 
 
-@lru_cache(KEPT)
+@lru_cache(MAX_CACHED)
 def _fit_and_plot(job: Job) -> tuple[Fit, Picture]:
     """Return the fit of a file, and its figure."""
     send_progress(f"fitting {Path(job.relaxation).name}")
@@ -57,13 +57,13 @@ def bench(request: Mapping[str, Any], folder: Path) -> bytes:
     page = kind_page(fit)
     return wire_format.encode_message(
         {
-            "verdict": view_models.verdict(fit.verdict, page.lights),
+            "verdict": view_models.verdict(fit.verdict, page.indicators),
             "colour": VERDICT_COLOURS[fit.verdict.use],
             "solid": view_models.solid_table(fit),
             "arms": fit.model.arms,
             "checks": view_models.check_list(fit.checks),
-            "figures": make_figure_cards(picture, sizes_of(request).get("bench", WIDE)[0]),
-            "facts": [list(names) for names in page.strip],
+            "figures": make_figure_cards(picture, sizes_of(request).get("bench", DEFAULT_SIZE)[0]),
+            "facts": [list(names) for names in page.summary_line],
             "simulated": any(source.simulated for source in fit.source),
             **judge_limits(request, folder, fit).add_to(line("fit", job)),
         }

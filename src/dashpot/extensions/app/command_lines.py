@@ -160,4 +160,7 @@ def _merge_read_options(job: Job) -> ReadOptions:
         for paths, options in sides
         for path in dict.fromkeys(paths)
     ]
-    return replace(bench.select_fields(shared), own=(*pairs, *bench.own, *hammer.own))
+    return replace(
+        bench.select_fields(shared),
+        own=(*pairs, *bench.own, *hammer.own),
+    )

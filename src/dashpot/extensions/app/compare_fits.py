@@ -68,9 +68,9 @@ class ComparedFit(NamedTuple):
         return result_cache.select_shown_test(self.job, self.solid)[1]
 
     @property
-    def answers(self) -> tuple[RecommendedValue, ...]:
+    def values(self) -> tuple[RecommendedValue, ...]:
         """Its numbers."""
-        return self.recommendation.answers
+        return self.recommendation.values
 
 
 def _side(name: str, request: Mapping[str, Any], folder: Path) -> ComparedFit:
@@ -90,7 +90,7 @@ def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
     return wire_format.encode_message(
         {
             "verdict": view_models.render_template(
-                "against", message=_says(a, b, rows), lights=_lights(a, b)
+                "against", message=_format_comparison(a, b, rows), lights=_make_indicators(a, b)
             ),
             "colour": "open",
             "panels": {
@@ -113,7 +113,7 @@ def _get_source_name(side: ComparedFit) -> str:
     return "joint model" if side.study.joint is not None else "relaxation"
 
 
-def _lights(a: ComparedFit, b: ComparedFit) -> tuple[Light, ...]:
+def _make_indicators(a: ComparedFit, b: ComparedFit) -> tuple[Light, ...]:
     return tuple(
         Light(side.name, VERDICT_COLOURS[side.study.verdict.use], side.study.verdict.use)
         for side in (a, b)
@@ -127,15 +127,15 @@ class ComparedValue(NamedTuple):
     a: str
     b: str
     difference: str
-    held: str
+    reference: str
     group: str = ""
 
 
 def _numbers(a: ComparedFit, b: ComparedFit) -> Iterator[ComparedValue]:
     """The numbers that both have, each with what A left open of it."""
-    there = {answer.quantity: answer for answer in b.answers}
+    there = {value.quantity: value for value in b.values}
     under = {answer.quantity for answer in a.recommendation.under_mass}
-    for item in a.answers:
+    for item in a.values:
         other = there.get(item.quantity)
         if other is None:
             continue
@@ -202,7 +202,11 @@ def match_time_constants(
     )
     mates: dict[int, int] = {}
     for value, i, j in near:
-        if value < math.log(view_models.ALIKE) and i not in mates and j not in mates.values():
+        if (
+            value < math.log(view_models.MAX_SAME_SCALE)
+            and i not in mates
+            and j not in mates.values()
+        ):
             mates[i] = j
     items: list[tuple[int | None, int | None]] = [(i, mates.get(i)) for i in range(len(one))]
     items += [(None, j) for j in range(len(other)) if j not in mates.values()]
@@ -217,29 +221,31 @@ def _pair(name: str, a: ReportedValue | None, b: ReportedValue | None, group: st
     errors = [fact.error for fact in (a, b)]
     size = math.hypot(*(error or 0.0 for error in errors))
     certain = all(error is not None and math.isfinite(error) for error in errors) and size > 0
-    held = f"{abs(b.value - a.value) / size:.1f} SE" if certain else ""
+    difference_in_se = f"{abs(b.value - a.value) / size:.1f} SE" if certain else ""
     return ComparedValue(
         name,
         a.cell_texts[0],
         b.cell_texts[0],
         _format_relative_difference(a.value, b.value),
-        held,
+        difference_in_se,
         group,
     )
 
 
-def _says(a: ComparedFit, b: ComparedFit, rows: list[ComparedValue]) -> str:
+def _format_comparison(a: ComparedFit, b: ComparedFit, rows: list[ComparedValue]) -> str:
     """Return how far B is from A, in one sentence with its numbers."""
-    there = {answer.quantity: answer for answer in b.answers}
+    there = {value.quantity: value for value in b.values}
     words = {
         "frequency": "frequency", "damping": "damping", "end of hold": "stiffness", "peak": "peak",
     }  # fmt: skip
     parts = [
         f"{words[answer.quantity]} {_format_difference(answer, there[answer.quantity])}"
-        for answer in a.answers
+        for answer in a.values
         if answer.quantity in words and answer.quantity in there
     ]
-    checked = [row.held for row in rows if "A's" in row.held or row.held == "inside both"]
+    checked = [
+        row.reference for row in rows if "A's" in row.reference or row.reference == "inside both"
+    ]
     inside = sum("inside" in name for name in checked)
     count = f" {inside} of {len(checked)} numbers lie inside what A left open." if checked else ""
     return f"B against A: {', '.join(parts)}.{count}"
@@ -248,12 +254,12 @@ def _says(a: ComparedFit, b: ComparedFit, rows: list[ComparedValue]) -> str:
 def _response(side: ComparedFit) -> Curve | None:
     """Return what its solid predicts, with the peak that its own tab has; None without a mass."""
     study = side.study
-    held = study.joint_comparison if study.joint is not None else study.comparison
+    comparison = study.joint_comparison if study.joint is not None else study.comparison
     frf = study.joint_prediction if study.joint is not None else study.prediction
     pen = PREDICTED if side.name == "A" else JOINT
-    if held is not None:
-        peak = held.predicted_hz, held.predicted_peak
-        return Curve(held.predicted, side.name, pen, peak)
+    if comparison is not None:
+        peak = comparison.predicted_hz, comparison.predicted_peak
+        return Curve(comparison.predicted, side.name, pen, peak)
     if frf is None:
         return None
     (curve,) = resonance_curves(None, frf)

@@ -51,8 +51,8 @@ def make_figure_cards(picture: Picture, width: float) -> list[FigureCard]:
     for row in _rows(picture):
         name = f"bench{len(cards)}"
         if len(row) > 2:
-            drawn = small_multiples([panel for (panel,) in row], name, width)
-            cards.append(FigureCard(re.split("[:,]", picture.caption)[0], drawn))
+            svg = small_multiples([panel for (panel,) in row], name, width)
+            cards.append(FigureCard(re.split("[:,]", picture.caption)[0], svg))
         else:
             cards += [
                 _card(f"{name}-{i}", panels, width, len(row), key) for i, panels in enumerate(row)
@@ -85,7 +85,7 @@ def _card(
     first, *below = panels
     bare = not (first.title or first.note or first.drawing)
     title = first.title or (first.y.label if bare else first.y.label.partition(",")[0])
-    drawing = (replace(first, title="", bare=bare), *below)
+    drawing = (replace(first, title="", without_axes=bare), *below)
     across = across if width >= TWO else 1
     svg = strip(drawing, name=name, width=(width - 8 * (across - 1)) / across - CARD, kind="figure")
     samples = [sample for sample in _samples(drawing, name) if sample[1] in key]

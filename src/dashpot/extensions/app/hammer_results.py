@@ -23,7 +23,7 @@ from dashpot.extensions.app.command_lines import words_of
 from dashpot.extensions.app.hit_selection import HitSelection, estimate_each_hit, propose_hits
 from dashpot.extensions.app.limits_panel import judge_limits
 from dashpot.extensions.app.request_parsing import get_list, part, sizes_of, word
-from dashpot.extensions.app.result_cache import KEPT
+from dashpot.extensions.app.result_cache import MAX_CACHED
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.plot.frf_figure import coherence_panels
 from dashpot.plot.picture import MEASURED, Line, Mark, Panel, Pen, Scale
@@ -65,12 +65,12 @@ def _parse_request(request: Mapping[str, Any], folder: Path) -> HammerRequest:
     )
 
 
-@lru_cache(KEPT)
+@lru_cache(MAX_CACHED)
 def _read_hits(files: tuple[str, ...], options: ReadOptions) -> Any:
     return read_impact(list(files), options=options)
 
 
-@lru_cache(KEPT)
+@lru_cache(MAX_CACHED)
 def _find_modes(request: HammerRequest) -> tuple[ImpactResult, str]:
     send_progress(f"averaging {', '.join(Path(path).name for path in request.files)}")
     test = _read_hits(request.files, request.options)
@@ -85,7 +85,7 @@ def get_single_hits(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> dic
     """Return the FRF of every hit alone; which hits are averaged changes none of them."""
     key = id(impact), replace(choices, accept=(), reject=())
     if key not in _single_hit_cache:
-        while len(_single_hit_cache) >= KEPT:
+        while len(_single_hit_cache) >= MAX_CACHED:
             del _single_hit_cache[next(iter(_single_hit_cache))]
         _single_hit_cache[key] = impact, estimate_each_hit(impact, frf, choices)
     return _single_hit_cache[key][1]
@@ -135,9 +135,9 @@ def hammer(request: Mapping[str, Any], folder: Path) -> bytes:
     test = _read_hits(hammer_request.files, hammer_request.options)
     is_hits = isinstance(test, ImpactTest) and bool(result.frf.hits)
     message: dict[str, Any] = {
-        "verdict": view_models.verdict(result.verdict, page.lights),
+        "verdict": view_models.verdict(result.verdict, page.indicators),
         "colour": VERDICT_COLOURS[result.verdict.use],
-        "answers": view_models.groups(page.groups, page.told, reason or page.note),
+        "answers": view_models.groups(page.groups, page.table_title, reason or page.note),
         "solid": "",
         "arms": "",
         "checks": view_models.check_list(result.checks),

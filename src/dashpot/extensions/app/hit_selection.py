@@ -84,7 +84,7 @@ def estimate_each_hit(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> d
     for name in names[:MOST_HITS]:
         others = tuple(other for other in names if other != name)
         single_choices = replace(choices, accept=(name,), reject=others)
-        # one hit may be too soft to tell the polarity of its accelerometers
+        # one hit may be too soft to show the polarity of its accelerometers
         for item in (single_choices, replace(single_choices, polarity=polarity)):
             with suppress(DashpotError):
                 single[name] = average(impact, choices=item)

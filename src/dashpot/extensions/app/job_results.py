@@ -9,7 +9,7 @@ from typing import Any
 
 from dashpot.base.errors import DataError
 from dashpot.extensions.app import view_models, wire_format
-from dashpot.extensions.app.bench_tests import KEPT, WIDE
+from dashpot.extensions.app.bench_tests import DEFAULT_SIZE, MAX_CACHED
 from dashpot.extensions.app.command_lines import line
 from dashpot.extensions.app.figure_cards import draw_cards
 from dashpot.extensions.app.limits_panel import judge_limits
@@ -22,7 +22,7 @@ from dashpot.report.result_page import JobPage, kind_page, text_of
 from dashpot.workflow.job import LevelJob
 
 
-@lru_cache(2 * KEPT)
+@lru_cache(2 * MAX_CACHED)
 def _fit_job(job: Any) -> tuple[Any, JobPage]:
     """Return what was found in the files of a job, and what the page shows of it."""
     result: tuple[Any, JobPage] = find_handler("fit job", job)(job)
@@ -51,19 +51,19 @@ def _build_message(
     job: Any,
     request: Mapping[str, Any],
     folder: Path,
-    lights: Sequence[Light],
+    indicators: Sequence[Light],
     **others: Any,
 ) -> bytes:
     """Verdict, numbers, checks, figures, what else there is, and the command that gives it."""
     result, page = _fit_job(job)
     terms = [view_models.term(fact) for fact in page.facts]
     message = {
-        "verdict": view_models.verdict(result.verdict, lights),
+        "verdict": view_models.verdict(result.verdict, indicators),
         "colour": VERDICT_COLOURS[result.verdict.use],
         "solid": view_models.term_table(page.title, terms, page.note),
         "arms": "",
         "checks": view_models.check_list(result.checks),
-        "figures": draw_cards(page.cards, sizes_of(request).get("bench", WIDE)[0]),
+        "figures": draw_cards(page.cards, sizes_of(request).get("bench", DEFAULT_SIZE)[0]),
         **others,
         "simulated": any(source.simulated for source in page.sources),
         **judge_limits(request, folder, result).add_to(line("fit", job)),
@@ -76,7 +76,7 @@ def level(request: Mapping[str, Any], folder: Path) -> bytes:
     job = _parse_level_job(request, folder)
     page = kind_page(_fit_job(job)[0])
     return _build_message(
-        job, request, folder, page.lights, facts=[list(names) for names in page.strip]
+        job, request, folder, page.indicators, facts=[list(names) for names in page.summary_line]
     )
 
 

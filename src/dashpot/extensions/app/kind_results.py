@@ -1,7 +1,7 @@
 """Result of a single kind of test on the page: verdict, lights, figure, table, checks.
 
 What one is asked beside its files, and its fit by what was answered, is its row's panel in the
-register; what it tells is what the page of its kind tells in `dashpot.report`.
+register; what it shows is what the page of its kind shows in `dashpot.report`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from dashpot.base.option_fields import FormData, FormField
 from dashpot.base.progress import send_progress
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.app import result_cache, view_models, wire_format
-from dashpot.extensions.app.bench_tests import KEPT, WIDE
+from dashpot.extensions.app.bench_tests import DEFAULT_SIZE, MAX_CACHED
 from dashpot.extensions.app.command_lines import words_of
 from dashpot.extensions.app.figure_cards import draw_cards, make_figure_cards
 from dashpot.extensions.app.limits_panel import judge_limits
@@ -38,7 +38,7 @@ class KindRequest:
 
     kind: str
     files: tuple[str, ...]
-    said: FormData
+    form_data: FormData
     options: ReadOptions
     behind: str = ""
 
@@ -69,9 +69,9 @@ def _parse_request(request: Mapping[str, Any], folder: Path) -> KindRequest:
     )  # fmt: skip
 
 
-@lru_cache(KEPT)
+@lru_cache(MAX_CACHED)
 def _fit_with_page(request: KindRequest) -> tuple[Any, KindPage]:
-    """Return what was found in such files, and what its page tells."""
+    """Return what was found in such files, and what its page shows."""
     send_progress(f"fitting {', '.join(Path(path).name for path in request.files)}")
     if find_handler("predict open files", request.kind) is not None:
         result = _predict_files(request)
@@ -81,7 +81,7 @@ def _fit_with_page(request: KindRequest) -> tuple[Any, KindPage]:
         raise DataError(f"'{request.kind}' is no kind of test that is fitted by itself")
     if row.app_form:
         result = load_object(f"{row.app_form}:fit_form_files")(
-            request.files, request.said, request.options
+            request.files, request.form_data, request.options
         )
     else:
         result = load_object(row.fit)(request.files, options=request.options)
@@ -107,20 +107,20 @@ def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
     kind_request = _parse_request(request, folder)
     result, page = _fit_with_page(kind_request)
     verdict = result.verdict
-    width = sizes_of(request).get("bench", WIDE)[0]
+    width = sizes_of(request).get("bench", DEFAULT_SIZE)[0]
     list_cards = find_handler("figure cards", result)
     return wire_format.encode_message(
         {
-            "verdict": view_models.verdict(verdict, page.lights),
+            "verdict": view_models.verdict(verdict, page.indicators),
             "colour": VERDICT_COLOURS[verdict.use],
-            "answers": view_models.groups(page.groups, page.told, page.note),
+            "answers": view_models.groups(page.groups, page.table_title, page.note),
             "solid": "",
             "arms": "",
             "checks": view_models.check_list(result.checks),
             "figures": make_figure_cards(page.picture, width)
             if list_cards is None
             else draw_cards(list_cards(result), width),
-            "facts": [list(names) for names in page.strip],
+            "facts": [list(names) for names in page.summary_line],
             "asks": view_models.make_form_fields(asks_of(kind_request.kind)),
             "simulated": any(source.simulated for source in page.sources),
             **judge_limits(request, folder, result).add_to(_line(kind_request)),
@@ -147,5 +147,5 @@ def _line(request: KindRequest) -> str:
     names = [Path(path).name for path in request.files]
     if find_handler("predict open files", request.kind) is not None:
         return shlex.join(["dashpot", "predict", names[0]])
-    options = [*request.said.options(len(names)), *words_of(request.options)]
+    options = [*request.form_data.options(len(names)), *words_of(request.options)]
     return shlex.join(["dashpot", "fit", *names, *options])

@@ -53,9 +53,9 @@ def judge_limits(request: Mapping[str, Any], folder: Path, result: Any) -> Limit
 
     A limit that cannot be judged says nothing against the result.
     """
-    asked = mapping(request.get("limits", {}), "limits")
-    expressions = [text.strip() for text in map(_read_text, get_list(asked, "typed"))]
-    files = [path_in(folder, item) for item in get_list(asked, "files")]
+    requested_limits = mapping(request.get("limits", {}), "limits")
+    expressions = [text.strip() for text in map(_read_text, get_list(requested_limits, "typed"))]
+    files = [path_in(folder, item) for item in get_list(requested_limits, "files")]
     expressions = [text for text in expressions if text]
     if not expressions and not files:
         return LimitsPanel()

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from dashpot.files import acquisition
 
 
-MOST = 2000
+MAX_CURVE_POINTS = 2000
 """Stretches of a curve beyond which two become one."""
 _AXES = 60.0
 """Of a drawing below and above its plot, px."""
-_WIDE, _TALL = (240.0, 2000.0), (60.0, 600.0)
+_WIDTH_RANGE, _HEIGHT_RANGE = (240.0, 2000.0), (60.0, 600.0)
 """What a page may ask a drawing to be, px."""
 
 
@@ -44,7 +44,7 @@ class Trace:
         whole = len(came) // self._each * self._each
         self._take(came[:whole].reshape(-1, self._each, 2))
         self._rest = came[whole:]
-        while len(self._low) > MOST:
+        while len(self._low) > MAX_CURVE_POINTS:
             both = np.stack([self._low, self._high], axis=1)
             if len(both) % 2:
                 self._rest, both = np.concatenate([both[-1], self._rest]), both[:-1]
@@ -137,14 +137,18 @@ class Live:
             return {"running": False, "rows": 0, "message": "", "drawn": [], "kept": None}
         device, running = recorder.describe(), self.running
         with self._lock:
-            seen = [trace.curve() for trace in self._traces]
+            curves = [trace.curve() for trace in self._traces]
             rows, sentences, failed, retained = self._rows, self._said, self._failed, self._kept
         notes = device.notes if running else sentences
         message = "; ".join([f"{rows} samples", device.device, *notes, *self._whereabouts(rows)])
-        size = min(max(width, _WIDE[0]), _WIDE[1]), min(max(height, _TALL[0]), _TALL[1])
-        drawn = _drawings(device.channels, seen, size)
+        size = (
+            min(max(width, _WIDTH_RANGE[0]), _WIDTH_RANGE[1]),
+            min(max(height, _HEIGHT_RANGE[0]), _HEIGHT_RANGE[1]),
+        )
+        drawings = _drawings(device.channels, curves, size)
         return {
-            "running": running, "rows": rows, "message": message, "failed": failed, "drawn": drawn,
+            "running": running, "rows": rows, "message": message, "failed": failed,
+            "drawn": drawings,
             "kept": None if running else retained,
         }  # fmt: skip
 
@@ -180,15 +184,15 @@ class Live:
             for trace, values in zip(self._traces, block[1].T, strict=True):
                 trace.add(block[0], values)
 
-    def _folder(self, driver: str, named: str) -> Path:
+    def _folder(self, driver: str, name: str) -> Path:
         """Return where the record is kept: a measurement never in what goes with the server."""
-        if not named and driver == "serial":
+        if not name and driver == "serial":
             raise DataError("say in which folder the record is kept: it cannot be measured again")
-        if not named:
+        if not name:
             return self._store.folder
-        folder = Path(named).expanduser()
+        folder = Path(name).expanduser()
         if not folder.is_dir():
-            raise DataError(f"{named} is no folder; name one that is there")
+            raise DataError(f"{name} is no folder; name one that is there")
         return folder
 
     def _device(self, driver: str, options: Mapping[str, Any]) -> acquisition.Recorder:

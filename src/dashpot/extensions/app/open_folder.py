@@ -26,11 +26,11 @@ COLUMNS = (
 """What the page shows of a row."""
 
 
-def folder(request: Mapping[str, Any], home: Path) -> bytes:
+def folder(request: Mapping[str, Any], path: Path) -> bytes:
     """Return what is in a folder: the files and the choices of a project, or the table of a lot."""
     place = _parse_folder(request)
     if (place / "dashpot.toml").exists():
-        head = _project(place, home)
+        head = _project(place, path)
     elif any(place.glob("part-*.parquet")):
         head = _lot(place)
     else:
@@ -47,7 +47,7 @@ def get_recent_folders(_: Mapping[str, Any], __: Path) -> bytes:
     return wire_format.encode_message({"recent": recent.recent()})
 
 
-def row(request: Mapping[str, Any], home: Path) -> bytes:
+def row(request: Mapping[str, Any], folder: Path) -> bytes:
     """One test of a lot, to be opened as a file with the choices that its row was made by."""
     place, wanted = _parse_folder(request), request.get("sha256")
     entries = [row for row in _rows(place) if row["sha256"] == wanted]
@@ -70,7 +70,7 @@ def row(request: Mapping[str, Any], home: Path) -> bytes:
     name = Path(one["file"]).name
     choices = {"arms": one["arms"] or "auto", "method": one["method"] or "full"}
     return wire_format.encode_message(
-        {"files": [{"id": _put(home, path, stamp, raw), "name": name}], "job": choices}
+        {"files": [{"id": _put(folder, path, stamp, raw), "name": name}], "job": choices}
     )
 
 
@@ -84,17 +84,17 @@ def _parse_folder(request: Mapping[str, Any]) -> Path:
     return place
 
 
-def _put(home: Path, path: Path, stamp: tuple[int, ...] | None, content: bytes) -> str:
+def _put(folder: Path, path: Path, stamp: tuple[int, ...] | None, content: bytes) -> str:
     if len(content) > LIMIT:
         raise DataError(f"{path.name} is larger than {LIMIT >> 20} MB, more than the page takes")
     modified = path.stat().st_mtime
-    return Store(home).put(path.name, content, origin=path, stamp=stamp, modified=modified)
+    return Store(folder).put(path.name, content, origin=path, stamp=stamp, modified=modified)
 
 
 # -- projects -------------------------------------------------------------------------------------
 
 
-def _project(place: Path, home: Path) -> dict[str, Any]:
+def _project(place: Path, folder: Path) -> dict[str, Any]:
     """Return the last job of a project, with its files put where the page has them."""
     job, find_file = find_handler("open folder", "project")(place)
     calibration = job.machine.calibration
@@ -108,7 +108,7 @@ def _project(place: Path, home: Path) -> dict[str, Any]:
         file = find_file(path)
         stamp = get_file_stamp(file)
         content = b"".join(open_raw(file).blocks())
-        return {"id": _put(home, file, stamp, content), "name": file.name}
+        return {"id": _put(folder, file, stamp, content), "name": file.name}
 
     tests = [brought(path) for path in (job.relaxation, *job.other_tests)]
     hammers = [brought(path) for path in job.impact]

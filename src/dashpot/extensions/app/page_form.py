@@ -8,7 +8,7 @@ from html import escape
 from typing import Any
 
 from dashpot.base.option_fields import (
-    AmplitudeLawAsked,
+    AmplitudeLawOption,
     get_choice_values,
     is_path_field,
     iterate_option_fields,
@@ -27,7 +27,7 @@ def fill_form(page: str) -> str:
         field = _get_field(Job, name)
         page = page.replace(f"<!-- {name} -->", _buttons(field))
         page = page.replace(f"<!-- {name} says -->", escape(field.metadata["help"]))
-    listed = "".join(f"<option>{word}</option>" for word in get_choice_values(AmplitudeLawAsked))
+    listed = "".join(f"<option>{word}</option>" for word in get_choice_values(AmplitudeLawOption))
     page = page.replace("<!-- amplitude-law -->", listed)
     return page.replace("<!-- usual -->", json.dumps(get_job_defaults()))
 

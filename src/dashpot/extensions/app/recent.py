@@ -12,10 +12,10 @@ from typing import Any
 
 from dashpot.base.file_writing import write_atomic
 
-MOST = 12
+MAX_FOLDERS = 12
 """Folders of the list."""
 _LIST = "recent.json"
-WHERE = "DASHPOT_STATE"
+STATE_VARIABLE = "DASHPOT_STATE"
 """Name of the variable that says where the list is kept instead."""
 
 
@@ -29,7 +29,7 @@ def remember(folder: Path) -> None:
     path = str(folder.resolve())
     now = datetime.now(UTC).isoformat(timespec="seconds")
     retained = [entry for entry in _read_list() if entry["folder"] != path]
-    listed = [{"folder": path, "name": folder.resolve().name, "when": now}, *retained][:MOST]
+    listed = [{"folder": path, "name": folder.resolve().name, "when": now}, *retained][:MAX_FOLDERS]
     with suppress(OSError):
         place_of(_LIST).parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         write_atomic(place_of(_LIST), json.dumps(listed, indent=1).encode())
@@ -45,7 +45,7 @@ def _read_list() -> list[dict[str, Any]]:
 
 def place_of(name: str) -> Path:
     """Return where this system keeps what a program remembers of its user."""
-    stated = os.environ.get(WHERE)
+    stated = os.environ.get(STATE_VARIABLE)
     if stated:
         return Path(stated) / name
     home = Path.home()
@@ -53,5 +53,5 @@ def place_of(name: str) -> Path:
         "win32": Path(os.environ.get("LOCALAPPDATA", home / "AppData" / "Local")),
         "darwin": home / "Library" / "Application Support",
     }
-    usual = Path(os.environ.get("XDG_STATE_HOME") or home / ".local" / "state")
-    return by_system.get(sys.platform, usual) / "dashpot" / name
+    default_folder = Path(os.environ.get("XDG_STATE_HOME") or home / ".local" / "state")
+    return by_system.get(sys.platform, default_folder) / "dashpot" / name

@@ -8,7 +8,18 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.plot.picture import BENEATH, REF, UPON, Line, Mark, Panel, Pen, Scale, Span, Tag
+from dashpot.plot.picture import (
+    DATA_ON_FIT,
+    FIT_BAND,
+    REF,
+    Line,
+    Mark,
+    Panel,
+    Pen,
+    Scale,
+    Span,
+    Tag,
+)
 from dashpot.plot.plotted_data import (
     compute_padded_limits,
     downsample_to_extremes,
@@ -68,7 +79,7 @@ def record_panels(prepared: RampHold, *, whole: RampHold | None = None) -> tuple
     displacement = prepared.displacement * (float(np.max(force[within])) / prepared.depth)
     ramp: tuple[Mark, ...] = (
         _ramp_line(t, displacement, seen, REF, "displacement"),
-        _ramp_line(t, force, seen, UPON, "measured"),
+        _ramp_line(t, force, seen, DATA_ON_FIT, "measured"),
         Tag(float(prepared.onset + 0.55 * c), float(0.5 * np.max(displacement[within])),
             "displacement", "soft"),
     )  # fmt: skip
@@ -76,7 +87,7 @@ def record_panels(prepared: RampHold, *, whole: RampHold | None = None) -> tuple
     hold: list[Mark] = []
     if prepared.hold_end - prepared.ramp_end < last:
         hold = [Span(prepared.hold_end - prepared.ramp_end, last, "away", "", True, 1.0)]
-    hold.append(_hold_line(since, held, axis, UPON, "measured"))
+    hold.append(_hold_line(since, held, axis, DATA_ON_FIT, "measured"))
     text = f"force, {unit}"
     return (
         Panel(Scale("time on the record's clock, s", seen),
@@ -91,7 +102,7 @@ def fit_lines(
     """Return the fit on the ramp and on the hold of :func:`upon_panels`."""
     _, scale = unit_of(prepared.force, "N")
     (seen, axis), c = _upon_axes(prepared, whole or prepared), prepared.ramp_time
-    under = replace(BENEATH, colour=plotted_fit.pen.colour)
+    under = replace(FIT_BAND, colour=plotted_fit.pen.colour)
     return (
         _ramp_line(
             plotted_fit.time + prepared.onset, scale * plotted_fit.force, seen, under, "fit"

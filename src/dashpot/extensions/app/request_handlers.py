@@ -1,7 +1,7 @@
 """Handlers of requests in the workers: one function for each kind of request.
 
-Every function takes the request and the folder of the files; what it computes it keeps for the
-next question, by the job that asked for it.
+Every function takes the request and the folder of the files; results are cached by the
+job that requested them.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ HINT = (
     "Give the test mass and the number of seals: the hammer test is then compared with the "
     "prediction of the relaxation test."
 )
-REACH = np.geomspace(0.2, 4.0, 2001)
+RESPONSE_LINES = np.geomspace(0.2, 4.0, 2001)
 """Lines of a response, as multiples of its peak's frequency."""
 LIVE_LINES = np.geomspace(0.3, 3.0, 301)
 """Lines of a response while the mass is changed, as multiples of its peak's frequency."""
@@ -65,17 +65,17 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
         return wire_format.encode_message(row)
     options = part(ReadOptions, request.get("options", {}), "options")
     job = Job(str(path), reading=options)
-    # what is read and prepared here is what the fit asks for next
+    # the test that is read and prepared here is cached for the fit
     (inspection,) = inspect_files(
         [path],
         options=options,
         read=lambda file: record_cache.keep(str(path), options, relaxation_in(file, Specimen())),
         prepared=lambda *_: result_cache.prepare_job_tests(
-            result_cache.select_test_choices(job), result_cache.WHILE_HELD
+            result_cache.select_test_choices(job), result_cache.MAX_QUICK_SAMPLES
         )[0],
     ).files
     head = view_models.file_row(inspection)
-    head["long"] = inspection.rows > result_cache.WHILE_HELD
+    head["long"] = inspection.rows > result_cache.MAX_QUICK_SAMPLES
     head |= _get_kind_fields(inspection.kind)
     if head["mark"] != "good" or view_models.place_of(inspection) in {"", "part"}:
         head["asked"] = view_models.render_column_questions(
@@ -85,19 +85,22 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
 
 
 def _describe_by_suffix(path: Path) -> dict[str, Any] | None:
-    """Return what the first extension that knows a file says of it; None where none does."""
+    """Return the description of a file by the first extension that supports it, or None."""
     names = [name for name in list_names("file row") if name.split()[0] == path.suffix.lower()]
     rows = (find_handler("file row", name)(path) for name in names)
     return next((row for row in rows if row is not None), None)
 
 
 def _get_kind_fields(kind: str) -> dict[str, Any]:
-    """Return the form fields of a kind, or of the kind as which its file may be taken."""
+    """Return the form fields of a kind, or of its alternative kind."""
     row = KINDS.get(kind)
-    of = KINDS[row.alternative_kind] if row is not None and row.alternative_kind else row
-    if of is None:
+    kind_row = KINDS[row.alternative_kind] if row is not None and row.alternative_kind else row
+    if kind_row is None:
         return {"asks": [], "alone": False}
-    return {"asks": view_models.make_form_fields(asks_of(of.name)), "alone": of.takes_one_file}
+    return {
+        "asks": view_models.make_form_fields(asks_of(kind_row.name)),
+        "alone": kind_row.takes_one_file,
+    }
 
 
 def _list_unit_consequences(
@@ -133,8 +136,8 @@ def preview_fit(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the point estimate while a time limit is dragged: curves and values, no intervals."""
     job = job_of(request.get("job"), folder)
     dragging = result_cache.fit_while_dragging(result_cache.select_fit_choices(job))
-    _, prepared = result_cache.select_shown_test(job, dragging, result_cache.HELD)
-    by_eq5 = result_cache.fit_by_eq5(job, dragging, result_cache.HELD)
+    _, prepared = result_cache.select_shown_test(job, dragging, result_cache.MAX_PREVIEW_SAMPLES)
+    by_eq5 = result_cache.fit_by_eq5(job, dragging, result_cache.MAX_PREVIEW_SAMPLES)
     value = request.get("since")
     since = None if value is None else number(value, "since")
     shown = view_models.live_test(
@@ -144,7 +147,7 @@ def preview_fit(request: Mapping[str, Any], folder: Path) -> bytes:
         "beside": shown.words,
         "time_limits": _list_time_limits(prepared),
         "end": view_models.format_end_stiffness(dragging, prepared),
-        "left": shown.left,
+        "left": shown.left_axis,
     }
     return wire_format.encode_message(head, shown.arrays)
 
@@ -152,8 +155,8 @@ def preview_fit(request: Mapping[str, Any], folder: Path) -> bytes:
 def preview_record(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the recorded test, downsampled, to show while it is fitted."""
     job = job_of(request.get("job"), folder)
-    most = result_cache.HELD if request.get("quick") is True else None
-    ready = result_cache.prepare_job_tests(result_cache.select_test_choices(job), most)[0]
+    max_samples = result_cache.MAX_PREVIEW_SAMPLES if request.get("quick") is True else None
+    ready = result_cache.prepare_job_tests(result_cache.select_test_choices(job), max_samples)[0]
     return wire_format.encode_message(
         {"panels": view_models.record_panels(ready, sizes_of(request))}
     )
@@ -162,19 +165,19 @@ def preview_record(request: Mapping[str, Any], folder: Path) -> bytes:
 def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the fit with its intervals and checks, every panel of the test, and the command line.
 
-    A `quick` one is of a part of the samples, to have something to look at meanwhile.
+    A `quick` one uses part of the samples, as a preview.
     """
     job = job_of(request.get("job"), folder)
     sizes = sizes_of(request)
-    most = result_cache.WHILE_HELD if request.get("quick") is True else None
-    fit = result_cache.fit_job(result_cache.select_fit_choices(job), True, most)
-    test, prepared = result_cache.select_shown_test(job, fit, most)
-    by_eq5 = result_cache.fit_by_eq5(job, fit, most)
-    whole = result_cache.prepare_uncut_test(job, prepared)
-    panels = view_models.test_panels(fit, prepared, by_eq5, sizes, whole)
+    max_samples = result_cache.MAX_QUICK_SAMPLES if request.get("quick") is True else None
+    fit = result_cache.fit_job(result_cache.select_fit_choices(job), True, max_samples)
+    test, prepared = result_cache.select_shown_test(job, fit, max_samples)
+    by_eq5 = result_cache.fit_by_eq5(job, fit, max_samples)
+    uncut_test = result_cache.prepare_uncut_test(job, prepared)
+    panels = view_models.test_panels(fit, prepared, by_eq5, sizes, uncut_test)
     checks = fit.checks
     if job.mass is not None:
-        response = _predict_response(fit, job, _get_frf_kind(request), REACH)
+        response = _predict_response(fit, job, _get_frf_kind(request), RESPONSE_LINES)
         panels["frf"] = view_models.response_panel(
             response, sizes, view_models.format_response_title(job, _get_frf_kind(request))
         )
@@ -184,7 +187,7 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
         panels["frf"] = view_models.stiffness_panel(fit, sizes)
     return wire_format.encode_message(
         {
-            "verdict": view_models.verdict(fit.verdict, view_models.make_fit_lights(fit)),
+            "verdict": view_models.verdict(fit.verdict, view_models.make_fit_indicators(fit)),
             "colour": VERDICT_COLOURS[fit.verdict.use],
             "solid": view_models.arms_table(fit),
             "checks": view_models.check_list(checks),
@@ -218,9 +221,9 @@ def _format_compression(fit: Fit, job: Job, prepared: RampHold) -> dict[str, str
     depth = f"test at {format_cell(prepared.depth, 'mm')} mm"
     if job.mass is None or job.compression is not None:
         return {"value": "", "message": depth}
-    rests = find_static_equilibrium(fit, MassOnSeals(job.mass, job.seals))
+    equilibrium = find_static_equilibrium(fit, MassOnSeals(job.mass, job.seals))
     return {
-        "value": format_cell(rests.point.compression, "mm"),
+        "value": format_cell(equilibrium.point.compression, "mm"),
         "message": f"by its weight; {depth}",
     }
 
@@ -239,7 +242,7 @@ def _get_frf_kind(request: Mapping[str, Any]) -> Kind:
 def _predict_response(fit: Fit, job: Job, kind: Kind, about: FloatArray) -> FRF:
     """Return the response at multiples of the frequency of its peak."""
     if job.mass is None:
-        raise DataError("no mass is given: say what rests on the seals, such as 104 g")
+        raise DataError("no mass is given: state the mass on the seals, such as 104 g")
     top = compute_peak_limit(job.seals * fit.solid.k_0, job.mass)
     return predict_frf(
         fit, mass=job.mass, frequency=top * about, kind=kind, seals=job.seals,
@@ -250,9 +253,9 @@ def _predict_response(fit: Fit, job: Job, kind: Kind, about: FloatArray) -> FRF:
 def predict(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the response of the mass while a parameter changes: a curve without limits."""
     job = job_of(request.get("job"), folder)
-    # of a long record a part says as much of a curve that moves
+    # part of a long record suffices for a preview
     fit = result_cache.fit_job(
-        result_cache.select_fit_choices(job), job.arms == "auto", result_cache.WHILE_HELD
+        result_cache.select_fit_choices(job), job.arms == "auto", result_cache.MAX_QUICK_SAMPLES
     )
     shown = view_models.live_response(
         _predict_response(fit, job, _get_frf_kind(request), LIVE_LINES)
@@ -278,16 +281,18 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
     job = job_of(request.get("job"), folder)
     sizes = sizes_of(request)
     study = result_cache.study(job)
-    # what a hammer says of a mass that nobody gave, on one seal, is no verdict yet
-    asks, solid = study.mass_inferred, study.joint or study.fit
+    # without a stated mass there is no verdict on the hammer test yet
+    asks_for_mass, solid = study.mass_inferred, study.joint or study.fit
     checks, verdict = (
-        (study.fit.checks, study.fit.verdict) if asks else (study.verdict_checks, study.verdict)
+        (study.fit.checks, study.fit.verdict)
+        if asks_for_mass
+        else (study.verdict_checks, study.verdict)
     )
     recommendation = recommend_solid(study, requested=True)
-    lights = (
-        view_models.make_fit_lights(study.fit)
-        if asks
-        else first_screen.lights(study, recommendation)
+    indicators = (
+        view_models.make_fit_indicators(study.fit)
+        if asks_for_mass
+        else first_screen.make_study_indicators(study, recommendation)
     )
     phase, title = (
         request.get("phase") is True,
@@ -295,14 +300,16 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
     )
     by_eq5 = study.hold_fit if solid is study.fit and solid.family == "maxwell" else None
     head: dict[str, Any] = {
-        "verdict": view_models.verdict(verdict, lights, mass=view_models.mass_that_explains(study)),
+        "verdict": view_models.verdict(
+            verdict, indicators, mass=view_models.mass_that_explains(study)
+        ),
         "colour": VERDICT_COLOURS[verdict.use],
-        "hint": HINT if asks else "",
-        "answers": view_models.answers(study, recommendation),
+        "hint": HINT if asks_for_mass else "",
+        "answers": view_models.list_values(study, recommendation),
         "solid": view_models.arms_table(solid, single=study.fit if study.joint else None),
         "arms": solid.model.arms if solid.family == "maxwell" else "",
         "checks": view_models.check_list(sorted(checks, key=lambda check: not check.failed)),
-        "more": view_models.tells_more(study, checks),
+        "more": view_models.format_next_test(study, checks),
         "frf": view_models.study_panel(study, sizes, title, phase=phase),
         **_draw_hammer(study, job, sizes),
         "hammer": view_models.hammer_line(study),
@@ -320,8 +327,8 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
     if request.get("base") is True and study.mass is not None:
         prediction, joint = result_cache.base_motion(job), study.joint is not None
         head["frf"] = view_models.base_panel(prediction, joint, sizes, title)
-        of = replace(job, mass=study.mass)
+        study_job = replace(job, mass=study.mass)
         head["command"] += "\n" + predict_command(
-            of, prediction.frf, "joint.json" if joint else FIT
+            study_job, prediction.frf, "joint.json" if joint else FIT
         )
     return wire_format.encode_message(head)

@@ -34,14 +34,14 @@ def deciding(job: Job, *what: str) -> Job:
     return Job(**{name: getattr(job, name) for name in sentences})
 
 
-KEPT = 8
+MAX_CACHED = 8
 """Results of each kind that a worker remembers."""
-WHILE_HELD = 300_000
+MAX_QUICK_SAMPLES = 300_000
 """Samples that are fitted at first; all of them are next."""
-HELD = 20_000
+MAX_PREVIEW_SAMPLES = 20_000
 """Samples that are fitted while a handle is held: its curves are to follow."""
 
-test = lru_cache(KEPT)(record_cache.relaxation)
+test = lru_cache(MAX_CACHED)(record_cache.relaxation)
 """The relaxation test in a file."""
 
 
@@ -55,7 +55,7 @@ def tests(job: Job) -> tuple[RelaxationTest, ...]:
     )
 
 
-@lru_cache(KEPT)
+@lru_cache(MAX_CACHED)
 def prepare_job_tests(job: Job, most: int | None) -> tuple[RampHold, ...]:
     """Return the tests of a job, prepared; of each as many samples as there are, or `most`."""
     every = tests(job)
@@ -64,7 +64,7 @@ def prepare_job_tests(job: Job, most: int | None) -> tuple[RampHold, ...]:
     few = [downsample_test(test, most) for test in every]
     return prepared_tests(
         few,
-        checked=most != HELD,
+        checked=most != MAX_PREVIEW_SAMPLES,
         filter=job.filter,
         machine=job.machine,
         time_limits=_shorten_hold(job.time_limits, every, few),
@@ -85,7 +85,7 @@ def _shorten_hold(
     return replace(limits, hold_end=last)
 
 
-def downsample_test(test: RelaxationTest, most: int | None = WHILE_HELD) -> RelaxationTest:
+def downsample_test(test: RelaxationTest, most: int | None = MAX_QUICK_SAMPLES) -> RelaxationTest:
     """Return the test with every second, third ... sample, so that at most so many are left."""
     step = 1 if most is None else -(-len(test.time) // most)
     if step == 1:
@@ -94,7 +94,7 @@ def downsample_test(test: RelaxationTest, most: int | None = WHILE_HELD) -> Rela
     return replace(test, **few)
 
 
-@lru_cache(KEPT)
+@lru_cache(MAX_CACHED)
 def fit_job(job: Job, intervals: bool, most: int | None) -> Fit:
     """Return the fit of a job's tests; with its intervals and checks if asked for."""
     return fit(
@@ -109,18 +109,18 @@ _before: dict[Job, Fit] = {}
 
 def fit_while_dragging(job: Job) -> Fit:
     """The fit while a handle is held: of a linear solid the one next to that of the cut before."""
-    of, tests = (
+    options, tests = (
         replace(job, time_limits=TimeLimits()),
-        prepare_job_tests(select_test_choices(job), HELD),
+        prepare_job_tests(select_test_choices(job), MAX_PREVIEW_SAMPLES),
     )
-    near, nearby = _before.get(of), None
+    near, nearby = _before.get(options), None
     if near is not None and len(tests) == 1 and _is_followed(near, job):
         with suppress(FitError):
             nearby = refit_nearby(tests[0], near)
-    if len(_before) > KEPT:
+    if len(_before) > MAX_CACHED:
         _before.clear()
-    _before[of] = nearby or fit_job(job, job.arms == "auto", HELD)
-    return _before[of]
+    _before[options] = nearby or fit_job(job, job.arms == "auto", MAX_PREVIEW_SAMPLES)
+    return _before[options]
 
 
 def _is_followed(near: Fit, job: Job) -> bool:
@@ -136,7 +136,11 @@ def fit_by_eq5(job: Job, fit: Fit, most: int | None = None) -> Fit | None:
         return None
     by_eq5 = replace(select_test_choices(job), arms=fit.model.arms, method="hold")
     try:
-        return fit_while_dragging(by_eq5) if most == HELD else fit_job(by_eq5, False, most)
+        return (
+            fit_while_dragging(by_eq5)
+            if most == MAX_PREVIEW_SAMPLES
+            else fit_job(by_eq5, False, most)
+        )
     except DashpotError:
         return None
 
@@ -156,7 +160,7 @@ def prepare_uncut_test(job: Job, prepared_one: RampHold) -> RampHold | None:
         return None
     uncut = replace(select_test_choices(job), time_limits=replace(job.time_limits, hold_end=None))
     try:
-        (record,) = prepare_job_tests(uncut, WHILE_HELD)
+        (record,) = prepare_job_tests(uncut, MAX_QUICK_SAMPLES)
     except DashpotError:
         return None
     return record if record.time[-1] > prepared_one.time[-1] else None
@@ -171,11 +175,12 @@ def fit_study_tests(
 ) -> FittedTests:
     """Return the relaxation tests of a study, fitted; another mass or band leaves them as they are.
 
-    Records are told apart by identity: those in use are kept, so none takes the place of another.
+    Records are distinguished by identity: those in use are kept, so none takes the place of
+    another.
     """
     key = (*map(id, tests), *choices, *preparation.items())
     if key not in _fitted:
-        while len(_fitted) >= KEPT:
+        while len(_fitted) >= MAX_CACHED:
             del _fitted[next(iter(_fitted))]
         _fitted[key] = tests, fit_tests(tests, *choices, **preparation)
     return _fitted[key][1]
@@ -185,12 +190,12 @@ _ANY_MASS = 1.0
 """Mass, kg, for a check that is then replaced."""
 
 
-@lru_cache(KEPT)
+@lru_cache(MAX_CACHED)
 def _read_hammer(paths: tuple[str, ...], options: ReadOptions) -> FRF | ShakenTest | ImpactTest:
     return read_record(paths, options)
 
 
-@lru_cache(KEPT)
+@lru_cache(MAX_CACHED)
 def _average_hits(
     paths: tuple[str, ...],
     choices: HammerChoices,
@@ -228,13 +233,13 @@ def measure_hammer(
     return record, replace_notes(frf, checks=checks)
 
 
-@lru_cache(KEPT)
+@lru_cache(MAX_CACHED)
 def study(job: Job) -> Study:
     """Return the whole story of a job."""
     return run(job, read=test, measure=measure_hammer, fit_once=fit_study_tests)
 
 
-@lru_cache(KEPT)
+@lru_cache(MAX_CACHED)
 def base_motion(job: Job) -> Prediction:
     r"""The transmissibility to the mass of a job, as ``dashpot predict FIT --base`` predicts it.
 

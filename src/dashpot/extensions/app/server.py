@@ -218,11 +218,11 @@ def application(context: AppContext) -> Starlette:  # noqa: C901 -- a list of ro
     async def example(_: Request) -> Response:
         from dashpot import workflow
 
-        made = [
+        routes = [
             {"id": context.store.put(name, workflow.EXAMPLES[name]().encode()), "name": name}
             for name in workflow.FIRST
         ]
-        return JSONResponse({"files": made, "mass": "114.8g", "seals": 2})
+        return JSONResponse({"files": routes, "mass": "114.8g", "seals": 2})
 
     async def ask(request: Request) -> Response:
         verb = request.path_params["verb"]
@@ -318,11 +318,11 @@ def _list_recording_routes(context: AppContext) -> list[Route]:
         return JSONResponse(await asyncio.to_thread(context.live.look, *size))
 
     async def fit_recorded(_: Request) -> Response:
-        made = context.live.look(0, 0)["kept"]
-        if made is None:
+        recorded_file = context.live.look(0, 0)["kept"]
+        if recorded_file is None:
             raise DataError("no record is there to fit: start one, and stop it")
-        context.state["open"] = [*context.state.get("open", []), made]
-        return JSONResponse(made)
+        context.state["open"] = [*context.state.get("open", []), recorded_file]
+        return JSONResponse(recorded_file)
 
     return [
         Route("/record", record_page),
@@ -387,7 +387,9 @@ def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = Tr
     except ImportError:
         advice = find_handler("install command", "extra")("app")
         raise DataError(f"the app needs its extra; install it with: {advice}") from None
-    os.environ[plugins.SWITCH] = plugins.OFF  # a page may name none: who types a command does
+    os.environ[plugins.SWITCH] = (
+        plugins.NO_PLUGINS
+    )  # a page may name none: who types a command does
     # only where the protocol is named does asyncio turn off the wait for a fuller packet, 40 ms
     listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

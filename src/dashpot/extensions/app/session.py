@@ -45,15 +45,15 @@ def keep(state: dict[str, Any], store: Store) -> None:
                 shutil.rmtree(path, ignore_errors=True)
 
 
-def _copy(file: Path, home: Path) -> None:
+def _copy(file: Path, folder: Path) -> None:
     """Bring a file there, if it is not; without copying it where the disk allows."""
-    if (home / file.name).exists():
+    if (folder / file.name).exists():
         return
-    home.mkdir(exist_ok=True)
+    folder.mkdir(exist_ok=True)
     try:
-        os.link(file, home / file.name)
+        os.link(file, folder / file.name)
     except OSError:
-        shutil.copy2(file, home / file.name)
+        shutil.copy2(file, folder / file.name)
 
 
 def get_saved_session() -> dict[str, Any] | None:
@@ -94,7 +94,7 @@ def _read() -> dict[str, Any] | None:
     try:
         data = json.loads(place_of(_WORDS).read_text(encoding="utf-8"))
         files = data["state"]["files"]
-        whole = all(any((place_of(_FILES) / file["id"]).iterdir()) for file in files)
+        is_complete = all(any((place_of(_FILES) / file["id"]).iterdir()) for file in files)
     except (OSError, ValueError, TypeError, KeyError):
         return None
-    return data if files and whole else None
+    return data if files and is_complete else None

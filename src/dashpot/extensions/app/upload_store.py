@@ -19,7 +19,7 @@ LIMIT = 200 << 20
 """Bytes of one file, at most."""
 TOTAL = 2 << 30
 """Bytes of all files of a server, at most."""
-MOST = 240
+MAX_NAME_BYTES = 240
 """Bytes of a name, at most: its start is kept, and its end, which says the format."""
 _NAMED, _LOCK = "dashpot-", ".lock"
 """How the folder of a server is named, and what in it says that the server lives."""
@@ -215,7 +215,7 @@ def plain_name(name: str) -> str:
     clean = "".join(c if c.isprintable() and c not in '<>:"|?*' else "_" for c in last).strip(". ")
     # a file system counts bytes
     whole = clean.encode()
-    if len(whole) <= MOST:
+    if len(whole) <= MAX_NAME_BYTES:
         return clean or "file"
-    ends = whole[: MOST // 2], whole[-(MOST // 2 - 1) :]
+    ends = whole[: MAX_NAME_BYTES // 2], whole[-(MAX_NAME_BYTES // 2 - 1) :]
     return "_".join(end.decode(errors="ignore") for end in ends)

@@ -38,7 +38,7 @@ from dashpot.extensions.app.hit_selection import HitSelection
 from dashpot.extensions.app.words import format_for_page
 from dashpot.plot import relaxation
 from dashpot.plot.frf_figure import (
-    SHOWN,
+    DISPLAY_UNITS,
     Curve,
     PredictionBand,
     about_peaks,
@@ -67,7 +67,7 @@ from dashpot.plot.picture import (
 )
 from dashpot.plot.plotted_data import downsample_to_extremes, unit_of
 from dashpot.plot.svg import strip, swatch
-from dashpot.reading.columns.file_kinds import RECOGNISED
+from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
 from dashpot.registry import KINDS
 from dashpot.report import first_screen
 from dashpot.report.figures import chart_of
@@ -84,9 +84,9 @@ from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
 """What a column of a relaxation test or of a hammer test can be."""
-_ALONE = ("response", "base", "bench", "level", "judged", "part")
+_SEPARATE_PLACES = ("response", "base", "bench", "level", "judged", "part")
 """Places of the page where a file is no part of a job, or not of one only."""
-ASKED: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
+REQUESTED_DIMENSIONS: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
 """What its unit can be one of."""
 EQ5 = Pen("ref", 1.6, (2, 3))
 SHORT = {
@@ -110,7 +110,7 @@ OF_STIFFNESS = {
 """What the key of a stiffness over frequency calls a mark."""
 Sizes = Mapping[str, tuple[float, float]]
 """Width and height of the drawing of each panel, px."""
-UNSEEN = (400.0, 180.0)
+HIDDEN_SIZE = (400.0, 180.0)
 """Of one that is not shown yet, px."""
 AT_ITS_LINE = {"displacement", "coherence"}
 """What is named where it is drawn, and in no key."""
@@ -120,11 +120,11 @@ SHARE = {1: (1.0,), 2: (0.6, 0.4), 3: (0.56, 0.26, 0.18)}
 """Of the height of a drawing, to each of its panels."""
 PULSE, PART = (88, 26), 0.1
 """Size of the drawing of a pulse, px; at which part of its peak it begins and ends."""
-ALIKE = 3.0
+MAX_SAME_SCALE = 3.0
 """Factor within which the arms of two solids stand for the same."""
 SINGLE = 8
 """Arms of a table that is read; more are a spectrum for a solver."""
-LEAST = 44.0
+MIN_PLOT_HEIGHT = 44.0
 """Of a plot, px: below it no curve can be read."""
 LIVE_POINTS = 240
 """Of a curve that follows a handle: more than a panel has px across a bend."""
@@ -155,14 +155,22 @@ def render_panels(
     Of several, one below the other, the first is as high as `SHARE` of them. A `title` replaces
     what stands over the place; a `note` stands in place of the key.
     """
-    width, height = sizes.get(name, UNSEEN)
+    width, height = sizes.get(name, HIDDEN_SIZE)
     strip_of = panels if isinstance(panels, tuple) else (panels,)
-    bare = bool(title)
-    around = 2 * ROW + 6 + len(strip_of) * (4 + ROW * (not bare)) + 10 * (len(strip_of) - 1)
-    margin = max(height - around, LEAST * len(strip_of))
+    without_titles = bool(title)
+    around = (
+        2 * ROW + 6 + len(strip_of) * (4 + ROW * (not without_titles)) + 10 * (len(strip_of) - 1)
+    )
+    margin = max(height - around, MIN_PLOT_HEIGHT * len(strip_of))
     shares = SHARE[len(strip_of)]
     strip_of = tuple(
-        replace(panel, height=part * margin, bare=bare, title="", note="" if bare else panel.note)
+        replace(
+            panel,
+            height=part * margin,
+            without_axes=without_titles,
+            title="",
+            note="" if without_titles else panel.note,
+        )
         for panel, part in zip(strip_of, shares, strict=True)
     )
     key = [] if note else [item for item in Picture(name, "", (strip_of,)).key
@@ -284,7 +292,7 @@ def _shorten_key(panel: Panel, words: Mapping[str, str] = SHORT) -> Panel:
 def format_response_title(job: Job, quantity: Kind) -> str:
     """Return what the panel of the response shows: the title of its place."""
     name = quantity.value.replace("_", " ").capitalize()
-    return f"{name} of {weight(job)}, {SHOWN[quantity][0]}"
+    return f"{name} of {weight(job)}, {DISPLAY_UNITS[quantity][0]}"
 
 
 def response_panel(predicted: FRF, sizes: Sizes, title: str) -> str:
@@ -300,12 +308,12 @@ def stiffness_panel(
     sizes: Sizes,
     *,
     parameters: StiffnessBounds | None = None,
-    unseen: StiffnessBounds | None = None,
+    unresolved_bounds: StiffnessBounds | None = None,
 ) -> str:
     """Return storage stiffness and loss factor of one seal, with their interval and their bound."""
     from dashpot.plot.solid import stiffness
 
-    drawn = stiffness(fit, parameters=parameters, unseen=unseen)
+    drawn = stiffness(fit, parameters=parameters, unresolved_bounds=unresolved_bounds)
     storage, _, factor = (panel for (panel,) in drawn.strips)
     unit = storage.y.label.rpartition(", ")[2]
     modulus = "E′" if fit.unit == "Pa" else "K′"
@@ -325,9 +333,11 @@ def study_panel(study: Study, sizes: Sizes, title: str, *, phase: bool = False) 
     """
     if study.prediction is None:
         parameters = study.parameters if study.joint is None else None
-        return stiffness_panel(study.fit, sizes, parameters=parameters, unseen=study.unmeasured)
+        return stiffness_panel(
+            study.fit, sizes, parameters=parameters, unresolved_bounds=study.unmeasured
+        )
     curves, limits = _responses(study)
-    if sizes.get("frf", UNSEEN)[0] < NARROW:
+    if sizes.get("frf", HIDDEN_SIZE)[0] < NARROW:
         curves = [replace(curve, peak=None) if curve.pen is REF else curve for curve in curves]
     panel = magnitude_panel(curves, limits, view=about_peaks(curves), tagged=True)
     below: tuple[Panel, ...] = ()
@@ -413,12 +423,12 @@ def hammer_line(study: Study) -> str:
 class LiveCurves(NamedTuple):
     """Curves by panel and name, in axis units, with texts.
 
-    Of a test that is followed, `left` says what is left of the force.
+    Of a test in progress, `left_axis` labels the residual of the force.
     """
 
     arrays: dict[str, FloatArray]
     words: str
-    left: str = ""
+    left_axis: str = ""
 
 
 def live_test(
@@ -480,7 +490,7 @@ def live_response(predicted: FRF) -> LiveCurves:
     words = (
         f"{round_to_error(float(predicted.frequency[top]), digits=4)} Hz, "
         f"{round_to_error(float(size[top]))} "
-        f"{SHOWN[predicted.quantity][0]}"
+        f"{DISPLAY_UNITS[predicted.quantity][0]}"
     )
     return LiveCurves({"frf/predicted/x": predicted.frequency, "frf/predicted/y": size}, words)
 
@@ -488,10 +498,14 @@ def live_response(predicted: FRF) -> LiveCurves:
 # -- pieces of the page ---------------------------------------------------------------------------
 
 
-def verdict(verdict: Verdict, lights: Sequence[Light] = (), *, mass: str = "") -> str:
+def verdict(verdict: Verdict, indicators: Sequence[Light] = (), *, mass: str = "") -> str:
     """The verdict in colour and words, with its lights, and a mass, g, that would mend it."""
     return render_template(
-        "verdict", verdict=verdict, colour=VERDICT_COLOURS[verdict.use], lights=lights, mass=mass
+        "verdict",
+        verdict=verdict,
+        colour=VERDICT_COLOURS[verdict.use],
+        lights=indicators,
+        mass=mass,
     )
 
 
@@ -526,7 +540,7 @@ def mass_that_explains(study: Study) -> str:
     return round_to_error(convert_to_unit(study.mass * (1 + shown.value), "g"), digits=4)
 
 
-def make_fit_lights(fit: Fit) -> tuple[Light, ...]:
+def make_fit_indicators(fit: Fit) -> tuple[Light, ...]:
     """Return what is known before the hammer is compared, or the limits are sought."""
     return (
         first_screen.test_light(fit.checks),
@@ -544,7 +558,7 @@ class Term(NamedTuple):
     unit: str
     mark: str
     pads: tuple[str, ...] = ()
-    """What stands unseen behind value, low and high, so that points stand below each other."""
+    """What is hidden behind value, low and high, so that points stand below each other."""
 
 
 def terms(fit: Fit) -> list[Term]:
@@ -574,7 +588,7 @@ class ArmRow(NamedTuple):
 
 
 def _is_near_any(tau: float, values: Iterable[float]) -> bool:
-    return any(1 / ALIKE < tau / value < ALIKE for value in values)
+    return any(1 / MAX_SAME_SCALE < tau / value < MAX_SAME_SCALE for value in values)
 
 
 def arms_table(fit: Fit, *, single: Fit | None = None) -> str:
@@ -622,13 +636,13 @@ def solid_table(fit: Fit) -> str:
             f"and a spectrum of {fit.model.arms} arms from {fit.model.tau[0]:.3g} to "
             f"{fit.model.tau[-1]:.3g} s, a table for a solver: fit.json holds it."
         )
-    return term_table("Model of one seal", new_terms, more, of=fit._identity)
+    return term_table("Model of one seal", new_terms, more, subject=fit._identity)
 
 
-def term_table(title: str, terms: Sequence[Term], more: str = "", *, of: str = "") -> str:
+def term_table(title: str, terms: Sequence[Term], more: str = "", *, subject: str = "") -> str:
     """Terms by unit, each with its interval and a mark, and what else is to be said of them.
 
-    `of` is the identity of the fit, which a deck is then asked for.
+    `subject` is the identity of the fit, by which a deck is requested.
     """
     groups = []
     for unit in dict.fromkeys(term.unit for term in terms):
@@ -637,7 +651,7 @@ def term_table(title: str, terms: Sequence[Term], more: str = "", *, of: str = "
         groups.append(
             (unit, [row._replace(pads=pads) for row, *pads in zip(rows, *columns, strict=True)])
         )
-    return render_template("solid", title=title, groups=groups, more=more, of=of)
+    return render_template("solid", title=title, groups=groups, more=more, of=subject)
 
 
 def _pads(texts: Sequence[str]) -> list[str]:
@@ -677,7 +691,7 @@ def _split(check: Check) -> tuple[str, str]:
     return sentences(check.message)[0], check.remedy.words if check.remedy else ""
 
 
-def answers(study: Study, recommendation: Recommendation) -> str:
+def list_values(study: Study, recommendation: Recommendation) -> str:
     """Return the numbers that one came for, of the solid of the tab."""
     title, rows = first_screen.under_mass(study, recommendation)
     every: list[tuple[str, list[Row]]] = []
@@ -692,8 +706,8 @@ def answers(study: Study, recommendation: Recommendation) -> str:
     )  # fmt: skip
 
 
-def tells_more(study: Study, checks: Sequence[Check]) -> str:
-    """What would tell more of the end of the hold; nothing where a failed check has said so."""
+def format_next_test(study: Study, checks: Sequence[Check]) -> str:
+    """What would show more of the end of the hold; nothing where a failed check has said so."""
     end = study.fit.evidence.end_of_hold
     stated = {check.remedy.words for check in checks if check.failed and check.remedy}
     if end is None or end.remedy in stated:
@@ -711,19 +725,19 @@ def groups(groups: Sequence[Group], text: str, note: str) -> str:
     )  # fmt: skip
 
 
-def _shorter(answer: RecommendedValue, row: Row) -> Row:
+def _shorter(value: RecommendedValue, row: Row) -> Row:
     """Return a number under a name that does not wrap beside its five cells."""
-    return row._replace(name=short_name(answer))
+    return row._replace(name=short_name(value))
 
 
-def short_name(answer: RecommendedValue) -> str:
+def short_name(value: RecommendedValue) -> str:
     """Return a number's name that does not wrap beside its cells."""
-    at = "" if answer.at is None else round_to_error(answer.at)
+    at = "" if value.at is None else round_to_error(value.at)
     return {
         "frequency": "Frequency", "damping": "Damping", "peak": "Peak",
         "end of hold": f"k after {at.removesuffix('.0')} s", "dynamic stiffness": f"K′ at {at} Hz",
         "loss factor": "Loss factor",
-    }[answer.quantity]  # fmt: skip
+    }[value.quantity]  # fmt: skip
 
 
 def weight(job: Job) -> str:
@@ -795,8 +809,8 @@ def _format_file_line(inspection: InspectedFile) -> str:
         return f"{format_cell(ready.depth, 'mm')} mm, {ramp} s, {hold} s"
     if inspection.questions:
         return "asks: " + ("a unit" if "--units" in inspection.questions[0].option else "a column")
-    if place_of(inspection) in _ALONE:
-        return _refusal(inspection) or RECOGNISED[inspection.kind].what
+    if place_of(inspection) in _SEPARATE_PLACES:
+        return _refusal(inspection) or KINDS_OF_FILE[inspection.kind].label
     return inspection.refusal or inspection.reason
 
 
@@ -809,16 +823,16 @@ def _heading(inspection: InspectedFile) -> str:
     if inspection.questions:
         return f"What does {inspection.file} hold?"
     if _stranger(inspection):
-        return f"{inspection.file} is {RECOGNISED[inspection.kind].what}"
+        return f"{inspection.file} is {KINDS_OF_FILE[inspection.kind].label}"
     return f"{inspection.file} was not read"
 
 
 def _stranger(inspection: InspectedFile) -> str:
     """Return what to do with a file of a kind that this page has no place for, if it is one."""
-    place = place_of(inspection) or inspection.kind not in RECOGNISED
+    place = place_of(inspection) or inspection.kind not in KINDS_OF_FILE
     if inspection.questions or inspection.refusal or place:
         return ""
-    advice = RECOGNISED[inspection.kind].use
+    advice = KINDS_OF_FILE[inspection.kind].use
     return (
         "this page takes relaxation tests, hammer files, FRFs, sweeps, loops, moduli and creep "
         f"tests; for this one: {advice}"
@@ -842,7 +856,7 @@ def render_column_questions(
     """
     words: dict[str, list[str]] = {}
     for unit in units.TABLE.values():
-        if unit.dimension in ASKED:
+        if unit.dimension in REQUESTED_DIMENSIONS:
             words.setdefault(unit.dimension, []).append(unit.word)
     return render_template(
         "asked", file=result, heading=_heading(result), stranger=_stranger(result), roles=ROLES,

@@ -48,7 +48,7 @@ def trim_memory(excess: int) -> None:
             ctypes.CDLL(None).malloc_trim(0)
 
 
-LARGE = 200 << 20
+RECYCLED_BYTES = 200 << 20
 """Bytes of a worker that has had a long record: what it needed in between it gives back."""
 
 
@@ -74,7 +74,7 @@ def main() -> None:
         preload_templates()
     while True:
         _answer(VERBS, questions.get(), folder, answers)
-        trim_memory(LARGE)
+        trim_memory(RECYCLED_BYTES)
 
 
 def _listen(source: BinaryIO, questions: queue.Queue[bytes], folder: Path) -> None:

@@ -16,7 +16,7 @@ from dashpot.extensions.batch.quantities import Quantity
 from dashpot.extensions.batch.seals import Seal
 
 Decision = Literal["pass", "not proven", "fail", "no result"]
-SURE = 0.95
+CONFORMITY_PROBABILITY = 0.95
 """Probability with which a seal that passes keeps the limit (ISO 14253-1:2017)."""
 
 
@@ -65,13 +65,16 @@ def check_lot_acceptance(lot: Lot, limits: Limits) -> tuple[SealDecision, ...]:
         guard = None
         if freedom:
             value = math.hypot(deviation / math.sqrt(len(item.values)), between)
-            guard = t_quantile(2 * SURE - 1, freedom) * value
+            guard = t_quantile(2 * CONFORMITY_PROBABILITY - 1, freedom) * value
         decisions.append(
             SealDecision(item.lot, item.name, _decision(limits, item.mean, guard), item.mean, guard)
         )
     items = {(seal.lot, seal.name) for seal in seals}
-    lost = (key for key in _find_tested_seals(lot) if key not in items)
-    return (*decisions, *(SealDecision(of, seal, "no result", None, None) for of, seal in lost))
+    missing_seals = (key for key in _find_tested_seals(lot) if key not in items)
+    return (
+        *decisions,
+        *(SealDecision(of, seal, "no result", None, None) for of, seal in missing_seals),
+    )
 
 
 def _find_tested_seals(lot: Lot) -> dict[tuple[str, str], None]:

@@ -174,7 +174,7 @@ def _arrays_in_si(units: str, **given: tuple[Any, Dimension]) -> list[Any]:
 
     holder = SimpleNamespace(units=units, **{name: values for name, (values, _) in given.items()})
     if units != SI:
-        convert_arrays_to_si(holder, **{name: of for name, (_, of) in given.items()})
+        convert_arrays_to_si(holder, **{name: dimension for name, (_, dimension) in given.items()})
     return [getattr(holder, name) for name in given]
 
 

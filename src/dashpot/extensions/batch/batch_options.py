@@ -115,13 +115,13 @@ class BatchOptions:
         return self.reading.drop_fields(("modulus",))
 
     @staticmethod
-    def from_plain(plain: dict[str, Any]) -> BatchOptions:
+    def from_plain(values: dict[str, Any]) -> BatchOptions:
         """From what JSON held of them."""
         options = {
-            name: ReadOptions(**(plain[name] | {"units": dict(plain[name]["units"])}))
+            name: ReadOptions(**(values[name] | {"units": dict(values[name]["units"])}))
             for name in ("reading", "reading_impact")
         }
-        return BatchOptions(**(plain | options))
+        return BatchOptions(**(values | options))
 
     def calibration(self) -> str:
         """Return the hash of the calibration that the readings are turned by; empty without one."""

@@ -25,7 +25,7 @@ from dashpot.extensions.batch.limits import Limits
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.parquet_parts import (
     KEY,
-    SMALL,
+    SMALL_PART,
     Task,
     build_row_frame,
     claim,
@@ -39,7 +39,7 @@ from dashpot.extensions.batch.process_pool import Executor, Rows
 from dashpot.extensions.batch.table_row import row
 from dashpot.reading.read_options import ReadOptions
 
-CHUNK = SMALL
+CHUNK = SMALL_PART
 """Files of a chunk: what a run that is cut short loses at most, for each process."""
 _LAST = 5
 """Files of the last chunks, where each process can have so many: to write a part takes 3 ms."""
@@ -227,8 +227,8 @@ def compute_missing_rows(job: BatchJob, tasks: Sequence[Task]) -> Lot:
     missing = _missing(tasks, job.output)
     if missing:
         try:
-            with open_executor(job.jobs, job.scheduler) as made:
-                _compute(missing, job.choices, job.output, made)
+            with open_executor(job.jobs, job.scheduler) as executor:
+                _compute(missing, job.choices, job.output, executor)
         except (KeyboardInterrupt, OSError) as error:
             made_now = len(missing) - len(_missing(missing, job.output))
             text = (
@@ -252,9 +252,9 @@ def plan_batch(job: BatchJob) -> BatchPlan:
         As :func:`batch`.
     """
     polars()
-    made, tasks = open_executor(job.jobs, job.scheduler), job.tasks()
+    executor, tasks = open_executor(job.jobs, job.scheduler), job.tasks()
     missing = _missing(tasks, job.output)
-    with made as making:
+    with executor as making:
         chunks = len(_chunks(missing, making.side))
     value = _estimate_seconds_per_row(missing[:_TIMED], job.choices)
     seconds = value * len(missing) / min(making.at_once, max(chunks, 1))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dashpot.base.checks import Finding, Grade, Remedy, criterion
 from dashpot.base.number_format import format_count
 from dashpot.extensions.batch.statistics.control_chart import compute_chance_limit
-from dashpot.extensions.batch.statistics.gauge_rr import LIMIT, TRUSTED, Gauge
+from dashpot.extensions.batch.statistics.gauge_rr import GOOD_SHARE, LIMIT, Gauge
 from dashpot.extensions.batch.statistics.process_capability import Capability
 from dashpot.extensions.batch.statistics.variance_components import NOT_NORMAL
 
@@ -98,14 +98,14 @@ def records_distinct(again: int, tests: int) -> Finding:
 )
 def gauge_discriminates(study: Gauge) -> Finding:
     """The gauge contributes less than 30 % of the total standard deviation."""
-    of = study["gauge"]
-    low, high = of.share_interval
+    gauge = study["gauge"]
+    low, high = gauge.share_interval
     message = (
-        f"The SD of the gauge is {100 * of.share:.0f} % of all ({100 * low:.0f} to "
+        f"The SD of the gauge is {100 * gauge.share:.0f} % of all ({100 * low:.0f} to "
         f"{100 * high:.0f})"
     )
-    # from a good gauge to none: so few seals tell nothing of it
-    outside = of.share > LIMIT and low > TRUSTED
+    # from a good gauge to none: so few seals show nothing of it
+    outside = gauge.share > LIMIT and low > GOOD_SHARE
     grade: Grade = "stop" if low > LIMIT else "limit" if outside else "note"
     return Finding(
         message,
@@ -123,18 +123,20 @@ def charts_in_control(charts: Sequence[tuple[str, int, int, int]]) -> Finding:
     Of each kind of chart what its points are, and how many causes, points that break a rule, and
     points there are: lots among themselves are judged apart from the seals of a lot.
     """
-    what, causes, points, of = max(charts, key=lambda pair: pair[2] / compute_chance_limit(pair[3]))
+    what, causes, points, total = max(
+        charts, key=lambda pair: pair[2] / compute_chance_limit(pair[3])
+    )
     if not points:
         return Finding(
             f"No point of {sum(chart[3] for chart in charts)} breaks a rule of control", 0
         )
     return Finding(
-        f"{points} of {of} points of {what} break a rule of control, in "
+        f"{points} of {total} points of {what} break a rule of control, in "
         f"{format_count(causes, 'cause')}",
         points,
         "Chance does not do that",
         "Look at the chart: something changed.",
-        limit=compute_chance_limit(of),
+        limit=compute_chance_limit(total),
     )
 
 
@@ -172,13 +174,14 @@ def capability_as_asked(
             limit=target,
             always_fails=True,
         )
-    lot, of = lowest
-    low, high = of.cpk_interval or (0.0, 0.0)
+    lot, capability = lowest
+    low, high = capability.cpk_interval or (0.0, 0.0)
     where = f" of lot {lot}" if lot else ""
     return Finding(
-        f"Cpk of {words}{where} is {of.cpk:.2f} ({low:.2f} to {high:.2f}, {of.count} seals); "
+        f"Cpk of {words}{where} is {capability.cpk:.2f} ({low:.2f} to {high:.2f}, "
+        f"{capability.count} seals); "
         f"{target:.2f} is asked",
-        of.cpk,
+        capability.cpk,
         "" if high >= target else "The seals scatter too much, or lie off centre",
         "Test more seals." if high >= target else "Look at scatter and mean of that lot.",
         limit=target,
@@ -191,7 +194,7 @@ def capability_as_asked(
 def scatter_normal(source: str, normal: float | None) -> Finding:
     """The scatter between seals, lots and repeats is normally distributed."""
     if normal is None:
-        return Finding("Too few values tell whether the scatter is normal")
+        return Finding("Too few values show whether the scatter is normal")
     return Finding(
         f"The values of each {source} would scatter so with a probability of {normal:.2g} if they "
         "were normal",

@@ -21,9 +21,9 @@ from dashpot.extensions.batch.cluster_worker import rows_of, stop_idle_workers
 from dashpot.extensions.batch.process_pool import Chunk, Executor, Rows
 from dashpot.registry import find_handler
 
-PATIENCE = 10.0
+SCHEDULER_TIMEOUT = 10.0
 """Seconds for the scheduler to answer, and for a first worker to be there."""
-_AHEAD = 2
+_QUEUED_CHUNKS = 2
 """Chunks that wait for each thread of a worker; more would only fill the scheduler."""
 
 
@@ -69,18 +69,19 @@ def _open_client(distributed: Any, address: str) -> Any:
     try:
         # a client that finds nobody would try on, and again when it is collected
         parts = urlsplit(address)
-        socket.create_connection((parts.hostname or "", parts.port or 0), PATIENCE).close()
+        socket.create_connection((parts.hostname or "", parts.port or 0), SCHEDULER_TIMEOUT).close()
         client = distributed.Client(
-            address, timeout=PATIENCE, set_as_default=False, name="dashpot-batch"
+            address, timeout=SCHEDULER_TIMEOUT, set_as_default=False, name="dashpot-batch"
         )
     except (OSError, ValueError, TypeError) as error:
-        said = str(error).splitlines() or [type(error).__name__]
+        error_lines = str(error).splitlines() or [type(error).__name__]
         raise DataError(
-            f"--scheduler {address}: no scheduler answers there ({said[0]}); give the address that "
+            f"--scheduler {address}: no scheduler answers there ({error_lines[0]}); give the "
+            "address that "
             "dask scheduler prints, such as tcp://host:8786"
         ) from None
     try:
-        client.wait_for_workers(1, timeout=PATIENCE)
+        client.wait_for_workers(1, timeout=SCHEDULER_TIMEOUT)
     except TimeoutError:
         client.close()
         raise DataError(
@@ -109,7 +110,7 @@ def _compute_chunks(
         requested_tasks[future.key] = chunk
         return future
 
-    ahead = _AHEAD * sum(client.nthreads().values())
+    ahead = _QUEUED_CHUNKS * sum(client.nthreads().values())
     first = list(map(send_chunk, islice(waiting, ahead)))
     running = distributed.as_completed(first, loop=client.loop)
     try:
@@ -130,9 +131,10 @@ def _rows(future: Any, address: str) -> Rows:
     except DashpotError:
         raise
     except Exception as error:  # noqa: BLE001 -- whatever a worker raised
-        said = str(error).splitlines() or [""]
+        error_lines = str(error).splitlines() or [""]
         raise DataError(
-            f"--scheduler {address}: a chunk was not made ({type(error).__name__}: {said[0]}); the "
+            f"--scheduler {address}: a chunk was not made ({type(error).__name__}: "
+            f"{error_lines[0]}); the "
             "rows that were made are kept, and the same command goes on from there. Scheduler and "
             f"workers need dashpot {__version__} as it is here, and memory for a test"
         ) from None

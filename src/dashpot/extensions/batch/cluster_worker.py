@@ -71,7 +71,7 @@ def _refuse_unreachable(chunk: list[Task], folder: Path) -> None:
 
 def _pop_idle_worker(key: tuple[str, str]) -> Worker | None:
     with _lock:
-        place = next((i for i, (of, _) in enumerate(_idle) if of == key), None)
+        place = next((i for i, (worker_key, _) in enumerate(_idle) if worker_key == key), None)
         return None if place is None else _idle.pop(place)[1]
 
 

@@ -12,9 +12,9 @@ from dashpot.base.number_format import ascii_only, format_count
 from dashpot.base.plain_text import sentence
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.extensions.batch.checks import lots_tested_alike, records_distinct, seals_named
-from dashpot.extensions.batch.lot import ALIKE, DEGREES, Lot
+from dashpot.extensions.batch.lot import DEGREES, MAX_CONDITION_DIFFERENCE, Lot
 from dashpot.extensions.batch.quantities import Quantity, make_natural_sort_key
-from dashpot.extensions.batch.statistics.two_sample import SURE, Difference, holm
+from dashpot.extensions.batch.statistics.two_sample import SIGNIFICANCE, Difference, holm
 
 _TOLD_BY_OTHERS = ("k_inf", "E_inf", "loss_at_")
 _CONDITIONS = ("hold_s", "depth_m", "temperature_K", "ramp_s")
@@ -54,7 +54,7 @@ class Compared(Serialisable):
 
         None of lots that share records.
         """
-        return None if self.shared else self.p_value < SURE
+        return None if self.shared else self.p_value < SIGNIFICANCE
 
     def share(self, value: float) -> float:
         """Return a difference, SI, over the mean of the first lot."""
@@ -105,31 +105,33 @@ class LotComparison(HasChecks, Serialisable):
 
 
 def _format_comparison(item: Compared) -> Iterator[str]:
-    of, read = item.difference, item.quantity.read
+    difference, read = item.difference, item.quantity.read
 
     def share(value: float) -> str:
         return f"{100 * item.share(value):+.2g} %"
 
-    low, high = of.interval
+    low, high = difference.interval
     what = f"{'different' if item.different else 'no difference found'} (p = {item.p_value:.2g})"
     if item.shared:
-        what = f"not judged, the lots have {format_count(item.shared, 'record')} in common"
+        what = f"not checked, the lots have {format_count(item.shared, 'record')} in common"
     yield f"{item.quantity.words}: {what}"
     means = " and ".join(
         f"{read(mean)} ({count} seals, SD {read(sd, digits=2)})"
-        for mean, count, sd in zip(of.means, of.counts, of.deviations, strict=True)
+        for mean, count, sd in zip(
+            difference.means, difference.counts, difference.deviations, strict=True
+        )
     )
     yield f"  means       {ascii_only(means)}"
     if item.shared:
         return
-    yield f"  difference  {share(of.value)}, 95 % from {share(low)} to {share(high)}"
+    yield f"  difference  {share(difference.value)}, 95 % from {share(low)} to {share(high)}"
     yield (
-        f"  detectable  {abs(100 * item.share(of.detectable)):.2g} % with a power of 80 %; "
-        f"alike within {abs(100 * item.share(of.alike_within)):.2g} % (two one-sided tests)"
+        f"  detectable  {abs(100 * item.share(difference.detectable)):.2g} % with a power of 80 %; "
+        f"alike within {abs(100 * item.share(difference.alike_within)):.2g} % (two one-sided tests)"
     )
 
 
-def open_lot(named: str) -> tuple[str, Lot]:
+def open_lot(folder_name: str) -> tuple[str, Lot]:
     """Return the one lot that ``FOLDER`` or ``FOLDER:LOT`` names, and what it is called.
 
     Raises
@@ -139,24 +141,27 @@ def open_lot(named: str) -> tuple[str, Lot]:
     DataError
         If there are several and none, or one that is not there, was named.
     """
-    folder, _, chosen = (named, "", "") if Path(named).is_dir() else named.rpartition(":")
-    lot = Lot.read(folder or named)
+    folder, _, chosen = (
+        (folder_name, "", "") if Path(folder_name).is_dir() else folder_name.rpartition(":")
+    )
+    lot = Lot.read(folder or folder_name)
     if chosen:
         return chosen, lot.only(chosen)
     lots = sorted(set(lot.fitted_rows["lot"]), key=make_natural_sort_key)
     if len(lots) > 1:
         raise DataError(
-            f"{named} holds {len(lots)} lots: {', '.join(lots)}; say which one is meant, such as "
-            f"{named}:{lots[0]}"
+            f"{folder_name} holds {len(lots)} lots: {', '.join(lots)}; say which one is meant, "
+            "such as "
+            f"{folder_name}:{lots[0]}"
         )
-    return Path(named).resolve().name, lot
+    return Path(folder_name).resolve().name, lot
 
 
-def opened_both(named: Sequence[str]) -> list[tuple[str, Lot]]:
+def opened_both(names: Sequence[str]) -> list[tuple[str, Lot]]:
     """Return two lots, opened each; those of one name are called as they were named."""
-    lots = [open_lot(name) for name in named]
+    lots = [open_lot(name) for name in names]
     if len({name for name, _ in lots}) == 1:
-        return [(called, lot) for called, (_, lot) in zip(named, lots, strict=True)]
+        return [(called, lot) for called, (_, lot) in zip(names, lots, strict=True)]
     return lots
 
 
@@ -170,7 +175,7 @@ def compare_two_lots(
     first, second : (str, Lot)
         What a lot is called, and the lot.
     names : sequence of str
-        Quantities; by default those that both lots have, less what the others tell.
+        Quantities; by default those that both lots have, less what the others show.
 
     Raises
     ------
@@ -220,7 +225,7 @@ def _count_shared_records(first: Lot, second: Lot) -> int:
 
 
 def _select_common_quantities(first: Lot, second: Lot) -> tuple[str, ...]:
-    """Return the quantities that both lots have, less what the others tell."""
+    """Return the quantities that both lots have, less what the others show."""
     theirs = {quantity.name for quantity in second.quantities}
     mine = (quantity.name for quantity in first.quantities)
     return tuple(name for name in mine if name in theirs and not name.startswith(_TOLD_BY_OTHERS))
@@ -243,6 +248,8 @@ def _otherwise(single_lot: Lot, other: Lot) -> Iterator[str]:
         first, second = (value if isinstance(value, float) else None for value in medians)
         if first is None or second is None:
             continue
-        if abs(second - first) > (DEGREES if name == "temperature_K" else ALIKE * abs(first)):
+        if abs(second - first) > (
+            DEGREES if name == "temperature_K" else MAX_CONDITION_DIFFERENCE * abs(first)
+        ):
             what, _, unit = name.rpartition("_")
             yield f"{what} {first:.4g} and {second:.4g} {unit}"

@@ -184,7 +184,7 @@ def cpk_picture(capabilities: Sequence[Capability], requested: float | None) -> 
         ends.append(np.array([requested]))
     across = Scale("Cpk", compute_padded_limits(*ends))
     upright = Scale("", (0.0, len(ranked) + 1.0), unnumbered=True)
-    panel = Panel(across, upright, tuple(marks), height=70, bare=True)
+    panel = Panel(across, upright, tuple(marks), height=70, without_axes=True)
     return Picture("cpks", "Cpk of every lot", ((panel,),))
 
 
@@ -289,19 +289,19 @@ def _repeats_of_lots(
     yield Panel(scale, Scale(title, (0.0, top)), tuple(marks), height=70)
 
 
-def curves_picture(rows: Sequence[Mapping[str, Any]], odd: Sequence[str] = ()) -> Picture:
+def curves_picture(rows: Sequence[Mapping[str, Any]], outliers: Sequence[str] = ()) -> Picture:
     """Return the relaxation of the solid of every row, from 10 ms to the end of its hold."""
     longest = max((float(row["hold_s"] or 0.0) for row in rows), default=0.0)
     time = np.geomspace(1e-2, max(longest, 1.0), _SAMPLES)
-    drawn = [_relaxation(row, time) for row in rows]
+    curves = [_relaxation(row, time) for row in rows]
     marks = tuple(
-        Line(time, k, _ODD if row["file"] in odd else _CURVE,
-             "stands out" if row["file"] in odd else "model of each test")
-        for row, k in zip(rows, drawn, strict=True)
+        Line(time, k, _ODD if row["file"] in outliers else _CURVE,
+             "stands out" if row["file"] in outliers else "model of each test")
+        for row, k in zip(rows, curves, strict=True)
     )  # fmt: skip
     axes = (
         Scale("time after a step, s", (float(time[0]), float(time[-1])), log=True),
-        Scale("stiffness k(t), N/mm", compute_padded_log_limits(*drawn, margin=1.05), log=True),
+        Scale("stiffness k(t), N/mm", compute_padded_log_limits(*curves, margin=1.05), log=True),
     )
     return Picture("curves", "relaxation of every model", ((Panel(*axes, marks, height=170),),))
 

@@ -21,9 +21,9 @@ from dashpot.extensions.batch.input_files import Entry, compute_file_hash, refus
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.parquet_parts import Task, tasks
 
-STILL = 2.0
+UNCHANGED_SECONDS = 2.0
 """Seconds without a change after which a file is taken to be whole."""
-BEAT = 0.5
+POLL_PERIOD = 0.5
 """Seconds between two looks."""
 
 _State: TypeAlias = tuple[int, ...]
@@ -70,7 +70,7 @@ def watch_batch(
         try:
             while True:
                 lot = watched.look(lot, refreshed)
-                wait(BEAT)
+                wait(POLL_PERIOD)
         except KeyboardInterrupt:
             return lot
 
@@ -139,7 +139,7 @@ class _Watched:
         if before != state:
             self._since[file] = state, now
             return False
-        return now - since >= STILL
+        return now - since >= UNCHANGED_SECONDS
 
     def _tasks(self, still: list[Entry]) -> tuple[Task, ...]:
         return tasks(still, self._job.choices, hashed=self._compute_hash)

@@ -51,8 +51,8 @@ def compare_with_hammer(
         except DataError as error:
             return fit, _resonance(frf) | origin | {"reason": f"hammer: {error}"}
     on = MassOnSeals(mass, choices.seals)
-    _, held = compare_with_measured(fit, frf, on)
-    numbers = _peaks(held) | origin
+    _, comparison = compare_with_measured(fit, frf, on)
+    numbers = _peaks(comparison) | origin
     if choices.joint and isinstance(record, RampHold):
         at = find_static_equilibrium(fit, on).point.compression
         from dashpot.fitting.identification.identify import identify
@@ -60,12 +60,12 @@ def compare_with_hammer(
         fit = identify(
             frf, tests=(record,), fit=fit, mass=mass, seals=choices.seals, compression=at
         )
-        _, held = compare_with_measured(fit, frf, on)
-    agreed = verdict((*frf.checks, *held.checks), headline=held.message)
+        _, comparison = compare_with_measured(fit, frf, on)
+    agreed = verdict((*frf.checks, *comparison.checks), headline=comparison.message)
     numbers |= {
         "agreement": agreed.use,
-        "peak_dB": held.ratio_db,
-        "frac": held.frac,
+        "peak_dB": comparison.ratio_db,
+        "frac": comparison.frac,
         "reason": "" if agreed.use == "use" else f"hammer: {decapitalise_sentence(agreed.message)}",
     }
     return fit, numbers
@@ -96,13 +96,13 @@ def _resonance(frf: FRF) -> dict[str, Any]:
     }
 
 
-def _peaks(held: Comparison) -> dict[str, Any]:
+def _peaks(comparison: Comparison) -> dict[str, Any]:
     """Return what the fit of the bench alone predicts, and what the hammer finds."""
     return {
-        "predicted_Hz": held.predicted_hz,
-        "predicted_damping_ratio": held.predicted_damping,
-        "measured_Hz": held.measured_hz,
-        "measured_se_Hz": held.measured_hz_se,
-        "measured_damping_ratio": held.measured_damping,
-        "measured_damping_ratio_se": held.measured_damping_se,
+        "predicted_Hz": comparison.predicted_hz,
+        "predicted_damping_ratio": comparison.predicted_damping,
+        "measured_Hz": comparison.measured_hz,
+        "measured_se_Hz": comparison.measured_hz_se,
+        "measured_damping_ratio": comparison.measured_damping,
+        "measured_damping_ratio_se": comparison.measured_damping_se,
     }

@@ -104,9 +104,9 @@ class Entry:
     date: str = ""
 
     @staticmethod
-    def from_plain(plain: dict[str, Any]) -> Entry:
+    def from_plain(values: dict[str, Any]) -> Entry:
         """From what JSON held of it."""
-        return Entry(**{**plain, "hammer": tuple(plain["hammer"])})
+        return Entry(**{**values, "hammer": tuple(values["hammer"])})
 
     def hashes(self, by: Callable[[str], str] | None = None) -> tuple[str, ...]:
         """SHA-256 of the contents of its file and of its hammer's; of what is not read, none."""

@@ -41,7 +41,7 @@ from dashpot.extensions.batch.statistics.gauge_rr import Gauge, gauge
 from dashpot.extensions.batch.statistics.process_capability import Capability, capability
 from dashpot.extensions.batch.statistics.two_sample import Difference, difference
 from dashpot.extensions.batch.statistics.variance_components import (
-    SHORT,
+    SHORT_HOLD,
     Component,
     components,
     stands_out,
@@ -57,7 +57,7 @@ if TYPE_CHECKING:
 _MAIN = ("k_end_", "E_end_")
 _INSTEAD = ("cld_per_100mm", "cld_force", "loop_storage", "indent_modulus", "restitution")
 """Columns of load deflection and indentation tests."""
-ALIKE = 0.05
+MAX_CONDITION_DIFFERENCE = 0.05
 """Largest relative difference of hold and depth of a test from the median of its lot."""
 DEGREES = 3.0
 """Largest difference of its temperature, K."""
@@ -175,7 +175,7 @@ class Lot:
                 if name not in rows.columns or rows[name].is_null().all():
                     continue
                 usual = float(rows[name].quantile(0.5, interpolation="lower") or 0.0)
-                reach = DEGREES if unit == "K" else ALIKE * usual
+                reach = DEGREES if unit == "K" else MAX_CONDITION_DIFFERENCE * usual
                 for file, value in rows.drop_nulls(name).select("file", name).iter_rows():
                     if abs(value - usual) > reach * (1 + 1e-9):
                         text, others = (
@@ -196,9 +196,11 @@ class Lot:
         first: dict[tuple[str, str], str] = {}
         if "sha256" not in self.table.columns:
             return {}
-        alike = self.fitted_rows.filter(~polars().col("file").is_in(list(self.dissimilar)))
-        parts = "part" if "part" in alike.columns else polars().lit("").alias("part")
-        rows = alike.filter(polars().col("sha256") != "").select("file", "sha256", parts)
+        comparable_rows = self.fitted_rows.filter(
+            ~polars().col("file").is_in(list(self.dissimilar))
+        )
+        parts = "part" if "part" in comparable_rows.columns else polars().lit("").alias("part")
+        rows = comparable_rows.filter(polars().col("sha256") != "").select("file", "sha256", parts)
         pairs = (
             (file, first.setdefault((sha256, part), file))
             for file, sha256, part in rows.iter_rows()
@@ -380,7 +382,7 @@ class Lot:
     def short_holds(self) -> tuple[str, ...]:
         """Files with a hold below 95 % of the median of their kind and lot."""
         column = polars().col
-        least = SHORT * column("hold_s").median().over("lot", "kind")
+        least = SHORT_HOLD * column("hold_s").median().over("lot", "kind")
         return tuple(self.table.filter(column("hold_s") < least)["file"])
 
     def csv(self) -> str:
@@ -396,10 +398,10 @@ class Lot:
 
     def escape_formulas(self) -> pl.DataFrame:
         """Return the table with texts escaped that a spreadsheet takes for formulas."""
-        made = polars()
+        library = polars()
         texts = [
-            made.Series(column.name, [escape_formula(text) for text in column])
-            for column in self.table.select(made.col(made.String)).iter_columns()
+            library.Series(column.name, [escape_formula(text) for text in column])
+            for column in self.table.select(library.col(library.String)).iter_columns()
         ]
         return self.table.with_columns(texts)
 
@@ -450,7 +452,7 @@ def _arrange_columns(rows: pl.DataFrame) -> pl.DataFrame:
         for name in rows.columns
         if name in ALWAYS or (rows[name].drop_nulls().cast(polars().String) != "").any()
     ]
-    asked = [name for name in LEADING if name in filled]
+    leading = [name for name in LEADING if name in filled]
     values = [name for name in filled if name not in {*LEADING, *TRAILING}]
     end = [name for name in TRAILING if name in filled]
-    return rows.select(*asked, *values, *end)
+    return rows.select(*leading, *values, *end)

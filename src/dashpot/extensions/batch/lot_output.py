@@ -50,7 +50,7 @@ class LotOutput(Serialisable):
     Attributes
     ----------
     folder : str
-    found : Summary or None
+    summary : Summary or None
         None where no table was made.
     quantity : str
     """
@@ -59,40 +59,40 @@ class LotOutput(Serialisable):
     _keys = (
         "folder",
         "files",
-        Key("computed", "found.lot.computed", optional=True),
-        Key("simulated", "found.lot.simulated_count", optional=True),
-        Key("outcomes", "found.lot.outcomes", optional=True),
-        Key("verdicts", "found.lot.verdicts", optional=True),
-        Key("agreements", "found.lot.agreements", optional=True),
+        Key("computed", "summary.lot.computed", optional=True),
+        Key("simulated", "summary.lot.simulated_count", optional=True),
+        Key("outcomes", "summary.lot.outcomes", optional=True),
+        Key("verdicts", "summary.lot.verdicts", optional=True),
+        Key("agreements", "summary.lot.agreements", optional=True),
         Key("components", optional=True),
         Key("outliers", optional=True),
-        Key("short_holds", "found.lot.short_holds", optional=True),
-        Key("found", flatten=True),
+        Key("short_holds", "summary.lot.short_holds", optional=True),
+        Key("summary", flatten=True),
     )
 
     folder: str
-    found: Summary | None = None
+    summary: Summary | None = None
     quantity: str = ""
 
     @property
     def files(self) -> int:
         """How many."""
-        return 0 if self.found is None else self.found.lot.table.height
+        return 0 if self.summary is None else self.summary.lot.table.height
 
     @property
     def components(self) -> tuple[Component, ...] | None:
         """The components of the relaxed stiffness, where lots or seals were named."""
         try:
-            return None if self.found is None else self.found.lot.components()
+            return None if self.summary is None else self.summary.lot.components()
         except DataError:
             return ()
 
     @property
     def outliers(self) -> tuple[Outlier, ...] | None:
         """The tests that stand out."""
-        if self.found is None:
+        if self.summary is None:
             return None
-        away = self.found.lot.outliers(self.quantity)
+        away = self.summary.lot.outliers(self.quantity)
         return tuple(Outlier(file, value if isfinite(value) else None) for file, value in away)
 
 
@@ -103,23 +103,23 @@ class Outlier(NamedTuple):
     robust_deviations: float | None
 
 
-def make_command_result(job: BatchJob, found: Summary) -> CommandResult:
+def make_command_result(job: BatchJob, summary: Summary) -> CommandResult:
     """Return the printed result of a batch: the summary of its lot."""
-    lot, quantity = found.lot, job.quantity or found.lot.main
-    filled = LotOutput(str(job.output), found, quantity)
+    lot, quantity = summary.lot, job.quantity or summary.lot.main
+    filled = LotOutput(str(job.output), summary, quantity)
     lines = [
         *(
             f"{light.label:<12}{_VERDICT_PREFIXES[light.mark]}{ascii_only(light.message)}"
-            for light in found.lights
+            for light in summary.indicators
         ),
         *_format_lot_counts(lot),
-        *found.lines,
+        *summary.lines,
         *_format_outliers(lot, quantity),
     ]
     none = not lot.outcomes.get("fitted")
     reasons = _format_unfitted_files(lot)
     text = Text([*lines, *reasons]) if none else Text(lines, reasons)
-    return CommandResult(filled, text, found.checks, verdict=found.verdict, nothing_done=none)
+    return CommandResult(filled, text, summary.checks, verdict=summary.verdict, nothing_done=none)
 
 
 _VERDICT_PREFIXES = {"good": "", "note": "", "care": "! ", "bad": "!! "}

@@ -28,9 +28,9 @@ from dashpot.extensions.batch.input_files import LABELS
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.quantities import Quantity
 from dashpot.extensions.batch.seals import Seal, seal_means, split_seals_by_lot
-from dashpot.extensions.batch.statistics.control_chart import BEYOND, ENOUGH
-from dashpot.extensions.batch.statistics.gauge_rr import LIMIT, TRUSTED
-from dashpot.extensions.batch.summary import OfQuantity, Summary, summary
+from dashpot.extensions.batch.statistics.control_chart import BEYOND, MIN_POINTS
+from dashpot.extensions.batch.statistics.gauge_rr import GOOD_SHARE, LIMIT
+from dashpot.extensions.batch.summary import QuantitySummary, Summary, summary
 from dashpot.plot.picture import Picture
 from dashpot.report.figures import PAPER, RenderedFigure, render_figure
 from dashpot.report.first_screen import ORDER
@@ -38,12 +38,12 @@ from dashpot.report.page_frame import VERDICT_COLOURS, digest, environment, fram
 
 ROWS = 50
 """Of a table or a list in the page: its height does not depend on how many tests there are."""
-BY_SEALS, FEW_LOTS, WEIGHS = 100, 6, 6
+BY_SEALS, FEW_LOTS, MAX_FINDINGS = 100, 6, 6
 """Most seals that the chart shows one by one, lots in the table of Cpk, and rows of the gravest
 flags."""
 CURVES = 200
 """Drawn at most, evenly over the lot, and as many that stand out; more would be one stain."""
-WIDE, SIDE = 920.0, 250.0
+CHART_WIDTH, SIDE_WIDTH = 920.0, 250.0
 """Widths of the chart and of what stands beside it, px."""
 _GRAVITY = {"fail": 0, "not proven": 1, "no result": 2, "look": 3}
 _MARKS = {"fail": "bad", "not proven": "care", "no result": "note", "pass": "good", "look": "care"}
@@ -65,7 +65,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     ----------
     lot : Lot
     title : str
-    found : Summary, optional
+    summary : Summary, optional
         What it says; by default of the stiffness at the end of the hold, without limits.
     """
     found = found or summary(lot)
@@ -101,7 +101,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
                     "mark": light.mark,
                     "message": light.message,
                 }
-                for light in found.lights
+                for light in found.indicators
             ],
             counts=_counts(lot, main),
             simulated=[format_count(lot.simulated_count, "file")] if lot.simulated_count else [],
@@ -113,8 +113,8 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             by_lots=by_lots,
             histogram=_histogram(main),
             points=json.dumps(_points(main, by_lots=by_lots)),
-            few=[name for name, chart in main.charts.items() if len(chart.seals) < ENOUGH],
-            enough=ENOUGH,
+            few=[name for name, chart in main.charts.items() if len(chart.seals) < MIN_POINTS],
+            enough=MIN_POINTS,
             curves=_curves(lot, found),
             curves_most=CURVES,
             capability=_capability(main),
@@ -123,7 +123,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             lots=_lots(main),
             scatter=_scatter(main),
             gauge=_gauge(main),
-            weighs=weighs[:WEIGHS],
+            weighs=weighs[:MAX_FINDINGS],
             remarks=len(weighs),
             checked=[
                 {"mark": _mark(check), "message": check.message_with_remedy}
@@ -145,7 +145,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     )  # fmt: skip
 
 
-def _format_chart_points(main: OfQuantity, *, by_lots: bool) -> str:
+def _format_chart_points(main: QuantitySummary, *, by_lots: bool) -> str:
     if by_lots:
         return "every lot"
     return "mean of the tests of each seal" if _has_repeats(main) else "one test each"
@@ -170,13 +170,13 @@ def _part(name: str) -> str:
 # -- figures --------------------------------------------------------------------------------------
 
 
-def _render_picture(picture: Picture, width: float = WIDE) -> RenderedFigure:
+def _render_picture(picture: Picture, width: float = CHART_WIDTH) -> RenderedFigure:
     """For a screen and a phone and, where that is wider than a sheet, for paper."""
-    whole = sum(panel.height for panel in picture.panels)
-    return render_figure(picture, width=width, low=whole if width > PAPER else None)
+    total_height = sum(panel.height for panel in picture.panels)
+    return render_figure(picture, width=width, low=total_height if width > PAPER else None)
 
 
-def _chart(main: OfQuantity, *, by_lots: bool) -> RenderedFigure | None:
+def _chart(main: QuantitySummary, *, by_lots: bool) -> RenderedFigure | None:
     if not main.seals:
         return None
     if by_lots:
@@ -188,26 +188,26 @@ def _chart(main: OfQuantity, *, by_lots: bool) -> RenderedFigure | None:
     )
 
 
-def _get_limit_ends(main: OfQuantity) -> tuple[float, ...]:
+def _get_limit_ends(main: QuantitySummary) -> tuple[float, ...]:
     return () if main.limits is None else main.limits.ends
 
 
-def _histogram(main: OfQuantity) -> RenderedFigure | None:
+def _histogram(main: QuantitySummary) -> RenderedFigure | None:
     if not main.seals:
         return None
     picture = histogram_picture(main.quantity, main.charts, main.seals, _get_limit_ends(main))
-    return _render_picture(picture, SIDE)
+    return _render_picture(picture, SIDE_WIDTH)
 
 
-def _cpks(main: OfQuantity) -> RenderedFigure | None:
+def _cpks(main: QuantitySummary) -> RenderedFigure | None:
     """Return the sentence on lots beyond those of the table."""
     if len(main.capabilities) <= FEW_LOTS:
         return None
     cpk = None if main.limits is None else main.limits.cpk
-    return _render_picture(cpk_picture(list(main.capabilities.values()), cpk), SIDE)
+    return _render_picture(cpk_picture(list(main.capabilities.values()), cpk), SIDE_WIDTH)
 
 
-def _points(main: OfQuantity, *, by_lots: bool) -> list[tuple[str, str]]:
+def _points(main: QuantitySummary, *, by_lots: bool) -> list[tuple[str, str]]:
     """What each place of the chart stands for: a lot, or a lot and the words that find a seal."""
     if by_lots:
         return [(lot, "") for lot in split_seals_by_lot(main.seals)]
@@ -223,11 +223,11 @@ def _curves(lot: Lot, summary: Summary) -> RenderedFigure | None:
     if rows.is_empty():
         return None
     few = np.unique(np.linspace(0, rows.height - 1, min(rows.height, CURVES)).astype(int))
-    odd = rows.filter(rows["file"].is_in(files)).head(CURVES)
-    return _render_picture(curves_picture([*rows[few].to_dicts(), *odd.to_dicts()], files))
+    outlier_rows = rows.filter(rows["file"].is_in(files)).head(CURVES)
+    return _render_picture(curves_picture([*rows[few].to_dicts(), *outlier_rows.to_dicts()], files))
 
 
-def _capability(main: OfQuantity) -> dict[str, Any] | None:
+def _capability(main: QuantitySummary) -> dict[str, Any] | None:
     if main.lowest is None or main.limits is None:
         return None
     worst, capability = main.lowest
@@ -253,11 +253,11 @@ def _capability(main: OfQuantity) -> dict[str, Any] | None:
 # -- words and tables -----------------------------------------------------------------------------
 
 
-def _has_repeats(main: OfQuantity) -> bool:
+def _has_repeats(main: QuantitySummary) -> bool:
     return any(len(seal.values) > 1 for seal in main.seals)
 
 
-def _counts(lot: Lot, main: OfQuantity) -> str:
+def _counts(lot: Lot, main: QuantitySummary) -> str:
     lots = {seal.lot for seal in main.seals}
     sentences = [
         format_count(lot.table.height, "file"),
@@ -272,7 +272,7 @@ def _counts(lot: Lot, main: OfQuantity) -> str:
     return ", ".join(filter(None, sentences))
 
 
-def _scatter(main: OfQuantity) -> list[dict[str, Any]]:
+def _scatter(main: QuantitySummary) -> list[dict[str, Any]]:
     """Source, share in per cent, standard deviation and its ends, and where its bar stands."""
     rows, at = [], 0.0
     for item, (fact, share) in zip(main.components, main.sources, strict=True):
@@ -286,7 +286,7 @@ def _scatter(main: OfQuantity) -> list[dict[str, Any]]:
     return rows
 
 
-def _gauge(main: OfQuantity) -> dict[str, Any] | None:
+def _gauge(main: QuantitySummary) -> dict[str, Any] | None:
     study = main.gauge
     if study is None:
         return None
@@ -299,14 +299,14 @@ def _gauge(main: OfQuantity) -> dict[str, Any] | None:
     distance = None if main.limits is None else main.limits.distance
     return {
         "rows": rows, "message": study.summary, "ratio": f"{100 * share:.0f}",
-        "mark": "good" if share <= TRUSTED else "care" if share <= LIMIT else "bad",
+        "mark": "good" if share <= GOOD_SHARE else "care" if share <= LIMIT else "bad",
         "operators": study.operators, "parts": study.parts, "tests": study.tests,
         "left_out": study.left_out, "pooled": study.is_pooled,
         "tolerance": distance and f"{100 * 6 * study['gauge'].deviation / distance:.1f}",
     }  # fmt: skip
 
 
-def _signals(main: OfQuantity) -> Iterator[tuple[str, str, str]]:
+def _signals(main: QuantitySummary) -> Iterator[tuple[str, str, str]]:
     """Lot, seal and rule, and the lots that stand out of all."""
     for name, charts in main.charts.items():
         for at, rule in charts.means.signals:
@@ -318,7 +318,7 @@ def _signals(main: OfQuantity) -> Iterator[tuple[str, str, str]]:
                 yield names[at], "", f"{what} is {rule} of all lots"
 
 
-def _lots(main: OfQuantity) -> list[tuple[str, ...]]:
+def _lots(main: QuantitySummary) -> list[tuple[str, ...]]:
     """Lot, seals, mean, standard deviation, control limits, Cpk and its ends, causes of alarms."""
     rows: list[tuple[str, ...]] = []
     for name, seals in split_seals_by_lot(main.seals).items():
@@ -338,7 +338,7 @@ def _lots(main: OfQuantity) -> list[tuple[str, ...]]:
 
 
 def _select_other_quantities(
-    lot: Lot, main: OfQuantity
+    lot: Lot, main: QuantitySummary
 ) -> list[tuple[Quantity, Mapping[tuple[str, str], str]]]:
     """The further quantities of the table of seals, each with the means that any of them has."""
     sentences, there = (
@@ -394,13 +394,13 @@ def _decisions(seals: Sequence[Mapping[str, Any]]) -> str:
     return ", ".join(f"{count} {word}" for word, count in counts.most_common())
 
 
-def _causes(main: OfQuantity) -> Iterator[dict[str, Any]]:
+def _causes(main: QuantitySummary) -> Iterator[dict[str, Any]]:
     """The runs of lots that set off an alarm."""
     lots = main.lots
     if lots is None:
         return
     centre, values = lots.mean.centre, np.asarray(lots.mean.values)
-    whole = main.quantity.format_value(centre)
+    centre_text = main.quantity.format_value(centre)
     for low, high in lots.mean.causes:
         run = np.arange(low, high + 1)
         for way, side in (("low", run[values[run] < centre]), ("high", run[values[run] > centre])):
@@ -413,7 +413,7 @@ def _causes(main: OfQuantity) -> Iterator[dict[str, Any]]:
                                         f"{_join_lot_names(names, len(run))}",
                 "filter": names[0],
                 "message": f"{'lies' if single else 'lie'} {way}: {_ends(main, values[side])}, "
-                f"all lots {whole}.",
+                f"all lots {centre_text}.",
             }  # fmt: skip
 
 
@@ -425,7 +425,7 @@ def _join_lot_names(names: Sequence[str], run: int) -> str:
     return f"{', '.join(others)} and {last}" if others else last
 
 
-def _ends(main: OfQuantity, values: FloatArray) -> str:
+def _ends(main: QuantitySummary, values: FloatArray) -> str:
     """Return the value of a lot, or the least and the largest of several."""
     low, high = (
         main.quantity.format_value(float(values.min())),
@@ -513,11 +513,11 @@ def _tests(summary: Summary, labels: Sequence[str]) -> list[dict[str, Any]]:
     return [
         {
             "file": file,
-            "labels": of,
+            "labels": labels_of_row,
             "value": quantity.format_value(value),
             "verdict": (verdict or "point estimate") if outcome == "fitted" else outcome,
             "mark": marks.get(verdict if outcome == "fitted" else outcome, "bad"),
             "reason": reason or "",
         }
-        for file, outcome, verdict, reason, value, *of in rows
+        for file, outcome, verdict, reason, value, *labels_of_row in rows
     ]

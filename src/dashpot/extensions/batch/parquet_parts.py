@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 KEY = "key"
 """The column that names what decided a row."""
 PARTS = "part-*.parquet"
-SMALL = 25
+SMALL_PART = 25
 """Rows below which a part is small, and how many such parts become one."""
 _FORM = 4
 """Of a row; another one is another key."""
@@ -145,7 +145,7 @@ def join_frames(
     """Return tables as one; few parts are held at once, for one takes ten times what is in it."""
     whole: list[pl.DataFrame] = []
     several = iter(frames)
-    while some := list(islice(several, SMALL)):
+    while some := list(islice(several, SMALL_PART)):
         whole.append(polars().concat(some, how=how, rechunk=True))
     return cast("pl.DataFrame", polars().concat(whole or [polars().DataFrame()], how=how))
 
@@ -212,8 +212,8 @@ def _extract_missing_rows(
 
 def _gather(folder: Path) -> None:
     """Make one part of many small ones, which tests leave that come one by one."""
-    small = {path for path, frame in read_parts(folder) if frame.height < SMALL}
-    if len(small) >= SMALL:
+    small = {path for path, frame in read_parts(folder) if frame.height < SMALL_PART}
+    if len(small) >= SMALL_PART:
         parts = (frame for path, frame in read_parts(folder) if path in small)
         whole = write_part(folder, join_frames(parts))
         for path in small - {whole}:

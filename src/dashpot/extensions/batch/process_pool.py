@@ -90,17 +90,17 @@ def _compute_chunks(
 def _serve(
     worker: Worker,
     waiting: queue.SimpleQueue[Chunk],
-    done: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException],
+    results: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException],
     over: threading.Event,
 ) -> None:
     try:
         while not over.is_set():
             chunk = waiting.get_nowait()
-            done.put((chunk, [row for task in chunk for row in worker.rows(task, over)]))
+            results.put((chunk, [row for task in chunk for row in worker.rows(task, over)]))
     except queue.Empty:
         worker.end()
     except BaseException as error:  # noqa: BLE001 -- it is raised where the rows are waited for
-        done.put(error)
+        results.put(error)
 
 
 class Worker:
@@ -115,9 +115,9 @@ class Worker:
         for _ in range(LIVES):
             if over.is_set():
                 break
-            answer = self._answer(task)
-            if answer.endswith(b"\n"):
-                data: Rows = json.loads(answer)
+            reply = self._answer(task)
+            if reply.endswith(b"\n"):
+                data: Rows = json.loads(reply)
                 return [row | {KEY: task.key} for row in data]
             self.end()
         died = empty(task.entry, task.hashes[0], self._choices) | {

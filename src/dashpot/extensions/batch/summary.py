@@ -137,7 +137,7 @@ class LotCapability(Serialisable):
 
 
 @dataclass(frozen=True)
-class OfQuantity(Serialisable):
+class QuantitySummary(Serialisable):
     """Statistics of one quantity.
 
     Attributes
@@ -186,7 +186,10 @@ class OfQuantity(Serialisable):
     def charts_by_lot(self) -> tuple[LotControlCharts, ...]:
         """The charts of each lot."""
         item = self.charts.items()
-        return tuple(LotControlCharts(lot, of.means, of.moving, of.repeats) for lot, of in item)
+        return tuple(
+            LotControlCharts(lot, charts.means, charts.moving, charts.repeats)
+            for lot, charts in item
+        )
 
     @property
     def signals(self) -> Signals:
@@ -265,7 +268,7 @@ class Summary(HasChecks, Serialisable):
 
     _keys = (
         "verdict",
-        Key("summary", "lights"),
+        Key("summary", "indicators"),
         Key("statistics", "quantities", nonfinite_as_null=True),
         "flags",
         "dissimilar",
@@ -274,13 +277,13 @@ class Summary(HasChecks, Serialisable):
     )
 
     lot: Lot
-    main: OfQuantity
-    others: tuple[OfQuantity, ...]
+    main: QuantitySummary
+    others: tuple[QuantitySummary, ...]
     flags: tuple[Flag, ...]
     checks: tuple[Check, ...]
 
     @property
-    def quantities(self) -> tuple[OfQuantity, ...]:
+    def quantities(self) -> tuple[QuantitySummary, ...]:
         """The statistics of every quantity, the main one first."""
         return (self.main, *self.others)
 
@@ -301,7 +304,7 @@ class Summary(HasChecks, Serialisable):
         )
 
     @property
-    def lights(self) -> tuple[LotLight, ...]:
+    def indicators(self) -> tuple[LotLight, ...]:
         """Files, gauge R&R, control charts and limits: the verdict is the worst of them."""
         main = self.main
         names = {"files": _FILES, "measuring": _MEASURING, "control": _CONTROL}
@@ -310,8 +313,9 @@ class Summary(HasChecks, Serialisable):
             package = next((name for name, words in names.items() if check.name in words), "limits")
             behind[package].append(check)
         message = {
-            "files": self._files, "measuring": _gauge_says(main), "control": _control_says(main),
-            "limits": _limits_says(main),
+            "files": self._files, "measuring": _format_gauge(main),
+            "control": _format_control(main),
+            "limits": _format_limits(main),
         }  # fmt: skip
         return tuple(
             LotLight(
@@ -367,7 +371,9 @@ def summary(lot: Lot, *, quantity: str = "k_end", limits: Sequence[Limits] = ())
     return Summary(lot, first, tuple(others), flags, checks)
 
 
-def _compute_quantity_summary(lot: Lot, quantity: Quantity, limits: Limits | None) -> OfQuantity:
+def _compute_quantity_summary(
+    lot: Lot, quantity: Quantity, limits: Limits | None
+) -> QuantitySummary:
     name = quantity.column
     try:
         scatter = lot.components(name)
@@ -378,7 +384,7 @@ def _compute_quantity_summary(lot: Lot, quantity: Quantity, limits: Limits | Non
     except DataError:
         gauge = None
     within = {} if limits is None else lot.capability(name, limits.lower, limits.upper)
-    return OfQuantity(
+    return QuantitySummary(
         quantity, lot.seals(name), lot.charts(name), lot.lot_chart(name), scatter, gauge,
         limits, within, () if limits is None else check_lot_acceptance(lot, limits),
     )  # fmt: skip
@@ -387,10 +393,10 @@ def _compute_quantity_summary(lot: Lot, quantity: Quantity, limits: Limits | Non
 # -- what to look at ------------------------------------------------------------------------------
 
 
-def _flags(lot: Lot, of: OfQuantity) -> Iterator[Flag]:
-    for name, chart in of.charts.items():
-        yield from _odd_seals(name, chart, of.quantity)
-    yield from _odd_repeats(of)
+def _flags(lot: Lot, quantity: QuantitySummary) -> Iterator[Flag]:
+    for name, chart in quantity.charts.items():
+        yield from _list_outlier_seals(name, chart, quantity.quantity)
+    yield from _list_outlier_repeats(quantity)
     rows = lot.table.select("file", "lot", "seal", "outcome", "verdict", "reason").rows()
     places = {file: (name, seal, file) for file, name, seal, *_ in rows}
     for file, message in lot.dissimilar.items():
@@ -403,7 +409,7 @@ def _flags(lot: Lot, of: OfQuantity) -> Iterator[Flag]:
             yield Flag(*places[file], message, weighty=False)
 
 
-def _odd_seals(name: str, charts: Charts, quantity: Quantity) -> Iterator[Flag]:
+def _list_outlier_seals(name: str, charts: Charts, quantity: Quantity) -> Iterator[Flag]:
     """Yield flags of outlying seals of a lot, then of seals whose repeats scatter."""
     away, far = robust_distance(seal_means(charts.seals)), stands_out(seal_means(charts.seals))
     outside = {at for at, rule in charts.means.signals if rule == BEYOND}
@@ -433,9 +439,9 @@ def _side(away: float) -> str:
     return "above" if away > 0 else "below"
 
 
-def _odd_repeats(of: OfQuantity) -> Iterator[Flag]:
+def _list_outlier_repeats(quantity: QuantitySummary) -> Iterator[Flag]:
     """Yield flags of outlying repeats, by their deviation from the mean of their seal."""
-    several = [seal for seal in of.seals if len(seal.values) > 2]
+    several = [seal for seal in quantity.seals if len(seal.values) > 2]
     if not several:
         return
     # of n values about their own mean the deviation is smaller
@@ -452,7 +458,9 @@ def _odd_repeats(of: OfQuantity) -> Iterator[Flag]:
 # -- checks ---------------------------------------------------------------------------------------
 
 
-def _checks(lot: Lot, summaries: Sequence[OfQuantity], flags: Sequence[Flag]) -> Iterator[Check]:
+def _checks(
+    lot: Lot, summaries: Sequence[QuantitySummary], flags: Sequence[Flag]
+) -> Iterator[Check]:
     for quantity_summary in summaries:
         if quantity_summary.limits is not None:
             yield from _check_limits(quantity_summary, quantity_summary.limits)
@@ -475,7 +483,7 @@ def _checks(lot: Lot, summaries: Sequence[OfQuantity], flags: Sequence[Flag]) ->
         yield frequencies_in_band(requested, max(entries.values()))
 
 
-def _check_limits(quantity_summary: OfQuantity, limits: Limits) -> Iterator[Check]:
+def _check_limits(quantity_summary: QuantitySummary, limits: Limits) -> Iterator[Check]:
     decisions = [judge.decision for judge in quantity_summary.judged]
     yield seals_within_limits(quantity_summary.quantity.words, str(limits), decisions)
     if limits.cpk is not None:
@@ -518,50 +526,50 @@ def _mark(checks: Sequence[Check], *, certain: bool) -> str:
     return ("note", "care", "bad")[max(failed)]
 
 
-def _gauge_says(of: OfQuantity) -> str:
-    if of.gauge is None:
+def _format_gauge(quantity: QuantitySummary) -> str:
+    if quantity.gauge is None:
         return ""
-    low, high = (100 * end for end in of.gauge["gauge"].share_interval)
-    ndc = of.gauge.categories
+    low, high = (100 * end for end in quantity.gauge["gauge"].share_interval)
+    ndc = quantity.gauge.categories
     text = f"{floor(ndc)}" if isfinite(ndc) else "∞"
-    return f"R&R {100 * of.gauge['gauge'].share:.0f} % ({low:.0f} to {high:.0f}), ndc {text}"
+    return f"R&R {100 * quantity.gauge['gauge'].share:.0f} % ({low:.0f} to {high:.0f}), ndc {text}"
 
 
-def _control_says(of: OfQuantity) -> str:
-    if not of.signals.of:
+def _format_control(quantity: QuantitySummary) -> str:
+    if not quantity.signals.of:
         return ""
-    if not of.signals.points:
-        return f"no alarm in {format_count(len(of.charts), 'lot')}"
-    group = [(of.signals_of("seals"), "seals"), (of.signals_of("lots"), "lots")]
+    if not quantity.signals.points:
+        return f"no alarm in {format_count(len(quantity.charts), 'lot')}"
+    group = [(quantity.signals_of("seals"), "seals"), (quantity.signals_of("lots"), "lots")]
     points = " and ".join(
         f"{signals.points} of {signals.of} points of {what}"
         for signals, what in group
         if signals.points
     )
-    return f"{format_count(of.signals.causes, 'cause')}: {points}"
+    return f"{format_count(quantity.signals.causes, 'cause')}: {points}"
 
 
-def _limits_says(of: OfQuantity) -> str:
-    if of.limits is None:
+def _format_limits(quantity: QuantitySummary) -> str:
+    if quantity.limits is None:
         return "no limits given"
-    if of.lowest is not None and of.limits.cpk is not None:
-        lot, able = of.lowest
-        where = f" in {lot}" if lot and len(of.capabilities) > 1 else ""
-        return f"Cpk {able.cells[0]}{where}, asked {of.limits.cpk:.2f}"
-    passed = sum(decision.decision == "pass" for decision in of.judged)
-    return f"{passed} of {len(of.judged)} seals pass"
+    if quantity.lowest is not None and quantity.limits.cpk is not None:
+        lot, able = quantity.lowest
+        where = f" in {lot}" if lot and len(quantity.capabilities) > 1 else ""
+        return f"Cpk {able.cells[0]}{where}, asked {quantity.limits.cpk:.2f}"
+    passed = sum(decision.decision == "pass" for decision in quantity.judged)
+    return f"{passed} of {len(quantity.judged)} seals pass"
 
 
 # -- for people and programs -----------------------------------------------------------------------
 
 
-def _alarms(quantity_summary: OfQuantity) -> str:
+def _alarms(quantity_summary: QuantitySummary) -> str:
     causes = quantity_summary.signals.causes
     alarms = f"{format_count(causes, 'cause')} of control-chart alarms"
     return alarms if causes else "no control-chart alarm"
 
 
-def _lines(quantity_summary: OfQuantity) -> Iterator[str]:
+def _lines(quantity_summary: QuantitySummary) -> Iterator[str]:
     if len(quantity_summary.seals) < 2:
         return
     mean = ascii_only(
@@ -589,7 +597,7 @@ def _lines(quantity_summary: OfQuantity) -> Iterator[str]:
     )
 
 
-def _format_decision(judge: SealDecision, quantity: Quantity) -> str:
-    value = "" if judge.value is None else f", {ascii_only(quantity.read(judge.value))}"
-    where = f"{judge.lot} " if judge.lot else ""
-    return f"  {judge.decision:<11} {where}seal {judge.seal}{value}"
+def _format_decision(decision: SealDecision, quantity: Quantity) -> str:
+    value = "" if decision.value is None else f", {ascii_only(quantity.read(decision.value))}"
+    where = f"{decision.lot} " if decision.lot else ""
+    return f"  {decision.decision:<11} {where}seal {decision.seal}{value}"

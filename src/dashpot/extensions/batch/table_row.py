@@ -60,30 +60,30 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict[str,
     entries = empty(entry, "", choices)
     if entry.mass is None:
         entries["mass_kg"] = choices.mass
-    answer: dict[str, Any]
+    cells: dict[str, Any]
     if entry.aside:
         outcome = "ignored" if entry.aside == NO_TABLE else "refused"
         return entries | {"outcome": outcome, "reason": entry.aside}
     try:
-        answer = _fit_entry(entry, choices, entries)
+        cells = _fit_entry(entry, choices, entries)
     except DashpotError as error:
-        answer = {"outcome": "refused", "reason": str(error)}
+        cells = {"outcome": "refused", "reason": str(error)}
     except Exception as error:  # noqa: BLE001 -- one file's fault is one row
-        answer = {
+        cells = {
             "outcome": "refused",
             "reason": f"internal error of dashpot: {type(error).__name__}. dashpot fit shows more",
         }
-    changed = _find_changed_file(entry, hashes, answer.get("sha256"))
+    changed = _find_changed_file(entry, hashes, cells.get("sha256"))
     if changed:
         did = "changed" if Path(changed).exists() else "went"
-        answer = {
+        cells = {
             "outcome": "changed",
             "reason": f"{changed} {did} while the batch ran; run it again",
         }
     elif hashes[0]:
         with suppress(OSError):  # gone, by now
-            answer["bytes"] = Path(entry.file).stat().st_size
-    entries |= answer | {"sha256": hashes[0]}
+            cells["bytes"] = Path(entry.file).stat().st_size
+    entries |= cells | {"sha256": hashes[0]}
     return {name: _finite(value) for name, value in entries.items()}
 
 
@@ -95,18 +95,18 @@ def build_rows(
     How each is chosen, and its name, stand behind the name of the file. Where the seal was named,
     the specimen's name is added to it. The arguments are those of :func:`row`.
     """
-    whole = row(entry, hashes, choices)
-    # which test strain and stress show, the record of one specimen tells
-    told_by_record = find_handler("record rule", whole.get("kind", "")) is not None
-    unclear = whole["outcome"] == "refused" or told_by_record
-    answers = _list_specimens(entry, choices) if unclear and not entry.aside else []
-    if not answers:
-        return [whole]
+    single_row = row(entry, hashes, choices)
+    # which test strain and stress show, the record of one specimen shows
+    told_by_record = find_handler("record rule", single_row.get("kind", "")) is not None
+    unclear = single_row["outcome"] == "refused" or told_by_record
+    specimens = _list_specimens(entry, choices) if unclear and not entry.aside else []
+    if not specimens:
+        return [single_row]
     every: list[dict[str, Any]] = []
-    for name, answer in answers:
-        key, _, value = answer.partition("=")
+    for name, specimen in specimens:
+        key, _, value = specimen.partition("=")
         chosen: dict[str, Any] = {key: int(value) if key == "segment" else value}
-        typed = ",".join(filter(None, (part, answer)))
+        typed = ",".join(filter(None, (part, specimen)))
         seal = f"{entry.seal} {name or value}" if entry.seal else ""
         label = typed if name in {"", value} else f"{typed} {name}"
         rows = build_rows(
@@ -118,7 +118,9 @@ def build_rows(
             for one in rows
         ]
     changed = [one for one in every if one["outcome"] == "changed"]
-    return [whole | {"outcome": "changed", "reason": changed[0]["reason"]}] if changed else every
+    return (
+        [single_row | {"outcome": "changed", "reason": changed[0]["reason"]}] if changed else every
+    )
 
 
 def _list_specimens(entry: Entry, choices: BatchOptions) -> Sequence[tuple[str, str]]:
@@ -208,9 +210,9 @@ def _build_fit_row(
     sentences: list[str] = []
     if entry.hammer:
         try:
-            fit, held = compare_with_hammer(fit, record, entry, choices, mass)
-            sentences.append(held.pop("reason"))
-            numbers |= held
+            fit, comparison = compare_with_hammer(fit, record, entry, choices, mass)
+            sentences.append(comparison.pop("reason"))
+            numbers |= comparison
         except DashpotError as error:
             sentences.append(f"hammer: {error}")
     numbers |= _build_fit_columns(fit, numbers.get("hold_s"), choices.columns)

@@ -46,15 +46,15 @@ def workbook(summary: Summary) -> bytes:
         raise ExportError(
             f"a workbook needs xlsxwriter, which is not installed; install it with: {advice}"
         ) from None
-    made = BytesIO()
+    buffer = BytesIO()
     # a row of the largest sheets is on disk when the next one is made
     how = {"constant_memory": True, "strings_to_formulas": False, "strings_to_urls": False}
-    with Workbook(made, how) as book:
+    with Workbook(buffer, how) as book:
         book.set_properties({"comments": byline("lot"), "created": _MADE})
         for name, frame in (("tests", _tests(summary.lot)), *_sheets(summary)):
             if frame.height:
                 _write(book, name, frame)
-    return _byline_first(made)
+    return _byline_first(buffer)
 
 
 def _tests(lot: Lot) -> pl.DataFrame:
@@ -80,16 +80,16 @@ def _write(book: Any, name: str, frame: pl.DataFrame) -> None:
 _CORE = "docProps/core.xml"
 
 
-def _byline_first(made: BytesIO) -> bytes:
+def _byline_first(workbook: BytesIO) -> bytes:
     """The archive with its properties first and plain: a file of ours is known by its head."""
-    whole = BytesIO()
-    with ZipFile(made) as old, ZipFile(whole, "w") as new:
+    buffer = BytesIO()
+    with ZipFile(workbook) as old, ZipFile(buffer, "w") as new:
         for item in sorted(old.infolist(), key=lambda member: member.filename != _CORE):
             again = copy(item)
             again.compress_type = ZIP_STORED if item.filename == _CORE else ZIP_DEFLATED
             with old.open(item) as source, new.open(again, "w") as place:
                 copyfileobj(source, place)
-    return whole.getvalue()
+    return buffer.getvalue()
 
 
 _SHEETS = {
@@ -113,10 +113,10 @@ def _sheets(summary: Summary) -> Iterator[tuple[str, pl.DataFrame]]:
     document = summary.to_dict()
     for sheet, (part, names) in _SHEETS.items():
         rows = (
-            {"quantity": of["quantity"]}
+            {"quantity": statistics["quantity"]}
             | {_HEADS.get(name, name): row.get(name) for name in names.split()}
-            for of in document["statistics"]
-            for row in map(_flat, (of | (of["gauge"] or {})).get(part, ()))
+            for statistics in document["statistics"]
+            for row in map(_flat, (statistics | (statistics["gauge"] or {})).get(part, ()))
         )
         yield sheet, _frame(rows)
     yield "flags", _frame(document["flags"])
@@ -140,5 +140,5 @@ def _frame(rows: Iterable[dict[str, Any]]) -> pl.DataFrame:
         {name: escape_formula(v) if isinstance(v, str) else v for name, v in row.items()}
         for row in rows
     ]
-    made: pl.DataFrame = polars().DataFrame(cells, infer_schema_length=None)
-    return made
+    frame: pl.DataFrame = polars().DataFrame(cells, infer_schema_length=None)
+    return frame

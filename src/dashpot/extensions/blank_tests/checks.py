@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit, format_quantity, parse_quantity
-from dashpot.datamodel.machine import USUAL
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES
 
 if TYPE_CHECKING:
     from dashpot.extensions.blank_tests.estimation import Blanks, EmptyRun, Press
@@ -23,7 +23,7 @@ _CLEAR_ERRORS = 3.0
 _DELAY_TOLERANCE = parse_quantity("0.2ms", "time")
 _CREEP_TOLERANCE = parse_quantity("1.5um", "length")
 """What two records of one machine may differ by besides their errors."""
-MOST_DELAY_ERROR = 0.1 * USUAL["delay"].size
+MOST_DELAY_ERROR = 0.1 * DEFAULT_UNCERTAINTIES["delay"].size
 """Standard error of a delay, s, beyond which a machine file says hardly more than is usual."""
 _CELL_CLASS = 1.035
 """Gain of a cell of the lowest class, 3 % off, by a spring that is known to 0.5 %."""
@@ -117,7 +117,7 @@ def blank_tests_complete(stop: bool, spring: bool, empty: bool) -> Finding:
 def stop_rigid(compliance: float | None) -> Finding:
     """The stop is stiff relative to usual machines."""
     if compliance is None:
-        return Finding("No stop was pressed, so its stiffness is not judged")
+        return Finding("No stop was pressed, so its stiffness is not checked")
     return Finding(
         f"The stop and the machine give {format_quantity(compliance, 'um/N', '.3g')}",
         compliance,
@@ -127,13 +127,13 @@ def stop_rigid(compliance: float | None) -> Finding:
 
 
 @criterion("fraction of the largest force", "|x| <=", 0.03, "our choice")
-def stop_force_straight(bend: float | None) -> Finding:
+def stop_force_straight(nonlinearity: float | None) -> Finding:
     """The force of the stop rises in proportion."""
-    if bend is None:
-        return Finding("No stop was pressed, so its force is not judged")
+    if nonlinearity is None:
+        return Finding("No stop was pressed, so its force is not checked")
     return Finding(
-        f"At half its load the stop's force is {_format_percent(bend)} off a straight line",
-        bend,
+        f"At half its load the stop's force is {_format_percent(nonlinearity)} off a straight line",
+        nonlinearity,
         "The machine has no single compliance, or the stop touches with a corner",
         "Press on a flat and level stop.",
     )
@@ -155,7 +155,7 @@ def stop_follows_machine(misfit: float | None) -> Finding:
 def crosshead_creep_plausible(creep: float | None) -> Finding:
     """The creep of the crosshead is in the usual range."""
     if creep is None:
-        return Finding("Nothing was pressed, so creep is not judged")
+        return Finding("Nothing was pressed, so creep is not checked")
     return Finding(
         f"In a factor e of time the record creeps by {format_quantity(creep, 'um', '.2g')}",
         creep,
@@ -165,13 +165,14 @@ def crosshead_creep_plausible(creep: float | None) -> Finding:
 
 
 @criterion("fraction of the largest force", "|x| <=", 0.005, "our choice: a calibrated spring")
-def spring_force_straight(bend: float | None) -> Finding:
+def spring_force_straight(nonlinearity: float | None) -> Finding:
     """The force of the spring rises in proportion."""
-    if bend is None:
-        return Finding("No spring was pressed, so its force is not judged")
+    if nonlinearity is None:
+        return Finding("No spring was pressed, so its force is not checked")
     return Finding(
-        f"At half its load the spring's force is {_format_percent(bend)} off a straight line",
-        bend,
+        f"At half its load the spring's force is {_format_percent(nonlinearity)} off a straight "
+        "line",
+        nonlinearity,
         "The spring has no single stiffness, so the gain is off by as much",
         "Use a spring with ground ends, and press it from a small force on.",
     )
@@ -237,7 +238,7 @@ def repeated_springs_agree(difference: float | None) -> Finding:
 def delay_determined(error: float | None) -> Finding:
     """The spring determines the delay of the force."""
     if error is None:
-        return Finding("No spring was pressed, so the error of the delay is not judged")
+        return Finding("No spring was pressed, so the error of the delay is not checked")
     return Finding(
         f"The delay is known to {format_quantity(error, 'ms', '.2g')}",
         error,
@@ -263,7 +264,7 @@ def gain_plausible(gain: float | None) -> Finding:
 def empty_run_force_free_of_motion(run: EmptyRun | None) -> Finding:
     """The force of the empty run does not follow the plate."""
     if run is None:
-        return Finding("No empty run was recorded, so its force is not judged")
+        return Finding("No empty run was recorded, so its force is not checked")
     if not run.motion_error:
         return Finding(
             "The plate rests in the empty run, so nothing follows it", always_passes=True
@@ -281,7 +282,7 @@ def empty_run_force_free_of_motion(run: EmptyRun | None) -> Finding:
 def empty_run_plate_steady(wander: float | None) -> Finding:
     """The plate of the empty run either rests or moves."""
     if wander is None:
-        return Finding("No empty run was recorded, so its plate is not judged")
+        return Finding("No empty run was recorded, so its plate is not checked")
     return Finding(
         f"For {_format_percent(wander)} of the empty run the plate neither rests nor travels",
         wander,
@@ -294,7 +295,7 @@ def empty_run_plate_steady(wander: float | None) -> Finding:
 def empty_run_force_steady(run: EmptyRun | None) -> Finding:
     """The force of the empty run has no slow wander beside its drift."""
     if run is None:
-        return Finding("No empty run was recorded, so its noise is not judged")
+        return Finding("No empty run was recorded, so its noise is not checked")
     return Finding(
         f"The force scatters by {format_quantity(run.noise.value, 'mN', '.2g')}, and its means "
         f"over a twentieth of the record by {format_quantity(run.slow_noise, 'mN', '.2g')}",
@@ -306,7 +307,7 @@ def empty_run_force_steady(run: EmptyRun | None) -> Finding:
 
 def _judge_return(name: str, difference: float | None, reason: str) -> Finding:
     if difference is None:
-        return Finding(f"No {name} was released in its record, so its way back is not judged")
+        return Finding(f"No {name} was released in its record, so its way back is not checked")
     return Finding(
         f"On the way back the {name}'s force is {_format_percent(difference)} of the largest off",
         difference,

@@ -207,7 +207,7 @@ def solve_regression(
     Raises
     ------
     DataError
-        If the columns cannot be told apart.
+        If the columns cannot be distinguished.
     """
     variance = 0.0 if noisy is None else float(noise) ** 2
     weight = 0.0
@@ -227,8 +227,8 @@ def solve_regression(
     gram[is_empty, is_empty] = 1.0
     if np.linalg.eigvalsh(gram)[0] < _LEAST_EIGENVALUE:
         raise DataError(
-            "a blank test does not determine the machine: its motion and its time cannot be told "
-            "apart. Record a rest, a ramp and a hold"
+            "a blank test does not determine the machine: its motion and its time cannot be "
+            "distinguished. Record a rest, a ramp and a hold"
         )
     inverse = np.linalg.inv(gram)
     scaled_values = inverse @ (scaled.T @ values)
@@ -332,8 +332,8 @@ def read_press_history(record: BlankTest) -> PressHistory:
     time = record.time - record.time[0]
     x, force = orient_channels(record)
     ramp, end = _find_ramp_and_hold(record, time, x)
-    noise, held = scatter(time, force), slice(ramp, end)
-    force = force - hum_lines(time, force[held], held, noise=noise)[1]
+    noise, hold = scatter(time, force), slice(ramp, end)
+    force = force - hum_lines(time, force[hold], hold, noise=noise)[1]
     peak = float(np.quantile(force[:end], 1 - _PEAK_SHARE))
     first = _find_contact(force[:end], noise, peak)
     guard = 0.02 * float(time[first])

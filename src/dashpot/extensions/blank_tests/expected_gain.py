@@ -16,7 +16,7 @@ from dataclasses import replace
 
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import format_quantity, parse_quantity
-from dashpot.datamodel.machine import USUAL, Machine, MachineCalibration
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine, MachineCalibration
 from dashpot.extensions.blank_tests.datamodel import CREEP_REPEATABILITY, SPRING_ERROR
 from dashpot.planning.expected_errors import expected_end, expected_error
 from dashpot.planning.planned_ramp_hold import Bench
@@ -25,7 +25,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 SPRING = parse_quantity("1N/mm", "stiffness")
 """Stiffness of the spring that is supposed."""
 _GAP_FACTOR = 2.0
-_WORTHWHILE = 0.9
+_WORTHWHILE_RATIO = 0.9
 """Part of a standard deviation below which a blank test is worth a sentence."""
 
 
@@ -38,7 +38,7 @@ def expect_machine(bench: Bench) -> Machine:
         machine,
         sync=_GAP_FACTOR * delay,
         compliance=machine.compliance or 0.0,
-        creep=CREEP_REPEATABILITY * USUAL["crosshead"].size * bench.depth,
+        creep=CREEP_REPEATABILITY * DEFAULT_UNCERTAINTIES["crosshead"].size * bench.depth,
         calibration=MachineCalibration(gain_error=SPRING_ERROR),
     )
 
@@ -51,13 +51,13 @@ def advise_blank_tests(
     Parameters
     ----------
     model : GeneralizedMaxwell
-        The solid that is supposed, its unseen arm included.
+        The solid that is supposed, its unresolved arm included.
     bench : Bench
         The planned test.
     frequency : float
         The frequency that matters, Hz.
     arm : int or None
-        Index of the unseen arm.
+        Index of the unresolved arm.
     """
     if bench.machine is None or bench.machine.calibration is not None:
         return ()
@@ -67,7 +67,7 @@ def advise_blank_tests(
         expected_error(model, planned, frequency, arm).loss_factor_sd
         for planned in (bench, calibrated)
     ]
-    if ends[1] > _WORTHWHILE * ends[0] and not losses[1] < _WORTHWHILE * losses[0]:
+    if ends[1] > _WORTHWHILE_RATIO * ends[0] and not losses[1] < _WORTHWHILE_RATIO * losses[0]:
         return ()
     end, end_after, loss, loss_after = (_format_percent(value) for value in (*ends, *losses))
     hold = format_quantity(bench.hold_time, "s", ".4g")
@@ -75,7 +75,7 @@ def advise_blank_tests(
         "Record blank tests of the machine, on a rigid stop, on a spring and without a seal: the "
         f"stiffness at {hold} would be known to {end_after} instead of {end} (95 %)"
     )
-    if losses[1] < _WORTHWHILE * losses[0]:
+    if losses[1] < _WORTHWHILE_RATIO * losses[0]:
         text += f", the loss factor to {loss_after} instead of {loss} (1 SD)"
     return (f"{text}.",)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.extensions.blank_tests.datamodel import ROLE_LABELS, BlankCurve, MachineFit
-from dashpot.plot.picture import BENEATH, FIT, REF, UPON, Line, Panel, Picture, Rule, Scale
+from dashpot.plot.picture import DATA_ON_FIT, FIT, FIT_BAND, REF, Line, Panel, Picture, Rule, Scale
 from dashpot.plot.plotted_data import compute_padded_limits, unit_of
 from dashpot.plot.plotted_data import stamp as format_stamp
 
@@ -29,9 +29,9 @@ def _draw_force(record: BlankCurve) -> Panel:
     """Return the force over time, and the model beneath or, of an empty run, upon it."""
     word, scale = unit_of(record.force, "N")
     force, fitted = scale * record.force, scale * record.fitted
-    measured = Line(record.time, force, UPON, "measured")
+    measured = Line(record.time, force, DATA_ON_FIT, "measured")
     empty = record.role == "empty"
-    model = Line(record.time, fitted, FIT if empty else BENEATH, "drift" if empty else "model")
+    model = Line(record.time, fitted, FIT if empty else FIT_BAND, "drift" if empty else "model")
     return Panel(
         Scale("time, s", compute_padded_limits(record.time)),
         Scale(f"force, {word}", compute_padded_limits(force)),

@@ -225,11 +225,11 @@ def predict_drift(blanks: Blanks) -> float | None:
     """
     if not blanks.empties:
         return None
-    seen = [run.drift for run in blanks.empties]
-    limit = max(max(abs(value), 6 * error) for value, error in seen) / 2
-    seen += [press.drift for press in blanks.presses if press.drift.error <= limit]
-    size = math.sqrt(sum(value**2 + error**2 for value, error in seen) / len(seen))
-    return size * t_quantile(0.95, len(seen)) / NORMAL
+    drifts = [run.drift for run in blanks.empties]
+    limit = max(max(abs(value), 6 * error) for value, error in drifts) / 2
+    drifts += [press.drift for press in blanks.presses if press.drift.error <= limit]
+    size = math.sqrt(sum(value**2 + error**2 for value, error in drifts) / len(drifts))
+    return size * t_quantile(0.95, len(drifts)) / NORMAL
 
 
 def _thin_record(record: BlankTest, role: AssignedRole, estimate: Press | EmptyRun) -> BlankCurve:

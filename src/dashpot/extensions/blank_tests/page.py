@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dashpot.extensions.blank_tests.datamodel import ROLE_LABELS, MachineFit
-from dashpot.report.result_page import KindPage, Topic, group, lights
+from dashpot.report.result_page import KindPage, Topic, group, make_indicators
 
 
 def page(fit: MachineFit) -> KindPage:
@@ -13,9 +13,9 @@ def page(fit: MachineFit) -> KindPage:
         for record in fit.records
     )
     return KindPage(
-        about="blank tests of a testing machine",
-        strip=strip,
-        lights=lights(
+        subject="blank tests of a testing machine",
+        summary_line=strip,
+        indicators=make_indicators(
             fit.checks,
             Topic("Stop", {"stop_rigid", "stop_force_straight", "stop_force_returns",
                 "stop_follows_machine", "crosshead_creep_plausible"}),
@@ -25,9 +25,9 @@ def page(fit: MachineFit) -> KindPage:
             Topic("Empty run", {"empty_run_force_free_of_motion", "empty_run_plate_steady",
                 "empty_run_force_steady"}),
         ),
-        answers="What the machine adds to a test",
+        figure_title="What the machine adds to a test",
         picture=fit.plot(),
-        told="The machine",
+        table_title="The machine",
         groups=(group("", fit.facts),),
         sources=fit.sources,
         note=f"{KindPage.note} Write the machine file with -o rig.toml, and fit every seal that is "

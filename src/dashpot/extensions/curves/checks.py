@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 
 MAX_INCONSISTENT = 0.05
 # curves missed by more than this are not followed
-FOLLOWED = 0.05
+MAX_MISFIT = 0.05
 # largest residual of a joint model, over that of the fits alone
 MORE_TOGETHER = 1.3
 # scatter so many times as large is another solid
-CONTRADICTED = 3.0
+CONTRADICTION = 3.0
 # a plateau is known if no spectrum falls below this part of it within ten times the curve
 LEVEL = 0.8
 # a curve that ended before it relaxed falls at its end by as much as it ever did
@@ -36,7 +36,7 @@ OF_ALL = 0.2
 # what frame and load cell of an instrument give if nobody says, m/N
 GIVES = 3e-7
 # so much of the storage, and twice as much of the loss, may go unsaid
-UNSAID = 0.01
+UNSTATED_ERROR = 0.01
 # standard deviations by which a value scatters at most
 SCATTERED = 3.0
 # of creep every record may hide a slow flow, which takes so much
@@ -129,7 +129,7 @@ def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
 @criterion(
     "deformation of the instrument / all",
     "<=",
-    UNSAID,
+    UNSTATED_ERROR,
     "our choice; frames and load cells have 0.1 to 1 um/N, assumed 0.3",
     grade="note",
 )
@@ -142,9 +142,11 @@ def instrument_stiff(data: DynamicTest) -> Finding:
     both = f"frame and load cell that give {format_quantity(GIVES, 'um/N', 'g')}"
     if data.unit != "N/m":
         return Finding(
-            f"Of a specimen of more than {format_quantity(UNSAID / GIVES, 'N/mm', '.3g')}, {both} "
+            "Of a specimen of more than "
+            f"{format_quantity(UNSTATED_ERROR / GIVES, 'N/mm', '.3g')}, {both} "
             "take more "
-            f"than {100 * UNSAID:g} % off the storage and {200 * UNSAID:g} % off the loss. How "
+            f"than {100 * UNSTATED_ERROR:g} % off the storage and {200 * UNSTATED_ERROR:g} % off "
+            "the loss. How "
             "stiff it was is not said"
         )
     stiffest = float(np.hypot(data.storage, data.loss).max())
@@ -251,19 +253,19 @@ def plateau_determined(end: EndOfHold, unit: str) -> Finding:
     "as for a hold",
     other_grade=f"beyond {OF_ALL:g} of all that the data fell, if that is less",
 )
-def curve_level_at_end(end: EndOfHold, fallen: float) -> Finding:
+def curve_level_at_end(end: EndOfHold, decrease: float) -> Finding:
     """At the end of the curve, no model that fits the data still falls much.
 
-    `fallen` is what the data show: from the first value to the last, over the last.
+    `decrease` is what the data show: from the first value to the last, over the last.
     """
     falling = end.slope_limit / max(end.k_end[1], 1e-300)
     return Finding(
         f"At the end of the data the stiffness still falls by up to {100 * falling:.2g} % per "
-        f"factor of 2.7 in time. At first it was {1 + fallen:.3g} times as stiff",
+        f"factor of 2.7 in time. At first it was {1 + decrease:.3g} times as stiff",
         falling,
         "A model that continues like this has another plateau, or none",
         end.remedy,
-        limit=min(MAX_FALLING, OF_ALL * max(fallen, 0.0)),
+        limit=min(MAX_FALLING, OF_ALL * max(decrease, 0.0)),
     )
 
 
@@ -291,7 +293,7 @@ def plateau(
 @criterion(
     "rms error of the fit",
     "<",
-    FOLLOWED,
+    MAX_MISFIT,
     other_grade="note where several temperatures share the spectrum",
     fit_status=Status.NOT_IDENTIFIED,
 )
@@ -310,7 +312,7 @@ def few_arms_sufficient(
         f"{100 * missed:.2g} % rms. This is the dense spectrum of {dense[0]} arms, at "
         f"{100 * dense[1]:.2g} %",
         remedy="Use it as a table for a solver; its single arms mean nothing.",
-        limit=limit or FOLLOWED,
+        limit=limit or MAX_MISFIT,
         grade="note" if limit else None,
     )
 
@@ -319,7 +321,7 @@ def few_arms_sufficient(
     "scatter jointly / alone",
     "<=",
     MORE_TOGETHER,
-    other_grade=f"2.5 sd of what chance shows in few lines; stop beyond {CONTRADICTED:g}",
+    other_grade=f"2.5 sd of what chance shows in few lines; stop beyond {CONTRADICTION:g}",
     fit_status=Status.TESTS_DISAGREE,
 )
 def data_agree(spread: Sequence[float], names: Sequence[str], freedom: Sequence[float]) -> Finding:
@@ -344,7 +346,7 @@ def data_agree(spread: Sequence[float], names: Sequence[str], freedom: Sequence[
         "has the tangent stiffness, a press from zero the secant",
         "Check that specimen, length, temperature and depth are the same.",
         limit=float(limits[worst]),
-        grade="stop" if spread[worst] > CONTRADICTED else None,
+        grade="stop" if spread[worst] > CONTRADICTION else None,
     )
 
 
@@ -368,9 +370,9 @@ def _scatter_of_sweeps(data: DynamicTest, values: FloatArray) -> float:
     kelvin = np.zeros(len(values)) if data.temperature is None else np.round(data.temperature)
     numbers = []
     for item in distinct(kelvin):
-        here = np.flatnonzero(kelvin == item)
-        ordered = values[here[np.argsort(data.frequency[here], kind="stable")]]
-        numbers.append(estimate_robust_scatter(np.arange(float(len(here))), ordered))
+        selected = np.flatnonzero(kelvin == item)
+        ordered = values[selected[np.argsort(data.frequency[selected], kind="stable")]]
+        numbers.append(estimate_robust_scatter(np.arange(float(len(selected))), ordered))
     return median(np.array(numbers))
 
 

@@ -44,19 +44,19 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 # with S the power of what the nearest non-negative spectrum leaves, by the rule of noise of every
 # fit (:func:`~dashpot.numerics.inference.correlated_noise.noise_of`), s the size of that spectrum,
 # and h_n straight lines between knots a quarter of a decade apart: what neighbours have in common -
-# a load cell, a thermostat, grips, smoothing - is not seen in a residual.
+# a load cell, a thermostat, grips, smoothing - does not show in a residual.
 
 
-#: what neighbours have in common, one standard deviation relative to their size
+#: common error of neighbouring values, relative, one standard deviation
 COMMON = 2e-3
-# knots to a decade between which it changes
+# knots per decade of the common error
 KNOTS = 4
-# no value of a curve is better than this part of its size: it has four digits
+# relative rounding of a value with four digits
 DIGITS = 1e-4
-# of the grid on which the nearest spectrum is sought
+# points per decade of the grid of the nearest spectrum
 PER_DECADE = 12
-#: a curve of fewer values is not asked
-ENOUGH = 8
+#: fewest values of a curve whose limits are computed
+MIN_FREE_POINTS = 8
 _SPRINGS, _DASHPOTS = {"k_inf", "glass"}, {"b", "flow"}
 
 
@@ -69,11 +69,11 @@ class CurveData:
     block : DataBlock
         A spring and a dashpot among its fixed columns, of stiffness or of compliance.
     window : (float, float)
-        Shortest and longest relaxation time that is asked about, s.
+        Shortest and longest relaxation time of the spectra, s.
     dof : float
         Degrees of freedom of the noise.
     common : array, shape (n, d)
-        What rows have in common, in units of the noise.
+        Common errors of the rows, in units of the noise.
     terms : NuisanceTerms
         What is known of the other fixed columns, and unseen in those of the solid.
     """
@@ -85,16 +85,18 @@ class CurveData:
     terms: NuisanceTerms = field(default_factory=lambda: NuisanceTerms({}))
 
     def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> RelaxationRows:
-        """Everything that depends on the solid, whitened for all that is doubted."""
+        """Return the rows that depend on the solid, whitened by the priors and common errors."""
         evaluation = self.block.evaluate(log_tau, slopes)
         names = self.block.fixed_names
-        doubts, mean = self.terms.build_prior_columns(evaluation.fixed, names)
-        every = np.hstack((doubts, self.common)) if self.common.size else doubts
-        white = marginal(np.zeros((len(mean), 0)), every)
+        prior_columns, mean = self.terms.build_prior_columns(evaluation.fixed, names)
+        error_columns = (
+            np.hstack((prior_columns, self.common)) if self.common.size else prior_columns
+        )
+        white = marginal(np.zeros((len(mean), 0)), error_columns)
 
         def column(kinds: set[str]) -> FloatArray:
-            there = [i for i, name in enumerate(names) if name in kinds]
-            return white(evaluation.fixed[:, there].sum(axis=1))
+            indices = [i for i, name in enumerate(names) if name in kinds]
+            return white(evaluation.fixed[:, indices].sum(axis=1))
 
         return RelaxationRows(
             target=white(evaluation.target - mean),
@@ -108,7 +110,7 @@ class CurveData:
 def curve_data(
     block: DataBlock, at: FloatArray, *, window: tuple[float, float], common: float = COMMON
 ) -> CurveData:
-    """Weigh a curve by what the nearest of all non-negative spectra leaves of it.
+    """Weight a curve by its residual about the nearest non-negative spectrum.
 
     Parameters
     ----------
@@ -117,9 +119,9 @@ def curve_data(
     at : array, shape (n,)
         Times or frequencies, > 0, of each of its parts: one, or storage and loss.
     window : (float, float)
-        Relaxation times that are asked about, s.
+        Shortest and longest relaxation time of the spectra, s.
     common : float
-        What neighbours have in common, one standard deviation relative to their size.
+        Common error of neighbouring values, relative, one standard deviation.
     """
     n, low, high = len(at), *np.log(window)
     grid = np.linspace(low, high, int(np.ceil((high - low) / np.log(10) * PER_DECADE)) + 1)
@@ -128,7 +130,7 @@ def curve_data(
     best, _ = solve_linear(columns, rows.target, positive=True)
     nearest = columns @ best
     active = np.linalg.qr(columns[:, best > 0])[0]
-    weight, worth = np.empty(len(nearest)), 0.0
+    weight, effective = np.empty(len(nearest)), 0.0
     for start in range(0, len(nearest), n):
         part = slice(start, start + n)
         # a spring has no loss
@@ -137,17 +139,17 @@ def curve_data(
         series = ResidualSeries(rows.target[part] - nearest[part])
         noise = noise_of(series, JacobianColumns(active[part], shared=True), rounding=least)
         weight[part] = 1 / np.sqrt(max(noise.power, least**2))
-        worth += noise.effective
-    hats = common * np.kron(np.eye(len(nearest) // n), _hats(np.log10(at)))
+        effective += noise.effective
+    common_errors = common * np.kron(np.eye(len(nearest) // n), _hat_functions(np.log10(at)))
     return CurveData(
         block.transform_rows(lambda part: (weight * part.T).T),
         window,
-        worth - np.count_nonzero(best),
-        hats * (weight * nearest)[:, None],
+        effective - np.count_nonzero(best),
+        common_errors * (weight * nearest)[:, None],
     )
 
 
-def _hats(at: FloatArray) -> FloatArray:
+def _hat_functions(at: FloatArray) -> FloatArray:
     """Straight lines from 1 at each knot to 0 at its neighbours, shape (n, m)."""
     count = int(np.ceil(KNOTS * float(np.ptp(at)))) + 1
     knots = float(at.min()) + np.arange(count) / KNOTS
@@ -173,12 +175,12 @@ def _hats(at: FloatArray) -> FloatArray:
 FEWEST_LINES = 3
 #: lines to a decade of a curve, which may have gaps
 LINES_PER_DECADE = 3
-#: arms are as fast as this part of the first time of a curve
-EARLIER = 0.1
-#: what relaxes before the first time of a curve, over its modulus there, at least
-LITTLE = 0.01
-#: a dashpot beside a curve counts so many times as much as an arm of its first time
-UNSHOWN = 100.0
+#: fastest arm, as a fraction of the first time of a curve
+FASTEST_ARM = 0.1
+#: least relaxation before the first time of a curve, over its modulus there
+MIN_EARLY_RELAXATION = 0.01
+#: weight of a dashpot relative to an arm at the first time of a curve
+DASHPOT_WEIGHT = 100.0
 
 
 def band_of_curve(
@@ -205,7 +207,8 @@ class BeforeCurve:
     """Relaxation modulus, with the possible relaxation before its first value.
 
     No value shows an arm that is faster than the first time. All of them together are as stiff as
-    what the curve shows of its first decade, one standard deviation; a part of `LITTLE` at least.
+    what the curve shows of its first decade, one standard deviation; a part of
+    `MIN_EARLY_RELAXATION` at least.
 
     Attributes
     ----------
@@ -222,8 +225,8 @@ class BeforeCurve:
 
     @property
     def window(self) -> tuple[float, float]:
-        """Shortest and longest relaxation time that is asked about, s."""
-        return EARLIER * self.first, self.data.window[1]
+        """Shortest and longest relaxation time of the spectra, s."""
+        return FASTEST_ARM * self.first, self.data.window[1]
 
     @property
     def dof(self) -> float:
@@ -234,7 +237,7 @@ class BeforeCurve:
         """Return those of the curve, and one of what may relax before it."""
         rows = self.data.rows(log_tau, slopes=slopes)
         start, later = (float(self.solid.relaxation(n * self.first)) for n in (1.0, 10.0))
-        weight = 1 / max(start - later, LITTLE * start)
+        weight = 1 / max(start - later, MIN_EARLY_RELAXATION * start)
         # how much of an arm is gone at the first time
         before = -np.expm1(-self.first / np.exp(log_tau)) * weight
         relaxed = float(self.solid.relaxation(0.0)) - start
@@ -242,7 +245,7 @@ class BeforeCurve:
             target=np.append(rows.target, relaxed * weight),
             spring=np.append(rows.spring, 0.0),
             # a dashpot is no arm that a curve can show
-            dashpot=np.append(rows.dashpot, UNSHOWN * weight / self.first),
+            dashpot=np.append(rows.dashpot, DASHPOT_WEIGHT * weight / self.first),
             arms=np.vstack((rows.arms, before)),
             slopes=np.vstack((rows.slopes, np.zeros(len(log_tau)))) if slopes else rows.slopes,
         )
@@ -261,7 +264,7 @@ class BeforeCurve:
 # lowest line, and less of it below; of creep the compliance.
 
 
-# so many T later a compliance is asked for its most stiffness at rest: one that flows has no end
+# times T at which the resting stiffness of a compliance is evaluated, as flow has no end
 AT_REST = 100.0
 
 
@@ -276,7 +279,7 @@ def spectra_of_curve(
 
 def end_of_curve(
     data: CurveData,
-    ended: Ended,
+    curve_end: Ended,
     *,
     time: float,
     model: GeneralizedMaxwell,
@@ -286,12 +289,12 @@ def end_of_curve(
 ) -> EndOfHold:
     """Return the limits of a curve at its end, 3 and 10 times as late, and of where it ends.
 
-    They hold the fit itself.
+    The limits contain the fit.
 
     Parameters
     ----------
     data : CurveData
-    ended : str
+    curve_end : str
         What it is of: a modulus over time, storage and loss, or a compliance.
     time : float
         T, s; of a sweep 1/omega of its lowest line.
@@ -307,25 +310,27 @@ def end_of_curve(
     if spectra is None:
         spectra = spectra_of_curve(data, time=time, extra=extra, level=level)
 
-    def reach(times: float) -> Interval:
-        return _compute_curve_limits(spectra, ended, times * time)
+    def limit_functional(times: float) -> Interval:
+        return _compute_curve_limits(spectra, curve_end, times * time)
 
-    k_end, rest = reach(1), reach(AT_REST if ended == "creep" else np.inf)
-    if ended == "creep":
+    k_end, rest = limit_functional(1), limit_functional(AT_REST if curve_end == "creep" else np.inf)
+    if curve_end == "creep":
         # k = 1/J falls by J'/J^2
-        falling = compute_upper_limit(spectra, _compute_creep_slope(spectra, time)) * k_end[1] ** 2
+        slope_limit = (
+            compute_upper_limit(spectra, _compute_creep_slope(spectra, time)) * k_end[1] ** 2
+        )
     else:
-        falling = compute_upper_limit(spectra, spectra.falling_at(time))
+        slope_limit = compute_upper_limit(spectra, spectra.slope_limits_at(time))
     end = EndOfHold(
         end_time=time,
         k_end=k_end,
-        k_3end=reach(3),
-        k_10end=reach(10),
+        k_3end=limit_functional(3),
+        k_10end=limit_functional(10),
         k_inf=(0.0, rest[1]),
-        slope_limit=falling,
-        test_kind=ended,
+        slope_limit=slope_limit,
+        test_kind=curve_end,
     )
-    return end.holding(model)
+    return end.widen_to_contain(model)
 
 
 def _compute_creep(spectra: AdmissibleSpectra, time: float) -> FloatArray:
@@ -338,23 +343,23 @@ def _compute_creep(spectra: AdmissibleSpectra, time: float) -> FloatArray:
 
 def _compute_creep_slope(spectra: AdmissibleSpectra, time: float) -> FloatArray:
     r"""Return its slope :math:`dJ/d\ln t` of unit columns, shape (m,)."""
-    slope = spectra.falling_at(time)
+    slope = spectra.slope_limits_at(time)
     slope[1] = time
     return slope
 
 
-def _compute_curve_limits(spectra: AdmissibleSpectra, ended: Ended, time: float) -> Interval:
+def _compute_curve_limits(spectra: AdmissibleSpectra, curve_end: Ended, time: float) -> Interval:
     """Return limits of k(t), K'(1/t) or 1/J(t)."""
-    if ended == "sweep":
+    if curve_end == "sweep":
         return compute_nonnegative_limits(spectra, spectra.stiffness_at(1 / time)[0])
-    if ended == "creep":
+    if curve_end == "creep":
         least, most = compute_nonnegative_limits(spectra, _compute_creep(spectra, time))
         return (1 / most if most > 0 else np.inf), (1 / least if least > 0 else np.inf)
     return compute_nonnegative_limits(spectra, spectra.relaxed_to(time))
 
 
-# a fit that expects less than this part of a value does not follow it: no ground for a weight
-DOUBTED = 0.1
+# fraction of a value that the fit must reach for its weight to be used
+MIN_FITTED_SHARE = 0.1
 
 
 # -- data weighted by their own scatter -----------------------------------------------------------
@@ -381,7 +386,7 @@ class SingleTestFit(NamedTuple):
 def fit_single_test(
     blocks: Sequence[DataBlock], samples: Sequence[DataBlock], most: int
 ) -> SingleTestFit:
-    """Fit one test with as many arms as it bears, up to `most`."""
+    """Fit one test with as many arms as it supports, up to `most`."""
     most = min(most, max_determinable_arms(blocks))
     best = solve_orders(blocks, most)[-1]
     peaks = [find_largest_target(block) for block in samples]
@@ -389,8 +394,8 @@ def fit_single_test(
     # thirteen parameters of 32 values leave a third less than their scatter
     model = solid_of(best)
     count = sum(len(residual) for residual in estimate.residuals)
-    taken = len(Stack(blocks).names) + 2 * int(np.count_nonzero(model.k))
-    ratio = max(count - taken, 1) / count
+    parameter_count = len(Stack(blocks).names) + 2 * int(np.count_nonzero(model.k))
+    ratio = max(count - parameter_count, 1) / count
     spreads = [
         float(np.sqrt(np.mean(residual**2) * noise.kappa / ratio))
         for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)

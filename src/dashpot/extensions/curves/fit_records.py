@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 def fit_curves(
-    tests: Sequence[Bench], asked: BenchFitOptions, *, name: str = ""
+    tests: Sequence[Bench], options: BenchFitOptions, *, name: str = ""
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one solid to tests of which one at least is no ramp and hold.
 
@@ -42,40 +42,40 @@ def fit_curves(
         _select_kind(tests, text) for text in ("modulus", "creep", "relaxation")
     )
     if curves and isinstance(curves[0], StressRelaxationTest):
-        return _fit_stress_relaxation(tests, asked, name)
+        return _fit_stress_relaxation(tests, options, name)
     if curves:
-        _refuse_beside_modulus(asked, others=len(tests) - len(curves))
+        _refuse_beside_modulus(options, others=len(tests) - len(curves))
         from dashpot.extensions.curves.modulus.fit import fit_modulus
 
         with _name_file(name):
-            curve: Any = shift_to_one(curves, asked.shifting, asked.specimen)
-            return fit_modulus(curve, arms=asked.arms, thorough=asked.thorough), (curve,)
+            curve: Any = shift_to_one(curves, options.shifting, options.specimen)
+            return fit_modulus(curve, arms=options.arms, thorough=options.thorough), (curve,)
     if crept:
-        _refuse_beside_creep(asked, others=len(tests) - len(crept))
-        return _fit_creep(crept, asked, name)
-    prepared = prepare_ramps(pressed, asked, among_others=True)
-    return _fit_sweeps(_select_kind(tests, "dma"), prepared, asked)
+        _refuse_beside_creep(options, others=len(tests) - len(crept))
+        return _fit_creep(crept, options, name)
+    prepared = prepare_ramps(pressed, options, among_others=True)
+    return _fit_sweeps(_select_kind(tests, "dma"), prepared, options)
 
 
 def _fit_stress_relaxation(
-    tests: Sequence[Bench], asked: BenchFitOptions, name: str
+    tests: Sequence[Bench], options: BenchFitOptions, name: str
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one test in strain and stress as a ramp and hold."""
     from dashpot.extensions.curves.modulus.stress_relaxation import fit_stress_relaxation
 
-    if len(tests) > 1 or asked.depth_law:
+    if len(tests) > 1 or options.depth_law:
         raise FitError(
             "a relaxation test in strain and stress is fitted alone, without --elastic by-depth: "
             "fit the other tests one by one"
         )
-    asked.time_limits.refuse_several(len(tests))
-    cuts = asdict(asked.time_limits) | {
-        "filter": asked.filter, "machine": asked.machine, "cycle": asked.cycle,
-        "judged": asked.intervals,
+    options.time_limits.refuse_several(len(tests))
+    cuts = asdict(options.time_limits) | {
+        "filter": options.filter, "machine": options.machine, "cycle": options.cycle,
+        "with_checks": options.intervals,
     }  # fmt: skip
     test: Any = tests[0]
     with _name_file(name):
-        return fit_stress_relaxation(test, cuts, **asked.ramp_options.choices), (test,)
+        return fit_stress_relaxation(test, cuts, **options.ramp_options.choices), (test,)
 
 
 def _select_kind(tests: Sequence[Bench], name: str) -> list[Any]:
@@ -97,8 +97,8 @@ def _refuse_beside_modulus(options: BenchFitOptions, *, others: int) -> None:
             "a relaxation modulus is fitted alone, or with others at other temperatures: fit "
             "the other tests one by one"
         )
-    usual = options.nothing_of("method", "depth_law", "family")
-    if options.filter or options.law == "nonlinear" or not usual:
+    defaults = options.nothing_of("method", "depth_law", "family")
+    if options.filter or options.law == "nonlinear" or not defaults:
         raise FitError(
             "a relaxation modulus is fitted without --method hold, --elastic, --filter and "
             "--model: it is the response to a step already, of a linear model with arms"
@@ -133,14 +133,15 @@ def _fit_creep(
     raw = sum(isinstance(test, CreepTest) for test in tests)
     require_test_for_machine(options.machine, tests=raw, add="a creep test as it was recorded")
     # a load that is not held says itself of which file it is
-    held = [
+    held_loads = [
         load_hold(test, options.machine) if isinstance(test, CreepTest) else test for test in tests
     ]
     with _name_file(name):
-        record: Any = held[0]
-        if len(held) > 1 or not isinstance(record, LoadHold):
+        record: Any = held_loads[0]
+        if len(held_loads) > 1 or not isinstance(record, LoadHold):
             curves = [
-                measured_compliance(item) if isinstance(item, LoadHold) else item for item in held
+                measured_compliance(item) if isinstance(item, LoadHold) else item
+                for item in held_loads
             ]
             record = shift_to_one(curves, options.shifting, options.specimen)
         if isinstance(record, LoadHold) and options.shifting.at is not None:

@@ -41,8 +41,10 @@ _HELD = "its strain is held while its stress goes on"
 
 def holds_stress(file: OpenedFile) -> bool:
     """Return whether strain and stress are found, or are a question of which."""
-    answers = [assign(file.table, role, file.options) for role in MATERIAL[1:]]
-    return all(isinstance(answer, RoleAssignment) or answer.choices for answer in answers)
+    assignments = [assign(file.table, role, file.options) for role in MATERIAL[1:]]
+    return all(
+        isinstance(assignment, RoleAssignment) or assignment.choices for assignment in assignments
+    )
 
 
 def recognise_material_record(
@@ -83,21 +85,21 @@ def recognise_material_record(
 def _relaxes_in_holds(time: FloatArray, strain: FloatArray, stress: FloatArray) -> bool:
     """Return whether holds after moves fill half of the record, and the stress falls in most.
 
-    After an unloading it may rise, so only holds after a loading tell.
+    After an unloading it may rise, so only holds after a loading show.
     """
     _, segments = find_rising_sign(time, strain)
-    held, falling, loaded = 0, 0, 0
+    hold_count, falling, loaded = 0, 0, 0
     for before, hold in pairwise(segments):
         if hold.kind != "hold" or before.kind == "hold":
             continue
         part = stress[hold.first : hold.last + 1]
-        held += len(part)
+        hold_count += len(part)
         if before.kind == "load":
             tenth = max(len(part) // 10, 1)
             first, last = abs(float(part[:tenth].mean())), abs(float(part[-tenth:].mean()))
             falling += first - last > _RELAXED * first
             loaded += 1
-    return held >= _HELD_PART * len(time) and 2 * falling > loaded
+    return hold_count >= _HELD_PART * len(time) and 2 * falling > loaded
 
 
 def read_strain_and_stress(file: OpenedFile, specimen: Specimen) -> dict[str, Any]:
@@ -149,13 +151,13 @@ def refuse_material_sizes(
     ------
     ReadError
     """
-    moved, pushed = chosen[-2:]
+    strain_channel, pushed = chosen[-2:]
     far, most = (float(np.abs(signal).max(initial=0.0)) for signal in (strain, stress))
-    word = moved.unit.word
+    word = strain_channel.unit.word
     of_strain: list[Check] = [strain_not_large(far, word)]
     if zero_known:
         of_strain.append(strain_not_small(far, word))
     of_stress: list[Check] = [stress_of_a_rubber(most, pushed.unit.word)]
     if far > 0:
         of_stress.append(modulus_of_a_rubber(most / far, pushed.unit.word))
-    channels.refuse_sizes(file, [(moved, of_strain), (pushed, of_stress)])
+    channels.refuse_sizes(file, [(strain_channel, of_strain), (pushed, of_stress)])

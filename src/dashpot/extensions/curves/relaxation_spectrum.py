@@ -16,7 +16,7 @@ from dashpot.base.provenance import Source
 from dashpot.datamodel.bounds import BandError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual
-from dashpot.extensions.curves.checks import FOLLOWED, few_arms_sufficient
+from dashpot.extensions.curves.checks import MAX_MISFIT, few_arms_sufficient
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit
@@ -25,9 +25,9 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # arms this far beyond the measured frequencies still shape the loss at their ends, half a decade;
 # one farther out shows only its tail
-BEYOND = float(np.sqrt(10.0))
+EDGE_FACTOR = float(np.sqrt(10.0))
 # a loss below this part of the modulus is not weighed by its own value
-_FLAT = 1e-3
+_SMALL_LOSS = 1e-3
 _FINEST = 24
 # a grid on which one sharp arm between two others is followed to 1 %
 _DENSE = 8
@@ -163,7 +163,7 @@ def dynamic_master_curve(data: DynamicTest, *, per_decade: float = 4) -> MasterC
     w = data.omega
     _all_positive("storage", data.storage)
     scale = relative_scale(data)
-    grid = _grid(1 / (BEYOND * float(w.max())), BEYOND / float(w.min()), per_decade)
+    grid = _grid(1 / (EDGE_FACTOR * float(w.max())), EDGE_FACTOR / float(w.min()), per_decade)
     x = w[:, None] * grid
     storage = np.concatenate((np.ones((len(w), 1)), x * x / (1 + x * x)), axis=1)
     loss = np.concatenate((np.zeros((len(w), 1)), x / (1 + x * x)), axis=1)
@@ -188,7 +188,7 @@ def relative_scale(data: DynamicTest) -> tuple[FloatArray, FloatArray]:
     """Return what errors of storage and loss are relative to, each its own size, (n,) and (n,)."""
     return (
         np.abs(data.storage),
-        np.maximum(np.abs(data.loss), _FLAT * np.abs(data.value)),
+        np.maximum(np.abs(data.loss), _SMALL_LOSS * np.abs(data.value)),
     )
 
 
@@ -287,7 +287,7 @@ def dense_spectrum_if_needed(
     if isinstance(origin, Superposition):
         return shared_spectrum_if_needed(few, error, origin, of_data)
     missed = float(np.sqrt(np.mean(error * error)))
-    if missed < FOLLOWED:
+    if missed < MAX_MISFIT:
         return few
     dense = spectrum()
     if dense.rms > _MUCH_BETTER * missed:
@@ -332,7 +332,7 @@ def _dense(
         band_error=None if error is None else _convert_errors(error, dense.model, few.model),
         certificate=None,
         checks=(*of_data, check),
-        end_of_hold=None if end is None else end.holding(dense.model),
+        end_of_hold=None if end is None else end.widen_to_contain(dense.model),
     )
     return build_fit(
         SolidEstimate(dense.model, estimate),

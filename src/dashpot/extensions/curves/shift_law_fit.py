@@ -28,11 +28,11 @@ from dashpot.solids.shift_laws import GAS, WLF, Arrhenius, FreeShifts, Temperatu
 MAX_MISSED = 0.15
 """Decades by which a law may miss a shift: a factor 1.4 in time."""
 # of BIC: "not worth more than a bare mention" (Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)
-_EVEN = 2.0
+_EQUAL_BIC = 2.0
 # a temperature is the odd one if a law follows the others so much better, two of them to spare
-_ODD, _LEAST_LEFT = 0.1, 2
+_OUTLIER_SHARE, _LEAST_LEFT = 0.1, 2
 # temperatures that a law needs: two shifts, the fewest of which one can contradict the other
-LEAST = 3
+MIN_TEMPERATURES = 3
 # C_2 less the least it can be, and C_2 beyond which WLF is a straight line in T, K
 _SHORTEST, _LONGEST = 1e-3, 1e5
 # part of the largest eigenvalue of a covariance that rounding can make
@@ -101,7 +101,7 @@ class ShiftLawFit:
         Of them; widened by D/dof where the law misses the shifts by more than their errors.
     scores : tuple of LawScore
         Of every law that was tried, the best BIC first.
-    odd : ShiftOutlier or None
+    outlier : ShiftOutlier or None
         The one temperature off the law of all others; None if there is none, or too few others.
     """
 
@@ -109,7 +109,7 @@ class ShiftLawFit:
     parameters: tuple[str, ...]
     covariance: FloatArray
     scores: tuple[LawScore, ...]
-    odd: ShiftOutlier | None = None
+    outlier: ShiftOutlier | None = None
 
     @property
     def score(self) -> LawScore:
@@ -181,7 +181,7 @@ def fit_shift_law(
     bic = bic_of_deviance(0.0, effective=max(n, 1), parameters=n)
     scores = [LawScore("free", 0.0, 0, bic, 0.0, reference)]
     for kind, lay in _LAID.items():
-        if n < (LEAST - 1 if law == "auto" else 1) or (solved := lay(shifts)) is None:
+        if n < (MIN_TEMPERATURES - 1 if law == "auto" else 1) or (solved := lay(shifts)) is None:
             continue
         temperature_law, fit, constants = solved
         size, deviance = len(fit.values), fit.sse
@@ -211,11 +211,11 @@ def fit_shift_law(
         )
     chosen, errors = entries[kind]
     return ShiftLawFit(
-        chosen, _PARAMETERS[kind], errors, tuple(scores), _find_odd_temperature(shifts, c)
+        chosen, _PARAMETERS[kind], errors, tuple(scores), _find_outlier_temperature(shifts, c)
     )
 
 
-def _find_odd_temperature(shifts: _Shifts, covariance: FloatArray) -> ShiftOutlier | None:
+def _find_outlier_temperature(shifts: _Shifts, covariance: FloatArray) -> ShiftOutlier | None:
     """Return the temperature without which a law follows the shifts that it fails with it."""
     pairs: list[tuple[float, ShiftOutlier]] = []
     n = len(shifts.temperature)
@@ -237,8 +237,8 @@ def _find_odd_temperature(shifts: _Shifts, covariance: FloatArray) -> ShiftOutli
             at, remainder = float(shifts.temperature[i]), without.optimum.sse / (dof - 1)
             missed = float(shifts.log10[i]) - float(without.law.log10_a_t(at))
             pairs.append((remainder / (deviance / dof), ShiftOutlier(at, missed)))
-    share, odd = min(pairs, key=lambda pair: pair[0], default=(1.0, None))
-    return odd if share < _ODD else None
+    share, outlier = min(pairs, key=lambda pair: pair[0], default=(1.0, None))
+    return outlier if share < _OUTLIER_SHARE else None
 
 
 def _best(scores: Sequence[LawScore]) -> LawScore:
@@ -246,7 +246,9 @@ def _best(scores: Sequence[LawScore]) -> LawScore:
     laws = [score for score in scores if score.kind != "free"]
     if not laws:
         return scores[0]
-    return max((law for law in laws if law.bic < laws[0].bic + _EVEN), key=lambda score: score.dof)
+    return max(
+        (law for law in laws if law.bic < laws[0].bic + _EQUAL_BIC), key=lambda score: score.dof
+    )
 
 
 _PARAMETERS = {"wlf": ("c1", "c2"), "arrhenius": ("energy",), "free": ()}

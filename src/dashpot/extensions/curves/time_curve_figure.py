@@ -12,10 +12,10 @@ from dashpot.datamodel.fit import Fit
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 from dashpot.extensions.curves.datamodel.stress_relaxation import StressRelaxationTest
 from dashpot.plot.picture import (
-    BENEATH,
+    DATA_ON_FIT,
     FIT,
+    FIT_BAND,
     REF,
-    UPON,
     Dots,
     Line,
     Panel,
@@ -45,19 +45,19 @@ def modulus(fit: Fit, data: RelaxationModulus, *, stamp: str = "") -> Picture:
     stamp : str
         What the figure says of its origin; by default the fit's files, specimen and date.
     """
-    panels = answer_panels(
-        data.time, data.modulus, answer=fit.solid.relaxation, unit=data.unit,
+    panels = response_panels(
+        data.time, data.modulus, compute_response=fit.solid.relaxation, unit=data.unit,
         name="relaxation modulus", axis=TIME,
     )  # fmt: skip
     caption = "Relaxation modulus: measured, the fit to it, and what that leaves."
     return Picture("modulus", caption, (panels,), 1, stamp or format_fit_stamp(fit))
 
 
-def answer_panels(
+def response_panels(
     time: FloatArray,
     values: FloatArray,
     *,
-    answer: Callable[[FloatArray], FloatArray],
+    compute_response: Callable[[FloatArray], FloatArray],
     unit: str,
     name: str,
     axis: str,
@@ -67,8 +67,8 @@ def answer_panels(
     certain = time > 0
     t, measured = time[certain], scale * values[certain]
     dense = np.geomspace(t[0], t[-1], 300)
-    curve = scale * answer(dense)
-    residual = 100 * (measured / (scale * answer(t)) - 1)
+    curve = scale * compute_response(dense)
+    residual = 100 * (measured / (scale * compute_response(t)) - 1)
     across = Scale(axis, (float(t[0]), float(t[-1])), log=True)
     upper = Panel(
         across, Scale(f"{name}, {word}", compute_padded_log_limits(measured, curve), log=True),
@@ -107,8 +107,8 @@ def draw_stress_relaxation(fit: Fit, data: StressRelaxationTest, *, stamp: str =
     upper = Panel(
         across, Scale(f"stress, {word}", compute_padded_limits(measured, stress)),
         (
-            Line(*downsample_to_extremes(time, stress, bins=350), BENEATH, "fit"),
-            Line(*downsample_to_extremes(time, measured, bins=350), UPON, "measured"),
+            Line(*downsample_to_extremes(time, stress, bins=350), FIT_BAND, "fit"),
+            Line(*downsample_to_extremes(time, measured, bins=350), DATA_ON_FIT, "measured"),
         ),
         height=240,
     )  # fmt: skip

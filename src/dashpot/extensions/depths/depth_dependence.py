@@ -4,10 +4,10 @@ If only the elastic force depends on depth, the seal is quasi-linear (Fung):
 
 .. math:: F(t) = \int_0^t G(t-u)\, \frac{d F_e(x(u))}{du}\, du, \qquad G(\infty) = 1
 
-and every linear tool serves it with :math:`F_e(x)` in place of x. All tests share one
-:math:`F_e`, which their ramps and their depths show together
-(:mod:`~dashpot.fitting.nonlinear_ramp.elastic_law`). Whether one relaxation function serves every
-depth is a question to the tests: each gets its own stiffnesses, and the shapes k_j/k_inf are
+and every linear method applies with :math:`F_e(x)` in place of x. All tests share one
+:math:`F_e`, which follows from their ramps and their depths
+(:mod:`~dashpot.fitting.nonlinear_ramp.elastic_law`). To test whether one relaxation function
+holds at every depth, each test gets its own stiffnesses, and the shapes k_j/k_inf are
 compared. Source: Y. C. Fung, *Biomechanics* (1993), ch. 7.
 """
 
@@ -36,7 +36,11 @@ from dashpot.fitting.nonlinear_ramp.elastic_law import (
     select_elastic_law,
     supported_by_holds,
 )
-from dashpot.fitting.nonlinear_ramp.fit_construction import depth_error, held_ramps, ramp_fit
+from dashpot.fitting.nonlinear_ramp.fit_construction import (
+    build_ramp_data,
+    build_ramp_fit,
+    depth_error,
+)
 from dashpot.fitting.nonlinear_ramp.hold_then_ramp import MAX_ARMS, fit_ramp_and_hold
 from dashpot.fitting.order_selection import validate_arm_count
 from dashpot.fitting.parameter_errors import compute_clock_sensitivity, compute_rig_sensitivity
@@ -56,7 +60,7 @@ class DepthLaw:
         Each test's secant stiffnesses, shallowest first.
     separable : Check
         Whether the shape of relaxation is the same at every depth; the value is the
-        probability of shapes as different as found if it were.
+        p-value of equal shapes.
     fit : Fit
         All tests by one quasi-linear solid; ``fit.model`` is its secant solid at the deepest
         test.
@@ -90,7 +94,7 @@ def fit_depths(
     if len(records) < 2:
         raise FitError(
             f"found {len(records)} test of one depth; a depth law needs at least two depths, in "
-            "files of their own, or in one record that comes back and rests between them"
+            "separate files, or in one record that returns and rests between them"
         )
     ordered = sorted(records, key=lambda test: test.depth)
     depths = [test.depth for test in ordered]
@@ -100,13 +104,13 @@ def fit_depths(
             "different compressions > 0: fit equal depths together without depth_law"
         )
     checked_temperatures(records, shared=False)
-    most = validate_arm_count(arms, max_arms)
-    requested = None if arms == "auto" else most
-    law = select_elastic_law(ordered, arms=requested, max_arms=most)
-    item, held = _fit_each_test(law), held_ramps(ordered, law)
+    arm_limit = validate_arm_count(arms, max_arms)
+    requested = None if arms == "auto" else arm_limit
+    law = select_elastic_law(ordered, arms=requested, max_arms=arm_limit)
+    stiffnesses, ramp_data = _fit_each_test(law), build_ramp_data(ordered, law)
     by_depth = tuple(
-        item.secant_stiffness(i, test.depth, rig)
-        for i, (test, rig) in enumerate(_add_rig_errors(ordered, held, law))
+        stiffnesses.secant_stiffness(i, test.depth, rig)
+        for i, (test, rig) in enumerate(_add_rig_errors(ordered, ramp_data, law))
     )
     for at in by_depth:
         if at.k_inf <= 0:
@@ -115,34 +119,31 @@ def fit_depths(
                 "it "
                 "longer, or leave it out"
             )
-    check = _separable(item)
-    enough = (
+    check = _check_separability(stiffnesses)
+    arm_checks = (
         ()
         if requested is None
         else (arms_enough(supported_by_holds(ordered, law.hold), law.model.arms, unit="N"),)
     )
-    together = ramp_fit(
-        ordered, law, requested=requested, by_depth=by_depth, checks=(check, *enough),
-        unmeasured=compute_rig_sensitivity(held, law.model),
+    joint_fit = build_ramp_fit(
+        ordered, law, requested=requested, by_depth=by_depth, checks=(check, *arm_checks),
+        unmeasured=compute_rig_sensitivity(ramp_data, law.model),
     )  # fmt: skip
-    return DepthLaw(law.law, by_depth, check, together)
+    return DepthLaw(law.law, by_depth, check, joint_fit)
 
 
 class _StiffnessPerTest(NamedTuple):
-    """The stiffnesses of each test on a common path, shape (R, 1 + N), and what is known of them.
-
-    The law gives the path.
-    """
+    """Stiffnesses of each test on the path of the law, shape (R, 1 + N), and their covariance."""
 
     k: FloatArray
-    known: Estimate
+    estimate: Estimate
     dof: float
     law: ElasticLaw
 
     def secant_stiffness(self, test: int, depth: float, rig: FloatArray) -> DepthStiffness:
-        """Secant stiffnesses of one test at its depth; `rig` is what it may add to them."""
+        """Return the secant stiffnesses of one test; `rig` is their error by its rig."""
         scale = float(self.law.path(depth)) / depth
-        error = self.known.standard_error[len(self.known.optimum.theta) :]
+        error = self.estimate.standard_error[len(self.estimate.optimum.theta) :]
         noise = error[: self.k.size].reshape(self.k.shape)[test]
         k, se = scale * self.k[test], scale * np.hypot(noise, rig)
         most = float(k[0] + NORMAL * se[0])
@@ -152,56 +153,56 @@ class _StiffnessPerTest(NamedTuple):
 
 
 def _add_rig_errors(
-    tests: Sequence[RampHold], held: Sequence[RelaxationData], law: RampLaw
+    tests: Sequence[RampHold], ramp_data: Sequence[RelaxationData], law: RampLaw
 ) -> Iterator[tuple[RampHold, FloatArray]]:
-    """Each test, and what its rig may add to its own stiffnesses, N/m, on the path of the law."""
+    """Iterate over the tests, each with the errors of its stiffnesses by its rig, N/m."""
     model = law.model
     k = np.array((model.k_inf, *model.k))
-    sensitivity = compute_rig_sensitivity(held, model, separate=True)
+    sensitivity = compute_rig_sensitivity(ramp_data, model, separate=True)
     for i, test in enumerate(tests):
-        here = slice(i * len(k), (i + 1) * len(k))
+        rows = slice(i * len(k), (i + 1) * len(k))
         clocks = compute_clock_sensitivity([test], model)[: len(k)]
-        columns = np.column_stack((sensitivity[here], depth_error(test) * k, clocks))
+        columns = np.column_stack((sensitivity[rows], depth_error(test) * k, clocks))
         yield test, np.linalg.norm(columns, axis=1)
 
 
 def _fit_each_test(ramp_law: RampLaw) -> _StiffnessPerTest:
-    """Fit each test with stiffnesses of its own, relaxation times and law shared."""
-    followed = ramp_law.followed
-    solid, log_tau = followed.weighted.solid, np.log(np.asarray(ramp_law.model.tau))
+    """Fit the stiffnesses of each test, with common relaxation times and law."""
+    ramp_optimum = ramp_law.optimum
+    solid, log_tau = ramp_optimum.weighted.solid, np.log(np.asarray(ramp_law.model.tau))
     optimum = fit_ramp_and_hold(
         solid,
         ramp_law.hold,
-        followed,
-        solid.theta(log_tau, followed.shape),
-        value=followed.weighted.nuisances,
+        ramp_optimum,
+        solid.theta(log_tau, ramp_optimum.shape),
+        value=ramp_optimum.weighted.nuisances,
         separate=True,
     )
     law = ElasticLaw(ramp_law.law.knots, tuple(optimum.shape.tolist()), 1.0)
     return _StiffnessPerTest(optimum.k, optimum.estimate(ramp_law.hold), ramp_law.estimate.dof, law)
 
 
-def _separable(item: _StiffnessPerTest) -> Check:
+def _check_separability(stiffnesses: _StiffnessPerTest) -> Check:
     r"""Test :math:`k_j/k_\infty` equal at every depth: Wald's statistic, as an F."""
-    if item.k.shape[1] == 1:
+    if stiffnesses.k.shape[1] == 1:
         return depth_and_time_separable(None, None)
-    ratio = item.k[:, 1:] / item.k[:, :1]
+    ratio = stiffnesses.k[:, 1:] / stiffnesses.k[:, :1]
     spread = float(np.abs(ratio / ratio.mean(axis=0) - 1.0).max())
-    first = len(item.known.optimum.theta)
-    stiff = slice(first, first + item.k.size)
-    if not np.all(np.isfinite(item.known.covariance[stiff, stiff])):
+    first = len(stiffnesses.estimate.optimum.theta)
+    rows = slice(first, first + stiffnesses.k.size)
+    if not np.all(np.isfinite(stiffnesses.estimate.covariance[rows, rows])):
         return depth_and_time_separable(None, spread)
 
     def differences(values: FloatArray) -> FloatArray:
-        k = values[stiff].reshape(item.k.shape)
+        k = values[rows].reshape(stiffnesses.k.shape)
         shapes = k[:, 1:] / k[:, :1]
         return np.asarray((shapes[1:] - shapes[0]).ravel())
 
-    quantity = item.known.derive_quantity(differences)
+    quantity = stiffnesses.estimate.derive_quantity(differences)
     free = len(quantity.values)
-    reported = np.linalg.lstsq(quantity.covariance, quantity.values, rcond=1e-12)[0]
+    weighted_values = np.linalg.lstsq(quantity.covariance, quantity.values, rcond=1e-12)[0]
     # a rare path: scipy's F distribution costs an import that a plain fit does not pay
     from scipy.special import fdtrc
 
-    chance = fdtrc(free, max(item.dof, 1.0), quantity.values @ reported / free)
-    return depth_and_time_separable(float(chance), spread)
+    p_value = fdtrc(free, max(stiffnesses.dof, 1.0), quantity.values @ weighted_values / free)
+    return depth_and_time_separable(float(p_value), spread)

@@ -10,7 +10,7 @@ from dashpot.report.result_page import (
     KindPage,
     Topic,
     format_specimen_header,
-    lights,
+    make_indicators,
     row,
 )
 
@@ -23,15 +23,15 @@ def lay_out_stiffness(prediction: StiffnessPrediction) -> KindPage:
         for value in prediction.values
     )
     return KindPage(
-        about="stiffness at frequencies",
-        strip=(
+        subject="stiffness at frequencies",
+        summary_line=(
             *format_specimen_header(fit.specimen),
             ("Valid band", hertz(fit.band)),
         ),
-        lights=lights(prediction.checks, Topic("Checks")),
-        answers="Stiffness and loss factor over frequency",
+        indicators=make_indicators(prediction.checks, Topic("Checks")),
+        figure_title="Stiffness and loss factor over frequency",
         picture=draw_stiffness_prediction(prediction),
-        told="At the frequencies asked",
+        table_title="At the frequencies asked",
         groups=(Group("", values),),
         sources=prediction.sources,
         note="From and to are the 95 % interval; where they are empty nothing bounds the value.",

@@ -21,7 +21,7 @@ from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.dynamic_stiffness import checks
-from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
+from dashpot.fitting.prediction_bounds import parameter_band, unresolved_arm_band
 
 if TYPE_CHECKING:
     from dashpot.datamodel.machine import Machine
@@ -129,7 +129,7 @@ def predict_stiffness(
 
         tests = prepared_files(records, machine=machine, options=options)
         unique = np.unique(hertz)
-        bounds = unseen_arm_band(fit, tests, unique)
+        bounds = unresolved_arm_band(fit, tests, unique)
         indices = np.searchsorted(unique, hertz)
         limits = [
             seals * bounds.storage[:, indices], seals * bounds.loss[:, indices],

@@ -159,7 +159,7 @@ def _stated_factors(
         text = factors_among({last: array.values})
         if not text:
             continue
-        places = _meant(stem, last, columns)
+        places = _format_suggestion(stem, last, columns)
         for place in places:
             factors[place].append(text)
         if not places:
@@ -179,14 +179,18 @@ def _full_scale_of(
         if owner is None or np.iscomplexobj(array.values):
             continue
         named = words_of_name(owner) == words_of_name(split_unit(column.name)[0])
-        meant = named if owner else any(columns[i] is column for i in _meant(stem, "", columns))
+        meant = (
+            named
+            if owner
+            else any(columns[i] is column for i in _format_suggestion(stem, "", columns))
+        )
         text = describe_full_scale(column.values.real, last, array.values) if meant else ""
         if text:
             return text
     return ""
 
 
-def _meant(stem: str, last: str, columns: Sequence[NamedArray]) -> list[int]:
+def _format_suggestion(stem: str, last: str, columns: Sequence[NamedArray]) -> list[int]:
     """Return the columns that a factor is stated of, by its name and where it stands."""
     words = select_channel_words(last)
     if words:
@@ -260,13 +264,15 @@ def _parts(array: NamedArray) -> tuple[NamedArray, ...]:
     )
 
 
-def contradict_rate(arrays: Sequence[NamedArray], given: float | None) -> list[Caution]:
+def contradict_rate(arrays: Sequence[NamedArray], stated_rate: float | None) -> list[Caution]:
     """Note what single numbers say of the sampling rate otherwise than the user does."""
-    stated = {array.name: rate for array in arrays if (rate := _rate(array))} if given else {}
+    stated = {array.name: rate for array in arrays if (rate := _rate(array))} if stated_rate else {}
     return [
-        Caution(f"the file says {name}, which is {rate:g} Hz, where --rate {given:g}Hz is given")
+        Caution(
+            f"the file says {name}, which is {rate:g} Hz, where --rate {stated_rate:g}Hz is given"
+        )
         for name, rate in stated.items()
-        if given and abs(rate / given - 1) > _OTHER_RATE
+        if stated_rate and abs(rate / stated_rate - 1) > _OTHER_RATE
     ][:1]
 
 

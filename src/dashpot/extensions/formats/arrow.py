@@ -138,4 +138,4 @@ def _list_rates(owner: str, stated: Mapping[str, Any]) -> list[NamedArray]:
 
 def _source(raw: RawFile) -> Path | BytesIO:
     """Return what polars reads: the path of a large file, which is not held in memory."""
-    return raw.path if raw.path is not None and not raw.held else BytesIO(raw.held)
+    return raw.path if raw.path is not None and not raw.content else BytesIO(raw.content)

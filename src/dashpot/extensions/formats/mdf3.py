@@ -111,10 +111,10 @@ def _read_data_group(blocks: _Mdf3Blocks, data_group: bytes, content: Content) -
     """Add the groups whose records stand in the same data."""
     numbers = blocks.unpack("H", data_group, 22)[0]
     if numbers > 2:
-        raise ReadError(f"damaged: records bear {numbers} numbers")
+        raise ReadError(f"damaged: records carry {numbers} numbers")
     groups = list(blocks.chain(blocks.link(data_group, 8), b"CG", 26))
     if len(groups) > 1 and not numbers:
-        raise ReadError("damaged: records of several groups bear no number")
+        raise ReadError("damaged: records of several groups carry no number")
     sizes: dict[int, int | None] = {}
     length = total = 0
     for group in groups:

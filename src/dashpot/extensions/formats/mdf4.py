@@ -175,7 +175,7 @@ def _read_data_group(blocks: _Mdf4Blocks, data_group: _Mdf4Block, content: Conte
     """Add the groups whose records stand in the same data."""
     id_size = data_group.data[0]
     if id_size not in {0, 1, 2, 4, 8}:
-        raise ReadError(f"damaged: records bear a number of {id_size} bytes")
+        raise ReadError(f"damaged: records carry a number of {id_size} bytes")
     groups = list(blocks.chain(data_group.link(1), b"##CG"))
     address = data_group.link(2)
     sizes: dict[int, int | None] = {}
@@ -188,7 +188,7 @@ def _read_data_group(blocks: _Mdf4Blocks, data_group: _Mdf4Block, content: Conte
         total += rows
         sizes[number] = None if flags & _VLSD else data + marks
     if len(groups) > 1 and not id_size:
-        raise ReadError("damaged: records of several groups bear no number")
+        raise ReadError("damaged: records of several groups carry no number")
     for group in groups:
         number, rows, flags = struct.unpack_from("<QQH", group.data)
         data, marks = struct.unpack_from("<II", group.data, 24)

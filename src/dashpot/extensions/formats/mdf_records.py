@@ -159,7 +159,7 @@ def _records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
 
 
 def _picked_records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
-    """Yield those records among others that bear the number of the group."""
+    """Yield those records among others that carry the number of the group."""
     kept, size, number = b"", group.id_size, group.number
     order: Literal["big", "little"] = "big" if group.big else "little"
     along, seen = np.arange(group.size), 0
@@ -170,7 +170,7 @@ def _picked_records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
             kind = data[place] if size == 1 else int.from_bytes(data[place : place + size], order)
             if kind not in group.sizes:
                 raise ReadError(
-                    f"a record bears the number {kind}, which no group of the file has: the file "
+                    f"a record carries the number {kind}, which no group of the file has: the file "
                     "is damaged"
                 )
             length = group.sizes[kind]

@@ -314,14 +314,14 @@ def read_columns(raw: RawFile, options: ReadOptions, columns: Sequence[int]) -> 
 
 
 def _interpolate(
-    own: FloatArray, ticks: FloatArray, place: np.ndarray, column: FloatArray
+    time: FloatArray, ticks: FloatArray, place: np.ndarray, column: FloatArray
 ) -> FloatArray:
     """Return a column on straight lines between its samples, NaN beside one that is none."""
     if len(ticks) == 1:
-        return np.where(own == ticks[0], column[0], np.nan)
+        return np.where(time == ticks[0], column[0], np.nan)
     low, high = column[place], column[place + 1]
     with np.errstate(over="ignore", invalid="ignore"):
-        share = (own - ticks[place]) / (ticks[place + 1] - ticks[place])
+        share = (time - ticks[place]) / (ticks[place + 1] - ticks[place])
         between: FloatArray = low + share * (high - low)
     between[share == 0], between[share == 1] = low[share == 0], high[share == 1]
     return between

@@ -34,13 +34,13 @@ def note_passed(passed: Mapping[str, str], kept: Iterable[str]) -> list[str]:
     return notes
 
 
-def names_role_as_well(passed: Iterable[str], kept: Iterable[str]) -> bool:
+def names_role_as_well(passed: Iterable[str], names: Iterable[str]) -> bool:
     """Return whether a channel is named for a role of a test as well as any of those kept.
 
     >>> names_role_as_well(["Force"], ["t", "Ch 3"]), names_role_as_well(["Temp"], ["t", "Force"])
     (True, False)
     """
-    scores, best = _score_roles(passed), _score_roles(kept)
+    scores, best = _score_roles(passed), _score_roles(names)
     return any(
         max(scores[role], default=0.0) >= max(vocabulary.LEAST_SCORE, *best[role], 0.0)
         for role in _ROLES

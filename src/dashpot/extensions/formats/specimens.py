@@ -15,7 +15,7 @@ from dashpot.base.arrays import FloatArray, IndexArray, slices
 from dashpot.base.errors import ReadError
 from dashpot.base.lazy import compile_on_use
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.file_kinds import RECOGNISED
+from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
 from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.columns.kind_detection import detect_table_kind
 from dashpot.reading.columns.role_assignment import (
@@ -110,7 +110,7 @@ def separate_specimens(table: FileTable, raw: RawFile, options: ReadOptions) -> 
     if isinstance(table.load, _SpecimenLoader):
         return table
     kind, _ = detect_table_kind(table, ReadOptions(kind=options.kind))
-    if kind in RECOGNISED and RECOGNISED[kind].by_hand:  # its reader tells specimens apart
+    if kind in KINDS_OF_FILE and KINDS_OF_FILE[kind].by_hand:  # its reader distinguishes specimens
         return table
     labels = _read_labels(table, raw)
     if labels is not None:

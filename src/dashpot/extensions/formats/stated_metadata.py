@@ -1,4 +1,4 @@
-"""Metadata of a table and of its columns as text or JSON: what they state of which column."""
+"""Metadata of a table and of its columns, as text or JSON, assigned to the columns."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ Path: TypeAlias = tuple[str, ...]
 _UNITS = {"unit", "units", "unitstring", "uom", "einheit", "einheiten", "physicalunit", "yunit"}
 """Names of a unit, without signs."""
 _NAMES = ("name", "field_name", "column", "channel", "field", "id")
-"""Keys of an object in a list that say of which column it speaks."""
+"""Keys of an object in a list that name its column."""
 _IGNORED = {"ARROW:schema", "huggingface", "geo"}
-_DEEPEST, _MOST, _LONGEST = 6, 2000, 1 << 20
+_MAX_DEPTH, _MAX_ENTRIES, _MAX_LENGTH = 6, 2000, 1 << 20
 _SIGNS = re.compile(r"[.:/|]")
 
 
 @dataclass
 class StatedMetadata:
-    """What metadata state.
+    """Metadata by column and of the table.
 
     Attributes
     ----------
     columns : dict of str to dict
-        Of each column by its name.
+        Entries of each column by its name.
     table : dict of str to value
-        Of no column.
+        Entries of no column.
     """
 
     columns: dict[str, dict[str, Any]] = field(default_factory=dict)
@@ -40,7 +40,7 @@ class StatedMetadata:
 def assign_metadata(
     table: Mapping[str, str], fields: Mapping[str, Mapping[str, str]], names: Sequence[str]
 ) -> StatedMetadata:
-    """Return what metadata of a table and of its fields state of its columns, JSON taken apart.
+    """Return the metadata of a table and of its fields by column, with JSON decoded.
 
     >>> stated = assign_metadata({"units": '{"force": "N"}', "gain": "10"}, {}, ["force"])
     >>> stated.columns, stated.table
@@ -81,7 +81,7 @@ def _add_value(entries: dict[str, Any], key: str, value: Any) -> None:
 
 
 def find_stated_unit(entries: Mapping[str, Any]) -> str | None:
-    """Return the unit that metadata state, and of two that differ both.
+    """Return the stated unit; if two differ, both.
 
     >>> find_stated_unit({"Unit": "N"}), find_stated_unit({"unit": "N", "meta.units": "kN"})
     ('N', 'N or kN')
@@ -102,17 +102,17 @@ def _remove_signs(key: str) -> str:
 
 def _flatten_entries(entries: Mapping[str, str]) -> Iterator[tuple[Path, Any]]:
     for count, (key, text) in enumerate(entries.items()):
-        if key in _IGNORED or count > _MOST:
+        if key in _IGNORED or count > _MAX_ENTRIES:
             continue
         value = _decode(text)
-        if key == "pandas":  # says of types, and in this of what the user stated
+        if key == "pandas":  # contains types, and under "attributes" the entries of the user
             value = value.get("attributes", {}) if isinstance(value, dict) else {}
         yield from _flatten(tuple(_SIGNS.split(key)), value)
 
 
 def _decode(text: str) -> Any:
     """Return the value of JSON, the text itself where it is none."""
-    if text[:1] not in {"{", "["} or len(text) > _LONGEST:
+    if text[:1] not in {"{", "["} or len(text) > _MAX_LENGTH:
         return text
     try:
         return json.loads(text)
@@ -121,13 +121,13 @@ def _decode(text: str) -> Any:
 
 
 def _flatten(path: Path, value: Any) -> Iterator[tuple[Path, Any]]:
-    if len(path) > _DEEPEST + 4:
+    if len(path) > _MAX_DEPTH + 4:
         return
     if isinstance(value, dict):
-        for key, inner in list(value.items())[:_MOST]:
+        for key, inner in list(value.items())[:_MAX_ENTRIES]:
             yield from _flatten((*path, *_SIGNS.split(str(key))), inner)
     elif isinstance(value, list) and any(isinstance(item, dict) for item in value):
-        for item in value[:_MOST]:
+        for item in value[:_MAX_ENTRIES]:
             if not isinstance(item, dict):
                 continue
             name = next((item[key] for key in _NAMES if isinstance(item.get(key), str)), None)

@@ -214,7 +214,7 @@ def _frf(
 
 
 def _require_complex_values(frfs: Sequence[_Set]) -> None:
-    """Refuse FRFs whose data type is real: amplitudes, which tell no damping.
+    """Refuse FRFs whose data type is real: amplitudes, which show no damping.
 
     Raises
     ------
@@ -295,7 +295,7 @@ def _per(above: str | None, below: str | None) -> str | None:
 def _repeated_records(timed: Sequence[_Set]) -> list[list[_Set]]:
     """Return the channels of each record of a file that holds several of one set-up, as of hits.
 
-    A channel is told by its title, its points and its unit. Each must come equally often, record
+    A channel is shown by its title, its points and its unit. Each must come equally often, record
     after record or channel after channel; else all are channels of one record.
     """
     keys = [

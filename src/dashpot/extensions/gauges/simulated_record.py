@@ -48,27 +48,27 @@ def list_calibration_files(output: str, choices: Mapping[str, Any]) -> list[str]
 
 
 def serialise_record(
-    made: Any, choices: Mapping[str, Any]
+    record: Any, choices: Mapping[str, Any]
 ) -> tuple[str, str, str, tuple[str, ...]]:
     """Return record and truth as text, then the calibration, and what limits the record's use.
 
     Parameters
     ----------
-    made : SimulatedMotion or SimulatedRelaxation
+    record : SimulatedMotion or SimulatedRelaxation
     choices : mapping
         The options of ``dashpot simulate``.
     """
     from dashpot.extensions.gauges.transducer import Daq, Instrument, write_gauges
     from dashpot.simulation.ground_truth import stamp, truth_json
 
-    truth = made.truth
+    truth = record.truth
     rig = truth.rig
     instrument = Instrument(
         daq=Daq(rate=rig.rate, filter=choices.get("antialias") or 0.0),
         misaligned=choices.get("misaligned") or 0.0,
     )
-    volts = instrument.read(made.test.time, truth.force, rig=rig, seed=truth.seed)
-    text = write_gauges(made.test, volts, comments=stamp(truth))
+    volts = instrument.read(record.test.time, truth.force, rig=rig, seed=truth.seed)
+    text = write_gauges(record.test, volts, comments=stamp(truth))
     return (
         text,
         truth_json(truth, instrument=instrument),

@@ -51,7 +51,7 @@ def fit_mass_series(
     )
 
 
-def read_frf_record(path: str | Path, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
+def read_frf_record(path: str | Path, options: dict[str, Any], _: Mapping[str, Any]) -> Any:
     """Read an FRF, or a set of them at several points."""
-    frfs = read_frfs([path], **given)
+    frfs = read_frfs([path], **options)
     return frfs if len(frfs.points) > 1 else frfs.frfs[0]

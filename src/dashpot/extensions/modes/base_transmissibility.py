@@ -32,7 +32,7 @@ COHERENT_BY_CHANCE = 1e-3
 _MOST = 0.5
 """A coherence that is kept however few segments there are."""
 _NEAR = 5
-"""Neighbouring lines of which the middle one tells."""
+"""Neighbouring lines of which the middle one shows."""
 
 
 def estimate_transmissibility(
@@ -42,7 +42,7 @@ def estimate_transmissibility(
 
     Segments under a Hann window, half of each shared with the next, their straight line taken off:
     what hits are to :func:`~dashpot.vibration.impact.spectral_estimators.estimate`, with the
-    base's motion in place of the force. Coherence tells the scatter, each segment counted as the
+    base's motion in place of the force. Coherence shows the scatter, each segment counted as the
     0.95 that it is worth beside its neighbours. Where the mass's motion is no acceleration the
     ratio is differentiated; relative to the base it is a relative transmissibility.
 

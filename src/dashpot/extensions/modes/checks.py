@@ -45,7 +45,7 @@ def modes_explain_lines(modes: Sequence[ModeShape], *, certain: bool) -> Finding
     """The modes fit the lines around them to within the errors of the lines."""
     if not certain:
         return Finding(
-            "The lines come without their scatter, so the fit of the modes is not judged"
+            "The lines come without their scatter, so the fit of the modes is not checked"
         )
     worst = max(modes, key=lambda shape: shape.misfit)
     return Finding(
@@ -150,7 +150,7 @@ def channels_not_clipped(test: ShakenTest) -> Finding:
 def segments_resolve(frf: FRF, main: Mode | None) -> Finding:
     """The segments of a shaken base are long enough to resolve the resonance."""
     if main is None:
-        return Finding("No resonance was found, so the resolution is not judged")
+        return Finding("No resonance was found, so the resolution is not checked")
     spacing = float(np.median(np.diff(frf.frequency)))
     lines = main.bandwidth / spacing
     return Finding(

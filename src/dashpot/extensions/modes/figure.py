@@ -152,7 +152,7 @@ def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "
 
 def draw_masses(modes: MassSeriesModes) -> Picture:
     """Return the figure of modes under several masses, of what was fitted."""
-    return several_masses(modes.together, [test.frf for test in modes.tests])
+    return several_masses(modes.joint_modes, [test.frf for test in modes.tests])
 
 
 def draw_poles(frf: FRF, *, band: tuple[float, float] | None = None) -> Picture:

@@ -46,5 +46,5 @@ def under_masses(request: FitRequest) -> CommandResult:
     under = [test.frf for test in modes.tests]
     stamp = dp.plot.stamp([source for frf in under for source in frf.source], seals=seals)
     return request.write_output(
-        modes, figure=lambda: dp.plot.several_masses(modes.together, under, stamp=stamp)
+        modes, figure=lambda: dp.plot.several_masses(modes.joint_modes, under, stamp=stamp)
     )

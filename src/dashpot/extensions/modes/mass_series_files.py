@@ -49,7 +49,7 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
     ----------
     tests : tuple of MeasuredModes
         One for each mass.
-    together : SeveralMasses
+    joint_modes : SeveralMasses
     checks : tuple of Check
         Of every test, with its mass, and whether one solid has all poles.
 
@@ -67,19 +67,19 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
         Key("tests", "modes_by_mass"),
         "stiffness",
         "model",
-        "together.distance",
+        "joint_modes.distance",
         "verdict",
         "checks",
     )
 
     tests: tuple[MeasuredModes, ...]
-    together: SeveralMasses
+    joint_modes: SeveralMasses
     checks: tuple[Check, ...]
 
     @property
     def _table_columns(self) -> Series:
         """The mode under each mass, and the stiffness of the seals there."""
-        of = self.together
+        of = self.joint_modes
         return {
             "mass": (list(of.masses), "kg"),
             **collect_columns(
@@ -93,13 +93,13 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
     @property
     def modes_by_mass(self) -> tuple[MassModes, ...]:
         """The modes under each mass."""
-        masses = zip(self.together.masses, self.tests, strict=True)
+        masses = zip(self.joint_modes.masses, self.tests, strict=True)
         return tuple(MassModes(mass, modes.band, modes.modes) for mass, modes in masses)
 
     @property
     def _headline(self) -> str:
         """The resonance under each mass."""
-        pairs = zip(self.together.masses, self.together.modes, strict=True)
+        pairs = zip(self.joint_modes.masses, self.joint_modes.modes, strict=True)
         names = [
             f"{mode.frequency:.4g} Hz under {format_quantity(mass, 'g')}" for mass, mode in pairs
         ]
@@ -108,14 +108,14 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
     @property
     def stiffness(self) -> tuple[StiffnessAtMode, ...]:
         """Of the seals, at every mode."""
-        of = self.together
+        of = self.joint_modes
         rows = zip(of.modes, of.stiffness, of.spread, strict=True)
         return tuple(StiffnessAtMode(mode.frequency, k.real, k.imag, *se) for mode, k, se in rows)
 
     @property
     def model(self) -> dict[str, Any]:
         """The solid that has all poles, if one has."""
-        solid = self.together.solid
+        solid = self.joint_modes.solid
         arms = [{"k": k, "tau": tau} for k, tau in zip(solid.k, solid.tau, strict=True)]
         return {"k_inf": solid.k_inf, "b": solid.b, "arms": arms}
 

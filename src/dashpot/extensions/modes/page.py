@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from dashpot import plot
-from dashpot.base.number_format import format_count, format_with_error, round_to_error
+from dashpot.base.number_format import format_with_error, round_to_error
 from dashpot.base.progress import send_progress
 from dashpot.base.provenance import Source
 from dashpot.base.reported_values import ReportedValue
@@ -20,29 +20,32 @@ from dashpot.datamodel.frf import Mode
 from dashpot.extensions.modes.job import ModesJob
 from dashpot.extensions.modes.mass_series_files import MassSeriesModes, modes_by_mass
 from dashpot.extensions.modes.measured_modes import MeasuredModes, modes_files
-from dashpot.report.result_page import AppCard, Group, JobPage, KindPage, Topic, lights
+from dashpot.report.result_page import AppCard, Group, JobPage, KindPage, Topic, make_indicators
 from dashpot.report.solid_and_frf_pages import mode_rows
 from dashpot.report.tables import TextTable
 
 
 def masses_page(modes: MassSeriesModes) -> KindPage:
-    """Return what the page of one solid under several masses holds."""
-    of = modes.together
+    """Return the contents of the page of one solid under several masses."""
+    joint_modes = modes.joint_modes
     facts = tuple(
         Group(format_with_error(mass, "g", digits=4), tuple(mode_rows(mode)))
-        for mass, mode in zip(of.masses, of.modes, strict=True)
+        for mass, mode in zip(joint_modes.masses, joint_modes.modes, strict=True)
     )
     return KindPage(
-        about=f"one model under {format_count(len(of.masses), 'mass').replace('masss', 'masses')}",
-        strip=(
-            ("Masses", ", ".join(format_with_error(mass, "g", digits=4) for mass in of.masses)),
+        subject=f"one model under {len(joint_modes.masses)} masses",
+        summary_line=(
+            (
+                "Masses",
+                ", ".join(format_with_error(mass, "g", digits=4) for mass in joint_modes.masses),
+            ),
         ),
-        lights=lights(
+        indicators=make_indicators(
             modes.checks, Topic("FRFs"), Topic("One model", {"one_solid_explains_masses"})
         ),
-        answers="The response under each mass",
+        figure_title="The response under each mass",
         picture=modes.plot(),
-        told="Resonance under each mass",
+        table_title="Resonance under each mass",
         groups=facts,
         sources=_list_sources(modes),
         name="masses",
@@ -54,57 +57,59 @@ def _list_sources(modes: MassSeriesModes) -> tuple[Source, ...]:
 
 
 def fit_job(job: ModesJob) -> tuple[MeasuredModes | MassSeriesModes, JobPage]:
-    """Find the modes in the files of a job, and list what the app shows of them."""
-    send_progress(f"seeking the modes of {', '.join(Path(path).name for path in job.files)}")
+    """Return the modes in the files of a job, and their cards in the app."""
+    send_progress(f"finding the modes of {', '.join(Path(path).name for path in job.files)}")
     options, band = job.options, job.band
     if job.masses:
         modes = modes_by_mass(job.files, job.masses, seals=job.seals, options=options, band=band)
         return modes, _describe_masses(modes)
     measured_modes, chart = modes_files(job.files, options=options, band=band)
     picture = plot.stabilisation(chart, [mode.mode for mode in measured_modes.modes])
-    named = ((str(i), mode.mode) for i, mode in enumerate(measured_modes.modes, 1))
+    labelled_modes = ((str(i), mode.mode) for i, mode in enumerate(measured_modes.modes, 1))
     return measured_modes, JobPage(
         (AppCard("Stabilisation chart", picture), *_list_tables(measured_modes)),
         "Modes",
-        list_mode_facts(named),
+        list_mode_facts(labelled_modes),
         measured_modes.frf.source,
     )
 
 
 def _describe_masses(modes: MassSeriesModes) -> JobPage:
-    of = modes.together
-    picture = plot.several_masses(of, [test.frf for test in modes.tests])
-    pairs = zip(of.masses, of.modes, strict=True)
-    named = ((format_quantity(mass, "g"), mode) for mass, mode in pairs)
-    return JobPage((AppCard("", picture),), "Modes", list_mode_facts(named), _list_sources(modes))
+    joint_modes = modes.joint_modes
+    picture = plot.several_masses(joint_modes, [test.frf for test in modes.tests])
+    pairs = zip(joint_modes.masses, joint_modes.modes, strict=True)
+    labelled_modes = ((format_quantity(mass, "g"), mode) for mass, mode in pairs)
+    return JobPage(
+        (AppCard("", picture),), "Modes", list_mode_facts(labelled_modes), _list_sources(modes)
+    )
 
 
-def list_mode_facts(named: Iterable[tuple[str, Mode]]) -> tuple[ReportedValue, ...]:
-    """Return frequency and damping of every mode, each by the name that its mode has."""
-    modes = tuple(named)
+def list_mode_facts(labelled_modes: Iterable[tuple[str, Mode]]) -> tuple[ReportedValue, ...]:
+    """Return frequency and damping of every mode, labelled by the mode."""
+    modes = tuple(labelled_modes)
     return tuple(
-        replace(mode.facts[i], words=f"{sign}, {which}")
-        for i, sign in enumerate(("f", "ζ"))
-        for which, mode in modes
+        replace(mode.facts[i], words=f"{symbol}, {label}")
+        for i, symbol in enumerate(("f", "ζ"))
+        for label, mode in modes
     )
 
 
 def _list_tables(measured_modes: MeasuredModes) -> list[AppCard]:
-    """Return what each mode is beside its pole; of several points shapes and how alike they are."""
+    """Return the tables of modes; of several points also those of mode shapes and their MAC."""
     if not measured_modes.modes:
         return []
-    last = ["MPC", "MPD, °"] if measured_modes.points else ["modal mass, kg"]
+    quality_headers = ["MPC", "MPD, °"] if measured_modes.points else ["modal mass, kg"]
     rows = []
     for i, mode in enumerate(measured_modes.modes, 1):
-        names = [f"{mode.modal_mass:.4g}"]
+        quality_cells = [f"{mode.modal_mass:.4g}"]
         if measured_modes.points:
-            names = [f"{mode.phase_collinearity:.3f}", f"{mode.phase_deviation_deg:.2g}"]
+            quality_cells = [f"{mode.phase_collinearity:.3f}", f"{mode.phase_deviation_deg:.2g}"]
         residue = mode.mode.facts[2].cells.with_error
-        rows.append([str(i), round_to_error(mode.frequency_hz, digits=4), residue, *names,
+        rows.append([str(i), round_to_error(mode.frequency_hz, digits=4), residue, *quality_cells,
                      f"{mode.orders} of {measured_modes.highest_order}"])  # fmt: skip
-    head = ["mode", "Hz", "residue, m/(N s)", *last, "orders stable"]
-    of = " of 1 kg on the base" if measured_modes.frf.quantity.over_base else ""
-    tables = [(f"Modes{of}", head, rows)]
+    head = ["mode", "Hz", "residue, m/(N s)", *quality_headers, "orders stable"]
+    unit_note = " of 1 kg on the base" if measured_modes.frf.quantity.over_base else ""
+    tables = [(f"Modes{unit_note}", head, rows)]
     if measured_modes.points:
         tables += _shapes(measured_modes)
     return [
@@ -114,7 +119,7 @@ def _list_tables(measured_modes: MeasuredModes) -> list[AppCard]:
 
 
 def _shapes(measured_modes: MeasuredModes) -> list[tuple[str, list[str], list[list[str]]]]:
-    """Return the shapes of the modes, and how alike they are: title, head and rows."""
+    """Return the tables of mode shapes and of their MAC: title, head and rows."""
     numbers = [str(i + 1) for i in range(len(measured_modes.modes))]
     parts = [complex(p.real, p.imag) for mode in measured_modes.modes for p in mode.shape]
     sizes = np.array(parts).reshape(len(numbers), -1).T

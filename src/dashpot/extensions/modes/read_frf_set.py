@@ -80,7 +80,7 @@ def _points_in(path: str | Path, options: ReadOptions | None) -> Iterator[tuple[
                 raise ReadError(other[0].message)
             # an option that names columns or a part has left one group
             kinds: list[FileKind] = ["frf", "transmissibility"]
-            channels.expect(file, kinds, "an FRF is", named=["real", "magnitude"])
+            channels.expect(file, kinds, "an FRF is", stated_columns=["real", "magnitude"])
             for name, columns in groups:
                 yield name, _build_subset_frf(file, columns)
             return

@@ -68,7 +68,7 @@ def command(
     output: str | None,
     seed: int | None,
 ) -> CommandResult:
-    """Run the main job, tell the whole story, or write the files of it."""
+    """Run the main job, show the whole story, or write the files of it."""
     if every and not files_only:
         raise click.UsageError("--all is for the files to learn on. Add --files")
     if story and paper:

@@ -62,7 +62,7 @@ def exponential_sum(
 
     .. math:: y = c + \sum_{j=1}^{n} a_j e^{-r_j x}, \qquad r_j > 0
 
-    Rates are sought where the data can tell them: 1/r from twice the finest step of x to ten
+    Rates are sought where the data can distinguish them: 1/r from twice the finest step of x to ten
     times its span.
 
     Parameters

@@ -111,13 +111,13 @@ def _fit_both_temperatures(
     )
     fit = dp.fit(warm, cold)
     held = dp.compare(fit, measured, mass=KNOWN_SEALS[PUZZLE][1], seals=SEALS).comparison
-    return fit, held, workflow.unseen_arm_band(fit, (warm, cold), [held.measured_hz])
+    return fit, held, workflow.unresolved_arm_band(fit, (warm, cold), [held.measured_hz])
 
 
-def _loss(fit: dp.Fit, bound: StiffnessBounds, both: dp.Fit | None) -> str:
+def _loss(fit: dp.Fit, bounds: StiffnessBounds, both: dp.Fit | None) -> str:
     """Return the loss factor at a frequency, its bound, and that of bench and hammer together."""
-    at = float(bound.frequency[0])
-    low, high = (float(limit[0]) for limit in bound.loss_factor)
+    at = float(bounds.frequency[0])
+    low, high = (float(limit[0]) for limit in bounds.loss_factor)
     value, *other = (
         float(item.model.loss_factor(omega=2 * math.pi * at))
         for item in (fit, both)

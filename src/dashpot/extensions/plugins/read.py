@@ -7,7 +7,7 @@ from pathlib import Path
 from dashpot.base import units
 from dashpot.base.errors import ReadError
 from dashpot.extensions.plugins.datamodel import PluggedColumn, PluggedTest
-from dashpot.reading.columns.file_kinds import RECOGNISED
+from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
 from dashpot.reading.columns.role_assignment import assign
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
@@ -58,7 +58,7 @@ def read_plugged(path: str | Path, *, options: ReadOptions | None = None) -> Plu
 def _roles(file: OpenedFile) -> dict[int, Role]:
     """Return the columns that surely play a role, by index; the likelier role comes first."""
     entries: dict[int, Role] = {}
-    for role in RECOGNISED["plug-in"].roles:
+    for role in KINDS_OF_FILE["plug-in"].roles:
         answer = assign(file.table, role, file.options)
         if not isinstance(answer, Question):
             entries.setdefault(answer.index, role)

@@ -16,7 +16,7 @@ _WAYS = {
 }
 
 
-def _judge(test: PairTest) -> Finding:
+def _check_interval(test: PairTest) -> Finding:
     if test.is_separable is None:
         return Finding(f"No combination of sweeps shows whether {test.pair} are separable")
     size = f"{100 * (test.departure or 0):.2g} %"
@@ -36,19 +36,19 @@ def _judge(test: PairTest) -> Finding:
 @criterion("probability by chance", ">=", CHANCE, "F tests at 1 %; or within 1 % and 0.01 rad")
 def compression_and_frequency_separable(test: PairTest) -> Finding:
     """Every compression has the same dependence on frequency, up to a real factor."""
-    return _judge(test)
+    return _check_interval(test)
 
 
 @criterion("probability by chance", ">=", CHANCE, "F tests at 1 %; or within 1 % and 0.01 rad")
 def amplitude_and_frequency_separable(test: PairTest) -> Finding:
     """Every amplitude has the same dependence on frequency, up to a complex factor."""
-    return _judge(test)
+    return _check_interval(test)
 
 
 @criterion("probability by chance", ">=", CHANCE, "F tests at 1 %; or within 1 % and 0.01 rad")
 def compression_and_amplitude_separable(test: PairTest) -> Finding:
     """The stiffness falls with amplitude alike at every compression."""
-    return _judge(test)
+    return _check_interval(test)
 
 
 @criterion("pairs of variables without a test", "<=", 0, "by definition")
@@ -90,25 +90,25 @@ def sweeps_followed(residual: float, *, where: str) -> Finding:
 
 
 @criterion("levels", ">=", 3, "two levels show no curvature")
-def levels_enough(levels: int, *, of: str) -> Finding:
+def levels_enough(levels: int, *, axis: str) -> Finding:
     """Three compressions or more, and no amplitudes or three, show the curvature of the laws."""
     return Finding(
         f"At least {levels} levels of compression and of amplitude show the curvature of the laws",
         levels,
         "Between them the bend of its law is not known, nor is the error of the map",
-        f"Measure at a third {of}.",
-        failure=f"The sweeps have {levels} levels of {of} only",
+        f"Measure at a third {axis}.",
+        failure=f"The sweeps have {levels} levels of {axis} only",
     )
 
 
 @criterion("error of the interpolation", "<=", 0.05, "our choice")
-def levels_dense(error: float, *, of: str) -> Finding:
+def levels_dense(error: float, *, axis: str) -> Finding:
     """Between levels the interpolation is known to 5 %."""
     return Finding(
         f"Between levels the map is interpolated to {100 * error:.2g} % or better",
         error,
-        remedy=f"Measure at more levels of {of}.",
-        failure=f"Between levels of {of} the map is known to {100 * error:.2g} % only",
+        remedy=f"Measure at more levels of {axis}.",
+        failure=f"Between levels of {axis} the map is known to {100 * error:.2g} % only",
     )
 
 

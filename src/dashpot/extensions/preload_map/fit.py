@@ -41,7 +41,7 @@ _LEAST_SCATTER = 1e-9
 _LEAST_SHARE = 1e-9
 """Share of the stiffness that an arm carries at least."""
 _LARGEST_ERROR = 0.5
-"""Relative error of a sensor, or angle, rad, that still tells a stiffness."""
+"""Relative error of a sensor, or angle, rad, that still shows a stiffness."""
 _RANK = 1e-9
 _GRID_POINTS = 40
 """Points of the common curve of sweeps that share no frequencies."""
@@ -112,7 +112,7 @@ def fit_preload_map(
     if max(gain_error, turn, repeatability or 0.0) >= _LARGEST_ERROR:
         raise DataError(
             f"a gain error of {gain_error:g}, a phase error of {turn:g} rad and a repeatability of "
-            f"{repeatability or 0:g} tell no stiffness; expected below {_LARGEST_ERROR:g}"
+            f"{repeatability or 0:g} show no stiffness; expected below {_LARGEST_ERROR:g}"
         )
     lines = collect_lines(_select_band(sweeps, si_range(band, "frequency")))
     layouts = build_layouts(lines)
@@ -153,7 +153,7 @@ def fit_preload_map(
     repeats = int(lines.sweep.max()) + 1 - len(preload_map.cells)
     preload_map = replace(
         preload_map,
-        checks=_judge(preload_map, law, repeats=repeats, stated=repeatability is not None),
+        checks=_run_checks(preload_map, law, repeats=repeats, stated=repeatability is not None),
     )
     return preload_map if mass is None else add_resonances(preload_map, mass, seals)
 
@@ -214,7 +214,8 @@ def _require_linked(lines: StiffnessLines, layout: Layout) -> None:
     if rank < columns - 2:
         raise DataError(
             "compression and amplitude, or compression and frequency, change together from sweep "
-            "to sweep, so that their effects cannot be told apart. Measure one compression at two "
+            "to sweep, so that their effects cannot be distinguished. Measure one compression "
+            "at two "
             "amplitudes, and all sweeps at the same frequencies"
         )
 
@@ -387,7 +388,7 @@ def _measure_cells(lines: StiffnessLines, preload_map: PreloadMap) -> tuple[MapC
     return tuple(cells)
 
 
-def _judge(
+def _run_checks(
     preload_map: PreloadMap, law: _SeparableLaw, *, repeats: int, stated: bool
 ) -> tuple[Check, ...]:
     criteria = {
@@ -422,8 +423,8 @@ def _judge(
             max((test.angle_limit or 0.0 for test in preload_map.pairs), default=0.0),
         ),
         checks.sweeps_followed(worst.residual, where=where),
-        checks.levels_enough(counts[fewest], of=fewest),
-        checks.levels_dense(gaps[widest], of=widest),
+        checks.levels_enough(counts[fewest], axis=fewest),
+        checks.levels_dense(gaps[widest], axis=widest),
         checks.solid_follows_master_curve(law.misfit_ratio, misfit=law.misfit),
         *_judge_limits(preload_map),
         checks.repeatability_known(repeats, stated=stated),

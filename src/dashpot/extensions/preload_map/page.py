@@ -15,7 +15,7 @@ from dashpot.extensions.preload_map.text import (
     list_setting_cells,
 )
 from dashpot.report.first_screen import NOT_GIVEN
-from dashpot.report.result_page import CollapsibleSection, KindPage, Topic, group, lights
+from dashpot.report.result_page import CollapsibleSection, KindPage, Topic, group, make_indicators
 from dashpot.report.tables import TextTable
 
 _SEPARABLE = {
@@ -30,14 +30,14 @@ def page(preload_map: PreloadMap) -> KindPage:
     """Return the page of a preload map."""
     tested = [test for test in preload_map.pairs if test.tested]
     return KindPage(
-        about="complex stiffness over frequency, amplitude and compression",
-        strip=(
+        subject="complex stiffness over frequency, amplitude and compression",
+        summary_line=(
             ("Map", describe_map(preload_map)),
             ("Compressions", _levels(preload_map.compressions.tolist())),
             ("Amplitudes", _levels(preload_map.amplitudes.tolist())),
             ("Scatter of lines", _scatter(preload_map)),
         ),
-        lights=lights(
+        indicators=make_indicators(
             preload_map.checks,
             Topic("Records", {"repeatability_known", "part_dissipates"}),
             Topic(
@@ -46,9 +46,9 @@ def page(preload_map: PreloadMap) -> KindPage:
                 "sweeps_followed", "solid_follows_master_curve", "levels_enough", "levels_dense"}),
             Topic("Limits", {"stiffness_determined", "loss_factor_determined"}),
         ),
-        answers="Stiffness and loss factor over frequency, compression and amplitude",
+        figure_title="Stiffness and loss factor over frequency, compression and amplitude",
         picture=preload_map.plot(),
-        told="Stiffness, loss factor and resonances",
+        table_title="Stiffness, loss factor and resonances",
         groups=(group("", preload_map.facts),),
         sources=preload_map.source,
         folds=(

@@ -39,7 +39,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.frf import read_frf
-from dashpot.reading.readers.sweep_columns import NAMED, parts_of, sweep_columns
+from dashpot.reading.readers.sweep_columns import SWEEP_OPTIONS, parts_of, sweep_columns
 from dashpot.registry import find_handler, list_names
 from dashpot.signals.segments import Loading
 
@@ -322,7 +322,7 @@ def _load_file(
     detected = recognise(path, None if options is None else options.for_file(path))
     if detected.kind in {KIND, *SWEEP_KINDS}:
         with channels.open_file(path, options) as file:
-            channels.expect(file, [KIND, *SWEEP_KINDS], "a sweep is", named=NAMED)
+            channels.expect(file, [KIND, *SWEEP_KINDS], "a sweep is", stated_columns=SWEEP_OPTIONS)
             return _read_table(file, stated)
     if detected.kind == "frf":
         with add_name_to_errors(Path(path).name):

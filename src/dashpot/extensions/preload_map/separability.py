@@ -188,7 +188,8 @@ def estimate_scatter(
     dof = len(values) - rank
     if dof < _LEAST_DOF:
         raise DataError(
-            f"{len(values)} lines in {sweeps.shape[1]} sweeps are too few to tell scatter from a "
+            f"{len(values)} lines in {sweeps.shape[1]} sweeps are too few to distinguish scatter "
+            "from a "
             "departure. Measure at more frequencies, the same in every sweep"
         )
     line = rss / dof
@@ -216,10 +217,10 @@ def judge_pairs(
     pairs: list[Pair] = ["compression and frequency"]
     if len(lines.amplitudes) > 1:
         pairs += ["amplitude and frequency", "compression and amplitude"]
-    return tuple(_judge(pair, lines, values, layouts, scatters) for pair in pairs)
+    return tuple(_test_pair(pair, lines, values, layouts, scatters) for pair in pairs)
 
 
-def _judge(
+def _test_pair(
     pair: Pair,
     lines: StiffnessLines,
     values: tuple[FloatArray, FloatArray],

@@ -141,15 +141,15 @@ def _least_step(frequency: FloatArray) -> float:
     return float(np.min(steps[steps > _EQUAL], initial=np.inf))
 
 
-def group_levels(values: FloatArray, alike: float) -> tuple[FloatArray, IndexArray]:
+def group_levels(values: FloatArray, tolerance: float) -> tuple[FloatArray, IndexArray]:
     """Return the levels of values, rising, and which of them each value is of.
 
-    Neighbours whose logarithms differ by less than `alike` are of one level; values that are not
-    above zero, too.
+    Neighbours whose logarithms differ by less than `tolerance` are of one level; values that are
+    not above zero, too.
     """
     order = np.argsort(values, kind="stable")
     logs = np.log(np.maximum(values[order], _LEAST))
-    steps = np.concatenate(([0], np.cumsum(np.diff(logs) > alike)))
+    steps = np.concatenate(([0], np.cumsum(np.diff(logs) > tolerance)))
     group = np.empty(len(values), dtype=int)
     group[order] = steps
     levels = np.array([float(values[group == i].mean()) for i in range(int(steps[-1]) + 1)])

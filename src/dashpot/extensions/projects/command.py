@@ -105,5 +105,5 @@ def _make_cleanup_result(folder: str, remaining: list[str]) -> CommandResult:
 def _format_headline(checks: Iterable[Check]) -> str:
     """What to say where nothing failed: no more than was judged."""
     open_ = [check.message for check in checks if check.passed is None]
-    more = f". {len(open_)} not judged: {decapitalise_sentence(open_[0])}" if open_ else ""
+    more = f". {len(open_)} not checked: {decapitalise_sentence(open_[0])}" if open_ else ""
     return f"every result follows from its raw files again{more}"

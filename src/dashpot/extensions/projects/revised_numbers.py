@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-_ERRORS = "errors hold what machine, drift and climate may do unseen"
+_ERRORS = "errors hold what machine, drift and climate may do without a trace"
 REVISED_NUMBERS: dict[str, str] = {
     "covariance": _ERRORS,
     "standard_error": f"{_ERRORS}; k_inf has none, for no test bounds it from below",

@@ -81,7 +81,7 @@ def verify(
     if expect is not None:
         new_checks.append(_check_expected_hash(history, expect))
     for line, intact in zip(history.lines, history.intact, strict=True):
-        new_checks.append(verification_checks.history_unchanged(line.line, whole=intact))
+        new_checks.append(verification_checks.history_unchanged(line.line, is_unchanged=intact))
         files = [_file(project, entry, line.line) for entry in (*line.inputs, *line.outputs)]
         new_checks += files
         if not any(check.failed for check in files):
@@ -164,7 +164,7 @@ def _compare_with_rerun(
     if former:
         return [
             *_compare_with_former(line, retained, made, documents),
-            verification_checks.page_redrawn(line.line, same=False, alike=False),
+            verification_checks.page_redrawn(line.line, same=False, is_same=False),
         ]
     worst, where = max(
         _json_difference(retained[place], made[place], place, words=alike) for place in documents
@@ -172,7 +172,7 @@ def _compare_with_rerun(
     same = alike and same_page(retained["reports/.html"], made["reports/.html"])
     return [
         verification_checks.result_recomputed(worst, where, line.line),
-        verification_checks.page_redrawn(line.line, same=same, alike=alike),
+        verification_checks.page_redrawn(line.line, same=same, is_same=alike),
     ]
 
 
@@ -195,7 +195,7 @@ def _is_former(content: bytes) -> bool:
 
 
 def _compare_with_former(
-    line: HistoryLine, retained: dict[str, bytes], made: dict[str, bytes], documents: list[str]
+    line: HistoryLine, retained: dict[str, bytes], new_files: dict[str, bytes], documents: list[str]
 ) -> list[Check]:
     """Compare what documents of a former version and the present ones both hold."""
     faults: list[str] = []
@@ -219,7 +219,7 @@ def _compare_with_former(
         return [verification_checks.result_recomputed(float("inf"), faults[0], line.line)]
     worst, where, revised = 0.0, "", set()
     for place, before in written.items():
-        old, new, differing = split_common(before, numbers(json.loads(made[place])))
+        old, new, differing = split_common(before, numbers(json.loads(new_files[place])))
         worst, where = max((worst, where), find_largest_difference(old, new, place))
         revised |= {
             name.rpartition(".")[2]

@@ -70,14 +70,14 @@ def history_expected(expected: str, place: int | None, lines: int) -> Finding:
 
 
 @criterion(source="SHA-256 of the line, and of the line before it", grade="stop")
-def history_unchanged(number: int, *, whole: bool) -> Finding:
+def history_unchanged(number: int, *, is_unchanged: bool) -> Finding:
     """No line of the history was changed."""
     line = f"Line {number} of history.jsonl is "
     return Finding(
         line + "as it was written",
         failure=line + "not as it was written, or out of place",
         remedy="Restore history.jsonl from a copy.",
-        always_fails=not whole,
+        always_fails=not is_unchanged,
     )
 
 
@@ -175,11 +175,11 @@ def uncertainty_unrevised(reasons: Mapping[str, str], number: int, by: str) -> F
 
 
 @criterion("parts that differ", "<=", 0, "by definition", grade="stop")
-def page_redrawn(number: int, *, same: bool, alike: bool) -> Finding:
+def page_redrawn(number: int, *, same: bool, is_same: bool) -> Finding:
     """Every report shows what its result says."""
     page = f"The report of line {number}"
-    if not alike:
-        return Finding(f"{page} was made by other versions, so its words are not judged")
+    if not is_same:
+        return Finding(f"{page} was made by other versions, so its words are not checked")
     return Finding(
         f"{page}, drawn again, is the same",
         0 if same else 1,

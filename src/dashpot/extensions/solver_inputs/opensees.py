@@ -10,12 +10,12 @@ from dashpot.export.unit_systems import text
 
 FORMS = ("network", "network-tcl", "python", "tcl")
 SUFFIX = "txt"
-CYCLED = (
+LOOPS_VERIFIED = (
     "verified: OpenSeesPy runs these commands in dashpot's tests; loops of several amplitudes have "
     "the energy and the secant of the model within 1e-3"
 )
-_INNER = 10
-"""Inner nodes are numbered so many after the first tag."""
+_INNER_NODE_OFFSET = 10
+"""Difference of the number of the first inner node from the first tag."""
 
 Command = list[str]
 
@@ -29,13 +29,14 @@ def opensees(
     r"""OpenSees network of springs and dashpots, or one uniaxial material.
 
     ``"network"`` (Python) and ``"network-tcl"`` are zeroLength elements between two nodes: one of
-    k_inf, and in each arm an Elastic and a Viscous one round an inner node. It is right under every
-    transient integrator that the tests run; in a Static analysis the arms carry nothing, for a
-    Viscous material has no rate there. ``"python"`` and ``"tcl"`` are Elastic, Maxwell and Viscous,
+    k_inf, and in each arm an Elastic and a Viscous one with an inner node between. It is right
+    under every transient integrator that the tests run. In a Static analysis the arms carry no
+    force, because a Viscous material has no rate there. ``"python"`` and ``"tcl"`` are Elastic,
+    Maxwell and Viscous,
     joined by Parallel: one material, the last, without nodes of its own. Under HHT and
-    GeneralizedAlpha each relaxation time of Maxwell is 1/alpha too long, whatever the step, for it
-    takes the step that these scale. (A Series of Elastic and Viscous is not a Maxwell arm in
-    OpenSees: its answer is wrong.)
+    GeneralizedAlpha each relaxation time of Maxwell is 1/alpha too long at any step, because
+    these integrators scale the step. (A Series of Elastic and Viscous is not a Maxwell arm in
+    OpenSees: its force is wrong.)
 
     Sliders are ElasticPP, a cubic spring is ElasticMultiLinear.
 
@@ -57,19 +58,19 @@ def opensees(
         if network
         else _write_material(deck, first_tag, tcl=tcl)
     )
-    right, *more = (
-        [CYCLED]
+    verification, *more = (
+        [LOOPS_VERIFIED]
         if deck.nonlinear_elements.parts
         else format_procedures("opensees", deck.form, with_dashpot=deck.b > 0)
     )
     tag = first_tag + len(_list_materials(deck))
-    where = _NODES if network else (f"material {tag} is the model; {_MATERIAL[0]}", _MATERIAL[1])
+    remarks = _NODES if network else (f"material {tag} is the model; {_MATERIAL[0]}", _MATERIAL[1])
     return deck.format_text(
         "#",
         f"{'network of zeroLength elements' if network else 'uniaxial material'} for OpenSees",
         cards,
-        verified=right,
-        remarks=[*more, *where],
+        verified=verification,
+        remarks=[*more, *remarks],
     )
 
 
@@ -114,14 +115,14 @@ def _write_material(deck: Deck, first_tag: int, *, tcl: bool) -> list[str]:
 
 
 def _write_network(deck: Deck, first_tag: int, *, tcl: bool) -> list[str]:
-    """Return a material and an element of each spring and dashpot; of an arm a node between."""
+    """Return a material and an element for each spring and dashpot, and a node for each arm."""
     write = _tcl if tcl else _python
     ground, moving, direction = ("$ground", "$moving", "$direction") if tcl else _NAMES
     parts = [
         (material, ground, moving)
         for material in (*_list_linear_materials(deck), *_list_nonlinear_materials(deck))
     ]
-    nodes = [str(first_tag + _INNER + j) for j in range(len(deck.arms))]
+    nodes = [str(first_tag + _INNER_NODE_OFFSET + j) for j in range(len(deck.arms))]
     for node, (k, _, b) in zip(nodes, deck.arms, strict=True):
         parts += [
             (["Viscous", text(b), "1."], ground, node),
@@ -175,7 +176,7 @@ _TCL_HEAD = (
 
 
 def _argument(value: str) -> str:
-    """As Python writes it: names of kinds and flags are texts, numbers and names are not."""
+    """Return an argument in Python syntax: kinds and flags are quoted, numbers and names not."""
     plain = value in _NAMES or value[0].isdigit() or (value[0] == "-" and value[1:2].isdigit())
     return value if plain else repr(value)
 

@@ -9,7 +9,7 @@ from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, frozen, samples
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
-from dashpot.datamodel.structure import _NEAR, RIGID
+from dashpot.datamodel.structure import _NEIGHBOUR_COUNT, RIGID
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +80,7 @@ class FreeModes(EqualByValue):
         """
         p = np.asarray(place, dtype=float)
         away = np.linalg.norm(self.place - p, axis=1)
-        near = np.argsort(away, kind="stable")[:_NEAR]
+        near = np.argsort(away, kind="stable")[:_NEIGHBOUR_COUNT]
         first = int(near[0])
         legs = self.place[near[1:]] - self.place[first]
         square = np.einsum("ij,ij->i", legs, legs)

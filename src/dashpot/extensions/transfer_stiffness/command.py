@@ -63,7 +63,7 @@ give.""",
         opt("--exact", kinds=_MEASURED_KINDS,
             help="Formula with the motion of the output, T/(T-1)."),
         opt("--record", "records", type=File(), multiple=True, metavar="FILE", kinds=_FIT,
-            help="The record behind the fit: limits with unseen arms."),
+            help="The record behind the fit: limits with unresolved arms."),
         mark_advanced(
             opt("--output-response", "output_response", type=File(), metavar="FILE",
                 kinds=f"{_FRF} {_SWEEP_KINDS}",

@@ -7,7 +7,7 @@ from dashpot.base.units import celsius, convert_to_unit, format_quantity
 from dashpot.extensions.transfer_stiffness.stiffness_sheet import TransferStiffness
 from dashpot.extensions.transfer_stiffness.text import describe_method
 from dashpot.report.first_screen import NOT_GIVEN
-from dashpot.report.result_page import CollapsibleSection, KindPage, Topic, group, lights
+from dashpot.report.result_page import CollapsibleSection, KindPage, Topic, group, make_indicators
 from dashpot.report.tables import TextTable, describe_rows, select_rows
 
 _ROWS = 200
@@ -26,8 +26,8 @@ def page(sheet: TransferStiffness) -> KindPage:
     if sheet.rigid_to is not None:
         valid += f" to {sheet.rigid_to:.4g} Hz"
     return KindPage(
-        about="dynamic transfer stiffness",
-        strip=(
+        subject="dynamic transfer stiffness",
+        summary_line=(
             ("Method", describe_method(sheet)),
             ("Preload", NOT_GIVEN if sheet.preload is None
                 else format_quantity(sheet.preload, "N")),
@@ -35,7 +35,7 @@ def page(sheet: TransferStiffness) -> KindPage:
                 else celsius(sheet.temperature)),
             ("Output blocked", valid),
         ),
-        lights=lights(
+        indicators=make_indicators(
             sheet.checks,
             Topic("Records"),
             Topic("Level", {"level_determined", "third_octaves_resolved"}, level),
@@ -44,9 +44,9 @@ def page(sheet: TransferStiffness) -> KindPage:
                 "blocking_mass_rigid", "third_octaves_in_valid_band"}),
             Topic("Mount", {"mount_dissipates", "mount_acts_as_spring"}, "a spring with loss"),
         ),
-        answers="Transfer stiffness and loss factor over frequency",
+        figure_title="Transfer stiffness and loss factor over frequency",
         picture=sheet.plot(),
-        told="Transfer stiffness in third octaves",
+        table_title="Transfer stiffness in third octaves",
         groups=(group("", sheet.facts),),
         sources=sheet.source,
         note=f"{KindPage.note} {sheet.interval_note}".rstrip(),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -54,7 +55,10 @@ class BandStiffness(Serialisable):
         Mean that the standard's formula for the indirect method gives, N/m; None where there is
         no blocking mass.
     valid : bool
-        It has enough lines, and where it was measured the output is blocked at each.
+        Valid by ISO 10846: it has enough lines, and where it was measured the output is blocked
+        at each.
+    in_fit_band : bool or None
+        Whether it lies in the valid band of the fit that predicts it; None of a measurement.
     """
 
     _keys = (
@@ -70,6 +74,7 @@ class BandStiffness(Serialisable):
         "indirect",
         Key("indirect_level_db", "indirect_level"),
         "valid",
+        Key("in_fit_band", optional=True),
     )
 
     centre: float
@@ -81,6 +86,7 @@ class BandStiffness(Serialisable):
     level_difference: float | None
     indirect: float | None
     valid: bool
+    in_fit_band: bool | None = None
 
     @property
     def level(self) -> float:
@@ -256,7 +262,7 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
             "loss_factor_low": ([band.loss_factor_limits[0] for band in bands], ""),
             "loss_factor_high": ([band.loss_factor_limits[1] for band in bands], ""),
             "level_difference": ([_replace_none(band.level_difference) for band in bands], "dB"),
-            "valid": ([band.valid for band in bands], ""),
+            **self._make_validity_column([1] * len(bands)),
         }
 
     @property
@@ -277,7 +283,19 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
             "loss_factor_high": (self.loss_factor_limits[1], ""),
             "level_difference": (gap, "dB"),
             "blocked": (self.blocked, ""),
+            **(
+                self._make_validity_column([band.lines for band in self.bands])
+                if self.method == "predicted"
+                else {}
+            ),
         }
+
+    def _make_validity_column(self, repeats: Sequence[int]) -> Series:
+        """Return whether each band, repeated, is valid: by its fit, or by ISO 10846."""
+        is_predicted = self.method == "predicted"
+        valid = [bool(band.in_fit_band if is_predicted else band.valid) for band in self.bands]
+        name = "in_valid_band_of_fit" if is_predicted else "valid_iso_10846"
+        return {name: (np.repeat(valid, repeats), "")}
 
     def csv(self, *, lines: bool = False) -> str:
         """Return the third octaves as a table, or the lines, below what they are of."""

@@ -25,7 +25,7 @@ def render_transfer_stiffness(sheet: TransferStiffness) -> Text:
     # a prediction needs no blocked output: "valid" would be read as the valid band of its fit
     judged = has_output and sheet.method != "predicted"
     head = [*_HEAD, *(["blocked, dB"] if has_output else []), *(["valid"] if judged else [])]
-    rows = (_format_row(band, has_output=has_output, judged=judged) for band in sheet.bands)
+    rows = (_format_row(band, has_output=has_output, is_checked=judged) for band in sheet.bands)
     lines += table([head, *rows])
     lines += [f"  {sheet.interval_note}"] if sheet.interval_note else []
     details = [["Hz", "dB re 1 N/m", "95 % interval", "indirect formula, dB", "lines"]]
@@ -61,7 +61,7 @@ def describe_method(sheet: TransferStiffness) -> str:
     return ", ".join(parts)
 
 
-def _format_row(band: BandStiffness, *, has_output: bool, judged: bool) -> list[str]:
+def _format_row(band: BandStiffness, *, has_output: bool, is_checked: bool) -> list[str]:
     low, high = (format_rounded(convert_to_unit(end, "N/mm"), digits=3) for end in band.limits)
     cells = [
         f"{band.centre:g}",
@@ -74,6 +74,6 @@ def _format_row(band: BandStiffness, *, has_output: bool, judged: bool) -> list[
     if has_output:
         gap = band.level_difference
         cells.append("" if gap is None else f"{gap:.1f}")
-    if judged:
+    if is_checked:
         cells.append("yes" if band.valid else "no")
     return cells

@@ -37,7 +37,7 @@ from dashpot.extensions.transfer_stiffness.third_octaves import (
     estimate_line_noise,
     list_third_octaves,
 )
-from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
+from dashpot.fitting.prediction_bounds import parameter_band, unresolved_arm_band
 from dashpot.registry import find_handler
 from dashpot.vibration.modal.dynamic_stiffness import DEGREE
 from dashpot.workflow.job import HammerChoices
@@ -49,7 +49,7 @@ PREDICTED_LINES = 11
 _USUAL_BAND = (1.0, 100.0)
 """Hz that are predicted where no band is given."""
 _MOST_GAIN, _MOST_PHASE = 0.5, 0.5
-"""Relative gain error and phase error, rad, below which a measurement tells a stiffness."""
+"""Relative gain error and phase error, rad, below which a measurement shows a stiffness."""
 
 
 class SensorErrors(NamedTuple):
@@ -223,7 +223,7 @@ def _validate(request: _Request, seals: float) -> None:
     if request.errors.gain >= _MOST_GAIN or request.errors.phase >= _MOST_PHASE:
         raise DataError(
             f"a gain error of {request.errors.gain:g} and a phase error of "
-            f"{request.errors.phase:g} rad tell no stiffness; expected below {_MOST_GAIN:g} and "
+            f"{request.errors.phase:g} rad show no stiffness; expected below {_MOST_GAIN:g} and "
             f"{_MOST_PHASE:g}"
         )
 
@@ -319,7 +319,7 @@ def _measure_direct(frf: FRF, request: _Request) -> TransferStiffness:
 def _measure_indirect(frf: FRF, request: _Request) -> TransferStiffness:
     if request.mass is None:
         raise DataError(
-            "a transmissibility tells the stiffness over the mass: give the blocking mass, --mass "
+            "a transmissibility shows the stiffness over the mass: give the blocking mass, --mass "
             "5kg"
         )
     if request.output is not None:
@@ -524,6 +524,7 @@ def _build_band(
     blocked: BoolArray,
     indirect: ComplexArray | None,
     exact: bool,
+    in_fit_band: bool | None = None,
 ) -> BandStiffness:
     lines = slice(*span)
     low, high = means.stiffness_limits[:, i].tolist()
@@ -540,6 +541,7 @@ def _build_band(
         None if output_motion is None else float(-compute_level(output_motion)),
         None if indirect is None else float(np.sqrt((np.abs(indirect[lines]) ** 2).mean())),
         count >= LEAST_LINES and (exact or bool(blocked[lines].all())),
+        in_fit_band,
     )
 
 
@@ -604,7 +606,9 @@ def _predict(
     spans = [(i * count, (i + 1) * count) for i in range(len(bands))]
     value = seals * fit.solid.complex_stiffness(omega=2 * np.pi * frequency)
     bounds = (
-        unseen_arm_band(fit, prepared, frequency) if prepared else parameter_band(fit, frequency)
+        unresolved_arm_band(fit, prepared, frequency)
+        if prepared
+        else parameter_band(fit, frequency)
     )
     limits = seals * np.hypot(bounds.storage, np.maximum(bounds.loss, 0.0))
     transmissibility, indirect = None, None
@@ -636,6 +640,7 @@ def _predict(
             blocked=blocked,
             indirect=indirect,
             exact=True,
+            in_fit_band=bool(fit.band[0] <= band.low and band.high <= fit.band[1]),
         )
         for i, (band, span) in enumerate(zip(bands, spans, strict=True))
     )

@@ -38,7 +38,7 @@ SLIGHT = 0.005
 # a misfit below this part of the peak force matters to no use of the solid
 FINE_ENOUGH = 1e-3
 # shapes that differ by less are the same for every use of them
-ALIKE = 1e-3
+NEGLIGIBLE_DIFFERENCE = 1e-3
 # an interval of k_inf wider than this part of the stiffness left says little of it
 UNSURE = 0.5
 
@@ -95,14 +95,14 @@ def depth_and_time_separable(chance: float | None, spread: float | None) -> Find
     if chance is None:
         return Finding("An arm of one depth is not identified, so the shapes cannot be compared")
     message = f"The shape of relaxation differs between depths by up to {100 * spread:.2g} %"
-    enough = "too little to matter" if spread < ALIKE else "no more than chance"
+    reason = "too little to matter" if spread < NEGLIGIBLE_DIFFERENCE else "no more than chance"
     return Finding(
-        f"{message}, {enough}. One quasi-linear model serves every depth",
+        f"{message}, {reason}. One quasi-linear model serves every depth",
         chance,
         failure=f"{message}, more than chance (probability {chance:.1g}). One quasi-linear model "
         "does not serve every depth",
         remedy="Use the stiffnesses of each depth.",
-        always_passes=spread < ALIKE,
+        always_passes=spread < NEGLIGIBLE_DIFFERENCE,
     )
 
 
@@ -119,7 +119,7 @@ def depth_and_time_separable(chance: float | None, spread: float | None) -> Find
 def hold_long_enough(end: EndOfHold | None) -> Finding:
     """At the end of the hold, no spectrum that fits the record still falls much."""
     if end is None:
-        return Finding("Each depth has its own stiffnesses, so the end of the hold is not judged")
+        return Finding("Each depth has its own stiffnesses, so the end of the hold is not checked")
     falling = end.slope_limit / max(end.k_end[1], 1e-300)
     return Finding(
         f"When the hold ends, after {end.end_time:.4g} s, the stiffness still falls by up to "
@@ -377,10 +377,10 @@ def hold_and_full_agree(
     """
     if hold is None:
         return Finding("Eq. 5 does not apply to this history, so the two methods are not compared")
-    n, alike = full.arms, hold.arms == full.arms
+    n, same_order = full.arms, hold.arms == full.arms
     ours, theirs = np.array([full.k_inf]), np.array([hold.k_inf])
     labels, sigma = ["k_inf"], error[:1]
-    if alike:
+    if same_order:
         ours = np.array((full.k_inf, *full.k, *full.tau))
         theirs = np.array((hold.k_inf, *hold.k, *hold.tau))
         labels += [f"{kind}_{j}" for kind in ("k", "tau") for j in range(1, n + 1)]
@@ -393,7 +393,7 @@ def hold_and_full_agree(
     excess = np.abs(theirs - ours) > 3.0 * sigma
     failed = excess & (size > MAX_METHOD_DIFFERENCE)
     worst = int(np.argmax(np.where(failed, 1e9, 0.0) + size))
-    orders = "" if alike else f" with {format_arm_count(hold.arms)}"
+    orders = "" if same_order else f" with {format_arm_count(hold.arms)}"
     return Finding(
         f"The fit of the hold alone (eq. 5){orders} changes {labels[worst]} by "
         f"{100 * difference[worst]:+.2g} %, "

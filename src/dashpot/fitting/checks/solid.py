@@ -26,7 +26,7 @@ FAR_OFF = 1.0
 # so many independent samples beyond the parameters show the size of a noise to a third
 FREEDOM = 5.0
 # residuals of which no more say the same are as good as white
-ALIKE = 10.0
+SAME_TIME_FACTOR = 10.0
 
 
 @criterion(
@@ -45,13 +45,13 @@ def optimum_found(*, stationary: bool) -> Finding:
 
 
 @criterion(source="by definition")
-def uncertainty_estimated(*, made: bool) -> Finding:
+def uncertainty_estimated(*, is_estimated: bool) -> Finding:
     """Intervals and checks were computed."""
     return Finding(
         "Intervals and checks were made",
         failure="This fit has neither intervals nor checks",
         remedy="Fit with intervals before use.",
-        always_fails=not made,
+        always_fails=not is_estimated,
     )
 
 
@@ -80,11 +80,11 @@ def arms_distinct(model: GeneralizedMaxwell) -> Finding:
     fit_status=Status.NOT_IDENTIFIED,
 )
 def arms_supported(
-    model: GeneralizedMaxwell, error: FloatArray, *, unit: str = "N/m", needed: bool = False
+    model: GeneralizedMaxwell, error: FloatArray, *, unit: str = "N/m", arms_selected: bool = False
 ) -> Finding:
     """Every arm is significant.
 
-    `error` as `Fit.estimate.parameters`: k_inf, k, ln tau; `needed` if the rules chose their
+    `error` as `Fit.estimate.parameters`: k_inf, k, ln tau; `arms_selected` if the rules chose their
     number, for then BIC rejects fewer.
     """
     n = model.arms
@@ -95,7 +95,7 @@ def arms_supported(
         if not (k > MIN_K_OVER_SE * sk and st < MAX_SE_LN_TAU)
     )
     value = float(min((k / sk for k, _, sk, _ in group if sk > 0), default=np.inf))
-    doubt = (
+    error_text = (
         f"Its k is below {MIN_K_OVER_SE:.0f} standard errors, or its tau is uncertain by more "
         "than a factor of 1.6"
     )
@@ -103,14 +103,14 @@ def arms_supported(
         "Every arm is above the noise",
         value if np.isfinite(value) else None,
         always_passes=n > 0 and not weak,
-        failure=f"{weak} is hardly known, though the record rejects fewer arms. {doubt}"
-        if needed
-        else f"{weak} cannot be separated from noise. {doubt}",
+        failure=f"{weak} is hardly known, though the record rejects fewer arms. {error_text}"
+        if arms_selected
+        else f"{weak} cannot be separated from noise. {error_text}",
         remedy="Hold longer, or reduce slow noise."
-        if needed
+        if arms_selected
         else Remedy("Use fewer arms.", "arms", f"{max(n - 1, 0)}"),
         always_fails=bool(weak),
-        grade="note" if needed else None,
+        grade="note" if arms_selected else None,
     )
 
 
@@ -124,9 +124,9 @@ def arms_supported(
 def tau_inside_window(
     model: GeneralizedMaxwell,
     window: tuple[float, float],
-    of: str,
+    subject: str,
     *,
-    ends: tuple[str, str] = ("", ""),
+    end_names: tuple[str, str] = ("", ""),
     within: bool = False,
     remedy: Remedy | str = Remedy("Use fewer arms, or measure over a wider range.", "arms"),  # noqa: B008
 ) -> Finding:
@@ -137,13 +137,13 @@ def tau_inside_window(
     low, high = window
     holds = np.less if within else np.less_equal
     outside = [tau for tau in model.tau if not (holds(low, tau) and holds(tau, high))]
-    span = f"{low:.3g} s{ends[0]} to {high:.3g} s{ends[1]}"
+    span = f"{low:.3g} s{end_names[0]} to {high:.3g} s{end_names[1]}"
     listed = ", ".join(f"{tau:.3g} s" for tau in outside)
     return Finding(
-        f"Every relaxation time lies in what {of} can show, {span}",
+        f"Every relaxation time lies in what {subject} can show, {span}",
         min(outside, default=None),
         always_passes=bool(model.arms) and not outside,
-        failure=f"A relaxation time, {listed}, lies outside what {of} can show, {span}. "
+        failure=f"A relaxation time, {listed}, lies outside what {subject} can show, {span}. "
         "Only the tail of this arm was measured, so its k and tau are extrapolated",
         remedy=remedy,
         limit=high,
@@ -237,7 +237,7 @@ def samples_independent(effective: float, parameters: int, kappa: float) -> Find
         effective - parameters,
         "So few do not show how large the noise is",
         "Look at the residuals: use more arms, or reduce slow noise.",
-        always_passes=kappa < ALIKE,
+        always_passes=kappa < SAME_TIME_FACTOR,
     )
 
 

@@ -109,11 +109,11 @@ class ArmColumns:
         """Return the best points of a grid, no two of nearly the same relaxation time."""
         low, high = self.bounds
         times = np.arange(low[0], high[0], 1 / _PER_FOLD)
-        tried = [
+        starting_points = [
             self.problem.solve_linear(np.array([t, slope])) for t in times for slope in _SLOPES
         ]
         optima: list[Optimum] = []
-        for near in sorted(tried, key=lambda optimum: optimum.cost):
+        for near in sorted(starting_points, key=lambda optimum: optimum.cost):
             if all(abs(near.theta[0] - optimum.theta[0]) > 2 / _PER_FOLD for optimum in optima):
                 optima.append(near)
             if len(optima) == count:
@@ -143,7 +143,9 @@ class ArmColumns:
         )
 
 
-def element_jacobian(blocks: Sequence[DataBlock], columns: ArmColumns, best: Optimum) -> Jacobian:
+def fractional_jacobian(
+    blocks: Sequence[DataBlock], columns: ArmColumns, best: Optimum
+) -> Jacobian:
     """Residual and derivative by fixed coefficients, k, ln tau and alpha, in the blocks' rows."""
     stack, weights = Stack(blocks), columns.weights(best.theta)
     matrix = np.stack(weights, axis=1)
@@ -173,7 +175,7 @@ def element_jacobian(blocks: Sequence[DataBlock], columns: ArmColumns, best: Opt
 
 # fall of BIC below which arms keep their place
 VERY_STRONG = 10.0
-#: what tells two families apart that explain ramps and holds, and sweeps
+#: what distinguishes two families that explain ramps and holds, and sweeps
 RAMPS = "A faster ramp, a colder test or a hammer test"
 # lines per decade on which two solids are compared
 _LINES = 40
@@ -253,7 +255,7 @@ class FractionalFit(SelectedModel):
         return {"k_inf": self.solid.k_inf, "k": self.k}
 
 
-def element(data: FitData) -> FractionalFit:
+def fit_fractional(data: FitData) -> FractionalFit:
     """Return the best fractional solid of some data, whose priors weigh as their noise does.
 
     Raises
@@ -275,7 +277,7 @@ def element(data: FitData) -> FractionalFit:
         peak=data.peak,
         priors=data.priors,
         encoders=data.encoders,
-        jacobian=element_jacobian(data.full_rows, columns, best),
+        jacobian=fractional_jacobian(data.full_rows, columns, best),
     )
     return FractionalFit(data, estimate, (), None, None, best)
 
@@ -295,7 +297,7 @@ class AlternativeFamily(NamedTuple):
     bic : float
         Of this, less that of the family taken.
     explains : bool
-        What this leaves may be chance, or BIC does not tell the two apart.
+        What this leaves may be chance, or BIC does not distinguish the two.
     """
 
     solid: Solid
@@ -361,7 +363,7 @@ def chosen_family(
     """
     if family == "maxwell":
         return FamilySelection(arms, arms)
-    fit = fit or element(arms.data)
+    fit = fit or fit_fractional(arms.data)
     fewest = min(arms, fit, key=lambda selection: selection.solution.sse)
     effective = fewest.estimate.effective
     floor = arms.solution.samples * rounding_rms(arms.data.peak) ** 2
@@ -382,9 +384,9 @@ def chosen_family(
         return (contender.sse + floor) / max(effective - contender.parameters, 1.0)
 
     single, several = _candidate(fit), _list_orders(arms)
-    taken = several[0]
-    better = criterion(single) + VERY_STRONG < criterion(taken) and not fit.is_at_edge
-    best, others = (single, several) if better or family == "fractional" else (taken, [single])
+    selected = several[0]
+    better = criterion(single) + VERY_STRONG < criterion(selected) and not fit.is_at_edge
+    best, others = (single, several) if better or family == "fractional" else (selected, [single])
     least = criterion(best) + VERY_STRONG
     explain = [other for other in others if criterion(other) < least or is_as_good(other, best)]
     other = (explain or others)[0]
@@ -425,12 +427,14 @@ def _list_orders(arms: SelectedModel) -> list[_Contender]:
     ]
 
 
-def with_linear_fractional(bent: Fit, residuals: Sequence[FloatArray], fit: FractionalFit) -> Fit:
+def with_linear_fractional(
+    nonlinear_fit: Fit, residuals: Sequence[FloatArray], fit: FractionalFit
+) -> Fit:
     """Return a fit hold first that says what a linear fractional solid makes of the same tests.
 
     Parameters
     ----------
-    bent : Fit
+    nonlinear_fit : Fit
     residuals : sequence of array
         What it leaves of each test, up to the end of the hold, N.
     fit : FractionalFit
@@ -444,17 +448,21 @@ def with_linear_fractional(bent: Fit, residuals: Sequence[FloatArray], fit: Frac
     effective = fit.estimate.effective
     mine, other_sse = sse.tolist()
     fall = deviance(other_sse, effective=effective) - deviance(mine, effective=effective)
-    law = bent.elastic_law
+    law = nonlinear_fit.elastic_law
     parameters = (
-        len(bent.estimate.parameters) + len(bent.estimate.nuisance) + (len(law.knots) if law else 0)
+        len(nonlinear_fit.estimate.parameters)
+        + len(nonlinear_fit.estimate.nuisance)
+        + (len(law.knots) if law else 0)
     )
     rise = fall + (len(fit.estimate.names) - parameters) * float(np.log(effective))
     explains = rise < VERY_STRONG or not is_significant_fall(fall, 1)
     other = build_alternative(
-        bent.solid, fit.solid, rise, bent.band, explains=explains, extra=RAMPS
+        nonlinear_fit.solid, fit.solid, rise, nonlinear_fit.band, explains=explains, extra=RAMPS
     )
-    checks = (*bent.checks, model_families_distinguished(other))
-    return replace(bent, evidence=replace(bent.evidence, alternative=other, checks=checks))
+    checks = (*nonlinear_fit.checks, model_families_distinguished(other))
+    return replace(
+        nonlinear_fit, evidence=replace(nonlinear_fit.evidence, alternative=other, checks=checks)
+    )
 
 
 def describe_fit(selection: SelectedModel) -> str:
@@ -508,7 +516,7 @@ def build_alternative(
     explains : bool
         The data do not reject the other.
     extra : str
-        What would tell the two apart.
+        What would distinguish the two.
     """
     frequency = divergence_frequency(mine, other, band)
     if isinstance(other, FractionalZener):

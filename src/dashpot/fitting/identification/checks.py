@@ -11,7 +11,7 @@ from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.errors import Status
 from dashpot.datamodel.bounds import WELL_KNOWN, BandError
 from dashpot.datamodel.fit_diagnostics import Explanation
-from dashpot.numerics.inference.model_order import DECISIVE, MAX_SE_LN_TAU
+from dashpot.numerics.inference.model_order import DECISIVE_BIC, MAX_SE_LN_TAU
 
 STRAINED = 2.5
 EXPLAINED = 2.0
@@ -19,13 +19,13 @@ UNEXPLAINED = 0.1
 # a squared residual so many times as large is another seal
 CONTRADICTED = 4.0
 REMEDY = Remedy("Weigh the test mass. Check number, length and compression of the seals.", "mass")
-_APART = "Hammer and relaxation test contradict each other"
+_CONTRADICTION = "Hammer and relaxation test contradict each other"
 # a force missed by less than this part of its peak changes no use of the solid
 IMMATERIAL = 1e-4
 # a stiffness, mass or gain this far off moves a peak by half of it
 SLIGHT = 0.05
 # stiffness and loss factor are known so well in a band, a standard error
-KNOWN = 0.025, 0.1
+MAX_ERROR = 0.025, 0.1
 
 
 @criterion(
@@ -84,7 +84,7 @@ def hammer_agrees_with_relaxation_test(
         f"With the joint model relaxation test {number} has {ratio:.3g} times the squared residual "
         "of its own fit",
         ratio,
-        _APART,
+        _CONTRADICTION,
         REMEDY,
         always_passes=missed < IMMATERIAL,
         grade="stop" if ratio > CONTRADICTED else None,
@@ -111,7 +111,7 @@ def hammer_agrees_with_earlier_fit(off: float) -> Finding:
         f"The joint model moves the parameters of the earlier fit by {off:.2g} of their standard "
         "deviations",
         off,
-        _APART,
+        _CONTRADICTION,
         REMEDY,
     )
 
@@ -175,7 +175,7 @@ def _plausible(quantity: str, ends: Status | None = None) -> Believable:
         name=f"{quantity}_plausible",
         question=f"The fitted {quantity} agrees with its prior.",
     )
-    def judge(off: float, sd: float) -> Finding:
+    def evaluate(off: float, sd: float) -> Finding:
         return Finding(
             f"The fitted {quantity} differs from the known one by {abs(off) / sd:.2g} standard "
             "deviations",
@@ -184,7 +184,7 @@ def _plausible(quantity: str, ends: Status | None = None) -> Believable:
             grade="stop" if abs(off) > 4 * STRAINED * sd else None,
         )
 
-    return judge
+    return evaluate
 
 
 # a mass beyond belief is another than that on the balance: hammer and balance disagree
@@ -194,7 +194,7 @@ gain_plausible, delay_plausible, stiffness_plausible = map(
 )
 
 
-@criterion("fall of BIC", "<=", DECISIVE, "0 beside arms that are not known", grade="note")
+@criterion("fall of BIC", "<=", DECISIVE_BIC, "0 beside arms that are not known", grade="note")
 def dashpot_not_missed(fall: float | None, text: str, b: float, *, sure: bool = True) -> Finding:
     """A parallel dashpot would not improve the fit much.
 
@@ -208,7 +208,7 @@ def dashpot_not_missed(fall: float | None, text: str, b: float, *, sure: bool = 
         failure=f"A parallel dashpot of {b:.3g} N s/m beside {text} explains the FRF better "
         f"(BIC falls by {fall:.3g})",
         remedy=Remedy("Add a dashpot.", "dashpot"),
-        limit=DECISIVE if sure else 0.0,
+        limit=DECISIVE_BIC if sure else 0.0,
     )
 
 
@@ -246,5 +246,5 @@ def arms_identified(
         else f"The one arm is not {name}",
         remedy=Remedy("Use fewer arms, widen the band, or add a relaxation test.", "arms"),
         always_fails=bool(unknown),
-        grade="note" if in_band[0] <= KNOWN[0] and in_band[1] <= KNOWN[1] else None,
+        grade="note" if in_band[0] <= MAX_ERROR[0] and in_band[1] <= MAX_ERROR[1] else None,
     )

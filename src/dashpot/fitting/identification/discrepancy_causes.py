@@ -39,7 +39,7 @@ from dashpot.fitting.identification.likelihood import (
     descend,
 )
 from dashpot.fitting.marginal_relaxation import RelaxationData
-from dashpot.numerics.inference.model_order import DECISIVE
+from dashpot.numerics.inference.model_order import DECISIVE_BIC
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 
@@ -63,7 +63,7 @@ class DiscrepancyCause(NamedTuple):
     quantity : str
         What it is called among the priors, at a point, and in the vector, a logarithm there.
     unit : str
-    beside : str
+    note : str
         The stiffness that is free with it; empty of one that is free alone.
     """
 
@@ -71,7 +71,7 @@ class DiscrepancyCause(NamedTuple):
     phrase: str
     quantity: str
     unit: str = "1"
-    beside: str = ""
+    note: str = ""
 
 
 CAUSES = (
@@ -101,22 +101,22 @@ class Discrepancy:
     ----------
     explanations : tuple of Explanation
         The best first.
-    found : Candidate
+    candidate : Candidate
         The optimum of the best where it explains both tests; else that under what is known.
     other : Solid
         What the same arms, or the element, are without it, or else with it.
-    known : NuisancePriors
+    priors : NuisancePriors
         What is known of the rig.
     """
 
     explanations: tuple[Explanation, ...]
-    found: Candidate
+    candidate: Candidate
     other: Solid
-    known: NuisancePriors
+    priors: NuisancePriors
 
 
 def explain_discrepancy(
-    plain: Candidate,
+    best_candidate: Candidate,
     refit: Callable[[IdentificationProblem], Candidate],
     *,
     law: ElasticLaw | None = None,
@@ -126,7 +126,7 @@ def explain_discrepancy(
 
     Parameters
     ----------
-    plain : Candidate
+    candidate : Candidate
         The joint optimum under what is known of the rig.
     refit : callable
         The best candidate, over numbers of arms, of a problem.
@@ -135,27 +135,29 @@ def explain_discrepancy(
     compression : float, optional
         Where the seals under the hammer were supposed to be, m.
     """
-    problem = plain.problem
+    problem = best_candidate.problem
     single = not problem.relaxations and problem.constraints.before is None
-    if single or not is_contradicted(plain):
+    if single or not is_contradicted(best_candidate):
         return None
-    before, alike, ranked = _rank_causes(plain, refit)
+    before, threshold, ranked = _rank_causes(best_candidate, refit)
     explanations = [
         _build_explanation(cause, candidate, before, law, compression, leads=not place)
         for place, (cause, candidate) in enumerate(ranked)
     ]
-    if not explanations[0].is_sufficient and _find_failed_checks(plain) == {"lines_explained"}:
+    if not explanations[0].is_sufficient and _find_failed_checks(best_candidate) == {
+        "lines_explained"
+    }:
         # lines that no cause explains contradict no other test: the FRF holds something else
         return None
     rivals = [
         explanation.message
         for explanation, (_, candidate) in zip(explanations[1:], ranked[1:], strict=True)
-        if explanation.is_sufficient and candidate.criterion <= alike
+        if explanation.is_sufficient and candidate.criterion <= threshold
     ]
     if not explanations[0].is_sufficient:
         return Discrepancy(
             tuple(explanations),
-            plain,
+            best_candidate,
             refit_with_free_cause(before, explanations[0].name).point.model,
             problem.priors,
         )
@@ -163,18 +165,20 @@ def explain_discrepancy(
         message = f"{explanations[0].message}. It is as well explained by {', or by '.join(rivals)}"
         explanations[0] = replace(explanations[0], message=message)
     lead = ranked[0][1]
-    held = replace(lead.problem, priors=problem.priors)
-    return Discrepancy(tuple(explanations), lead, _to(held, lead).point.model, problem.priors)
+    fixed_problem = replace(lead.problem, priors=problem.priors)
+    return Discrepancy(
+        tuple(explanations), lead, _to(fixed_problem, lead).point.model, problem.priors
+    )
 
 
 def _rank_causes(
-    plain: Candidate, refit: Callable[[IdentificationProblem], Candidate]
+    best_candidate: Candidate, refit: Callable[[IdentificationProblem], Candidate]
 ) -> tuple[Candidate, float, list[tuple[DiscrepancyCause, Candidate]]]:
     """Return the plain optimum, up to which criterion two causes are alike, and the causes by rank.
 
     All are by the line scale of the closest; two causes at once are tried where none alone does.
     """
-    problem = plain.problem
+    problem = best_candidate.problem
     free: list[DiscrepancyCause] = []
     candidates: list[Candidate] = []
     for causes in (CAUSES, PAIRS):
@@ -188,15 +192,15 @@ def _rank_causes(
             candidates += [refit(_free_quantity(problem, cause)) for cause in new]
     scale = min(candidate.line_scale for candidate in candidates)
     candidates = [_refit_at_scale(candidate, scale) for candidate in candidates]
-    before = _refit_at_scale(plain, scale)
+    before = _refit_at_scale(best_candidate, scale)
     least = min(candidate.criterion for candidate in candidates)
-    # an arm that the model lacks also tells causes apart: only a decisive lead counts
-    alike = least + max(DECISIVE, LACKING * (before.criterion - least))
+    # an arm that the model lacks also distinguishes causes: only a decisive lead counts
+    threshold = least + max(DECISIVE_BIC, LACKING * (before.criterion - least))
     by = sorted(
         zip(free, candidates, strict=True),
-        key=lambda pair: (is_contradicted(pair[1]), max(pair[1].criterion, alike)),
+        key=lambda pair: (is_contradicted(pair[1]), max(pair[1].criterion, threshold)),
     )
-    return before, alike, by
+    return before, threshold, by
 
 
 def refit_with_free_cause(candidate: Candidate, name: str) -> Candidate:
@@ -219,20 +223,20 @@ def _find_failed_checks(candidate: Candidate) -> set[str]:
     return {check.name for check in agreement(candidate) if check.failed}
 
 
-def agreement(candidate: Candidate, known: NuisancePriors | None = None) -> list[Check]:
+def agreement(candidate: Candidate, priors: NuisancePriors | None = None) -> list[Check]:
     """Return every check of whether one seal explains all tests under what is known of the rig.
 
-    `known` is that, where the candidate was found with a cause free.
+    `priors` is that, where the candidate was found with a cause free.
     """
     problem, frf_data = candidate.problem, candidate.problem.frf_data
-    answers = [
+    all_checks = [
         checks.lines_explained(
             candidate.line_scale,
             known_sd=frf_data.known_sd,
             coherent=frf_data.lines.coherence is not None,
         )
     ]
-    answers += [
+    all_checks += [
         checks.hammer_agrees_with_relaxation_test(
             i, chi2 / relaxation.samples, missed=_compute_excess_force(relaxation, chi2)
         )
@@ -243,8 +247,8 @@ def agreement(candidate: Candidate, known: NuisancePriors | None = None) -> list
     earlier = candidate.model_prediction.earlier[0]
     if len(earlier):
         off = float(np.sqrt(np.mean(earlier**2)))
-        answers.append(checks.hammer_agrees_with_earlier_fit(off))
-    return answers + _check_rig_nuisances(candidate.point, known or problem.priors)
+        all_checks.append(checks.hammer_agrees_with_earlier_fit(off))
+    return all_checks + _check_rig_nuisances(candidate.point, priors or problem.priors)
 
 
 def _compute_excess_force(relaxation: RelaxationData, chi2: float) -> float:
@@ -272,7 +276,7 @@ def _free_quantity(
 ) -> IdentificationProblem:
     free = {
         name: (problem.priors.priors_by_name[name] or UNCHANGED)._replace(sd=np.inf)
-        for name in (cause.quantity, cause.beside)
+        for name in (cause.quantity, cause.note)
         if name
     }
     return replace(problem, priors=replace(problem.priors, **free))
@@ -325,12 +329,12 @@ def _read_free_quantity(candidate: Candidate, quantity: str) -> tuple[float, flo
 
 def _format_compensating_quantity(cause: DiscrepancyCause, candidate: Candidate) -> str:
     """Return the stiffness that goes with a mass or a gain, where it is another one at all."""
-    if not cause.beside:
+    if not cause.note:
         return ""
-    value, error = _read_free_quantity(candidate, cause.beside)
+    value, error = _read_free_quantity(candidate, cause.note)
     if abs(value - 1) < _OTHER * error:
         return ""
-    return f". Then {_SENTENCES[cause.beside](value, error)}"
+    return f". Then {_SENTENCES[cause.note](value, error)}"
 
 
 def _format_stiffness_change(value: float, error: float) -> str:

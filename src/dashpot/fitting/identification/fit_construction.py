@@ -22,7 +22,7 @@ from dashpot.datamodel.fit_diagnostics import (
     Provenance,
 )
 from dashpot.datamodel.frf import FRF
-from dashpot.datamodel.machine import USUAL
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES
 from dashpot.datamodel.parameter_estimate import (
     Nuisance,
     ParameterEstimate,
@@ -59,7 +59,7 @@ from dashpot.solids.maxwell import Solid
 # best is reported beside it.
 
 
-# what would tell families apart that explain a hammer alone, and with relaxation tests
+# what would distinguish families that explain a hammer alone, and with relaxation tests
 _ALONE, _JOINT = "a relaxation test of the seal", "a colder test or a hammer on another mass"
 
 
@@ -70,7 +70,7 @@ class AlternativeCandidate(NamedTuple):
     ----------
     best, other : Candidate
     explains : bool
-        What it leaves may be chance, or BIC does not tell the two apart.
+        What it leaves may be chance, or BIC does not distinguish the two.
     """
 
     best: Candidate
@@ -94,7 +94,7 @@ class AlternativeCandidate(NamedTuple):
 
 
 def chosen_rival(
-    arms: Candidate, tried: Sequence[Candidate], candidate: Candidate, family: str
+    arms: Candidate, candidates: Sequence[Candidate], candidate: Candidate, family: str
 ) -> AlternativeCandidate:
     """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
 
@@ -102,13 +102,13 @@ def chosen_rival(
     ----------
     arms : Candidate
         The number of arms taken.
-    tried : sequence of Candidate
+    candidates : sequence of Candidate
         Every one.
     candidate : Candidate
         The best element.
     family : "fractional" or "auto"
     """
-    several = [arms, *(other for other in tried if other.arms > arms.arms)]
+    several = [arms, *(other for other in candidates if other.arms > arms.arms)]
     better = candidate.bic + VERY_STRONG < arms.bic and not is_at_bound(candidate)
     best, others = (candidate, several) if family == "fractional" or better else (arms, [candidate])
     explain = [other for other in others if _explains(other, best)]
@@ -134,16 +134,16 @@ def family_checks(
     best: Candidate, rival: AlternativeCandidate | None, other: Alternative | None
 ) -> list[Check]:
     """Ask of an element whether it is known and explains the tests, of either for the other."""
-    answers = []
+    all_checks = []
     if isinstance(best.problem.sought, FractionalElement):
-        answers.append(
+        all_checks.append(
             fractional_slope_determined(
                 float(np.sqrt(best.covariance[3, 3])), edge=is_at_bound(best)
             )
         )
         if rival is not None:
-            answers.append(fractional_model_suffices(rival.worst_misfit_ratio, rival.other.arms))
-    return answers if rival is None else [*answers, model_families_distinguished(other)]
+            all_checks.append(fractional_model_suffices(rival.worst_misfit_ratio, rival.other.arms))
+    return all_checks if rival is None else [*all_checks, model_families_distinguished(other)]
 
 
 def _compute_misfits(candidate: Candidate) -> np.ndarray:
@@ -168,8 +168,8 @@ def _explains(other: Candidate, best: Candidate) -> bool:
 # with the cables of accelerometers :math:`\epsilon K'` and, for their own loss,
 # :math:`j\epsilon\eta_c K'`, both of the seals at the resonance; a table that gives,
 # :math:`-\epsilon_t K^2/K'`; a mass that moves along, :math:`\epsilon_m m s^2`. Sizes are those of
-# :data:`~dashpot.datamodel.machine.USUAL`. A window whose decay a is known to :math:`\sigma_a` adds
-# :math:`\sigma_a\,\partial A/\partial a`.
+# :data:`~dashpot.datamodel.machine.DEFAULT_UNCERTAINTIES`. A window whose decay a has the
+# error :math:`\sigma_a` adds :math:`\sigma_a\,\partial A/\partial a`.
 #
 # A fit is of the quiet rig; its parameters follow a doubt c by :math:`\delta\theta = C J' c`.
 
@@ -206,13 +206,13 @@ def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
     s, accelerance = response.s, response.accelerance
     seals = s**2 / accelerance - point.mass * s**2
     there = complex((data.seals * point.seal_under_hammer).stiffness_at(2j * np.pi * data.peak_hz))
-    cable, loss = rig.cable_sd * abs(there.real), USUAL["loss of the cable"].size
+    cable, loss = rig.cable_sd * abs(there.real), DEFAULT_UNCERTAINTIES["loss of the cable"].size
     ones = np.ones_like(s)
     added = np.column_stack((
         cable * ones,
         1j * cable * loss * ones,
-        -USUAL["table"].size * seals**2 / abs(there.real),
-        USUAL["mass that moves along"].size * point.mass * s**2,
+        -DEFAULT_UNCERTAINTIES["table"].size * seals**2 / abs(there.real),
+        DEFAULT_UNCERTAINTIES["mass that moves along"].size * point.mass * s**2,
     ))  # fmt: skip
     by = -(accelerance**2 / s**2)[:, None] * added
     shown, *_ = data.slopes(response, point.gain, point.delay, by)
@@ -259,7 +259,7 @@ def build_identified_fit(
     """Return the fit of one seal, with everything needed to judge it.
 
     `before` is what was known of the seal before the hammer, `fit` that of the same family;
-    `doubtful` are its tests with all that their rigs may have done unseen.
+    `doubtful` are its tests with all that their rigs may have done without a trace.
     """
     point, covariance = best.point, best.covariance
     names, values, physical = _physical(best)
@@ -281,27 +281,27 @@ def build_identified_fit(
     errors = (np.inf, np.inf)
     if before is None and isinstance(best.problem.sought, Arms):
         errors = estimate.errors_of_vibration(point.model.maxwell, in_band)
-    answers = (
+    all_checks = (
         *_checks(best, covariance, before, discrepancy, errors),
         *family_checks(best, rival, other),
         *dashpot,
     )
     of_noise, estimate = estimate, estimate.with_rig(unmeasured)
     band, known_there = _find_loss_factor_band(best, band, of_noise, estimate)
-    answers = (*answers, checks.cables_described(known_there, best.problem.frf_data.peak_hz))
+    all_checks = (*all_checks, checks.cables_described(known_there, best.problem.frf_data.peak_hz))
     end = end_of_data(best, before, estimate)
     law = None if before is None else before.elastic_law
     return build_fit(
         SolidEstimate(
             point.model,
             estimate,
-            fewer=request != "auto" and most > point.model.maxwell.arms,
+            has_fewer_arms=request != "auto" and most > point.model.maxwell.arms,
             at_bound=is_at_bound(best),
         ),
         Evidence(
             band,
             orders=tuple(_score(candidate) for candidate in orders),
-            checks=answers,
+            checks=all_checks,
             parameter_changes=()
             if fit is None
             else _compare_parameters(fit, point.model, names, physical, end),
@@ -332,7 +332,7 @@ def end_of_data(
     """
     solid = best.point.model
     if before is not None and before.evidence.end_of_hold is not None:
-        return before.evidence.end_of_hold.holding(solid)
+        return before.evidence.end_of_hold.widen_to_contain(solid)
     of_arms = estimate.convert_to_arms(solid) if isinstance(solid, FractionalZener) else estimate
     model = solid.maxwell
     rows = [of_arms.parameters.index(name) for name in parameter_names(model.arms)]
@@ -350,7 +350,7 @@ def end_of_data(
         k_3end=(0.0, high),
         k_inf=(0.0, high),
         test_kind="frf",
-    ).holding(solid)
+    ).widen_to_contain(solid)
 
 
 def _shifts(before: Fit) -> TemperatureShifts | None:
@@ -392,7 +392,7 @@ def _compute_rig_sensitivity(
     doubtful: Sequence[RelaxationData],
     rig: HammerRig,
 ) -> FloatArray:
-    r"""What each doubt of a relaxation test and of the hammer's rig adds to the solid: (p, d).
+    r"""Return the errors of the solid by the rigs of relaxation and hammer test, shape (p, d).
 
     It pulls at the solid by J'c, and C J'c is how far the solid follows, C being the covariance of
     all that was fitted. An earlier fit without its tests pulls by :math:`C_0^{-1}` times what it
@@ -460,7 +460,8 @@ def _find_loss_factor_band(
 ) -> tuple[tuple[float, float], BandError]:
     """Return the part of a band around the peak in which the loss factor is known, and how well.
 
-    What a rig may add unseen counts, but where it alone leaves the loss factor open at the peak:
+    What a rig may add without a trace counts, but where it alone leaves the loss factor open at
+    the peak:
     the band is then what the noise leaves of it, and its errors say what the rig may have added.
     """
     solid, peak = best.point.model, best.problem.frf_data.peak_hz
@@ -568,9 +569,9 @@ def _compare_parameters(
         for j, (k, tau) in enumerate(zip(last.k, last.tau, strict=True)):
             i = partner.get(j)
             k0, tau0 = (None, None) if i is None else (first.k[i], first.tau[i])
-            of = 0 if i is None else i + 1
-            rows.append((f"k_{j + 1}", "N/m", k0, f"k_{of}", k, f"k_{j + 1}"))
-            rows.append((f"tau_{j + 1}", "s", tau0, f"ln_tau_{of}", tau, f"ln_tau_{j + 1}"))
+            arm_number = 0 if i is None else i + 1
+            rows.append((f"k_{j + 1}", "N/m", k0, f"k_{arm_number}", k, f"k_{j + 1}"))
+            rows.append((f"tau_{j + 1}", "s", tau0, f"ln_tau_{arm_number}", tau, f"ln_tau_{j + 1}"))
     if solid.maxwell.b > 0:
         rows.append(("b", "N s/m", before.model.b, "", solid.maxwell.b, "b"))
 
@@ -610,8 +611,8 @@ def _checks(
     in_band: tuple[float, float],
 ) -> tuple[Check, ...]:
     lead = None if discrepancy is None else discrepancy.explanations[0]
-    answers = [optimum_found(stationary=best.optimum.stationary)]
-    requested_checks = agreement(best, None if discrepancy is None else discrepancy.known)
+    all_checks = [optimum_found(stationary=best.optimum.stationary)]
+    requested_checks = agreement(best, None if discrepancy is None else discrepancy.priors)
     if before is not None:
         check = checks.tests_agree(lead)
         if lead is not None and lead.is_sufficient:
@@ -622,8 +623,8 @@ def _checks(
                 else requested_check
                 for requested_check in requested_checks
             ]
-        answers.append(check)
-    answers += requested_checks
+        all_checks.append(check)
+    all_checks += requested_checks
     if isinstance(best.problem.sought, Arms):
         arms = best.problem.sought.count
         worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
@@ -631,5 +632,5 @@ def _checks(
         resolved_check = checks.arms_identified(
             arms, worst, unknown=best.unknown, new=new, in_band=in_band
         )
-        answers.append(resolved_check)
-    return tuple(answers)
+        all_checks.append(resolved_check)
+    return tuple(all_checks)

@@ -41,7 +41,7 @@ class FRFData:
     peak_hz : float
     kind : Kind
         What was measured.
-    weighed : float or None
+    weighed_mass : float or None
         Of a motion over a base, the mass with which it was made an accelerance, kg.
     reach : float
         How many times slower than the lowest line an arm may be to be determined.
@@ -53,7 +53,7 @@ class FRFData:
     seals: float
     peak_hz: float
     kind: Kind = Kind.ACCELERANCE
-    weighed: float | None = None
+    weighed_mass: float | None = None
     reach: float = REACH
 
     def reaching(self, remainder: float) -> FRFData:
@@ -91,15 +91,15 @@ class FRFData:
         seen = gain * np.exp(-self.lines.s * delay)
         moving = seen * share * response.accelerance
         shown = moving - seen * base
-        extra = moving if self.weighed is not None else 0 * moving
+        extra = moving if self.weighed_mass is not None else 0 * moving
         return (seen * share)[:, None] * by, extra, shown, -self.lines.s * shown
 
     def _over_base(self, mass: float) -> tuple[float, float]:
         """What the accelerance is multiplied by, and its value where the mass does not move."""
-        if self.weighed is None:
+        if self.weighed_mass is None:
             return 1.0, 0.0
         rests = self.kind is Kind.TRANSMISSIBILITY
-        return mass / self.weighed, rests / self.weighed
+        return mass / self.weighed_mass, rests / self.weighed_mass
 
     def misfit(self, predicted: ComplexArray) -> FloatArray:
         """Weighted differences, real then imaginary, shape (2n,)."""
@@ -173,7 +173,7 @@ def frf_data_of(
     scatter, size = lines.random_sd, np.abs(lines.value)
     certain = scatter is not None
     if scatter is None and lines.single_average_sd is not None:
-        # of an unknown number of hits: the lines' shares of the misfit, which tells its size
+        # of an unknown number of hits: the lines' shares of the misfit, which shows its size
         share = np.hypot(lines.single_average_sd / size, FLOOR)
         scatter = size * share / np.sqrt(np.mean(share**2))
     sd = _size(lines, frf.quantity, mass) if scatter is None else np.hypot(scatter, FLOOR * size)

@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.base.option_fields import FamilyAsked
+from dashpot.base.option_fields import FamilyOption
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
@@ -53,10 +53,10 @@ from dashpot.fitting.identification.problem_inputs import (
     seals_of,
 )
 from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
-from dashpot.fitting.order_selection import FURTHER
+from dashpot.fitting.order_selection import EXTRA_ARMS
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import iterate_orders
-from dashpot.numerics.inference.model_order import DECISIVE, Shortage, select_model_order
+from dashpot.numerics.inference.model_order import DECISIVE_BIC, Shortage, select_model_order
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
@@ -67,7 +67,7 @@ ELEMENT_STARTS = 4
 # steps after which the best of them are known, and how many are then taken to the end
 ROUGH, FINISHED = 25, 2
 # relative fall of chi-square that ends a search, and the last descent
-LOOSE, TIGHT = 1e-9, 1e-13
+COARSE_TOLERANCE, FINE_TOLERANCE = 1e-9, 1e-13
 # fall of chi-square over a whole descent: along a valley so flat the optimum is no better known
 SETTLED = 0.5
 # a larger number of arms that leaves so many times what the last one leaves
@@ -85,7 +85,7 @@ def identify(
     temperature: Quantity | None = None,
     band: Range | None = None,
     arms: int | Literal["auto"] = "auto",
-    family: FamilyAsked = "maxwell",
+    family: FamilyOption = "maxwell",
     rig: HammerRig = HammerRig(),  # noqa: B008
     known: KnownSolid = KnownSolid(),  # noqa: B008
     bench: FitOptions = FitOptions(),  # noqa: B008
@@ -101,7 +101,7 @@ def identify(
     Parameters
     ----------
     frf : FRF
-        Measured, any kind; a transmissibility with the mass, for it tells K/m alone.
+        Measured, any kind; a transmissibility with the mass, for it shows K/m alone.
     tests : RampHold, RelaxationTest or sequence of them
         Relaxation tests of the same seal, prepared.
     fit : Fit, optional
@@ -164,7 +164,9 @@ def identify(
     scale = best.line_scale
     final = _last_descent(replace(best.problem, scale=scale), best.theta)
     earlier = before.primary_fit
-    element = before.element if isinstance(best.problem.sought, FractionalElement) else before.arms
+    element = (
+        before.fractional_fit if isinstance(best.problem.sought, FractionalElement) else before.arms
+    )
     discrepancy = explain_discrepancy(
         final,
         lambda problem: _solve_from_start(problem, final.point, numbers, element),
@@ -177,9 +179,9 @@ def identify(
             lambda candidate: refit_with_free_cause(candidate, discrepancy.explanations[0].name),
         )
     orders = [candidate.copy_with_scale(scale) for candidate in candidates]
-    if discrepancy is not None and discrepancy.found is not final:
+    if discrepancy is not None and discrepancy.candidate is not final:
         # what explains both tests chose its arms anew
-        final, orders = discrepancy.found, [discrepancy.found]
+        final, orders = discrepancy.candidate, [discrepancy.candidate]
     solid = build_identified_fit(
         final,
         orders,
@@ -214,12 +216,13 @@ def _with_choices(fit: Fit, bench: FitOptions) -> Fit:
 def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidate:
     """The optimum from near it, to the last digit; or where a whole descent lowers nothing more.
 
-    A slow arm and k_inf may trade along a valley without an end, which vibration cannot tell apart.
+    A slow arm and k_inf may trade along a valley without an end, which vibration cannot
+    distinguish.
     """
-    final = descend(problem, theta, tolerance=TIGHT)
+    final = descend(problem, theta, tolerance=FINE_TOLERANCE)
     if final.optimum.stationary:
         return final
-    candidate = descend(problem, final.theta, tolerance=TIGHT)
+    candidate = descend(problem, final.theta, tolerance=FINE_TOLERANCE)
     settled = final.cost - candidate.cost <= SETTLED
     stationary = candidate.optimum.stationary or bool(settled)
     return replace(candidate, optimum=replace(candidate.optimum, stationary=stationary))
@@ -235,7 +238,7 @@ def _best(
     family: str,
 ) -> tuple[Candidate, list[Candidate], AlternativeCandidate | None]:
     """The candidate to take, every number of arms tried beside it, and the other family's."""
-    candidate = None if family == "maxwell" else _element(problems, before)
+    candidate = None if family == "maxwell" else _fit_fractional(problems, before)
     if candidate is not None and before.primary_fit is not before.arms:
         # an earlier fit of four parameters is no prior of arms
         return candidate, [], None
@@ -247,7 +250,7 @@ def _best(
     return rival.best, candidates if rival.best is best else [], rival
 
 
-def _element(problems: Sequence[IdentificationProblem], before: PriorTests) -> Candidate:
+def _fit_fractional(problems: Sequence[IdentificationProblem], before: PriorTests) -> Candidate:
     """Return the best fractional element, from the linear start of dynamic stiffness."""
     sought, tries = FractionalElement.from_relaxations(before.relaxations), []
     for problem in (
@@ -262,16 +265,24 @@ def _element(problems: Sequence[IdentificationProblem], before: PriorTests) -> C
             tau, alpha = float(np.exp(near.theta[0])), float(near.theta[1])
             solid = FractionalZener(k_inf + k, k_inf, tau, alpha, b)
             starts.append((solid, _mass(problem, fixed)))
-        if before.element is not None and isinstance(before.element.solid, FractionalZener):
-            starts.append((before.element.solid, starts[0][1]))
+        if before.fractional_fit is not None and isinstance(
+            before.fractional_fit.solid, FractionalZener
+        ):
+            starts.append((before.fractional_fit.solid, starts[0][1]))
         rough = [
-            descend(problem, problem.pack(_start(problem, *start)), tolerance=LOOSE, most=ROUGH)
+            descend(
+                problem,
+                problem.pack(_start(problem, *start)),
+                tolerance=COARSE_TOLERANCE,
+                most=ROUGH,
+            )
             for start in starts
             if start[1] > 0 and start[0].k_0 > 0
         ]
         rough.sort(key=lambda candidate: candidate.cost)
         tries += [
-            descend(problem, candidate.theta, tolerance=LOOSE) for candidate in rough[:FINISHED]
+            descend(problem, candidate.theta, tolerance=COARSE_TOLERANCE)
+            for candidate in rough[:FINISHED]
         ]
     if not tries:
         raise FitError("no fractional model explains the FRF; widen --band, or fit arms")
@@ -334,7 +345,7 @@ def _lowest(problem: IdentificationProblem, starts: Sequence[Parameters]) -> Can
     """Return the lowest optimum from several starts, or the first that nothing is left of."""
     tries: list[Candidate] = []
     for start in starts:
-        tries.append(descend(problem, problem.pack(start), tolerance=LOOSE))
+        tries.append(descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE))
         if tries[-1].exact:
             break
     return min(tries, key=lambda candidate: candidate.cost)
@@ -345,7 +356,7 @@ def _solve_from_start(
 ) -> Candidate:
     """Return the best of a problem with no more arms than a start has, from there."""
     if isinstance(problem.sought, FractionalElement):
-        return descend(problem, problem.pack(start), tolerance=LOOSE)
+        return descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
     most = start.model.maxwell.arms
     fewer = [number for number in numbers if number < most]
     candidates = _candidates(problem, [*fewer, most], before, start=start)
@@ -353,7 +364,7 @@ def _solve_from_start(
     return (
         _chosen(candidates)
         if candidates
-        else descend(problem, problem.pack(start), tolerance=LOOSE)
+        else descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
     )
 
 
@@ -366,7 +377,7 @@ def _chosen(candidates: Sequence[Candidate]) -> Candidate:
     arm, and their peak is too high by a factor of 3.6 or more; of the other 21 the peak lies within
     the limit of the loss factor in 17. Two joint fits err in k(T) by 3 %, where they erred by .2 %
     at most, and say "use". So it stays, as a correction of the others: `list_undetermined_times`
-    tells it, and the check on the arms lets the verdict be no better than "use with care".
+    shows it, and the check on the arms lets the verdict be no better than "use with care".
     """
     scale = min(candidates, key=lambda candidate: candidate.bic).line_scale
     best = []
@@ -379,7 +390,9 @@ def _chosen(candidates: Sequence[Candidate]) -> Candidate:
         if ladder:
             sure = [candidate.copy_with_scale(scale).significant for candidate in ladder.values()]
             bics = [candidate.bic for candidate in ladder.values()]
-            best.append(ladder[select_model_order([*ladder], bics, sure, decisive=DECISIVE).arms])
+            best.append(
+                ladder[select_model_order([*ladder], bics, sure, decisive=DECISIVE_BIC).arms]
+            )
     return min(best, key=lambda candidate: candidate.bic)
 
 
@@ -391,13 +404,13 @@ def _arms_enough(
     if request == "auto" or not isinstance(sought, Arms) or best.exact:
         return ()
     few, shortage = sought.count, None
-    others = [few + index for index in range(1, FURTHER + 1)]
+    others = [few + index for index in range(1, EXTRA_ARMS + 1)]
     candidates = [best, *_candidates(best.problem, others, before)]
     scale = min(candidates, key=lambda candidate: candidate.bic).line_scale
     sure = [candidate.copy_with_scale(scale).significant for candidate in candidates]
     numbers = [candidate.arms for candidate in candidates]
     bics = [candidate.bic for candidate in candidates]
-    more = select_model_order(numbers, bics, sure, decisive=DECISIVE).arms
+    more = select_model_order(numbers, bics, sure, decisive=DECISIVE_BIC).arms
     if more > few:
         lines = best.problem.frf_data.lines.s
         samples = 2 * len(lines) + sum(
@@ -426,7 +439,8 @@ def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
         problem, point = replace(best.problem, dashpot=True), best.point
         tries = [(problem, replace(point, model=_add_parallel_dashpot(problem, point.model)))]
     candidates = [
-        descend(problem, problem.pack(start), tolerance=LOOSE) for problem, start in tries
+        descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
+        for problem, start in tries
     ]
     other = min(candidates, key=lambda candidate: candidate.bic)
     sure = best.copy_with_scale(best.line_scale).significant
@@ -498,7 +512,7 @@ def _spread(problem: IdentificationProblem, before: Fit | None) -> list[Paramete
 
 
 def _reaching(problems: list[IdentificationProblem], most: int) -> list[IdentificationProblem]:
-    """They seek arms as slow as lines can tell that nobody measured: computed, without scatter."""
+    """They seek arms as slow as lines can show without a measurement: computed, without scatter."""
     identification_problem = problems[-1]
     if (
         identification_problem.frf_data.known_sd

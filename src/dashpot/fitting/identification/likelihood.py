@@ -54,7 +54,7 @@ from dashpot.vibration.mass_on_seals import Response, TruncationLoss, residues, 
 
 # one unit of the delay parameter, s: of the order of what channels differ by
 DELAY_UNIT = 1e-4
-# arms are sought this far, as a factor in time, beyond what the lines and tests could tell
+# arms are sought this far, as a factor in time, beyond what the lines and tests could show
 BEYOND = 3.0
 SMALLEST_SCATTER = 1e-9
 # a step that ends a search
@@ -194,9 +194,10 @@ class IdentificationProblem:
 
     def pack(self, point: Parameters) -> FloatArray:
         """Return the vector of a point."""
-        of = {"b": max(point.model.maxwell.b, 1e-300), **vars(point)}
+        values_by_name = {"b": max(point.model.maxwell.b, 1e-300), **vars(point)}
         rest = [
-            of[name] / DELAY_UNIT if name == "delay" else np.log(of[name]) for name in self.index
+            values_by_name[name] / DELAY_UNIT if name == "delay" else np.log(values_by_name[name])
+            for name in self.index
         ]
         return np.append(self.sought.pack(point.model), rest)
 
@@ -236,12 +237,16 @@ class IdentificationProblem:
         if before is None:
             return None
         retained, places = self.sought.extract_earlier_values(before)
-        of = dict(zip(retained, places, strict=True))
+        place_of = dict(zip(retained, places, strict=True))
         # with all that its rig may have done it could not show that the tests disagree
         covariance, rows = before.estimate.noise_only.covariance, self.earlier_rows
         names = [before.estimate.parameters[i] for i in rows]
         root = np.asarray(np.linalg.cholesky(covariance[np.ix_(rows, rows)]))
-        return [of[name] for name in names], np.array([retained[name] for name in names]), root
+        return (
+            [place_of[name] for name in names],
+            np.array([retained[name] for name in names]),
+            root,
+        )
 
     @cached_property
     def earlier_rows(self) -> list[int]:
@@ -366,12 +371,17 @@ class ModelPrediction:
         values = problem.sought.differentiate_stiffness(self._numbers, s)
         sensed = 1 / response.receptance - p.mass * s**2
 
-        def differentiate_lost_poles(lost: TruncationLoss) -> tuple[ComplexArray, ComplexArray]:
-            mass, columns = p.mass, differentiate_poles(problem.sought, self._numbers, lost.p)
+        def differentiate_lost_poles(
+            truncation: TruncationLoss,
+        ) -> tuple[ComplexArray, ComplexArray]:
+            mass, columns = p.mass, differentiate_poles(problem.sought, self._numbers, truncation.p)
             return (
-                self._differentiate_impedance(lost.p, columns[0], -mass * lost.p**2),
+                self._differentiate_impedance(truncation.p, columns[0], -mass * truncation.p**2),
                 self._differentiate_impedance(
-                    lost.p, columns[1], 1 / lost.residue - 2 * mass * lost.p, order=1
+                    truncation.p,
+                    columns[1],
+                    1 / truncation.residue - 2 * mass * truncation.p,
+                    order=1,
                 ),
             )
 
@@ -386,22 +396,23 @@ class ModelPrediction:
         return stack_real_rows(by / data.sd[:, None]) / problem.scale
 
     def _differentiate_impedance(
-        self, s: ComplexArray, own: ComplexArray, felt: npt.ArrayLike, *, order: int = 0
+        self, s: ComplexArray, impedance: ComplexArray, seal_share: npt.ArrayLike, *, order: int = 0
     ) -> ComplexArray:
         """Derivative of m s^2 + n K(s) under the hammer by the vector, or that of its slope by s.
 
-        `own` is that of one seal's K or K' by its own numbers, `felt` n K or n K' under the hammer.
+        `impedance` is that of one seal's K or K' by its own numbers, `seal_share` n K or n K'
+        under the hammer.
         """
         problem, p = self.problem, self.point
         count = problem.frf_data.seals * p.factor
         spring = count * p.model.k_inf * (1 - order)
         by = np.zeros((len(s), len(self.theta)), dtype=complex)
-        by[:, : own.shape[1]] = count * own
+        by[:, : impedance.shape[1]] = count * impedance
         by[:, 0] += (p.spring - 1) * spring
         rest = {
             "b": count * self._b * s ** (1 - order),
             "mass": p.mass * s ** (2 - order) * (1 + order),
-            "factor": felt,
+            "factor": seal_share,
             "spring": p.spring * spring,
         }
         for name in rest.keys() & problem.index.keys():
@@ -474,7 +485,9 @@ class Candidate:
         size = np.linalg.norm(self.optimum.jacobian, axis=0)
         noise, faded = white_noise(self.optimum, 1.0), size <= UNFELT * size.max()
         # lines that nobody measured stand far above what is known of the mass
-        return estimate(self.optimum, noises=[noise], held=faded, prior_variance=1.0, finely=True)
+        return estimate(
+            self.optimum, noises=[noise], is_fixed=faded, prior_variance=1.0, finely=True
+        )
 
     @property
     def covariance(self) -> FloatArray:

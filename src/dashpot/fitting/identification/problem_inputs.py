@@ -31,23 +31,23 @@ class PriorTests(NamedTuple):
 
     Attributes
     ----------
-    arms, element : Fit or None
+    arms, fractional_fit : Fit or None
         The earlier fit of either family, at the temperature of the hammer.
     relaxations : tuple of RelaxationData
         The tests that they are of.
     doubtful : tuple of RelaxationData
-        The same with all that their rigs may have done unseen.
+        The same with all that their rigs may have done without a trace.
     """
 
     arms: Fit | None
-    element: Fit | None
+    fractional_fit: Fit | None
     relaxations: tuple[RelaxationData, ...]
     doubtful: tuple[RelaxationData, ...] = ()
 
     @property
     def primary_fit(self) -> Fit | None:
         """The one that knows of elastic law and temperatures."""
-        return self.element if self.arms is None else self.arms
+        return self.fractional_fit if self.arms is None else self.arms
 
 
 def before_hammer(
@@ -80,13 +80,13 @@ def before_hammer(
     fits = [before] if same else [fit_tests(record, **alone) for record in records]
     relaxation_datasets, doubtful = (
         tuple(
-            build_relaxation_data(record, before, single_fit=fit, claimed=claimed)
+            build_relaxation_data(record, before, single_fit=fit, for_limits=claimed)
             for record, fit in zip(records, fits, strict=True)
         )
         for claimed in (False, True)
     )
-    bent = before.elastic_law is not None and before.elastic_law.kind != "linear"
-    if family == "maxwell" or bent:
+    is_nonlinear = before.elastic_law is not None and before.elastic_law.kind != "linear"
+    if family == "maxwell" or is_nonlinear:
         return PriorTests(before, None, relaxation_datasets, doubtful)
     element = _select_family_fit("fractional", fit) or fit_tests(
         list(records), family="fractional", **bench.choices
@@ -115,7 +115,7 @@ def _without_tests(fit: Fit | None, temperature: float | None, family: str) -> P
 def point_of(
     before: Fit | None, mass: float | None, seals: float, compression: float | None
 ) -> OperatingPoint | None:
-    """Where the seals are under the hammer; None if that makes no difference, or nothing tells."""
+    """Where the seals are under the hammer; None if that makes no difference, or nothing shows."""
     law = None if before is None else before.elastic_law
     if before is None or law is None or law.kind == "linear":
         return None

@@ -12,43 +12,44 @@ from dashpot.fitting.nonlinear_ramp.linearity import LinearFitQuality
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# a hold that leaves so many times more beside others than alone is not of the same seal
-_CONTRADICTED = 2.0
-_MATTERS = 0.005
-# an equilibrium stiffness this far from the end force is not one
-_BEYOND_BELIEF = 0.25
-# a delay so many times what was thought possible is another fault: 25 ms, unless said. Limits of
-# one test hold behind delays and filters of 2 to 20 ms that nobody named; several together have
-# none, and are doubted from 8.5 ms on
-TOO_LATE, TOO_LATE_TOGETHER = 5.0, 1.7
-# rows of the ramp that count with so many times the noise of the hold follow another law
-_ANOTHER = 1.5
-# a fit beyond the limits by this part of their width is no solid that the record allows
-BEYOND = 0.25
+# ratio of hold residuals, jointly over alone, from which a test is of another seal
+_CONTRADICTION = 2.0
+_NEGLIGIBLE_RESIDUAL = 0.005
+# relative distance of k_inf from the end force from which it is wrong
+_IMPLAUSIBLE_SHARE = 0.25
+# delay over its prior SD from which it is another fault: 25 ms by default. The limits of one test
+# hold for unstated delays and filters of 2 to 20 ms; several tests together have no limits, so
+# 8.5 ms counts
+MAX_DELAY_SD, MAX_JOINT_DELAY_SD = 5.0, 1.7
+# noise of the ramp over that of the hold from which the ramp follows another law
+_MAX_NOISE_RATIO = 1.5
+# distance of the fit outside its limits, over their width, that the record excludes
+MAX_EXCESS = 0.25
 
 
 @criterion(
     "ramp residual / peak",
     "<=",
     0.01,
-    f"our choice; or 1.5 times the noise, and that {_ANOTHER} times the hold's if no law bends",
+    f"our choice; or 1.5 times the noise, and that {_MAX_NOISE_RATIO} times the hold's if no law "
+    "bends",
 )
-def ramp_residual_small(missed: float, noise: float, discrepancy: float, kind: str) -> Finding:
+def ramp_residual_small(residual: float, noise: float, discrepancy: float, kind: str) -> Finding:
     """The model fits the ramp.
 
-    `missed` and `noise` are parts of the largest force, `discrepancy` what one independent
-    residual of the ramp is worth over one of the hold, `kind` that of the elastic law.
+    `residual` and `noise` are fractions of the largest force, `discrepancy` is the scatter of one
+    independent sample of the ramp over that of the hold, `kind` that of the elastic law.
     """
     return Finding(
-        f"The model misses the ramp by {100 * missed:.2g} % of the peak, with a {kind} elastic "
+        f"The model misses the ramp by {100 * residual:.2g} % of the peak, with a {kind} elastic "
         f"law. Its rows count with {discrepancy:.3g} times the noise of the hold",
-        missed,
+        residual,
         "No elastic law follows the ramp. So k_inf and slow arms come from the hold; fast arms and "
         "tangent are uncertain",
         "Record the motion at the seal, without slip.",
-        always_passes=missed <= 1.5 * noise,
+        always_passes=residual <= 1.5 * noise,
         # no linear solid explained ramp and hold, and no law was found that does
-        always_fails=kind == "linear" and discrepancy > _ANOTHER,
+        always_fails=kind == "linear" and discrepancy > _MAX_NOISE_RATIO,
     )
 
 
@@ -61,35 +62,39 @@ def ramp_residual_small(missed: float, noise: float, discrepancy: float, kind: s
 def ramp_explained(quality: LinearFitQuality | None) -> Finding:
     """A linear model fits ramp and hold to within their noise."""
     if quality is None:
-        return Finding("The record is not one ramp and one hold, so it is not judged")
+        return Finding("The record is not one ramp and one hold, so this check does not apply")
     return Finding(
         f"A linear model leaves {quality.ramp:.3g} times the noise on the ramp",
         quality.ramp,
         "No nonlinear law explains it better: two faults may hide each other, such as a seal that "
         "stiffens a little and one that warms. Fast arms, and their loss, are uncertain",
         "Press at a second speed, or strike the seal with a hammer.",
-        always_passes=quality.sound,
+        always_passes=quality.is_adequate,
     )
 
 
 @criterion("hold residual / hold alone", "<=", 1.25, "our choice; or 0.5 % of the peak")
-def hold_residual_small(rho: Sequence[float], missed: Sequence[float]) -> Finding:
+def hold_residual_small(rho: Sequence[float], residuals: Sequence[float]) -> Finding:
     """The model fits each hold as well as a fit of that hold alone does.
 
-    `missed` is the residual in each hold as a part of the largest force: below 0.5 % it matters
-    to no use.
+    `residuals` are those of each hold as fractions of the largest force; below 0.5 % they are
+    negligible.
     """
-    worst = int(np.argmax(np.where(np.array(missed) > _MATTERS, rho, 0.0) + 1e-9 * np.array(rho)))
-    of = f" of test {worst + 1}" if len(rho) > 1 else ""
+    worst = int(
+        np.argmax(
+            np.where(np.array(residuals) > _NEGLIGIBLE_RESIDUAL, rho, 0.0) + 1e-9 * np.array(rho)
+        )
+    )
+    test_label = f" of test {worst + 1}" if len(rho) > 1 else ""
     return Finding(
-        f"The residual of the hold{of} is {rho[worst]:.3g} times that of its own fit",
+        f"The residual of the hold{test_label} is {rho[worst]:.3g} times that of its own fit",
         float(rho[worst]),
         "The tests contradict each other: another specimen, temperature, or shape of relaxation"
         if len(rho) > 1
         else "The ramp changes what the hold gives",
         "Fit each test alone." if len(rho) > 1 else Remedy("Fit the hold alone.", "method", "hold"),
-        always_passes=missed[worst] <= _MATTERS,
-        grade="stop" if rho[worst] > _CONTRADICTED else "limit",
+        always_passes=residuals[worst] <= _NEGLIGIBLE_RESIDUAL,
+        grade="stop" if rho[worst] > _CONTRADICTION else "limit",
     )
 
 
@@ -103,7 +108,7 @@ def hold_residual_small(rho: Sequence[float], missed: Sequence[float]) -> Findin
 def tangent_determined(law: ElasticLaw, ramps: int) -> Finding:
     """More than one ramp determines the tangent stiffness within the ramp.
 
-    One ramp tells the tangent within 5 % if all arms share one elastic law. A law of its own for
+    One ramp shows the tangent within 5 % if all arms share one elastic law. A law of its own for
     each arm, friction or a motion commanded and not measured puts it 11 to 46 % off though the
     ramp is followed to the noise.
     """
@@ -128,10 +133,10 @@ def k_inf_plausible(model: GeneralizedMaxwell, se: float, end: float, hold: floa
     :math:`\sum_j k_j e^{-T/\tau_j}` after a `hold` T, s; the rest is k_inf.
     """
     total = sum(k * np.exp(-hold / tau) for k, tau in zip(model.k, model.tau, strict=True))
-    off = abs(model.k_inf - (end - float(total)))
-    share = off / max(abs(end), 1e-300)
-    # a plateau that does not differ significantly from zero claims nothing
-    wrong = share > _BEYOND_BELIEF and model.k_inf > 3.0 * se
+    difference = abs(model.k_inf - (end - float(total)))
+    share = difference / max(abs(end), 1e-300)
+    # a plateau that does not differ significantly from zero is not compared
+    is_implausible = share > _IMPLAUSIBLE_SHARE and model.k_inf > 3.0 * se
     return Finding(
         f"k_inf and the rest of the arms miss the stiffness at the end of the hold by "
         f"{100 * share:.2g} %. They are {format_quantity(model.k_inf, 'N/mm')} and "
@@ -139,8 +144,8 @@ def k_inf_plausible(model: GeneralizedMaxwell, se: float, end: float, hold: floa
         share,
         "Offset or drift of the load cell took what is stiffness, or the other way round",
         Remedy("Record a baseline before contact, or give the drift.", "machine", "drift=..."),
-        always_passes=off <= 3.0 * se,
-        grade="stop" if wrong else "limit",
+        always_passes=difference <= 3.0 * se,
+        grade="stop" if is_implausible else "limit",
     )
 
 
@@ -157,7 +162,7 @@ def offset_plausible(results: Sequence[tuple[float, float, float, float]]) -> Fi
     `results` holds of each test the fitted offset, its mean and its standard deviation before the
     fit, and the departure that matters, N.
     """
-    return _believable(results, "offset", 1e3, "mN", "the force at rest")
+    return _compare_with_prior(results, "offset", 1e3, "mN", "the force at rest")
 
 
 @criterion(
@@ -172,11 +177,11 @@ def drift_plausible(
 ) -> Finding:
     """The fitted drift of the load cell agrees with its baseline or data sheet.
 
-    `results` as for the offset, N/s. Limits know of the drift what is known: while they hold the
-    fit, but for a part `excess` of their width, a drift that went far does no harm.
+    `results` as for the offset, N/s. The limits include the prior of the drift: while the
+    fit lies inside them, within `excess` of their width, a large drift is harmless.
     """
-    answer = _believable(results, "drift", 1e3, "mN/s", "what is known of the cell")
-    return answer if excess > BEYOND else answer._replace(grade=None)
+    finding = _compare_with_prior(results, "drift", 1e3, "mN/s", "what is known of the cell")
+    return finding if excess > MAX_EXCESS else finding._replace(grade=None)
 
 
 @criterion(
@@ -218,23 +223,25 @@ def clocks_agree(results: Sequence[tuple[float, float, float]]) -> Finding:
     """
     if not results:
         return Finding("No delay between force and displacement is fitted")
-    late = [abs(value) / error if error > 0 else 0.0 for value, error, _ in results]
-    worst = int(np.argmax(late))
+    delay_ratios = [abs(value) / error if error > 0 else 0.0 for value, error, _ in results]
+    worst = int(np.argmax(delay_ratios))
     value, error, prior = results[worst]
-    of, far = (f" of test {worst + 1}", TOO_LATE_TOGETHER) if len(results) > 1 else ("", TOO_LATE)
+    test_label, max_delay_sd = (
+        (f" of test {worst + 1}", MAX_JOINT_DELAY_SD) if len(results) > 1 else ("", MAX_DELAY_SD)
+    )
     return Finding(
-        f"The force{of} lags the displacement by {convert_to_unit(value, 'ms'):.3g} ± "
+        f"The force{test_label} lags the displacement by {convert_to_unit(value, 'ms'):.3g} ± "
         f"{format_quantity(error, 'ms', '.2g')}",
-        late[worst],
+        delay_ratios[worst],
         "The fit corrects for this, but a late force looks like less damping",
         Remedy(
             "Read both channels at one time, or give the delay of the force.", "machine", "sync=..."
         ),
-        grade="limit" if abs(value) > far * prior else None,
+        grade="limit" if abs(value) > max_delay_sd * prior else None,
     )
 
 
-def _believable(
+def _compare_with_prior(
     results: Sequence[tuple[float, float, float, float]],
     what: str,
     scale: float,
@@ -243,17 +250,17 @@ def _believable(
 ) -> Finding:
     if not results:
         return Finding(f"No {what} is fitted")
-    away = [abs(value - mean) / sd if sd > 0 else 0.0 for value, mean, sd, _ in results]
-    worst = int(np.argmax(away))
+    distances = [abs(value - mean) / sd if sd > 0 else 0.0 for value, mean, sd, _ in results]
+    worst = int(np.argmax(distances))
     value, mean, *_ = results[worst]
     matters = any(
         abs(value - mean) > max(3 * sd, departure) for value, mean, sd, departure in results
     )
-    of = f" of test {worst + 1}" if len(results) > 1 else ""
+    test_label = f" of test {worst + 1}" if len(results) > 1 else ""
     return Finding(
-        f"The fitted {what}{of} ({scale * value:.3g} {unit}) differs from {name} "
-        f"({scale * mean:.3g} {unit}) by {away[worst]:.2g} standard deviations",
-        away[worst],
+        f"The fitted {what}{test_label} ({scale * value:.3g} {unit}) differs from {name} "
+        f"({scale * mean:.3g} {unit}) by {distances[worst]:.2g} standard deviations",
+        distances[worst],
         "It hides a misfit",
         "Record a longer baseline, or let the load cell warm up.",
         grade="limit" if matters else None,

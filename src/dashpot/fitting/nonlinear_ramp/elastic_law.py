@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import FitError
-from dashpot.base.option_fields import RampLawAsked, require_choice
+from dashpot.base.option_fields import RampLawOption, require_choice
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, parameter_names
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.fit_construction import nuisances
@@ -29,7 +29,7 @@ from dashpot.fitting.nonlinear_ramp.hold_then_ramp import (
 )
 from dashpot.fitting.nonlinear_ramp.linearity import (
     LinearFitQuality,
-    judge_linear_fit,
+    assess_linear_fit,
     sample_noise,
 )
 from dashpot.fitting.nonlinear_ramp.quasi_linear import (
@@ -107,9 +107,9 @@ class RampLaw:
         Of the parameters of `model` and then of the law's shape at its knots.
     hold : Hold
         What the holds say without their ramps.
-    soundness : tuple of LinearFitQuality
+    linear_qualities : tuple of LinearFitQuality
         Of each record under the linear law with the full weight of its ramp.
-    followed : RampHoldOptimum
+    optimum : RampHoldOptimum
         The optimum of the law, and what it leaves.
     scores : tuple of ElasticLawScore
         The laws tried, the linear one first.
@@ -122,40 +122,42 @@ class RampLaw:
     estimate: ParameterEstimate
     law_covariance: FloatArray
     hold: HoldEstimate
-    soundness: tuple[LinearFitQuality, ...]
-    followed: RampHoldOptimum
+    linear_qualities: tuple[LinearFitQuality, ...]
+    optimum: RampHoldOptimum
     scores: tuple[ElasticLawScore, ...]
     residuals: tuple[FloatArray, ...]
 
     @property
-    def sound(self) -> bool:
+    def is_linear(self) -> bool:
         """True if the linear law explains every record to its noise."""
-        return all(quality.sound for quality in self.soundness)
+        return all(quality.is_adequate for quality in self.linear_qualities)
 
     @property
     def discrepancy(self) -> tuple[float, ...]:
         r"""Scatter of each ramp over that of its hold, :math:`s_r/(s_h \sqrt{\kappa_h})`: >= 1."""
         return tuple(
-            float(ramp / held)
-            for ramp, held in zip(self.followed.ramp_scatter, independent(self.hold), strict=True)
+            float(ramp / hold_scatter)
+            for ramp, hold_scatter in zip(
+                self.optimum.ramp_scatter, independent(self.hold), strict=True
+            )
         )
 
     @property
     def relative_residuals(self) -> tuple[float, ...]:
         """Residual on each ramp as a part of the largest force."""
-        rows = self.followed.weighted.solid.rows
-        return tuple(value / rows.peak(i) for i, value in enumerate(self.followed.ramp))
+        rows = self.optimum.weighted.solid.rows
+        return tuple(value / rows.peak(i) for i, value in enumerate(self.optimum.ramp))
 
     @property
     def rho(self) -> tuple[float, ...]:
         """Residual of each hold over what the hold alone leaves."""
-        return tuple(a / b for a, b in zip(self.followed.hold, self.hold.rms, strict=True))
+        return tuple(a / b for a, b in zip(self.optimum.hold, self.hold.rms, strict=True))
 
 
 def build_ramp_law(
     tests: Sequence[RampHold],
     hold: HoldEstimate,
-    soundness: tuple[LinearFitQuality, ...],
+    linear_qualities: tuple[LinearFitQuality, ...],
     optimum: RampHoldOptimum,
     scores: tuple[ElasticLawScore, ...],
 ) -> RampLaw:
@@ -177,9 +179,9 @@ def build_ramp_law(
         )
 
     # each encoder's step scales every stiffness of its test
-    doubt = float(np.sqrt(np.mean([test.depth_doubt**2 for test in tests]) / len(tests)))
+    depth_error = float(np.sqrt(np.mean([test.depth_error**2 for test in tests]) / len(tests)))
     scaled = np.zeros(len(optimum.optimum.values))
-    scaled[first : first + len(k)] = doubt * k
+    scaled[first : first + len(k)] = depth_error * k
     estimate = optimum.estimate(hold).add_parameter_error(scaled)
     covariance, names = estimate.derive_quantity(seal).covariance, parameter_names(len(there))
     nuisance = optimum.nuisance
@@ -200,8 +202,8 @@ def build_ramp_law(
         ),
         law_covariance=covariance,
         hold=hold,
-        soundness=soundness,
-        followed=optimum,
+        linear_qualities=linear_qualities,
+        optimum=optimum,
         scores=scores,
         residuals=residuals,
     )
@@ -211,7 +213,7 @@ def _residual(
     test: RampHold, i: int, model: GeneralizedMaxwell, optimum: RampHoldOptimum
 ) -> FloatArray:
     """Return every sample less the model and the load cell."""
-    priors = optimum.weighted.solid.rows.known[i]
+    priors = optimum.weighted.solid.rows.priors[i]
     path = elastic_law_of(optimum).path(denoise_displacement(test)[0])
     time = test.time[: len(path)] - test.time[0]
     arms = arm_columns(time, path, np.asarray(model.tau), derivative=False)[0]
@@ -257,7 +259,7 @@ DEPTHS_LADDER = (KnotSpacing(17), KnotSpacing(17, 2))
 def select_elastic_law(
     tests: Sequence[RampHold],
     *,
-    law: RampLawAsked = "auto",
+    law: RampLawOption = "auto",
     arms: int | None = None,
     max_arms: int = MAX_ARMS,
 ) -> RampLaw:
@@ -282,26 +284,28 @@ def select_elastic_law(
     FitError
         If a record has no samples on its ramp or in its hold to speak of.
     """
-    require_choice("law", law, RampLawAsked, FitError)
+    require_choice("law", law, RampLawOption, FitError)
     rows = downsample(tests)
     hold = fit_hold_only(rows, arms, max_arms)
     noise = [sample_noise(*pair) for pair in zip(rows.noise, hold.rms, strict=True)]
-    soundness, optimum = assess_linear_fit(rows, hold, noise, arms)
-    if law != "nonlinear" and all(quality.sound for quality in soundness):
+    linear_qualities, optimum = _assess_linear_law(rows, hold, noise, arms)
+    if law != "nonlinear" and all(quality.is_adequate for quality in linear_qualities):
         score = ElasticLawScore(LINEAR, elastic_law_of(optimum), 0.0, optimum.ramp, optimum.hold)
-        return build_ramp_law(tests, hold, soundness, optimum, (score,))
+        return build_ramp_law(tests, hold, linear_qualities, optimum, (score,))
     shown = int(rows.ramp.sum()) // _ROWS_PER_KNOT
     finer = DEPTHS_LADDER if len(set(rows.depths)) >= _SEVERAL else ()
-    bent = [item for item in (*LADDER, *finer) if item.knots <= max(shown, LADDER[0].knots)]
-    laws = {"linear": [LINEAR], "nonlinear": bent, "auto": [LINEAR, *bent]}[law]
+    nonlinear_laws = [
+        item for item in (*LADDER, *finer) if item.knots <= max(shown, LADDER[0].knots)
+    ]
+    laws = {"linear": [LINEAR], "nonlinear": nonlinear_laws, "auto": [LINEAR, *nonlinear_laws]}[law]
     start = recorded_hold(rows, hold)
-    tried = {law: _solve_law(rows, law, hold, start) for law in laws}
-    scores = _scores(tried, hold)
-    taken = _select_law(scores) if law == "auto" else min(scores, key=lambda score: score.bic)
-    ramp_optimum = _with_delay(tried[taken.spacing], hold)
+    optima = {law: _solve_law(rows, law, hold, start) for law in laws}
+    scores = _scores(optima, hold)
+    selected = _select_law(scores) if law == "auto" else min(scores, key=lambda score: score.bic)
+    ramp_optimum = _with_delay(optima[selected.spacing], hold)
     if arms is None and len(hold.log_tau) < max_arms:
         ramp_optimum = _with_faster_arm(ramp_optimum, hold)
-    return build_ramp_law(tests, hold, soundness, ramp_optimum, scores)
+    return build_ramp_law(tests, hold, linear_qualities, ramp_optimum, scores)
 
 
 def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortage | None:
@@ -333,10 +337,10 @@ def _solve_law(
 
 
 def _scores(
-    tried: dict[KnotSpacing, RampHoldOptimum], hold: HoldEstimate
+    optima: dict[KnotSpacing, RampHoldOptimum], hold: HoldEstimate
 ) -> tuple[ElasticLawScore, ...]:
     """Return BIC of each law; ramp rows count as the closest of them leaves them correlated."""
-    best = min(tried.values(), key=lambda optimum: float(np.sum(np.log(optimum.ramp))))
+    best = min(optima.values(), key=lambda optimum: float(np.sum(np.log(optimum.ramp))))
     return tuple(
         ElasticLawScore(
             spacing,
@@ -345,7 +349,7 @@ def _scores(
             optimum.ramp,
             optimum.hold,
         )
-        for spacing, optimum in tried.items()
+        for spacing, optimum in optima.items()
     )
 
 
@@ -357,9 +361,9 @@ def _bic(optimum: RampHoldOptimum, hold: HoldEstimate, correlation: Sequence[flo
         on = float(np.sum(rows.ramp & (rows.record == i))) / kappa
         # a ramp followed closer than its noise is luck
         least = min(rows.noise[i], optimum.hold[i])
-        held = rows.select_hold(i).sum() / hold.correlation[i]
+        hold_samples = rows.select_hold(i).sum() / hold.correlation[i]
         total += deviance(max(optimum.ramp[i], least) ** 2, effective=on)
-        total += deviance(optimum.hold[i] ** 2, effective=held)
+        total += deviance(optimum.hold[i] ** 2, effective=hold_samples)
         effective += on
     arms, bends = len(optimum.log_tau), optimum.weighted.solid.bends.stop
     delays = len(optimum.nuisance) - 2 * len(rows.depths)
@@ -379,9 +383,11 @@ def _with_delay(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum
     """Return the fit with a delay of each force if the ramps show one."""
     solid, best = optimum.weighted.solid, optimum.optimum
     resolved_nuisances = build_nuisances(solid.rows, delay_derivative(optimum.weighted, best))
-    late = fit_ramp_and_hold(solid, hold, optimum, best.theta, value=resolved_nuisances)
-    gain = _bic(optimum, hold, late.ramp_correlation) - _bic(late, hold, late.ramp_correlation)
-    return late if gain > LEAST_GAIN else optimum
+    delayed = fit_ramp_and_hold(solid, hold, optimum, best.theta, value=resolved_nuisances)
+    gain = _bic(optimum, hold, delayed.ramp_correlation) - _bic(
+        delayed, hold, delayed.ramp_correlation
+    )
+    return delayed if gain > LEAST_GAIN else optimum
 
 
 def _with_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
@@ -393,27 +399,27 @@ def _with_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOp
     fastest = float(hold.log_tau[0]) if n else float(ramp)
     if fastest - np.log(4.0) <= tau_bounds(rows).low:
         return optimum
-    tried = optimum.weighted.descend(np.append(fastest - np.log(4.0), optimum.optimum.theta))
-    fall = optimum.optimum.cost - tried.cost
-    if solid.split_parameters(tried.theta)[0].min() > fastest - np.log(2.0) or fall < LEAST_GAIN:
+    trial = optimum.weighted.descend(np.append(fastest - np.log(4.0), optimum.optimum.theta))
+    fall = optimum.optimum.cost - trial.cost
+    if solid.split_parameters(trial.theta)[0].min() > fastest - np.log(2.0) or fall < LEAST_GAIN:
         return optimum
-    more = fit_ramp_and_hold(solid, hold, optimum, tried.theta, value=optimum.weighted.nuisances)
+    more = fit_ramp_and_hold(solid, hold, optimum, trial.theta, value=optimum.weighted.nuisances)
     faster = float(more.log_tau.min()) < fastest - np.log(2.0)
     gain = _bic(optimum, hold, more.ramp_correlation) - _bic(more, hold, more.ramp_correlation)
     return more if faster and bool((more.k[0, 1:] > 0).all()) and gain > LEAST_GAIN else optimum
 
 
-def assess_linear_fit(
+def _assess_linear_law(
     rows: DownsampledRows, hold: HoldEstimate, noise: Sequence[float], arms: int | None
 ) -> tuple[tuple[LinearFitQuality, ...], RampHoldOptimum]:
     """Return how sound the linear law is, the best of the numbers of arms tried."""
     count = len(hold.log_tau)
-    tried = []
+    candidates = []
     for index in (count, count - 1) if arms is None and count > 1 else (count,):
         start = hold if index == count else fit_hold_only(rows, index)
         optimum = _joint(rows, hold, start.log_tau, noise)
         qualities = tuple(
-            judge_linear_fit(
+            assess_linear_fit(
                 optimum.ramp[i],
                 optimum.hold[i],
                 hold.rms[i],
@@ -424,11 +430,11 @@ def assess_linear_fit(
             )
             for i in range(len(noise))
         )
-        tried.append((qualities, optimum))
-        if all(at.sound for at in qualities):
+        candidates.append((qualities, optimum))
+        if all(at.is_adequate for at in qualities):
             break
-    reliable = [pair for pair in tried if all(at.sound for at in pair[0])]
-    return (reliable or tried)[0]
+    reliable = [pair for pair in candidates if all(at.is_adequate for at in pair[0])]
+    return (reliable or candidates)[0]
 
 
 def _joint(
@@ -440,5 +446,5 @@ def _joint(
     sd = spread(rows, even, even)
     first = Weighted(solid, sd, build_nuisances(rows))
     best = first.descend(log_tau)
-    late = Weighted(solid, sd, build_nuisances(rows, delay_derivative(first, best)))
-    return with_residual_statistics(late, late.descend(best.theta), independent(hold))
+    with_delay = Weighted(solid, sd, build_nuisances(rows, delay_derivative(first, best)))
+    return with_residual_statistics(with_delay, with_delay.descend(best.theta), independent(hold))

@@ -39,7 +39,7 @@ from dashpot.fitting.valid_band import find_hold_band, find_informed_band
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
-def ramp_fit(
+def build_ramp_fit(
     tests: Sequence[RampHold],
     law: RampLaw,
     *,
@@ -57,16 +57,16 @@ def ramp_fit(
     tests : sequence of RampHold
     law : RampLaw
     requested : int or None
-        Number of arms asked for; None if the holds chose.
+        Requested number of arms; None if the holds chose.
     by_depth, checks
         The stiffnesses of each test, and checks besides those of the law.
     end : EndOfHold or None
-        What the holds know of their end.
+        Limits at the end of the hold.
     unmeasured : array, shape (p, d), optional
-        What each doubt of the rigs adds to the parameters: it is in every interval, and in nothing
-        that a check judges by the noise.
+        Changes of the parameters by one standard deviation of each unknown of the rigs. They
+        widen intervals; checks against the noise do not use them.
     spectra : AdmissibleSpectra, optional
-        What the holds do not reject: they end the valid band.
+        Spectra that the holds do not reject; they limit the valid band.
     """
     model, estimate = law.model, _add_test_errors(law.estimate, law.model, tests)
     law = replace(law, estimate=estimate)
@@ -80,8 +80,8 @@ def ramp_fit(
     error = None
     if spectra is not None:
         band, error = find_hold_band(spectra, model, band)
-    noticed = [check for test in tests for check in test.checks]
-    answers = (
+    record_checks = [check for test in tests for check in test.checks]
+    all_checks = (
         *law_checks(tests, law, end),
         *checks,
         valid_band_exists(band),
@@ -91,22 +91,22 @@ def ramp_fit(
         SolidEstimate(
             model,
             estimate if unmeasured is None else estimate.with_rig(unmeasured),
-            fewer=requested is not None and model.arms < requested,
+            has_fewer_arms=requested is not None and model.arms < requested,
         ),
         Evidence(
             band,
-            checks=(*noticed, *answers),
+            checks=(*record_checks, *all_checks),
             stiffness_by_depth=by_depth,
             end_of_hold=end,
             band_error=error,
         ),
-        provenance_of("full", tests, _step(tests, law)),
+        provenance_of("full", tests, _make_step(tests, law)),
         elastic_law=replace(law.law, ratio_se=_shape_error(law)),
     )
 
 
-def held_ramps(tests: Sequence[RampHold], law: RampLaw) -> list[RelaxationData]:
-    """The holds of tests that share an elastic law, with what their rigs may have done unseen."""
+def build_ramp_data(tests: Sequence[RampHold], law: RampLaw) -> list[RelaxationData]:
+    """Return the data of the holds of tests with one elastic law, and the errors by their rigs."""
     return [
         build_hold_data(
             test,
@@ -119,23 +119,23 @@ def held_ramps(tests: Sequence[RampHold], law: RampLaw) -> list[RelaxationData]:
 
 
 def depth_error(test: RampHold) -> float:
-    """Of the depth that was held, of which every stiffness has as much: relative, one deviation."""
-    return float(np.hypot(test.depth_doubt, test.contact_error / test.depth))
+    """Return the relative standard error of the held depth, which every stiffness shares."""
+    return float(np.hypot(test.depth_error, test.contact_error / test.depth))
 
 
 def _add_test_errors(
     estimate: ParameterEstimate, model: GeneralizedMaxwell, tests: Sequence[RampHold]
 ) -> ParameterEstimate:
-    r"""Return the estimate with what depth and clock of the tests leave unknown.
+    r"""Return the estimate with the errors of depth and clock of the tests.
 
     A relative error of the depth scales every stiffness, a delay :math:`\delta` of the ramp each
     arm by :math:`\delta/\tau_j`; of n tests each counts :math:`1/\sqrt n`.
     """
     depth = [depth_error(test) for test in tests]
     scaled = np.concatenate(([model.k_inf], model.k, np.zeros(model.arms)))
-    off = float(np.sqrt(np.mean(np.square(depth)) / len(tests)))
-    by = np.column_stack((off * scaled, compute_clock_sensitivity(tests, model)))
-    return replace(estimate, covariance=estimate.covariance + by @ by.T)
+    mean_error = float(np.sqrt(np.mean(np.square(depth)) / len(tests)))
+    error_columns = np.column_stack((mean_error * scaled, compute_clock_sensitivity(tests, model)))
+    return replace(estimate, covariance=estimate.covariance + error_columns @ error_columns.T)
 
 
 def _shape_error(law: RampLaw) -> tuple[float, ...]:
@@ -150,12 +150,12 @@ def law_checks(tests: Sequence[RampHold], law: RampLaw, end: EndOfHold | None) -
     """Return every check of the records, of the solid and of its elastic law."""
     residual = law.estimate.residual
     error = np.sqrt(np.diag(law.estimate.covariance))
-    # the ramp's own misfit is priced, and judged by ramp_residual_small
-    held = [
+    # the misfit of the ramp is assessed by ramp_residual_small
+    hold_ratios = [
         residual[test.settled_samples.start - test.hold.stop :]
         for residual, test in zip(law.residuals, tests, strict=True)
     ]
-    residuals = Residuals(held, residual.rms, residual.variance_inflation)
+    residuals = Residuals(hold_ratios, residual.rms, residual.variance_inflation)
     return (
         *run_relaxation_checks(tests, law.model, error, residuals, end),
         *ramp_checks(tests, law, end),
@@ -166,49 +166,49 @@ def ramp_checks(
     tests: Sequence[RampHold], law: RampLaw, end: EndOfHold | None
 ) -> tuple[Check, ...]:
     """Return the checks of elastic law and load cell, each at its worst over the records."""
-    rows = law.followed.weighted.solid.rows
+    rows = law.optimum.weighted.solid.rows
     worst = int(np.argmax(law.relative_residuals))
-    values = law.followed.nuisance
+    values = law.optimum.nuisance
     error = np.sqrt(np.diag(law.estimate.covariance))
     deepest = int(np.argmax(rows.depths))
-    followed = checks.ramp_residual_small(
+    residual_check = checks.ramp_residual_small(
         law.relative_residuals[worst],
         max(rows.noise[worst], law.hold.rms[worst]) / rows.peak(worst),
         law.discrepancy[worst],
         law.law.kind,
     )
     return (
-        followed,
+        residual_check,
         checks.hold_residual_small(
-            law.rho, [value / rows.peak(i) for i, value in enumerate(law.followed.hold)]
+            law.rho, [value / rows.peak(i) for i, value in enumerate(law.optimum.hold)]
         ),
         checks.tangent_determined(law.law, different_ramps(tests)),
         checks.k_inf_plausible(
             law.model,
             float(np.hypot(error[0], law.hold.plateau_error[deepest])),
-            end_stiffness(tests[deepest], rows.known[deepest].offset.mean),
+            end_stiffness(tests[deepest], rows.priors[deepest].offset.mean),
             tests[deepest].hold_time,
         ),
         checks.offset_plausible(
             [
                 (values[f"offset@{i}"], *priors.offset, compute_significant_drift(tests[i]).offset)
-                for i, priors in enumerate(rows.known)
+                for i, priors in enumerate(rows.priors)
             ]
         ),
         checks.drift_plausible(
             [
                 (values[f"drift@{i}"], *priors.drift, compute_significant_drift(tests[i]).drift)
-                for i, priors in enumerate(rows.known)
+                for i, priors in enumerate(rows.priors)
             ],
-            np.inf if end is None else end.beyond,
+            np.inf if end is None else end.distance_outside,
         ),
         checks.baseline_agrees(
-            [(priors.baseline_drift.mean, priors.conflict) for priors in rows.known]
+            [(priors.baseline_drift.mean, priors.conflict) for priors in rows.priors]
         ),
         checks.clocks_agree(
             [
-                (late.value, late.standard_error, build_delay_prior(test).sd)
-                for late, test in zip(_select_nuisances("delay", law), tests, strict=False)
+                (delay.value, delay.standard_error, build_delay_prior(test).sd)
+                for delay, test in zip(_select_nuisances("delay", law), tests, strict=False)
             ]
         ),
     )
@@ -221,22 +221,24 @@ def _select_nuisances(kind: str, law: RampLaw) -> list[Nuisance]:
 
 def end_stiffness(test: RampHold, rest: float) -> float:
     """Return the force over the last twentieth of the hold, less that at rest, over x, N/m."""
-    held = select_hold_end(test)
-    return float(np.mean(test.force[held]) - rest) / float(np.mean(test.displacement[held]))
+    last_samples = select_hold_end(test)
+    return float(np.mean(test.force[last_samples]) - rest) / float(
+        np.mean(test.displacement[last_samples])
+    )
 
 
 def different_ramps(tests: Sequence[RampHold]) -> int:
     """Return how many ramps differ in rate or depth by a tenth or more."""
     items: list[tuple[float, float]] = []
     for test in tests:
-        here = (test.depth / test.ramp_time, test.depth)
-        if all(max(abs(np.log(a / b)) for a, b in zip(here, item, strict=True)) >= 0.1
+        ramp = (test.depth / test.ramp_time, test.depth)
+        if all(max(abs(np.log(a / b)) for a, b in zip(ramp, item, strict=True)) >= 0.1
                for item in items):  # fmt: skip
-            items.append(here)
+            items.append(ramp)
     return len(items)
 
 
-def _step(tests: Sequence[RampHold], ramp_law: RampLaw) -> Step:
+def _make_step(tests: Sequence[RampHold], ramp_law: RampLaw) -> Step:
     law, arms = ramp_law.law, ramp_law.model.arms
     plural = f"{len(tests)} tests" if len(tests) > 1 else "one test"
     shape = "a linear elastic law" if law.kind == "linear" else (

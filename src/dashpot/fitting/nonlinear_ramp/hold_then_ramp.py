@@ -1,12 +1,12 @@
 r"""Fit in two stages: arms and noise by the hold, the elastic law by the ramp.
 
 A hold needs no elastic law: whatever the ramp was, :math:`F = F_\infty + \sum_j A_j e^{-t/\tau_j}`
-after it. Rows of the ramp enter with a variance of their own, what the law misses there included,
+after it. Rows of the ramp enter with a separate variance, which includes the misfit of the law,
 
 .. math:: s_r^2 = \max\Bigl(\kappa_r \frac{\sum c\,r^2}{n_r - \sum h},\; s_h^2 \kappa_h\Bigr)
 
 (h leverages, :math:`\kappa` correlated rows count as one): never less than that of the hold,
-so that no law, however wrong, can bend what the hold says.
+so that a wrong law cannot change the result of the hold.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ from dashpot.numerics.inference.model_order import deviance
 from dashpot.numerics.least_squares import Optimum
 
 MAX_ARMS = 5
-_ROUNDS = 10
-_SETTLED = 0.005
-# a plate that moves by less than this part of the depth stands
-STILL = 1e-3
-# leverages leave at least this part of the rows of a ramp
+_MAX_ITERATIONS = 10
+_CONVERGED = 0.005
+# motion of a plate at rest, as a fraction of the depth
+STANDSTILL = 1e-3
+# least degrees of freedom of a ramp, as a fraction of its rows
 _LEAST_DOF = 0.2
-# a residual smaller than this part of the largest force is rounding, or the width of a block
+# residual by rounding, as a fraction of the largest force
 ROUNDING = 3e-6
 
 
@@ -57,9 +57,9 @@ class HoldEstimate:
     scatter : tuple of float
         Standard deviation of one independent sample of each record, N.
     correlation : tuple of float
-        How many rows say the same.
+        Variance inflation by correlated rows.
     rms : tuple of float
-        Of each hold's residual, a sample, N.
+        Root mean square of each hold's residual, N.
     """
 
     log_tau: FloatArray
@@ -114,20 +114,21 @@ class RampHoldOptimum:
         return dict(zip(names, self.optimum.beta[-len(names) :].tolist(), strict=True))
 
     def estimate(self, hold: HoldEstimate) -> Estimate:
-        """What is known of the optimum; noise as much more as it leaves in a hold than that alone.
+        """Return the covariance of the optimum.
 
-        Arms without stiffness have no error, nor has a shape that rests at 0; every k_inf has.
+        The noise is scaled up if the hold residual exceeds that of the hold alone. Arms without
+        stiffness and shape values at 0 have no error.
         """
-        best, worse = self.optimum, max(1.0, *np.divide(self.hold, hold.rms).tolist())
+        best, noise_ratio = self.optimum, max(1.0, *np.divide(self.hold, hold.rms).tolist())
         plateau = np.zeros(len(best.beta), dtype=bool)
         plateau[: self.k.size : self.k.shape[1]] = True
-        gone = (self.k[:, 1:] <= 0).all(axis=0)
+        is_absent = (self.k[:, 1:] <= 0).all(axis=0)
         return estimate(
             best,
-            noises=[white_noise(best, worse**2)],
-            prior_variance=worse**2,
+            noises=[white_noise(best, noise_ratio**2)],
+            prior_variance=noise_ratio**2,
             resting=plateau,
-            held=np.append(gone, best.theta[len(self.log_tau) :] <= 0),
+            is_fixed=np.append(is_absent, best.theta[len(self.log_tau) :] <= 0),
         )
 
 
@@ -141,24 +142,24 @@ def fit_hold_only(
     bounds = tau_bounds(rows)
     blocks = [_hold_block(rows, i, bounds) for i in range(len(rows.depths))]
     fewest = min(block.samples for block in blocks)
-    most = max(min(max_arms if arms is None else arms, (fewest - 3) // 2), 0)
-    one_more = (1 + len(blocks)) * float(np.log(fewest)) if arms is None else 0.0
-    solutions = solve_orders(blocks, most, negligible=one_more)
+    max_order = max(min(max_arms if arms is None else arms, (fewest - 3) // 2), 0)
+    arm_penalty = (1 + len(blocks)) * float(np.log(fewest)) if arms is None else 0.0
+    solutions = solve_orders(blocks, max_order, negligible=arm_penalty)
     chosen = _select_order(rows, blocks, solutions) if arms is None else solutions[-1]
     return _build_hold_estimate(rows, blocks, chosen)
 
 
 def _hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
-    r"""Return what relaxes, and what answers at once to a plate that has not settled.
+    r"""Return the rows of relaxation and of the instantaneous response to a plate still moving.
 
     .. math:: F - F_0 = k_\infty + \sum_j A_j e^{-t/\tau_j} + k_g\,(x - x_h)
     """
-    here = rows.select_hold(i)
-    time = rows.time[here] - rows.time[here][0]
-    root = np.sqrt(rows.count[here])
+    hold_rows = rows.select_hold(i)
+    time = rows.time[hold_rows] - rows.time[hold_rows][0]
+    root = np.sqrt(rows.count[hold_rows])
     fixed = {f"k_inf@{i}": np.ones(len(time))}
-    displacement = rows.displacement[here] - rows.depths[i]
-    if float(np.ptp(displacement)) > STILL * rows.depths[i]:
+    displacement = rows.displacement[hold_rows] - rows.depths[i]
+    if float(np.ptp(displacement)) > STANDSTILL * rows.depths[i]:
         fixed[f"settling@{i}"] = displacement
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
@@ -167,7 +168,7 @@ def _hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
         return (decay, age * decay) if derivative else (decay, decay)
 
     block = design_block(
-        target=root * (rows.force[here] - rows.known[i].offset.mean),
+        target=root * (rows.force[hold_rows] - rows.priors[i].offset.mean),
         fixed=root[:, None] * np.column_stack(list(fixed.values())),
         fixed_names=tuple(fixed),
         columns=columns,
@@ -179,16 +180,18 @@ def _hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
 def _select_order(
     rows: DownsampledRows, blocks: Sequence[DataBlock], solutions: Sequence[Solution]
 ) -> Solution:
-    """Return the number of arms with the least BIC: rows that say something new, all samples."""
+    """Return the solution with the least BIC, by the effective number of samples."""
     sizes = [block.samples for block in blocks]
     largest = np.split(full_jacobian(blocks, solutions[-1]).residual, np.cumsum(sizes)[:-1])
     effective = sum(noise_of(residual).effective for residual in largest)
     floor = sum(size * rounding(rows, i) ** 2 for i, size in enumerate(sizes))
-    price = float(np.log(effective / sum(sizes) * rows.count[~rows.ramp].sum()))
+    penalty = float(np.log(effective / sum(sizes) * rows.count[~rows.ramp].sum()))
     per_arm = 1 + len(blocks)
     return min(
         solutions,
-        key=lambda s: deviance(s.sse, effective=effective, floor=floor) + per_arm * s.order * price,
+        key=lambda s: (
+            deviance(s.sse, effective=effective, floor=floor) + per_arm * s.order * penalty
+        ),
     )
 
 
@@ -196,9 +199,9 @@ def _build_hold_estimate(
     rows: DownsampledRows, blocks: Sequence[DataBlock], solution: Solution
 ) -> HoldEstimate:
     jacobian = full_jacobian(blocks, solution)
-    cuts = np.cumsum([block.samples for block in blocks])[:-1]
+    boundaries = np.cumsum([block.samples for block in blocks])[:-1]
     scatter, correlation, rms, plateau, error = [], [], [], [], []
-    for i, residual in enumerate(np.split(jacobian.residual, cuts)):
+    for i, residual in enumerate(np.split(jacobian.residual, boundaries)):
         items = [n.endswith(f"@{i}") or n.startswith("ln_tau") for n in jacobian.names]
         remaining = max(len(residual) - sum(items), 1)
         rms.append(max(float(np.sqrt(np.mean(residual**2))), rounding(rows, i)))
@@ -208,9 +211,9 @@ def _build_hold_estimate(
     covariance = white(jacobian.matrix / sd[:, None], 1.0)
     for i, depth in enumerate(rows.depths):
         row = jacobian.names.index(f"k_inf@{i}")
-        doubt = float(covariance[row, row]) + rows.known[i].offset.sd ** 2
+        offset_variance = float(covariance[row, row]) + rows.priors[i].offset.sd ** 2
         plateau.append(solution.coefficient(f"k_inf@{i}") / depth)
-        error.append(float(np.sqrt(doubt)) / depth)
+        error.append(float(np.sqrt(offset_variance)) / depth)
     return HoldEstimate(
         solution.log_tau,
         tuple(plateau),
@@ -222,7 +225,7 @@ def _build_hold_estimate(
 
 
 def rounding(rows: DownsampledRows, i: int) -> float:
-    """Return the residual that block means and rounding leave of record i, N."""
+    """Return the residual of record i by block means and rounding, N."""
     return ROUNDING * rows.peak(i)
 
 
@@ -232,14 +235,14 @@ def rounding(rows: DownsampledRows, i: int) -> float:
 def build_nuisances(rows: DownsampledRows, delay: FloatArray | None = None) -> Nuisances:
     r"""Return offset and drift of each record; with :math:`-dF/dt` given, its delay too."""
     names, columns, priors = [], [], []
-    for i, prior in enumerate(rows.known):
-        here = rows.record == i
+    for i, prior in enumerate(rows.priors):
+        record_rows = rows.record == i
         names += [f"offset@{i}", f"drift@{i}"]
-        columns += [1.0 * here, here * (rows.time - prior.offset_time)]
+        columns += [1.0 * record_rows, record_rows * (rows.time - prior.offset_time)]
         priors += [prior.offset, prior.drift]
         if delay is not None:
             names.append(f"delay@{i}")
-            columns.append(here * delay)
+            columns.append(record_rows * delay)
             priors.append(prior.delay)
     peak = float(np.abs(rows.force).max())
     least = 1e-12 * peak
@@ -251,12 +254,12 @@ def build_nuisances(rows: DownsampledRows, delay: FloatArray | None = None) -> N
 
 
 def delay_derivative(weighted: Weighted, best: Optimum) -> FloatArray:
-    r"""Return what a delay of one second would do, :math:`-\dot F` of the solid, N/s."""
+    r"""Return the derivative of the force by a delay, :math:`-\dot F` of the solid, N/s."""
     rows, force = weighted.solid.rows, weighted.force(best)
     values = np.empty(len(force))
     for i in range(len(rows.depths)):
-        here = np.flatnonzero(rows.record == i)
-        values[here] = -np.gradient(force[here], rows.time[here])
+        record_rows = np.flatnonzero(rows.record == i)
+        values[record_rows] = -np.gradient(force[record_rows], rows.time[record_rows])
     return values
 
 
@@ -271,7 +274,7 @@ def independent(hold: HoldEstimate) -> FloatArray:
 
 
 def recorded_hold(rows: DownsampledRows, hold: HoldEstimate) -> RampHoldOptimum:
-    """Fit the hold rows alone as what follows the recorded history of a linear seal."""
+    """Fit the hold rows alone, with the recorded history of a linear seal."""
     unmeasured = spread(rows, np.full(len(rows.depths), np.inf), independent(hold))
     weighted = Weighted(
         QuasiLinear(rows, np.array([0.0, rows.depth])), unmeasured, build_nuisances(rows)
@@ -288,15 +291,15 @@ def fit_ramp_and_hold(
     value: Nuisances | None = None,
     separate: bool = False,
 ) -> RampHoldOptimum:
-    """Fit one law to every row, the ramps weighted by what they miss, first that of `optimum`.
+    """Fit one law to every row, the ramps weighted by their misfit, first that of `optimum`.
 
-    The nuisances are offset and drift unless others are `value`; `separate` gives each record its
+    The nuisances are `value`, by default offset and drift; with `separate` each record has its
     own stiffnesses.
     """
     rows = solid.rows
     value = build_nuisances(rows) if value is None else value
     by_hold = independent(hold)
-    for _ in range(_ROUNDS):
+    for _ in range(_MAX_ITERATIONS):
         weighted = Weighted(
             solid, spread(rows, optimum.ramp_scatter, by_hold), value, separate=separate
         )
@@ -304,7 +307,7 @@ def fit_ramp_and_hold(
         optimum = with_residual_statistics(weighted, weighted.descend(theta), by_hold)
         theta = optimum.optimum.theta
         change = np.array(optimum.ramp_scatter) / np.array(before.ramp_scatter) - 1
-        if float(np.abs(change).max()) < _SETTLED:
+        if float(np.abs(change).max()) < _CONVERGED:
             break
     return optimum
 
@@ -312,19 +315,19 @@ def fit_ramp_and_hold(
 def with_residual_statistics(
     weighted: Weighted, best: Optimum, by_hold: FloatArray
 ) -> RampHoldOptimum:
-    """Return an optimum with what its residuals say of each ramp."""
+    """Return an optimum with the residual statistics of each ramp and hold."""
     rows, nuisance = weighted.solid.rows, best.beta[-len(weighted.nuisances.names) :]
     residual = rows.force - weighted.force(best) - weighted.nuisances.columns @ nuisance
     leverage = np.sum(directions([best.jacobian]).columns[0].matrix ** 2, axis=1)[: len(residual)]
     scaled = np.sqrt(rows.count) * residual
     ramps, holds, scatters, correlations = [], [], [], []
     for i in range(len(rows.depths)):
-        ramp, held = rows.ramp & (rows.record == i), rows.select_hold(i)
+        ramp, hold = rows.ramp & (rows.record == i), rows.select_hold(i)
         size = int(ramp.sum())
         remainder = max(size - float(leverage[ramp].sum()), _LEAST_DOF * size)
         kappa = noise_of(scaled[ramp]).kappa
         ramps.append(max(float(np.sqrt(np.mean(scaled[ramp] ** 2))), rounding(rows, i)))
-        holds.append(max(float(np.sqrt(np.mean(scaled[held] ** 2))), rounding(rows, i)))
+        holds.append(max(float(np.sqrt(np.mean(scaled[hold] ** 2))), rounding(rows, i)))
         correlations.append(kappa)
         scatters.append(
             max(

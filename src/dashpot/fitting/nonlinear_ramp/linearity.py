@@ -23,13 +23,13 @@ from dashpot.fitting.data_blocks import (
     compress_tests,
     data_of,
     eq5_obstacle,
+    fit_all_orders,
     is_multi_step,
     max_determinable_arms,
     solid_of,
-    weighed,
 )
 from dashpot.fitting.fit_options import FitOptions
-from dashpot.fitting.fractional_model.family_selection import FractionalFit, element
+from dashpot.fitting.fractional_model.family_selection import FractionalFit, fit_fractional
 from dashpot.fitting.nonlinear_ramp.quasi_linear import ramp_obstacle, relaxes_from
 from dashpot.fitting.nuisance_priors import LINEAR_DELAY
 from dashpot.fitting.parameter_errors import compute_residual
@@ -61,15 +61,15 @@ class LinearFitQuality(NamedTuple):
         Residual on the ramp over the noise of one sample.
     hold : float
         Residual in the hold over what the hold alone leaves.
-    sound : bool
+    is_adequate : bool
     """
 
     ramp: float
     hold: float
-    sound: bool
+    is_adequate: bool
 
 
-def judge_linear_fit(
+def assess_linear_fit(
     ramp: float,
     hold: float,
     single: float,
@@ -110,31 +110,31 @@ def judge_linear_fit(
     return LinearFitQuality(ramp / max(noise, 1e-300), hold / max(single, 1e-300), valid)
 
 
-def judge_linear_residuals(
-    test: RampHold, whole: FloatArray, single: FloatArray
+def assess_residuals(
+    test: RampHold, residuals: FloatArray, hold_residuals: FloatArray
 ) -> LinearFitQuality:
     """Judge a linear fit that was made elsewhere, by the residuals of every sample.
 
     Parameters
     ----------
     test : RampHold
-    whole : array, shape (n,)
+    residuals : array, shape (n,)
         Residual of the fit to ramp and hold, up to the last sample of the hold, N.
-    single : array, shape (m,)
+    hold_residuals : array, shape (m,)
         Residual of a fit to the hold alone, N.
     """
     corner, onset = relaxes_from(test), int(np.searchsorted(test.time, test.onset))
-    held = whole[corner - test.hold.stop :]
-    ramp = whole[: -len(held)][onset - corner :]
+    hold_part = residuals[corner - test.hold.stop :]
+    ramp = residuals[: -len(hold_part)][onset - corner :]
     # the colour of the noise shows in a stretch of it
-    noises = noise_of(ramp), noise_of(single[: 4 * len(ramp)])
-    rms, least = (float(np.sqrt(np.mean(part**2))) for part in (ramp, single))
+    noises = noise_of(ramp), noise_of(hold_residuals[: 4 * len(ramp)])
+    rms, least = (float(np.sqrt(np.mean(part**2))) for part in (ramp, hold_residuals))
     peak = float(np.abs(test.force[: test.hold.stop]).max())
-    return judge_linear_fit(
+    return assess_linear_fit(
         rms,
-        float(np.sqrt(np.mean(held**2))),
+        float(np.sqrt(np.mean(hold_part**2))),
         least,
-        noise=max(sample_noise(test.force_noise, least), slow_noise(single, peak)),
+        noise=max(sample_noise(test.force_noise, least), slow_noise(hold_residuals, peak)),
         discrepancy=rms / max(least, 1e-300) * float(np.sqrt(noises[0].kappa / noises[1].kappa)),
         samples=len(ramp) / noises[1].kappa,
         peak=peak,
@@ -172,22 +172,22 @@ class LinearityResult(NamedTuple):
 
     Attributes
     ----------
-    first : First
+    initial_fit : First
         Arms, up to the number asked for.
-    element : FractionalFit or None
+    fractional_fit : FractionalFit or None
         A fractional solid, where arms are not sound and another family may be.
-    judged : LinearFitQuality or None
+    quality : LinearFitQuality or None
         Of the record that a linear solid explains worst; None where no ramp is judged.
     """
 
-    first: InitialFit
-    element: FractionalFit | None
-    judged: LinearFitQuality | None
+    initial_fit: InitialFit
+    fractional_fit: FractionalFit | None
+    quality: LinearFitQuality | None
 
     @property
-    def sound(self) -> bool:
+    def is_linear(self) -> bool:
         """Whether a linear solid explains every record."""
-        return self.judged is None or self.judged.sound
+        return self.quality is None or self.quality.is_adequate
 
 
 class HoldBlocks:
@@ -207,7 +207,7 @@ class HoldBlocks:
         )
 
     def compute_hold_residual(self, i: int, start: FloatArray) -> FloatArray:
-        """What as many arms as `start` has, or as many as it bears, leave of one hold alone."""
+        """What as many arms as `start` has, or as many as it supports, leave of one hold alone."""
         block = self.blocks[i]
         arms = min(max(len(start), _FEWEST_HOLD_ARMS), max_determinable_arms([block]))
         # a start with two arms in one place, as at the edge of its shorter window, leads nowhere
@@ -218,8 +218,10 @@ class HoldBlocks:
 
     def fit_hold_equation(self, model: GeneralizedMaxwell) -> GeneralizedMaxwell | None:
         """What eq. 5 on all holds says with as many arms as another solid, where it applies."""
-        held = sum(len(record.time[record.hold]) for record in self.records)
-        if held <= 1 + 2 * model.arms or any(eq5_obstacle(record) for record in self.records):
+        sample_count = sum(len(record.time[record.hold]) for record in self.records)
+        if sample_count <= 1 + 2 * model.arms or any(
+            eq5_obstacle(record) for record in self.records
+        ):
             return None
         near = np.log(model.tau)
         solution = solve(
@@ -240,23 +242,25 @@ def _has_distinct_times(log_tau: FloatArray, window: tuple[float, float]) -> boo
 
 def assess_linearity(holds: HoldBlocks, data: FitData, options: FitOptions) -> LinearityResult:
     """Return the linear solid that is asked for, and whether any is sound."""
-    enough = min(options.max_arms, max_determinable_arms(data.blocks))
-    most = enough if options.count is None else options.count
+    determinable_arms = min(options.max_arms, max_determinable_arms(data.blocks))
+    arm_count = determinable_arms if options.count is None else options.count
     auto, point = options.count is None, options.point is not None
-    first = weighed(data, most, auto=auto, thorough=options.thorough, only=point)
-    gate = LinearityResult(first, None, _evaluate_holds(holds, first))
-    if not gate.sound and most < enough:
+    first = fit_all_orders(data, arm_count, auto=auto, thorough=options.thorough, only=point)
+    linearity = LinearityResult(first, None, _evaluate_holds(holds, first))
+    if not linearity.is_linear and arm_count < determinable_arms:
         # too few arms are no reason to bend the law
-        first = weighed(data, enough, thorough=options.thorough)
-        gate = LinearityResult(first, None, _evaluate_holds(holds, first))
-    if gate.sound or options.family == "maxwell":
-        return gate
-    fit = element(first.data)
+        first = fit_all_orders(data, determinable_arms, thorough=options.thorough)
+        linearity = LinearityResult(first, None, _evaluate_holds(holds, first))
+    if linearity.is_linear or options.family == "maxwell":
+        return linearity
+    fit = fit_fractional(first.data)
     if options.family == "fractional":
         return LinearityResult(first, fit, None)
-    by_element = _find_worst_record(holds, fit.estimate.residuals, first.solutions[-1].log_tau)
-    valid = by_element is None or by_element.sound
-    return LinearityResult(first, fit, by_element if valid else gate.judged)
+    fractional_quality = _find_worst_record(
+        holds, fit.estimate.residuals, first.solutions[-1].log_tau
+    )
+    valid = fractional_quality is None or fractional_quality.is_adequate
+    return LinearityResult(first, fit, fractional_quality if valid else linearity.quality)
 
 
 def _evaluate_holds(holds: HoldBlocks, first: InitialFit) -> LinearFitQuality | None:
@@ -277,8 +281,8 @@ def _find_worst_record(
     for i, (record, residual) in enumerate(zip(holds.records, residuals, strict=True)):
         if is_multi_step(record) or ramp_obstacle(record) is not None:
             continue
-        quality = judge_linear_residuals(record, residual, holds.compute_hold_residual(i, log_tau))
-        if not quality.sound:
+        quality = assess_residuals(record, residual, holds.compute_hold_residual(i, log_tau))
+        if not quality.is_adequate:
             return quality
         worst = quality if worst is None or quality.ramp > worst.ramp else worst
     return worst
@@ -325,19 +329,19 @@ class DelayedMotion(NamedTuple):
 
     def coefficients(self, function: Callable[[str], float]) -> Callable[[str], float]:
         """The value of a column by its name, a delay with what the motion was made late by."""
-        late = {f"delay@{i}": lag for i, lag in enumerate(self.lags)}
-        return lambda name: function(name) + late.get(name, 0.0)
+        delays = {f"delay@{i}": lag for i, lag in enumerate(self.lags)}
+        return lambda name: function(name) + delays.get(name, 0.0)
 
     @property
     def steps(self) -> tuple[Step, ...]:
         """What was done to the motion."""
         if not any(self.lags):
             return ()
-        late = " and ".join(format_quantity(lag, "ms", ".3g") for lag in self.lags)
+        delays = " and ".join(format_quantity(lag, "ms", ".3g") for lag in self.lags)
         parameters = (("lag_s", ", ".join(f"{lag:.6g}" for lag in self.lags)),)
-        how = f"put the motion behind a low-pass of {late}"
+        how = f"put the motion behind a low-pass of {delays}"
         if not self.filtered:
-            how = f"took the motion {late} later"
+            how = f"took the motion {delays} later"
         return (Step("lag", parameters, f"{how}, as the force comes"),)
 
 
@@ -349,30 +353,34 @@ def select_delayed_motion(
     As recorded where one is, or where a later motion makes none so; else the later motion that
     leaves least.
     """
-    gate = assess_linearity(recorded.holds, recorded.data, options)
-    if gate.sound:
-        return recorded, gate
-    tried = [
+    linearity = assess_linearity(recorded.holds, recorded.data, options)
+    if linearity.is_linear:
+        return recorded, linearity
+    candidates = [
         (motion, assess_linearity(motion.holds, motion.data, options))
-        for motion in _generate_delayed_motions(recorded, gate)
+        for motion in _generate_delayed_motions(recorded, linearity)
     ]
-    reliable = [pair for pair in tried if pair[1].sound]
-    return min(reliable, key=lambda pair: pair[1].first.solutions[-1].sse, default=(recorded, gate))
+    reliable = [pair for pair in candidates if pair[1].is_linear]
+    return min(
+        reliable,
+        key=lambda pair: pair[1].initial_fit.solutions[-1].sse,
+        default=(recorded, linearity),
+    )
 
 
 def _generate_delayed_motions(
-    recorded: DelayedMotion, gate: LinearityResult
+    recorded: DelayedMotion, linearity: LinearityResult
 ) -> Iterator[DelayedMotion]:
     """The motions that may be as late as the force of the best linear solid."""
-    records, best = recorded.holds.records, gate.first.solutions[-1]
+    records, best = recorded.holds.records, linearity.initial_fit.solutions[-1]
     values = [best.coefficient(f"delay@{i}") for i in range(len(records))]
-    late = tuple(lag if lag > LINEAR_DELAY else 0.0 for lag in values)
-    shifted, lags = zip(*map(_shift_motion, records, late), strict=True)
+    large_delays = tuple(lag if lag > LINEAR_DELAY else 0.0 for lag in values)
+    shifted, lags = zip(*map(_shift_motion, records, large_delays), strict=True)
     if any(lags):
         yield DelayedMotion.from_records(shifted, FitSetup("full"), lags)
-    if any(late) and not any(record.machine.force_filter for record in records):
-        behind = [*map(_set_force_filter, records, late)]
-        yield DelayedMotion.from_records(behind, FitSetup("full"), late, filtered=True)
+    if any(large_delays) and not any(record.machine.force_filter for record in records):
+        behind = [*map(_set_force_filter, records, large_delays)]
+        yield DelayedMotion.from_records(behind, FitSetup("full"), large_delays, filtered=True)
 
 
 def _shift_motion(record: RampHold, lag: float) -> tuple[RampHold, float]:
@@ -382,12 +390,14 @@ def _shift_motion(record: RampHold, lag: float) -> tuple[RampHold, float]:
     if not many:
         return record, 0.0
 
-    def late(values: FloatArray) -> FloatArray:
+    def delay_records(values: FloatArray) -> FloatArray:
         return np.concatenate((np.full(many, values[0]), values[:-many]))
 
-    provided = None if record.machine_deflection is None else late(record.machine_deflection)
+    provided = (
+        None if record.machine_deflection is None else delay_records(record.machine_deflection)
+    )
     return replace(
-        record, displacement=late(record.displacement), machine_deflection=provided
+        record, displacement=delay_records(record.displacement), machine_deflection=provided
     ), many * step
 
 

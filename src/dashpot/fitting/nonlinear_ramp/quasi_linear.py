@@ -60,7 +60,7 @@ class DownsampledRows:
         Compression held in each record, m.
     noise : tuple of float
         Scatter of each record's force from sample to sample, N.
-    known : tuple of LoadCellPriors
+    priors : tuple of LoadCellPriors
         Of each record's nuisance terms.
     """
 
@@ -74,7 +74,7 @@ class DownsampledRows:
     ends: tuple[float, ...]
     depths: tuple[float, ...]
     noise: tuple[float, ...]
-    known: tuple[LoadCellPriors, ...]
+    priors: tuple[LoadCellPriors, ...]
 
     @property
     def depth(self) -> float:
@@ -175,8 +175,8 @@ def relaxes_from(test: RampHold) -> int:
     soon = test.force[start : max(stop, start + 1)]
     peak = int(np.argmax(soon))
     rise = float(soon[peak] - soon[0])
-    late = rise > _CLEAR * test.force_noise + _RISEN * float(soon[peak])
-    return int(start) + peak if late else int(start)
+    is_late = rise > _CLEAR * test.force_noise + _RISEN * float(soon[peak])
+    return int(start) + peak if is_late else int(start)
 
 
 def _place_ramp_blocks(time: FloatArray, interval: float) -> IndexArray:
@@ -259,10 +259,10 @@ class QuasiLinear:
     def _steps(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Step of each row over tau, the mean decay within it, and what passes from row to row."""
         z = self.rows.step[:, None] / np.exp(log_tau)
-        lost = np.expm1(-z)
-        passed = 1 + lost
+        decay = np.expm1(-z)
+        passed = 1 + decay
         passed[self.rows.first] = 0.0
-        return z, -lost / z, passed
+        return z, -decay / z, passed
 
 
 def hat_integrals(x: FloatArray, knots: FloatArray) -> FloatArray:
@@ -295,7 +295,7 @@ def _run_recursion(decay: FloatArray, increments: FloatArray) -> FloatArray:
 #     \Bigl(F_i - \Phi_i(\tau, s)\,k - Z_i z\Bigr)^2 + \sum_q \frac{(z_q - \mu_q)^2}{\sigma_q^2}
 #
 # Nuisance terms z (offset, drift, delay) carry priors. The shape has the mean 1, which is known as
-# well as the ramps tell their own size.
+# well as the ramps show their own size.
 
 
 _STEPS = 40

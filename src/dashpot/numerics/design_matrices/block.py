@@ -59,15 +59,17 @@ def compute_arm_elongations(
             values[:, :STRETCH] @ power[STRETCH - 1 :: -1], value * STRETCH
         )
         values[1:, STRETCH] = ends[:-1]
-        np.matmul(values[:, :-1], _answers(mean * power), out=both[0, j])
+        np.matmul(values[:, :-1], _compute_responses(mean * power), out=both[0, j])
         if derivative:
-            late = index * power
-            late_ends = values[:, :STRETCH] @ late[STRETCH - 1 :: -1]
-            late_ends[1:] += late[STRETCH] * ends[:-1]
+            delayed = index * power
+            late_ends = values[:, :STRETCH] @ delayed[STRETCH - 1 :: -1]
+            late_ends[1:] += delayed[STRETCH] * ends[:-1]
             values[1:, STRETCH + 1] = compute_exponential_cumsum(late_ends, value * STRETCH)[:-1]
-            made = _answers((mean - power[1]) * power + mean * value * late)
+            elongations = _compute_responses((mean - power[1]) * power + mean * value * delayed)
             np.matmul(
-                values, np.concatenate((made, mean * value * power[None, 1:])), out=both[1, j]
+                values,
+                np.concatenate((elongations, mean * value * power[None, 1:])),
+                out=both[1, j],
             )
     q, p = (item.reshape(len(z), count * STRETCH) for item in (both[0], both[-1]))
     if x[0] != 0.0:
@@ -79,7 +81,7 @@ def compute_arm_elongations(
     return q.T[:size], p.T[:size]
 
 
-def _answers(kernel: FloatArray) -> FloatArray:
+def _compute_responses(kernel: FloatArray) -> FloatArray:
     """Return a row of answers to each step of a stretch, and one to the end before it."""
     return np.concatenate((_triangle(kernel[:STRETCH]), kernel[None, 1:]))
 
@@ -159,22 +161,24 @@ class MotionSteps(NamedTuple):
         d; the first is the first displacement, zero.
     after : float
         The step after the window, or its last where the record ends.
-    own : array, shape (stop,)
+    motion : array, shape (stop,)
         C_d at every lag.
     """
 
     each: FloatArray
     after: float
-    own: FloatArray
+    motion: FloatArray
 
 
-def late_lags(steps: MotionSteps, late: DelayedForce, *, start: int, interval: float) -> FloatArray:
+def compute_delayed_lags(
+    steps: MotionSteps, delayed_force: DelayedForce, *, start: int, interval: float
+) -> FloatArray:
     """Correlation of the column with the steps at every lag, shape (stop,)."""
-    d, values = steps.each, steps.own
+    d, values = steps.each, steps.motion
     first = reverse_before_start(d, start + 1)
     after_last = np.concatenate(([0.0], d[:0:-1]))
     total = np.zeros(len(d))
-    for q, k, tau in zip(late.arms.T, late.k, late.tau, strict=True):
+    for q, k, tau in zip(delayed_force.arms.T, delayed_force.k, delayed_force.tau, strict=True):
         z = interval / tau
         mean = -np.expm1(-z) / z
         difference = (
@@ -184,7 +188,7 @@ def late_lags(steps: MotionSteps, late: DelayedForce, *, start: int, interval: f
         total += k / tau * compute_exponential_cumsum(difference, z)
     change = values + steps.after * d[::-1] - d[start] * reverse_before_start(d, start)
     change[:-1] += values[1:]
-    return np.asarray(total - late.k_g / (2.0 * interval) * change)
+    return np.asarray(total - delayed_force.k_g / (2.0 * interval) * change)
 
 
 def reverse_before_start(values: FloatArray, start: int) -> FloatArray:
@@ -234,7 +238,7 @@ class Evaluation(NamedTuple):
 
 
 #: what a block cannot do once its rows are others
-_LOST: dict[str, None] = dict.fromkeys(("sampling", "full", "widen", "delayed"))
+_DROPPED_FIELDS: dict[str, None] = dict.fromkeys(("sampling", "full", "widen", "delayed"))
 
 Rows: TypeAlias = Callable[[FloatArray, bool], Evaluation]
 """``rows(log_tau, derivative) -> Evaluation``."""
@@ -254,7 +258,7 @@ class DataBlock:
         ``@`` names the kind: ``k_inf`` and ``b`` are a spring and a dashpot, ``glass`` and
         ``flow`` those of a compliance, and never negative; every other kind has either sign.
     window : (float, float)
-        Shortest and longest relaxation time that the data could possibly tell, s.
+        Shortest and longest relaxation time that the data could possibly show, s.
     samples : int
         Samples of the full data set.
     arm_group : str
@@ -306,9 +310,13 @@ class DataBlock:
         """Return the block with one more fixed column, given at every sample."""
         return self.widen(name, column) if self.widen else self.append_column(name, column)
 
-    def with_delay(self, name: str, late: DelayedForce) -> DataBlock:
+    def with_delay(self, name: str, delayed_force: DelayedForce) -> DataBlock:
         """Return the block with the column of a force that comes late."""
-        return self.delayed(name, late) if self.delayed else self.with_column(name, late.column)
+        return (
+            self.delayed(name, delayed_force)
+            if self.delayed
+            else self.with_column(name, delayed_force.column)
+        )
 
     def append_column(
         self, name: str, column: FloatArray, *, full: Callable[[], DataBlock] | None = None
@@ -351,7 +359,7 @@ class DataBlock:
         def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
             return self.rows(log_tau, derivative).map_parts(change)
 
-        return replace(self, rows=rows, **{**_LOST, **facts})
+        return replace(self, rows=rows, **{**_DROPPED_FIELDS, **facts})
 
     def map_relaxation_times(
         self,
@@ -423,7 +431,7 @@ def design_block(
 
 
 def prior_block(
-    like: DataBlock,
+    template: DataBlock,
     names: tuple[str, ...],
     rows: FloatArray,
     mean: FloatArray,
@@ -437,14 +445,14 @@ def prior_block(
 
     Parameters
     ----------
-    like : DataBlock
+    template : DataBlock
         Whose coefficients they are.
     names : tuple of str
     rows : array, shape (p, q)
         C, one column per name.
     mean, sd : array, shape (p,)
     unit : float
-        s, the standard deviation of one independent row of `like`.
+        s, the standard deviation of one independent row of `template`.
     """
     scale = unit / sd
     fixed, target = rows * scale[:, None], mean * scale
@@ -455,7 +463,7 @@ def prior_block(
         return Evaluation(target, fixed, arms, arms)
 
     return DataBlock(
-        evaluate_prior, names, like.window, len(mean), like.arm_group, variance=unit**2
+        evaluate_prior, names, template.window, len(mean), template.arm_group, variance=unit**2
     )
 
 

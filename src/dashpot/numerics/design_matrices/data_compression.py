@@ -34,7 +34,7 @@ NODES = 13
 SUB_NODES = 8
 #: samples of a piece, which starts at NODES times its length or later
 PIECES = (1, 32, 256, 2048)
-SMALL = 300
+SMALL_BLOCK = 300
 #: samples worked on at once
 IN_CACHE = 16_384
 _COUNTED = np.arange(float(IN_CACHE))
@@ -157,9 +157,9 @@ def _aside(shaped: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
     total = np.zeros(shaped.shape[:-2])
     pieces = max(1, IN_CACHE // (total.size * len(basis)))
     for first in range(0, shaped.shape[-2], pieces):
-        here = slice(first, first + pieces)
-        rest = z[..., here, :] @ basis.T
-        np.subtract(shaped[..., here, :], rest, out=rest)
+        span = slice(first, first + pieces)
+        rest = z[..., span, :] @ basis.T
+        np.subtract(shaped[..., span, :], rest, out=rest)
         total = total + np.einsum("...ij,...ij->...", rest, rest)
     return total
 
@@ -179,7 +179,7 @@ def compression(
         The interval of a sampling known to be uniform.
     """
     step = step or uniform_step(position)
-    if len(position) <= SMALL:
+    if len(position) <= SMALL_BLOCK:
         return make_identity_plan(position, weights, step=step)
     if weights is None and step is not None:
         plan = make_sample_plan(len(position))
@@ -208,8 +208,8 @@ def uniform_step(position: FloatArray) -> float | None:
     tolerance = max(1e-9 * step, 8e-16 * float(max(abs(position[0]), abs(position[-1]))))
     grid = step * _COUNTED[: len(position)]
     for first in range(0, len(position), IN_CACHE):
-        here = position[first : first + IN_CACHE]
-        off = here - grid[: len(here)]
+        span = position[first : first + IN_CACHE]
+        off = span - grid[: len(span)]
         off -= float(position[0]) + step * first
         # the sum of squares, which is cheaper, bounds the largest
         if off @ off > tolerance**2 and max(float(off.max()), -float(off.min())) > tolerance:
@@ -220,7 +220,7 @@ def uniform_step(position: FloatArray) -> float | None:
 @lru_cache(maxsize=32)
 def make_sample_plan(count: int) -> DataCompression:
     """Plan for samples 0, 1, 2, ... in two stages: short equal pieces, then doubling blocks."""
-    if count <= SMALL:
+    if count <= SMALL_BLOCK:
         return make_identity_plan(np.arange(float(count)))
     position: list[FloatArray] = []
     weight: list[FloatArray] = []
@@ -273,16 +273,16 @@ def _blocks(
     edges = sorted({0, *cuts.tolist(), len(position)})
     nodes, roots, sections = [], [], []
     for start, stop in pairwise(edges):
-        here = slice(start, stop)
-        if here.stop - here.start <= NODES:
-            nodes.append(position[here])
-            roots.append(root_weight[here])
-            sections.append(_RecordSection(here.start, here.stop, np.ones((1, 1))))
+        span = slice(start, stop)
+        if span.stop - span.start <= NODES:
+            nodes.append(position[span])
+            roots.append(root_weight[span])
+            sections.append(_RecordSection(span.start, span.stop, np.ones((1, 1))))
             continue
-        node, root, basis = gauss(position[here], root_weight[here], NODES)
+        node, root, basis = gauss(position[span], root_weight[span], NODES)
         nodes.append(node)
         roots.append(root)
-        sections.append(_RecordSection(here.start, here.stop, basis))
+        sections.append(_RecordSection(span.start, span.stop, basis))
     return np.concatenate(nodes), np.concatenate(roots), tuple(sections)
 
 
@@ -349,14 +349,14 @@ class Kernels(NamedTuple):
         s.
     right : array, shape (K, r)
         V: the columns at the fixed times times this span all others.
-    left : array, shape (r, L)
+    left_factors : array, shape (r, L)
         S^-1 U': turns e(tau) into coordinates of that span.
     """
 
     tau: FloatArray
     lags: FloatArray
     right: FloatArray
-    left: FloatArray
+    left_factors: FloatArray
 
     @classmethod
     def from_window(cls, window: tuple[float, float], *, per_fold: float, rank: float) -> Kernels:
@@ -387,7 +387,7 @@ class Kernels(NamedTuple):
 
     def columns(self, operator: FloatArray) -> Columns:
         r"""Return columns :math:`A\, S^{-1} U' e(\tau)` and their slopes, for A of shape (n, r)."""
-        full = operator @ self.left
+        full = operator @ self.left_factors
 
         def columns(at: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
             x = self.lags[:, None] / at
@@ -413,7 +413,9 @@ def _make_unit_kernels(folds: float, per_fold: float, rank: float) -> Kernels:
     return Kernels(tau, lags, vt[keep].T, u[:, keep].T / s[keep, None])
 
 
-def reduced_block(exact: DataBlock, *, reach: tuple[float, float] | None = None) -> DataBlock:
+def reduced_block(
+    exact: DataBlock, *, relaxation_window: tuple[float, float] | None = None
+) -> DataBlock:
     r"""Return the same data in orthogonal coordinates, one row per dimension of the kernels' space.
 
     One triangular factor of :math:`[\Phi V, G, y]` turns every later trial into a product of small
@@ -423,10 +425,12 @@ def reduced_block(exact: DataBlock, *, reach: tuple[float, float] | None = None)
     ----------
     exact : DataBlock
         Every sample as a row; its window's upper end is at least the record's span.
-    reach : (float, float), optional
+    relaxation_window : (float, float), optional
         Relaxation times to be evaluated, s; those of the window, if left out.
     """
-    kernels = Kernels.from_window(reach or exact.window, per_fold=TIMES_PER_FOLD, rank=RANK)
+    kernels = Kernels.from_window(
+        relaxation_window or exact.window, per_fold=TIMES_PER_FOLD, rank=RANK
+    )
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
     every = np.concatenate((kernels.space(exact), fixed, target[:, None]), axis=1)
     factor = every[:0]
@@ -440,7 +444,9 @@ def reduced_block(exact: DataBlock, *, reach: tuple[float, float] | None = None)
         floor=float(factor[-1, -1] ** 2),
         accuracy=ACCURACY,
         full=lambda: exact,
-        widen=lambda name, column: reduced_block(exact.with_column(name, column), reach=reach),
+        widen=lambda name, column: reduced_block(
+            exact.with_column(name, column), relaxation_window=relaxation_window
+        ),
     )
 
 

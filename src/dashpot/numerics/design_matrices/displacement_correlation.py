@@ -32,7 +32,7 @@ from dashpot.numerics.design_matrices.block import (
     Evaluation,
     MotionSteps,
     Rows,
-    late_lags,
+    compute_delayed_lags,
     reverse_before_start,
 )
 from dashpot.numerics.design_matrices.data_compression import (
@@ -45,13 +45,13 @@ from dashpot.numerics.design_matrices.data_compression import (
 ROUNDING = 1e-14
 _SIGNS = np.array([[1.0], [-1.0]])
 #: of the energy of all steps: an arm with less in a window is nothing there
-NOTHING = 1e-15
+MIN_ENERGY = 1e-15
 #: a ridge that takes no digit that counts: 1e-9, and not ten times that
 LARGEST_RIDGE = 2e-9
 #: part of the whole motion that is rest: rounding
-RESTS = 1e-13
+REST_SHARE = 1e-13
 #: so many columns of decays are dependent to rounding
-MANY = 24
+DEPENDENT_COUNT = 24
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,30 +126,30 @@ class ConvolvedMotion(EqualByValue):
         q, arms = self.fixed.shape[1], tau.shape[-1]
         size = q + 1 + (2 * arms if derivative else arms)
         gram = np.empty((*tau.shape[:-1], size, size))
-        here, y = slice(q, q + arms), size - 1
+        arm_rows, y = slice(q, q + arms), size - 1
         gram[..., :q, :q] = self.fixed_gram
         gram[..., :q, y] = gram[..., y, :q] = force.fixed
         gram[..., y, y] = force.energy
-        _mirror(gram, slice(q), here, arm.g[..., None, :] * arm.sums[..., :q, :])
-        _mirror(gram, y, here, arm.g * arm.y)
+        _mirror(gram, slice(q), arm_rows, arm.g[..., None, :] * arm.sums[..., :q, :])
+        _mirror(gram, y, arm_rows, arm.g * arm.y)
         if not derivative:
-            gram[..., here, here] = _values(arm, self.energy)
+            gram[..., arm_rows, arm_rows] = _values(arm, self.energy)
         else:
             products = _products(arm, self.energy)
-            gram[..., here, here] = products.qq
+            gram[..., arm_rows, arm_rows] = products.qq
             there = slice(q + arms, y)
             slopes = arm.dg[..., None, :] * arm.sums + arm.g[..., None, :] * arm.slopes
             _mirror(gram, slice(q), there, slopes[..., :q, :])
             _mirror(gram, y, there, arm.dg * arm.y + arm.g * arm.dy)
-            _mirror(gram, here, there, products.qp)
+            _mirror(gram, arm_rows, there, products.qp)
             gram[..., there, there] = products.pp
-        values = np.diagonal(gram, axis1=-2, axis2=-1)[..., here]
-        lost = values < arm.g * arm.g * self.rounding
-        if lost.any():
+        values = np.diagonal(gram, axis1=-2, axis2=-1)[..., arm_rows]
+        is_rounded = values < arm.g * arm.g * self.rounding
+        if is_rounded.any():
             gone = np.zeros((*tau.shape[:-1], size), dtype=bool)
-            gone[..., here] = lost
+            gone[..., arm_rows] = is_rounded
             if derivative:
-                gone[..., there] = lost
+                gone[..., there] = is_rounded
             gram[gone[..., :, None] | gone[..., None, :]] = 0.0
         return gram
 
@@ -179,11 +179,11 @@ class ConvolvedMotion(EqualByValue):
         )
 
 
-def _correlate_window_steps(bare: ConvolvedMotion, d: FloatArray, moving: int) -> FloatArray:
+def _correlate_window_steps(motion: ConvolvedMotion, d: FloatArray, moving: int) -> FloatArray:
     """Correlation of the steps of the window with all steps, the last of which is at `moving`."""
-    if d[: bare.start].any():
+    if d[: motion.start].any():
         # never the difference of two correlations: the last creep of a motion is lost in it
-        return bare.lag(d[bare.start :])
+        return motion.lag(d[motion.start :])
     values = np.zeros(len(d))
     size = find_fast_length(2 * moving)
     spectrum = np.fft.rfft(d[:moving], size)
@@ -310,7 +310,7 @@ def upper_factor(gram: FloatArray) -> FloatArray:
     FitError
         If a number is not finite, or rounding takes more than 1e-9 of the columns.
     """
-    if gram.shape[-1] <= MANY:
+    if gram.shape[-1] <= DEPENDENT_COUNT:
         try:
             return np.asarray(np.swapaxes(np.linalg.cholesky(gram), -1, -2))
         except np.linalg.LinAlgError:  # so it is asked again, with all that follows
@@ -323,7 +323,7 @@ def upper_factor(gram: FloatArray) -> FloatArray:
     if not there.all():
         unit += (~there)[..., None] * np.eye(unit.shape[-1])
     ridge = 0.0
-    if unit.shape[-1] > MANY:
+    if unit.shape[-1] > DEPENDENT_COUNT:
         ridge = ROUNDING
         unit = unit + ridge * np.eye(unit.shape[-1])
     while True:
@@ -334,8 +334,8 @@ def upper_factor(gram: FloatArray) -> FloatArray:
             if not ridge <= LARGEST_RIDGE:
                 raise FitError(
                     "the terms of the fit are no finite numbers on this record, or no two of them "
-                    "can be told apart: its times and those of the records fitted with it lie too "
-                    "far apart; check their units"
+                    "can be distinguished: its times and those of the records fitted with it "
+                    "lie too far apart; check their units"
                 ) from None
             unit = unit + ridge * np.eye(unit.shape[-1])
         else:
@@ -371,7 +371,7 @@ def correlate_displacement(
         lagged=np.conjugate(lagged, out=lagged),
         size=size,
         energy=float(d[start:] @ d[start:]),
-        rounding=NOTHING * float(d @ d),
+        rounding=MIN_ENERGY * float(d @ d),
         start=start,
         count=stop,
         step=float(time[-1] - time[0]) / (len(time) - 1),
@@ -387,7 +387,7 @@ def correlate_displacement(
 def _steps(x: FloatArray) -> tuple[FloatArray, int]:
     """The steps of a motion from zero, and where they end: what it still moves by is rounding."""
     off = np.abs(x - x[-1])
-    moving = int(np.flatnonzero(off > RESTS * off.max())[-1:].sum()) + 2
+    moving = int(np.flatnonzero(off > REST_SHARE * off.max())[-1:].sum()) + 2
     d = x.copy()
     d[1:] -= x[:-1]
     d[moving - 1 : moving] = x[-1] - x[moving - 2]
@@ -396,7 +396,7 @@ def _steps(x: FloatArray) -> tuple[FloatArray, int]:
 
 
 def _correlate_column(
-    bare: ConvolvedMotion, column: FloatArray, x: FloatArray, d: FloatArray, values: FloatArray
+    motion: ConvolvedMotion, column: FloatArray, x: FloatArray, d: FloatArray, values: FloatArray
 ) -> FloatArray:
     r"""Correlation of a fixed column with the steps, in closed form where there is one.
 
@@ -406,7 +406,7 @@ def _correlate_column(
     .. math:: C_t(l) = t_e x_{e-l} - t_{b+1} x_{b-l} - s \sum_{b < i < e} x_{i-l}, \qquad
               C_x(l) - C_x(l+1) = -C_d(l+1) + x_e d_{e-l} - x_b d_{b-l}
     """
-    start, stop = bare.start, bare.count
+    start, stop = motion.start, motion.count
     if column[0] == column[-1] and (column == column[0]).all():
         return np.asarray(column[0] * (x[:stop][::-1] - reverse_before_start(x[:stop], start)))
     slope = uniform_step(column)
@@ -418,7 +418,7 @@ def _correlate_column(
             line -= reverse_before_start(column[0] * x[:stop] - slope * total, start)
         return np.asarray(line)
     if not np.array_equal(column, x[start:stop]):
-        return bare.lag(column)
+        return motion.lag(column)
     # from the last lag to the first
     falls = x[stop - 1] * d
     if start:
@@ -442,11 +442,13 @@ def correlation_block(
 def _make_force_block(
     exact: DataBlock, shared: ConvolvedMotion, force: Force, target: FloatArray
 ) -> DataBlock:
-    def append_delayed_force(name: str, late: DelayedForce) -> DataBlock:
+    def append_delayed_force(name: str, delayed_force: DelayedForce) -> DataBlock:
         lags = None
         if shared.steps is not None:
-            lags = late_lags(shared.steps, late, start=shared.start, interval=shared.step)
-        return widen(name, late.column, lags)
+            lags = compute_delayed_lags(
+                shared.steps, delayed_force, start=shared.start, interval=shared.step
+            )
+        return widen(name, delayed_force.column, lags)
 
     def widen(name: str, column: FloatArray, lags: FloatArray | None = None) -> DataBlock:
         wider = shared.with_fixed(column, lags)

@@ -22,7 +22,7 @@ from dashpot.numerics.design_matrices.block import (
 )
 from dashpot.numerics.design_matrices.data_compression import (
     ACCURACY,
-    SMALL,
+    SMALL_BLOCK,
     DataCompression,
     compression,
     make_identity_plan,
@@ -81,8 +81,8 @@ def hold_block(
         The record has the ramp, too.
     k_inf, offset, drift : str or None
         Names of the fixed columns; an offset is a constant force, N, which on a hold alone only a
-        prior tells from k_inf, a drift a straight line of force in time, N/s. Both are left out
-        unless named.
+        prior distinguishes from k_inf, a drift a straight line of force in time, N/s. Both are
+        left out unless named.
     weights : array, shape (M,), optional
         1/sd of each sample.
     compress : bool
@@ -128,7 +128,7 @@ def hold_block(
 
 
 def window_of(time: FloatArray, step: float | None = None) -> tuple[float, float]:
-    """Relaxation times that a sampling could tell: twice its finest step to ten times its span.
+    """Relaxation times that a sampling could show: twice its finest step to ten times its span.
 
     The finest step is the 2 % quantile of all steps: one jittered pair says nothing.
     """
@@ -179,14 +179,14 @@ def _columns(plans: tuple[DataCompression, ...], ideal: _Ideal) -> Columns:
     *ramps, hold = plans
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
-        held, held_slope = _hold(hold, tau, ideal, derivative=derivative)
+        hold_columns, held_slope = _hold(hold, tau, ideal, derivative=derivative)
         if not ramps:
-            return held, held_slope
+            return hold_columns, held_slope
         ramp = ramps[0]
         x = ramp.nodes[:, None] / tau
         scale = ideal.depth / ideal.ramp_time * ramp.root_weight[:, None]
         rise = -tau * np.expm1(-x)
-        arms = np.concatenate((scale * rise, held))
+        arms = np.concatenate((scale * rise, hold_columns))
         if not derivative:
             return arms, arms
         slope = scale * (rise - ramp.nodes[:, None] * np.exp(-x))
@@ -252,11 +252,11 @@ def _validate_samples(
 
 
 #: samples from which the recursion is worth reducing
-LONG = 2000
+MIN_REDUCED_SAMPLES = 2000
 #: of its way, a plate that moves by less is at rest
-RESTING = 1e-5
-#: correlations cannot tell apart arms that are slower than a record's window by more than this
-FARTHEST = 10.0
+REST_SHARE = 1e-5
+#: correlations cannot distinguish arms that are slower than a record's window by more than this
+MAX_SLOWNESS = 10.0
 
 
 def recorded_block(
@@ -270,7 +270,7 @@ def recorded_block(
     drift: str | None = None,
     columns: Mapping[str, FloatArray] = MappingProxyType({}),
     weights: FloatArray | None = None,
-    reach: tuple[float, float] | None = None,
+    relaxation_window: tuple[float, float] | None = None,
 ) -> DataBlock:
     r"""Return force under a recorded displacement that is straight between its samples.
 
@@ -293,7 +293,7 @@ def recorded_block(
         Further fixed columns, a value at every sample.
     weights : array, shape (M,), optional
         1/sd of each sample.
-    reach : (float, float), optional
+    relaxation_window : (float, float), optional
         Relaxation times to be evaluated, s; those of the window, if left out.
     """
     time = np.asarray(time, dtype=float)
@@ -325,19 +325,30 @@ def recorded_block(
     limits = window_of(time, step)
     # the first sample from which on every weight is 1
     even = 0 if weights is None else int(np.flatnonzero(weights[:stop] != 1)[-1:].sum()) + 1
-    near = reach is None or reach[1] <= FARTHEST * limits[1]
+    near = relaxation_window is None or relaxation_window[1] <= MAX_SLOWNESS * limits[1]
     # the correlation of a plate that all but rests is rounding beside that of its whole way
-    rests = even > 0 and np.ptp(x[even - 1 : stop]) <= RESTING * np.ptp(x[:stop])
-    if x[0] != 0 or len(time) <= SMALL or step is None or even > stop // 2 or not near or rests:
+    rests = even > 0 and np.ptp(x[even - 1 : stop]) <= REST_SHARE * np.ptp(x[:stop])
+    if (
+        x[0] != 0
+        or len(time) <= SMALL_BLOCK
+        or step is None
+        or even > stop // 2
+        or not near
+        or rests
+    ):
         whole = replace(exact(start, stop, weights), window=limits)
-        return whole if reach is None and stop - start < LONG else reduced_block(whole, reach=reach)
+        return (
+            whole
+            if relaxation_window is None and stop - start < MIN_REDUCED_SAMPLES
+            else reduced_block(whole, relaxation_window=relaxation_window)
+        )
     if even <= start:
         whole = replace(exact(start, stop), window=limits)
         return correlation_block(whole, time, x, start=start, stop=stop)
     before = replace(exact(start, even, weights), window=limits)
     after = replace(exact(even, stop), window=limits)
     return _stack_blocks(
-        reduced_block(before, reach=reach),
+        reduced_block(before, relaxation_window=relaxation_window),
         correlation_block(after, time, x, start=even, stop=stop),
     )
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 #
 # .. math:: C = (J^T J)^{-1} \, J^T \Gamma J \, (J^T J)^{-1}, \qquad \Gamma_{ik} = \gamma_{|i-k|}
 #
-# The residuals tell their own :math:`\gamma_l`; it is cut where the sum of two neighbouring lags
+# The residuals show their own :math:`\gamma_l`; it is cut where the sum of two neighbouring lags
 # first falls to zero (Geyer's initial positive sequence), beyond which it is noise itself.
 # Source: C. J. Geyer, Statistical Science 7 (1992) 473.
 
@@ -49,7 +49,7 @@ _NEARLY_WHITE = 3.0
 _EVEN_GAIN = 2.0
 # parameters per effective residual beyond which the fit's own part is given back lag by lag
 _WORTH_GIVING_BACK = 0.005
-_ROUNDS = 3
+_ITERATIONS = 3
 # so few lags cost less one by one than by Fourier transforms
 _FEW_LAGS, _FEW_TERMS = 16, 8
 # most noise ends within this part of all lags, which costs two thirds of all
@@ -245,9 +245,9 @@ def _restore_autocovariance(
 ) -> FloatArray:
     """The autocovariance with what the fit took out of it, cut; uncut if all lags are too few."""
     n, parameters = len(columns.matrix), max(columns.absorbed_count, 1e-9)
-    taken, retained = _compute_absorbed_autocovariance(columns, len(gamma)), gamma
-    for _ in range(_ROUNDS):
-        provided = gamma + gamma[0] * min(kappa, n / (2.0 * parameters)) * taken / n
+    absorbed, retained = _compute_absorbed_autocovariance(columns, len(gamma)), gamma
+    for _ in range(_ITERATIONS):
+        provided = gamma + gamma[0] * min(kappa, n / (2.0 * parameters)) * absorbed / n
         retained = provided[: geyer_cut(provided)]
         if len(retained) == len(gamma) < n:
             break
@@ -394,8 +394,8 @@ def toeplitz_form(columns: JacobianColumns, gamma: FloatArray) -> FloatArray:
     rows, power = spectra.view(np.float64), np.repeat(spectrum * twice / size, 2)
     form = np.zeros((len(rows), len(rows)))
     for first in range(0, len(power), 2 * _AT_ONCE):
-        here = slice(first, first + 2 * _AT_ONCE)
-        form += (rows[:, here] * power[here]) @ rows[:, here].T
+        span = slice(first, first + 2 * _AT_ONCE)
+        form += (rows[:, span] * power[span]) @ rows[:, span].T
     return form
 
 
@@ -416,14 +416,14 @@ class Directions(NamedTuple):
         The Jacobians along the directions: orthonormal but for rounding.
     gram : array, shape (r, r)
         Their inner products, which take the rounding into account.
-    lost : bool array, shape (p,)
+    is_undetermined : bool array, shape (p,)
         Parameters with a part in what the data do not know.
     """
 
     turn: FloatArray
     columns: tuple[JacobianColumns, ...]
     gram: FloatArray
-    lost: BoolArray
+    is_undetermined: BoolArray
 
     def sum_noise_gain(self, noises: Sequence[Noise]) -> FloatArray:
         """Return the noise along the directions, shape (r, r)."""
@@ -445,9 +445,9 @@ class Directions(NamedTuple):
             middle += row.T @ row
         spread = np.linalg.solve(self.gram, self.turn.T)
         covariance = spread.T @ middle @ spread
-        covariance[self.lost, :] = 0.0
-        covariance[:, self.lost] = 0.0
-        covariance[self.lost, self.lost] = np.inf
+        covariance[self.is_undetermined, :] = 0.0
+        covariance[:, self.is_undetermined] = 0.0
+        covariance[self.is_undetermined, self.is_undetermined] = np.inf
         return np.asarray(covariance)
 
 
@@ -462,15 +462,15 @@ def directions(
     asked of J, whose rounding is the root of it: for data that are known to a millionth or better.
     """
     information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
-    turn, lost = _turn(information)
-    if finely and lost.any():
-        turn, lost = _turn_finely(np.concatenate(jacobians))
+    turn, is_undetermined = _turn(information)
+    if finely and is_undetermined.any():
+        turn, is_undetermined = _turn_finely(np.concatenate(jacobians))
     # a row for each direction, as they are transformed
     columns = tuple(
         JacobianColumns((turn.T @ jacobian.T).T, shared=shared) for jacobian in jacobians
     )
     gram = np.sum([column.gram for column in columns], axis=0)
-    return Directions(turn, columns, gram, lost)
+    return Directions(turn, columns, gram, is_undetermined)
 
 
 def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:

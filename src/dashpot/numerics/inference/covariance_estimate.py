@@ -26,7 +26,7 @@ from dashpot.numerics.inference.model_order import bic
 from dashpot.numerics.least_squares import Optimum
 
 #: of a profile interval: slices to a side, trials at most, and how close its ends come in quantiles
-_SLICES, _TRIALS, _CLOSE = 3, 40, 1e-2
+_SLICES, _TRIALS, _END_TOLERANCE = 3, 40, 1e-2
 
 
 class DerivedQuantity(NamedTuple):
@@ -133,7 +133,7 @@ class Estimate:
             """Return what is held has no error; None where the model says nothing."""
             try:
                 optimum = best.problem.fix_parameter(index, value).solve(
-                    [start], flat=_CLOSE / sum(count)
+                    [start], flat=_END_TOLERANCE / sum(count)
                 )
                 return None if optimum is None else slice_of(value, optimum)
             except DataError:
@@ -153,7 +153,10 @@ class Estimate:
             last, (here, near, root) = (middle - first, rest - first * tangent), (middle, rest, 0.0)
             step, excess, worse = first, np.nan, np.inf
             for _ in range(_TRIALS):
-                met = root > reach * (1 - _CLOSE) or abs(excess - here) < _CLOSE * first
+                met = (
+                    root > reach * (1 - _END_TOLERANCE)
+                    or abs(excess - here) < _END_TOLERANCE * first
+                )
                 if met or here == limit:
                     break
                 # the root of a parabola's deviance is straight: a secant, kept off the ends
@@ -164,14 +167,14 @@ class Estimate:
                 # the others begin where the last two lead
                 start = near + (near - last[1]) * ((value - here) / (here - last[0]))
                 new = solve_slice(value, start)
-                if new is None or new.root > reach * (1 + _CLOSE):
+                if new is None or new.root > reach * (1 + _END_TOLERANCE):
                     excess, worse = value, np.inf if new is None else new.root
                     continue
                 inside.append(new)
                 step *= min(max(reach / _SLICES / max(new.root - root, 1e-9), 0.5), 2.0)
                 last, (here, near, root) = (
                     (here, near),
-                    (value, np.delete(new.known.optimum.theta, index), new.root),
+                    (value, np.delete(new.estimate.optimum.theta, index), new.root),
                 )
             return inside
 
@@ -186,9 +189,9 @@ def propagate_covariance(covariance: FloatArray, gradient: FloatArray) -> FloatA
     """
     finite = np.isfinite(np.diag(covariance))
     values = gradient[:, finite] @ covariance[np.ix_(finite, finite)] @ gradient[:, finite].T
-    lost = (gradient[:, ~finite] != 0).any(axis=1)
-    values[lost], values[:, lost] = 0.0, 0.0
-    values[lost, lost] = np.inf
+    is_undetermined = (gradient[:, ~finite] != 0).any(axis=1)
+    values[is_undetermined], values[:, is_undetermined] = 0.0, 0.0
+    values[is_undetermined, is_undetermined] = np.inf
     return np.asarray(values)
 
 
@@ -199,11 +202,11 @@ class ProfileSlice(NamedTuple):
     ----------
     root : float
         Of the deviance: how many standard errors away that is.
-    known : Estimate
+    estimate : Estimate
     """
 
     root: float
-    known: Estimate
+    estimate: Estimate
 
 
 def estimate(
@@ -213,7 +216,7 @@ def estimate(
     rounding: float = 0.0,
     noises: Sequence[Noise] = (),
     resting: BoolArray | None = None,
-    held: BoolArray | None = None,
+    is_fixed: BoolArray | None = None,
     prior_variance: float | None = None,
     finely: bool = False,
 ) -> Estimate:
@@ -230,7 +233,7 @@ def estimate(
         Of each record, where it is known otherwise (:func:`white_noise`).
     resting : array, shape (q,), optional
         Coefficients whose error is wanted, as a bound, where they rest at zero, too.
-    held : array, shape (p,), optional
+    is_fixed : array, shape (p,), optional
         Thetas that have no error: such as press against an end that is no mere window.
     prior_variance : float, optional
         Of the rows of priors; by default the mean power of the noises.
@@ -238,8 +241,8 @@ def estimate(
         As :func:`~dashpot.numerics.inference.correlated_noise.directions` has it.
     """
     free, count = optimum.free, optimum.problem.priors
-    if held is not None:
-        free[: len(held)] &= ~held
+    if is_fixed is not None:
+        free[: len(is_fixed)] &= ~is_fixed
     sizes = [*(parts or [len(optimum.residual)]), *([count] if count else [])]
     cuts = np.cumsum(sizes)[:-1]
     split = np.split(optimum.jacobian[:, free], cuts)
@@ -264,9 +267,9 @@ def estimate(
 
 
 def white_noise(optimum: Optimum, variance: float | None = None) -> Noise:
-    """Return the noise of independent residuals, of the variance that they tell or that is known.
+    """Return the noise of independent residuals, of the variance that they show or that is known.
 
-    What they tell is their sum of squares over n less the free parameters.
+    What they show is their sum of squares over n less the free parameters.
     """
     n = len(optimum.residual)
     spare = max(n - int(optimum.free.sum()), 1)

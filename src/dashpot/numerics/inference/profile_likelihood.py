@@ -133,7 +133,7 @@ class ProfileTrace:
 
 _ITERATIONS = 8
 #: the longest move, and after one that failed, as a part of that
-_FARTHEST, _NEARER = 1.5, 0.25
+_MAX_STEP, _STEP_REDUCTION = 1.5, 0.25
 RIDGE = 1e-13
 #: the curvature of the residual that is believed, as parts of J'J
 _BENT = -0.9, 4.0
@@ -153,7 +153,7 @@ class SolvedTrials(NamedTuple):
     beta: FloatArray
     gradient: FloatArray
     curvature: FloatArray
-    bent: FloatArray
+    second_derivatives: FloatArray
 
 
 class BatchedDescent:
@@ -181,12 +181,12 @@ class BatchedDescent:
         )
         self.move = np.zeros_like(start)
         self.promised, self.damping = np.zeros(count), np.full(count, 1e-6)
-        self.tried, self.reach = np.zeros(count, int), np.full(count, _FARTHEST)
+        self.tried, self.reach = np.zeros(count, int), np.full(count, _MAX_STEP)
 
     def start(self, i: int, log_tau: FloatArray) -> None:
         """Begin another problem like the last, or the same elsewhere."""
         self.here[i], self.move[i], self.known.sse[i] = log_tau, 0.0, np.inf
-        self.damping[i], self.tried[i], self.reach[i] = 1e-6, 0, _FARTHEST
+        self.damping[i], self.tried[i], self.reach[i] = 1e-6, 0, _MAX_STEP
 
     def best(self, i: int) -> tuple[float, FloatArray]:
         """The least SSE of one descent and its ln tau, a last move foretold if that is little."""
@@ -209,7 +209,9 @@ class BatchedDescent:
         # where the parabola has failed it is believed nearby only
         gone = np.abs(self.move[on]).max(axis=1, initial=0.0)
         self.reach[on] = np.where(
-            better, np.minimum(2.0 * np.maximum(gone, self.reach[on]), _FARTHEST), _NEARER * gone
+            better,
+            np.minimum(2.0 * np.maximum(gone, self.reach[on]), _MAX_STEP),
+            _STEP_REDUCTION * gone,
         )
         self.tried[on] += 1
         self.move[on], self.promised[on] = self._step(on)
@@ -229,14 +231,14 @@ class BatchedDescent:
         size = curvature[:, arms, arms]
         stretch = np.where(size > 0, size, 1.0)
         curvature[:, arms, arms] = size + stretch * RIDGE + (size <= 0)
-        both = np.concatenate((self.known.bent[on], gradient[:, :, None]), axis=2)
+        both = np.concatenate((self.known.second_derivatives[on], gradient[:, :, None]), axis=2)
         solved = np.linalg.solve(curvature, both)
         share, first = solved[..., :-1], solved[..., -1]
         # what the move takes off the residual bends nothing where it leads
-        taken = np.vecdot(first, gradient) / np.maximum(self.known.sse[on], 1e-300)
-        remainder = np.maximum(1.0 - taken * taken, 0.0)[:, None, None]
+        reduction = np.vecdot(first, gradient) / np.maximum(self.known.sse[on], 1e-300)
+        remainder = np.maximum(1.0 - reduction * reduction, 0.0)[:, None, None]
         believed = _moderate(remainder * share)[:, None, None]
-        curvature += np.where(believed, remainder, 0.0) * self.known.bent[on]
+        curvature += np.where(believed, remainder, 0.0) * self.known.second_derivatives[on]
         curvature[:, arms, arms] += stretch * self.damping[on][:, None]
         move = np.linalg.solve(curvature, gradient[:, :, None])[..., 0]
         longest = np.abs(move).max(axis=1, keepdims=True)
@@ -285,7 +287,7 @@ def _moderate(share: FloatArray) -> BoolArray:
 
 
 #: a relaxation time is walked so far, as a factor, out of the window
-BEYOND = 20.0
+WINDOW_FACTOR = 20.0
 #: a stiffness so many times that of the whole solid, or a b so many folds from the optimum, is open
 _OPEN_STIFFNESS, _OPEN_FOLDS = 1e4, 16.0
 #: ln tau between nodes of the table; cubics through columns and slopes are right to 1e-7
@@ -312,7 +314,7 @@ def profiles(
         A walk ends where the deviance exceeds this, or where the data say no more: at the edge
         of their window, or where a stiffness has grown out of all proportion.
     """
-    together = _Together(stack, optimum)
+    together = _SimultaneousProfiles(stack, optimum)
     walks = [
         ProfileTrace(target, together.value(target), sign, limit, together.range(target))
         for target in targets
@@ -327,13 +329,13 @@ def profiles(
     return results
 
 
-class _Together:
+class _SimultaneousProfiles:
     """The least-squares problems of many profiles, each with one coordinate held."""
 
     def __init__(self, stack: Stack, optimum: Solution) -> None:
         self.optimum, self.fixed = optimum, len(stack.names)
         self.arms, self.groups = len(optimum.log_tau), len(stack.groups)
-        outside = float(np.log(BEYOND))
+        outside = float(np.log(WINDOW_FACTOR))
         self.plateaus = [i for i, name in enumerate(stack.names) if name.startswith("k_inf")]
         self.window = stack.bounds
         self.restricted = stack.get_nonnegative_mask(self.arms, signed=False)
@@ -380,14 +382,14 @@ class _Together:
 
     def walk(self, walks: Sequence[ProfileTrace]) -> None:
         """Walk every side to its end."""
-        held = _Sides([walk.asked for walk in walks], self.fixed, self.arms)
-        self._spare(walks, held)
+        sides = _Sides([walk.asked for walk in walks], self.fixed, self.arms)
+        self._spare(walks, sides)
         residual = np.tile(self.optimum.log_tau, (len(walks), 1))
         goal = np.array([walk.goal for walk in walks])
         descents = self._descents(residual, walks)
         trials = descents.known
         while on := [i for i, walk in enumerate(walks) if not walk.ended]:
-            for i in self._run_trials(descents, goal, held, np.array(on)):
+            for i in self._run_trials(descents, goal, sides, np.array(on)):
                 walk, at, foretold = walks[i], walks[i].at, np.zeros(self.arms)
                 sse, there = descents.best(i)
                 if walk.update_walk(self._deviance(walk, trials.beta[i], there, sse)):
@@ -400,11 +402,11 @@ class _Together:
                 )
                 goal[i] = walk.goal
 
-    def _spare(self, walks: Sequence[ProfileTrace], held: _Sides) -> None:
+    def _spare(self, walks: Sequence[ProfileTrace], sides: _Sides) -> None:
         """Let each arm's walks know what it costs to do without the arm."""
         if self.groups > 1:  # without its part in one group an arm is still there
             return
-        of_arm = {arm: i for i, arm in enumerate(held.owner.tolist()) if arm >= 0}
+        of_arm = {arm: i for i, arm in enumerate(sides.owner.tolist()) if arm >= 0}
         if not of_arm:
             return
         first = [walks[i] for i in of_arm.values()]
@@ -425,7 +427,7 @@ class _Together:
             ended = self._run_trials(descents, np.zeros(len(first)), none, on, within)
             on = on[~np.isin(on, ended)]  # `numpy.setdiff1d` imports masked arrays
         place = {arm: [i] for i, arm in enumerate(of_arm)}
-        for walk, arm, column in zip(walks, held.owner.tolist(), held.column, strict=True):
+        for walk, arm, column in zip(walks, sides.owner.tolist(), sides.column, strict=True):
             # a plateau that falls may have any of the arms, slower than all, in its place
             falls = walk.sign < 0 and column in self.plateaus
             for i in place[arm] if arm >= 0 else range(len(first) * falls):
@@ -440,7 +442,7 @@ class _Together:
         self,
         descents: BatchedDescent,
         goal: FloatArray,
-        held: _Sides,
+        sides: _Sides,
         on: IndexArray,
         within: tuple[FloatArray, FloatArray] | None = None,
     ) -> IndexArray:
@@ -448,8 +450,8 @@ class _Together:
         low, high = within or self.reach
         # `numpy.clip` takes as long as all of this
         trial = np.minimum(np.maximum(descents.here[on] + descents.move[on], low), high)
-        trial = held.set_fixed_times(trial, goal, on)
-        return on[descents.take(trial, self._solve_trials(trial, goal[on], held, on), on)]
+        trial = sides.set_fixed_times(trial, goal, on)
+        return on[descents.take(trial, self._solve_trials(trial, goal[on], sides, on), on)]
 
     def _deviance(
         self, walk: ProfileTrace, beta: FloatArray, log_tau: FloatArray, sse: float
@@ -472,14 +474,14 @@ class _Together:
         return phi, values
 
     def _solve_trials(
-        self, log_tau: FloatArray, goal: FloatArray, held: _Sides, on: IndexArray
+        self, log_tau: FloatArray, goal: FloatArray, sides: _Sides, on: IndexArray
     ) -> SolvedTrials:
         phi, values = self._phi(log_tau)
-        row, arm, column = np.arange(len(on)), held.arm[on], held.column[on]
-        amount, base = held.amount(log_tau, goal, on), phi[row, column]
+        row, arm, column = np.arange(len(on)), sides.arm[on], sides.column[on]
+        amount, base = sides.amount(log_tau, goal, on), phi[row, column]
         target = self.target - amount[:, None] * base
         # where a relaxation time is held no coefficient is
-        linear = ~held.log_tau[on]
+        linear = ~sides.log_tau[on]
         normal = _Normal(phi)
         normal.leave_out(row[linear], column[linear])
         aim = phi @ target[:, :, None]
@@ -497,7 +499,7 @@ class _Together:
         met = (values @ residual[:, None, None, :, None])[..., 0]
         second = (stiffness * met[..., 2]).sum(axis=1)
         # k = exp(ln b - ln tau): the stiffness of an arm whose b is held falls as its ln tau rises
-        falls = amount * held.log_b[on]
+        falls = amount * sides.log_b[on]
         at_zero, rising, _ = met.reshape(len(on), -1, 3)[row, np.maximum(column - self.fixed, 0)].T
         second[row, arm] -= falls * (2.0 * rising - at_zero)
         turned[row, arm] -= falls[:, None] * base

@@ -33,8 +33,8 @@ class KindOfFile(NamedTuple):
 
     Attributes
     ----------
-    what, use : str
-        Its name, and which command wants it or why none does.
+    label, use : str
+        Its name, and the command that reads it or why none does.
     roles : tuple of str
         Roles of its columns; the reader of a creep test or a sweep finds its own.
     accelerated : bool
@@ -43,7 +43,7 @@ class KindOfFile(NamedTuple):
         Whether its rows were read by hand, so that a sampling rate makes no sense.
     """
 
-    what: str
+    label: str
     use: str
     roles: tuple[Role, ...] = ()
     accelerated: bool = False
@@ -54,7 +54,7 @@ RAMP_ROLES: tuple[Role, ...] = ("time", "displacement", "force")
 _FRF_ROLES: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
 _SWEEP_ROLES: tuple[Role, ...] = ("frequency", "storage", "loss", "temperature")
 _NO_TAU = "it shows no relaxation times; sweep the frequency"
-RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
+KINDS_OF_FILE: Mapping[str, KindOfFile] = MappingProxyType({
     "relaxation": KindOfFile("a relaxation test", "use dashpot fit or dashpot report", RAMP_ROLES),
     "impact": KindOfFile("a hammer test", "use dashpot fit", ("time", "hammer"), True),
     "frf": KindOfFile("an FRF", "use dashpot fit or dashpot compare", _FRF_ROLES),
@@ -100,7 +100,7 @@ class Recognised:
     Attributes
     ----------
     kind : str
-        A key of `RECOGNISED`; of a document of dashpot's own the name in its
+        A key of `KINDS_OF_FILE`; of a document of dashpot's own the name in its
         schema, such as ``"fit"``; or ``"door"``, ``"profile"``, ``"project"``, ``"lot"``,
         ``"folder"``.
     reason : str
@@ -135,11 +135,11 @@ def get_kind_label(kind: str) -> str:
     >>> get_kind_label("cyclic"), get_kind_label("fit"), get_kind_label("comparison")
     ('cyclic loops without a hold', 'a fit', 'a stored comparison')
     """
-    kinds = RECOGNISED if kind in RECOGNISED else DOCUMENT_KINDS
+    kinds = KINDS_OF_FILE if kind in KINDS_OF_FILE else DOCUMENT_KINDS
     if kind in kinds:
-        return kinds[kind].what
+        return kinds[kind].label
     test = {
-        "unclear": "no test that is known",
+        "unclear": "no known test",
         "not-a-test": "no test",
         "aged": "a predicted aging",
         "slammed": "a predicted drop test",
@@ -149,7 +149,7 @@ def get_kind_label(kind: str) -> str:
 
 def get_kind_command(kind: str) -> str:
     """Return the command that reads a kind of file, or why none does; empty if not known."""
-    kinds = RECOGNISED if kind in RECOGNISED else DOCUMENT_KINDS
+    kinds = KINDS_OF_FILE if kind in KINDS_OF_FILE else DOCUMENT_KINDS
     return kinds[kind].use if kind in kinds else ""
 
 

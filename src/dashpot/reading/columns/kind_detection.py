@@ -17,7 +17,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Dimension
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.file_kinds import RECOGNISED, FileKind
+from dashpot.reading.columns.file_kinds import KINDS_OF_FILE, FileKind
 from dashpot.reading.columns.header_units import parse_response_unit
 from dashpot.reading.columns.role_assignment import (
     accelerations,
@@ -295,7 +295,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool] | None], ...] 
     ),
     (
         "drop",
-        "it has time and a force or an acceleration, and says slam",
+        "it has time and a force or an acceleration, and is named a drop test",
         None,
     ),
     (
@@ -425,19 +425,19 @@ def parse_file_kind(kind_name: str) -> tuple[FileKind, str]:
         If there is none; the message names the nearest.
     """
     kind_name = _FORMER_KINDS.get(kind_name, kind_name)
-    if kind_name in RECOGNISED and kind_name != "plug-in":
-        return cast("FileKind", kind_name), "as was said"
+    if kind_name in KINDS_OF_FILE and kind_name != "plug-in":
+        return cast("FileKind", kind_name), "as stated"
     from difflib import get_close_matches  # few need them, and they cost time to import
 
     from dashpot.registry.plugins import find_plugin, format_plugin_names
 
     plugin = find_plugin("kinds", kind_name)
     if plugin is not None:
-        return "plug-in", f"for {plugin.label}, as was said"
-    nearest = get_close_matches(kind_name, RECOGNISED, 1)
+        return "plug-in", f"for {plugin.label}, as stated"
+    nearest = get_close_matches(kind_name, KINDS_OF_FILE, 1)
     raise ReadError(
         f"'{kind_name}' is no kind of file. "
-        + (f"Did you mean '{nearest[0]}'?" if nearest else f"Kinds are {', '.join(RECOGNISED)}.")
+        + (f"Did you mean '{nearest[0]}'?" if nearest else f"Kinds are {', '.join(KINDS_OF_FILE)}.")
         + format_plugin_names("kinds")
     )
 
@@ -595,13 +595,13 @@ def refuse_kind(
         If the kind is recognised and not accepted.
     """
     kind, reason = detect_table_kind(table, options)
-    if kind in RECOGNISED and kind not in accepted:
+    if kind in KINDS_OF_FILE and kind not in accepted:
         raise ReadError(format_other_kind(kind, reason, expected_kind))
 
 
 def format_other_kind(kind: str, reason: str, expected_kind: str) -> str:
     """Return the message that a file is of another kind than expected, and its command."""
-    kind_name, command, *_ = RECOGNISED[kind]
+    kind_name, command, *_ = KINDS_OF_FILE[kind]
     return f"this is {kind_name} ({reason}), where {expected_kind} expected: {command}"
 
 

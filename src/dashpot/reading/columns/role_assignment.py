@@ -219,7 +219,9 @@ def scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
     """Return how well a column's name and unit suit each of the roles that it can play."""
     if options.units:
         return _scores(column, options)
-    return _compute_file_scores(vocabulary.telling(column.name), column.unit, column.content)
+    return _compute_file_scores(
+        vocabulary.find_informative_words(column.name), column.unit, column.content
+    )
 
 
 @lru_cache(maxsize=1 << 16)
@@ -438,7 +440,7 @@ def find_weight(word: str | None) -> str:
     return _WEIGHTS.get(mass.word, "") if mass else ""
 
 
-def find_column(columns: Sequence[Column], named: str, option: str) -> int:
+def find_column(columns: Sequence[Column], name_or_number: str, option: str) -> int:
     """Return the index of a column given by its name, or by its number from 1.
 
     Raises
@@ -446,21 +448,23 @@ def find_column(columns: Sequence[Column], named: str, option: str) -> int:
     ReadError
         If there is no such column, or the name stands twice.
     """
-    wanted = named.strip().casefold()
+    wanted = name_or_number.strip().casefold()
     for spell in (str.casefold, vocabulary.normalise_name):
-        key = spell(named.strip())
+        key = spell(name_or_number.strip())
         hits = [i for i, c in enumerate(columns) if c.name and spell(c.name.strip()) == key]
         if len(hits) == 1:
             return hits[0]
         if len(hits) > 1:
             numbers = " and ".join(str(i + 1) for i in hits)
             raise ReadError(
-                f"{option} {named}: columns {numbers} have that name; give the number instead"
+                f"{option} {name_or_number}: columns {numbers} have that name; give the number "
+                "instead"
             )
     if wanted.isdigit() and 1 <= int(wanted) <= len(columns):
         return int(wanted) - 1
     raise ReadError(
-        f"{option} {named}: there is no such column; the columns are {list_columns(columns)}"
+        f"{option} {name_or_number}: there is no such column; the columns are "
+        f"{list_columns(columns)}"
     )
 
 

@@ -172,7 +172,7 @@ WHOLE_TIME = ("run",)
 """Clocks of all that an instrument did, before this record too."""
 _HUMP = compile_on_use(r"(?<=[a-zäöüß]{2})(?=[A-ZÄÖÜ])")
 _GAPS = compile_on_use(r"[\s_\-:;,./\\|*#()\[\]{}<>]+")
-_TOLD = (
+_INFORMATIVE_WORDS = (
     *COMMANDED, *DERIVED, *EXTREMES, *STATIC, *PARTIAL_TIME, *OF_ACTUAL, *OF_REST, *SIDEWAYS,
     *OF_BASE, *WHOLE_TIME,
 )  # fmt: skip
@@ -304,14 +304,14 @@ def replace_channel_number(name: str) -> str:
 
 
 @lru_cache(maxsize=1 << 16)
-def telling(name: str) -> str:
+def find_informative_words(name: str) -> str:
     """Return a name without its own number, "" if none of its words says anything.
 
     >>> telling("Force 0017"), telling("ceoeeaa")
     ('Force 00', '')
     """
     name = replace_channel_number(name)
-    return name if matches(name) or has_word(name, _TOLD) else ""
+    return name if matches(name) or has_word(name, _INFORMATIVE_WORDS) else ""
 
 
 def matches(name: str) -> MappingProxyType[Role, float]:

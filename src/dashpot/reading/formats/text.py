@@ -47,7 +47,7 @@ _MARKUP = compile_on_use(
     re.I,
 )
 """How a web page, a document of XML or rich text begins."""
-_FEW = 6
+_MIN_COUNT = 6
 """Rows, and parts of the numbers of each, that no table has."""
 _STEADY = 6
 """Rows from the first on that show how all are printed."""
@@ -194,7 +194,7 @@ def _lies(lines: Sequence[str], dialect: Dialect) -> bool:
     """Return whether a few long rows, each behind its name, are what should be columns."""
     filled = sum(1 for line in lines if line.strip())
     words = dialect.contents[0] == "text" and dialect.contents.count("text") == 1
-    return words and filled < _FEW <= len(dialect.numbers) // _FEW
+    return words and filled < _MIN_COUNT <= len(dialect.numbers) // _MIN_COUNT
 
 
 def _factors(header: Sequence[str]) -> list[Caution]:

@@ -50,7 +50,7 @@ _OVERLOAD = 9.9e37
 """What SCPI instruments send for an infinite or an invalid reading."""
 _NINES = 999.0
 """The least number of nines alone that loggers write for no reading: 999, -9999, 999.99."""
-_EVEN = 0.01
+_RATE_TOLERANCE = 0.01
 """Part of a step by which the steps of an even clock, and a rate said of it, may differ from it."""
 _FAR = 5.0
 """How far beyond all other numbers of its column it then stands."""
@@ -138,7 +138,7 @@ def open_table(raw: RawFile, options: ReadOptions) -> OpenedFile:
 
 _LEFT_OPEN: dict[object, OpenedFile] = {}
 """Files that were looked at and are about to be read."""
-_MOST = 16
+_MAX_KEPT = 16
 """How many of them are kept."""
 
 
@@ -146,7 +146,7 @@ def cache_open_file(path: str | Path, file: OpenedFile) -> None:
     """Leave an open file to who reads it next, with the same options: it is parsed once."""
     key = _key(path, file.options)
     if key is not None:
-        while len(_LEFT_OPEN) >= _MOST:
+        while len(_LEFT_OPEN) >= _MAX_KEPT:
             _LEFT_OPEN.pop(next(iter(_LEFT_OPEN)), None)
         _LEFT_OPEN[key] = file
 
@@ -191,17 +191,17 @@ def refuse_summary(file: OpenedFile) -> None:
 
 
 def expect(
-    file: OpenedFile, accepted: Sequence[FileKind], want: str, *, named: Sequence[str]
+    file: OpenedFile, accepted: Sequence[FileKind], want: str, *, stated_columns: Sequence[str]
 ) -> None:
     """Refuse a file that is surely of another kind, with the command that takes it.
 
-    A user who has named a column of the roles `named` knows what the file is.
+    A user who has named a column of the roles `stated_columns` knows what the file is.
 
     Raises
     ------
     ReadError
     """
-    if not any(getattr(file.options, name) for name in named):
+    if not any(getattr(file.options, name) for name in stated_columns):
         refuse_kind(file.table, file.options, accepted, want)
 
 
@@ -251,13 +251,13 @@ def format_role_conflict(columns: Sequence[Column], index: int, name: Role, othe
 
 
 def answered(
-    file: OpenedFile, answers: Sequence[RoleAssignment | Question], hint: str = ""
+    file: OpenedFile, assignments: Sequence[RoleAssignment | Question], hint: str = ""
 ) -> list[RoleAssignment]:
     """Return the columns found, or raise every question in one sentence with the hint."""
-    questions = [answer for answer in answers if isinstance(answer, Question)]
+    questions = [answer for answer in assignments if isinstance(answer, Question)]
     if questions:
         raise ReadError(ask(file.table, questions) + hint)
-    return [answer for answer in answers if isinstance(answer, RoleAssignment)]
+    return [answer for answer in assignments if isinstance(answer, RoleAssignment)]
 
 
 def with_units(file: OpenedFile, chosen: Sequence[RoleAssignment]) -> list[Channel]:
@@ -292,7 +292,9 @@ def with_units(file: OpenedFile, chosen: Sequence[RoleAssignment]) -> list[Chann
     return channels
 
 
-def refuse_sizes(file: OpenedFile, answers: Sequence[tuple[Channel, Sequence[Check]]]) -> list[str]:
+def refuse_sizes(
+    file: OpenedFile, size_checks: Sequence[tuple[Channel, Sequence[Check]]]
+) -> list[str]:
     """Ask for the first unit that makes an unbelievable size; return notes on unusual ones.
 
     The user's own word for a unit is not doubted.
@@ -302,7 +304,7 @@ def refuse_sizes(file: OpenedFile, answers: Sequence[tuple[Channel, Sequence[Che
     ReadError
     """
     notes: list[str] = []
-    for channel, checks in answers:
+    for channel, checks in size_checks:
         failed = [check for check in checks if check.failed and not is_stated(file, channel)]
         if requested := [check.message_with_option for check in failed if check.grade == "stop"]:
             raise ReadError(requested[0])
@@ -380,8 +382,8 @@ def refuse_other_rate(file: OpenedFile) -> None:
     ticks = load(file.table, [answer.index], file.options.segment, sure=False).values[:, 0]
     steps = np.diff(si(ticks[np.isfinite(ticks)], unit))
     step = median(steps) if len(steps) else 0.0
-    even = step > 0 and np.mean(np.abs(steps / step - 1) < _EVEN) > 1 - _EVEN
-    if even and abs(rate * step - 1) > _EVEN:
+    even = step > 0 and np.mean(np.abs(steps / step - 1) < _RATE_TOLERANCE) > 1 - _RATE_TOLERANCE
+    if even and abs(rate * step - 1) > _RATE_TOLERANCE:
         raise ReadError(
             f"--rate {rate:g}Hz, but the clock in "
             f"{format_column(file.table.columns, answer.index)} runs "

@@ -25,15 +25,15 @@ _LAST = 5.0
 """How much longer than all others the last step may be before it is worth a word."""
 _FULL = 0.98
 """Part of the travel at which a ramp counts as over; what is left of it, as begun."""
-_LOUD = 0.1
+_LOUD_SHARE = 0.1
 """Part of its peak beyond which a signal is not at rest."""
-_TOLD = 3
+_MAX_LISTED = 3
 """Number of leaps of a clock that are reported one by one."""
 _MINUTE = 60.0
 _ROUND = (1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0)
 """First digits of the steps of recorders, in the unit that they count by."""
 _NEARLY = 1e-3
-_FEW = 1e-3
+_MAX_REPEATED_SHARE = 1e-3
 """Share of repeated time stamps that may be dropped."""
 
 
@@ -69,8 +69,7 @@ def drop_missing(
         plural = "s" * (rows.size > 1)
         raise ReadError(
             f"{loaded.format_row_position(row)} lacks {lacks(row)} within the ramp or the start of "
-            "the "
-            f"hold, where every sample counts ({rows.size} such row{plural} in all); "
+            f"the hold, where every sample counts ({rows.size} such row{plural} in all); "
             "repair or repeat the record there"
         )
     return keep, [
@@ -87,8 +86,8 @@ def without_padding(loaded: LoadedColumns) -> LoadedColumns:
     values = loaded.values
     if len(values) < 3 or values[-1, 0] > values[-2, 0]:
         return loaded
-    alike = np.all((values == values[-1]) | np.isnan(values) & np.isnan(values[-1]), axis=1)
-    first = int(np.flatnonzero(~alike)[-1]) + 1 if not alike.all() else 0
+    is_repeated = np.all((values == values[-1]) | np.isnan(values) & np.isnan(values[-1]), axis=1)
+    first = int(np.flatnonzero(~is_repeated)[-1]) + 1 if not is_repeated.all() else 0
     if not first:
         return loaded
     if values[first, 0] > values[first - 1, 0]:
@@ -167,7 +166,7 @@ def drop_repeats(time: FloatArray, loaded: LoadedColumns) -> tuple[BoolArray, li
     if repeats.size == 0:
         return keep, []
     first = loaded.format_row_position(int(repeats[0]))
-    if repeats.size > max(1.0, _FEW * len(time)):
+    if repeats.size > max(1.0, _MAX_REPEATED_SHARE * len(time)):
         raise ReadError(
             f"{repeats.size} of {len(time)} time stamps repeat the one before, first "
             f"t = {time[repeats[0]]:.9g} s at {first}; the clock has too few "
@@ -197,7 +196,7 @@ def clock_notes(time: FloatArray, *, stated: bool = False) -> list[str]:
     step = median(steps) if len(time) > 1 else 0.0
     if step <= 0:
         return []
-    rate, leaps = 1 / step, [*_late_start(steps), *_leaps(time)]
+    rate, leaps = 1 / step, [*_find_late_start(steps), *_leaps(time)]
     if len(steps) > 1 and steps[-1] / _LAST > steps[:-1].max():
         message = (
             f"the last row stands {steps[-1]:.6g} s behind the one before it, further than any "
@@ -236,7 +235,7 @@ def round_steps(time: FloatArray, unit: Unit) -> list[str]:
     return [Caution(f'{message} Say it with --units "time=s"', message)]
 
 
-def _late_start(steps: FloatArray) -> list[str]:
+def _find_late_start(steps: FloatArray) -> list[str]:
     """Say if the first row stands far before all others, which a jump may have parted from it."""
     rest = steps[1:].max(initial=0.0)
     if len(steps) < 2 * NEIGHBOUR_STEPS or not steps[0] > JUMP_RATIO * rest:
@@ -250,12 +249,12 @@ def _late_start(steps: FloatArray) -> list[str]:
 
 def _leaps(time: FloatArray) -> list[str]:
     """Say where the clock goes on by far more than on either side: a jump, or an interruption."""
-    # of the first and the last row others tell
+    # of the first and the last row others show
     leaps = [jump for jump in find_clock_jumps(time) if 0 < jump.at < len(time) - 2]
     notes = [
         f"the clock goes on by {leap.step:.6g} s at t = {time[leap.at]:.6g} s, where its steps "
-        f"are {leap.beside:.3g} s: it jumped, or the record was interrupted"
-        for leap in leaps[:_TOLD]
+        f"are {leap.expected_step:.3g} s: it jumped, or the record was interrupted"
+        for leap in leaps[:_MAX_LISTED]
     ]
     more = len(leaps) - len(notes)
     return [*notes, f"the clock does so at {more} more places"] if more else notes
@@ -272,7 +271,7 @@ def compute_active_fraction(signal: FloatArray) -> float:
     A hammer's pulses are over in a few samples, what it strikes rings on.
     """
     away = np.abs(signal - median(signal))
-    return float(np.mean(away > _LOUD * away.max()))
+    return float(np.mean(away > _LOUD_SHARE * away.max()))
 
 
 def _relaxes(values: FloatArray) -> float:
@@ -319,19 +318,19 @@ def since_the_step(table: FileTable, options: ReadOptions) -> RoleAssignment | Q
 
     A rheometer writes both, and the whole one began before the step.
     """
-    answer = assign(table, "time", options)
-    if options.time or isinstance(answer, Question):
-        return answer
+    assignment = assign(table, "time", options)
+    if options.time or isinstance(assignment, Question):
+        return assignment
     indices = [
         i
-        for i in answer.rivals
+        for i in assignment.rivals
         if score(table.columns[i], "time", options) >= LEAST_SCORE
         and has_word(table.columns[i].name, STEP_TIME)
     ]
     return (
         RoleAssignment("time", indices[0], "it runs since the step")
         if len(indices) == 1
-        else answer
+        else assignment
     )
 
 
@@ -358,8 +357,7 @@ def interpolate_to_force_clock(loaded: LoadedColumns, ratio: float = 1.0) -> Loa
         row = int(np.flatnonzero(value)[falls[0] + 1])
         raise ReadError(
             f"the clock of the displacement does not rise at {loaded.format_row_position(row)}; "
-            "name one clock "
-            "for both with --column time=NAME"
+            "name one clock for both with --column time=NAME"
         )
     begin = np.min(ticks, where=value, initial=np.inf)
     end = np.max(ticks, where=value, initial=-np.inf)

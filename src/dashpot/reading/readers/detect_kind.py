@@ -19,7 +19,7 @@ from dashpot.reading.columns.file_kinds import (
 from dashpot.reading.columns.kind_detection import detect_table_kind
 from dashpot.reading.columns.role_assignment import EXAMPLE, find_weight, handle, score_columns
 from dashpot.reading.columns.vocabulary import DIMENSION, Role
-from dashpot.reading.raw_file import add_name_to_errors, like_json, open_raw
+from dashpot.reading.raw_file import add_name_to_errors, looks_like_json, open_raw
 from dashpot.reading.read_options import PROFILE, ReadOptions, flag
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import OpenedFile
@@ -135,7 +135,7 @@ def recognise_opened(file: OpenedFile) -> tuple[str, str]:
         load = _load_motion if kind == "relaxation" else _load_signals_by_row
         record = load(file, _PART_ROLES)
         loading: str = classify_load_history(*record) if record else ""
-        if record and loading != "cld" and _moves_to_its_end(record[1]):
+        if record and loading != "cld" and _has_motion_at_end(record[1]):
             # turns of cycles of few samples, or of small ones beside large ones, look held
             is_harmonic = find_handler("record rule", "cyclic")
             loading = "harmonic" if is_harmonic and is_harmonic(*record) else loading
@@ -149,7 +149,7 @@ def recognise_opened(file: OpenedFile) -> tuple[str, str]:
     return kind, reason
 
 
-def _moves_to_its_end(displacement: FloatArray) -> bool:
+def _has_motion_at_end(displacement: FloatArray) -> bool:
     last_tenth = displacement[-len(displacement) // 10 :]
     return bool(np.ptp(last_tenth) > 0.05 * np.ptp(displacement))
 
@@ -196,7 +196,7 @@ def open_or_identify(path: str | Path, options: ReadOptions | None) -> OpenedFil
     if Path(path).is_dir():
         return _identify_folder(Path(path))
     raw = open_raw(path)
-    detection = identify_json(raw) if like_json(raw.head(64)) else _identify_toml(path)
+    detection = identify_json(raw) if looks_like_json(raw.head(64)) else _identify_toml(path)
     return channels.open_table(raw, options) if detection is None else detection
 
 

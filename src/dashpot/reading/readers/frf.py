@@ -42,9 +42,9 @@ from dashpot.reading.table import Column, FileTable, LoadedColumns
 # FRF as the ratio of two signals by amplitude and phase.
 
 
-_SEVERAL = 8
+_PHASE_LINES = 8
 """Lines that show how far a phase goes."""
-_TURN, _TURNS = 2 * np.pi, 60.0
+_FULL_TURN, _MAX_UNWRAPPED = 2 * np.pi, 60.0
 """How far a phase goes in radians, once around; and unwrapped, over ten modes."""
 
 
@@ -116,8 +116,7 @@ def _sort_signal_pair(
         return (second, first) if below[0] else (first, second)
     raise ReadError(
         f"{format_column(columns, first.amplitude)} and {format_column(columns, second.amplitude)} "
-        "are two motions; say "
-        f"which of them is the base, for example {flag('base_acceleration')}="
+        f"are two motions; say which of them is the base, for example {flag('base_acceleration')}="
         f'"{handle(columns, first.amplitude)}"'
     )
 
@@ -126,10 +125,10 @@ def refuse_angle(file: OpenedFile, index: int, phase: FloatArray, radian: float)
     """Ask for the unit of a phase that goes over one turn of the other unit, unless it was said."""
     stated = file.options.unit_of("phase", file.table.columns[index].name)
     reach = float(np.nanmax(np.abs(phase), initial=0.0))
-    if stated or len(phase) < _SEVERAL or reach == 0:
+    if stated or len(phase) < _PHASE_LINES or reach == 0:
         return
     in_degrees = radian != 1.0
-    if reach <= _TURN if in_degrees else reach > _TURNS:
+    if reach <= _FULL_TURN if in_degrees else reach > _MAX_UNWRAPPED:
         word, other = ("deg", "rad") if in_degrees else ("rad", "deg")
         raise ReadError(
             f"the phase goes to {reach:.3g}, in {word} as the file has it: is the unit {other}? "
@@ -152,7 +151,7 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
     """Return the FRF in a UFF file, or in a text file as `write_frf` writes it.
 
     A text file of another origin needs frequency with real and imaginary part, or with
-    magnitude and phase, and a unit such as ``(m/s^2)/N`` that tells the kind.
+    magnitude and phase, and a unit such as ``(m/s^2)/N`` that shows the kind.
 
     Raises
     ------
@@ -160,7 +159,9 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
         If there is no FRF in the file, or its kind or unit is left open.
     """
     with channels.open_file(path, options) as file:
-        channels.expect(file, ["frf", "transmissibility"], "an FRF is", named=["real", "magnitude"])
+        channels.expect(
+            file, ["frf", "transmissibility"], "an FRF is", stated_columns=["real", "magnitude"]
+        )
         whole = as_a_ratio(file)
         return build_frf(whole, determine_frf_columns(whole))
 
@@ -285,11 +286,11 @@ def _columns(file: OpenedFile) -> dict[Role, int]:
     index: dict[Role, int] = {}
     options: dict[Role, str] = {}
     for role in ("frequency", *chain(*PAIRS), "coherence"):
-        answer = assign(file.table, role, file.options)
-        if isinstance(answer, RoleAssignment):
-            index[role] = answer.index
-        elif answer.choices:
-            options[role] = answer.message
+        assignment = assign(file.table, role, file.options)
+        if isinstance(assignment, RoleAssignment):
+            index[role] = assignment.index
+        elif assignment.choices:
+            options[role] = assignment.message
     for pair in PAIRS:
         if {"frequency", *pair} <= index.keys() and "coherence" not in options:
             return {r: i for r, i in index.items() if r in {"frequency", "coherence", *pair}}
@@ -303,7 +304,7 @@ def _lacking(file: OpenedFile, index: Mapping[Role, int]) -> str:
     if "frequency" in index and len(parts) == 1:
         part, other = ("magnitude", "phase") if "magnitude" in parts else ("phase", "magnitude")
         return (
-            f"there is a {part} and no {other}: an FRF is both, and only both tell stiffness "
+            f"there is a {part} and no {other}: an FRF is both, and only both show stiffness "
             f"and damping; export the {other} too, or name its column with {flag(other)}=NAME; the "
             f"columns are {listed}"
         )

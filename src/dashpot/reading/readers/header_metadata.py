@@ -180,11 +180,11 @@ def _temperatures(header: tuple[str, ...], *, titles: bool = False) -> Iterator[
 def _quantities(
     header: tuple[str, ...],
     dimension: units.Dimension,
-    named: Callable[[str], bool],
+    is_name: Callable[[str], bool],
     *,
     titles: bool = False,
 ) -> Iterator[tuple[float, str]]:
-    """Each quantity so `named` in a line of its own or at the end of a title, SI, and the line."""
+    """Iterate over quantities, SI, whose name fulfils `is_name` in a header line, with the line."""
     for line in header:
         text = " ".join(line[:_LONGEST].replace('"', " ").strip(" \t#%$!/*;'").split())
         number = _NUMBER.search(text)
@@ -195,7 +195,7 @@ def _quantities(
         word = inner or (behind[0].rstrip(";,|])") if behind else "")
         unit = units.find_unit(word, dimension)
         titled = titles and len(behind) == 1 and name.split()[-1:] in _AT
-        if unit is not None and (titled or (named(name) and (not inner or not behind))):
+        if unit is not None and (titled or (is_name(name) and (not inner or not behind))):
             yield float(number[0].replace(",", ".")) * unit.factor + unit.offset, text
 
 

@@ -1,4 +1,4 @@
-"""Reader of impact tests from one file or several."""
+"""Reader of hammer tests from one file or several."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _PEAKS: dict[Role, tuple[Callable[[float, str], Check], ...]] = {
 def read_impact(
     paths: str | Path | Sequence[str | Path], *, options: ReadOptions | None = None
 ) -> ImpactTest:
-    """Return the impact test in one file or several, in SI units; ``-`` is stdin.
+    """Return the hammer test in one file or several, in SI units; ``-`` is stdin.
 
     Segments of a file, jumps of its clock, and further files each start a new continuous
     record (`starts`).
@@ -56,7 +56,7 @@ def read_impact(
 def hits_in(
     paths: str | Path | Sequence[str | Path], options: ReadOptions, want: str
 ) -> ImpactTest:
-    """Return the impact test in files, refusing any other with what the command wants."""
+    """Return the hammer test in files, refusing any other with what the command wants."""
     tests = read_impacts(paths, options=options, want=want)
     return tests[0] if len(tests) == 1 else _join_tests(tests)
 
@@ -67,7 +67,7 @@ def read_impacts(
     options: ReadOptions | None = None,
     want: str = HITS,
 ) -> list[ImpactTest]:
-    """Return the impact test in each of several files of one set-up, as `read_impact` reads them.
+    """Return the hammer test in each of several files of one set-up, as `read_impact` reads them.
 
     What is a hit is then judged by the hardest of its own file.
     """
@@ -156,7 +156,7 @@ def joined_starts(tests: Sequence[tuple[int, tuple[int, ...]]]) -> tuple[int, ..
 def _read_test(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
     with channels.open_file(path, options) as file:
         channels.refuse_summary(file)
-        channels.expect(file, ["impact"], want, named=["acceleration", "hammer"])
+        channels.expect(file, ["impact"], want, stated_columns=["acceleration", "hammer"])
         chosen, rate = _channels(file), file.options.rate
         loaded, columns = loaded_whole(file, chosen)
         notes = [*file.table.notes, *channels.rivals(file, chosen[:-1]), *loaded.notes]

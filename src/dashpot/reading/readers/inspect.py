@@ -15,8 +15,8 @@ from dashpot.base.arrays import FloatArray, distinct, median
 from dashpot.base.errors import ReadError
 from dashpot.base.result_mixins import Plottable, Series
 from dashpot.reading.columns.file_kinds import (
+    KINDS_OF_FILE,
     RAMP_ROLES,
-    RECOGNISED,
     SWEEP_KINDS,
     Recognised,
     get_kind_command,
@@ -207,7 +207,7 @@ def inspect_opened(file: OpenedFile) -> Inspection:
     time = _time(file, by_index, roles, len(loaded.values))
     rate, even, duration = _sampling(time, loaded.starts)
     warnings = [*table.notes, *loaded.notes]
-    by_hand = kind in RECOGNISED and RECOGNISED[kind].by_hand
+    by_hand = kind in KINDS_OF_FILE and KINDS_OF_FILE[kind].by_hand
     if time is not None and not loaded.doubts and not by_hand:
         warnings += cleaning.clock_notes(time[np.isfinite(time)])
     doubts = [question for _, question in loaded.doubts]
@@ -299,7 +299,7 @@ def _proposal(file: OpenedFile, kind: str) -> tuple[dict[int, tuple[Role, str]],
         questions += _asks(lambda: amplitude_column(file), "strain")
     if kind == "modulus":
         questions += _asks(lambda: file.find_unambiguous_column("temperature"), "temperature")
-    if kind in RECOGNISED and RECOGNISED[kind].accelerated:
+    if kind in KINDS_OF_FILE and KINDS_OF_FILE[kind].accelerated:
         for acceleration in _find_accelerations(file, list(roles)):
             roles[acceleration.index] = (acceleration.role, acceleration.reason)
             questions += _make_role_questions(file, acceleration.role, acceleration)
@@ -320,22 +320,24 @@ def _assign_kind_roles(
     curve = not _CURVES.isdisjoint(wanted)
     for role in wanted:
         since = curve and role == "time"
-        answer = since_the_step(table, options) if since else assign(table, role, options)
-        if isinstance(answer, RoleAssignment):
-            played, _ = roles.get(answer.index, (role, ""))
+        assignment = since_the_step(table, options) if since else assign(table, role, options)
+        if isinstance(assignment, RoleAssignment):
+            played, _ = roles.get(assignment.index, (role, ""))
             if played != role and {played, role} <= set(RAMP_ROLES):  # who reads it asks this, too
-                message = channels.format_role_conflict(table.columns, answer.index, played, role)
+                message = channels.format_role_conflict(
+                    table.columns, assignment.index, played, role
+                )
                 questions.append(Question(message, f"{flag(role)}=NAME"))
                 continue
-            roles[answer.index] = (role, answer.reason)
-        welcome = role in _WELCOME or (role == "time" and kind in _UNCLOCKED and _none(answer))
-        questions += [] if welcome else _make_role_questions(file, role, answer)
+            roles[assignment.index] = (role, assignment.reason)
+        welcome = role in _WELCOME or (role == "time" and kind in _UNCLOCKED and _none(assignment))
+        questions += [] if welcome else _make_role_questions(file, role, assignment)
     return roles, questions
 
 
-def _none(answer: RoleAssignment | Question) -> bool:
+def _none(assignment: RoleAssignment | Question) -> bool:
     """Return whether no two columns could play a role."""
-    return isinstance(answer, RoleAssignment) or not answer.choices
+    return isinstance(assignment, RoleAssignment) or not assignment.choices
 
 
 def _find_accelerations(file: OpenedFile, taken: list[int]) -> list[RoleAssignment]:
@@ -356,7 +358,7 @@ def _get_usual_roles(kind: str) -> tuple[Role, ...]:
     """The roles of a kind; of a table that shows none, those of a ramp and hold are asked for."""
     if kind == "unclear":
         return RAMP_ROLES
-    return RECOGNISED[kind].roles if kind in RECOGNISED else ()
+    return KINDS_OF_FILE[kind].roles if kind in KINDS_OF_FILE else ()
 
 
 def _roles_of(file: OpenedFile, kind: str, *, clocked: bool) -> list[Role]:
@@ -372,13 +374,13 @@ def _roles_of(file: OpenedFile, kind: str, *, clocked: bool) -> list[Role]:
 
 
 def _make_role_questions(
-    file: OpenedFile, role: Role, answer: RoleAssignment | Question
+    file: OpenedFile, role: Role, assignment: RoleAssignment | Question
 ) -> list[Question]:
     """Return what a role leaves open: its column, or the unit of that."""
-    if isinstance(answer, RoleAssignment):
-        return _asks(lambda: file.unit(answer.index, role), role)
+    if isinstance(assignment, RoleAssignment):
+        return _asks(lambda: file.unit(assignment.index, role), role)
     needless = role == "loss" and file.column("loss_factor")
-    return [] if needless else [answer]
+    return [] if needless else [assignment]
 
 
 def _asks(settle: Callable[[], object], role: str) -> list[Question]:
@@ -396,7 +398,7 @@ def _time(
     roles: dict[int, tuple[Role, str]],
     rows: int,
 ) -> FloatArray | None:
-    """Return time of every row, s, if the file or the options tell it."""
+    """Return time of every row, s, if the file or the options show it."""
     if file.options.rate is not None:
         return np.arange(rows) / file.options.rate
     index = next((i for i, (role, _) in roles.items() if role == "time"), None)

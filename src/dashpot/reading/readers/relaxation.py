@@ -153,7 +153,7 @@ def signals(
     return chosen, channels.convert_signals_to_si(rows, chosen), notes
 
 
-_SHOWN = 5
+_MIN_RAMP_STEPS = 5
 """Steps between samples that show a ramp; a commanded step has one."""
 
 
@@ -170,14 +170,14 @@ def _refuse_sizes(
     away = np.abs(force - force[begun])
     # a record that begins in its hold shows neither
     pressed = bool(away[full] > 0.5 * rise and away[full] >= away[-1])
-    shown = pressed and full - begun >= _SHOWN
+    shown = pressed and full - begun >= _MIN_RAMP_STEPS
     took = float(time[full] - time[begun]) if shown else 0.0
     lasted = float(np.ptp(time))
     change = find_rate_change(time)
 
     def check_step_unit(steps: ClockJump, ticks: str) -> Check:
         return size_checks.clock_unit_constant(
-            steps.beside, steps.step, float(time[steps.at]), ticks
+            steps.expected_step, steps.step, float(time[steps.at]), ticks
         )
 
     def evaluate_sizes(
@@ -197,7 +197,7 @@ def _refuse_sizes(
                 size_checks.size_possible("force", push, pushes, role="force"),
                 size_checks.force_of_a_seal(push, pushes),
                 size_checks.force_of_a_bench(push, pushes, travel=far),
-                size_checks.stiffness_of_a_seal(push, pushes, travel=far, moves=moves),
+                size_checks.stiffness_of_a_seal(push, pushes, travel=far, motion=moves),
             ],
             "displacement": [
                 size_checks.size_possible("travel", far, moves, role="displacement"),
@@ -247,7 +247,7 @@ def _require_relaxation_kind(file: OpenedFile, besides: Sequence[FileKind] = ())
         file,
         ["relaxation", "cld", "cyclic", *besides],
         "a ramp and a hold is",
-        named=["displacement", "force"],
+        stated_columns=["displacement", "force"],
     )
 
 

@@ -58,11 +58,11 @@ def make_size_criterion(
         f"{what}, {symbol}", rule, float(limit), f"our choice: {reason}",
         grade=grade, name=name, question=question,
     )  # fmt: skip
-    def judge(size: float, unit: str) -> Finding:
+    def evaluate(size: float, unit: str) -> Finding:
         text = f"{message} {format_quantity_short(size, symbol)}"
         return Finding(text, size, **make_unit_advice(text, role, unit, likely))
 
-    return judge
+    return evaluate
 
 
 travel_of_a_seal = make_size_criterion(
@@ -127,7 +127,7 @@ def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
     "our choice: a tenth of the softest foam strip; an indenter has less",
     grade="note",
 )
-def stiffness_of_a_seal(force: float, unit: str, *, travel: float, moves: str) -> Finding:
+def stiffness_of_a_seal(force: float, unit: str, *, travel: float, motion: str) -> Finding:
     """The ratio of force to displacement is no lower than that of a soft seal."""
     message = (
         f"The force goes over {format_quantity_short(force, 'N')} while the displacement goes over "
@@ -137,7 +137,7 @@ def stiffness_of_a_seal(force: float, unit: str, *, travel: float, moves: str) -
         message,
         force / travel if travel > 0 else None,
         **make_unit_advice(message, "force", unit, _LARGER),
-        always_passes=moves not in _COARSE,
+        always_passes=motion not in _COARSE,
     )
 
 

@@ -28,7 +28,7 @@ from dashpot.reading.table import LoadedColumns, Question
 
 _ROLES: tuple[Role, ...] = ("frequency", "storage", "loss")
 _AMPLITUDES: tuple[Role, ...] = ("strain", "displacement")
-NAMED = ("storage", "magnitude")
+SWEEP_OPTIONS = ("storage", "magnitude")
 """Options that say that a file is a sweep."""
 _ROUNDED = 1.05
 """What a loss factor may be of loss over storage, for the digits printed and the harmonics."""
@@ -49,8 +49,8 @@ def sweep_columns(file: OpenedFile) -> tuple[list[RoleAssignment], int | None]:
     ReadError
         If a column is not found, or one could be storage or the size.
     """
-    answers = _parts(file)
-    columns = channels.answered(file, list(answers.values()), _hint(file, answers))
+    assignments = _parts(file)
+    columns = channels.answered(file, list(assignments.values()), _hint(file, assignments))
     _told_apart(file, columns)
     ratio = next((column.index for column in columns if column.role == "loss_factor"), None)
     columns = [column for column in columns if column.role != "loss_factor"]
@@ -100,8 +100,7 @@ def refuse_unlike_blocks(loaded: LoadedColumns, values: Mapping[Role, FloatArray
             raise ReadError(
                 f"its blocks sweep the same frequencies, and their moduli differ {times:.3g} "
                 "times, but no column and no title says a temperature: read one block with "
-                "--file-part "
-                "segment=1, or add a column of the temperature"
+                "--file-part segment=1, or add a column of the temperature"
             )
 
 
@@ -121,11 +120,11 @@ def amplitude_column(file: OpenedFile) -> RoleAssignment:
     """
     named = assign_amplitude_column(file.table, file.options)
     for role in _AMPLITUDES:
-        answer = assign(file.table, role, named)
-        if isinstance(answer, RoleAssignment):
-            return answer
-        if answer.choices:
-            raise ReadError(answer.message)
+        assignment = assign(file.table, role, named)
+        if isinstance(assignment, RoleAssignment):
+            return assignment
+        if assignment.choices:
+            raise ReadError(assignment.message)
     raise ReadError(
         "no column of strain or displacement amplitude was found; name it with "
         "--column strain=NAME or displacement=NAME; the columns are "
@@ -136,27 +135,27 @@ def amplitude_column(file: OpenedFile) -> RoleAssignment:
 def _parts(file: OpenedFile) -> dict[Role, RoleAssignment | Question]:
     """Return the columns of frequency and of the modulus: with loss, loss factor or loss angle."""
     table, options = file.table, file.options
-    answers = {role: assign(table, role, options) for role in _ROLES}
+    assignments = {role: assign(table, role, options) for role in _ROLES}
     other = _find_loss_substitute(file)
     size = file.column("complex_modulus")
     size = None if options.storage else size
-    separate = _find_both_columns(answers) and not options.loss_factor
+    separate = _find_both_columns(assignments) and not options.loss_factor
     if options.loss or separate or other is None:
         if size and not separate:
             _require_loss_angle(file, table.columns[size.index].name)
-        return answers
+        return assignments
     if isinstance(other, Question):
-        return {**answers, "loss": other, "storage": size or answers["storage"]}
-    del answers["loss"]
-    answers[other.role] = other
-    if size and _is_size(file, size, answers):
-        answers["storage"] = size
-    return answers
+        return {**assignments, "loss": other, "storage": size or assignments["storage"]}
+    del assignments["loss"]
+    assignments[other.role] = other
+    if size and _is_size(file, size, assignments):
+        assignments["storage"] = size
+    return assignments
 
 
-def _hint(file: OpenedFile, answers: Mapping[Role, RoleAssignment | Question]) -> str:
+def _hint(file: OpenedFile, assignments: Mapping[Role, RoleAssignment | Question]) -> str:
     """Return what the file is instead, where a column is not found."""
-    if not any(isinstance(answer, Question) for answer in answers.values()):
+    if not any(isinstance(assignment, Question) for assignment in assignments.values()):
         return ""
     kind, reason = detect_table_kind(file.table, file.options)
     return "" if kind in {"dma", "unclear"} else f" (it is not a DMA test: {reason})"
@@ -174,10 +173,10 @@ def _told_apart(file: OpenedFile, columns: Sequence[RoleAssignment]) -> None:
     )
 
 
-def _find_both_columns(answers: Mapping[Role, RoleAssignment | Question]) -> bool:
+def _find_both_columns(assignments: Mapping[Role, RoleAssignment | Question]) -> bool:
     """Return whether storage and loss are columns of their own."""
-    pair = [answers["storage"], answers["loss"]]
-    at = {answer.index for answer in pair if isinstance(answer, RoleAssignment)}
+    pair = [assignments["storage"], assignments["loss"]]
+    at = {assignment.index for assignment in pair if isinstance(assignment, RoleAssignment)}
     return len(at) == len(pair)
 
 
@@ -190,9 +189,9 @@ def _find_loss_substitute(file: OpenedFile) -> RoleAssignment | Question | None:
     if file.options.phase and not file.options.loss_factor:
         roles.reverse()
     for role in roles:
-        answer = assign(file.table, role, file.options)
-        if isinstance(answer, RoleAssignment) or answer.choices:
-            return answer
+        assignment = assign(file.table, role, file.options)
+        if isinstance(assignment, RoleAssignment) or assignment.choices:
+            return assignment
     return None
 
 
@@ -207,7 +206,7 @@ def _require_loss_angle(file: OpenedFile, name: str) -> None:
 
 
 def _is_size(
-    file: OpenedFile, size: RoleAssignment, answers: Mapping[Role, RoleAssignment | Question]
+    file: OpenedFile, size: RoleAssignment, assignments: Mapping[Role, RoleAssignment | Question]
 ) -> bool:
     """Return whether a column is the size of the complex modulus: its name, or the user, says so.
 
@@ -216,7 +215,7 @@ def _is_size(
     ReadError
         If the name says neither that nor storage.
     """
-    columns, storage = file.table.columns, answers["storage"]
+    columns, storage = file.table.columns, assignments["storage"]
     if file.options.magnitude or vocabulary.says_size(columns[size.index].name):
         named = isinstance(storage, RoleAssignment) and storage.index != size.index
         return bool(file.options.magnitude) or not named
@@ -245,10 +244,10 @@ def parts_of(
     ReadError
         If storage and loss are of two kinds, or an angle is not that of a solid.
     """
-    of = {c.role: c for c in chosen}
-    base = of["storage" if "storage" in of else "complex_modulus"]
+    column_by_role = {c.role: c for c in chosen}
+    base = column_by_role["storage" if "storage" in column_by_role else "complex_modulus"]
     indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
-    assignment = file.column("loss_factor") if "loss" in of else None
+    assignment = file.column("loss_factor") if "loss" in column_by_role else None
     columns = [*indexes, *([assignment.index] if assignment else [])]
     loaded = channels.load(file.table, columns, file.options.segment)
     reported = loaded.values[:, -1]
@@ -256,20 +255,23 @@ def parts_of(
     loaded = channels.filled_down(loaded, [c.role for c in chosen])
     rows, gaps = channels.select_complete_rows(loaded)
     values = channels.convert_signals_to_si(rows, chosen)
-    warmth = [of["temperature"]] if "temperature" in of else []
+    warmth = [column_by_role["temperature"]] if "temperature" in column_by_role else []
     notes = [*file.table.notes, *gaps, *channels.rivals(file, warmth)]
-    if "loss" in of:
-        if base.unit.dimension != of["loss"].unit.dimension:
+    if "loss" in column_by_role:
+        if base.unit.dimension != column_by_role["loss"].unit.dimension:
             raise ReadError(
-                f"storage is a {base.unit.dimension} and loss a {of['loss'].unit.dimension}; "
+                f"storage is a {base.unit.dimension} and loss a "
+                f"{column_by_role['loss'].unit.dimension}; "
                 "expected both in one kind of unit, such as MPa or N/mm"
             )
         if assignment is not None:
             reported = reported[np.isfinite(loaded.values).all(axis=1)]
-            notes += _check_loss_factor(file, of["loss"].index, assignment.index, reported, values)
+            notes += _check_loss_factor(
+                file, column_by_role["loss"].index, assignment.index, reported, values
+            )
         return loaded, values, si_unit(base.unit.dimension).word, notes
     if ratio is None:
-        angle = of["loss_angle"]
+        angle = column_by_role["loss_angle"]
         tangent = np.tan(_solid_angle(file, angle, values["loss_angle"]))
         message = f"the tangent of '{file.table.columns[angle.index].name}'"
     else:
@@ -279,7 +281,6 @@ def parts_of(
         values["storage"] = values["complex_modulus"] / np.sqrt(1 + tangent**2)
         notes.append(
             f"storage is '{file.table.columns[base.index].name}', taken as the size |K*|, times "
-            ""
             "the cosine of the loss angle; if it is storage itself, name it with --column "
             "storage=NAME"
         )

@@ -38,17 +38,17 @@ def _serve(stream: BinaryIO, out: BinaryIO) -> None:
         function = getattr(import_module(module), name)
         if request["columns"] is not None:
             function = partial(function, columns=request["columns"])
-        message_protocol.send_answer(out, run_parser(request["format"], function, raw, options))
+        message_protocol.send_reply(out, run_parser(request["format"], function, raw, options))
     except DashpotError as error:
         message_protocol.send(out, {"error": str(error)[:_LONGEST]})
 
 
 def run_parser(
     what: str,
-    function: Callable[[RawFile, ReadOptions], message_protocol.Answer],
+    function: Callable[[RawFile, ReadOptions], message_protocol.Reply],
     raw: RawFile,
     options: ReadOptions,
-) -> message_protocol.Answer:
+) -> message_protocol.Reply:
     """Return what a foreign parser makes of a file of the format `what`.
 
     Raises

@@ -15,7 +15,7 @@ from dashpot.base.provenance import Caution
 from dashpot.reading.sandbox.limits import LARGEST, check_value_count
 from dashpot.reading.table import Column, Content, FileTable, Question, make_loader
 
-Answer: TypeAlias = FileTable | dict[str, bytes]
+Reply: TypeAlias = FileTable | dict[str, bytes]
 """A table whose numbers are in memory, or the texts of a file by name."""
 
 _HEAD = 1 << 22
@@ -65,7 +65,7 @@ def exactly(stream: BinaryIO, size: int) -> bytes:
     return content
 
 
-def send_answer(stream: BinaryIO, answer: Answer) -> None:
+def send_reply(stream: BinaryIO, table: Reply) -> None:
     """Write an answer, a table some columns at a time.
 
     Raises
@@ -73,28 +73,28 @@ def send_answer(stream: BinaryIO, answer: Answer) -> None:
     ReadError
         Before anything is written, if it is more than a test can be.
     """
-    if isinstance(answer, dict):
-        check_value_count(sum(map(len, answer.values())) // 8, "the sheets hold as much text as")
-        send(stream, {"texts": [[k, len(v)] for k, v in answer.items()]}, answer.values())
+    if isinstance(table, dict):
+        check_value_count(sum(map(len, table.values())) // 8, "the sheets hold as much text as")
+        send(stream, {"texts": [[k, len(v)] for k, v in table.items()]}, table.values())
         return
     import numpy as np
 
-    width = len(answer.columns)
-    first = answer.load([0])
+    width = len(table.columns)
+    first = table.load([0])
     rows = len(first.values)
     check_value_count(rows * width, "the file holds")
     head = {
-        "format": answer.format, "rows": rows, "starts": first.starts, "segments": first.segments,
-        "columns": [[c.name, c.unit, c.content, c.factor] for c in answer.columns],
-        "doubts": [[d.message, d.option] for d in answer.doubts], "simulated": answer.simulated,
-        "notes": answer.notes, "header": answer.header, "hints": answer.hints,
-        "cautions": [i for i, note in enumerate(answer.notes) if isinstance(note, Caution)],
+        "format": table.format, "rows": rows, "starts": first.starts, "segments": first.segments,
+        "columns": [[c.name, c.unit, c.content, c.factor] for c in table.columns],
+        "doubts": [[d.message, d.option] for d in table.doubts], "simulated": table.simulated,
+        "notes": table.notes, "header": table.header, "hints": table.hints,
+        "cautions": [i for i, note in enumerate(table.notes) if isinstance(note, Caution)],
     }  # fmt: skip
-    blocks = (answer.load(range(*of)).values.T for of in _blocks(rows, width))
+    blocks = (table.load(range(*of)).values.T for of in _blocks(rows, width))
     send(stream, head, (np.ascontiguousarray(block, float).data.cast("B") for block in blocks))
 
 
-def receive_answer(stream: BinaryIO, head: dict[str, Any]) -> Answer:
+def receive_answer(stream: BinaryIO, head: dict[str, Any]) -> Reply:
     """Read the answer that a head announces.
 
     Raises

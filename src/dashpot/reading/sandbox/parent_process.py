@@ -21,7 +21,7 @@ from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits, message_protocol
 
-A = TypeVar("A", bound=message_protocol.Answer)
+A = TypeVar("A", bound=message_protocol.Reply)
 _MARK = "--read-for-dashpot"
 CHILD_ENVIRONMENT = {"MALLOC_ARENA_MAX": "1", "POLARS_MAX_THREADS": "1"}
 """Each thread of polars sets aside 64 MB of addresses in an arena: a GiB is full before a file."""
@@ -70,26 +70,26 @@ def run_in_child(
         "options": {name: getattr(options, name) for name in CHILD_OPTIONS},
         "columns": None if columns is None else [int(index) for index in columns],
     }  # fmt: skip
-    late = threading.Event()
-    with _child(seconds, late) as child:
+    timed_out = threading.Event()
+    with _child(seconds, timed_out) as child:
         try:
             with suppress(OSError):  # the child is gone; what it left is read below
                 _send(child, request, raw)
-            answer = _receive_answer(cast("BinaryIO", child.stdout))
+            reply = _receive_answer(cast("BinaryIO", child.stdout))
         except message_protocol.ProtocolError:
-            answer = None
-    if answer is None:
-        raise ReadError(_death(what, child.returncode, seconds if late.is_set() else None))
-    return cast("A", answer)
+            reply = None
+    if reply is None:
+        raise ReadError(_death(what, child.returncode, seconds if timed_out.is_set() else None))
+    return cast("A", reply)
 
 
 def _send(child: subprocess.Popen[bytes], request: dict[str, object], raw: RawFile) -> None:
     stream = cast("BinaryIO", child.stdin)
-    message_protocol.send(stream, request, [raw.held])
+    message_protocol.send(stream, request, [raw.content])
     stream.close()
 
 
-def _receive_answer(stream: BinaryIO) -> message_protocol.Answer:
+def _receive_answer(stream: BinaryIO) -> message_protocol.Reply:
     head = message_protocol.receive(stream)
     if "error" in head:
         raise ReadError("".join(c if c.isprintable() else " " for c in str(head["error"])))
@@ -97,7 +97,7 @@ def _receive_answer(stream: BinaryIO) -> message_protocol.Answer:
 
 
 @contextmanager
-def _child(seconds: float, late: threading.Event) -> Iterator[subprocess.Popen[bytes]]:
+def _child(seconds: float, timed_out: threading.Event) -> Iterator[subprocess.Popen[bytes]]:
     """A child that is ended after so many seconds, and in any case at the end of the block."""
     try:
         child = subprocess.Popen(  # noqa: S603
@@ -112,7 +112,7 @@ def _child(seconds: float, late: threading.Event) -> Iterator[subprocess.Popen[b
         raise ReadError(f"no process could be started to read it: {error.strerror}") from None
 
     def end() -> None:
-        late.set()
+        timed_out.set()
         child.kill()
 
     clock = threading.Timer(seconds, end)
@@ -134,8 +134,7 @@ def _command() -> list[str]:
         if not _frozen_children:
             raise ReadError(
                 "this packed program cannot start the reader of this format; export the test as "
-                "text (its maker: call "
-                "dashpot.reading.sandbox.parent_process.frozen_support first)"
+                "text (its maker: call dashpot.reading.sandbox.parent_process.frozen_support first)"
             )
         return [sys.executable, *_frozen_children]
     return interpreter("dashpot.reading.sandbox.child_process", "-W", "ignore")

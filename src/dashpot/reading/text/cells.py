@@ -113,13 +113,13 @@ def _split_fixed_width(line: str, breaks: Sequence[int]) -> list[str]:
     return [line[a:b].strip() for a, b in itertools.pairwise([0, *breaks, None])]
 
 
-def split_by_alignment(line: str, like: str) -> list[str]:
-    """Return the cells of a line under those of a full row `like` it, blank where one is missing.
+def split_by_alignment(line: str, template: str) -> list[str]:
+    """Return the cells of a line in the columns of a full row, blank where one is missing.
 
     Returns no cells unless each stands under one cell of the row, the last under its last: only
-    then do the gaps tell which is missing.
+    then do the gaps show which is missing.
     """
-    places = [match.span() for match in re.finditer(r"\S+", like)]
+    places = [match.span() for match in re.finditer(r"\S+", template)]
     cells = [""] * len(places)
     last = -1
     for match in re.finditer(r"\S+", line):
@@ -268,14 +268,14 @@ class ClockColumn:
         """Add the days to the seconds; return the rows where midnight passes, and what to ask."""
         if self.doubtful:
             three = self.doubtful.count(":") > 1
-            ways = (
+            orders = (
                 "is said to be minutes and seconds, but has three parts; if they are hours, "
                 'minutes and seconds, add --units "time=hh:mm:ss"'
                 if three
                 else "can be hours and minutes or minutes and seconds; say which with "
                 '--units "time=hh:mm" or --units "time=mm:ss"'
             )
-            message = f"a time such as '{self.doubtful}' {ways}"
+            message = f"a time such as '{self.doubtful}' {orders}"
             return [], [Question(message, '--units "time=mm:ss"')]
         if not any(date for _, date in self.dates):
             return self._over_midnight(values), []
@@ -347,11 +347,11 @@ def _day(word: str, order: str) -> int | None:
 
 
 _DELIMITERS = ("\t", ";", "|", ",")
-_LEAST = 3
+_MIN_ROWS = 3
 """Rows by which such a column is known."""
 _SHARE = 0.8
 """Part of the lines from the first such row on that hold a complex number, at least."""
-_ABOVE = 3
+_MAX_HEADER_LINES = 3
 """Lines right above the table that may hold names and units."""
 _HOLE = "\0"
 
@@ -373,7 +373,7 @@ def holds_complex(head: str) -> bool:
     >>> holds_complex("f,H\n1,(1+2j)\n2,(2-1j)\n3,(0-1j)"), holds_complex("f,H\n1,2")
     (True, False)
     """
-    return any(sum(1 for _ in pattern.finditer(head)) >= _LEAST for pattern in _COMPLEX_PATTERNS)
+    return any(sum(1 for _ in pattern.finditer(head)) >= _MIN_ROWS for pattern in _COMPLEX_PATTERNS)
 
 
 def parted_cells(text: str) -> str | None:
@@ -388,7 +388,7 @@ def parted_cells(text: str) -> str | None:
     lines = text.split("\n")
     for pattern in _COMPLEX_PATTERNS:
         rows = [i for i, line in enumerate(lines) if pattern.search(line)]
-        if len(rows) < _LEAST:
+        if len(rows) < _MIN_ROWS:
             continue
         filled = [i for i in range(rows[0], len(lines)) if lines[i].strip()]
         if len(rows) < _SHARE * len(filled):
@@ -421,7 +421,7 @@ def _with_parts(line: str, pattern: re.Pattern[str], delimiter: str) -> str:
 def _part_names(lines: list[str], first: int, places: list[str], sign: str) -> None:
     """Give each complex column two names, and two units."""
     named = False
-    for i in range(max(first - _ABOVE, 0), first):
+    for i in range(max(first - _MAX_HEADER_LINES, 0), first):
         cells = _split_complex_cell(lines[i].lstrip("#% "), sign)
         if len(cells) != len(places):
             continue

@@ -64,22 +64,22 @@ class Dialect:
     @cached_property
     def numbers(self) -> tuple[int, ...]:
         """The columns that hold numbers or clock times."""
-        return tuple(i for i, held in enumerate(self.contents) if held in {"number", "clock"})
+        return tuple(i for i, content in enumerate(self.contents) if content in {"number", "clock"})
 
     @cached_property
     def _has_clock(self) -> bool:
         return "clock" in self.contents
 
-    def row(self, line: str, like: str = "") -> list[str] | None:
+    def row(self, line: str, template: str = "") -> list[str] | None:
         """Return the cells of a line, one per column, if it is a row of the table; else None.
 
-        Where blanks part the cells, a row `like` it that lacks none shows which are blank.
+        Where blanks part the cells, a full row like `template` shows which are blank.
         """
         if len(line) > LONGEST:
             return None
         parts = cell.split(line, self.delimiter, trim=False)
         if self.delimiter == " " and len(parts) < self.cells:
-            parts = cell.split_by_alignment(line, like)
+            parts = cell.split_by_alignment(line, template)
         whole, width = len(parts) == self.cells, len(self.contents)
         if not cell.drop_trailing_blanks(parts) or not (whole or self._ends_well(parts)):
             return None
@@ -121,12 +121,12 @@ class Dialect:
     def resembles_row(self, line: str) -> bool:
         """Return whether a line that is no row begins or is filled with numbers, however parted."""
         parts = Counter(part.strip('"') for part in _PARTS.split(line[:LONGEST].strip()))
-        numbers = sum(count for part, count in parts.items() if like_number(part))
+        numbers = sum(count for part, count in parts.items() if looks_like_number(part))
         words = sum(count for part, count in parts.items() if not cell.is_missing(part)) - numbers
         if numbers > words and (numbers >= len(self.numbers) or words == 0 < numbers - 1):
             return True
         cells = cell.split(line, self.delimiter)
-        return self.delimiter != " " and len(cells) > 1 and like_number(cells[0])
+        return self.delimiter != " " and len(cells) > 1 and looks_like_number(cells[0])
 
     def is_cut_off(self, lines: Sequence[str]) -> bool:
         """Return whether the last line is a row whose last number alone has too few decimals.
@@ -255,7 +255,7 @@ def _has_groups(window: Sequence[str]) -> bool:
     lines = (line for line in window if "\t" in line and len(line.split()) > 1 + line.count("\t"))
     texts = chain.from_iterable(cell.split(line, "\t") for line in lines)
     several = [text for text in texts if len(text.split()) > 1]
-    numbers = [text for text in several if all(map(like_number, text.split()))]
+    numbers = [text for text in several if all(map(looks_like_number, text.split()))]
     return bool(numbers) and all(
         cell.is_number(text, ".") or cell.is_number(text, ",") for text in numbers
     )
@@ -279,8 +279,8 @@ def _plainly(window: Sequence[str], signs: Sequence[str], marks: Sequence[Mark])
             if cell.are_plain(cells, mark) and (
                 mark == "." or not all(all(cell.numeric(row, ".")) for row in rows)
             ):
-                held: list[Content] = ["number"] * width
-                return Dialect(sign, mark, tuple(held), cells=width)
+                cell_contents: list[Content] = ["number"] * width
+                return Dialect(sign, mark, tuple(cell_contents), cells=width)
     return None
 
 
@@ -342,7 +342,7 @@ def _score_run(
     dialect = Dialect(sign, mark, tuple(contents), cells=cells)
     if len(run) * len(dialect.numbers) <= above:  # even without a word
         return above, dialect
-    texts = (columns[i] for i, held in enumerate(contents) if held == "text")
+    texts = (columns[i] for i, content in enumerate(contents) if content == "text")
     words = sum(2.0 if _hides_numbers(column) else 0.5 for column in texts)
     # a lone number on each of a few lines is a header more often than a table
     lone = 0.5 if len(dialect.numbers) == 1 else 0.0
@@ -357,7 +357,7 @@ def decimals(text: str, mark: Mark) -> int | None:
     return len(text) - place - 1 if place >= 0 else 0
 
 
-def like_number(text: str) -> bool:
+def looks_like_number(text: str) -> bool:
     """Whether a cell is made of digits and their marks: a number, a time, two glued numbers."""
     return not text.isalpha() and set(text) <= _DIGITS and any(map(str.isdigit, text))
 
@@ -365,7 +365,7 @@ def like_number(text: str) -> bool:
 def _hides_numbers(cells: Sequence[str]) -> bool:
     """Return whether most words of a column are numbers that another delimiter would part."""
     parts = [[part for part in _PARTS.split(text) if part] for text in cells]
-    glued = sum(len(part) > 1 and all(map(like_number, part)) for part in parts)
+    glued = sum(len(part) > 1 and all(map(looks_like_number, part)) for part in parts)
     return 2 * glued > len(cells)
 
 
@@ -495,7 +495,7 @@ def find_encoding(head: bytes) -> str:
 
 
 def _code_page(head: bytes) -> str:
-    # only lines with a letter beyond ASCII can tell, and the first few hundred are enough
+    # only lines with a letter beyond ASCII can show, and the first few hundred are enough
     lines = head.splitlines()
     whole = lines[:-1] if len(lines) > 1 else lines  # the last may be cut within a character
     not_ascii = b"\n".join([line for line in whole if not line.isascii()][:200])
@@ -529,7 +529,7 @@ _WORDS: tuple[tuple[float, Callable[[str, str], float]], ...] = (
     (-0.2, lambda word, _: sum(c in "þðýÞÐÝ" for c in word)),
     (-0.3, lambda word, _: sum("\u0400" <= c <= "\u04ff" for c in word) * (len(word) < 3)),
 )
-"""What a word beyond ASCII tells of its code page, and how much."""
+"""What a word beyond ASCII shows of its code page, and how much."""
 _UNITS = compile_on_use(r"(?:°[CF]?|[µμ][mNsV]|[ms][²³])(?![^\W\d_])")
 _DEBRIS = compile_on_use(r"(?<=[^\W\d_])[³¹¿œŸž¡£¥]|[¤¦¨¸¯](?=\w)|[\x80-\x9f\ufffd\ue000-\uf8ff]")
 
@@ -552,7 +552,7 @@ def decode_blocks(
     try:
         for block in blocks:
             text = rest + decoder.decode(block)
-            ended = text.rstrip("\r")  # what follows them tells what they end
+            ended = text.rstrip("\r")  # what follows them shows what they end
             cut = max(ended.rfind("\n"), ended.rfind("\r")) + 1
             rest = text[cut:]
             if cut:

@@ -25,7 +25,7 @@ from dashpot.reading.text.dialect import LONGEST, Dialect
 
 _COMMENT = compile_on_use(r"\A\s*+(?:#++|%++|//++|\$++|!++|\*++|'++|--++|>++|@++)\s*+")
 _CLOSED = compile_on_use(r"(?<=[\])])")
-_REACH = 6
+_HEADER_LINES = 6
 _COUNTERS = {"index", "no", "nr", "n", "number", "point", "reading", "row", "nummer", "messpunkt"}
 """Names of a first column that counts the rows, and has no unit."""
 _SIGNAL = compile_on_use(r"\ASig(\d{1,3})[\t ,;:=]\s*+(.{1,200})\Z")
@@ -59,16 +59,16 @@ def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
     """Return the names and units found in the lines above the table."""
     # a row of numbers alone counts columns or rows, and names none
     spoken = list(filter(re.compile(r"[^\W\d]|%|\"|°").search, _join_quoted_lines(lines)))
-    rows = [_cells(line, dialect) for line in spoken[-_REACH:]]
-    names, words, odd = _pick(rows, dialect)
+    rows = [_cells(line, dialect) for line in spoken[-_HEADER_LINES:]]
+    names, words, uneven_units = _pick(rows, dialect)
     names = _find_labelled_cells(lines, dialect, "name") or names
     words = _find_labelled_cells(lines, dialect, "unit") or words
     width = len(dialect.contents)
     names, words = _parse_column_lines(lines, width) or _signals(lines, width) or (names, words)
     misfit = "" if names else _misfit(rows[:-3:-1], dialect)
     uneven = ""
-    if odd and names and not words:
-        words, uneven = _assign_uneven_units(odd, names, dialect)
+    if uneven_units and names and not words:
+        words, uneven = _assign_uneven_units(uneven_units, names, dialect)
     pairs = zip_longest(names[:width], words[:width], dialect.contents)
     padded = [(name or "", word, content) for name, word, content in pairs]
     return Header(
@@ -80,7 +80,7 @@ def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
 
 
 def _assign_uneven_units(
-    odd: Sequence[str], names: Sequence[str], dialect: Dialect
+    unit_row: Sequence[str], names: Sequence[str], dialect: Dialect
 ) -> tuple[list[str], str]:
     """Return the units of a row that is not as wide as the table, and what to say of it.
 
@@ -88,16 +88,21 @@ def _assign_uneven_units(
     missing or added further left, nobody knows where, and none is taken.
     """
     width = len(dialect.contents)
-    if len(odd) == width - 1 and odd[0] and vocabulary.normalise_name(names[0]) in _COUNTERS:
-        return ["", *odd], ""
+    if (
+        len(unit_row) == width - 1
+        and unit_row[0]
+        and vocabulary.normalise_name(names[0]) in _COUNTERS
+    ):
+        return ["", *unit_row], ""
     message = (
-        f"the row of units has {len(odd)} cells for {width} columns ('{odd[0]}' ... '{odd[-1]}')"
+        f"the row of units has {len(unit_row)} cells for {width} columns "
+        f"('{unit_row[0]}' ... '{unit_row[-1]}')"
     )
-    pairs = list(zip(names[:width], map(strip_brackets, odd), strict=False))
+    pairs = list(zip(names[:width], map(strip_brackets, unit_row), strict=False))
     if any(_denies(split_unit(name)[0], word) for name, word in pairs):
         return [], f"{message}; none was taken, for under the names from the left they do not fit"
     taken = f"{message}; they were taken for those of the columns from the left"
-    return list(odd[:width]), Caution(taken)
+    return list(unit_row[:width]), Caution(taken)
 
 
 def _denies(name: str, word: str) -> bool:
@@ -106,10 +111,10 @@ def _denies(name: str, word: str) -> bool:
         return False
     sentences = [role for role, value in vocabulary.matches(name).items() if value >= 2.0]
     measured = [
-        of[role]
+        words[role]
         for role in sentences
-        for of in (vocabulary.DIMENSION, vocabulary.OF_A_PART)
-        if role in of
+        for words in (vocabulary.DIMENSION, vocabulary.OF_A_PART)
+        if role in words
     ]
     return bool(measured) and not any(units.find_unit(word, text) for text in measured)
 
@@ -265,7 +270,7 @@ def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[
     """
     width = len(dialect.contents)
     words: list[str] = []
-    odd: list[str] = []
+    uneven_units: list[str] = []
     for i in range(len(rows) - 1, -1, -1):
         row, above = rows[i], rows[i - 1] if i else []
         if _is_units(row, dialect):
@@ -273,12 +278,12 @@ def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[
         elif _is_names(row, dialect):
             parallel = not words and len(above) == len(row) and _is_units(above, dialect)
             words, upper = (above, rows[i - 2] if i > 1 else []) if parallel else (words, above)
-            return _fill_blank_names(row, upper, words), words, odd
-        elif not words and not odd and len(row) > 1 and _holds_units(row):
-            odd = row
+            return _fill_blank_names(row, upper, words), words, uneven_units
+        elif not words and not uneven_units and len(row) > 1 and _holds_units(row):
+            uneven_units = row
         elif any(row) and (words or len(row) >= max(2, width - 1)):
             break
-    return [], words, odd
+    return [], words, uneven_units
 
 
 def _fill_blank_names(row: Sequence[str], above: Sequence[str], words: Sequence[str]) -> list[str]:

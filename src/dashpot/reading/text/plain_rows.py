@@ -152,7 +152,7 @@ def split_line_cells(lines: bytes, sign: int) -> PartedLines | None:
 # double; what they are not sure to read alike they never get.
 
 
-_PAYS = 1 << 19
+_MIN_CHARACTERS = 1 << 19
 """Characters of tables, of all that a process reads, over which msgspec is worth its import."""
 _NEGATIVE_ZERO = compile_on_use(rb"-0(?=[\s,])")
 """JSON has no negative integer zero: msgspec would read 0."""
@@ -309,7 +309,7 @@ class PlainRows:
     def _from_json(self, raw: bytes, more: int) -> FloatArray | None:
         """Return the numbers of lines of one width, None unless each is written as JSON has it."""
         PlainRows.met += len(raw)
-        if PlainRows.met < _PAYS and "msgspec" not in sys.modules:
+        if PlainRows.met < _MIN_CHARACTERS and "msgspec" not in sys.modules:
             return None
         sign = self.dialect.delimiter.encode()
         if more > 1:

@@ -16,7 +16,7 @@ from dashpot.reading.raw_file import TimeBudget
 from dashpot.reading.table import Column, LoadedColumns, Question
 from dashpot.reading.text import cells as cell
 from dashpot.reading.text.cells import ClockColumn
-from dashpot.reading.text.dialect import LONGEST, Dialect, like_number
+from dashpot.reading.text.dialect import LONGEST, Dialect, looks_like_number
 from dashpot.reading.text.header import find_header_change
 from dashpot.reading.text.plain_rows import PlainRows, line_count
 
@@ -26,30 +26,30 @@ from dashpot.reading.text.plain_rows import PlainRows, line_count
 _SMALL = compile_on_use(r"\A[+-]?[1-9]\d{0,2}\Z")
 _FIRST, _ROWS, _CELLS = 1 << 11, 1 << 14, 1 << 20
 """Rows that are looked at first, and at most at once, fewer of a wide table."""
-_SEEN = 1 << 12
+_MAX_CACHED = 1 << 12
 """Texts of a column that are known again."""
 
 
 def find_undecided_columns(values: FloatArray) -> set[int]:
-    """Return the columns whose points could part thousands, as far as their values tell.
+    """Return the columns whose points could part thousands, as far as their values show.
 
     A number below one, above a thousand or with more than three decimals was printed with a
     decimal point, or without any mark; and beside a grouped 1.600 stands a whole number. Hardly
     a column is left.
     """
     width = values.shape[1]
-    left, whole = np.arange(width), np.zeros(width, bool)
+    undecided, whole = np.arange(width), np.zeros(width, bool)
     most, stop = min(_ROWS, max(1, _CELLS // max(1, width))), 0
-    while stop < len(values) and left.size:
+    while stop < len(values) and undecided.size:
         start, stop = stop, stop + min(most, max(_FIRST, stop))
-        part = np.abs(values[start:stop, left])
+        part = np.abs(values[start:stop, undecided])
         stated = np.isfinite(part) & (part > 0)
-        odd = stated & ((part < 1) | (part >= 1e3))
-        digits = np.where(stated & ~odd, part, 1.0) * 1e3
-        odd |= np.abs(digits - np.round(digits)) > 0.01
-        whole[left] |= (stated & (part == np.floor(part))).any(axis=0)
-        left = left[~odd.any(axis=0)]
-    return set(left[whole[left]].tolist())
+        is_unusual = stated & ((part < 1) | (part >= 1e3))
+        digits = np.where(stated & ~is_unusual, part, 1.0) * 1e3
+        is_unusual |= np.abs(digits - np.round(digits)) > 0.01
+        whole[undecided] |= (stated & (part == np.floor(part))).any(axis=0)
+        undecided = undecided[~is_unusual.any(axis=0)]
+    return set(undecided[whole[undecided]].tolist())
 
 
 @dataclass(frozen=False)
@@ -57,7 +57,7 @@ class _Marks:
     """How the numbers of one column are written, as far as they have been read."""
 
     decimal: str
-    own: str = ""
+    text: str = ""
     foreign: str = ""
     small: bool = False
     broken: bool = False
@@ -67,7 +67,7 @@ class _Marks:
     def is_redundant(self, text: str) -> bool:
         """Return whether a cell adds nothing to what is known.
 
-        What was said before tells nothing new: of a counter a few rows are enough. Nor, where the
+        What was said before shows nothing new: of a counter a few rows are enough. Nor, where the
         decimal mark is sure, does a cell without another mark.
         """
         if self.grouped or text in self.seen:
@@ -77,7 +77,7 @@ class _Marks:
     def add(self, text: str) -> None:
         match = cell.EITHER_WAY.match(text)
         if match and match[1] in self.decimal:
-            self.own = self.own or text
+            self.text = self.text or text
         elif match:
             self.foreign = self.foreign or text
         elif _SMALL.match(text):
@@ -87,14 +87,14 @@ class _Marks:
             self.grouped |= marks > 1
             self.broken |= marks == 1 or len(text) > 3
 
-    def doubt(self) -> str:
+    def question(self) -> str:
         """Return a cell that can be read two ways, or ""."""
         if self.grouped:
             return ""
-        if self.foreign and (self.decimal == "." or not (self.own or self.small or self.broken)):
+        if self.foreign and (self.decimal == "." or not (self.text or self.small or self.broken)):
             return self.foreign
         # beside 800, 1.600 was hardly printed with three decimals
-        return self.own if self.small and not self.broken else ""
+        return self.text if self.small and not self.broken else ""
 
 
 def find_ambiguous_marks(
@@ -123,7 +123,7 @@ def find_ambiguous_marks(
         _add_rows(lines, dialect, indexes, columns)
         if all(m.grouped or (m.broken and place not in commas) for place, m in columns.items()):
             break
-    return [_which_mark(text) for marks in columns.values() if (text := marks.doubt())]
+    return [_which_mark(text) for marks in columns.values() if (text := marks.question())]
 
 
 def _add_rows(
@@ -139,7 +139,7 @@ def _add_rows(
             continue
         for place, marks in columns.items():
             text = row[indexes[place]]
-            if len(marks.seen) < _SEEN:
+            if len(marks.seen) < _MAX_CACHED:
                 marks.seen.add(text)
             if cell.number(text, dialect.mark) is not None:
                 marks.add(text)
@@ -192,7 +192,7 @@ class _Gathered:
     above: list[tuple[str, ...]] = field(default_factory=lambda: [()])
 
     def note(self, word: str, line: int) -> None:
-        """Count a word in the place of a number; a few are enough to tell."""
+        """Count a word in the place of a number; a few are enough to show."""
         if word not in self.words and len(self.words) >= _MENTIONED:
             return
         places = self.words.setdefault(word, [0])
@@ -284,20 +284,20 @@ def _load_columns(
     *,
     sure: bool,
 ) -> LoadedColumns:
-    got = _Gathered(segments=[heading.title])
-    reader = _Reader(dialect, tuple(indexes), heading, got, patience)
+    gathered = _Gathered(segments=[heading.title])
+    reader = _Reader(dialect, tuple(indexes), heading, gathered, patience)
     first = tail = ""
     line = dialect.first + 1
     for text in _drop_first_lines(blocks(), dialect.first):
         line += reader.read(text, line)
         first = first or text.partition("\n")[0]
         tail = (tail + text[-_TAIL:])[-_TAIL:]
-    values = _merge_parts(got, len(indexes))
-    notes = [*got.notes(), *reader.finish(values)]
+    values = _merge_parts(gathered, len(indexes))
+    notes = [*gathered.notes(), *reader.finish(values)]
     last = tail.rstrip().split("\n")[1:]
-    if not got.between:
+    if not gathered.between:
         notes += _labels(first, "".join(last[-1:]), dialect, heading)
-    complete = got.between or got.rows - got.starts[-1] < 2
+    complete = gathered.between or gathered.rows - gathered.starts[-1] < 2
     if not complete and dialect.is_cut_off(last):
         values = values[:-1]
         notes.append("the last row is cut off within its last number and was left out")
@@ -306,10 +306,16 @@ def _load_columns(
         below = _patient(_drop_first_lines(blocks(), dialect.first), patience, dialect.first + 1)
         commas = reader.grouped | reader.plain.commas
         questions = find_ambiguous_marks(below, dialect, indexes, commas, points)
-        got.doubts += [(None, question) for question in questions]
-    starts, names = tuple(got.starts), tuple(got.segments)
+        gathered.doubts += [(None, question) for question in questions]
+    starts, names = tuple(gathered.starts), tuple(gathered.segments)
     return LoadedColumns(
-        values, starts, names, tuple(got.lines), tuple(notes), tuple(got.doubts), tuple(got.above)
+        values,
+        starts,
+        names,
+        tuple(gathered.lines),
+        tuple(notes),
+        tuple(gathered.doubts),
+        tuple(gathered.above),
     )
 
 
@@ -319,9 +325,9 @@ def _labels(first: str, last: str, dialect: Dialect, heading: Heading) -> list[s
     top, bottom = dialect.row(first), dialect.row(last)
     if top is None or bottom is None:
         return notes
-    for i, (held, begin, end) in enumerate(zip(dialect.contents, top, bottom, strict=True)):
+    for i, (content, begin, end) in enumerate(zip(dialect.contents, top, bottom, strict=True)):
         digits = max(sum(map(str.isdigit, text)) for text in (begin, end))
-        if held == "text" and "" not in {begin, end} and begin != end and digits < _DATED:
+        if content == "text" and "" not in {begin, end} and begin != end and digits < _DATED:
             name = heading.columns[i].label(i + 1) if heading.columns else str(i + 1)
             notes.append(f"column '{name}' begins with '{begin[:20]}' and ends with '{end[:20]}'")
     return notes[:2]
@@ -462,7 +468,7 @@ class _Reader:
         if got.rows and got.between:
             single = len(got.between) == 1
             for item in (got.between[0], got.between[-1]):
-                if self._is_malformed_row(item) or (single and like_number(item[1].strip())):
+                if self._is_malformed_row(item) or (single and looks_like_number(item[1].strip())):
                     self._refuse(*item)
             change = self._find_header_change()
             self.changed = self.changed if change is None else change  # it holds until the next
@@ -481,12 +487,14 @@ class _Reader:
             return ""
         texts = tuple(text for _, text in self.got.between)
         if texts not in self.headers and len(self.headers) < _MENTIONED:
-            self.headers[texts] = self._odd_header(texts)
-        odd = self.headers[texts] if texts in self.headers else self._odd_header(texts)
+            self.headers[texts] = self._is_changed_header(texts)
+        is_changed = (
+            self.headers[texts] if texts in self.headers else self._is_changed_header(texts)
+        )
         number = self.got.between[-1][0]
-        return odd and f"line {number} ends a second header, {odd}"
+        return is_changed and f"line {number} ends a second header, {is_changed}"
 
-    def _odd_header(self, texts: Sequence[str]) -> str | None:
+    def _is_changed_header(self, texts: Sequence[str]) -> str | None:
         return find_header_change(texts, self.dialect, self.heading.columns, self.indexes)
 
     def _find_like(self, lines: Sequence[str]) -> None:
@@ -538,10 +546,10 @@ class _Reader:
         text = pair[1]
         if text not in self.odd:
             comment = re.match(r"\A\s*+[#%$!]", text) is not None
-            odd = not comment and self.dialect.resembles_row(text)
+            is_malformed = not comment and self.dialect.resembles_row(text)
             if len(self.odd) >= _MENTIONED:
-                return odd
-            self.odd[text] = odd
+                return is_malformed
+            self.odd[text] = is_malformed
         return self.odd[text]
 
     def _refuse(self, number: int, line: str) -> None:
@@ -549,9 +557,10 @@ class _Reader:
         width = self.dialect.cells or len(self.dialect.contents)
         shown = f"'{line.strip()[:60]}'"
         if len(parts) in {width, len(self.dialect.contents)}:
-            odd = self._odd_cell(parts)
+            malformed_cell = self._find_malformed_cell(parts)
             raise ReadError(
-                f"line {number} has the {len(parts)} cells of the table, but {odd}: {shown}; "
+                f"line {number} has the {len(parts)} cells of the table, but {malformed_cell}: "
+                f"{shown}; "
                 "correct that line or take it out, or split the file there"
             )
         raise ReadError(
@@ -560,14 +569,14 @@ class _Reader:
             "correct that line or take it out, or split the file there"
         )
 
-    def _odd_cell(self, names: Sequence[str]) -> str:
+    def _find_malformed_cell(self, names: Sequence[str]) -> str:
         """Return what is odd of a line that has the cells of a row and is none."""
         contents = self.dialect.contents
         for i in self.dialect.numbers:
             text = names[i] if i < len(names) else ""
             if not cell.is_missing(text) and self.dialect.value(text, i) is None:
-                held = "a time" if contents[i] == "clock" else "a number"
-                return f"'{text[:20]}' in column {i + 1}, where {held} is expected"
+                expected = "a time" if contents[i] == "clock" else "a number"
+                return f"'{text[:20]}' in column {i + 1}, where {expected} is expected"
         if contents[0] == "blank" and names and names[0]:
             return f"'{names[0][:20]}' in column 1, which is blank in every row"
         return "too few of them are numbers"

@@ -31,12 +31,12 @@ HEIGHT_LIMIT = 3.0
 DAMPING_LIMIT = 1.25
 DEPTH_LIMIT = 0.25
 # so many limits off, a prediction is of no use
-USELESS = 4.0
+MAX_LIMIT_RATIO = 4.0
 # measured, n = 21: from here on the parabola reads the peak to 1 %, with a third of it to 17 %
 FEWEST_LINES = 1.5
 
-TOGETHER = "Fit both tests together, or ramp faster."
-_ASTRAY = "Check the mass, the number of seals, their length and the preload."
+JOINT_FIT_REMEDY = "Fit both tests together, or ramp faster."
+_MASS_REMEDY = "Check the mass, the number of seals, their length and the preload."
 
 
 def checks(
@@ -73,7 +73,7 @@ def _no_peak(c: Comparison) -> bool:
 
 def _grade(limits: float) -> Grade | None:
     """What missing the measurement by so many limits means for the prediction."""
-    return "stop" if limits > USELESS else None
+    return "stop" if limits > MAX_LIMIT_RATIO else None
 
 
 @criterion(
@@ -92,7 +92,7 @@ def stiffness_agrees(c: Comparison) -> Finding:
             f"The prediction has no peak from {f[0]:.3g} to {f[-1]:.3g} Hz. The measured one is at "
             f"{c.measured_hz:.4g} Hz",
             abs(error),
-            remedy=_ASTRAY,
+            remedy=_MASS_REMEDY,
             grade=_grade(abs(error) / FREQUENCY_LIMIT),
         )
     return Finding(
@@ -100,7 +100,7 @@ def stiffness_agrees(c: Comparison) -> Finding:
         f"{c.measured_hz:.3f} Hz ({100 * error:+z.2f} %). The storage stiffness there differs by "
         f"{100 * ((1 + error) ** 2 - 1):+z.1f} %",
         abs(error),
-        remedy=_ASTRAY,
+        remedy=_MASS_REMEDY,
         grade=_grade(abs(error) / FREQUENCY_LIMIT),
     )
 
@@ -119,7 +119,7 @@ def peak_agrees(c: Comparison) -> Finding:
             f"No predicted line is higher than {10 ** (c.ratio_db / 20):.3g} times the measured "
             f"peak ({c.ratio_db:+z.1f} dB)",
             c.ratio_db,
-            remedy=_ASTRAY,
+            remedy=_MASS_REMEDY,
             grade=_grade(abs(c.ratio_db) / HEIGHT_LIMIT),
         )
     return Finding(
@@ -127,7 +127,7 @@ def peak_agrees(c: Comparison) -> Finding:
         f"({c.ratio_db:+z.1f} dB)",
         c.ratio_db,
         f"The model has too {'little' if c.ratio_db > 0 else 'much'} damping there",
-        TOGETHER,
+        JOINT_FIT_REMEDY,
         grade=_grade(abs(c.ratio_db) / HEIGHT_LIMIT),
     )
 
@@ -152,7 +152,7 @@ def damping_agrees(c: Comparison, measured: Peak) -> Finding:
         f"The predicted damping ratio is {100 * c.predicted_damping:.3g} %, the measured one "
         f"{100 * c.measured_damping:.3g} % (ratio {ratio:.3g})",
         ratio,
-        remedy=TOGETHER,
+        remedy=JOINT_FIT_REMEDY,
         grade=_grade(abs(float(np.log(ratio))) / np.log(DAMPING_LIMIT)),
     )
 
@@ -213,7 +213,7 @@ def inside_valid_band(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Fi
     """The measured peak lies in the valid band of the fit, or confirms the prediction."""
     low, high = fit.band
     if not high > 0:
-        return Finding("The fit has no valid band, so this is not judged")
+        return Finding("The fit has no valid band, so this check does not apply")
     factor = max(c.measured_hz / high, low / c.measured_hz)
     peak = f"The measured peak ({c.measured_hz:.4g} Hz) lies"
     band = f"the valid band of the fit ({low:.2g} to {high:.2g} Hz)"
@@ -222,7 +222,7 @@ def inside_valid_band(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Fi
         where = "above" if c.measured_hz > high else "below"
         message = f"{peak} a factor of {factor:.3g} {where} {band}"
         message += ". Yet the measurement agrees" if borne_out else ""
-    return Finding(message, factor, remedy=TOGETHER, always_passes=borne_out)
+    return Finding(message, factor, remedy=JOINT_FIT_REMEDY, always_passes=borne_out)
 
 
 @criterion("1 / (2 pi peak), s", source="the valid band of the relaxation test")
@@ -230,7 +230,7 @@ def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Findi
     """The relaxation test covers the arms behind the loss, or the hammer confirms them."""
     low, high = fit.band
     if not high > 0:
-        return Finding("The fit has no valid band, so this is not judged")
+        return Finding("The fit has no valid band, so this check does not apply")
     tau = 1 / (2 * np.pi * c.measured_hz)
     if low <= c.measured_hz <= high:
         return Finding(
@@ -252,7 +252,7 @@ def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Findi
     return Finding(
         message + (". Yet the hammer test agrees" if borne_out else ""),
         tau,
-        remedy=TOGETHER,
+        remedy=JOINT_FIT_REMEDY,
         limit=1 / (2 * np.pi * high),
         always_fails=not borne_out,
     )
@@ -276,8 +276,7 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
             f"at {format_quantity(depth, 'mm', '.3g')}",
             at,
             f"The relaxation test went to {format_quantity(depth, 'mm', '.3g')} only. Beyond, its "
-            "last "
-            "tangent is used",
+            "last tangent is used",
             "Test the seal deeper.",
             limit=depth,
             always_fails=point.is_extrapolated,
@@ -290,8 +289,7 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
         else f"{message}, not to {tested}. Yet the frequency agrees",
         at,
         failure=f"{message}; the relaxation test was at {format_quantity(depth, 'mm', '.3g')}. A "
-        "stiffness "
-        "that depends on depth makes the two tests differ",
+        "stiffness that depends on depth makes the two tests differ",
         remedy=Remedy("Give the compression of the seals, if they were pressed.", "compression"),
         limit=depth,
         always_fails=not (near or borne_out),
@@ -312,14 +310,16 @@ def format_conclusion(c: Comparison) -> str:
         return f"The prediction matches the measurement: {c.resonance_match}."
     first = _format_frequency_error(c, agrees=stiff)
     if damped:
-        return f"{first} {_ASTRAY}"
+        return f"{first} {_MASS_REMEDY}"
     second = _format_damping_error(c)
     sentences = [second, first] if stiff else [first, second]
     if tested is not None and tested.failed:
         unmeasured = _time(tested.value or 0.0)
         sentences.append(f"The relaxation test does not cover relaxation within {unmeasured}.")
-        return clip_sentences(MAX_MESSAGE_WORDS, sentences, [TOGETHER])
-    return clip_sentences(MAX_MESSAGE_WORDS, sentences, [TOGETHER if stiff else _ASTRAY])
+        return clip_sentences(MAX_MESSAGE_WORDS, sentences, [JOINT_FIT_REMEDY])
+    return clip_sentences(
+        MAX_MESSAGE_WORDS, sentences, [JOINT_FIT_REMEDY if stiff else _MASS_REMEDY]
+    )
 
 
 def _format_frequency_error(c: Comparison, *, agrees: bool) -> str:

@@ -15,11 +15,11 @@ from dashpot.vibration.impact.spectral_estimators import Spectra
 
 FEWEST = 3
 """Hits that show no trend: a line through them leaves too little to judge it by."""
-WIDE = 4.0  # bandwidths to either side of a resonance tell it
-AROUND = 5.0  # lines on either side of a resonance from which a single hit tells it
-SURE = 0.99  # of records without a trend show less than is called one
+RESONANCE_BANDWIDTHS = 4.0  # bandwidths to either side of a resonance show it
+RESONANCE_LINES = 5.0  # lines on either side of a resonance from which a single hit shows it
+CONFIDENCE = 0.99  # of records without a trend show less than is called one
 EQUAL = 0.2  # of a doubling: hits so alike show no trend
-KNOWN, POWER = 0.95, 0.6  # two-sided: a change is found at 5 %, by four of five tests
+TREND_CONFIDENCE, POWER = 0.95, 0.6  # two-sided: a change is found at 5 %, by four of five tests
 _OF_MEDIAN = 1.25  # its standard error over that of a mean
 DECAYED = 0.55
 """One frequency of a whole decay is that of this part of its first amplitude (friction, Iwan's)."""
@@ -33,7 +33,7 @@ class RegressionLine(Serialisable):
     ----------
     slope : float
         Per doubling.
-    sure : float
+    confidence : float
         What chance exceeds in one of a hundred records without any slope.
     found : float
         What slope four of five such records find, at 5 %.
@@ -47,7 +47,7 @@ class RegressionLine(Serialisable):
     _keys = (Key("change", "slope"), "se", "found")
 
     slope: float
-    sure: float
+    confidence: float
     found: float
     middle: float
     value: float
@@ -87,7 +87,7 @@ class Trend:
     @property
     def stiffness_sure(self) -> float:
         """What chance exceeds in one of a hundred tests without a change."""
-        return self.stiffness_line.sure
+        return self.stiffness_line.confidence
 
     @property
     def detectable_stiffness_change(self) -> float:
@@ -102,7 +102,7 @@ class Trend:
     @property
     def damping_sure(self) -> float:
         """As `stiffness_sure`."""
-        return self.damping_line.sure
+        return self.damping_line.confidence
 
     @property
     def detectable_damping_change(self) -> float:
@@ -118,7 +118,7 @@ def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
     have an average that is not of one mode.
     """
     step = float(np.median(np.diff(frf.frequency)))
-    reach = max(WIDE * (main.bandwidth + frf.shift / np.pi), AROUND * step)
+    reach = max(RESONANCE_BANDWIDTHS * (main.bandwidth + frf.shift / np.pi), RESONANCE_LINES * step)
     near = np.abs(frf.frequency - main.frequency) <= reach
     ends = float(frf.frequency[near][0]), float(frf.frequency[near][-1])
     at = int(np.argmin(np.abs(frf.frequency - main.frequency)))
@@ -200,5 +200,7 @@ def _line(x: FloatArray, y: FloatArray) -> RegressionLine:
     slope = float(x @ y) / spread**2
     rest, dof = y - slope * x, len(x) - 2
     se = float(np.sqrt(rest @ rest / dof)) / spread
-    number = (t_quantile(KNOWN, dof) + t_quantile(POWER, dof)) * se
-    return RegressionLine(slope, t_quantile(SURE, dof) * se, number, middle, value, se, spread, dof)
+    number = (t_quantile(TREND_CONFIDENCE, dof) + t_quantile(POWER, dof)) * se
+    return RegressionLine(
+        slope, t_quantile(CONFIDENCE, dof) * se, number, middle, value, se, spread, dof
+    )

@@ -23,47 +23,47 @@ from dashpot.vibration.impact.spectral_estimators import Estimator, Spectra, est
 
 NO_TURN = 0.95
 """Part of the lines beyond which the highest is where they end, and no peak."""
-ENOUGH = 3  # good hits
+MIN_HITS = 3  # good hits
 COHERENT = 0.9
-# lines on either side of a resonance from which a single hit tells it
+# lines on either side of a resonance from which a single hit shows it
 LINES = 1.5  # in the half-power band
 TIME_CONSTANTS = 6  # of decay that a record should hold: FRF errors below 0.5 %
 OUTLIER = 5.0  # times the usual disagreement between a hit and the others
-DISAGREES = 0.1
+MAX_DISAGREEMENT = 0.1
 TOLERANCE = 0.05
 GROSS = 1.5  # so far off it is a unit, a sign or another body
-ABOVE = 2.5  # times the natural frequency the mass line begins
+MASS_LINE_FACTOR = 2.5  # times the natural frequency the mass line begins
 SOFTENING, NARROW = 0.01, 0.2  # of the stiffness; of the half-power band
 
 
 def agreement(
     spectra: Spectra,
     qualities: Sequence[HitQuality],
-    taken: BoolArray,
+    accepted: BoolArray,
     accept: Sequence[str],
 ) -> tuple[list[HitQuality], BoolArray]:
     """Hold each hit against the others; leave out one that the others contradict.
 
     With fewer than four hits nobody can say who is wrong, so none is left out.
     """
-    qualities, taken = list(qualities), taken.copy()
-    differences = disagreement(spectra.only(taken))
+    qualities, accepted = list(qualities), accepted.copy()
+    differences = disagreement(spectra.only(accepted))
     if differences is None:
-        return qualities, taken
+        return qualities, accepted
     usual = float(np.median(differences))
-    for i, value in zip(np.flatnonzero(taken), differences, strict=True):
-        if value < max(OUTLIER * usual, DISAGREES):
+    for i, value in zip(np.flatnonzero(accepted), differences, strict=True):
+        if value < max(OUTLIER * usual, MAX_DISAGREEMENT):
             continue
         message = (
             f"incoherent: its response differs by {100 * value:.0f} % from that of the other "
             f"hits, where {100 * usual:.1f} % is usual"
         )
-        if np.count_nonzero(taken) > ENOUGH:
+        if np.count_nonzero(accepted) > MIN_HITS:
             qualities[i] = replace(qualities[i], faults=(*qualities[i].faults, message))
-            taken[i] = str(i + 1) in accept
+            accepted[i] = str(i + 1) in accept
         else:
             qualities[i] = replace(qualities[i], doubts=(*qualities[i].doubts, message))
-    return qualities, taken
+    return qualities, accepted
 
 
 def disagreement(spectra: Spectra) -> FloatArray | None:
@@ -71,7 +71,7 @@ def disagreement(spectra: Spectra) -> FloatArray | None:
 
     The median over the other hits, so that one bad hit does not discredit the good ones.
     """
-    if spectra.averages < ENOUGH:
+    if spectra.averages < MIN_HITS:
         return None
     force, response = spectra.force, spectra.response
     ratio = response / force
@@ -103,7 +103,7 @@ def checks_of(
             lines_in_half_power_band(frf, main),
             hammer_excites(frf, spectra, main),
         ]
-    if spectra.averages >= ENOUGH and main is not None:
+    if spectra.averages >= MIN_HITS and main is not None:
         checks += [
             hits_agree(frf, spectra, estimator, main),
             amplitude_linear(trend_of_hits(frf.hits), main),
@@ -127,11 +127,11 @@ def mass_shown(frf: FRF, main: Mode | None, mass: float) -> Check:
     return high_frequency_mass_agrees(apparent, mass)
 
 
-@criterion("hits", ">=", ENOUGH, "our choice: the fewest that show an outlier")
+@criterion("hits", ">=", MIN_HITS, "our choice: the fewest that show an outlier")
 def hits_enough(frf: FRF) -> Finding:
     """Enough hits are averaged."""
     return Finding(
-        f"{frf.averages} of {len(frf.hits)} hits are used; at least {ENOUGH} are needed",
+        f"{frf.averages} of {len(frf.hits)} hits are used; at least {MIN_HITS} are needed",
         frf.averages,
         "So few give neither an average nor its error",
         "Hit more often, five times or more.",
@@ -192,10 +192,10 @@ def mass_over_base(frf: FRF) -> Finding:
     T, f = lines.to(Kind.TRANSMISSIBILITY).value, lines.frequency
     at = _turn(np.abs(lines.value))
     low = np.zeros(len(f), dtype=bool) if at is None else (f >= f[at] / 4) & (f <= 0.6 * f[at])
-    if at is None or np.count_nonzero(low) < ENOUGH:
+    if at is None or np.count_nonzero(low) < MIN_HITS:
         return Finding(
-            f"Fewer than {ENOUGH} lines lie from 0.25 to 0.6 of a resonance, so the "
-            "transmissibility at rest is not judged"
+            f"Fewer than {MIN_HITS} lines lie from 0.25 to 0.6 of a resonance, so the "
+            "transmissibility at rest is not checked"
         )
     r2 = (f[low] / f[at]) ** 2
     if frf.quantity is Kind.RELATIVE_TRANSMISSIBILITY:
@@ -313,21 +313,21 @@ def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Fin
         return Finding(
             "The noise before the pulse is not seen, so that an exponential window would not be"
         )
-    if not window.known and not window.evident:
+    if not window.is_stated and not window.evident:
         return Finding(
             "The file states an exponential window and not its decay, and the noise shows none",
             reason="Its decay would count as damping",
             remedy=Remedy("Give its time constant, or 0s if there is none.", "window-decay"),
             always_fails=True,
         )
-    if not window.known and not np.isfinite(window.seen_rate):
+    if not window.is_stated and not np.isfinite(window.seen_rate):
         return Finding(
-            "The noise decays as under an exponential window, too fast to tell how fast",
+            "The noise decays as under an exponential window, too fast to show how fast",
             reason="The decay of the window counts as damping",
             remedy=Remedy("Give its time constant.", "window-decay"),
             always_fails=True,
         )
-    if not window.known:
+    if not window.is_stated:
         stated = f"of {1 / window.rate:.3g} s" if window.rate > 0 else "that is none"
         return Finding(
             f"The noise decays as under an exponential window of {1 / window.seen_rate:.3g} s, and "
@@ -380,7 +380,7 @@ def hammer_excites(frf: FRF, spectra: Spectra, main: Mode) -> Finding:
     )
 
 
-@criterion("largest change without one hit", "<=", DISAGREES)
+@criterion("largest change without one hit", "<=", MAX_DISAGREEMENT)
 def hits_agree(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> Finding:
     """No single hit determines the FRF near the resonance."""
     reach = max(main.bandwidth, 2 * float(np.median(np.diff(frf.frequency))))
@@ -408,11 +408,13 @@ def hits_agree(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> 
 def amplitude_linear(trend: Trend | None, main: Mode) -> Finding:
     """Frequency and damping are the same for weak and for strong hits."""
     if trend is None:
-        return Finding(f"A change with amplitude needs more than {ENOUGH} hits of different height")
-    made = float(np.log2(trend.range))
-    matters = min(SOFTENING, 4 * NARROW * main.damping_ratio) / made
+        return Finding(
+            f"A change with amplitude needs more than {MIN_HITS} hits of different height"
+        )
+    octaves = float(np.log2(trend.range))
+    matters = min(SOFTENING, 4 * NARROW * main.damping_ratio) / octaves
     stiffness = abs(trend.stiffness) / max(trend.stiffness_sure, matters)
-    damping = abs(trend.damping) / max(trend.damping_sure, DISAGREES / made)
+    damping = abs(trend.damping) / max(trend.damping_sure, MAX_DISAGREEMENT / octaves)
     return Finding(
         f"Hits of 1 to {trend.range:.3g} in height change the stiffness by "
         f"{100 * trend.stiffness:+.2g} % per doubling, the damping by "
@@ -485,7 +487,7 @@ def apparent_mass(
     natural frequency up. None if fewer than 5 good lines lie there.
     """
     size = np.abs(accelerance)
-    keep: BoolArray = (frequency > ABOVE * natural_frequency) & (size > 0)
+    keep: BoolArray = (frequency > MASS_LINE_FACTOR * natural_frequency) & (size > 0)
     if sd is not None:
         keep = keep & (sd < 0.3 * size)
     if np.count_nonzero(keep) < 5:
@@ -511,8 +513,8 @@ def high_frequency_mass_agrees(apparent: tuple[float, float] | None, mass: float
     """Above the resonance the FRF shows the stated mass."""
     if apparent is None:
         return Finding(
-            f"No good lines lie above {ABOVE:g} times the natural frequency, so the mass cannot "
-            "check the calibration"
+            f"No good lines lie above {MASS_LINE_FACTOR:g} times the natural frequency, so the "
+            "mass cannot check the calibration"
         )
     # a part, not a mass: that is the fit's to say
     factor, se = (value / mass for value in apparent)

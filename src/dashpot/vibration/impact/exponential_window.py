@@ -44,19 +44,19 @@ _PASSED = 0.3
 _BETA = 8.0
 _STEPS = 1.5
 """Times the variance of rounding that noise must have to be seen: below that it rounds to none."""
-_CLEAR = 4.0
+_WINDOW_DEVIANCE = 4.0
 """Fall of the deviance by which a window begins with the pulse."""
 _LINEAR = 15.0
 """The same below which rounding distorts a variance: noise of a step and more only adds to it."""
-_DEEPEST = 1e-5
+_MIN_VARIANCE_SHARE = 1e-5
 """Part of the variance before the pulse down to which its decay is followed."""
-_DECIDED = 30.0
+_DECISIVE_DEVIANCE = 30.0
 """Fall of the deviance by which a slower decay is evident, too."""
-_SLOW = 0.8
+_SLOW_DECAY_RATIO = 0.8
 """Ratio of the scatters that it then must have."""
 _SPAN = (0.02, 60.0)
 """Decays that are sought, times the length of the block."""
-_CONTRADICTED = 4.0
+_CONTRADICTION_SE = 4.0
 """Standard errors between what is stated and what the scatter shows."""
 
 
@@ -77,7 +77,7 @@ class ExponentialWindow(NamedTuple):
         Scatter of the responses at the end over that before the pulse; nan where it is not seen.
     seen_rate : float
         a by the scatter, 1/s; nan where it shows none.
-    known : bool
+    is_stated : bool
         a is known: stated and not contradicted, or seen.
     from_start : bool
         It begins with the record, not with the pulse: of a window that the force lacks.
@@ -90,7 +90,7 @@ class ExponentialWindow(NamedTuple):
     on_force: bool = True
     ratio: float = float("nan")
     seen_rate: float = float("nan")
-    known: bool = True
+    is_stated: bool = True
     from_start: bool = False
 
     def compute_response_only_window(self, hit: HitBlock) -> FloatArray:
@@ -191,7 +191,7 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
     ratio = max((decay.ratio for decay in every), default=float("nan"))
     if stated is None and not seen:
         # one is stated, and neither its decay nor a trace of it
-        return ExponentialWindow(stated=bool(rates), ratio=ratio, known=not rates)
+        return ExponentialWindow(stated=bool(rates), ratio=ratio, is_stated=not rates)
     if not seen:
         return ExponentialWindow(stated or 0.0, stated=True, ratio=ratio)
     rate, sd = _fitted_rate(seen)
@@ -205,8 +205,8 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
     )  # fmt: skip
     if stated is None:
         return window
-    separate = abs(stated - rate) > _CONTRADICTED * sd + 0.1 * rate
-    return window._replace(rate=stated, sd=0.0, stated=True, known=not separate)
+    separate = abs(stated - rate) > _CONTRADICTION_SE * sd + 0.1 * rate
+    return window._replace(rate=stated, sd=0.0, stated=True, is_stated=not separate)
 
 
 def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
@@ -311,9 +311,13 @@ def _clip_at_noise_rise(decay: ScatterDecay) -> ScatterDecay:
         1 + 4 * np.sqrt(2 / decay.freedom[quietest:])
     )
     # the last stretches alone: the quiet before the next hit
-    late = np.flatnonzero(rises)
-    end = quietest + int(late[0]) if late.size and late[-1] == len(rises) - 1 else len(rises)
-    end = end if late.size else len(decay.variance)
+    rise_indices = np.flatnonzero(rises)
+    end = (
+        quietest + int(rise_indices[0])
+        if rise_indices.size and rise_indices[-1] == len(rises) - 1
+        else len(rises)
+    )
+    end = end if rise_indices.size else len(decay.variance)
     keep = np.arange(len(decay.variance)) < max(end, 8)
     return decay.only(keep)
 
@@ -352,7 +356,7 @@ def _fitted_rate(seen: Sequence[ScatterDecay]) -> tuple[float, float]:
 
 def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
     """Return the stretches that neither a high mode nor rounding drowns."""
-    low = max(_LINEAR * decay.rounding, _DEEPEST * decay.variance[0])
+    low = max(_LINEAR * decay.rounding, _MIN_VARIANCE_SHARE * decay.variance[0])
     above = np.flatnonzero(decay.variance[1:] > decay.variance[0])
     below = np.flatnonzero(decay.variance[1:] < low)
     first = 1 + (int(above[-1]) + 1 if above.size else 0)
@@ -365,21 +369,21 @@ def _is_windowed(decay: ScatterDecay) -> bool:
     """Return whether the noise of a channel decays: by half, or by less beyond any chance."""
     if decay.ratio < EVIDENT:
         return True
-    if decay.ratio > _SLOW:
+    if decay.ratio > _SLOW_DECAY_RATIO:
         return False
     used = _select_noise_segments(decay)
     if len(used.time) < _FEWEST_STRETCHES:
         return False
     rates = np.geomspace(0.1, 3.0, 12) / used.time[-1]
     least = min(used.deviance(float(rate)) for rate in rates)
-    return bool(used.deviance(0.0) - least > _DECIDED)
+    return bool(used.deviance(0.0) - least > _DECISIVE_DEVIANCE)
 
 
 def _begins_with_record(seen: Sequence[ScatterDecay], rate: float) -> bool:
     """Return whether the noise before the pulse decays, too, unless it clearly does not."""
     used = [_select_noise_segments(decay) for decay in seen]
     flat = sum(decay.deviance(rate, from_start=False) for decay in used)
-    return flat > sum(decay.deviance(rate) for decay in used) - _CLEAR
+    return flat > sum(decay.deviance(rate) for decay in used) - _WINDOW_DEVIANCE
 
 
 def _on_force(hits: Sequence[HitBlock], rate: float) -> bool:

@@ -49,8 +49,8 @@ from dashpot.vibration.modal.pole_fit import FRFLines
 
 FORCE_LEFT = 0.1  # -20 dB: where the force has fallen this far, the FRF ends
 ALIAS_FREE = 0.4  # of the sampling rate
-CLEAR = 0.5  # of all motion must go one way to tell the polarity of an accelerometer
-LEFT = 0.01  # what an exponential window leaves of the response at the end of the record
+POLARITY_SHARE = 0.5  # of all motion must go one way to show the polarity of an accelerometer
+WINDOW_END = 0.01  # what an exponential window leaves of the response at the end of the record
 FORMS = "none, force, exponential, exponential:0.01, force+exponential"
 
 
@@ -91,7 +91,7 @@ class Window:
         if not self.exponential:
             return 0.0
         remainder = max(map(compute_undecayed_fraction, hits))
-        end = min(1.0, LEFT / max(remainder, LEFT)) if self.end is None else self.end
+        end = min(1.0, WINDOW_END / max(remainder, WINDOW_END)) if self.end is None else self.end
         return float(-np.log(end) / hits[0].length)
 
 
@@ -139,7 +139,7 @@ class Average:
 
     hits: tuple[HitBlock, ...]
     qualities: tuple[HitQuality, ...]
-    taken: BoolArray
+    accepted: BoolArray
     transforms: ChannelSpectra
     weights: FloatArray
     rocking: Combination | None
@@ -165,24 +165,26 @@ class Average:
         )
 
 
-def average_hits(hits: Sequence[HitBlock], taken: BoolArray, choices: AveragingOptions) -> Average:
+def average_hits(
+    hits: Sequence[HitBlock], accepted: BoolArray, choices: AveragingOptions
+) -> Average:
     """Transform, turn, weight and average the hits taken, and judge them all."""
     windowed = choices.window.exponential or choices.recorded.rate > 0
     qualities = [judge_hit(hit, windowed=windowed) for hit in hits]
-    good = [hit for hit, t in zip(hits, taken, strict=True) if t]
+    good = [hit for hit, t in zip(hits, accepted, strict=True) if t]
     transforms = _transform(hits, choices, choices.window.decay(good)).band(
         *(choices.band or _find_excited_band(good))
     )
-    transforms = transforms.apply_signs(_signs(transforms.only(taken), choices.polarity))
-    weights, rocking = _combine(transforms.only(taken), choices)
-    qualities, taken = agreement(
-        transforms.combine_channels(weights), qualities, taken, choices.accept
+    transforms = transforms.apply_signs(_signs(transforms.only(accepted), choices.polarity))
+    weights, rocking = _combine(transforms.only(accepted), choices)
+    qualities, accepted = agreement(
+        transforms.combine_channels(weights), qualities, accepted, choices.accept
     )
-    transforms = transforms.only(taken)
+    transforms = transforms.only(accepted)
     return Average(
         hits=tuple(hits),
         qualities=tuple(qualities),
-        taken=taken,
+        accepted=accepted,
         transforms=transforms,
         weights=weights,
         rocking=rocking,
@@ -237,7 +239,7 @@ def _signs(transforms: ChannelSpectra, polarity: Sequence[int] | None) -> FloatA
     # the real part of the mobility, summed, is the velocity just after the hit
     mobility = (h / near.s).real
     kick = mobility.sum(axis=1) / np.abs(mobility).sum(axis=1)
-    if kick.min() < -CLEAR and kick.max() > CLEAR:
+    if kick.min() < -POLARITY_SHARE and kick.max() > POLARITY_SHARE:
         along, against = (
             ", ".join(np.array(transforms.channels)[side]) for side in (kick > 0, kick <= 0)
         )
@@ -246,7 +248,7 @@ def _signs(transforms: ChannelSpectra, polarity: Sequence[int] | None) -> FloatA
             "against it; check the mounting and give the polarity, such as "
             f"{tuple(np.where(kick > 0, 1, -1).tolist())}"
         )
-    return np.full(count, -1.0 if kick.min() < -CLEAR else 1.0)
+    return np.full(count, -1.0 if kick.min() < -POLARITY_SHARE else 1.0)
 
 
 def _combine(
@@ -291,7 +293,7 @@ def _mounts(transforms: ChannelSpectra) -> tuple[float, float]:
 # Estimation of an FRF.
 
 
-STILL = 0.003  # of the response: less motion before a hit is left as it is
+STILL_SHARE = 0.003  # of the response: less motion before a hit is left as it is
 
 
 def estimate_frf(
@@ -371,8 +373,8 @@ def estimate_frf(
     require_choice("estimator", estimator, Estimator)
     requested_window = Window.parse(window)
     hits = cut_hits(tests, record=record, pretrigger=pretrigger)
-    taken = _select_accepted_hits(hits, accept, reject)
-    recorded = find_window(tests, [hit for hit, t in zip(hits, taken, strict=True) if t])
+    accepted = _select_accepted_hits(hits, accept, reject)
+    recorded = find_window(tests, [hit for hit, t in zip(hits, accepted, strict=True) if t])
     hits = tuple(without_offset(hit, recorded) for hit in hits)
     choices = AveragingOptions(
         estimator=Estimator(estimator),
@@ -385,7 +387,9 @@ def estimate_frf(
         reach=_reach(tests),
         recorded=recorded,
     )
-    average = _average_without_ringing(average_hits(hits, taken, choices), hits, taken, choices)
+    average = _average_without_ringing(
+        average_hits(hits, accepted, choices), hits, accepted, choices
+    )
     frf = replace(
         average.frf,
         hits=_hits(average),
@@ -405,23 +409,25 @@ def estimate_frf(
         band=resonance_band,
     )
     unmeasured = not np.isfinite(recorded.ratio) and not recorded.stated
-    if recorded.rate > 0 or not recorded.known or recorded.evident or unmeasured:
+    if recorded.rate > 0 or not recorded.is_stated or recorded.evident or unmeasured:
         checks = (*checks, window_decay_determined(recorded, main))
     return replace_notes(frf, checks=(*checks, *caution_checks(frf.source)))
 
 
 def _average_without_ringing(
-    average: Average, hits: Sequence[HitBlock], taken: BoolArray, choices: AveragingOptions
+    average: Average, hits: Sequence[HitBlock], accepted: BoolArray, choices: AveragingOptions
 ) -> Average:
     """Take off what still rings from hits before, where that is worth it."""
-    if not any(compute_pre_hit_motion(b) > STILL for b, t in zip(hits, taken, strict=True) if t):
+    if not any(
+        compute_pre_hit_motion(b) > STILL_SHARE for b, t in zip(hits, accepted, strict=True) if t
+    ):
         return average
     for _ in range(2):  # better poles take the earlier hit off better
         poles = _free_poles(average)
         still = [remove_ringing(hit, poles) for hit in hits]
         if not any(hit.calmed for hit in still):
             break
-        average = average_hits(still, taken, choices)
+        average = average_hits(still, accepted, choices)
     return average
 
 
@@ -452,14 +458,14 @@ def _select_accepted_hits(
     if unknown:
         raise DataError(f"there is no hit {unknown[0]!r}; the hits are {', '.join(faults)}")
     good = {name for name, wrong in faults.items() if not wrong}
-    taken = (good - set(reject)) | set(accept)
-    if not taken:
+    accepted = (good - set(reject)) | set(accept)
+    if not accepted:
         why = "; ".join(
             f"hit {name}: {'. Also: '.join(wrong) or 'rejected by name'}"
             for name, wrong in faults.items()
         )
         raise DataError(f"no hit is left to average. {why}. To use one anyway, accept it by name")
-    return np.isin([*faults], [*taken])
+    return np.isin([*faults], [*accepted])
 
 
 def _reach(tests: Sequence[ImpactTest]) -> float | None:
@@ -478,7 +484,9 @@ def _hits(average: Average) -> tuple[Hit, ...]:
             peak=hit.peak,
             duration=hit.width(0.1),
         )
-        for hit, quality, good in zip(average.hits, average.qualities, average.taken, strict=True)
+        for hit, quality, good in zip(
+            average.hits, average.qualities, average.accepted, strict=True
+        )
     )
 
 
@@ -514,8 +522,7 @@ def _cut_step(hits: Sequence[HitBlock]) -> Step:
             ("pretrigger", f"{before:.9g} s"),
         ),
         f"{len(hits)} hits in records of {length:.4g} s, {format_quantity(before, 'ms', '.3g')} of "
-        "each "
-        "before the hit, from where the offsets were taken",
+        "each before the hit, from where the offsets were taken",
     )
 
 

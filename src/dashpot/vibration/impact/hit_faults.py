@@ -1,4 +1,4 @@
-"""Faults and doubts of a hammer hit (double, overloaded, stuck, ringing), after ISO 7626-5."""
+"""Faults and uncertainty of a hammer hit (double, overloaded, stuck, ringing), after ISO 7626-5."""
 
 from __future__ import annotations
 

@@ -17,10 +17,10 @@ from dashpot.vibration.modal.peaks import run_about
 
 
 TRIGGER = 0.1  # of the largest force of the test: smaller pulses are not hits
-APART = 0.5  # s: pulses closer than this are one hit, perhaps a double one
+MIN_HIT_DISTANCE = 0.5  # s: pulses closer than this are one hit, perhaps a double one
 PRETRIGGER = 0.1  # s, where that much is recorded
 GUARD = 2  # samples before the onset that may already feel the pulse
-HISTORY = 1.0  # s before a hit that are kept to tell how the block still moves
+HISTORY = 1.0  # s before a hit that are kept to show how the block still moves
 EXPLAINED = 0.5  # of the motion before a hit must be free decay to be taken off
 RATE_TOLERANCE = 1e-3  # between tests, relative; time stamps are often printed with few digits
 
@@ -173,7 +173,7 @@ def cut_hits(
 
 def _belong_together(tests: Sequence[ImpactTest]) -> None:
     if not tests:
-        raise DataError("no impact test given; expected at least one")
+        raise DataError("no hammer test given; expected at least one")
     first = tests[0]
     for test in tests[1:]:
         if abs(test.rate - first.rate) > RATE_TOLERANCE * first.rate:
@@ -201,7 +201,7 @@ def _find(test: ImpactTest) -> list[_PulseOnset]:
         hot = np.flatnonzero(sign * force > max(TRIGGER * peak, 8 * noise))
         if peak <= 0 or not hot.size:
             continue
-        firsts = hot[np.concatenate(([True], np.diff(hot) > APART * test.rate))]
+        firsts = hot[np.concatenate(([True], np.diff(hot) > MIN_HIT_DISTANCE * test.rate))]
         onsets = [_onset(sign * force, int(i), noise) for i in firsts]
         neighbours = zip([None, *onsets], onsets, [*onsets[1:], None], strict=False)
         pulse_onsets += [
@@ -298,7 +298,7 @@ def remove_ringing(hit: HitBlock, poles: Sequence[complex]) -> HitBlock:
     r"""Take off :math:`\sum_i \mathrm{Re}\,c_i e^{p_i t} + c_0`, fitted to what precedes the hit.
 
     A block that has not come to rest moves on as if nothing had struck it, and answers the hit on
-    top of that. With the poles known, up to a second of record before the hit tells how.
+    top of that. With the poles known, up to a second of record before the hit shows how.
     The hit is returned as it is if that explains less than half of the motion.
     """
     past = hit.past

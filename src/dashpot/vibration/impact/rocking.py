@@ -15,7 +15,7 @@ from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.vibration.modal.pole_fit import FLOOR, FRFLines, find_poles, pole_kernel, residues_at
 
-ABOUT = 1.2  # times their frequencies lie the lines that decide about two modes
+FREQUENCY_FACTOR = 1.2  # times their frequencies lie the lines that decide about two modes
 FEWEST = 12  # lines for that
 
 
@@ -75,12 +75,15 @@ def null_rocking(
     step = float(np.median(np.diff(lines.s.imag)))
     at_peak = np.abs(lines.s.imag - rocking.imag) <= max(-rocking.real, 1.5 * step)
     weights = _weights(hits[:, :, at_peak].reshape(len(hits), -1))
-    # what is left is small: only lines about the two modes tell it from other modes' skirts
+    # what is left is small: only lines about the two modes distinguish it from other modes' skirts
     omega, pair = lines.s.imag, (bounce.imag, rocking.imag)
-    near = (omega > min(pair) / ABOUT) & (omega < max(pair) * ABOUT)
+    near = (omega > min(pair) / FREQUENCY_FACTOR) & (omega < max(pair) * FREQUENCY_FACTOR)
     if np.count_nonzero(near) > FEWEST:
         lines, hits = lines.only(near), hits[:, :, near]
-        poles = poles[(poles.imag > min(pair) / ABOUT) & (poles.imag < max(pair) * ABOUT)]
+        poles = poles[
+            (poles.imag > min(pair) / FREQUENCY_FACTOR)
+            & (poles.imag < max(pair) * FREQUENCY_FACTOR)
+        ]
     residues = residues_at(lines, poles)[:, :2]
     tall = [float(np.abs(pole_kernel(lines, p)).max()) for p in (bounce, rocking)]
 

@@ -115,13 +115,13 @@ class ChannelSpectra:
             response=self.response[:, :, keep],
         )
 
-    def only(self, taken: BoolArray) -> ChannelSpectra:
+    def only(self, accepted: BoolArray) -> ChannelSpectra:
         """Return the chosen hits."""
         return replace(
             self,
-            force=self.force[taken],
-            response=self.response[:, taken],
-            hits=tuple(b for b, t in zip(self.hits, taken, strict=True) if t),
+            force=self.force[accepted],
+            response=self.response[:, accepted],
+            hits=tuple(b for b, t in zip(self.hits, accepted, strict=True) if t),
         )
 
     def apply_signs(self, signs: FloatArray) -> ChannelSpectra:
@@ -207,7 +207,7 @@ def random_error(spectra: Spectra, value: ComplexArray) -> FloatArray | None:
               \approx |H|^2 \frac{1 - \gamma^2}{2 n \gamma^2}
 
     from what the n hits do not share: the usual error from coherence (ISO 7626-2, annex A) with
-    the degree of freedom that the FRF itself used. Few hits tell the noise of a line badly, so it
+    the degree of freedom that the FRF itself used. Few hits show the noise of a line badly, so it
     is averaged over neighbours until the estimate rests on some 40 degrees of freedom.
     None for a single hit.
     """

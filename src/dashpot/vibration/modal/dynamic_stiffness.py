@@ -109,10 +109,10 @@ class DynamicStiffness(EqualByValue):
         """Error of the loss stiffness by that phase error, N/m."""
         return np.asarray(self.phase_sd * np.abs(self.by_phase.imag))
 
-    def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]:
-        """Relative change of the storage, and change of the loss factor, by an error of `of`."""
+    def changes(self, name: str, by: float) -> tuple[FloatArray, FloatArray]:
+        """Relative change of the storage, and change of the loss factor, by an error of `name`."""
         whole = self.storage + 1j * self.loss
-        slope: ComplexArray = getattr(self, f"by_{of}") / whole
+        slope: ComplexArray = getattr(self, f"by_{name}") / whole
         return compute_stiffness_change(by * slope, self.loss_factor)
 
     @property
@@ -290,7 +290,7 @@ def _causal(
     random: FloatArray,
     mass: FloatArray,
 ) -> tuple[Check, ...]:
-    """Whether loss and slope of the stiffness belong together, as far as the errors can tell."""
+    """Whether loss and slope of the stiffness belong together, as far as the errors can show."""
     try:
         near, share = _slope(frequency, storage, peak)
     except DataError:

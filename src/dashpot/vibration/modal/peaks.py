@@ -10,7 +10,7 @@ from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import FRF, Kind
 
 # the parabola is laid through at least this many and at most that many lines
-FEWEST, MOST = 5, 31
+MIN_LINES, MAX_LINES = 5, 31
 
 
 @dataclass(frozen=True)
@@ -89,10 +89,10 @@ def find_peak(frf: FRF) -> Peak:
     """
     accelerance = frf.to(Kind.ACCELERANCE)
     keep = accelerance.usable
-    if np.count_nonzero(keep) < FEWEST:
+    if np.count_nonzero(keep) < MIN_LINES:
         raise DataError(
             f"{np.count_nonzero(keep)} usable lines between {frf.frequency[0]:g} and "
-            f"{frf.frequency[-1]:g} Hz; a peak needs at least {FEWEST}: widen the band"
+            f"{frf.frequency[-1]:g} Hz; a peak needs at least {MIN_LINES}: widen the band"
         )
     s, value = accelerance.s[keep], accelerance.value[keep]
     sd = accelerance.random_sd
@@ -106,10 +106,10 @@ def _about_the_peak(height: FloatArray) -> slice:
     """Return the lines of the half-power band, widened to the fewest that hold a parabola."""
     top = int(np.argmax(height))
     run = run_about(height > height[top] / np.sqrt(2), top)
-    low = min(max(run.start, top - MOST // 2), top - FEWEST // 2)
-    high = max(min(run.stop - 1, top + MOST // 2), top + FEWEST // 2)
-    low = max(0, min(low, len(height) - FEWEST))
-    high = min(len(height) - 1, max(high, FEWEST - 1))
+    low = min(max(run.start, top - MAX_LINES // 2), top - MIN_LINES // 2)
+    high = max(min(run.stop - 1, top + MAX_LINES // 2), top + MIN_LINES // 2)
+    low = max(0, min(low, len(height) - MIN_LINES))
+    high = min(len(height) - 1, max(high, MIN_LINES - 1))
     return slice(low, high + 1)
 
 

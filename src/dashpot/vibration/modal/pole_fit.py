@@ -126,7 +126,7 @@ def pole_kernel_slope(lines: FRFLines, p: complex | ComplexArray) -> ComplexArra
 
 SLOW_POLES = (1e-3, 0.3, 1.5, 7.0)  # of the background, times the middle of the band
 RATIOS = np.geomspace(3e-4, 0.4, 9)  # of damping, at which a pole is tried
-ROOM = 1 << 20  # numbers of a block that is worked on at once
+MAX_BLOCK_SIZE = 1 << 20  # numbers of a block that is worked on at once
 MOST_DAMPED = 0.75  # sigma / omega of a mode; beyond it is relaxation
 
 
@@ -171,7 +171,7 @@ class BackgroundProjection:
     def parts(self, columns: int) -> list[slice]:
         """Channels that are solved for at once: as many as a cache of so many columns holds."""
         channels, rows = self.rest.shape
-        value = max(1, ROOM // (rows * max(columns, 1)))
+        value = max(1, MAX_BLOCK_SIZE // (rows * max(columns, 1)))
         return [slice(at, at + value) for at in range(0, channels, value)]
 
     def remove_background(self, part: slice, columns: ComplexArray) -> FloatArray:
@@ -309,7 +309,7 @@ class Scan(NamedTuple):
 def scans(lines: FRFLines, starts: list[tuple[float, float]]) -> list[Scan]:
     """Yield several (sigma, omega), as many in each as memory allows."""
     weights = 1 / np.repeat(lines.sd, 2, axis=1) ** 2
-    value = max(1, ROOM // weights.shape[1])
+    value = max(1, MAX_BLOCK_SIZE // weights.shape[1])
     scans = []
     for at in range(0, len(starts), value):
         poles = np.array([complex(-sigma, omega) for sigma, omega in starts[at : at + value]])
@@ -359,12 +359,12 @@ def _times(matrix: FloatArray, vector: FloatArray) -> FloatArray:
 
 
 STEPS = 60
-ENOUGH = 0.2  # variances: what a last step may explain while modes are sought
+STEP_TOLERANCE = 0.2  # variances: what a last step may explain while modes are sought
 NOTHING_NEW = 1e-10  # of a column's square: what rounding leaves of one that is known
 SMALLEST_MODE = 0.01  # of the largest value in the band
 OUTSIDE = (1.02, 1.1, 1.3)  # times the band's ends, where poles beyond it are tried
-FARTHEST = 2.0  # beyond which the background says the same
-ALIKE = 0.8  # by the modal assurance criterion: two shapes too alike to separate close poles
+BACKGROUND_FACTOR = 2.0  # beyond which the background says the same
+MAX_MAC = 0.8  # by the modal assurance criterion: two shapes too alike to separate close poles
 
 
 @dataclass(frozen=True, eq=False)
@@ -411,7 +411,7 @@ def find_poles(lines: FRFLines, *, most: int, count: int | None = None) -> PoleF
     trial = pole_trial = PoleTrial(BackgroundProjection.from_lines(lines), np.empty(0))
     failures = 0
     for _ in range(count or most):
-        last, trial = trial, _refine(_with_next_pole(trial), ENOUGH)
+        last, trial = trial, _refine(_with_next_pole(trial), STEP_TOLERANCE)
         if count is not None or _matters(trial, last):
             pole_trial, failures = trial, 0
         else:
@@ -449,14 +449,14 @@ def _select_mode_lines(lines: FRFLines, p: complex) -> BoolArray:
     return np.asarray(np.abs(omega - p.imag) <= reach)
 
 
-def _refine(trial: PoleTrial, enough: float = 0.0) -> PoleTrial:
+def _refine(trial: PoleTrial, tolerance: float = 0.0) -> PoleTrial:
     """To the nearest optimum of the poles, the residues projected out.
 
-    Ends where a step promises no more than `enough` variances, as one for each row of the lines.
+    Ends where a step promises no more than `tolerance` variances, as one for each row of the lines.
     """
     free = np.full(len(trial.theta), np.inf)
     objective = Objective(lambda theta, _: replace(trial, theta=theta), -free, free)
-    flat = max(1e-13, enough / trial.ground.rest.size)
+    flat = max(1e-13, tolerance / trial.ground.rest.size)
     ended = descend(objective, trial.theta, flat=flat, limit=STEPS)
     return trial if ended is None else ended.point
 
@@ -471,11 +471,11 @@ def _with_next_pole(trial: PoleTrial) -> PoleTrial:
     return _with_best(trial, scans(lines, starts) + trial.ground.broad)[0]
 
 
-def _with_best(trial: PoleTrial, tried: list[Scan]) -> tuple[PoleTrial, float]:
+def _with_best(trial: PoleTrial, candidates: list[Scan]) -> tuple[PoleTrial, float]:
     """Add the pole, of several, that explains most, and say how much that is."""
-    gains = np.concatenate([_gains(trial, scan) for scan in tried])
+    gains = np.concatenate([_gains(trial, scan) for scan in candidates])
     best = int(np.argmax(gains))
-    pole = np.concatenate([scan.poles for scan in tried])[best]
+    pole = np.concatenate([scan.poles for scan in candidates])[best]
     theta = np.append(trial.theta, np.log((-pole.real, pole.imag)))
     return replace(trial, theta=theta), float(gains[best])
 
@@ -512,7 +512,7 @@ def _with_outer_poles(trial: PoleTrial) -> PoleTrial:
             break
         more = _refine(more)
         at = more.poles[-1].imag
-        excess = low / FARTHEST < at <= low or high <= at < high * FARTHEST
+        excess = low / BACKGROUND_FACTOR < at <= low or high <= at < high * BACKGROUND_FACTOR
         if not excess or trial.sse - more.sse < more.sse * _worth(trial) / size:
             break
         trial = more
@@ -525,7 +525,7 @@ def _worth(trial: PoleTrial) -> float:
 
 
 def _finish(trial: PoleTrial, modes: int) -> PoleFit:
-    """Residues of the first poles, and all errors: every channel tells the poles."""
+    """Residues of the first poles, and all errors: every channel shows the poles."""
     solved = trial.solution
     by = 1 / np.ravel(np.column_stack((-trial.poles.real, trial.poles.imag)))  # not by logarithms
     normal = trial.curvature * np.outer(by, by)
@@ -580,10 +580,10 @@ def _is_mode(trial: PoleTrial, i: int) -> bool:
         return False
     residue = np.abs(trial.residues)
     taller = residue.max(axis=0) > residue[:, i].max()
-    # closer than this no record of such length tells two modes apart, unless their shapes do
+    # closer than this no record of such length distinguishes two modes, unless their shapes do
     difference = max(-0.5 * p.real, 0.0 if record is None else 3 * np.pi / record)
-    alike = mac(trial.residues, trial.residues[:, [i]])[:, 0] > ALIKE
-    if (np.abs(trial.poles - p)[taller & alike] < difference).any():
+    is_similar = mac(trial.residues, trial.residues[:, [i]])[:, 0] > MAX_MAC
+    if (np.abs(trial.poles - p)[taller & is_similar] < difference).any():
         return False
     height = residue[:, i] * float(np.abs(pole_kernel(lines, p)).max())
     return bool((height >= SMALLEST_MODE * np.abs(lines.value).max(axis=1)).any())

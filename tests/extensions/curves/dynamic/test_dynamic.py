@@ -314,7 +314,7 @@ def test_storage_check_detects_moving_mass() -> None:
 
 
 def test_fit_dynamic_reports_amplitude_dependence() -> None:
-    # three frequencies tell so little of a third arm that nothing but rounding is left of it
+    # three frequencies show so little of a third arm that nothing but rounding is left of it
     frequency = np.repeat([1.0, 5.0, 20.0], 12)
     variant, s = np.tile(np.geomspace(1e-3, 0.3, 12), 3), 2j * np.pi * frequency
     value = 2e5 + 5e4 * s * 0.01 / (1 + s * 0.01) + 3e4 * s * 0.1 / (1 + s * 0.1)

@@ -132,9 +132,9 @@ def test_shifts_that_rise_with_temperature_have_no_law():
 @pytest.mark.parametrize("i", [0, 2, 5, 8])
 def test_fit_shift_law_names_the_outlying_temperature(i):
     shifts, sd = draw_shifts(WLF, 0.005, i), build_chained_covariance(0.005)
-    assert fit_shift_law(TEMPERATURES, shifts, sd, reference=REFERENCE).odd is None
+    assert fit_shift_law(TEMPERATURES, shifts, sd, reference=REFERENCE).outlier is None
     shifts[i] -= 0.15
-    odd = fit_shift_law(TEMPERATURES, shifts, sd, reference=REFERENCE).odd
+    odd = fit_shift_law(TEMPERATURES, shifts, sd, reference=REFERENCE).outlier
     assert odd.temperature == TEMPERATURES[i]
     assert odd.missed == pytest.approx(-0.15, abs=0.06)
 
@@ -142,6 +142,8 @@ def test_fit_shift_law_names_the_outlying_temperature(i):
 def test_fit_shift_law_names_no_outlier_of_a_general_misfit():
     bent = WLF.log10_a_t(TEMPERATURES) + 0.2 * np.cos(np.arange(9) * np.pi) * AWAY
     assert (
-        fit_shift_law(TEMPERATURES, bent, build_chained_covariance(0.005), reference=REFERENCE).odd
+        fit_shift_law(
+            TEMPERATURES, bent, build_chained_covariance(0.005), reference=REFERENCE
+        ).outlier
         is None
     )

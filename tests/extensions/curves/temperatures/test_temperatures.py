@@ -21,7 +21,7 @@ from dashpot.base.option_fields import Vertical
 from dashpot.datamodel.bounds import StiffnessBounds
 from dashpot.datamodel.fit import get_temperature_law
 from dashpot.extensions.curves.temperatures.joint_problem import JointTests, ShiftedSolid
-from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
+from dashpot.fitting.prediction_bounds import parameter_band, unresolved_arm_band
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.numerics.design_matrices.block import DataBlock, Evaluation
 from dashpot.preprocessing.prepare import prepare
@@ -192,14 +192,16 @@ def check_bounds(seal: str, bounds: StiffnessBounds) -> np.ndarray:
 
 def test_cold_test_narrows_the_unresolved_arm_band(pair, stated_pair):
     records = cold.records("hidden", PAIR, 0)
-    both = unseen_arm_band(pair, records, LINES)
-    stiffness_bounds = unseen_arm_band(fit_tests(records[0]), records[0], LINES)
+    both = unresolved_arm_band(pair, records, LINES)
+    stiffness_bounds = unresolved_arm_band(fit_tests(records[0]), records[0], LINES)
     assert check_bounds("hidden", both).all()
     at = list(LINES).index(cold.RESONANCE)
     low, high = both.loss[:, at] / cold.complex_stiffness("hidden").imag
     assert 0.9 < low < 1 < high < 1.4
     assert high > 1.2  # a machine of which nothing is known may hide as much
-    expected = unseen_arm_band(stated_pair, prepare_on_stated_machine(records), [cold.RESONANCE])
+    expected = unresolved_arm_band(
+        stated_pair, prepare_on_stated_machine(records), [cold.RESONANCE]
+    )
     low, high = expected.loss[:, 0] / cold.complex_stiffness("hidden").imag
     assert 0.9 < low < 1 < high < 1.2
     assert np.ptp(stiffness_bounds.loss[:, at]) > 10 * np.ptp(both.loss[:, at])
@@ -219,9 +221,9 @@ def test_quasi_random_starts_find_the_same_solid():
 def test_records_that_were_not_fitted_bound_nothing(pair):
     warm = cold.a_test("hidden", ROOM, 0)
     with pytest.raises(dp.DataError, match="a record has none"):
-        unseen_arm_band(pair, replace(warm, specimen=dp.Specimen()), LINES)
+        unresolved_arm_band(pair, replace(warm, specimen=dp.Specimen()), LINES)
     with pytest.raises(dp.DataError, match="10 degC, and no test of the fit is"):
-        unseen_arm_band(pair, cold.a_test("hidden", 10.0, 0), LINES)
+        unresolved_arm_band(pair, cold.a_test("hidden", 10.0, 0), LINES)
 
 
 def test_limits_at_the_end_of_the_hold_have_the_expected_width(pair, stated_pair):
@@ -340,7 +342,7 @@ def test_twenty_pairs_find_the_shift_and_the_damping():
         for seed in range(10):
             records = [prepare(record) for record in cold.records(seal, PAIR, seed)]
             fitted_tests = fit_tests(records)
-            within.append(check_bounds(seal, unseen_arm_band(fitted_tests, records, LINES)))
+            within.append(check_bounds(seal, unresolved_arm_band(fitted_tests, records, LINES)))
             shift.append(abs(fitted_tests.temperatures.shifts[0].log10_a_t - cold.log10_a(273.15)))
             damping.append(abs(off(fitted_tests, seal)))
             holds.append(holds_truth(fitted_tests, seal))
@@ -410,6 +412,6 @@ def test_counts_that_beat_with_the_samples_are_within_the_bounds():
                 solid, ramp_time=ramp, rig=rig, seed=1000 * seed + i, climate=climate
             )
             tests.append(made.test)
-        inside.append(check_bounds("broad", unseen_arm_band(fit_tests(tests), tests, LINES)))
+        inside.append(check_bounds("broad", unresolved_arm_band(fit_tests(tests), tests, LINES)))
     assert np.mean(inside, axis=0).min() >= 0.85
     assert np.mean(inside) >= 0.94

@@ -239,12 +239,10 @@ def test_impact_law_from_load_deflection_has_one_per_cent_error() -> None:
     # the tangent at first contact, as well as one knot, or a little less
     assert 0.01 * LAW[0] < sd < 0.06 * LAW[0]
     straight = replace(a_fit(GeneralizedMaxwell(393.0)), elastic_law=ElasticLaw.linear(393.0, 0.01))
-    assert ElasticLawPrior.from_fit(straight).known is None
+    assert ElasticLawPrior.from_fit(straight).law is None
     # of twice the length
     assert (
-        ElasticLawPrior.from_fit(
-            replace(a_fit(GeneralizedMaxwell(1.0)), elastic_law=law), 2.0
-        ).known
+        ElasticLawPrior.from_fit(replace(a_fit(GeneralizedMaxwell(1.0)), elastic_law=law), 2.0).law
         == 2.0 * law
     )
 

@@ -1,4 +1,4 @@
-"""Hyperelastic laws from tests: truths found again, and what the tests do not tell."""
+"""Hyperelastic laws from tests: truths found again, and what the tests do not show."""
 
 from __future__ import annotations
 

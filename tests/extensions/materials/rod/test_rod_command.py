@@ -193,7 +193,7 @@ def test_fit_asks_for_missing_or_wrong_rod_input(tmp_path, words, message):
 
 
 def test_rest_is_taken_at_its_word_no_further_than_its_lines_scatter():
-    """Of lines that scatter by 2 % a few tell a gain to 1 %, which is what was said of it."""
+    """Of lines that scatter by 2 % a few show a gain to 1 %, which is what was said of it."""
     draw = np.random.default_rng(1).standard_normal
     gains = []
     for scatter in (0.0, 0.002, 0.02):
@@ -204,7 +204,7 @@ def test_rest_is_taken_at_its_word_no_further_than_its_lines_scatter():
     assert gains[0] == pytest.approx(0.003, rel=0.01)
     assert 0.003 < gains[1] < 0.004
     assert 0.006 < gains[2] <= 0.01
-    # who knows the sensors better than rest tells keeps what was said
+    # who knows the sensors better than rest shows keeps what was said
     sure = RodErrors(gain=0.001, phase=0.001)
     frf = dp.FRF(HZ, shaken(elements=40), "transmissibility", units="SI")
     assert rod_modulus(frf, Disc(0.02, 0.02), mass=31.4e-3, density=1e3, errors=sure).errors == sure
@@ -212,7 +212,7 @@ def test_rest_is_taken_at_its_word_no_further_than_its_lines_scatter():
 
 @pytest.mark.slow
 def test_the_truth_is_inside_the_intervals_as_often_as_they_say():
-    """Sensors are off by what is said, which rest tells, and above by .3 % and .3 deg."""
+    """Sensors are off by what is said, which rest shows, and above by .3 % and .3 deg."""
     draw = np.random.default_rng(5).standard_normal
     truth, inside, count = rubber(HZ), np.zeros(2), 200
     rod_errors = RodErrors(length=0.0, area=0.0, poisson=0.0, glue=0.0)

@@ -326,14 +326,14 @@ const solidShown = () => document.querySelector("[data-solid]")?.getAttribute("d
 
 export function away(/** @type {Record<string, any>} */ what) {
   // what is about to change is of no solid that stands on the page
-  if (!settled()) return status("not judged yet: nothing to export");
+  if (!settled()) return status("not checked yet: nothing to export");
   const { joint } = state, solid = solidShown(), model = ["fit", "deck"].includes(what.what);
   const request = { job: job(), limits: limits(), ...what, ...(model && { joint, solid }) };
   make("take", request, what.target || what.what, save);
 }
 
 export function project() {
-  if (!settled()) return status("not judged yet: nothing to save");
+  if (!settled()) return status("not checked yet: nothing to save");
   const request = { job: job(), folder: field("folder").value };
   make("project", request, "the project", (head) => `kept in ${head.folder}`);
 }

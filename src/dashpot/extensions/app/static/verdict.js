@@ -257,7 +257,7 @@ function lights() {
   const lit = all(".lights dd", own || made("div"));
   return (test() ? ["Test", "Stiffness", "Damping"] : []).map((name, i) => {
     const mark = lit[i]?.querySelector("use")?.getAttribute("href")?.slice(3);
-    const message = lit[i]?.textContent || (i ? "" : left) || "not judged";
+    const message = lit[i]?.textContent || (i ? "" : left) || "not checked";
     return { name, mark: mark || "open", message };
   });
 }

@@ -23,7 +23,7 @@ from dashpot.extensions.batch.arrays.shared_sampling import ReducedRecords, Shar
 from dashpot.extensions.batch.arrays.simultaneous_descent import descend_together, points_at
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import PLAIN
-from dashpot.numerics.exponential_fit import DOUBT, Solution, solve
+from dashpot.numerics.exponential_fit import MIN_PRIOR_SHARE, Solution, solve
 from dashpot.numerics.log_tau_descent import StackTrial
 
 CHUNK = 128
@@ -160,8 +160,8 @@ def _solve_chunk(
 ) -> BoolArray:
     """Descend all records of a chunk; write the ones that leave no doubt, and say which."""
     gain = search.gains(reduced)
-    point, done = descend_together(family, *search.best(gain), reduced)
-    sure = done & _is_interior_positive(family, point, reduced)
+    point, converged = descend_together(family, *search.best(gain), reduced)
+    sure = converged & _is_interior_positive(family, point, reduced)
     weak = np.flatnonzero(sure)
     weak = weak[~_is_well_determined(family, point.take(weak), reduced.take(weak))]
     if len(weak):
@@ -210,7 +210,7 @@ def _is_well_determined(
     unit = curvature / np.sqrt(scale[:, :, None] * scale[:, None, :]) + 1e-14 * np.eye(arms)
     variance = np.diagonal(np.linalg.inv(unit), axis1=1, axis2=2) / scale
     noise = (reduced.floor + point.sse) / spare
-    value = (variance > 0) & (variance * noise[:, None] < DOUBT**2)
+    value = (variance > 0) & (variance * noise[:, None] < MIN_PRIOR_SHARE**2)
     return np.asarray(value.all(axis=1))
 
 
@@ -224,8 +224,8 @@ def _compare_peak_descents(
     """The best of what was found and of descents from other peaks, and where it is proper."""
     proper = np.ones(len(trial.sse), dtype=bool)
     for start, started in search.peaks(gain, RIVALS):
-        other, done = descend_together(family, start, started, reduced)
+        other, converged = descend_together(family, start, started, reduced)
         better = np.flatnonzero(other.sse < trial.sse * (1 - 1e-10))
-        proper[better] = (done & _is_interior_positive(family, other, reduced))[better]
+        proper[better] = (converged & _is_interior_positive(family, other, reduced))[better]
         trial.put(better, other.take(better))
     return trial, proper

@@ -37,7 +37,8 @@ _STACK = 4
 class BatchErrors(FrozenArrays):
     """Standard errors of many solids; NaN where there is no arm, infinite where nothing is known.
 
-    Of the noise alone: what a machine may have done unseen to a stack of arrays nobody says.
+    Of the noise alone: what a machine may have done without a trace to a stack of arrays nobody
+    says.
 
     Attributes
     ----------
@@ -179,7 +180,7 @@ class _SharedMotion(NamedTuple):
         m, from zero on.
     first : int
         The first sample that is fitted.
-    given : slice
+    samples : slice
         The samples that `block` and `family` take.
     block : callable
         Makes the block of one record.
@@ -189,13 +190,13 @@ class _SharedMotion(NamedTuple):
 
     x: FloatArray
     first: int
-    given: slice
+    samples: slice
     block: Callable[[FloatArray], DataBlock]
     family: Callable[[], SharedSampling] | None
 
     def solve_records(self, records: FloatArray, arms: int) -> ManySolutions:
         """Fit every record, side by side where there are enough of them."""
-        provided = records[:, self.given]
+        provided = records[:, self.samples]
         if self.family is None or len(provided) < _STACK:
             return solve_separately(self.block, provided, arms, fixed_count=1)
         return solve_many(self.family(), provided, arms)
@@ -216,13 +217,13 @@ def _ideal(clock: FloatArray, ramp: tuple[float, float], *, method: str) -> _Sha
             partial(hold_family, since, depth=depth, ramp_time=ramp_time, ramp=True),
         )
     first = int(np.searchsorted(since, ramp_time))
-    held = since[first:] - ramp_time
+    hold_time = since[first:] - ramp_time
     return _SharedMotion(
         x,
         first,
         slice(first, None),
-        partial(hold_block, held, depth=depth, ramp_time=ramp_time),
-        partial(hold_family, held, depth=depth, ramp_time=ramp_time),
+        partial(hold_block, hold_time, depth=depth, ramp_time=ramp_time),
+        partial(hold_family, hold_time, depth=depth, ramp_time=ramp_time),
     )
 
 

@@ -81,8 +81,8 @@ class SharedSampling(ABC):
         few = max(1, AT_ONCE // values.shape[1])
         parts = [self._reduce_records(values[i : i + few]) for i in range(0, len(values), few)]
         data, floor, energy = zip(*parts, strict=True)
-        together = tuple(np.concatenate(part) for part in zip(*data, strict=True))
-        return ReducedRecords(together, np.concatenate(floor), np.concatenate(energy))
+        stacked = tuple(np.concatenate(part) for part in zip(*data, strict=True))
+        return ReducedRecords(stacked, np.concatenate(floor), np.concatenate(energy))
 
     @abstractmethod
     def _reduce_records(self, values: FloatArray) -> ReducedRecords: ...

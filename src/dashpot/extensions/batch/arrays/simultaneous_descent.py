@@ -48,16 +48,16 @@ def descend_together(
     As :func:`~dashpot.numerics.log_tau_descent.descend`.
     """
     low, high = family.template.bounds
-    here = points_at(family, start.copy(), reduced)
+    points = points_at(family, start.copy(), reduced)
     rounding = family.rounding_floor * reduced.energy
-    done = np.zeros(len(start), dtype=bool)
+    converged = np.zeros(len(start), dtype=bool)
     damping = np.full(len(start), 1e-6)
     last = np.full(len(start), np.inf)
-    active = np.flatnonzero(started & np.isfinite(here.sse))
+    active = np.flatnonzero(started & np.isfinite(points.sse))
     for _ in range(limit):
         if not len(active):
             break
-        now = here.take(active)
+        now = points.take(active)
         trial = np.clip(now.log_tau + _steps(now, damping[active]), low, high)
         step = trial - now.log_tau
         change, fall = np.abs(step).max(axis=1), np.abs(np.vecdot(now.gradient, step))
@@ -66,23 +66,23 @@ def descend_together(
         over |= change <= FINISHED
         before = now.sse
         if over.any():
-            here.put(active[over], now.take(over).ahead(step[over]))
-            done[active[over]] = True
+            points.put(active[over], now.take(over).ahead(step[over]))
+            converged[active[over]] = True
             active, trial, change, before = (x[~over] for x in (active, trial, change, before))
         if not len(active):
             break
         new = points_at(family, trial, reduced.take(active))
         tail, better = change < TAIL, is_step_acceptable(new.sse, before, change, rounding[active])
-        taken = active[better]
-        last[taken] = change[better]
-        here.put(taken, new.take(better))
-        damping[taken] = np.where(tail[better], 0.0, 0.1 * damping[taken])
+        improved = active[better]
+        last[improved] = change[better]
+        points.put(improved, new.take(better))
+        damping[improved] = np.where(tail[better], 0.0, 0.1 * damping[improved])
         stuck = ~better & tail & (damping[active] == 0.0)
-        done[active[stuck]] = True
+        converged[active[stuck]] = True
         refused = active[~better]
         damping[refused] = 10 * np.maximum(damping[refused], 1e-6)
         active = active[~stuck & (damping[active] < 1e9)]
-    return here, done
+    return points, converged
 
 
 def _steps(point: StackTrial, damping: FloatArray) -> FloatArray:

@@ -20,7 +20,7 @@ _D4 = 3.267
 CHANCE = 0.015
 """Part of the points of a chart of what is in control that break a rule all the same: measured, on
 charts of 5 to 200 values whose limits are their own."""
-ENOUGH = 25
+MIN_POINTS = 25
 """Points that limits should be of (AIAG, Statistical Process Control, 2nd ed., chapter II)."""
 _ROUNDING = 1e-12
 

@@ -18,7 +18,7 @@ POOLED = 0.25
 Experiments, section 13.3; AIAG asks for more evidence of one)."""
 DISTINCT = 1.41
 """Confidence intervals of the gauge in a standard deviation of parts (AIAG, MSA, 4th ed.)."""
-TRUSTED, LIMIT = 0.10, 0.30
+GOOD_SHARE, LIMIT = 0.10, 0.30
 """Share of the total deviation below which a gauge is good, and above which it is not (AIAG)."""
 _DRAWS, _SEED = 20_000, 1
 
@@ -62,7 +62,7 @@ class Gauge:
         Tests beyond a design in which every operator tests every part equally often.
     variations : tuple of Variation
     categories : int
-        That the gauge can tell apart, ndc: 1.41 deviations of parts over those of the gauge.
+        That the gauge can distinguish, ndc: 1.41 deviations of parts over those of the gauge.
     categories_interval : (float, float)
         95 %.
     interaction_p : float or None
@@ -196,20 +196,22 @@ def _extract_balanced_table(
     """Return the balanced part of a design, shape (parts, operators, repeats)."""
     tests = np.bincount(part * operators + operator, minlength=(part.max() + 1) * operators)
     tests = tests.reshape(-1, operators)
-    whole = np.flatnonzero(tests.all(axis=1))
-    if len(whole) < 2:
+    complete_parts = np.flatnonzero(tests.all(axis=1))
+    if len(complete_parts) < 2:
         raise DataError(
-            f"{len(whole)} parts were tested by all {operators} operators; expected two or more: "
+            f"{len(complete_parts)} parts were tested by all {operators} operators; expected two "
+            "or more: "
             "what operators add cannot be separated from the parts"
         )
-    repeats = tests[whole].min()
+    repeats = tests[complete_parts].min()
     if repeats < 2:
         raise DataError(
             "an operator tested a part once; expected two repeats or more of each: repeatability "
             "cannot be separated from the rest"
         )
     return np.array([
-        [x[(part == i) & (operator == j)][:repeats] for j in range(operators)] for i in whole
+        [x[(part == i) & (operator == j)][:repeats] for j in range(operators)]
+        for i in complete_parts
     ])  # fmt: skip
 
 
@@ -290,5 +292,7 @@ def _add_variance_totals(inside: _Variances, part: FloatArray) -> _Variances:
 
 def _draw_variances(squares: _Squares) -> _Variances:
     """Variances that could have given these mean squares."""
-    drawn = np.random.default_rng(_SEED).chisquare(squares.freedom, (_DRAWS, len(squares.square)))
-    return squares.solved((squares.square * squares.freedom / drawn).T)
+    chi_square = np.random.default_rng(_SEED).chisquare(
+        squares.freedom, (_DRAWS, len(squares.square))
+    )
+    return squares.solved((squares.square * squares.freedom / chi_square).T)

@@ -15,7 +15,7 @@ Ends: TypeAlias = tuple[float, float]
 _Index: TypeAlias = tuple[float | None, Ends | None]
 _SUSPECT = 0.05
 """Below it normal values are rare."""
-_FAR = 30.0
+_EXACT_INDEX = 30.0
 """An index beyond which the mean's scatter is nothing beside the deviation's, and scipy 1.17's
 inverse of the noncentral t loses its digits, then does not end."""
 
@@ -143,18 +143,18 @@ def _true_index(index: float, n: int, tail: float) -> float:
     from scipy.special import nctdtrinc
     from scipy.stats import chi2
 
-    if abs(index) > _FAR:
+    if abs(index) > _EXACT_INDEX:
         share = chi2.isf if index > 0 else chi2.ppf
         return index * math.sqrt(float(share(tail, n - 1)) / (n - 1))
     scale = 3 * math.sqrt(n)
     return float(nctdtrinc(n - 1, tail, scale * index)) / scale
 
 
-def share_interval(count: int, of: int, level: float = 0.95) -> Ends:
+def share_interval(count: int, total: int, level: float = 0.95) -> Ends:
     """Return the exact interval of a share of which `count` of so many were seen."""
     from scipy.stats import beta
 
     tail = (1 - level) / 2
-    low = 0.0 if count == 0 else float(beta.ppf(tail, count, of - count + 1))
-    high = 1.0 if count == of else float(beta.ppf(1 - tail, count + 1, of - count))
+    low = 0.0 if count == 0 else float(beta.ppf(tail, count, total - count + 1))
+    high = 1.0 if count == total else float(beta.ppf(1 - tail, count + 1, total - count))
     return low, high

@@ -12,7 +12,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 
 POWER = 0.8
-SURE = 0.05
+SIGNIFICANCE = 0.05
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Difference:
     @property
     def different(self) -> bool:
         """Whether chance alone gives such a difference in fewer than 5 % of trials."""
-        return self.p_value < SURE
+        return self.p_value < SIGNIFICANCE
 
 
 def difference(first: FloatArray, second: FloatArray, *, level: float = 0.95) -> Difference:
@@ -90,7 +90,9 @@ def difference(first: FloatArray, second: FloatArray, *, level: float = 0.95) ->
         return Difference((n1, n2), (m1, m2), (s1, s2), value, (value, value), p_value, freedom,
                           0.0, abs(value))  # fmt: skip
     freedom = error**4 / (parts[0] ** 2 / (n1 - 1) + parts[1] ** 2 / (n2 - 1))
-    reach, inner = (float(student.ppf(p, freedom)) * error for p in ((1 + level) / 2, 1 - SURE))
+    reach, inner = (
+        float(student.ppf(p, freedom)) * error for p in ((1 + level) / 2, 1 - SIGNIFICANCE)
+    )
     p_value = float(2 * student.sf(abs(value) / error, freedom))
     return Difference(
         (n1, n2), (m1, m2), (s1, s2), value, (value - reach, value + reach), p_value, freedom,
@@ -104,7 +106,7 @@ def _detectable(freedom: float) -> float:
     from scipy.stats import t as student
 
     # that the estimate falls beyond the other end is less than 1e-5 here
-    return float(nctdtrinc(freedom, 1 - POWER, student.ppf(1 - SURE / 2, freedom)))
+    return float(nctdtrinc(freedom, 1 - POWER, student.ppf(1 - SIGNIFICANCE / 2, freedom)))
 
 
 def holm(p_values: Sequence[float]) -> tuple[float, ...]:

@@ -27,7 +27,7 @@ _FEWEST = 6
 """Values whose kurtosis is asked."""
 _OF_THREE = 2 / 3
 """Degrees of freedom of a value where each mean is of three."""
-SHORT = 0.95
+SHORT_HOLD = 0.95
 """Of the median hold."""
 _PER_MAD = 1.482602218505602
 """Standard deviations of a normal distribution in its median absolute deviation."""
@@ -78,7 +78,7 @@ class _Stratum:
     away: FloatArray  # of each value from its own mean
 
     def normal(self) -> float | None:
-        """Probability of such values if they were normal; None where they are too few to tell."""
+        """Probability of such values if they were normal; None where they are too few to show."""
         from scipy.stats import shapiro  # few need it, and it costs time to import
 
         # what is left of pairs is symmetric, whatever they are
@@ -158,9 +158,9 @@ def components(
     components = _estimates(strata, level)
     if errors is not None:
         components = [*components[:-1], *_split(components[-1], float(np.mean(np.square(errors))))]
-    whole = sum(component.variance for component in components)
+    total = sum(component.variance for component in components)
     return tuple(
-        replace(component, share=component.variance / whole if whole > 0 else 0.0)
+        replace(component, share=component.variance / total if total > 0 else 0.0)
         for component in components
     )
 

@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.number_format import round_to_error
-from dashpot.extensions.curves.checks import FOLLOWED
+from dashpot.extensions.curves.checks import MAX_MISFIT
 from dashpot.fitting.checks.relaxation import largest_rms
 from dashpot.fitting.checks.solid import format_arm_count
 from dashpot.preprocessing.checks import MAX_FROZEN, MAX_PRELOAD
@@ -28,7 +28,7 @@ MAX_LOAD_CHANGE = 0.02
 # of the displacement at rest that the hold did not show
 MAX_TO_COME = 0.05
 # a difference of BIC below which two solids are as good
-TOLD = 10.0
+MIN_FLOW_RATIO = 10.0
 # a displacement missed by so many times its noise is not followed
 MISSED, NOT_FOLLOWED = 2.0, 10.0
 # of the displacement at the end of a hold: a flow of less may be a slow retardation
@@ -38,7 +38,7 @@ DRIFTS = 2.0
 # of the travel: a misfit below it does not matter
 FINE_ENOUGH = 1e-3
 # a departure from proportion at the highest level that matters, and how surely
-BENT, SURELY = 0.03, 3.0
+MAX_NONLINEARITY, SIGNIFICANT_SE = 0.03, 3.0
 
 
 @criterion("samples", ">=", MIN_BASELINE, "our choice: the fewest that give a scatter")
@@ -100,8 +100,8 @@ def displacement_samples_not_repeated(test: LoadHold, displacement: FloatArray) 
 @criterion("change in the hold / load", "<=", MAX_LOAD_CHANGE, grade="note")
 def load_held(test: LoadHold) -> Finding:
     """The load is constant during the hold, or the fit follows it."""
-    held = test.load[test.hold]
-    settled = held[len(held) // 10 :]
+    held_load = test.load[test.hold]
+    settled = held_load[len(held_load) // 10 :]
     change = float(np.ptp(settled)) / test.level
     return Finding(
         f"The load changes by {100 * change:.2g} % while it is held",
@@ -148,18 +148,20 @@ def creep_finished(creep: CreepSpectrum, hold: float) -> Finding:
     )
 
 
-@criterion("difference of BIC", ">=", TOLD, "our choice: 1 to 150 in likelihood")
+@criterion("difference of BIC", ">=", MIN_FLOW_RATIO, "our choice: 1 to 150 in likelihood")
 def flow_distinguished(flows: bool, difference: float, se_of_flow: float | None) -> Finding:
     """The data distinguish a part that comes to rest from one that flows."""
     word, other = ("flows", "comes to rest") if flows else ("comes to rest", "flows")
-    doubt = "" if se_of_flow is None else f" (its fluidity is known to {100 * se_of_flow:.2g} %)"
+    error_text = (
+        "" if se_of_flow is None else f" (its fluidity is known to {100 * se_of_flow:.2g} %)"
+    )
     if np.isinf(difference):
         return Finding(
             f"A part that {other} explains no more than one that {word}", always_passes=True
         )
     return Finding(
         f"A part that {word} explains the record better than one that {other}, by {difference:.3g} "
-        f"in BIC{doubt}",
+        f"in BIC{error_text}",
         difference,
         failure=f"The record hardly separates a part that comes to rest from one that flows "
         f"(BIC {difference:.3g}). One that {word} was taken; k_inf may be 0",
@@ -223,7 +225,7 @@ def displacement_residual_small(test: LoadHold, residual: FloatArray) -> Finding
     )
 
 
-@criterion("rms error of the fit", "<=", FOLLOWED)
+@criterion("rms error of the fit", "<=", MAX_MISFIT)
 def compliance_residual_small(missed: float, arms: int) -> Finding:
     """The model fits the creep compliance."""
     return Finding(
@@ -235,19 +237,22 @@ def compliance_residual_small(missed: float, arms: int) -> Finding:
 
 
 @criterion(
-    "deviation at the highest load", "<=", BENT, "our choice; or less than 3 standard errors"
+    "deviation at the highest load",
+    "<=",
+    MAX_NONLINEARITY,
+    "our choice; or less than 3 standard errors",
 )
 def levels_agree(departure: float | None, error: float | None) -> Finding:
     """The displacement is proportional to the load: the part is linear."""
     if departure is None or error is None:
-        return Finding("The record has one load, so proportion is not judged")
+        return Finding("The record has one load, so proportion is not checked")
     return Finding(
         f"At the highest load the displacement departs from proportion by "
         f"{100 * departure:+.2g} % ± {100 * error:.2g} %",
         abs(departure),
         "One linear model is not valid for all loads",
         "Fit the loads one by one.",
-        always_passes=abs(departure) <= SURELY * error,
+        always_passes=abs(departure) <= SIGNIFICANT_SE * error,
     )
 
 

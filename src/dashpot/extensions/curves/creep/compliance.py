@@ -19,7 +19,7 @@ from dashpot.extensions.curves.datamodel.creep import (
 # values per decade of time, each the mean of what was recorded between two of them
 _PER_DECADE = 10
 # a value is the mean of so many samples at least, and a curve has so many values
-_LEAST, _FEWEST = 4, 5
+_MIN_SAMPLES, _FEWEST = 4, 5
 # times shorter than this part of the ramp are those of the ramp, not of the part
 _OF_THE_RAMP = 1.0
 
@@ -27,18 +27,18 @@ _OF_THE_RAMP = 1.0
 def fitted_displacement(fit: Fit, data: LoadHold) -> FloatArray:
     """The displacement that the fit says at every sample, m, with its offset, drift and delay."""
     time = data.time - data.time[0]
-    answer = fit.solid.displacement(time, data.load)
+    displacement = fit.solid.displacement(time, data.load)
     terms = {
         "offset": np.ones(len(time)),
         "drift": time,
-        "delay": np.gradient(answer, time),
+        "delay": np.gradient(displacement, time),
     }
     items = [
         nuisance.value * terms[nuisance.name]
         for nuisance in fit.estimate.nuisance
         if nuisance.name in terms
     ]
-    return np.asarray(answer + np.sum(items, axis=0))
+    return np.asarray(displacement + np.sum(items, axis=0))
 
 
 def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
@@ -50,8 +50,8 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
     .. math:: J(t_i) = J_\mathrm{fit}(t_i) + \overline{(x - x_\mathrm{fit})}_i / F
 
     in means over even steps of log t through the hold, t counted from the middle of the ramp. A
-    drift of the reading that the time before the load does not tell is left in: one test cannot
-    tell it from slow creep, several temperatures can.
+    drift of the reading that the time before the load does not show is left in: one test cannot
+    distinguish it from slow creep, several temperatures can.
 
     Parameters
     ----------
@@ -74,11 +74,11 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
         ratio = ratio + drift * (record.time - record.time[0])
     ratio = ratio[record.hold] / record.level
     since = record.time[record.hold] - (record.onset + record.ramp_end) / 2
-    shortest = max(_OF_THE_RAMP * record.ramp_time, _LEAST * float(np.median(np.diff(since))))
+    shortest = max(_OF_THE_RAMP * record.ramp_time, _MIN_SAMPLES * float(np.median(np.diff(since))))
     ends = np.arange(np.log10(shortest), np.log10(since[-1]) + 1e-9, 1 / _PER_DECADE)
     which = np.digitize(np.log10(np.maximum(since, shortest / 10)), ends)
     counts = np.bincount(which, minlength=len(ends) + 1)
-    full = np.flatnonzero(counts >= _LEAST)
+    full = np.flatnonzero(counts >= _MIN_SAMPLES)
     full = full[full > 0]
     if len(full) < _FEWEST:
         raise FitError(

@@ -9,8 +9,8 @@ from dashpot.base.number_format import round_to_error
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.curves.creep.compliance import fitted_displacement
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, LoadHold
-from dashpot.extensions.curves.time_curve_figure import answer_panels
-from dashpot.plot.picture import BENEATH, FIT, REF, UPON, Line, Panel, Picture, Rule, Scale
+from dashpot.extensions.curves.time_curve_figure import response_panels
+from dashpot.plot.picture import DATA_ON_FIT, FIT, FIT_BAND, REF, Line, Panel, Picture, Rule, Scale
 from dashpot.plot.plotted_data import (
     compute_padded_limits,
     downsample_to_extremes,
@@ -58,7 +58,7 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
 
     upper = Panel(
         across, Scale(label, compute_padded_limits(scale * measured)),
-        (Line(*line(stated), BENEATH, "fit"), Line(*line(measured), UPON, "measured")),
+        (Line(*line(stated), FIT_BAND, "fit"), Line(*line(measured), DATA_ON_FIT, "measured")),
         height=240,
     )  # fmt: skip
     residual = measured - stated
@@ -74,7 +74,7 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
 
 
 def _curve(fit: Fit, data: CreepCompliance) -> tuple[Panel, Panel]:
-    return answer_panels(
-        data.time, data.compliance, answer=fit.solid.creep, unit=data.unit,
+    return response_panels(
+        data.time, data.compliance, compute_response=fit.solid.creep, unit=data.unit,
         name="creep compliance", axis="time since the step, s",
     )  # fmt: skip

@@ -42,8 +42,8 @@ from dashpot.extensions.curves.creep.retardation_spectrum import (
     spectrum_of,
 )
 from dashpot.extensions.curves.curve_uncertainty import (
-    DOUBTED,
-    ENOUGH,
+    MIN_FITTED_SHARE,
+    MIN_FREE_POINTS,
     CurveData,
     band_of_curve,
     curve_data,
@@ -88,21 +88,21 @@ from dashpot.signals.segments import find_segments
 from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# retardations of the first solution, which tells the velocity
-_ROUGH = 2
+# retardations of the first solution, which shows the velocity
+_FIRST_ORDER = 2
 _FEWEST = 5
 # retardations faster than so many times what the load resolves are none
 _RESOLVED = 4.0
 # a load is in step to this part of a sample; it is moved so often, and by so many sd at most
-_IN_STEP, _MOVES, _FARTHEST = 0.1, 4, 4.0
-#: largest angle, omega times the step of the clock, at which a creep test tells the loss
+_IN_STEP, _MAX_SHIFTS, _MAX_SHIFT_SD = 0.1, 4, 4.0
+#: largest angle, omega times the step of the clock, at which a creep test shows the loss
 SAMPLED = 0.1
 # so many sd of a delay before the load the displacement is sure to rest
-_RESTS = 2.0
+_REST_SD = 2.0
 # a drift is known from the samples before the load where its sd is below this part of the usual
 _KNOWN_DRIFT = 0.7
 # loads this far apart, in parts of the highest, are two levels
-_APART = 0.2
+_LEVEL_DISTANCE = 0.2
 
 
 def fit_creep(
@@ -168,9 +168,9 @@ def _align_load(record: LoadHold, options: FitOptions) -> tuple[LoadHold, Retard
     by half of the next power, which looks like a fast retardation. So the load is moved by what
     was found, until hardly any delay is left, by Gauss-Newton.
     """
-    most = _FARTHEST * build_delay_prior(record).sd
+    most = _MAX_SHIFT_SD * build_delay_prior(record).sd
     retardation = _fit_recorded_load(record, options)
-    for _ in range(_MOVES):
+    for _ in range(_MAX_SHIFTS):
         delay = retardation.solution.coefficient("delay")
         if abs(delay) <= _IN_STEP * record.step or abs(record.lead + delay) > most:
             break
@@ -215,14 +215,17 @@ def _data(record: LoadHold, *, flows: bool) -> FitData:
     )  # fmt: skip
     if flows:
         block = block.with_column(FLOW, _impulse(time, record.load)[window])
-    rough = solve([block, *_bound(block, baseline)], min(_ROUGH, max_determinable_arms([block])))
+    rough = solve(
+        [block, *_limit_parameters(block, baseline)],
+        min(_FIRST_ORDER, max_determinable_arms([block])),
+    )
     block = block.with_column("delay", _velocity(block, rough, time[window]))
     # what is faster than the load is known answers its noise
     fast, slow = block.window
     block = replace(block, window=(max(fast, _RESOLVED * record.resolution), slow))
     return FitData(
         [block], [block.exact], in_time=True,
-        bind=partial(_bound, block, baseline),
+        bind=partial(_limit_parameters, block, baseline),
     )  # fmt: skip
 
 
@@ -236,7 +239,7 @@ class _PreloadBaseline(NamedTuple):
     first: int
     noise: float
     least: float
-    usual: float
+    default_drift: float
 
     @property
     def terms(self) -> NuisanceTerms:
@@ -247,25 +250,25 @@ class _PreloadBaseline(NamedTuple):
     @property
     def knows_drift(self) -> bool:
         """Whether these samples, and not what is usual, determine the drift."""
-        return self.drift.sd < _KNOWN_DRIFT * self.usual
+        return self.drift.sd < _KNOWN_DRIFT * self.default_drift
 
 
-def estimate_preload_baseline(record: LoadHold, *, claimed: bool = False) -> _PreloadBaseline:
+def estimate_preload_baseline(record: LoadHold, *, for_limits: bool = False) -> _PreloadBaseline:
     """Return what the samples before the load say of its zero, its drift and its clock.
 
-    `claimed` for limits, which bear all that a rig may drift unseen.
+    `for_limits` for limits, which bear all that a rig may drift without a trace.
     """
     time, x = record.time - record.time[0], record.displacement
-    late = build_delay_prior(record)
+    delay_prior = build_delay_prior(record)
     # the displacement may have moved before the force shows it
-    first = int(np.searchsorted(record.time, record.onset - _RESTS * late.sd))
+    first = int(np.searchsorted(record.time, record.onset - _REST_SD * delay_prior.sd))
     travel = float(np.ptp(x))
     count = quantum(x)
     noise = max(record.displacement_noise, OF_A_COUNT * count)
     # load cell and displacement both drift
     both, duration = float(np.sqrt(2)) * travel, float(record.time[-1] - record.onset)
-    unmeasured = noise if claimed else None
-    usual = Machine().drift_sd(both, duration, unmeasured)
+    unmeasured = noise if for_limits else None
+    default_drift = Machine().drift_sd(both, duration, unmeasured)
     slope = Prior(0.0, np.inf)
     if first >= _FEWEST:
         offset, at, slope = estimate_channel_zero(
@@ -280,11 +283,13 @@ def estimate_preload_baseline(record: LoadHold, *, claimed: bool = False) -> _Pr
         offset, at, first = Prior(0.0 if loaded else float(x[0]), noise), 0.0, 0
     drift = Prior(*Machine().combine_drift(slope, both, duration, unmeasured))
     # of the load that was moved already, what is left
-    delay = Prior(-record.lead, late.sd)
-    return _PreloadBaseline(offset, at, drift, delay, first, noise, ROUNDING * travel, usual)
+    delay = Prior(-record.lead, delay_prior.sd)
+    return _PreloadBaseline(
+        offset, at, drift, delay, first, noise, ROUNDING * travel, default_drift
+    )
 
 
-def _bound(
+def _limit_parameters(
     block: DataBlock, baseline: _PreloadBaseline, spreads: Sequence[float] | None = None
 ) -> tuple[DataBlock, ...]:
     """Return rows that bind the nuisance terms of a block."""
@@ -297,7 +302,7 @@ def _impulse(time: FloatArray, load: FloatArray) -> FloatArray:
     return np.concatenate(([0.0], np.cumsum(steps)))
 
 
-def _answer(block: DataBlock, solution: Solution) -> FloatArray:
+def _compute_response(block: DataBlock, solution: Solution) -> FloatArray:
     """Return the displacement that a solution gives at every sample, without its nuisance terms."""
     rows = block.exact.evaluate(solution.log_tau, False)
     fixed = [0.0 if name in NUISANCE else solution.coefficient(name) for name in block.fixed_names]
@@ -306,7 +311,7 @@ def _answer(block: DataBlock, solution: Solution) -> FloatArray:
 
 def _velocity(block: DataBlock, rough: Solution, time: FloatArray) -> FloatArray:
     """Return the column of a force that is recorded late: the velocity of the answer, m/s."""
-    return np.gradient(_answer(block, rough), time)
+    return np.gradient(_compute_response(block, rough), time)
 
 
 # -- a kind of part ------------------------------------------------------------------------------
@@ -333,7 +338,9 @@ def _better(selections: Sequence[SelectedModel]) -> Retarded:
     if choice is not None and FLOW in model.solution.fixed_names:  # a flow makes one more arm
         more = (choice.arms + 1, choice.by_bic + 1, choice.by_significance + 1)
         choice = choice._replace(arms=more[0], by_bic=more[1], by_significance=more[2])
-    return Retarded(model.data, model.estimate, model.scores, choice, model.asked, alternative)
+    return Retarded(
+        model.data, model.estimate, model.scores, choice, model.requested_arms, alternative
+    )
 
 
 def _flow_stands_out(selection: SelectedModel) -> bool:
@@ -353,13 +360,13 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
         noise=max(retardation.estimate.spread, 1e-6 * retardation.data.peak, 1e-300),
     )  # fmt: skip
     window = (2 * float(np.diff(record.time).min()), record.hold_time)
-    # between samples a delay and a fast retardation are one: nothing tells the loss there
+    # between samples a delay and a fast retardation are one: nothing shows the loss there
     resolved = SAMPLED / (2 * np.pi * float(np.median(np.diff(record.time))))
     band = (band[0], max(min(band[1], resolved), band[0]))
     end, band, error = _end_of_test(record, retardation, band)
     word = "m" if record.unit == "N/m" else "1"
     nuisance = _nuisances(record, retardation, word)
-    answers = (
+    all_checks = (
         retardation.convergence_check,
         *_checks(retardation, record.unit, window, "the record", word),
         *_flow_checks(creep, record.hold_time),
@@ -371,15 +378,15 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
         residuals_steady([residual], rounding=ROUNDING * retardation.data.peak),
         valid_band_exists(band),
         loss_factor_determined(error),
-        clocks_agree([_late(nuisance)]),
+        clocks_agree([_find_delay(nuisance)]),
     )
     return build_fit(
-        retardation.outcome(replace(retardation.residual, unit=word), nuisance),
+        retardation.make_solid_estimate(replace(retardation.residual, unit=word), nuisance),
         Evidence(
             band,
             retardation.orders,
             retardation.certificate,
-            checks=(*record.checks, *answers),
+            checks=(*record.checks, *all_checks),
             end_of_hold=end,
             creep=retardation.creep,
             band_error=error,
@@ -403,12 +410,12 @@ def _nuisances(record: LoadHold, retardation: Retarded, word: str) -> tuple[Nuis
     lead = {"delay": record.lead}
     return retardation.nuisances(
         lambda name: retardation.solution.coefficient(name) + lead.get(name, 0.0),
-        of=word,
+        unit=word,
         delays=[build_delay_prior(record).sd],
     )
 
 
-def _late(nuisance: Sequence[Nuisance]) -> tuple[float, float, float]:
+def _find_delay(nuisance: Sequence[Nuisance]) -> tuple[float, float, float]:
     """Return the delay of the force, its standard error, and that before the fit, s."""
     term = next(term for term in nuisance if term.name == "delay")
     return term.value, term.standard_error, term.prior_sd or 0.0
@@ -431,18 +438,18 @@ def _add_load_errors(record: LoadHold, selection: SelectedModel) -> SelectedMode
     Where the number was left to the rules, a retardation that is not significant beside that
     error, too, is not taken.
     """
-    data, choice, taken = selection.data, selection.choice, selection.solution.order
+    data, choice, order = selection.data, selection.choice, selection.solution.order
     while True:
-        solution = selection.scores[taken].solution
+        solution = selection.scores[order].solution
         rows = partial(load_rows, record=record, creep=spectrum_of(solution))
         estimate = estimate_covariance(
             solution, data.samples, peak=data.peak, priors=data.priors, error_rows=[rows]
         )
-        if choice is None or taken == 0 or _stand_out(selection, estimate):
+        if choice is None or order == 0 or _stand_out(selection, estimate):
             break
-        taken -= 1
-    if choice is not None and taken < choice.arms:
-        choice = choice._replace(arms=taken, by_significance=taken, capped=False)
+        order -= 1
+    if choice is not None and order < choice.arms:
+        choice = choice._replace(arms=order, by_significance=order, capped=False)
     return replace(selection, estimate=estimate, choice=choice)
 
 
@@ -455,13 +462,15 @@ def _stand_out(selection: SelectedModel, estimate: SolutionEstimate) -> bool:
         np.array([function(f"ln_tau_{i}") for i in numbers]),
     ):
         return False
-    made = Retarded(selection.data, estimate, selection.scores, selection.choice, selection.asked)
+    made = Retarded(
+        selection.data, estimate, selection.scores, selection.choice, selection.requested_arms
+    )
     arms, error = made.model.arms, made.every_error[1:]
     return significant(np.array(made.model.k), error[:arms], error[arms:])
 
 
 def _checks(
-    retardation: Retarded, unit: str, window: tuple[float, float], of: str, left_in: str
+    retardation: Retarded, unit: str, window: tuple[float, float], subject: str, left_in: str
 ) -> tuple[Check, ...]:
     """The checks of the solid, whatever it was fitted to; its residual is `left_in` a unit."""
     model, estimate = retardation.model, retardation.estimate
@@ -478,11 +487,11 @@ def _checks(
     return (
         arms_distinct(model),
         arms_supported(model, retardation.every_error, unit=unit),
-        tau_inside_window(model, window, of),
+        tau_inside_window(model, window, subject),
         *final_checks,
         residuals_white(estimate.kappa, estimate.rms),
         *([] if retardation.choice is None else [order_agreed(retardation.choice)]),
-        *retardation.enough(left_in),
+        *retardation.check_arm_count(left_in),
     )
 
 
@@ -498,7 +507,9 @@ def _drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
     baseline = estimate_preload_baseline(record)
     drift = retardation.solution.coefficient("drift")
     return [
-        checks.drift_distinguished_from_flow(drift, baseline.usual, reported=baseline.knows_drift)
+        checks.drift_distinguished_from_flow(
+            drift, baseline.default_drift, reported=baseline.knows_drift
+        )
     ]
 
 
@@ -519,7 +530,7 @@ def _end_of_test(
         time = regularise_clock(record.time - record.time[0])
         span = slice(len(time) - len(residual), None)
         block = block.with_column(FLOW, _impulse(time, record.load)[span])
-    terms = estimate_preload_baseline(record, claimed=True).terms
+    terms = estimate_preload_baseline(record, for_limits=True).terms
     if record.unit == "N/m":
         give = Machine().give_sd(float(np.ptp(record.displacement)), record.level)
         terms = terms.add_terms(**{GLASS: Prior(0.0, give / record.level)})
@@ -552,20 +563,25 @@ def _departure(record: LoadHold, retardation: Retarded) -> tuple[float | None, f
         segment for segment in find_segments(record.time, record.load) if segment.kind == "hold"
     ]
     levels = np.array([hold.level for hold in holds if hold.first > 0 or hold.level > 0])
-    differences = levels[levels > _APART * record.level]
-    if not len(differences) or float(np.ptp(differences)) < _APART * float(differences.max()):
+    differences = levels[levels > _LEVEL_DISTANCE * record.level]
+    if not len(differences) or float(np.ptp(differences)) < _LEVEL_DISTANCE * float(
+        differences.max()
+    ):
         return None, None
     block = retardation.data.blocks[0]
-    answer = _answer(block, retardation.solution)
-    largest = float(np.abs(answer).max())
-    bent = block.with_column("bend", answer**2 / largest)
+    response = _compute_response(block, retardation.solution)
+    largest = float(np.abs(response).max())
+    nonlinear_block = block.with_column("bend", response**2 / largest)
     solution = solve(
-        [bent, *retardation.data.priors],
+        [nonlinear_block, *retardation.data.priors],
         retardation.solution.order,
         log_tau_start=retardation.solution.log_tau,
     )
     estimate = estimate_covariance(
-        solution, [bent.exact], peak=retardation.data.peak, priors=retardation.data.priors
+        solution,
+        [nonlinear_block.exact],
+        peak=retardation.data.peak,
+        priors=retardation.data.priors,
     )
     return solution.coefficient("bend"), estimate.standard_error("bend")
 
@@ -611,7 +627,7 @@ def _fit_curve(
     first = solve([_curve_block(t, values, weight, window, flows=True)], min(most, len(t) // 3))
     expected = spectrum_of(first).compliance(t)
     # the size of noisy data is a biased weight: low values would count most
-    weight = 1 / np.maximum(expected, DOUBTED * values)
+    weight = 1 / np.maximum(expected, MIN_FITTED_SHARE * values)
     selections = []
     for flows, item in _candidates(options):
         block = _curve_block(t, values, weight, window, flows=flows)
@@ -621,7 +637,7 @@ def _fit_curve(
     creep, unit = best.spectrum, curve.stiffness_unit
     band = 1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))
     end, error = None, None
-    if len(t) >= ENOUGH:
+    if len(t) >= MIN_FREE_POINTS:
         flowing = _curve_block(t, values, weight, window, flows=True)
         seen = curve_data(flowing, t, window=(window[0], 10 * window[1]))
         end, band, error = _end_and_band(seen, float(t[-1]), best.model, creep.lam, band)
@@ -630,7 +646,7 @@ def _fit_curve(
             missed = np.abs(creep.compliance(t) / values - 1)
             inside = (line >= band[0]) & (line <= band[1])
             error = replace(error, misfit=(float(np.max(missed[inside], initial=0.0)), 0.0))
-    answers = (
+    all_checks = (
         *origin.checks,
         best.convergence_check,
         *check_temperature(curve.specimen),
@@ -643,12 +659,12 @@ def _fit_curve(
     )
     step = _step(best, f"{len(t)} values of a creep compliance", options.arms)
     return build_fit(
-        best.outcome(replace(best.residual, unit="1")),
+        best.make_solid_estimate(replace(best.residual, unit="1")),
         Evidence(
             band,
             best.orders,
             best.certificate,
-            checks=answers,
+            checks=all_checks,
             end_of_hold=end,
             creep=best.creep,
             band_error=error,

@@ -22,9 +22,9 @@ def load_rows(columns: FloatArray, record: LoadHold, creep: CreepSpectrum) -> Fl
 
     `columns` are J, or any turn of it, of the last samples of the record.
     """
-    whole = np.zeros((len(record.time), columns.shape[1]))
-    whole[len(whole) - len(columns) :] = columns
-    return errors_of_load(record)(load_sensitivity(whole, record.time, creep))
+    all_columns = np.zeros((len(record.time), columns.shape[1]))
+    all_columns[len(all_columns) - len(columns) :] = columns
+    return errors_of_load(record)(load_sensitivity(all_columns, record.time, creep))
 
 
 def load_sensitivity(columns: FloatArray, time: FloatArray, creep: CreepSpectrum) -> FloatArray:

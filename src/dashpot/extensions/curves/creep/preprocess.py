@@ -15,18 +15,18 @@ from dashpot.base.provenance import Step
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import quantum
 from dashpot.extensions.curves.creep import checks
-from dashpot.extensions.curves.datamodel.creep import STRAIGHT, CreepTest, LoadHold
+from dashpot.extensions.curves.datamodel.creep import MAX_CORNERS, CreepTest, LoadHold
 from dashpot.preprocessing.checks import check_temperature, clock_steady
 from dashpot.signals.noise import scatter, without_spikes
 from dashpot.signals.segments import find_cycles, find_segments
 
 _FEWEST = 8
 # steps and tolerance of the search for the times of corners
-_STEPS, _PART, _SETTLED = 20, 0.3, 1e-9
+_STEPS, _PART, _CORNER_TOLERANCE = 20, 0.3, 1e-9
 # a mean of white noise is hardly ever so many standard deviations off, and seldom so many
-_SURELY, _HARDLY = 6.0, 4.0
+_CERTAIN_SD, _UNLIKELY_SD = 6.0, 4.0
 # the least readings of a part that is halved, and into how many one is cut that was
-_LEAST, _QUARTERS = 8, 4
+_MIN_READINGS, _QUARTERS = 8, 4
 # standard deviation of a reading in counts
 OF_A_COUNT = 12**-0.5
 # a load with less noise than this part of it is taken as it is
@@ -66,44 +66,46 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
         the machine.
     """
     machine = machine or Machine()
-    machine.refuse_unused("sync", of="a creep test")
+    machine.refuse_unused("sync", subject="a creep test")
     where = test.source.file if test.source is not None else "the record"
     force = without_spikes(test.time, test.force)
-    held = _find_longest_hold(test.time, force, where)
-    pressed = held.turn * test.force - held.preload
-    noise = _noise_held(test.time, test.force, held)
-    load, corners, heights = _remove_load_noise(test.time, held.turn * force - held.preload, noise)
-    if held.ramp_end > test.time[0]:
+    held_load = _find_longest_hold(test.time, force, where)
+    pressed = held_load.turn * test.force - held_load.preload
+    noise = _noise_held(test.time, test.force, held_load)
+    load, corners, heights = _remove_load_noise(
+        test.time, held_load.turn * force - held_load.preload, noise
+    )
+    if held_load.ramp_end > test.time[0]:
         load, heights = load - load[0], heights - load[0]
-    turn = _turn(test, held, where)
+    turn = _turn(test, held_load, where)
     record = LoadHold(
         time=test.time,
         displacement=turn * test.displacement,
         force=pressed,
         load=load,
-        onset=held.onset,
-        ramp_end=held.ramp_end,
-        hold_end=held.hold_end,
-        level=held.level,
-        preload=held.preload,
+        onset=held_load.onset,
+        ramp_end=held_load.ramp_end,
+        hold_end=held_load.hold_end,
+        level=held_load.level,
+        preload=held_load.preload,
         displacement_noise=scatter(test.time, test.displacement),
         force_noise=noise,
         unit=test.unit,
         specimen=test.specimen,
         source=test.source,
-        steps=(_step(held, turn, test.unit),),
+        steps=(_step(held_load, turn, test.unit),),
         corners=tuple(corners.tolist()),
         heights=tuple(heights.tolist()),
         machine=machine,
     )
-    answers = (
+    all_checks = (
         checks.load_begins_at_rest(record),
         checks.load_held(record),
         checks.displacement_samples_not_repeated(record, test.displacement),
         clock_steady(record),
         *check_temperature(test.specimen),
     )
-    return replace(record, checks=answers)
+    return replace(record, checks=all_checks)
 
 
 def _find_longest_hold(time: FloatArray, force: FloatArray, where: str) -> _HeldLoad:
@@ -144,11 +146,11 @@ def _cycle(time: FloatArray, force: FloatArray, turn: int) -> _HeldLoad | None:
     )
 
 
-def _turn(test: CreepTest, held: _HeldLoad, where: str) -> int:
+def _turn(test: CreepTest, held_load: _HeldLoad, where: str) -> int:
     """Return the sign that makes the displacement rise under the load."""
     time, x = test.time, test.displacement
-    hold = (time >= held.ramp_end) & (time <= held.hold_end)
-    begin = x[time <= held.onset]
+    hold = (time >= held_load.ramp_end) & (time <= held_load.hold_end)
+    begin = x[time <= held_load.onset]
     change = float(x[hold][-max(1, hold.sum() // 10) :].mean()) - median(begin)
     if change == 0:
         raise DataError(
@@ -158,10 +160,12 @@ def _turn(test: CreepTest, held: _HeldLoad, where: str) -> int:
     return 1 if change > 0 else -1
 
 
-def _noise_held(time: FloatArray, force: FloatArray, held: _HeldLoad) -> float:
+def _noise_held(time: FloatArray, force: FloatArray, held_load: _HeldLoad) -> float:
     """The scatter of the force late in its hold, where no curve of the load looks like one."""
-    late = (time >= (held.ramp_end + held.hold_end) / 2) & (time <= held.hold_end)
-    return scatter(time[late], force[late])
+    second_half = (time >= (held_load.ramp_end + held_load.hold_end) / 2) & (
+        time <= held_load.hold_end
+    )
+    return scatter(time[second_half], force[second_half])
 
 
 def errors_of_load(record: LoadHold) -> Callable[[FloatArray], FloatArray]:
@@ -173,7 +177,7 @@ def errors_of_load(record: LoadHold) -> Callable[[FloatArray], FloatArray]:
     time, corners = record.time, np.array(record.corners)
     if not record.corners:
         return lambda columns: np.zeros((0, columns.shape[1]))
-    few = len(corners) <= STRAIGHT
+    few = len(corners) <= MAX_CORNERS
     leaning = _leaning(time, corners, np.interp(corners, time, record.load)) if few else None
 
     def directions(columns: FloatArray) -> FloatArray:
@@ -213,7 +217,7 @@ def _remove_load_noise(
         return force, np.zeros(0), np.zeros(0)
     corners = _fit_corner_times(time, force)
     heights = _fit_corner_heights(time, corners, force)
-    if not _is_noise(force - np.interp(time, corners, heights), floor, _SURELY):
+    if not _is_noise(force - np.interp(time, corners, heights), floor, _CERTAIN_SD):
         corners = _insert_corners(time, force, corners, floor)
         heights = _fit_corner_heights(time, corners, force)
     return np.interp(time, corners, heights), corners, heights
@@ -222,7 +226,7 @@ def _remove_load_noise(
 def _fit_corner_times(time: FloatArray, force: FloatArray) -> FloatArray:
     """Corners of a load, each at the time where least squares puts it: Gauss-Newton."""
     corners = np.array([time[0], *(segment.end for segment in find_segments(time, force))])
-    if not 3 <= len(corners) <= STRAIGHT:
+    if not 3 <= len(corners) <= MAX_CORNERS:
         return corners
     for _ in range(_STEPS):
         tents = _tents(time, corners)
@@ -231,7 +235,7 @@ def _fit_corner_times(time: FloatArray, force: FloatArray) -> FloatArray:
         displacement = np.linalg.lstsq(both, force - tents @ heights, rcond=None)[0][len(corners) :]
         margin = _PART * np.minimum(np.diff(corners)[:-1], np.diff(corners)[1:])
         corners[1:-1] += np.clip(displacement, -margin, margin)
-        if float(np.abs(displacement).max()) < _SETTLED * (time[-1] - time[0]):
+        if float(np.abs(displacement).max()) < _CORNER_TOLERANCE * (time[-1] - time[0]):
             break
     return corners
 
@@ -241,18 +245,18 @@ def _insert_corners(
 ) -> FloatArray:
     """Corners, and more between them wherever the load is not straight."""
     arrays, stack = [corners], list(pairwise(corners.tolist()))[::-1]
-    whole = set(stack)
+    points = set(stack)
     while stack:
         low, high = stack.pop()
-        here = slice(*np.searchsorted(time, [low, high]).tolist())
-        t, f = time[here], force[here]
-        if len(t) < _LEAST:
+        span = slice(*np.searchsorted(time, [low, high]).tolist())
+        t, f = time[span], force[span]
+        if len(t) < _MIN_READINGS:
             continue
         line = np.column_stack((np.ones(len(t)), t - t[0]))
         remainder = f - line @ np.linalg.lstsq(line, f, rcond=None)[0]
-        if _is_noise(remainder, noise, _HARDLY):
-            if (low, high) not in whole:
-                pieces = min(_QUARTERS, len(t) // _LEAST)
+        if _is_noise(remainder, noise, _UNLIKELY_SD):
+            if (low, high) not in points:
+                pieces = min(_QUARTERS, len(t) // _MIN_READINGS)
                 arrays.append(np.linspace(low, high, pieces + 1))
             continue
         middle = (low + high) / 2
@@ -310,23 +314,27 @@ def _leaning(time: FloatArray, corners: FloatArray, heights: FloatArray) -> Floa
     return np.array(leaning).reshape(-1, len(time)).T
 
 
-def _is_noise(left: FloatArray, noise: float, chance: float) -> bool:
+def _is_noise(residual: FloatArray, noise: float, chance: float) -> bool:
     """True if means over 1, 2, 4, ... neighbours are no larger than white noise makes them."""
     width = 1
-    while len(left) // width >= 2:
-        means = left[: len(left) // width * width].reshape(-1, width).mean(axis=1)
+    while len(residual) // width >= 2:
+        means = residual[: len(residual) // width * width].reshape(-1, width).mean(axis=1)
         if float(np.abs(means).max()) > chance * noise / np.sqrt(width):
             return False
         width *= 2
     return True
 
 
-def _step(held: _HeldLoad, turn: int, unit: str) -> Step:
+def _step(held_load: _HeldLoad, turn: int, unit: str) -> Step:
     word = "N" if unit == "N/m" else "Pa"
-    begun = f"the load of {held.level:.4g} {word} rises from {held.onset:.5g} s and is held from "
+    begun = (
+        f"the load of {held_load.level:.4g} {word} rises from {held_load.onset:.5g} s "
+        "and is held from "
+    )
     message = (
-        f"{begun}{held.ramp_end:.5g} to {held.hold_end:.5g} s, after {held.preload:.3g} {word} of "
+        f"{begun}{held_load.ramp_end:.5g} to {held_load.hold_end:.5g} s, after "
+        f"{held_load.preload:.3g} {word} of "
         "preload; the recorded force, freed of its noise, is what the fit answers"
     )
-    options = (("force turned", str(held.turn)), ("displacement turned", str(turn)))
+    options = (("force turned", str(held_load.turn)), ("displacement turned", str(turn)))
     return Step("load_hold", options, message)

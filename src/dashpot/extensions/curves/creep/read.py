@@ -29,9 +29,9 @@ _CURVE: tuple[Role, ...] = ("time", "creep_compliance")
 _MATERIAL: tuple[Role, ...] = ("time", "strain", "stress")
 _PART: tuple[Role, ...] = ("time", "displacement", "force")
 # a name that says it and a unit that fits; a gap under an axial force is no such pair
-_SURELY = 3.0
+_CERTAIN_SCORE = 3.0
 _LIKELY = 2.5
-_NAMED = 1.5
+_NAMED_SCORE = 1.5
 
 
 def read_creep(
@@ -59,7 +59,7 @@ def roles(file: OpenedFile) -> tuple[Role, ...]:
     for wanted in (_CURVE, _MATERIAL, _PART):
         if any(getattr(file.options, role) for role in wanted[1:]):
             return wanted
-    for wanted, least in ((_CURVE, _LIKELY), (_PART, _SURELY), (_MATERIAL, _LIKELY)):
+    for wanted, least in ((_CURVE, _LIKELY), (_PART, _CERTAIN_SCORE), (_MATERIAL, _LIKELY)):
         if all(_suits(file, role, least) for role in wanted[1:]):
             return wanted
     return _PART
@@ -71,9 +71,9 @@ def creep_in(file: OpenedFile, specimen: Specimen) -> CreepTest | CreepComplianc
     wanted = roles(file)
     named = ["displacement", "force", "stress", "strain", "creep_compliance"]
     likely: list[FileKind] = ["creep", "relaxation", "cld"]
-    if wanted is _MATERIAL and (file.options.rate or _suits(file, "time", _NAMED)):
-        likely.append("stress-strain")  # what moves in it tells
-    channels.expect(file, likely, "a creep test is", named=named)
+    if wanted is _MATERIAL and (file.options.rate or _suits(file, "time", _NAMED_SCORE)):
+        likely.append("stress-strain")  # what moves in it shows
+    channels.expect(file, likely, "a creep test is", stated_columns=named)
     if wanted is _CURVE:
         return _curve(file, *add_specimen_temperature(file, specimen))
     chosen = channels.choose(file, channels.add_time_role(file, *wanted[1:]))

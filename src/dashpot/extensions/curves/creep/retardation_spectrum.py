@@ -158,8 +158,14 @@ class Retarded(SelectedModel):
         sensitivity = relaxation_sensitivity(self.spectrum, model.tau)[:, :size]
         arms = range(1, model.arms + 1)
         names = ("k_inf", *(f"k_{j}" for j in arms), *(f"ln_tau_{j}" for j in arms), "b")
-        held = {name for name, value in (("k_inf", model.k_inf), ("b", model.b)) if value == 0}
-        return {name: row for name, row in zip(names, sensitivity, strict=True) if name not in held}
+        fixed_names = {
+            name for name, value in (("k_inf", model.k_inf), ("b", model.b)) if value == 0
+        }
+        return {
+            name: row
+            for name, row in zip(names, sensitivity, strict=True)
+            if name not in fixed_names
+        }
 
     @property
     def parameters(self) -> tuple[str, ...]:

@@ -94,10 +94,10 @@ def simulate_creep(
     require_positive(load=load, ramp_time=ramp_time, hold_time=hold_time)
     require_nonnegative(recovery_time=recovery_time)
     model, specimen = prepare_specimen(model, rig, climate)
-    held = ramp_time + hold_time
-    corners, heights = [0.0, ramp_time, held], [0.0, load, load]
+    duration = ramp_time + hold_time
+    corners, heights = [0.0, ramp_time, duration], [0.0, load, load]
     if recovery_time:
-        corners += [held + ramp_time, held + ramp_time + recovery_time]
+        corners += [duration + ramp_time, duration + ramp_time + recovery_time]
         heights += [0.0, 0.0]
     end = rig.baseline + corners[-1]
     sample_count(end, rig.rate)

@@ -34,7 +34,7 @@ from dashpot.extensions.curves.datamodel.sample_temperatures import (
     validate_step_response,
 )
 
-STRAIGHT = 16
+MAX_CORNERS = 16
 """Corners of a load that is ramps and holds, at most."""
 COMPLIANCES = {"N/m": "m/N", "Pa": "1/Pa"}
 _ARE = {"N/m": ("m", "N"), "Pa": ("1", "Pa")}
@@ -157,8 +157,10 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
     units: str = make_units_field()
 
     def __post_init__(self) -> None:
-        of: Dimensions = ("material compliance", "compliance")
-        arrays = convert_arrays_to_si(self, time="time", compliance=of, temperature="temperature")
+        dimensions: Dimensions = ("material compliance", "compliance")
+        arrays = convert_arrays_to_si(
+            self, time="time", compliance=dimensions, temperature="temperature"
+        )
         resolve_unit(self, arrays, "compliance")
         validate_step_response(self, "compliance")
         _require_unit(self.unit, COMPLIANCES.values())
@@ -323,7 +325,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
     @property
     def resolution(self) -> float:
         """The shortest time between corners of a load that is not straight, s; 0 if it is."""
-        many = len(self.corners) > STRAIGHT
+        many = len(self.corners) > MAX_CORNERS
         return float(np.diff(self.corners).min()) if many else 0.0
 
     @property

@@ -78,9 +78,13 @@ class DynamicTest(EqualByValue, HasSummary, Serialisable):
     units: str = make_units_field()
 
     def __post_init__(self) -> None:
-        of: Dimensions = ("stress", "stiffness")
+        dimensions: Dimensions = ("stress", "stiffness")
         arrays = convert_arrays_to_si(
-            self, frequency="frequency", storage=of, loss=of, temperature="temperature"
+            self,
+            frequency="frequency",
+            storage=dimensions,
+            loss=dimensions,
+            temperature="temperature",
         )
         resolve_unit(self, arrays, "storage", "loss")
         hold_measured(self, "frequency", "storage", "loss", "temperature")

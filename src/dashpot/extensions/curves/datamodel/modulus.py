@@ -65,10 +65,10 @@ class RelaxationModulus(EqualByValue, HasSummary):
     units: str = make_units_field()
 
     def __post_init__(self) -> None:
-        of: Dimensions = ("stress", "stiffness")
+        dimensions: Dimensions = ("stress", "stiffness")
         resolve_unit(
             self,
-            convert_arrays_to_si(self, time="time", modulus=of, temperature="temperature"),
+            convert_arrays_to_si(self, time="time", modulus=dimensions, temperature="temperature"),
             "modulus",
         )
         validate_step_response(self, "modulus")

@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.base.option_fields import FamilyAsked, require_choice
+from dashpot.base.option_fields import FamilyOption, require_choice
 from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.bounds import BandError, EndOfHold
@@ -30,8 +30,8 @@ from dashpot.extensions.curves.checks import (
     storage_rises,
 )
 from dashpot.extensions.curves.curve_uncertainty import (
-    DOUBTED,
-    ENOUGH,
+    MIN_FITTED_SHARE,
+    MIN_FREE_POINTS,
     band_of_curve,
     curve_data,
     end_of_curve,
@@ -41,7 +41,7 @@ from dashpot.extensions.curves.curve_uncertainty import (
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
 from dashpot.extensions.curves.relaxation_spectrum import (
-    BEYOND,
+    EDGE_FACTOR,
     dense_spectrum_if_needed,
     dynamic_master_curve,
     passive_misfit,
@@ -145,7 +145,7 @@ def fit_dynamic(
     temperature: Quantity | None = None,
     thorough: bool = False,
     max_arms: int = 6,
-    family: FamilyAsked = "maxwell",
+    family: FamilyOption = "maxwell",
 ) -> Fit:
     r"""Fit a generalized Maxwell solid to storage and loss, and to relaxation tests with them.
 
@@ -240,7 +240,7 @@ def fit_dynamic(
         else _compute_residual_statistics(error, selection.residual)
     )
     few = build_fit(
-        selection.outcome(residual, selection.nuisances()),
+        selection.make_solid_estimate(residual, selection.nuisances()),
         Evidence(
             band,
             selection.orders,
@@ -277,7 +277,7 @@ def fit_complex_modulus(
     modulus: ComplexArray,
     *,
     arms: int | Literal["auto"] = "auto",
-    family: FamilyAsked = "maxwell",
+    family: FamilyOption = "maxwell",
     specimen: Specimen | None = None,
 ) -> Fit:
     """Fit a solid to a complex modulus, Pa, at frequencies, Hz, as a dynamic test is fitted."""
@@ -400,13 +400,13 @@ def _scale(
     data: DynamicTest, expected: ComplexArray, weights: str
 ) -> tuple[FloatArray, FloatArray]:
     """Return what errors of storage and loss are relative to: the size expected of each."""
-    size = np.maximum(np.abs(expected), DOUBTED * np.abs(data.value))
+    size = np.maximum(np.abs(expected), MIN_FITTED_SHARE * np.abs(data.value))
     if weights == "modulus":
         return size, size
     storage, loss = relative_scale(data)
     return (
-        np.maximum(np.abs(expected.real), DOUBTED * storage),
-        np.maximum(np.abs(expected.imag), DOUBTED * loss),
+        np.maximum(np.abs(expected.real), MIN_FITTED_SHARE * storage),
+        np.maximum(np.abs(expected.imag), MIN_FITTED_SHARE * loss),
     )
 
 
@@ -441,14 +441,14 @@ def _end(
 
     Nothing of one of few lines.
     """
-    if len(data.frequency) < ENOUGH:
+    if len(data.frequency) < MIN_FREE_POINTS:
         return None, band, None
     slowest = 1 / float(data.omega.min())
     window = 1 / (_FASTER * float(data.omega.max())), _SLOWER * slowest
-    seen = curve_data(sweep.block, data.frequency, window=window)
-    spectra = spectra_of_curve(seen, time=slowest, extra=tau)
+    curve = curve_data(sweep.block, data.frequency, window=window)
+    spectra = spectra_of_curve(curve, time=slowest, extra=tau)
     end = end_of_curve(
-        seen, "sweep", time=slowest, model=selection.model, extra=tau, spectra=spectra
+        curve, "sweep", time=slowest, model=selection.model, extra=tau, spectra=spectra
     )
     band, error = band_of_curve(spectra, selection.solid, band)
     if error is not None:
@@ -490,19 +490,19 @@ def _checks(
             arms_supported(model, error, unit=data.unit),
             tau_inside_window(
                 model,
-                (shortest / BEYOND, longest * BEYOND),
+                (shortest / EDGE_FACTOR, longest * EDGE_FACTOR),
                 "the sweep and the holds" if records else "the sweep",
             ),
         ]
     )
     fastest = float(model.complex_stiffness(omega=data.omega.max()).real)
     extra = "Sweep to lower frequencies."
-    answers = [
+    all_checks = [
         *of_arms,
         *plateau(model, float(error[0]), end, unit=data.unit, first=fastest, extra=extra),
         residuals_white(estimate.kappa, estimate.rms),
         *([] if selection.choice is None else [order_agreed(selection.choice)]),
-        *selection.enough("sd"),
+        *selection.check_arm_count("sd"),
     ]
     if records:
         spread = [
@@ -510,19 +510,19 @@ def _checks(
             for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
         ]
         names = ["storage", "loss", *(f"relaxation test {i + 1}" for i in range(len(records)))]
-        answers.append(data_agree(spread, names, freedom))
-    return tuple(answers)
+        all_checks.append(data_agree(spread, names, freedom))
+    return tuple(all_checks)
 
 
 def _band(
-    data: DynamicTest, records: Sequence[RampHold], held: Sequence[_Set], k_0: float
+    data: DynamicTest, records: Sequence[RampHold], sets: Sequence[_Set], k_0: float
 ) -> tuple[tuple[float, float], tuple[Check, ...]]:
     """Return the frequencies that the tests inform, and whether they leave a gap."""
     sweep = (float(data.frequency.min()), float(data.frequency.max()))
     if not records:
         return sweep, ()
     # the blocks are in units of their own scatter
-    blocks = [item.block for item in held]
+    blocks = [item.block for item in sets]
     informed = find_informed_band(records, blocks, stiffness=max(k_0, 1e-300), noise=1.0)
     met = bands_overlap(sweep, informed)
     if met.failed:

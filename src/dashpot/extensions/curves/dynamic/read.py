@@ -19,7 +19,7 @@ from dashpot.reading.readers.header_metadata import (
     temperatures_of_segments,
 )
 from dashpot.reading.readers.sweep_columns import (
-    NAMED,
+    SWEEP_OPTIONS,
     parts_of,
     refuse_unlike_blocks,
     sweep_columns,
@@ -47,8 +47,8 @@ def dynamic_in(file: OpenedFile, specimen: Specimen) -> DynamicTest:
     """Return the dynamic test in an opened file."""
     # who names the columns says what they are, not what was swept
     by_numbers = detect_table_kind(file.table, file.options)[0] == "strain-sweep"
-    named = () if by_numbers else NAMED
-    channels.expect(file, ["dma", "master-curve"], "a sweep of frequency is", named=named)
+    named = () if by_numbers else SWEEP_OPTIONS
+    channels.expect(file, ["dma", "master-curve"], "a sweep of frequency is", stated_columns=named)
     wanted, ratio = sweep_columns(file)
     chosen = channels.with_units(file, wanted)
     loaded, values, unit, notes = parts_of(file, chosen, ratio)

@@ -18,8 +18,8 @@ from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.checks import modulus_falls, plateau
 from dashpot.extensions.curves.curve_uncertainty import (
-    DOUBTED,
-    ENOUGH,
+    MIN_FITTED_SHARE,
+    MIN_FREE_POINTS,
     BeforeCurve,
     band_of_curve,
     curve_data,
@@ -49,7 +49,7 @@ from dashpot.preprocessing.checks import check_temperature
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a dense spectrum needs a curve
-_LEAST = 3
+_MIN_VALUES = 3
 
 
 def fit_modulus(
@@ -153,7 +153,7 @@ def fit_modulus(
         *checks,
         residuals_white(selection.estimate.kappa, selection.estimate.rms),
         *([] if selection.choice is None else [order_agreed(selection.choice)]),
-        *selection.enough("1" if weights == "relative" else unit),
+        *selection.check_arm_count("1" if weights == "relative" else unit),
         loss_factor_determined(band_error),
     )
     step = Step(
@@ -164,7 +164,7 @@ def fit_modulus(
     )
     residual = replace(selection.residual, unit="1" if weights == "relative" else unit)
     few = build_fit(
-        selection.outcome(residual),
+        selection.make_solid_estimate(residual),
         Evidence(
             band,
             selection.orders,
@@ -178,7 +178,7 @@ def fit_modulus(
         temperatures=origin.temperatures,
     )
     later = t > 0
-    if arms != "auto" or weights != "relative" or later.sum() < _LEAST:
+    if arms != "auto" or weights != "relative" or later.sum() < _MIN_VALUES:
         return few
     error = model.relaxation(t) / values - 1.0
     return dense_spectrum_if_needed(
@@ -193,7 +193,7 @@ def _end(
 
     Nothing of one of few values.
     """
-    if len(t) < ENOUGH:
+    if len(t) < MIN_FREE_POINTS:
         return None, band, None
     shortest, longest = _window(t)
     later = np.maximum(t, t[1])
@@ -236,7 +236,7 @@ def _weight_curve(
         return first
     # the size of noisy data is a biased weight: low values would count most
     expected = fit_single_test([first], [first], most).model.relaxation(t)
-    return _block(t, values, 1 / np.maximum(expected, DOUBTED * values), window)
+    return _block(t, values, 1 / np.maximum(expected, MIN_FITTED_SHARE * values), window)
 
 
 def _block(

@@ -19,7 +19,7 @@ from dashpot.extensions.curves.material_records import (
     holds_stress,
     read_strain_and_stress,
 )
-from dashpot.reading.columns.file_kinds import RECOGNISED
+from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
 from dashpot.reading.columns.role_assignment import RoleAssignment, assign, format_column
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
@@ -61,11 +61,11 @@ def read_modulus(
             return StressRelaxationTest(
                 **read_strain_and_stress(file, specimen or Specimen()), units="SI"
             )
-        answers = [
+        assignments = [
             since_the_step(file.table, file.options),
             assign(file.table, "modulus", file.options),
         ]
-        columns = channels.answered(file, answers)
+        columns = channels.answered(file, assignments)
         _refuse_compliance(file, columns[1])
         chosen, values, warm, notes = over_time(file, columns)
         specimen, sentences = add_specimen_temperature(file, specimen or Specimen())
@@ -112,7 +112,7 @@ def over_time(
 def _refuse_compliance(file: OpenedFile, item: RoleAssignment) -> None:
     """Refuse a column that is named a compliance, which rises where a modulus falls."""
     if "compliance" in file.table.columns[item.index].name.casefold():
-        what, advice, *_ = RECOGNISED["creep"]
+        what, advice, *_ = KINDS_OF_FILE["creep"]
         raise ReadError(
             f"{format_column(file.table.columns, item.index)} is a compliance, of {what}, where a "
             f"relaxation modulus is expected: {advice}"

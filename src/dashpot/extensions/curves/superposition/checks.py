@@ -26,7 +26,7 @@ MAX_VERTICAL = 0.03
 # residuals below this part of the modulus are of no instrument
 _EXACT = 1e-6
 # decades by which shifts may differ without a matter
-_SLIGHT = 0.1
+_NEGLIGIBLE_DECADES = 0.1
 
 
 @criterion(
@@ -127,7 +127,7 @@ def collect_law_checks(
     error = float(np.sqrt(law_fit.covariance[-1, -1])) if law_fit.law.kind == "wlf" else 0.0
     return [
         law_follows_shifts(law_fit.score, law_fit.scores, requested=requested),
-        no_temperature_outlier(law_fit.odd),
+        no_temperature_outlier(law_fit.outlier),
         glass_below_tests(law_fit.law, coldest, error),
     ]
 
@@ -165,14 +165,15 @@ def law_follows_shifts(
 
 
 @criterion("decades from the law of the others", "|x| <=", MAX_ODD, "our choice: 12 % in time")
-def no_temperature_outlier(odd: ShiftOutlier | None) -> Finding:
+def no_temperature_outlier(outlier: ShiftOutlier | None) -> Finding:
     """No temperature deviates from the shift law of all others."""
-    if odd is None:
+    if outlier is None:
         return Finding("No single temperature lies off a law that all others follow", 0.0)
     return Finding(
-        f"{celsius(odd.temperature)} lies {odd.missed:+.2g} decades off the law that all other "
+        f"{celsius(outlier.temperature)} lies {outlier.missed:+.2g} decades off the law that all "
+        "other "
         "temperatures follow",
-        odd.missed,
+        outlier.missed,
         remedy="Check that temperature, its gain and its specimen, or leave it out.",
     )
 
@@ -219,7 +220,7 @@ def vertical_shift_determined(vertical: str, margin: float, difference: float) -
         if free
         else "The data hardly separate the two rules",
         Remedy("Choose one: T for rubber, 1 below the glass transition.", "vertical", "T"),
-        always_passes=not free and difference < _SLIGHT,
+        always_passes=not free and difference < _NEGLIGIBLE_DECADES,
         always_fails=free,
     )
 

@@ -115,13 +115,13 @@ def _make_curve_panels(
     """Return a relaxation modulus, or a creep compliance, and what the solid leaves of it."""
     solid, text = _line(data, fit)
     if isinstance(curve, CreepCompliance):
-        name, answer, value = "creep compliance", solid.maxwell.creep, curve.compliance
+        name, response, value = "creep compliance", solid.maxwell.creep, curve.compliance
     else:
-        name, answer, value = "relaxation modulus", solid.relaxation, curve.modulus
+        name, response, value = "relaxation modulus", solid.relaxation, curve.modulus
     word, scale = read_as(curve.unit)
     t = np.geomspace(float(curve.time[0]), float(curve.time[-1]), 400)
-    line, measured = scale * answer(t), scale * value
-    residual = 100 * (value / answer(curve.time) - 1)
+    line, measured = scale * response(t), scale * value
+    residual = 100 * (value / response(curve.time) - 1)
     across = Scale(f"reduced {TIME}", (float(t[0]), float(t[-1])), log=True)
     dots = _dots(data, curve.time, measured)
     upper = Panel(
@@ -166,10 +166,10 @@ def _dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
     classes = np.array_split(every, min(len(every), len(SEQUENTIAL)))
     dots = []
     for colour, part in zip(sequential(len(classes)), classes, strict=True):
-        here = np.isin(celsius, part)
+        selected = np.isin(celsius, part)
         ends = dict.fromkeys(f"{end:.0f}".replace("-", "−") for end in (part[0], part[-1]))
         label = f"{' to '.join(ends)} °C"
-        dots.append(Dots(x[here], y[here], colour, label, size=_DOT))
+        dots.append(Dots(x[selected], y[selected], colour, label, size=_DOT))
     return dots
 
 

@@ -40,7 +40,7 @@ _COLUMNS: dict[type, tuple[str, ...]] = {
 }
 
 # an isotherm of fewer values has no place of its own along the axis
-LEAST = 2
+MIN_VALUES = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,10 +171,10 @@ def isotherms_of(data: Measured) -> tuple[Isotherm, ...]:
     isotherms = []
     for chosen in _groups(data.temperature):
         kelvin = median(data.temperature[chosen])
-        if len(chosen) < LEAST:
+        if len(chosen) < MIN_VALUES:
             raise FitError(
                 f"there is one value at {celsius(kelvin)}; a shift needs at least "
-                f"{LEAST} frequencies or times at each temperature: leave it out"
+                f"{MIN_VALUES} frequencies or times at each temperature: leave it out"
             )
         if isinstance(data, DynamicTest):
             part = data.only(chosen[np.argsort(data.frequency[chosen], kind="stable")])

@@ -26,7 +26,7 @@ _LN10 = float(np.log(10.0))
 # so that one sharp arm is followed too
 COARSE, FINE = 4, 8
 # of the grid beyond the data: the shifts are to be free of where it ends
-BEYOND = _LN10
+GRID_MARGIN = _LN10
 # a retardation so far beyond the data is a flow
 FLOWS = 4 * _LN10
 # sizes of ln a and ln b: a step is at most half as long again
@@ -100,7 +100,7 @@ class ShiftedSpectrum:
 def grid_of(
     isotherms: Sequence[Isotherm],
     ln_a: FloatArray,
-    excess: float = BEYOND,
+    excess: float = GRID_MARGIN,
     per_decade: int = COARSE,
 ) -> FloatArray:
     """Return the even grid of ln tau at the reference, `excess` all that was measured."""

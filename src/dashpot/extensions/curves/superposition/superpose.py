@@ -115,9 +115,11 @@ def superpose(
         best, how, checks = _search_shifts(isotherms, at, vertical, np.sqrt(parts.variance))
     covariance = _decadic(best, at)
     table = shifts_with(t, best.ln_a / _LN10, np.exp(best.ln_b), covariance)
-    doubt = covariance[: len(t), : len(t)] if covariance.any() else _BY_EYE**2 * np.eye(len(t))
+    shift_covariance = (
+        covariance[: len(t), : len(t)] if covariance.any() else _BY_EYE**2 * np.eye(len(t))
+    )
     law_fit = fit_shift_law(
-        t, [shift.log10_a_t for shift in table], doubt, reference=float(t[at]), law=law
+        t, [shift.log10_a_t for shift in table], shift_covariance, reference=float(t[at]), law=law
     )  # fmt: skip
     temperatures = TemperatureShifts(
         law_fit.law, table, covariance, law_fit.parameters, law_fit.covariance, how
@@ -211,7 +213,7 @@ def _apply_stated_shifts(
 ) -> tuple[ShiftedSpectrum, str, tuple[Check, ...]]:
     """Return the spectrum at shifts from elsewhere, referred to the isotherm `at`."""
     values = np.array([shift.temperature for shift in shifts])
-    taken = []
+    stated_shifts = []
     for isotherm in isotherms:
         i = int(np.argmin(np.abs(values - isotherm.temperature)))
         if abs(values[i] - isotherm.temperature) > ONE_TEMPERATURE:
@@ -219,9 +221,9 @@ def _apply_stated_shifts(
                 f"the table of shifts has none within {ONE_TEMPERATURE:g} K of "
                 f"{celsius(isotherm.temperature)}; it has {', '.join(celsius(k) for k in values)}"
             )
-        taken.append(shifts[i])
-    ln_a = _LN10 * np.array([shift.log10_a_t for shift in taken])
-    ln_b = np.log([shift.b_t for shift in taken])
+        stated_shifts.append(shifts[i])
+    ln_a = _LN10 * np.array([shift.log10_a_t for shift in stated_shifts])
+    ln_b = np.log([shift.b_t for shift in stated_shifts])
     ln_a, ln_b = ln_a - ln_a[at], ln_b - ln_b[at]
     how = "free" if ln_b.any() else "1"
     return spectrum_at(isotherms, ln_a, ln_b, grid_of(isotherms, ln_a)), how, ()
@@ -324,8 +326,8 @@ def _master(
     time, value, temperature = time[order], value[order], temperature[order]
     # two temperatures at the very same time are one sample of the curve
     first = np.concatenate(([True], np.diff(time) > 1e-12 * time[1:]))
-    of = np.cumsum(first) - 1
-    value = np.bincount(of, value) / np.bincount(of)
+    group_index = np.cumsum(first) - 1
+    value = np.bincount(group_index, value) / np.bincount(group_index)
     curve = type(test)(time[first], value, test.unit, specimen, test.source, units="SI")
     return curve, temperature[first]
 
@@ -338,7 +340,7 @@ def _step(
     provided: bool,
 ) -> Step:
     cold, warm = temperatures.tested_range
-    tried = ", ".join(f"{score.kind} {score.bic:.4g}" for score in law_fit.scores)
+    scores = ", ".join(f"{score.kind} {score.bic:.4g}" for score in law_fit.scores)
     options = (
         ("reference", f"{temperatures.reference:g} K"),
         ("law", temperatures.law.kind),
@@ -348,6 +350,6 @@ def _step(
     message = (
         f"shifted {len(isotherms)} temperatures from {celsius(cold)} to {celsius(warm)} onto one "
         f"spectrum at {celsius(temperatures.reference)}, b_T = {temperatures.vertical}, and laid "
-        f"a law through the shifts (BIC: {tried})"
+        f"a law through the shifts (BIC: {scores})"
     )
     return Step("superpose", options, message)

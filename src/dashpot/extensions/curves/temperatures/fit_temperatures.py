@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.checks import Check
-from dashpot.base.option_fields import RampLawAsked
+from dashpot.base.option_fields import RampLawOption
 from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, OrderScore
@@ -46,7 +46,14 @@ from dashpot.fitting.checks.solid import (
     order_agreed,
     valid_band_exists,
 )
-from dashpot.fitting.data_blocks import FitData, FitSetup, block_of, bound, data_of, weighed
+from dashpot.fitting.data_blocks import (
+    FitData,
+    FitSetup,
+    block_of,
+    build_prior_rows,
+    data_of,
+    fit_all_orders,
+)
 from dashpot.fitting.fit_construction import (
     RelaxationWindow,
     Residuals,
@@ -57,7 +64,7 @@ from dashpot.fitting.fit_construction import (
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.input_tests import end_stiffnesses
 from dashpot.fitting.nonlinear_ramp.linearity import HoldBlocks, assess_linearity
-from dashpot.fitting.order_selection import FURTHER, compute_certificate
+from dashpot.fitting.order_selection import EXTRA_ARMS, compute_certificate
 from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.fitting.valid_band import (
     _find_widest_band,
@@ -74,13 +81,13 @@ from dashpot.preprocessing.checks import check_records
 def find_single_test_band(
     block: DataBlock, *, stiffness: float, noise: float
 ) -> tuple[float, float]:
-    """Return the band of one test by its noise alone, Hz, whatever its motion holds."""
+    """Return the valid band of one test by its noise alone, Hz, without other rig errors."""
     frequency, residual = compute_posterior_spread([block], stiffness=stiffness, noise=noise)
     return _find_widest_band(frequency, residual, float(frequency[0]), float(frequency[-1]))
 
 
-# data that narrow what was held before by no more than this part of its variance say nothing
-_LITTLE = 0.01
+# fraction of the prior variance that data must remove to count as an estimate
+_LEAST_INFORMATION = 0.01
 
 
 class MultiTemperatureFit(NamedTuple):
@@ -89,50 +96,60 @@ class MultiTemperatureFit(NamedTuple):
     Attributes
     ----------
     best : ThermalOptimum
-    knowledge : JointCovariance
+    covariance : JointCovariance
     """
 
     best: ThermalOptimum
-    knowledge: JointCovariance
+    covariance: JointCovariance
 
 
-# arms that a test may have by itself, where it is one of several temperatures
-_OWN_ARMS = 6
+# most arms of the fit of one test alone, where it is one of several temperatures
+_MAX_TEST_ARMS = 6
 
 
-def fit_records(records: Sequence[RampHold], asked: FitOptions, reference: int) -> Fit:
-    """Fit one solid that moves with temperature to ramps and holds, as :func:`fit_thermal`."""
-    tests = [_fit_single_test(record, asked.law, thorough=asked.thorough) for record in records]
-    return fit_thermal(tests, asked, reference)
+def fit_records(records: Sequence[RampHold], options: FitOptions, reference: int) -> Fit:
+    """Fit one temperature-dependent solid to ramps and holds, as :func:`fit_thermal`."""
+    tests = [_fit_single_test(record, options.law, thorough=options.thorough) for record in records]
+    return fit_thermal(tests, options, reference)
 
 
 def _fit_single_test(
-    record: RampHold, law: RampLawAsked, *, thorough: bool
+    record: RampHold, law: RampLawOption, *, thorough: bool
 ) -> SingleTemperatureTest:
-    """Return one test of several temperatures with its own free fit; a bent ramp with its law."""
+    """Return one test of several temperatures with its own fit, and the law of a nonlinear ramp."""
     kelvin = record.specimen.temperature or 0.0
     data = data_of([record], FitSetup("full"))
-    gate = assess_linearity(
-        HoldBlocks([record]), data, FitOptions(max_arms=_OWN_ARMS, thorough=thorough)
+    linearity = assess_linearity(
+        HoldBlocks([record]), data, FitOptions(max_arms=_MAX_TEST_ARMS, thorough=thorough)
     )
-    bend = law == "nonlinear"
-    if law == "linear" or record.loading_start is not None or (gate.sound and not bend):
-        return SingleTemperatureTest.from_first_fit(record, kelvin, gate.first, None)
+    is_nonlinear_requested = law == "nonlinear"
+    if (
+        law == "linear"
+        or record.loading_start is not None
+        or (linearity.is_linear and not is_nonlinear_requested)
+    ):
+        return SingleTemperatureTest.from_first_fit(record, kelvin, linearity.initial_fit, None)
     from dashpot.fitting.nonlinear_ramp.elastic_law import select_elastic_law
 
-    bent = select_elastic_law([record], law=law)
-    if bent.sound and not bend:
-        return SingleTemperatureTest.from_first_fit(record, kelvin, gate.first, None)
+    ramp_law = select_elastic_law([record], law=law)
+    if ramp_law.is_linear and not is_nonlinear_requested:
+        return SingleTemperatureTest.from_first_fit(record, kelvin, linearity.initial_fit, None)
     block = block_of(
-        record, terms=("offset", "drift"), index=0, start=record.settled_samples.start, law=bent.law
+        record,
+        terms=("offset", "drift"),
+        index=0,
+        start=record.settled_samples.start,
+        law=ramp_law.law,
     )
-    held = FitData(
+    hold_data = FitData(
         [block],
         [block.exact],
         in_time=True,
-        bind=partial(bound, [record], [block], FitSetup("full")),
+        bind=partial(build_prior_rows, [record], [block], FitSetup("full")),
     )
-    return SingleTemperatureTest.from_first_fit(record, kelvin, weighed(held, _OWN_ARMS), bent.law)
+    return SingleTemperatureTest.from_first_fit(
+        record, kelvin, fit_all_orders(hold_data, _MAX_TEST_ARMS), ramp_law.law
+    )
 
 
 def fit_thermal(
@@ -144,38 +161,38 @@ def fit_thermal(
 
     .. math:: K^*(\omega; T) = b_T K^*(a_T \omega; T_r)
 
-    Every shift factor is unknown along with the solid, through the exact answer to each recorded
-    motion. How slow and fast arms shift apart, and a seal that warms while it is recorded, are
-    nuisances always.
+    Every shift factor is unknown along with the solid, through the exact response to each recorded
+    motion. Nuisance parameters are a difference of shift between slow and fast arms, and the
+    warming of a seal during its record.
 
     Parameters
     ----------
     tests : sequence of SingleTemperatureTest
     options : FitOptions
-        Without intervals, and with a number of arms, the optimum alone is returned, without errors,
-        checks or bounds.
+        Without intervals and with a given number of arms, only the optimum is returned, without
+        errors, checks or bounds.
     reference : int
-        Which of the temperatures the solid is that of.
+        Index of the reference temperature, at which the solid is returned.
     """
     arms = options.count
     best = optimum(tests, options, reference)
     if not options.intervals and arms is not None:
         return build_point_fit(best, options.vertical, options.shift_law, requested=arms)
     fit = MultiTemperatureFit(best, compute_joint_covariance(best.joint, best.tests, best.point))
-    made = _build_fit(fit, options)
-    end = _end_of_hold(fit, made)
-    band, error = _find_loss_factor_band(fit, made)
-    checks = (*made.checks, hold_long_enough(end), loss_factor_determined(error))
+    result = _build_fit(fit, options)
+    end = _end_of_hold(fit, result)
+    band, error = _find_loss_factor_band(fit, result)
+    checks = (*result.checks, hold_long_enough(end), loss_factor_determined(error))
     if arms is not None:
-        further = replace(options, arms="auto", max_arms=arms + FURTHER)
+        further = replace(options, arms="auto", max_arms=arms + EXTRA_ARMS)
         more = optimum(tests, further, reference)
         checks += (_arms_enough(best, more),)
-    evidence = replace(made.evidence, band=band, end_of_hold=end, checks=checks, band_error=error)
-    return replace(made, evidence=evidence)
+    evidence = replace(result.evidence, band=band, end_of_hold=end, checks=checks, band_error=error)
+    return replace(result, evidence=evidence)
 
 
 def _arms_enough(best: ThermalOptimum, more: ThermalOptimum) -> Check:
-    """Return whether the data support no more arms than were asked for."""
+    """Return the check that the data support no more arms than requested."""
     few, many = best.point, more.point
     shortage = None
     if many.order > few.order:
@@ -186,24 +203,24 @@ def _arms_enough(best: ThermalOptimum, more: ThermalOptimum) -> Check:
 
 
 def _find_loss_factor_band(
-    fit: MultiTemperatureFit, made: Fit
+    fit: MultiTemperatureFit, result: Fit
 ) -> tuple[tuple[float, float], BandError | None]:
-    """The valid band, and how well all tests together know the solid there; their ramps linear."""
+    """Return the valid band and the errors of stiffness and loss in it, for linear ramps."""
     tests = fit.best.tests
-    if made.temperatures is None or any(test.law is not None for test in tests):
-        return made.band, None
-    data = [build_relaxation_data(test.record, made) for test in tests]
+    if result.temperatures is None or any(test.law is not None for test in tests):
+        return result.band, None
+    data = [build_relaxation_data(test.record, result) for test in tests]
     spectra = spectra_of_holds(
         data,
         time=max(test.record.hold_time for test in tests),
-        own=made.model,
-        dof=made.estimate.dof,
+        model=result.model,
+        dof=result.estimate.dof,
     )
-    return find_hold_band(spectra, made.model, made.band)
+    return find_hold_band(spectra, result.model, result.band)
 
 
-def _end_of_hold(fit: MultiTemperatureFit, made: Fit) -> EndOfHold | None:
-    """What the tests at the reference leave open of the end of their hold; their ramps linear."""
+def _end_of_hold(fit: MultiTemperatureFit, result: Fit) -> EndOfHold | None:
+    """Return the limits at the end of the hold at the reference temperature, for linear ramps."""
     records = [
         test.record
         for test, at in zip(fit.best.tests, fit.best.joint.at, strict=True)
@@ -212,10 +229,10 @@ def _end_of_hold(fit: MultiTemperatureFit, made: Fit) -> EndOfHold | None:
     if not records:
         return None
     return compute_end_limits(
-        [build_relaxation_data(record, made) for record in records],
+        [build_relaxation_data(record, result) for record in records],
         time=max(record.hold_time for record in records),
-        own=made.model,
-        dof=made.estimate.dof,
+        model=result.model,
+        dof=result.estimate.dof,
     )
 
 
@@ -223,38 +240,38 @@ def _end_of_hold(fit: MultiTemperatureFit, made: Fit) -> EndOfHold | None:
 
 
 def _build_fit(fit: MultiTemperatureFit, options: FitOptions) -> Fit:
-    best, knowledge = fit
+    best, covariance = fit
     tests, point = best.tests, best.point
-    errors = knowledge.shift_covariance
+    errors = covariance.shift_covariance
     law_fit = law_of(best, errors, options.shift_law)
-    shifts = shifts_of(best, options.vertical, law_fit, errors, knowledge.cross)
+    shifts = shifts_of(best, options.vertical, law_fit, errors, covariance.cross)
     records = [test.record for test in tests]
     model = point.solid
-    solution = _solution(fit)
-    slower = [float(np.exp(point.log_a[i])) for i in best.joint.at]
+    solution = _solve_at_fixed_shifts(fit)
+    shift_factors = [float(np.exp(point.log_a[i])) for i in best.joint.at]
     band = find_informed_band(
         records,
         _reduce_tests(fit),
         stiffness=max(model.k_0, 1e-300),
         noise=1.0,
-        shift_factors=slower,
+        shift_factors=shift_factors,
     )
     estimate = ParameterEstimate(
         parameter_names(point.order),
-        knowledge.solid_covariance,
-        knowledge.dof,
-        knowledge.residual,
-        nuisance=knowledge.nuisances,
-    ).with_rig(knowledge.solid_rig_sensitivity)
+        covariance.solid_covariance,
+        covariance.dof,
+        covariance.residual,
+        nuisance=covariance.nuisances,
+    ).with_rig(covariance.solid_rig_sensitivity)
     fewer = options.count is not None and model.arms < options.count
-    noticed = [check for record in records for check in record.checks]
+    record_checks = [check for record in records for check in record.checks]
     return build_fit(
         SolidEstimate(model, estimate, fewer, bool(solution.at_bound.any())),
         Evidence(
             band,
-            orders=_orders(fit),
+            orders=_score_orders(fit),
             certificate=compute_certificate(_reduce_tests(fit), solution),
-            checks=(*noticed, *_checks(fit, shifts, law_fit, band)),
+            checks=(*record_checks, *_run_checks(fit, shifts, law_fit, band)),
         ),
         provenance(best, shifts),
         elastic_law=elastic_law(best),
@@ -263,7 +280,7 @@ def _build_fit(fit: MultiTemperatureFit, options: FitOptions) -> Fit:
 
 
 def _reduce_tests(fit: MultiTemperatureFit) -> list[DataBlock]:
-    """Return every test in the time of the reference."""
+    """Return the data of every test in reduced time."""
     point = fit.best.point
     return [
         shift_block(block, float(point.log_a[i]), float(point.log_b[i]), point.slope)
@@ -271,14 +288,14 @@ def _reduce_tests(fit: MultiTemperatureFit) -> list[DataBlock]:
     ]
 
 
-def _solution(fit: MultiTemperatureFit) -> Solution:
-    """Return the optimum as the engine's, the shifts held."""
+def _solve_at_fixed_shifts(fit: MultiTemperatureFit) -> Solution:
+    """Return the optimum at fixed shifts as a `Solution`."""
     return solve(_reduce_tests(fit), fit.best.point.order, log_tau_start=fit.best.point.log_tau)
 
 
-def _orders(fit: MultiTemperatureFit) -> tuple[OrderScore, ...]:
-    """Return every number tried; sums of squares in the noise of the fit taken."""
-    sse = fit.knowledge.residual.sse / fit.best.point.chi_square
+def _score_orders(fit: MultiTemperatureFit) -> tuple[OrderScore, ...]:
+    """Return the scores of every number of arms, with the noise of the selected fit."""
+    sse = fit.covariance.residual.sse / fit.best.point.chi_square
     return tuple(
         OrderScore(
             point.order,
@@ -287,60 +304,60 @@ def _orders(fit: MultiTemperatureFit) -> tuple[OrderScore, ...]:
             fit.best.joint.has_significant_arms(point),
             point.solid,
         )
-        for point, bic in fit.best.tried
+        for point, bic in fit.best.candidates
     )
 
 
-def _checks(
+def _run_checks(
     fit: MultiTemperatureFit,
     shifts: TemperatureShifts,
     law_fit: ShiftLawFit,
     band: tuple[float, float],
 ) -> tuple[Check, ...]:
     """Return every check of the records, of the solid and of its shifts."""
-    point, knowledge = fit.best.point, fit.knowledge
-    records, residual = [test.record for test in fit.best.tests], knowledge.residual
+    point, covariance = fit.best.point, fit.covariance
+    records, residual = [test.record for test in fit.best.tests], covariance.residual
     solids = [point.solid_at(int(i)) for i in fit.best.joint.at]
     low, high = zip(*(block.window for block in _reduce_tests(fit)), strict=True)
-    answers = [
+    all_checks = [
         optimum_found(stationary=True),
         *check_records(records, method="full", solids=solids),
         *run_solid_checks(
             records,
             point.solid,
-            np.sqrt(np.diag(knowledge.solid_covariance)),
-            Residuals(knowledge.residuals, residual.rms, residual.variance_inflation),
+            np.sqrt(np.diag(covariance.solid_covariance)),
+            Residuals(covariance.residuals, residual.rms, residual.variance_inflation),
             RelaxationWindow((min(low), max(high)), "the tests together"),
             solids=solids,
-            needed=fit.best.choice is not None,
+            arms_selected=fit.best.choice is not None,
         ),
         *_collect_shift_checks(fit, shifts, law_fit),
         valid_band_exists(band),
     ]
     if fit.best.choice is not None:
-        answers.append(order_agreed(fit.best.choice))
+        all_checks.append(order_agreed(fit.best.choice))
     if len(records) > len(shifts.shifts):
-        answers.append(same_specimen(end_stiffnesses(records)))
-    return tuple(answers)
+        all_checks.append(same_specimen(end_stiffnesses(records)))
+    return tuple(all_checks)
 
 
 def _collect_shift_checks(
     fit: MultiTemperatureFit, shifts: TemperatureShifts, law_fit: ShiftLawFit
 ) -> list[Check]:
     temperatures = [shift.temperature for shift in shifts.shifts]
-    bands = [_informed_at(fit, i) for i in range(len(temperatures))]
-    # the colder of two neighbours informs the lower reduced times: the higher frequencies
+    bands = [_find_band_at(fit, i) for i in range(len(temperatures))]
+    # the colder of two neighbours covers the lower reduced times: the higher frequencies
     shared = [
         float(np.log10(min(cold[1], warm[1]) / max(cold[0], warm[0])))
         for cold, warm in pairwise(bands)
     ]
     warming = [
-        nuisance for nuisance in fit.knowledge.nuisances if nuisance.name.startswith("warming")
+        nuisance for nuisance in fit.covariance.nuisances if nuisance.name.startswith("warming")
     ]
     slope = next(
-        (nuisance for nuisance in fit.knowledge.nuisances if nuisance.name == "shift slope"), None
+        (nuisance for nuisance in fit.covariance.nuisances if nuisance.name == "shift slope"), None
     )
-    chance, excess = _misfit(fit)
+    chance, excess = _compute_misfit(fit)
     return [
         isotherms_overlap(shared, temperatures, checks.SHARED),
         *collect_shift_checks(
@@ -361,19 +378,21 @@ def _collect_shift_checks(
     ]
 
 
-def _compute_data_estimate(nuisance: Nuisance, value: float) -> tuple[float, float] | None:
-    r"""What the data alone say of one that was held to 0 within `value`; None where that is little.
+def _compute_data_estimate(nuisance: Nuisance, prior_sd: float) -> tuple[float, float] | None:
+    r"""Return value and error of a nuisance by the data alone, without its prior about 0.
+
+    None is returned where the data add little to the prior.
 
     .. math:: 1/s^2 = 1/s_d^2 + 1/s_0^2, \qquad v/s^2 = v_d/s_d^2
     """
-    part = 1.0 - (nuisance.standard_error / value) ** 2
-    if not part > _LITTLE:
+    information = 1.0 - (nuisance.standard_error / prior_sd) ** 2
+    if not information > _LEAST_INFORMATION:
         return None
-    return nuisance.value / part, nuisance.standard_error / float(np.sqrt(part))
+    return nuisance.value / information, nuisance.standard_error / float(np.sqrt(information))
 
 
-def _informed_at(fit: MultiTemperatureFit, i: int) -> tuple[float, float]:
-    """Return the band that the tests of one temperature inform, Hz at the reference."""
+def _find_band_at(fit: MultiTemperatureFit, i: int) -> tuple[float, float]:
+    """Return the valid band of the tests at one temperature, Hz at the reference."""
     group = [
         find_single_test_band(block, stiffness=max(fit.best.point.solid.k_0, 1e-300), noise=1.0)
         for block, at in zip(_reduce_tests(fit), fit.best.joint.at, strict=True)
@@ -382,27 +401,30 @@ def _informed_at(fit: MultiTemperatureFit, i: int) -> tuple[float, float]:
     return min(low for low, _ in group), max(high for _, high in group)
 
 
-def _misfit(fit: MultiTemperatureFit) -> tuple[float, float]:
-    r"""Return how likely chance makes the joint fit as bad, and its excess over the peak force.
+def _compute_misfit(fit: MultiTemperatureFit) -> tuple[float, float]:
+    r"""Return the p-value of the joint fit, and its excess residual over the peak force.
 
-    The smaller probability, doubled, of two: what the joint fit leaves in the rows that a solid can
-    reach, in units of the noise, and how much more that is than the free fits of each test leave.
+    The p-value is twice the smaller of two: of the residual of the joint fit in units of the
+    noise, and of its excess over the residuals of the separate fits.
     """
     tests, point, joint = fit.best.tests, fit.best.point, fit.best.joint
     floor = sum(block.floor for block in joint.blocks)
     rows = sum(len(block.target) for block in joint.blocks)
     parameters = len(joint.names(point.order))
-    remainder, values = point.chi_square - floor, sum(test.chi_square for test in tests) - floor
-    freed = sum(test.parameters for test in tests) - parameters
-    # noise that remembers is itself known to so much only
-    doubt = 1 + 2 * max(
-        float(np.sqrt(2 * (2 * len(noise.autocovariance) - 1) / noise.samples))
-        for noise in fit.knowledge.noises
+    joint_misfit, free_misfit = (
+        point.chi_square - floor,
+        sum(test.chi_square for test in tests) - floor,
     )
-    absolute = chi2_sf(remainder / doubt, max(rows - parameters, 1))
-    relative = chi2_sf((remainder - values) / doubt, max(freed, 1))
+    extra_parameters = sum(test.parameters for test in tests) - parameters
+    # the power of correlated noise is itself uncertain
+    noise_factor = 1 + 2 * max(
+        float(np.sqrt(2 * (2 * len(noise.autocovariance) - 1) / noise.samples))
+        for noise in fit.covariance.noises
+    )
+    absolute = chi2_sf(joint_misfit / noise_factor, max(rows - parameters, 1))
+    relative = chi2_sf((joint_misfit - free_misfit) / noise_factor, max(extra_parameters, 1))
     spread = max(test.spread for test in tests)
     peak = max(float(np.abs(test.record.force).max()) for test in tests)
     samples = sum(test.effective for test in tests)
-    ratio = max(remainder - (rows - parameters), 0.0) / samples
+    ratio = max(joint_misfit - (rows - parameters), 0.0) / samples
     return min(1.0, 2 * min(absolute, relative)), spread * float(np.sqrt(ratio)) / peak

@@ -38,17 +38,17 @@ class JointCovariance(ParameterCovariance):
     joint : JointTests
     point : ShiftedSolid
         Relaxation times ascending.
-    own : array
+    nuisance_values : array
         Coefficients of the columns of each test, ``"offset@0"``; in `names` they stand behind what
         is shared, stiffnesses in N/m.
-    moved : array, shape (p, d)
+    rig_changes : array, shape (p, d)
         What each doubt of each rig adds to everything that was fitted.
     """
 
     joint: JointTests
     point: ShiftedSolid
-    own: FloatArray
-    moved: FloatArray
+    nuisance_values: FloatArray
+    rig_changes: FloatArray
 
     @property
     def solid_covariance(self) -> FloatArray:
@@ -57,8 +57,8 @@ class JointCovariance(ParameterCovariance):
 
     @property
     def solid_rig_sensitivity(self) -> FloatArray:
-        """What the doubts of the rigs add to the solid's parameters, shape (p, d)."""
-        return self.moved[self._solid]
+        """What the uncertainties of the rigs add to the solid's parameters, shape (p, d)."""
+        return self.rig_changes[self._solid]
 
     @property
     def _solid(self) -> list[int]:
@@ -83,8 +83,8 @@ class JointCovariance(ParameterCovariance):
     @property
     def nuisances(self) -> tuple[Nuisance, ...]:
         """The columns of each test, and how arms shift apart."""
-        names = self.names[len(self.names) - len(self.own) :]
-        return build_test_nuisances(names, self.own, self.point, self.standard_error)
+        names = self.names[len(self.names) - len(self.nuisance_values) :]
+        return build_test_nuisances(names, self.nuisance_values, self.point, self.standard_error)
 
     @property
     def residual(self) -> Residual:
@@ -108,15 +108,15 @@ class TestResidual(NamedTuple):
 
     Attributes
     ----------
-    left : array, shape (n,)
-    own : array
+    residual : array, shape (n,)
+    nuisance_values : array
     part : Part
     columns : array, shape (n, q)
         Of the test's own.
     """
 
-    left: FloatArray
-    own: FloatArray
+    residual: FloatArray
+    nuisance_values: FloatArray
     part: TestContribution
     columns: FloatArray
 
@@ -154,7 +154,7 @@ def compute_joint_covariance(
         weight, rows = 1 / test.spread, test.prior_rows[0]
         here = [names.index(f"{kind}@{i}") for kind in test.kinds]
         jacobian, values = (
-            np.zeros((len(residual.left), len(names))),
+            np.zeros((len(residual.residual), len(names))),
             np.zeros((len(rows), len(names))),
         )
         jacobian[:, : len(shared)] = weight * residual.part.by
@@ -162,7 +162,7 @@ def compute_joint_covariance(
         least = weight * rounding_rms(float(np.abs(test.record.force).max()))
         jacobians.append(jacobian)
         before.append(values)
-        noises.append(noise_of(weight * residual.left, jacobian, rounding=least))
+        noises.append(noise_of(weight * residual.residual, jacobian, rounding=least))
         solid = point.solid_at(int(joint.at[i]))
         others.append(partial(_encoder_rows, test, solid))
         unmeasured.append(weight * test.unmeasured_effects(solid))
@@ -178,8 +178,8 @@ def compute_joint_covariance(
         for columns, row in zip(information.columns, unmeasured, strict=False)
     ]
     arrays, base = (
-        tuple(test_residual.left for test_residual in residuals),
-        np.concatenate([test_residual.own for test_residual in residuals]),
+        tuple(test_residual.residual for test_residual in residuals),
+        np.concatenate([test_residual.nuisance_values for test_residual in residuals]),
     )
     return JointCovariance(
         names, covariance, arrays, tuple(noises), joint, point, base, np.hstack(changes)

@@ -19,9 +19,9 @@ from dashpot.extensions.curves.temperatures.starting_points import (
 )
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.input_tests import temperatures_of
-from dashpot.numerics.inference.model_order import DECISIVE, OrderChoice, select_model_order
+from dashpot.numerics.inference.model_order import DECISIVE_BIC, OrderChoice, select_model_order
 
-# what is known of how arms shift apart: two temperatures hardly tell, three do
+# what is known of how arms shift apart: two temperatures hardly show, three do
 _SLOPE_OF_TWO, _SLOPE = 0.03, 0.3
 
 
@@ -33,7 +33,7 @@ class ThermalOptimum(NamedTuple):
     tests : tuple of SingleTemperatureTest
         With the columns of a seal that warms.
     joint : JointTests
-    tried : tuple of OrderCandidate
+    candidates : tuple of OrderCandidate
     choice : Choice or None
         None if the number of arms was asked for.
     point : ShiftedSolid
@@ -44,7 +44,7 @@ class ThermalOptimum(NamedTuple):
 
     tests: tuple[SingleTemperatureTest, ...]
     joint: JointTests
-    tried: tuple[OrderCandidate, ...]
+    candidates: tuple[OrderCandidate, ...]
     choice: OrderChoice | None
     point: ShiftedSolid
     thorough: bool
@@ -72,23 +72,28 @@ def optimum(
     joint = joint_of(tests)
     arms = options.count
     most = options.max_arms if arms is None else arms
-    tried = candidates(
+    order_candidates = candidates(
         joint, first_shifts(joint), most, effective=effective, thorough=options.thorough
     )
-    choice = _choice(joint, tried, exhausted=len(tried) - 1 < most)
+    choice = _choice(joint, order_candidates, exhausted=len(order_candidates) - 1 < most)
     # the columns of a warming seal are those of the solid found without them, then with them
     for _ in range(2):
-        point = _select_candidate(tried, choice, arms).point
+        point = _select_candidate(order_candidates, choice, arms).point
         tests = tuple(
             _add_warming(test, point, int(i), temperatures)
             for test, i in zip(tests, at, strict=True)
         )
         joint = joint_of(tests)
-        tried = refine_candidates(joint, tried, effective)
-        choice = _choice(joint, tried, exhausted=len(tried) - 1 < most)
-    best = _ascending(_select_candidate(tried, choice, arms).point)
+        order_candidates = refine_candidates(joint, order_candidates, effective)
+        choice = _choice(joint, order_candidates, exhausted=len(order_candidates) - 1 < most)
+    best = _ascending(_select_candidate(order_candidates, choice, arms).point)
     return ThermalOptimum(
-        tuple(tests), joint, tried, choice if arms is None else None, best, options.thorough
+        tuple(tests),
+        joint,
+        order_candidates,
+        choice if arms is None else None,
+        best,
+        options.thorough,
     )
 
 
@@ -104,15 +109,17 @@ def _ascending(point: ShiftedSolid) -> ShiftedSolid:
     return replace(point, k=point.k[order], log_tau=point.log_tau[order])
 
 
-def _choice(joint: JointTests, tried: Sequence[OrderCandidate], *, exhausted: bool) -> OrderChoice:
-    numbers = [candidate.point.order for candidate in tried]
-    clear = [joint.has_significant_arms(candidate.point) for candidate in tried]
-    bics = [candidate.bic for candidate in tried]
-    return select_model_order(numbers, bics, clear, exhausted=exhausted, decisive=DECISIVE)
+def _choice(
+    joint: JointTests, candidates: Sequence[OrderCandidate], *, exhausted: bool
+) -> OrderChoice:
+    numbers = [candidate.point.order for candidate in candidates]
+    clear = [joint.has_significant_arms(candidate.point) for candidate in candidates]
+    bics = [candidate.bic for candidate in candidates]
+    return select_model_order(numbers, bics, clear, exhausted=exhausted, decisive=DECISIVE_BIC)
 
 
 def _select_candidate(
-    tried: Sequence[OrderCandidate], choice: OrderChoice, requested: int | None
+    candidates: Sequence[OrderCandidate], choice: OrderChoice, requested: int | None
 ) -> OrderCandidate:
     most = choice.arms if requested is None else requested
-    return [candidate for candidate in tried if candidate.point.order <= most][-1]
+    return [candidate for candidate in candidates if candidate.point.order <= most][-1]

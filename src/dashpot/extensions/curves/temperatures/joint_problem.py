@@ -141,7 +141,7 @@ class JointTests:
         return np.asarray(every[every != self.reference])
 
     @property
-    def held_log_b(self) -> FloatArray:
+    def fixed_log_b(self) -> FloatArray:
         """Ln b_T where it is held, and where it starts."""
         if self.vertical == "1":
             return np.zeros(len(self.temperatures))

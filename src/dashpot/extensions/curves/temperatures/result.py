@@ -22,7 +22,12 @@ from dashpot.extensions.curves.temperatures.joint_covariance import (
 )
 from dashpot.extensions.curves.temperatures.joint_optimum import ThermalOptimum
 from dashpot.extensions.curves.temperatures.marginalised_data import SingleTemperatureTest
-from dashpot.fitting.fit_construction import UNJUDGED, SolidEstimate, build_fit, point_estimate
+from dashpot.fitting.fit_construction import (
+    NO_EVIDENCE,
+    SolidEstimate,
+    build_fit,
+    estimate_without_errors,
+)
 from dashpot.solids.elastic import ElasticLaw
 
 
@@ -120,13 +125,15 @@ def build_point_fit(
     residuals = [compute_test_residual(joint, test, i, point) for i, test in enumerate(best.tests)]
     residual, values = (
         np.concatenate([getattr(test_residual, part) for test_residual in residuals])
-        for part in ("left", "own")
+        for part in ("residual", "nuisance_values")
     )
     nuisance = build_test_nuisances(list_column_names(best.tests), values, point, lambda _: np.inf)
-    estimate = point_estimate(point.solid, len(residual), float(residual @ residual), nuisance)
+    estimate = estimate_without_errors(
+        point.solid, len(residual), float(residual @ residual), nuisance
+    )
     return build_fit(
-        SolidEstimate(point.solid, estimate, fewer=point.order < requested),
-        UNJUDGED,
+        SolidEstimate(point.solid, estimate, has_fewer_arms=point.order < requested),
+        NO_EVIDENCE,
         provenance(best, shifts),
         elastic_law=elastic_law(best),
         temperatures=shifts,

@@ -46,14 +46,14 @@ def first_shifts(joint: JointTests) -> FloatArray:
 
 def _pair(joint: JointTests, i: int, falls: FloatArray) -> Problem:
     """One positive spectrum for temperature i and the next warmer one, over how far ln a falls."""
-    log_b = joint.held_log_b
+    log_b = joint.fixed_log_b
 
     def shift_temperature_blocks(at: int, fall: float) -> list[DataBlock]:
         every = zip(joint.blocks, joint.at, strict=True)
         return [
             shift_block(block, fall, log_b[at] - log_b[i + 1])
-            for block, here in every
-            if here == at
+            for block, temperature_index in every
+            if temperature_index == at
         ]
 
     ends = [
@@ -99,7 +99,7 @@ def candidates(
         Add quasi-random starts.
     """
     best: dict[int, OrderCandidate] = {}
-    log_a, log_b = start, joint.held_log_b
+    log_a, log_b = start, joint.fixed_log_b
     for _ in range(_ROUNDS):
         blocks = [
             shift_block(block, log_a[i], log_b[i])

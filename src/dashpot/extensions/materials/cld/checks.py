@@ -345,14 +345,16 @@ def specimens_tested_alike(otherwise: Sequence[str]) -> Finding:
 
 
 @criterion("Cpk", ">=", 1.33, "usual requirement (AIAG) for a known process")
-def specimens_capable(of: ProcessCapability, unit: str) -> Finding:
+def specimens_capable(capability: ProcessCapability, unit: str) -> Finding:
     """The force at the nominal compression keeps a margin to its limits."""
-    low, high = of.cpk_interval or (0.0, 0.0)
+    low, high = capability.cpk_interval or (0.0, 0.0)
     return Finding(
         f"Cpk of the force at the nominal compression is "
-        f"{'unknown' if of.cpk is None else f'{of.cpk:.2f}'} ({low:.2f} to {high:.2f}); 1.33 is "
-        f"asked. {of.count} specimens, limits {of.lower:g} to {of.upper:g} {unit}",
-        of.cpk,
+        f"{'unknown' if capability.cpk is None else f'{capability.cpk:.2f}'} ({low:.2f} to "
+        f"{high:.2f}); 1.33 is "
+        f"asked. {capability.count} specimens, limits {capability.lower:g} to "
+        f"{capability.upper:g} {unit}",
+        capability.cpk,
         "" if high >= 1.33 else "The specimens scatter too much, or lie off centre",
         "Test more specimens." if high >= 1.33 else "Look at scatter and mean of the specimens.",
     )

@@ -62,7 +62,7 @@ class DownsampledRecord(NamedTuple):
     compression: FloatArray
     velocity: FloatArray
     force: FloatArray
-    felt: BoolArray
+    is_in_contact: BoolArray
     first: int
     hats: FloatArray
 
@@ -236,7 +236,7 @@ def _build_relaxation(theta: FloatArray) -> GeneralizedMaxwell:
 
 def _parts(records: Sequence[DownsampledRecord]) -> list[int]:
     """Return rows of each record."""
-    return [int(record.felt[record.first :].sum()) for record in records]
+    return [int(record.is_in_contact[record.first :].sum()) for record in records]
 
 
 def _rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Rows:
@@ -245,7 +245,9 @@ def _rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Rows:
     columns, targets = [], []
     for record in records:
         # where the plate does not drive it, the seal is where the recorded force has brought it
-        indices = np.where(record.felt, 0.0, relaxation.displacement(record.time, record.force))
+        indices = np.where(
+            record.is_in_contact, 0.0, relaxation.displacement(record.time, record.force)
+        )
         answer, hats = indices.copy(), record.hats.copy()
         steps = np.diff(record.hats, axis=0)
         step = np.diff(record.time[record.first :])[:, None, None]
@@ -258,7 +260,7 @@ def _rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Rows:
             first = np.tile(record.hats[0], (len(tau), 1))
             arms = recursion(1 + lost, -lost / z * steps[:, None], first)
             hats += np.einsum("nap,a->np", arms, g)
-        inside = record.felt[record.first :]
+        inside = record.is_in_contact[record.first :]
         columns.append(hats[inside])
         targets.append((record.force - answer)[record.first :][inside])
     return Rows(np.concatenate(targets), np.concatenate(columns))

@@ -17,7 +17,7 @@ from dashpot.report.result_page import (
     KindPage,
     Topic,
     format_specimen_header,
-    lights,
+    make_indicators,
     row,
 )
 from dashpot.report.tables import TextTable
@@ -43,12 +43,16 @@ def page(result: CLDResult) -> KindPage:
     asked_for.append(("Length", "not given" if length is None else format_quantity(length, "mm")))
     limits = None if able is None else (able.lower, able.upper)
     return KindPage(
-        about=f"compression load deflection, {format_count(several, 'specimen')}",
-        strip=(*format_specimen_header(first.specimen), *asked_for, ("Specimens", str(several))),
-        lights=lights(result.checks, Topic("Records"), *topics[several < 2 :]),
-        answers="Pressed and released",
+        subject=f"compression load deflection, {format_count(several, 'specimen')}",
+        summary_line=(
+            *format_specimen_header(first.specimen),
+            *asked_for,
+            ("Specimens", str(several)),
+        ),
+        indicators=make_indicators(result.checks, Topic("Records"), *topics[several < 2 :]),
+        figure_title="Pressed and released",
         picture=plot.cld(result.specimens, limits=limits),
-        told=f"Of {'100 mm' if length is not None else 'the specimen'}"
+        table_title=f"Of {'100 mm' if length is not None else 'the specimen'}"
         + (f", mean of {format_count(several, 'specimen')}" if several > 1 else ""),
         groups=(Group("", tuple(_make_specimen_rows(result))),),
         note=f"From and to: 95 % interval of the mean of {format_count(several, 'specimen')}."

@@ -48,11 +48,11 @@ _UNFINISHED = 0.9
 
 
 class _RecordCycles(NamedTuple):
-    """The cycles of a record, before one is chosen; a compression may lie so far `beyond` them."""
+    """The cycles of a record, before one is chosen; a compression may exceed them by `excess`."""
 
     cycles: tuple[Cycle, ...]
     zero: Zero
-    beyond: float
+    excess: float
     common: float
     uneven: tuple[float | None, ...]
     compression: FloatArray
@@ -71,7 +71,7 @@ def cld(
 
     Compression is counted from first contact of the first cycle; the load cell's zero is what it
     reads in air, wherever the plate is there. What a delay of the force makes of a figure, which
-    no cycle tells from loss, is in its error.
+    no cycle distinguishes from loss, is in its error.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def cld(
         If nothing was pressed, there is no such cycle, or none reaches `at`.
     """
     machine = machine or Machine()
-    machine.refuse_unused("sync", of="load deflection")
+    machine.refuse_unused("sync", subject="load deflection")
     if machine.sync is not None and test.time is None:
         raise DataError(
             "--machine sync= is a time, and the record has no clock. Leave it out, or export the "
@@ -160,11 +160,11 @@ def _with_delay(
     """Return the cycles and marks with what a delay of the force leaves unknown in their errors."""
     points = [mark for mark in marks if mark is not None]
 
-    def numbers(later: float) -> FloatArray:
+    def numbers(delay: float) -> FloatArray:
         clock = clock_of_samples(test)
         cycles = new_cycles
-        if later:
-            cycles = _cycles(replace(test, force=taken_later(clock, test.force, later), units="SI"))
+        if delay:
+            cycles = _cycles(replace(test, force=taken_later(clock, test.force, delay), units="SI"))
         same = len(cycles.cycles) == len(new_cycles.cycles)
         if not same:  # of noise that is taken for a stroke nothing follows
             return np.full(len(new_cycles.cycles) + 3 * len(points), np.nan)
@@ -224,7 +224,7 @@ def _evaluate_record_cycle(
     return evaluate_cycle(
         cycle,
         at,
-        excess=cycles.beyond,
+        excess=cycles.excess,
         contact_se=cycles.zero.contact_se,
         force_se=cycles.zero.force_se,
     )
@@ -328,7 +328,7 @@ def _chosen(new_cycles: _RecordCycles, requested: int | None, at: float | None) 
             )
         return requested - 1
     reach = [
-        i for i, cycle in enumerate(cycles) if at is None or cycle.depth >= at - new_cycles.beyond
+        i for i, cycle in enumerate(cycles) if at is None or cycle.depth >= at - new_cycles.excess
     ]
     whole = [i for i in reach if cycles[i].unloading is not None]
     return (whole or reach or [len(cycles) - 1])[-1]
@@ -358,7 +358,7 @@ def _checks(new_cycles: _RecordCycles, index: int, most: float, test: CLDTest) -
         checks.depth_conditioned(
             used.depth / max(cycle.depth for cycle in before) if before else None, used.number
         ),
-        checks.compressions_reached(most, used.depth + new_cycles.beyond),
+        checks.compressions_reached(most, used.depth + new_cycles.excess),
         checks.load_cell_steady(drift),
         checks.plate_speed_constant(new_cycles.uneven[index]),
         checks.no_energy_gained(used.hysteresis),

@@ -83,9 +83,9 @@ def fit_rate(specimens: Sequence[CLD], fit: Fit) -> RateLaw:
     return _build_rate_law(specimens, fit, of, tried[best])
 
 
-def _parts(of: _Data) -> list[int]:
+def _parts(data: _Data) -> list[int]:
     """Return rows of each record."""
-    return [int(_moving(record).sum()) for record in of.records]
+    return [int(_moving(record).sum()) for record in data.records]
 
 
 def _hats(x: FloatArray, knots: FloatArray) -> FloatArray:
@@ -93,51 +93,51 @@ def _hats(x: FloatArray, knots: FloatArray) -> FloatArray:
     return np.stack([np.interp(x, knots, values) for values in np.eye(len(knots))], axis=1)
 
 
-def _rows(of: _Data, theta: FloatArray) -> Rows:
+def _rows(data: _Data, theta: FloatArray) -> Rows:
     """Return the rows at relaxation times, ln s, and places of first contact, in their deviations.
 
     The priors of these come last.
     """
-    ln_tau, off = np.split(theta, [-len(of.records)])
+    ln_tau, off = np.split(theta, [-len(data.records)])
     parts, targets = [], []
-    for record, by in zip(of.records, off * _CONTACT * of.depth, strict=True):
+    for record, by in zip(data.records, off * _CONTACT * data.depth, strict=True):
         inside = _moving(record)
         x, v = record.compression[inside] + by, record.velocity[inside]
         pressed = np.maximum(record.compression + by, 0.0)
         q, _ = arm_columns(record.time, pressed, np.exp(ln_tau), derivative=False)
-        damping = _hats(x, of.knots) * v[:, None]
-        parts.append(np.concatenate((hat_integrals(x, of.fine), damping, q[inside]), axis=1))
+        damping = _hats(x, data.knots) * v[:, None]
+        parts.append(np.concatenate((hat_integrals(x, data.fine), damping, q[inside]), axis=1))
         targets.append(record.force[inside])
     A = np.concatenate((*parts, np.zeros((len(off), parts[0].shape[1]))))
-    return Rows(np.concatenate((*targets, -of.noise * off)), A)
+    return Rows(np.concatenate((*targets, -data.noise * off)), A)
 
 
 def _moving(record: DownsampledRecord) -> BoolArray:
     """Return the samples of the chosen cycle in contact, but for those beside a turning point."""
     way = np.sign(record.velocity)
     steady = (way == np.roll(way, 1)) & (way == np.roll(way, -1))
-    values = np.asarray(record.felt & steady)
+    values = np.asarray(record.is_in_contact & steady)
     values[: record.first] = False
     return values
 
 
-def _best(of: _Data, before: FloatArray, window: FloatArray | None) -> Optimum:
+def _best(data: _Data, before: FloatArray, window: FloatArray | None) -> Optimum:
     """Return the best fit from an earlier one, with one more arm at the best place in a window."""
     starts = [before]
     if window is not None:
         starts = [np.insert(before, 0, at) for at in np.linspace(window[0], window[1], 7)[1:-1]]
     sought = [Parameter()] * len(starts[0])
-    problem = Problem(partial(_rows, of), sought, positive=True, priors=len(of.records))
+    problem = Problem(partial(_rows, data), sought, positive=True, priors=len(data.records))
     start = min(starts, key=lambda values: problem.solve_linear(values).cost)
     return require_optimum(problem, [start], most=40, finished=1e-6, flat=1e-8)
 
 
-def _build_rate_law(specimens: Sequence[CLD], fit: Fit, of: _Data, best: Optimum) -> RateLaw:
-    first = len(of.fine)
-    count, arms = first + len(of.knots), len(best.theta) - len(of.records)
+def _build_rate_law(specimens: Sequence[CLD], fit: Fit, data: _Data, best: Optimum) -> RateLaw:
+    first = len(data.fine)
+    count, arms = first + len(data.knots), len(best.theta) - len(data.records)
     resting = np.zeros(count + arms, dtype=bool)
     resting[first:count] = True  # of a damping of 0 the error is its bound
-    uncertainty = estimate(best, parts=_parts(of), resting=resting, prior_variance=of.noise**2)
+    uncertainty = estimate(best, parts=_parts(data), resting=resting, prior_variance=data.noise**2)
     ln_tau_se, error = np.split(uncertainty.standard_error, [len(best.theta)])
     _, c, k = np.split(best.beta, [first, count])
     tau = np.exp(best.theta[:arms])
@@ -153,8 +153,8 @@ def _build_rate_law(specimens: Sequence[CLD], fit: Fit, of: _Data, best: Optimum
         fit.estimate.residual.sse, effective=n / kappa, parameters=first + 2 * fit.model.arms
     )
     return RateLaw(
-        law_of(uncertainty, of.fine, slice(len(best.theta), len(best.theta) + first)),
-        tuple(of.knots.tolist()),
+        law_of(uncertainty, data.fine, slice(len(best.theta), len(best.theta) + first)),
+        tuple(data.knots.tolist()),
         tuple(c.tolist()),
         tuple(error[first:count].tolist()),
         tuple(k[retained].tolist()),
@@ -166,7 +166,7 @@ def _build_rate_law(specimens: Sequence[CLD], fit: Fit, of: _Data, best: Optimum
         (
             checks.one_relaxation_explains_speeds(other - value),
             checks.speeds_residual_small(
-                rms, of.noise, max(specimen.cycle.peak for specimen in specimens)
+                rms, data.noise, max(specimen.cycle.peak for specimen in specimens)
             ),
         ),
     )

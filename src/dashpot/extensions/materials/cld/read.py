@@ -53,7 +53,7 @@ def cld_in(file: OpenedFile, specimen: Specimen) -> CLDTest:
         file,
         ["relaxation", "cld"],
         "a compression load deflection (CLD) record is",
-        named=_SIGNALS,
+        stated_columns=_SIGNALS,
     )
     chosen, values, notes = signals(file, *_SIGNALS)
     if "time" not in values:

@@ -15,7 +15,7 @@ from dashpot.signals.noise import estimate_robust_scatter
 _RESTED = 5
 """Samples that make a mean worth taking off."""
 _KNOWN = 1e-3
-"""Error of a mean of the force in air, as a part of the peak, with which it tells a drift."""
+"""Error of a mean of the force in air, as a part of the peak, with which it shows a drift."""
 _PARABOLA = 1e-3
 """Part of the depth by which first contact is off where the rise is no parabola, as of a seal that
 relaxes while it is met: over 240 records with 1 mN of noise, up to this."""

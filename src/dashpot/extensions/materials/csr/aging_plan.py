@@ -262,7 +262,7 @@ def plan_aging(
             f"{celsius(kelvin)}. Name a hotter oven: --hottest 150degC"
         )
     machine = machine or Machine()
-    machine.refuse_unused("oven", "drift", of="a plan of aging")
+    machine.refuse_unused("oven", "drift", subject="a plan of aging")
     oven_sd = USUAL_OVEN if machine.oven is None else machine.oven
     if oven_sd > WORST_OVEN:
         raise DataError(

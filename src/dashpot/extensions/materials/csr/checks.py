@@ -133,7 +133,7 @@ def ovens_enough(ovens: int) -> Finding:
 def activation_energy_plausible(energy: float | None) -> Finding:
     """The activation energy is in the range of rubbers."""
     if energy is None:
-        return Finding("No activation energy was found, so it is not judged")
+        return Finding("No activation energy was found, so this check does not apply")
     return Finding(
         f"The activation energy is {format_quantity(energy, 'kJ/mol', '.3g')}",
         energy / USUAL_ENERGY,
@@ -148,7 +148,7 @@ def activation_energy_plausible(energy: float | None) -> Finding:
 def one_activation_energy_explains_ovens(strain: float | None) -> Finding:
     """One activation energy fits all ovens within the error of their temperatures."""
     if strain is None:
-        return Finding("Two ovens always lie on one line of 1/T, so it is not judged")
+        return Finding("Two ovens always lie on one line of 1/T, so this check does not apply")
     return Finding(
         f"The ovens lie {np.sqrt(max(strain, 0.0)):.2g} standard deviations from one line of 1/T",
         strain,
@@ -203,7 +203,7 @@ def robust_to_lower_activation_energy(
 ) -> Finding:
     """The result is robust to a lower activation energy below the tested temperatures."""
     if change is None:
-        return Finding("The temperature is that of an oven, or above, so it is not judged")
+        return Finding("The temperature is that of an oven, or above, so this check does not apply")
     return Finding(
         f"An activation energy of {format_quantity(lower, 'kJ/mol', 'g')} below {celsius(coldest)} "
         "changes "
@@ -218,7 +218,7 @@ def robust_to_lower_activation_energy(
 def end_point_reached(reached: int | None, part: float) -> Finding:
     """The force fell to the end-point in an oven."""
     if reached is None:
-        return Finding("No end-point is asked, so it is not judged")
+        return Finding("No end-point is asked, so this check does not apply")
     return Finding(
         f"The force fell to {100 * part:g} % in {format_count(reached, 'oven')}",
         float(reached),
@@ -231,7 +231,7 @@ def end_point_reached(reached: int | None, part: float) -> Finding:
 def aging_answer_known(error: float | None) -> Finding:
     """The result is known to its order of magnitude."""
     if error is None:
-        return Finding("The answer has no standard error, so it is not judged")
+        return Finding("The answer has no standard error, so this check does not apply")
     return Finding(
         f"The standard error of the answer is {100 * error:.3g} % of it",
         error,

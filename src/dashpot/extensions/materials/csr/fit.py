@@ -59,7 +59,7 @@ def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> 
         If the readings are not of one lot, or no law follows them.
     """
     machine = machine or Machine()
-    machine.refuse_unused("oven", "drift", of="compression stress relaxation")
+    machine.refuse_unused("oven", "drift", subject="compression stress relaxation")
     if machine.oven is not None and machine.oven > WORST_OVEN:
         raise DataError(
             f"an oven's temperature is said to be known to {machine.oven:.4g} K; expected 0 to "
@@ -71,7 +71,7 @@ def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> 
     uncertainty = _fit_oven_rates(read, drift)
     ovens = read.ovens(uncertainty)
     orders: dict[str, float] = {}
-    law, strain = _bound(uncertainty, ovens[-1]), None
+    law, strain = _limit_rate(uncertainty, ovens[-1]), None
     if ovens[-1].significance >= checks.LEAST_SIGNIFICANCE:
         stated = machine.oven is not None
         law, orders, strain = _arrhenius(read, uncertainty, ovens, (sd, drift), stated=stated)
@@ -138,7 +138,7 @@ def _fit_oven_rates(read: Readings, drift: float) -> Estimate:
     return estimate(best, noises=[noise])
 
 
-def _bound(uncertainty: Estimate, hottest: Oven) -> AgingLaw:
+def _limit_rate(uncertainty: Estimate, hottest: Oven) -> AgingLaw:
     """Return the law without chemical aging, with its upper limit by the hottest oven."""
     covariance = np.zeros((4, 4))
     covariance[0, 0] = uncertainty.covariance[0, 0]

@@ -56,7 +56,7 @@ class AgingLaw(EqualByValue):
     chemical : float
         ln of tau at the reference, s.
     activation : float
-        J/mol; 0 where one oven tells none.
+        J/mol; 0 where one oven shows none.
     exponent : float
         Of the chemical factor.
     reference : float

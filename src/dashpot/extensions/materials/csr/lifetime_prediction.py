@@ -394,7 +394,7 @@ def find_energy_change(
 ) -> float | None:
     """Return the change of a ln life by the lower activation energy, in standard deviations.
 
-    None at the coldest oven and above, where it is not judged, and without a lower energy.
+    None at the coldest oven and above, where it is not checked, and without a lower energy.
     """
     if temperature >= coldest - ONE_OVEN or law.activation <= LOWER:
         return None

@@ -31,7 +31,7 @@ from dashpot.report.result_page import (
     KindPage,
     Topic,
     group,
-    lights,
+    make_indicators,
 )
 from dashpot.report.tables import TextTable
 
@@ -65,15 +65,15 @@ def page(aging: Aging) -> KindPage:
     if lives:
         picture = put_chart_first(draw_life_chart(aging, USUAL_PART), picture)
     return KindPage(
-        about="compression stress relaxation",
-        strip=_format_strip(aging),
-        lights=lights(
+        subject="compression stress relaxation",
+        summary_line=_format_strip(aging),
+        indicators=make_indicators(
             aging.checks, Topic("Readings"),
             _OVENS._replace(message=f"{len(warm)} on one line"), _CHEMISTRY,
         ),
-        answers="How long it seals" if lives else "What is left of the force",
+        figure_title="How long it seals" if lives else "What is left of the force",
         picture=picture,
-        told="The aging law",
+        table_title="The aging law",
         groups=(group("", aging.facts), *_make_life_groups(lives[::2], USUAL_PART)),
         sources=aging.sources,
         folds=(*_make_life_sections(aging, lives, USUAL_PART), make_law_ranking(aging.orders)),
@@ -86,12 +86,15 @@ def lay_out_aged(aged: Aged) -> KindPage:
     drawn = part is not None and has_arrhenius_line(aging)
     lives = list_lives(aging, part) if drawn and part is not None else ()
     return KindPage(
-        about="compression stress relaxation",
-        strip=(("Temperature of use", format_temperature(aged.temperature)), *_format_strip(aging)),
-        lights=lights(aged.checks, Topic("Readings"), _OVENS, _CHEMISTRY, _REACH),
-        answers="How long it seals" if drawn else "What is left of the force",
+        subject="compression stress relaxation",
+        summary_line=(
+            ("Temperature of use", format_temperature(aged.temperature)),
+            *_format_strip(aging),
+        ),
+        indicators=make_indicators(aged.checks, Topic("Readings"), _OVENS, _CHEMISTRY, _REACH),
+        figure_title="How long it seals" if drawn else "What is left of the force",
         picture=draw_life(aged),
-        told=f"At {format_temperature(aged.temperature)}",
+        table_title=f"At {format_temperature(aged.temperature)}",
         groups=(
             group("", [_read_in_life_unit(fact) for fact in aged.facts]),
             group("The aging law", aging.facts),
@@ -133,7 +136,7 @@ def _make_life_groups(lives: tuple[Life, ...], part: float) -> tuple[Group, ...]
         )
         name = format_temperature(life.temperature)
         rows.append(Row(name, value, *((low, high) if fact.has_interval else ("", "")), unit, "",
-                        bound=False))  # fmt: skip
+                        is_limit=False))  # fmt: skip
     return (Group(f"Time until F/F0 is {100 * part:g} %", tuple(rows)),) if rows else ()
 
 

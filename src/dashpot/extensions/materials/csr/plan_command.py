@@ -150,7 +150,7 @@ def format_plan(plan: AgingPlan) -> Text:
             *facts(plan.facts),
             f"  interval    a factor of {factor}; wanted {_format_factor(plan.target_sd)}",
             assumption,
-            *table(alternatives, left=True),
+            *table(alternatives, align_left=True),
         ]
     )
 

@@ -93,7 +93,10 @@ def read_csr(
         named = counterforce(opened.table, opened.options)
         if named is None:
             channels.expect(
-                opened, ["csr"], "compression stress relaxation is", named=("time", "force")
+                opened,
+                ["csr"],
+                "compression stress relaxation is",
+                stated_columns=("time", "force"),
             )
         file = replace(opened, options=named or opened.options)
         warm = file.column("temperature")

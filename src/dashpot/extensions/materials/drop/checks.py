@@ -79,7 +79,7 @@ def specimen_length_given(*, provided: bool) -> Finding:
     grade="stop",
 )
 def loss_determined(relative: float, frequency: float) -> Finding:
-    """The impact tests determine the loss factor."""
+    """The drop tests determine the loss factor."""
     name = f"known to {100 * relative:.2g} %" if relative < 10 else "not known"
     return Finding(
         f"The loss factor at {frequency:.3g} Hz is {name}",
@@ -191,7 +191,7 @@ def impacts_separated(rest: float | None) -> Finding:
 def impact_mass_agrees(ratio: float | None) -> Finding:
     """Force and acceleration agree with the stated mass."""
     if ratio is None:
-        return Finding("Force or acceleration alone was recorded, so the mass is not judged")
+        return Finding("Force or acceleration alone was recorded, so the mass is not checked")
     return Finding(
         f"The impulse by the force is {ratio:.4g} times that by mass and acceleration",
         abs(ratio - 1),

@@ -27,13 +27,13 @@ class ElasticLawPrior(EqualByValue):
 
     Attributes
     ----------
-    known : ElasticLaw or None
+    law : ElasticLaw or None
         None where the law is fitted alone.
     precision : array, shape (m, 3)
         Rows whose products with c, N/m, N/m^2 and N/m^3, are normal of standard deviation 1.
     """
 
-    known: ElasticLaw | None
+    law: ElasticLaw | None
     precision: FloatArray
 
     @classmethod
@@ -62,7 +62,7 @@ class ElasticLawPrior(EqualByValue):
         """Return the relaxed force, N, at compressions, m, shape (n,), by rows of c, (n, 3)."""
         x = np.maximum(x, 0.0)  # after release the mass flies on
         values = x * (c[..., 0] + x * (c[..., 1] + x * c[..., 2]))
-        return values if self.known is None else np.asarray(values + self.known.force(x))
+        return values if self.law is None else np.asarray(values + self.law.force(x))
 
     def piecewise(self, c: FloatArray, depth: float) -> ElasticLaw:
         """Return the elastic law on knots to a depth, m."""
@@ -75,8 +75,8 @@ class ElasticLawPrior(EqualByValue):
         """Return knots, m, the tangents there over the secant, and the secant at the depth, N/m."""
         knots = np.linspace(0.0, depth, _KNOT_COUNT)
         slope = (POWERS * knots[:, None] ** (POWERS - 1)) @ c
-        if self.known is not None:
-            slope = slope + self.known.tangent(knots)
+        if self.law is not None:
+            slope = slope + self.law.tangent(knots)
         slope = np.maximum(slope, 0.0)
         secant = float(np.trapezoid(slope, knots)) / depth
         return knots, slope / max(secant, 1e-300), secant

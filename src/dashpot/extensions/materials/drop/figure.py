@@ -7,7 +7,7 @@ import numpy as np
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.materials.drop.datamodel import DropFit
 from dashpot.extensions.materials.drop.prediction import DropPrediction
-from dashpot.plot.picture import BENEATH, FIT, PREDICTED, UPON, Line, Panel, Picture, Scale
+from dashpot.plot.picture import DATA_ON_FIT, FIT, FIT_BAND, PREDICTED, Line, Panel, Picture, Scale
 from dashpot.plot.plotted_data import stamp as format_stamp
 
 _MOST = 6
@@ -28,8 +28,8 @@ def draw_drop_fit(drop_fit: DropFit, *, stamp: str = "") -> Picture:
         ms = convert_to_unit(hit.time, "ms")
         top = 1.08 * float(hit.measured.max())
         marks = (
-            Line(ms, hit.modelled, BENEATH, "fitted"),
-            Line(ms, hit.measured, UPON, "measured"),
+            Line(ms, hit.modelled, FIT_BAND, "fitted"),
+            Line(ms, hit.measured, DATA_ON_FIT, "measured"),
         )
         across = Scale("time from the touch, ms", (float(ms[0]), float(ms[-1])))
         title = f"{hit.speed.value:.3g} m/s"

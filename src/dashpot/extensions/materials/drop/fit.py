@@ -258,7 +258,7 @@ class _FittedImpacts:
 
     def _run_checks(self) -> tuple[Check, ...]:
         """Return every check."""
-        problem, impacts, elastic_law = self.problem, self.impacts, self.problem.law.known
+        problem, impacts, elastic_law = self.problem, self.impacts, self.problem.law.law
         value, sd = float(self.loss_factor.values[0]), float(self.loss_factor.standard_error[0])
         sizes = np.cumsum([len(impact.time) for impact in problem.impacts])[:-1]
         residuals = np.split(self.estimate.optimum.residual, sizes)

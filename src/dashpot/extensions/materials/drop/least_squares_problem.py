@@ -357,7 +357,7 @@ class DropProblem:
             if self.relaxation.free
             else np.zeros(0)
         )
-        law_parameters = np.zeros(len(POWERS)) if self.law.known else self._estimate_cubic_law()
+        law_parameters = np.zeros(len(POWERS)) if self.law.law else self._estimate_cubic_law()
         return [
             np.concatenate(
                 (

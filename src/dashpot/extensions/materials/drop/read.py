@@ -34,7 +34,7 @@ def read_drop_test(
     with channels.open_file(path, options) as file:
         channels.expect(
             file, ["drop"], "a mass dropped on a specimen is",
-            named=("force", "acceleration"),
+            stated_columns=("force", "acceleration"),
         )  # fmt: skip
         wanted = [
             assignment

@@ -10,14 +10,14 @@ from dashpot.base.errors import ReadError
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
-from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindAsked
+from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindOption
 from dashpot.registry import KINDS, load_object
 
 
 def fit_stress_strain(
     records: list[Any],
     *,
-    model: ElasticKindAsked = "auto",
+    model: ElasticKindOption = "auto",
     terms: int | Literal["auto"] = "auto",
     poisson: float | None = None,
     relaxation: Fit | None = None,
@@ -42,7 +42,7 @@ def fit_stress_strain(
 
 
 def read_stress_strain_record(
-    path: str | Path, given: dict[str, Any], how: Mapping[str, Any]
+    path: str | Path, options: dict[str, Any], how: Mapping[str, Any]
 ) -> Any:
     """Read a test of stress over strain."""
     from dashpot.extensions.materials.options import MODES
@@ -51,4 +51,4 @@ def read_stress_strain_record(
     if word not in MODES:
         raise ReadError(f"test='{word}': expected one of {', '.join(MODES)}")
     read_it = load_object(KINDS["stress-strain"].reader)
-    return read_it(path, MODES[word].mode, pressed=MODES[word].pressed, **given)
+    return read_it(path, MODES[word].mode, pressed=MODES[word].pressed, **options)

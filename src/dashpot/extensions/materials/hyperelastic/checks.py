@@ -439,9 +439,9 @@ def files_agree(difference: float | None) -> Finding:
 
 
 @criterion("part of the energy", "<=", 0.1, "our choice: beyond it loading is not the elastic law")
-def loading_reversible(lost: float | None, *, removed: bool) -> Finding:
+def loading_reversible(loss_fraction: float | None, *, removed: bool) -> Finding:
     """Unloading returns most of the energy of loading."""
-    if lost is None:
+    if loss_fraction is None:
         return Finding("No unloading shows how much of the stress is elastic")
     why = (
         "The relaxation test is of another material, or there is friction or softening"
@@ -449,7 +449,9 @@ def loading_reversible(lost: float | None, *, removed: bool) -> Finding:
         else "The loading contains relaxation or softening"
     )
     advice = Remedy("Give a relaxation test, or test slowly.", "relaxation")
-    return Finding(f"A cycle loses {100 * lost:.2g} % of its energy", lost, why, advice)
+    return Finding(
+        f"A cycle loses {100 * loss_fraction:.2g} % of its energy", loss_fraction, why, advice
+    )
 
 
 @criterion("1 - last loading / first", "|x| <=", 0.05, "our choice; L. Mullins, 1948")

@@ -20,7 +20,7 @@ from dashpot.extensions.materials.hyperelastic.datamodel import (
     Span,
     StressStrainTest,
 )
-from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKind, ElasticKindAsked
+from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKind, ElasticKindOption
 from dashpot.extensions.materials.hyperelastic.law_least_squares import (
     EXACT,
     HyperelasticOptimum,
@@ -51,7 +51,7 @@ _WORTH = 0.95
 def fit_hyperelastic(
     tests: Sequence[StressStrainTest],
     *,
-    law: ElasticKindAsked = "auto",
+    law: ElasticKindOption = "auto",
     terms: int | Literal["auto"] = "auto",
     poisson: float | None = None,
     relaxation: GeneralizedMaxwell | None = None,
@@ -173,7 +173,7 @@ def _power_laws(
 
 def _refuse(
     curves: Sequence[ElasticCurve],
-    law: ElasticKindAsked,
+    law: ElasticKindOption,
     terms: int | Literal["auto"],
     poisson: float | None,
     *,
@@ -204,7 +204,7 @@ def _refuse(
 def _chosen(
     tried: Sequence[HyperelasticOptimum],
     scores: dict[str, float],
-    law: ElasticKindAsked,
+    law: ElasticKindOption,
     reach: dict[Mode, Span],
 ) -> HyperelasticOptimum:
     named = [optimum for optimum in tried if law in {"auto", optimum.law.kind}]
@@ -216,7 +216,7 @@ def _chosen(
 
 
 def _sideways(
-    tests: Sequence[StressStrainTest], law: ElasticKindAsked, poisson: float | None
+    tests: Sequence[StressStrainTest], law: ElasticKindOption, poisson: float | None
 ) -> tuple[float | None, bool]:
     """Return Poisson's ratio by lateral strain, if measured, and whether a foam is fitted."""
     shown = [test.poisson for test in tests if test.poisson is not None]

@@ -10,7 +10,7 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit, Span
 from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
-from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindAsked
+from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindOption
 from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
 from dashpot.extensions.materials.options import MODES, Measures
 from dashpot.extensions.materials.relaxation_model import normalise_relaxation
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 def hyperelastic_files(
     files: Mapping[str, Sequence[str | Path]],
     *,
-    law: ElasticKindAsked = "auto",
+    law: ElasticKindOption = "auto",
     terms: int | Literal["auto"] = "auto",
     poisson: float | None = None,
     relaxation: Fit | None = None,

@@ -9,7 +9,7 @@ from dashpot.cli._command_files import format_command
 from dashpot.cli._command_result import CommandResult
 from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.materials.hyperelastic.fit_files import hyperelastic_files
-from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindAsked
+from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindOption
 
 
 def run(request: FitRequest) -> CommandResult:
@@ -21,7 +21,7 @@ def run(request: FitRequest) -> CommandResult:
     hyperelastic_fit = hyperelastic_files(
         _group_files_by_mode(request),
         relaxation=workflow.read_fit(relaxation[0]) if relaxation else None,
-        law=request.model(ElasticKindAsked),
+        law=request.model(ElasticKindOption),
         terms=request["terms"] or "auto",
         specimen=request.specimen,
         options=request.reading,

@@ -5,4 +5,4 @@ from __future__ import annotations
 from typing import Literal, TypeAlias
 
 ElasticKind: TypeAlias = Literal["neo-hooke", "mooney-rivlin", "yeoh", "ogden", "hyperfoam"]
-ElasticKindAsked: TypeAlias = Literal["auto", ElasticKind]
+ElasticKindOption: TypeAlias = Literal["auto", ElasticKind]

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from dashpot.base.errors import ExportError
 from dashpot.base.units import Quantity, convert_to_si, format_quantity
 from dashpot.base.version import byline
-from dashpot.export import refuse_untaken
+from dashpot.export import refuse_unused_options
 from dashpot.export.deck import NOT_VERIFIED, DeckText
 from dashpot.export.deck_validation import list_allowed_problems
 from dashpot.export.unit_systems import (
@@ -163,7 +163,7 @@ def export_law(
     **choices: Any,
 ) -> DeckText:
     """Return the material card of a hyperelastic law with what `dashpot export` asks for."""
-    refuse_untaken(target, hyperelastic_card, choices, outside=False)
+    refuse_unused_options(target, hyperelastic_card, choices, outside=False)
     if seals != 1 or compression is not None:
         raise ExportError("a material card takes no --seals and no --compression")
     return hyperelastic_card(target, fit, temperature=temperature, **choices)

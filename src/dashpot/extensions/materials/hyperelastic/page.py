@@ -7,7 +7,7 @@ from dashpot.base.units import format_quantity
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
 from dashpot.extensions.materials.law_ranking import make_law_ranking
 from dashpot.report.page_frame import DeckTerms
-from dashpot.report.result_page import CollapsibleSection, KindPage, Topic, group, lights
+from dashpot.report.result_page import CollapsibleSection, KindPage, Topic, group, make_indicators
 from dashpot.report.tables import TextTable
 
 
@@ -35,21 +35,21 @@ def page(hyperelastic_fit: HyperelasticFit) -> KindPage:
     )  # fmt: skip
     warm = hyperelastic_fit.temperature
     return KindPage(
-        about=f"stress over strain, {format_count(len(hyperelastic_fit.curves), 'curve')}",
-        strip=(
+        subject=f"stress over strain, {format_count(len(hyperelastic_fit.curves), 'curve')}",
+        summary_line=(
             ("Law", hyperelastic_fit.law.kind),
             ("Curves", ", ".join(curve.mode for curve in hyperelastic_fit.curves)),
             ("Temperature", "not given" if warm is None else format_quantity(warm, "°C", ".1f")),
         ),
-        lights=lights(
+        indicators=make_indicators(
             hyperelastic_fit.checks,
             Topic("Curves"),
             Topic("Law", law, remainder),
             Topic("Use", use, "stable where used"),
         ),
-        answers="Stress over stretch",
+        figure_title="Stress over stretch",
         picture=hyperelastic_fit.plot(),
-        told=f"The {hyperelastic_fit.law.kind} law",
+        table_title=f"The {hyperelastic_fit.law.kind} law",
         groups=(group("", hyperelastic_fit.found),),
         sources=hyperelastic_fit.sources,
         folds=(

@@ -27,7 +27,7 @@ class _LoadingRows(NamedTuple):
     """Rows of the chosen loading, with its loss and softening."""
 
     rows: IndexArray
-    lost: float | None
+    loss_fraction: float | None
     softer: float | None
 
 
@@ -59,7 +59,8 @@ def elastic_curve(
     x, y = _means(test.stretch[rows], stress[rows])
     took = None if test.time is None else float(np.ptp(test.time[rows]))
     return ElasticCurve(
-        test.mode, x, y, len(rows), chosen.lost, chosen.softer, took, test.stated, test.source
+        test.mode, x, y, len(rows), chosen.loss_fraction, chosen.softer, took, test.stated,
+        test.source
     )  # fmt: skip
 
 

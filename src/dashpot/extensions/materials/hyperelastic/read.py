@@ -185,7 +185,7 @@ def _require_stress_strain_file(file: OpenedFile, elongated: Role) -> None:
     """Refuse another kind of file, unless both columns stand there."""
     if not (file.column(elongated) and file.column("stress")):
         named = ("stress", *_ELONGATED)
-        channels.expect(file, ["stress-strain"], "stress over strain is", named=named)
+        channels.expect(file, ["stress-strain"], "stress over strain is", stated_columns=named)
 
 
 def _select_elongation_role(file: OpenedFile) -> Role:

@@ -27,7 +27,7 @@ def fit_hit(records: list[Any], *, model: ImpactLawAsked = "auto") -> Indentatio
 _INDENTER = ("mass", "radius", "radius_error", "drop_height", "impact_velocity")
 
 
-def read_hit_record(path: str | Path, given: dict[str, Any], how: Mapping[str, Any]) -> Any:
+def read_hit_record(path: str | Path, options: dict[str, Any], how: Mapping[str, Any]) -> Any:
     """Read a hit of an indenter whose mass is stated."""
     from dashpot.extensions.materials.indentation.indenter import Indenter
 
@@ -37,4 +37,4 @@ def read_hit_record(path: str | Path, given: dict[str, Any], how: Mapping[str, A
             f'Give it: dp.read("{Path(path).name}", mass="5g")'
         )
     indenter = Indenter(**{name: how[name] for name in _INDENTER if name in how})
-    return load_object(KINDS["indentation"].reader)(path, indenter=indenter, **given)
+    return load_object(KINDS["indentation"].reader)(path, indenter=indenter, **options)

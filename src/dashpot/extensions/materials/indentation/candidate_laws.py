@@ -55,7 +55,7 @@ class Law:
     exponent : float
     shape : callable
         Of the law's own numbers and the pull, without units.
-    made : callable
+    build_law : callable
         The contact of k, the unit of time and the law's own numbers.
     starts : tuple of tuple
         Values of its loss, and of its time, that are tried, each with each.
@@ -65,7 +65,7 @@ class Law:
 
     exponent: float
     shape: Callable[..., Shape]
-    made: Callable[..., ContactLaw]
+    build_law: Callable[..., ContactLaw]
     starts: tuple[tuple[float, ...], ...] = ()
     numbers: Callable[..., Sequence[float]] = lambda *own: own
 
@@ -100,7 +100,7 @@ class Law:
         """Return the contact of a fit's parameters."""
         unit, values, speed = self._read(theta)
         k = stiffness_of(self.exponent, unit=unit, mass=mass, velocity=speed)
-        return self.made(k, unit, *values)
+        return self.build_law(k, unit, *values)
 
     def collision(self, theta: FloatArray, mass: float, pull: float) -> Collision:
         """Return the motion of a fit's parameters."""
@@ -154,7 +154,9 @@ class Recorded(NamedTuple):
     stretched: FloatArray
 
 
-def simulate_sensor_signal(hit: Collision, of: Motion, since: FloatArray, step: float) -> Recorded:
+def simulate_sensor_signal(
+    hit: Collision, motion: Motion, since: FloatArray, step: float
+) -> Recorded:
     """Return what a sensor would record, positive for a push, at times since the touch, s.
 
     An acceleration is the specific force F/m, for what falls freely weighs nothing. A force that
@@ -176,8 +178,8 @@ def simulate_sensor_signal(hit: Collision, of: Motion, since: FloatArray, step: 
     push, rate = (
         values * inside for values in interpolate_cubic(F, np.gradient(F, t, edge_order=2))
     )
-    if of in {"acceleration", "force"}:
-        scale = 1.0 if of == "force" else 1 / hit.mass
+    if motion in {"acceleration", "force"}:
+        scale = 1.0 if motion == "force" else 1 / hit.mass
         value, stretched = push, -push - since * rate
         if F[0] > 0:
             lost = hit.velocity[0] + hit.pull * t - hit.velocity  # the force's integral over mass
@@ -191,7 +193,7 @@ def simulate_sensor_signal(hit: Collision, of: Motion, since: FloatArray, step: 
     before, after = np.minimum(since, 0.0), np.maximum(since - end, 0.0)
     # in flight with the speed of approach, or of release
     slowed = push / hit.mass - hit.pull
-    if of == "velocity":
+    if motion == "velocity":
         speed = interpolate_cubic(hit.velocity, hit.acceleration)[0] + hit.pull * (before + after)
         return Recorded(-speed, slowed, -since * slowed)
     way, speed = interpolate_cubic(hit.displacement, hit.velocity)

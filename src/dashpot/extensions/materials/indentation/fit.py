@@ -91,7 +91,7 @@ class _NearHit:
     contact: ContactInterval
     time: FloatArray
     signal: FloatArray
-    kept: BoolArray
+    used: BoolArray
     clipped: int
     mass: float
     fixed: FloatArray
@@ -99,7 +99,7 @@ class _NearHit:
 
     def sample_collision(self, hit: Collision, touch: float) -> Recorded:
         whole = simulate_sensor_signal(hit, self.test.of, self.time - touch, self.test.step)
-        return Recorded(*(values[self.kept] for values in whole))
+        return Recorded(*(values[self.used] for values in whole))
 
     def simulate_collision(self, law: Law, theta: FloatArray) -> Collision:
         return law.collision(theta, self.mass, self.test.indenter.pull)
@@ -131,7 +131,7 @@ class _NearHit:
             return J
 
         return Rows(
-            np.append(self.signal[self.kept] - value, none),
+            np.append(self.signal[self.used] - value, none),
             np.concatenate((self.fixed, np.diag(self.prior))),
             slope,
         )
@@ -222,7 +222,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     others = [(item.name, _make_contact_facts(window, item)) for item in near]
     fitted = IndentationFit(
         best.name, best.contact, facts, tuple((item.name, scores[item.name]) for item in tried),
-        test.indenter, test.of, window.time[window.kept] - touch, best.model + best.residual,
+        test.indenter, test.of, window.time[window.used] - touch, best.model + best.residual,
         best.model, noise, remainder / size, touch, best.hit.duration, (), test.source,
     )  # fmt: skip
     checked_checks = checks.run_checks(
@@ -267,9 +267,9 @@ def _window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
     return _NearHit(test, contact, time, signal, mask, clipped, mass, columns[mask], prior)
 
 
-def _detect_clipped_samples(signal: FloatArray, of: str) -> BoolArray:
+def _detect_clipped_samples(signal: FloatArray, signal_name: str) -> BoolArray:
     """Return the number of samples at the limit of the sensor, equal and largest in a row."""
-    if of in {"velocity", "displacement"}:
+    if signal_name in {"velocity", "displacement"}:
         return np.zeros(len(signal), dtype=bool)
     at = np.flatnonzero(signal >= signal.max() - 1e-9 * float(np.ptp(signal)))
     clipped = np.zeros(len(signal), dtype=bool)
@@ -352,7 +352,7 @@ def _estimate_law_errors(
     uncertainty = estimate(best, noises=[noise], prior_variance=float(noise.autocovariance[0]))
     if hit.force[0] > 0 and window.test.of in {"acceleration", "force"}:
         # how a recorder takes a jump is not known: the touch lies between two samples
-        at = int(np.argmin(np.abs(window.time[window.kept] - float(best.theta[-1]))))
+        at = int(np.argmin(np.abs(window.time[window.used] - float(best.theta[-1]))))
         change = np.zeros(len(best.all_residuals))
         change[at] = _AT_TOUCH * window.test.step * seen.rate[at]
         uncertainty = uncertainty.add_parameter_error(estimate_parameter_shift(uncertainty, change))
@@ -365,7 +365,7 @@ def _rounding(model: FloatArray) -> float:
 
 
 def _select_contact_samples(window: _NearHit, optimum: _LawOptimum) -> BoolArray:
-    since = window.time[window.kept] - optimum.touch
+    since = window.time[window.used] - optimum.touch
     return np.asarray((since >= 0) & (since <= optimum.hit.duration))
 
 

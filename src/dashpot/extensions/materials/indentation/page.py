@@ -5,7 +5,7 @@ from __future__ import annotations
 from dashpot.base.number_format import duration, format_with_error, round_to_error
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
 from dashpot.extensions.materials.law_ranking import make_law_ranking
-from dashpot.report.result_page import KindPage, Topic, group, lights, sources_behind
+from dashpot.report.result_page import KindPage, Topic, group, make_indicators, sources_behind
 
 
 def page(indentation_fit: IndentationFit) -> KindPage:
@@ -13,8 +13,8 @@ def page(indentation_fit: IndentationFit) -> KindPage:
     law = {"law_residual_small", "parameters_determined", "laws_agree", "indentation_shallow"}
     remainder = f"{round_to_error(100 * indentation_fit.residual, digits=2)} % left"
     return KindPage(
-        about="contact of an indenter",
-        strip=(
+        subject="contact of an indenter",
+        summary_line=(
             ("Law", indentation_fit.law),
             ("Recorded", indentation_fit.of),
             ("Contact", duration(indentation_fit.duration)),
@@ -25,10 +25,12 @@ def page(indentation_fit: IndentationFit) -> KindPage:
                 else format_with_error(indentation_fit.indenter.mass, "g"),
             ),
         ),
-        lights=lights(indentation_fit.checks, Topic("Record"), Topic("Law", law, remainder)),
-        answers="The contact, recorded and fitted",
+        indicators=make_indicators(
+            indentation_fit.checks, Topic("Record"), Topic("Law", law, remainder)
+        ),
+        figure_title="The contact, recorded and fitted",
         picture=indentation_fit.plot(),
-        told=f"The {indentation_fit.law} law",
+        table_title=f"The {indentation_fit.law} law",
         groups=(group("", indentation_fit.found),),
         sources=sources_behind(indentation_fit),
         folds=(make_law_ranking(indentation_fit.orders),),

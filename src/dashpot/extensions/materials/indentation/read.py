@@ -40,9 +40,9 @@ def read_indentation(
     """
     with channels.open_file(path, options) as file:
         assignment, noted = channels.find_optional_column(file, "force")
-        # an acceleration beside a force is a hammer's, unless the file speaks of an indenter
+        # an acceleration beside a force is a hammer's, unless the file concerns an indenter
         kinds: list[FileKind] = ["indentation"] if assignment else ["indentation", "impact"]
-        channels.expect(file, kinds, "the motion of an indenter is", named=_NAMED)
+        channels.expect(file, kinds, "the motion of an indenter is", stated_columns=_NAMED)
         motion, of = _motion(file)
         forces = (
             [assignment]

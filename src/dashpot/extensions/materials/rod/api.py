@@ -7,7 +7,7 @@ from typing import Any
 
 from dashpot.api.fit import Arms, frf_of, shape_words
 from dashpot.base.errors import FitError
-from dashpot.base.option_fields import FamilyAsked
+from dashpot.base.option_fields import FamilyOption
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.options import RodChoices
@@ -22,7 +22,7 @@ def fit_rod(
     density: Quantity | None = None,
     shape: str | Disc | Block | None = None,
     arms: Arms = "auto",
-    model: FamilyAsked = "maxwell",
+    model: FamilyOption = "maxwell",
     band: Range | None = None,
     lubricated: bool = False,
     mass_sd: Quantity | None = None,

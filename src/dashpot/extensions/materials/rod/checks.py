@@ -87,7 +87,7 @@ def sensors_agree(gain: float | None, phase: float, *, values: tuple[float, floa
 def waves_plane(bulging: float | None, frequency: float) -> Finding:
     """The waves are long relative to the section, so that it moves as one."""
     if bulging is None:
-        return Finding("No line is usable, so the waves are not judged")
+        return Finding("No line is usable, so the waves are not checked")
     return Finding(
         f"At {frequency:.4g} Hz the bulging of the rod lowers the modulus by {100 * bulging:.2g} %",
         bulging,

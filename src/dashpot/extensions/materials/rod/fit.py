@@ -19,7 +19,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import FitError
-from dashpot.base.option_fields import FamilyAsked
+from dashpot.base.option_fields import FamilyOption
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.rod.checks import ROD_LINES
@@ -36,7 +36,7 @@ def fit_rod(
     rod_modulus: RodModulus,
     *,
     arms: int | Literal["auto"] = "auto",
-    family: FamilyAsked = "maxwell",
+    family: FamilyOption = "maxwell",
     specimen: Specimen | None = None,
 ) -> Fit:
     """Fit a viscoelastic model to the usable band of a rod's modulus, Pa.

@@ -12,7 +12,7 @@ from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError, FitError
-from dashpot.base.option_fields import FamilyAsked
+from dashpot.base.option_fields import FamilyOption
 from dashpot.base.provenance import Step
 from dashpot.base.result_mixins import HasVerdict, Series, collect_arrays
 from dashpot.base.serialisation import Key, Serialisable, to_plain_value
@@ -171,7 +171,7 @@ def rod_under(
     density: float,
     rod: RodChoices,
     arms: int | Literal["auto"] = "auto",
-    family: FamilyAsked = "maxwell",
+    family: FamilyOption = "maxwell",
     band: tuple[float, float] | None = None,
     mass_sd: float | None = None,
     poisson: float | None = None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from dashpot.base.errors import ReadError
-from dashpot.base.option_fields import FamilyAsked
+from dashpot.base.option_fields import FamilyOption
 from dashpot.cli._command_files import format_command, grams
 from dashpot.cli._command_result import CommandResult
 from dashpot.cli.fit_handlers import FitRequest
@@ -30,7 +30,7 @@ def run(request: FitRequest) -> CommandResult:
     rod = rod_files(
         request.files,
         mass=request.mass,
-        family=request.model(FamilyAsked, "maxwell"),
+        family=request.model(FamilyOption, "maxwell"),
         specimen=request.specimen,
         options=request.reading,
         mass_sd=request["rig"].mass_sd,

@@ -8,7 +8,7 @@ from dashpot.base.number_format import format_with_error, round_to_error
 from dashpot.base.reported_values import ReportedValue
 from dashpot.extensions.materials.rod.fit_files import Rod
 from dashpot.report.first_screen import NBSP
-from dashpot.report.result_page import Group, KindPage, Topic, lights, row
+from dashpot.report.result_page import Group, KindPage, Topic, make_indicators, row
 from dashpot.report.solid_and_frf_pages import OF_LOSS, OF_REST, make_solid_groups
 
 
@@ -54,17 +54,19 @@ def page(rod: Rod) -> KindPage:
             if group.title.startswith(("Arms", "Modulus"))
         ]
     return KindPage(
-        about="rod under a mass",
-        strip=(
+        subject="rod under a mass",
+        summary_line=(
             ("Mass", format_with_error(rod.mass, "g", digits=4)),
             ("Rod", format_with_error(rod.own_mass, "g")),
             ("Ends", "bonded" if rod.bonded else "sliding"),
             ("Known to 10 %", f"{low:.3g} to {high:.3g} Hz" if usable else "nowhere"),
         ),
-        lights=lights(rod.checks, Topic("Record"), modulus, Topic("Model", model_checks)),
-        answers="The modulus of the material",
+        indicators=make_indicators(
+            rod.checks, Topic("Record"), modulus, Topic("Model", model_checks)
+        ),
+        figure_title="The modulus of the material",
         picture=rod.plot(),
-        told="The material",
+        table_title="The material",
         groups=tuple(groups),
         note="From and to: 95 %, of all errors of the test together.",
         sources=tuple(dict.fromkeys(rod.frf.source)),

@@ -10,7 +10,7 @@ Either is inverted line by line for the complex :math:`w = z^2`, by Newton's met
 the resonance, where a spring with a third of the rod's mass is near, outwards; so the root is the
 one that continues it. E* is that of the rod: bonded between plates a short cylinder is stiffer than
 its material, :func:`~dashpot.solids.part_geometry.bonded_cylinder`, which is taken off. A phase
-between the sensors looks like loss, and no law of physics tells the two apart; but far below the
+between the sensors looks like loss, and no law of physics distinguishes the two; but far below the
 resonance both sensors see one motion. What gain and phase they show there is taken out.
 Source: V. M. Kulik et al., Exp. Mech. (2009) (base excitation, two accelerometers).
 """
@@ -131,7 +131,7 @@ class _Setup:
 
     part: Disc | Block
     ratio: float
-    own: float
+    rod_mass: float
     density: float
     bonded: bool
 
@@ -189,7 +189,7 @@ def _invert_lines(
     """Return E* line by line, with its errors, usable lines and checks."""
     part, ratio, density, over_base = rod.part, rod.ratio, rod.density, measured.quantity.over_base
     omega = 2 * np.pi * measured.frequency
-    y = 1 / measured.value if over_base else measured.value / (rod.own * omega**2)
+    y = 1 / measured.value if over_base else measured.value / (rod.rod_mass * omega**2)
     equation = _base if over_base else _force
     w = _solve_line_roots(equation, y, omega, ratio)
     finite = np.isfinite(w)

@@ -125,11 +125,11 @@ def _read_material(name: str, keywords: Sequence[Keyword], zero: float | None) -
 
 
 def _read_elasticity(
-    name: str, found: dict[str, Keyword]
+    name: str, keywords: dict[str, Keyword]
 ) -> tuple[float | None, float, bool, list[str]]:
     """Return Young's modulus, Poisson's ratio, whether it is the relaxed one, and notes."""
     for word in ("ELASTIC", "HYPERELASTIC", "HYPERFOAM"):
-        keyword = found.get(word)
+        keyword = keywords.get(word)
         if keyword is None:
             continue
         where = f"*{word} of {name}"

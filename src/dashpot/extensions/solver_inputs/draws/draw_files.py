@@ -17,7 +17,7 @@ from dashpot.base.serialisation import Serialisable
 from dashpot.cli._command_result import CommandResult, claim_outputs, write_output
 from dashpot.cli._terminal import to_stderr
 from dashpot.datamodel.fit import Fit
-from dashpot.export import deck_for, reads
+from dashpot.export import deck_for, uses_argument
 from dashpot.export.unit_systems import UnitSystem, text, unit_system
 from dashpot.extensions.solver_inputs.draws.checks import unresolved_arm_drawn
 from dashpot.extensions.solver_inputs.draws.drawn_solids import (
@@ -107,7 +107,7 @@ def export_draws(
     if mass is None:
         raise ExportError("--draws needs the mass on the seals, whose peak the index lists: --mass")
     own = {name: value for name, value in choices.items() if name not in OWN}
-    if not reads(target, "mass"):
+    if not uses_argument(target, "mass"):
         del own["mass"]
     count, seed = choices["draws"], choices["seed"] or 0
     path = Path(output)

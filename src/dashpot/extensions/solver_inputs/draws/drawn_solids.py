@@ -214,14 +214,14 @@ class _Sensitivities:
             part *= min(0.9, float(np.sqrt(self.limit / deviance)))
         return DrawnSolid(number, whole, UnresolvedArm(part * k, tau), deviance)
 
-    def _compute_deviance(self, fitted: GeneralizedMaxwell, drawn: GeneralizedMaxwell) -> float:
-        log_tau = np.log([*fitted.tau, *drawn.tau])
+    def _compute_deviance(self, fitted: GeneralizedMaxwell, model: GeneralizedMaxwell) -> float:
+        log_tau = np.log([*fitted.tau, *model.tau])
         total = 0.0
         for data in self.data:
             rows = data.rows(log_tau, slopes=False)
             for sign, solid, at in (
                 (-1, fitted, slice(fitted.arms)),
-                (1, drawn, slice(fitted.arms, None)),
+                (1, model, slice(fitted.arms, None)),
             ):
                 left = (
                     rows.target

@@ -23,12 +23,12 @@ class Variable:
     reference : int
         Its value reference.
     causality, variability, initial : str
-    start, least : float, optional
-        Its value at first, and the least that it may have.
+    start, minimum : float, optional
+        Initial value, and smallest permitted value.
     derivative_of : int, optional
         Value reference of the state whose derivative it is.
     depends_on : tuple of int
-        Value references that it follows from, of an output or a derivative.
+        Value references of the variables that an output or a derivative depends on.
     """
 
     name: str
@@ -39,14 +39,14 @@ class Variable:
     variability: str = "continuous"
     initial: str = ""
     start: float | None = None
-    least: float | None = None
+    minimum: float | None = None
     derivative_of: int | None = None
     depends_on: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
 class ModelDescription:
-    """All that modelDescription.xml says.
+    """Contents of modelDescription.xml.
 
     Attributes
     ----------
@@ -64,19 +64,21 @@ class ModelDescription:
     @property
     def outputs(self) -> list[Variable]:
         """Variables that are read after a step."""
-        return [each for each in self.variables if each.causality == "output"]
+        return [variable for variable in self.variables if variable.causality == "output"]
 
     @property
     def derivatives(self) -> list[Variable]:
-        """Derivatives of the states, in the order of these."""
-        found = [each for each in self.variables if each.derivative_of is not None]
-        return [each for each in found if each.reference != RATE]
+        """Derivatives of the states, in the order of the states."""
+        all_derivatives = [
+            variable for variable in self.variables if variable.derivative_of is not None
+        ]
+        return [variable for variable in all_derivatives if variable.reference != RATE]
 
     @property
     def initial_unknowns(self) -> list[Variable]:
-        """What is computed at the start."""
-        wanted = {each.reference: each for each in (*self.outputs, *self.derivatives)}
-        return [each for each in wanted.values() if each.initial == "calculated"]
+        """Variables that are computed at the start."""
+        unknowns = {variable.reference: variable for variable in (*self.outputs, *self.derivatives)}
+        return [variable for variable in unknowns.values() if variable.initial == "calculated"]
 
     def format_xml(self, form: str, token: str) -> str:
         """Return the file of a form, ``"fmi2"`` or ``"fmi3"``; `token` ties it to its binary."""
@@ -90,41 +92,42 @@ class ModelDescription:
             numberOfEventIndicators="0",
         )  # fmt: skip
         yield f"<fmiModelDescription{head}>"
-        able = {"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true"}
+        capabilities = {"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true"}
         for kind, more in (
             ("ModelExchange", {}),
             ("CoSimulation", {
                 "canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": "true",
             }),
         ):  # fmt: skip
-            yield f"  <{kind}{_format_attributes(modelIdentifier=self.identifier, **more, **able)}>"
+            attributes = _format_attributes(modelIdentifier=self.identifier, **more, **capabilities)
+            yield f"  <{kind}{attributes}>"
             yield '    <SourceFiles><File name="fmi2.c"/></SourceFiles>'
             yield f"  </{kind}>"
         yield from self._units("Unit")
         yield "  <ModelVariables>"
-        place = {each.reference: str(i) for i, each in enumerate(self.variables, start=1)}
-        for each in self.variables:
-            start = None if each.start is None else repr(each.start)
-            of = None if each.derivative_of is None else place[each.derivative_of]
-            least = None if each.least is None else repr(each.least)
-            yield f"    <ScalarVariable{_format_attributes(**_common(each))}>"
-            numbers = _format_attributes(unit=each.unit, derivative=of, min=least, start=start)
+        place = {variable.reference: str(i) for i, variable in enumerate(self.variables, start=1)}
+        for variable in self.variables:
+            start = None if variable.start is None else repr(variable.start)
+            of = None if variable.derivative_of is None else place[variable.derivative_of]
+            least = None if variable.minimum is None else repr(variable.minimum)
+            yield f"    <ScalarVariable{_format_attributes(**_common(variable))}>"
+            numbers = _format_attributes(unit=variable.unit, derivative=of, min=least, start=start)
             yield f"      <Real{numbers}/>"
             yield "    </ScalarVariable>"
         yield "  </ModelVariables>"
         yield "  <ModelStructure>"
-        for group, those in (
+        for group, variables in (
             ("Outputs", self.outputs), ("Derivatives", self.derivatives),
             ("InitialUnknowns", self.initial_unknowns),
         ):  # fmt: skip
-            if not those:
+            if not variables:
                 continue
             yield f"    <{group}>"
-            for each in those:
-                unknown = {"index": place[each.reference]}
+            for variable in variables:
+                unknown = {"index": place[variable.reference]}
                 if group != "InitialUnknowns":
                     unknown["dependencies"] = " ".join(
-                        sorted((place[i] for i in each.depends_on), key=int)
+                        sorted((place[i] for i in variable.depends_on), key=int)
                     )
                 yield f"      <Unknown{_format_attributes(**unknown)}/>"
             yield f"    </{group}>"
@@ -138,37 +141,37 @@ class ModelDescription:
             variableNamingConvention="structured",
         )  # fmt: skip
         yield f"<fmiModelDescription{head}>"
-        able = {"canGetAndSetFMUState": "true", "canSerializeFMUState": "true"}
+        capabilities = {"canGetAndSetFMUState": "true", "canSerializeFMUState": "true"}
         for kind, more in (
             ("ModelExchange", {}),
             ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true"}),
         ):
-            own = _format_attributes(modelIdentifier=self.identifier, **able, **more)
-            yield f"  <{kind}{own}/>"
+            attributes = _format_attributes(modelIdentifier=self.identifier, **capabilities, **more)
+            yield f"  <{kind}{attributes}/>"
         yield from self._units("Unit")
         yield "  <ModelVariables>"
-        for each in self.variables:
-            start = None if each.start is None else repr(each.start)
-            least = None if each.least is None else repr(each.least)
-            of = None if each.derivative_of is None else str(each.derivative_of)
-            numbers = {"unit": each.unit, "derivative": of, "min": least, "start": start}
-            yield f"    <Float64{_format_attributes(**_common(each), **numbers)}/>"
+        for variable in self.variables:
+            start = None if variable.start is None else repr(variable.start)
+            least = None if variable.minimum is None else repr(variable.minimum)
+            of = None if variable.derivative_of is None else str(variable.derivative_of)
+            numbers = {"unit": variable.unit, "derivative": of, "min": least, "start": start}
+            yield f"    <Float64{_format_attributes(**_common(variable), **numbers)}/>"
         yield "  </ModelVariables>"
         yield "  <ModelStructure>"
-        for kind, those in (
+        for kind, variables in (
             ("Output", self.outputs), ("ContinuousStateDerivative", self.derivatives),
             ("InitialUnknown", self.initial_unknowns),
         ):  # fmt: skip
-            for each in those:
-                unknown = {"valueReference": str(each.reference)}
+            for variable in variables:
+                unknown = {"valueReference": str(variable.reference)}
                 if kind != "InitialUnknown":
-                    unknown["dependencies"] = " ".join(map(str, sorted(each.depends_on)))
+                    unknown["dependencies"] = " ".join(map(str, sorted(variable.depends_on)))
                 yield f"    <{kind}{_format_attributes(**unknown)}/>"
         yield "  </ModelStructure>"
         yield "</fmiModelDescription>"
 
     def _units(self, tag: str) -> Iterator[str]:
-        """Every unit by its factor to SI."""
+        """Iterate over the lines of the unit definitions, each unit by its factor to SI."""
         units = self.units
         stiffness, length, force = units.force / units.length, units.length, units.force
         known: dict[str, tuple[dict[str, int], float]] = {
@@ -182,7 +185,7 @@ class ModelDescription:
             f"{units.words[3]}/{units.words[0]}": ({"kg": 1, "s": -2}, stiffness),
             f"{units.words[3]}.s/{units.words[0]}": ({"kg": 1, "s": -1}, stiffness),
         }
-        used = {each.unit for each in self.variables}
+        used = {variable.unit for variable in self.variables}
         yield "  <UnitDefinitions>"
         for name, (powers, factor) in known.items():
             if name in used:
@@ -192,11 +195,12 @@ class ModelDescription:
         yield "  </UnitDefinitions>"
 
 
-def _common(each: Variable) -> dict[str, str | None]:
+def _common(variable: Variable) -> dict[str, str | None]:
     return {
-        "name": each.name, "valueReference": str(each.reference), "causality": each.causality,
-        "variability": each.variability, "initial": each.initial or None,
-        "description": each.description,
+        "name": variable.name, "valueReference": str(variable.reference),
+        "causality": variable.causality,
+        "variability": variable.variability, "initial": variable.initial or None,
+        "description": variable.description,
     }  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from dashpot.base.number_format import hertz, round_to_error
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.systems.door.analyse_file import door_file
 from dashpot.extensions.systems.door.figure import View, frf_panel, line_panel, shape_panels
-from dashpot.extensions.systems.door.page import format_door_summary, lights_of, modes_of
+from dashpot.extensions.systems.door.page import format_door_summary, make_door_indicators, modes_of
 from dashpot.extensions.systems.door.result import DoorResult
 from dashpot.plot.picture import Picture
 from dashpot.reading.toml import parsed_toml
@@ -33,7 +33,7 @@ def describe_file(path: Path) -> dict[str, Any]:
 
 
 def page(result: DoorResult) -> KindPage:
-    """Return what the page of a door tells, in the form of the other kinds."""
+    """Return what the page of a door shows, in the form of the other kinds."""
     rows = tuple(
         Row(
             f"Mode {i}",
@@ -42,17 +42,17 @@ def page(result: DoorResult) -> KindPage:
             "",
             "Hz",
             "",
-            bound=False,
+            is_limit=False,
         )
         for i, mode in enumerate(result.modes[:8], 1)
     )
     return KindPage(
-        about=format_door_summary(result),
-        strip=(("Door", format_door_summary(result)), ("Band", hertz(result.band))),
-        lights=tuple(lights_of(result, None, result.checks, result.verdict)),
-        answers="A door",
+        subject=format_door_summary(result),
+        summary_line=(("Door", format_door_summary(result)), ("Band", hertz(result.band))),
+        indicators=tuple(make_door_indicators(result, None, result.checks, result.verdict)),
+        figure_title="A door",
         picture=result.plot(),
-        told="Modes",
+        table_title="Modes",
         groups=(Group("", rows),),
         sources=tuple(dict.fromkeys(result.sources)),
         note="",
@@ -81,7 +81,7 @@ def list_cards(result: DoorResult) -> list[AppCard]:
 
 
 def predict_open_files(
-    files: Sequence[str], home: Path, fit_test: Callable[[], Fit] | None = None
+    files: Sequence[str], folder: Path, fit_test: Callable[[], Fit] | None = None
 ) -> DoorResult:
     """Predict a door with the files that are open beside it: it names them, and none elsewhere.
 
@@ -89,7 +89,7 @@ def predict_open_files(
     ----------
     files : sequence of path
         The door's own first.
-    home : path
+    folder : path
         Where they are put together; what was there is removed.
     fit_test : callable, optional
         Fits the open relaxation test, whose fit the door may name.
@@ -105,16 +105,16 @@ def predict_open_files(
             raise ReadError(
                 f"{path.name} names a file elsewhere ({text}). Name it alone, and open it here"
             )
-    shutil.rmtree(home, ignore_errors=True)
-    home.mkdir(parents=True)
-    shutil.copy(path, home / path.name)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    shutil.copy(path, folder / path.name)
     for name, item in names.items():
-        shutil.copy(item, home / name)
+        shutil.copy(item, folder / name)
     wanted = toml.get("seal", {}).get("fit") if isinstance(toml.get("seal"), dict) else None
     if isinstance(wanted, str) and wanted not in names and fit_test is not None:
         # the door names the fit of a test that is open
-        (home / wanted).write_text(to_json(fit_test()), encoding="utf-8")
-    return door_file(home / path.name)
+        (folder / wanted).write_text(to_json(fit_test()), encoding="utf-8")
+    return door_file(folder / path.name)
 
 
 def _texts(text: Any) -> Iterator[str]:

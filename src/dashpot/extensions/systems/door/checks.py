@@ -185,12 +185,12 @@ def masses_agree(stated: float, implied: float) -> Finding:
 
 
 @criterion("unsupported directions", "<=", 0, "by definition")
-def door_supported(loose: int) -> Finding:
+def door_supported(free_motions: int) -> Finding:
     """Something supports the door in every direction in which it could move."""
     return Finding(
         "Every motion of the door is held",
-        loose,
-        failure=f"{loose} motions of the door are free, and have no natural frequency",
+        free_motions,
+        failure=f"{free_motions} motions of the door are free, and have no natural frequency",
         remedy="Check that no hinge or latch is missing, and along which directions they act.",
     )
 
@@ -260,7 +260,7 @@ def leak_speed_known(width: float, *, state: str) -> Finding:
 def seals_suffice(specimens: int | None) -> Finding:
     """The lot has enough seals to know their scatter."""
     if specimens is None:
-        return Finding("The scatter of the seals is stated, so it is not judged")
+        return Finding("The scatter of the seals is stated, so this check does not apply")
     return Finding(
         f"{specimens} seals of the lot were tested",
         float(specimens),
@@ -273,7 +273,7 @@ def seals_suffice(specimens: int | None) -> Finding:
 def scatter_exceeds_testing(between: float | None, testing: float) -> Finding:
     """The seals scatter by more than their tests."""
     if between is None:
-        return Finding("The scatter of the seals is stated, so it is not judged")
+        return Finding("The scatter of the seals is stated, so this check does not apply")
     return Finding(
         f"The seals scatter by {100 * math.sqrt(between):.2g} %, their tests by "
         f"{100 * math.sqrt(testing):.2g} %",

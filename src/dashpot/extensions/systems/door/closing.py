@@ -205,7 +205,7 @@ class _Doors:
         return {name: back.get(name, np.zeros(values.shape[1])) for name, values in work.items()}
 
     def step(self, angle: float, kinetic: FloatArray, moment: FloatArray) -> _Instants:
-        """Turn to an angle, with the moment of the step before to tell how long it takes."""
+        """Turn to an angle, with the moment of the step before to show how long it takes."""
         ends = np.array([self.angle, angle])
         turned = float(ends[0] - ends[1])
         seconds = _seconds(self.door.inertia, kinetic, moment * turned, turned)
@@ -299,7 +299,7 @@ def _compute_rebound_energy(going: _Doors, angle: FloatArray) -> float:
     for at in angle[1:].tolist():
         turned = going.angle - at
         if not kinetic[0]:
-            # as it starts, the relaxed force and what the arms still carry tell its pace
+            # as it starts, the relaxed force and what the arms still carry show its pace
             trial = copy(going.seal).step(at, np.full(1, 1e-3))
             moment = np.full(1, (trial[0][0] + trial[1][0]) / turned)
         done = going.step(at, kinetic, moment)

@@ -199,7 +199,7 @@ class ClosingAnalysis:
     minimum : float
         The least speed that closes it, m/s; 0 where it closes by itself, inf where none does.
     interval : (float, float) or None
-        Between which limits the doubt of the seal leaves that; None where it is not known.
+        Between which limits the uncertainty of the seal leaves that; None where it is not known.
     monotone : bool
         Whether every faster door that was tried closes too.
     scatter : Scatter or None
@@ -269,7 +269,7 @@ def close_door(
     line: SealLine | None = None,
     speed: Quantity = 1.0,
     *,
-    doubt: SealDoubt | None = None,
+    seal_uncertainty: SealDoubt | None = None,
     steps: int = STEPS,
 ) -> ClosingAnalysis:
     r"""Close a door against its seal.
@@ -282,7 +282,7 @@ def close_door(
         With its section and compression; by default the door's own.
     speed : str or float
         At the edge where it begins, m/s.
-    doubt : SealDoubt, optional
+    seal_uncertainty : SealDoubt, optional
         What of the seal is not known.
     steps : int
         Of the angle over which the seal is pressed.
@@ -301,8 +301,8 @@ def close_door(
     done = march(moving, np.array([v]), steps=steps)
     closing = ClosingAnalysis(moving, v, done, tuple(_shares(done)), np.inf, None, True, None)
     load, hidden = np.ones(1), np.zeros(1)
-    if doubt is not None:
-        extremes = doubt.extremes(moving.section.solid.maxwell, closing.frequency)
+    if seal_uncertainty is not None:
+        extremes = seal_uncertainty.extremes(moving.section.solid.maxwell, closing.frequency)
         load, hidden = (
             np.append(values, two) for values, two in zip((load, hidden), extremes, strict=True)
         )
@@ -312,22 +312,22 @@ def close_door(
     return replace(
         closing,
         minimum=minimum,
-        interval=None if doubt is None else (float(least[1]), float(least[2])),
+        interval=None if seal_uncertainty is None else (float(least[1]), float(least[2])),
         monotone=_faster_close(moving, minimum),
         scatter=None if variation is None else simulate_scatter(moving, variation, minimum),
     )
 
 
-def _shares(done: ClosingHistory) -> list[Share]:
-    turned = -np.diff(done.angle)
+def _shares(history: ClosingHistory) -> list[Share]:
+    turned = -np.diff(history.angle)
     return [
         Share(
             name,
             float(work[:, 0].sum()),
-            float(done.stored[name][0]),
+            float(history.stored[name][0]),
             float((work[:, 0] / turned).max()),
         )
-        for name, work in done.work.items()
+        for name, work in history.work.items()
     ]
 
 

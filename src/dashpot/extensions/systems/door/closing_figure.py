@@ -50,19 +50,21 @@ def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
     )
 
 
-def waterfall(done: ClosingAnalysis) -> Panel:
+def waterfall(closing: ClosingAnalysis) -> Panel:
     """Return what each term takes of the energy, the largest first, and what is left."""
-    rows = [("door", 0.0, done.energy)]
-    at = done.energy
-    for energy_term in sorted(done.terms, key=lambda term: -abs(term.work)):
+    rows = [("door", 0.0, closing.energy)]
+    at = closing.energy
+    for energy_term in sorted(closing.terms, key=lambda term: -abs(term.work)):
         rows.append((energy_term.name, at - energy_term.work, at))
         at -= energy_term.work
     rows.append(
-        ("left", 0.0, done.remaining_energy) if done.is_latched else ("stopped", 0.0, max(at, 0.0))
+        ("left", 0.0, closing.remaining_energy)
+        if closing.is_latched
+        else ("stopped", 0.0, max(at, 0.0))
     )
-    begins = -_NAMES * done.energy
+    begins = -_NAMES * closing.energy
     # one count of decimals down the column
-    decimals = max(2 - int(np.floor(np.log10(done.energy))), 0)
+    decimals = max(2 - int(np.floor(np.log10(closing.energy))), 0)
     marks: list[Mark] = []
     for y, (name, low, high) in zip(range(len(rows), 0, -1), rows, strict=True):
         left, right = sorted((low, high))
@@ -77,22 +79,22 @@ def waterfall(done: ClosingAnalysis) -> Panel:
         marks.append(
             Tag(right, y, f"{taken:z.{decimals}f}".replace("-", "\u2212"), "ink", end=True)
         )
-    step = max(round(done.energy / 3), 1) if done.energy > _COARSE else done.energy / 2
-    ticks = tuple(np.arange(0.0, done.energy * 1.001, step).tolist())
+    step = max(round(closing.energy / 3), 1) if closing.energy > _COARSE else closing.energy / 2
+    ticks = tuple(np.arange(0.0, closing.energy * 1.001, step).tolist())
     return Panel(
-        Scale("energy, J", (begins, _WORDS * done.energy), ticks=ticks),
+        Scale("energy, J", (begins, _WORDS * closing.energy), ticks=ticks),
         Scale("", (0.4, len(rows) + 0.6), unnumbered=True),
         tuple(marks),
         title="where the energy goes",
         height=20.0 * len(rows),
-        note="closes" if done.is_latched else "does not close",
+        note="closes" if closing.is_latched else "does not close",
     )
 
 
-def _way(done: ClosingAnalysis) -> tuple[FloatArray, float]:
+def _way(closing: ClosingAnalysis) -> tuple[FloatArray, float]:
     """Return where the edge is, mm to closed, and how far of it is drawn."""
-    way = convert_to_unit(done.door.edge * done.march.angle, "mm")
-    door = done.door
+    way = convert_to_unit(closing.door.edge * closing.march.angle, "mm")
+    door = closing.door
     angles = door.compression[door.lever > 0] / door.lever[door.lever > 0]
     most = 0.0
     if len(angles):
@@ -100,16 +102,16 @@ def _way(done: ClosingAnalysis) -> tuple[FloatArray, float]:
     return way, min(float(way[0]), most) if most > 0 else float(way[0])
 
 
-def moments_panel(done: ClosingAnalysis) -> Panel:
+def moments_panel(closing: ClosingAnalysis) -> Panel:
     """Return the moment of each term over the last of the way."""
-    way, most = _way(done)
-    middle, turned = 0.5 * (way[1:] + way[:-1]), -np.diff(done.march.angle)
-    on = np.isfinite(done.march.kinetic[1:, 0]) & (middle <= most)
+    way, most = _way(closing)
+    middle, turned = 0.5 * (way[1:] + way[:-1]), -np.diff(closing.march.angle)
+    on = np.isfinite(closing.march.kinetic[1:, 0]) & (middle <= most)
     marks: list[Mark] = [Rule(0.0, REF, across=True)]
     highest = []
     pens = [Pen(colour, 1.8) for colour in sequential(5)]
     pens += [Pen(colour, 1.8, (6, 3)) for colour in sequential(5)]
-    for pen, (name, work) in zip(pens, done.march.work.items(), strict=False):
+    for pen, (name, work) in zip(pens, closing.march.work.items(), strict=False):
         moment = (work[:, 0] / turned)[on]
         highest.append(moment)
         marks.append(Line(middle[on], moment, pen, name))
@@ -122,10 +124,10 @@ def moments_panel(done: ClosingAnalysis) -> Panel:
     )
 
 
-def speed_panel(done: ClosingAnalysis) -> Panel:
+def speed_panel(closing: ClosingAnalysis) -> Panel:
     """Return the speed of the edge over its way."""
-    way, _ = _way(done)
-    speed = done.door.edge * np.sqrt(2 * done.march.kinetic[:, 0] / done.door.inertia)
+    way, _ = _way(closing)
+    speed = closing.door.edge * np.sqrt(2 * closing.march.kinetic[:, 0] / closing.door.inertia)
     finite = np.isfinite(speed)
     marks: list[Mark] = [Line(way[finite], speed[finite], FIT)]
     return Panel(
@@ -134,24 +136,24 @@ def speed_panel(done: ClosingAnalysis) -> Panel:
         tuple(marks),
         title="speed",
         height=220,
-        note=f"{format_with_error(done.sealing, 'ms')} for the seal",
+        note=f"{format_with_error(closing.sealing, 'ms')} for the seal",
     )
 
 
-def doors_panel(done: ClosingAnalysis, scatter: Scatter, *, height: float = 220.0) -> Panel:
+def doors_panel(closing: ClosingAnalysis, scatter: Scatter, *, height: float = 220.0) -> Panel:
     """Return the least speeds of doors within their tolerances, those beyond the limit apart."""
     speed = scatter.least_speed[np.isfinite(scatter.least_speed)]
     limit, above = scatter.variation.limit, scatter.share_above_limit
     bars, top = _bars(speed, limit)
     marks: list[Mark] = [*bars]
     ends = [speed]
-    if done.interval is not None and np.isfinite(done.interval).all():
-        ends.append(np.array(done.interval))
+    if closing.interval is not None and np.isfinite(closing.interval).all():
+        ends.append(np.array(closing.interval))
         low_edge, high_edge = np.full(2, 1.06 * top), np.full(2, 1.14 * top)
         words = "nominal, as far as its seal is known"
         marks.append(Area(ends[-1], low_edge, high_edge, "fit", words, hatched=True))
     for at, pen, name, ink, level in (
-        (done.minimum, Pen("measured", 1.4), "nominal", "ink", 1.36),
+        (closing.minimum, Pen("measured", 1.4), "nominal", "ink", 1.36),
         (limit, Pen("bad", 1.4, (5, 3)), "limit", "bad-ink", 1.23),
     ):
         if at is not None and np.isfinite(at):

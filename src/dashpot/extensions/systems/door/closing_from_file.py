@@ -47,7 +47,9 @@ def close_file(
     assembly, fit = open_door(path, temperature=temperature)
     with add_file_to_errors(path):
         closing = close_door(
-            assembly.door, speed=speed, doubt=None if fit is None else SealDoubt.from_fit(fit)
+            assembly.door,
+            speed=speed,
+            seal_uncertainty=None if fit is None else SealDoubt.from_fit(fit),
         )
         return ClosingResult(assembly.door, fit, closing, tuple(_check_closing(closing, fit)))
 

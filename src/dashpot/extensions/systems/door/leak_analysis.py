@@ -18,7 +18,7 @@ from dashpot.solids.elastic import ElasticLaw
 DRAWS = 2000
 SEED = 1997
 _LEAST_SHARE = 0.02
-"""Part of a size that is left of it, however far it is drawn."""
+"""Smallest drawn value, as a fraction of the mean."""
 
 
 class Interval(NamedTuple):
@@ -30,7 +30,7 @@ class Interval(NamedTuple):
 
 
 class SectionState(NamedTuple):
-    """Seal in one state: one metre of it, its air, and what is left of its force."""
+    """Seal in one state: section of one metre, density of the air, and retained force."""
 
     state: LeakState
     section: SealSection
@@ -245,7 +245,7 @@ def _draw_split_normal(interval: Interval, z: FloatArray) -> FloatArray:
 
 
 def _draw_laws(section: SealSection, z: FloatArray) -> list[SealSection] | None:
-    """Return sections whose elastic law is moved by its standard errors; None of a straight one."""
+    """Return sections with elastic laws drawn from their errors; None for a linear law."""
     law = section.law
     if law is None or not law.ratio_se or law.kind == "linear":
         return None

@@ -9,7 +9,7 @@ from dashpot.extensions.systems.door.leak_text import describe_states
 from dashpot.plot.picture import Picture
 from dashpot.plot.plotted_data import stamp
 from dashpot.report.first_screen import NOT_GIVEN, Light
-from dashpot.report.result_page import CollapsibleSection, KindPage, Topic, group, lights
+from dashpot.report.result_page import CollapsibleSection, KindPage, Topic, group, make_indicators
 from dashpot.report.tables import TextTable, describe_rows, select_rows
 
 _CAPTION = (
@@ -27,21 +27,21 @@ def leak_page(result: LeakResult) -> KindPage:
     if setup.limit is not None:
         limit = f"{convert_to_unit(setup.limit, 'km/h'):.4g} km/h"
     return KindPage(
-        about="leak speed of the seal of a door",
-        strip=(
+        subject="leak speed of the seal of a door",
+        summary_line=(
             ("Seal line", f"{float(result.stations.length.sum()):.3g} m"),
             ("Stations", str(len(result.arc_length))),
             ("Pressure on", format_quantity(setup.lip, "mm")),
             ("Pressure coefficient", f"{setup.pressure_coefficient:g}"),
             ("Limit", limit),
         ),
-        lights=tuple(_make_lights(result)),
-        answers="Speed of the car at which the seal lifts",
+        indicators=tuple(_make_lights(result)),
+        figure_title="Speed of the car at which the seal lifts",
         picture=Picture(
             "leak", _CAPTION, ((draw_states(result),), (draw_line(result),)), 2,
             stamp(result.sources),
         ),
-        told="The first station lifts at",
+        table_title="The first station lifts at",
         groups=(group("", result.facts),),
         sources=result.sources,
         folds=(
@@ -64,7 +64,7 @@ def leak_page(result: LeakResult) -> KindPage:
 
 def _make_lights(result: LeakResult) -> list[Light]:
     leak_lights = list(
-        lights(
+        make_indicators(
             result.checks,
             Topic("Seal"),
             Topic("Leak speed", {"leak_speed_known"}, format_speed(result.states[0].least)),

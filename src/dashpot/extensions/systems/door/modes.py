@@ -21,7 +21,7 @@ _LOSSLESS = 1e-9
 _SIDEWAYS, _LOOSE = 0.1, 1e-12
 """Share of a stiffness below which a motion is free, and of the largest that is rounding."""
 _COARSE = 8
-"""Pitches between stations that tell what is free; they need not tell how stiff it is."""
+"""Pitches between stations that show what is free; they need not show how stiff it is."""
 _SAME = 0.5
 """Least similarity of a mode with seal and one without."""
 

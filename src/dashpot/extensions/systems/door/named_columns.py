@@ -15,17 +15,17 @@ from dashpot.reading.table import Column, LoadedColumns
 
 
 def read_named_columns(
-    file: OpenedFile, available: Sequence[str], *, needed: Sequence[Sequence[str]], hint: str
+    file: OpenedFile, available: Sequence[str], *, required: Sequence[Sequence[str]], hint: str
 ) -> tuple[dict[str, Column], LoadedColumns]:
     """Return each column of a known name, and their numbers in that order.
 
     Raises
     ------
     ReadError
-        If of some of the `needed` there is not one; the `hint` says what is expected.
+        If a group of `required` names has no column; the `hint` states what is expected.
     """
     names = [normalise_name(column.name) for column in file.table.columns]
-    missing = [words for words in needed if not set(words) & set(names)]
+    missing = [words for words in required if not set(words) & set(names)]
     if missing:
         raise ReadError(
             f"no column is named {join_words(missing[0], 'or')}; the columns are "

@@ -36,7 +36,13 @@ from dashpot.plot.plotted_data import stamp
 from dashpot.report.figures import RenderedFigure, render_figure
 from dashpot.report.first_screen import NBSP, Light
 from dashpot.report.page_frame import Attachment, attachment, environment
-from dashpot.report.result_page import CollapsibleSection, Topic, judgement, lights, text_of
+from dashpot.report.result_page import (
+    CollapsibleSection,
+    Topic,
+    judgement,
+    make_indicators,
+    text_of,
+)
 from dashpot.report.tables import TextTable
 
 _MODES = frozenset(
@@ -69,13 +75,13 @@ class ModeRow(NamedTuple):
 
     number: int
     frequency: str
-    bare: str
+    frequency_without_seal: str
     damping: str
     holds: tuple[Bar, ...]
-    held: str
+    seal_energy: str
     loses: tuple[Bar, ...]
-    lost: str
-    beyond: str
+    seal_loss: str
+    extrapolation: str
     marked: bool
 
 
@@ -109,7 +115,7 @@ def build_page_contents(result: DoorResult | None, closed: ClosingResult | None)
         "title": next(iter(names), "door"),
         "about": format_door_summary(results[0]),
         "beside": " ".join(sentence(result._headline) for result in results),
-        "lights": tuple(lights_of(result, closed, every, verdict)),
+        "lights": tuple(make_door_indicators(result, closed, every, verdict)),
         "figures": dict(_figures(result, closed))
         | {f"fold{i}": render_figure(fold.picture) for i, fold in enumerate(folds) if fold.picture},
         "modes": ModesTable((), (), "", 0) if result is None else modes_of(result),
@@ -140,7 +146,7 @@ def format_door_summary(result: DoorResult | ClosingResult) -> str:
     return ", ".join(sentences)
 
 
-def lights_of(
+def make_door_indicators(
     result: DoorResult | None,
     closed: ClosingResult | None,
     every: Sequence[Check],
@@ -160,7 +166,9 @@ def lights_of(
     if closed is not None:
         least = f"from {closed.closing.minimum:.3g}{NBSP}m/s"
         topics.append(Topic("Closing", _CLOSING, least, _format_speed_interval(closed)))
-    yield from lights(every, Topic("Seal line", message=_line_says(result, closed)), *topics)
+    yield from make_indicators(
+        every, Topic("Seal line", message=_line_says(result, closed)), *topics
+    )
     scatter = None if closed is None else closed.closing.scatter
     above = None if scatter is None else scatter.share_above_limit
     if above is not None and scatter is not None:

@@ -572,7 +572,7 @@ def describe_quantity(
 
 
 def _make_share_function(
-    dense: FloatArray, beyond: BoolArray, edges: IndexArray
+    dense: FloatArray, is_beyond: BoolArray, edges: IndexArray
 ) -> Callable[[FloatArray, FloatArray], FloatArray]:
     """Return a function that gives the share of a normal u beyond the limit.
 
@@ -580,10 +580,10 @@ def _make_share_function(
     ----------
     dense : array, shape (n,)
         ln factors at which the quantity was compared with its limit.
-    beyond : bool array, shape (n,)
+    is_beyond : bool array, shape (n,)
         Whether it lies beyond it there.
     edges : array of int
-        Last index before each change of `beyond`.
+        Last index before each change of `is_beyond`.
 
     Returns
     -------
@@ -593,7 +593,7 @@ def _make_share_function(
     from scipy.special import ndtr
 
     bounds = (dense[edges] + dense[edges + 1]) / 2
-    first = bool(beyond[0])
+    first = bool(is_beyond[0])
 
     def share(mean: FloatArray, sd: FloatArray) -> FloatArray:
         below = ndtr((bounds[:, None] - mean) / np.maximum(sd, 1e-12))

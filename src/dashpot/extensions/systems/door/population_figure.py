@@ -14,7 +14,7 @@ from dashpot.extensions.systems.door.population import (
 from dashpot.plot.picture import FIT, REJECTED, Area, Line, Mark, Panel, Picture, Rule, Scale
 from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.report.first_screen import Light, Row
-from dashpot.report.result_page import Group, KindPage, Topic, group, lights
+from dashpot.report.result_page import Group, KindPage, Topic, group, make_indicators
 
 _SHOWN, _WIDE, _POINTS = 4, 4.0, 241
 """Panels at most, standard deviations to both sides, points of a curve."""
@@ -60,21 +60,21 @@ def lay_out_population(population: DoorPopulation) -> KindPage:
     if limited:
         groups.insert(0, Group("Share beyond a limit, with its 95 % interval", limited))
     return KindPage(
-        about="doors of many cars",
-        strip=(
+        subject="doors of many cars",
+        summary_line=(
             ("Scatter between seals", f"{100 * spread.between_sd:.2g} %, {tested}"),
             ("Error of their mean", f"{100 * spread.mean_sd:.2g} %"),
         ),
-        lights=lights(
+        indicators=make_indicators(
             population.checks, Topic("Seal and door"),
             Topic("Scatter", {"seals_suffice", "scatter_exceeds_testing"},
                   "stated" if spread.specimens is None else "known"),
         ) + tuple(
             Light("Limit", "note", f"{row.name}: {row.value} %") for row in limited
         ),
-        answers="How the cars differ",
+        figure_title="How the cars differ",
         picture=draw_population(population),
-        told="Of the cars",
+        table_title="Of the cars",
         groups=tuple(groups),
         sources=population.sources,
         note="Of a share, from and to are its 95 % interval.",
@@ -86,7 +86,7 @@ def _make_share_row(quantity: DoorQuantity) -> Row:
     low, high = format_share(quantity.share_low), format_share(quantity.share_high)
     ends = ("", "") if low == high else (low, high)
     name = f"cars with {quantity.label} {format_limit(quantity)}"
-    return Row(name, format_share(quantity.share_beyond), *ends, "%", "", bound=False)
+    return Row(name, format_share(quantity.share_beyond), *ends, "%", "", is_limit=False)
 
 
 def _draw_quantity(quantity: DoorQuantity, mean: float) -> Panel:

@@ -29,9 +29,9 @@ from dashpot.text_output.layout import Text
 class DoorPrediction(Serialisable):
     """Prediction of a door: vibration and closing."""
 
-    _keys = (Key("found", flatten=True), "closing")
+    _keys = (Key("door", flatten=True), "closing")
 
-    found: DoorResult
+    door: DoorResult
     closing: ClosingResult
 
 
@@ -101,7 +101,7 @@ def run(
         write_figure(picture, shown.plot())
     if output:
         results = [item for item in (result, closed) if item is not None]
-        write_output(output, door_html(*results) if page else format_json(outcome.found) + "\n")
+        write_output(output, door_html(*results) if page else format_json(outcome.result) + "\n")
     return outcome
 
 
@@ -132,7 +132,7 @@ def _merge_door_results(
     text = Text(
         [*stated_text.lines, *shuts.lines],
         [*stated_text.details, *shuts.details],
-        stated_text.asked,
+        stated_text.requested_lines,
     )
     return CommandResult(
         DoorPrediction(result, closed),

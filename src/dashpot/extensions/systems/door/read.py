@@ -133,8 +133,8 @@ def _rigid(section: Section) -> RigidPart:
     return RigidPart(mass, inertia, _place(section, "centre"), motions)
 
 
-def _door(here: _TableLocation, entries: Any) -> dict[str, Any]:
-    section = here.section(entries, *_RIGID)
+def _door(location: _TableLocation, entries: Any) -> dict[str, Any]:
+    section = location.section(entries, *_RIGID)
     sizes = {name: _size(section, name) for name in ("width", "height")}
     rigid = _rigid(section) if "mass" in section else None
     if rigid is not None and not LIGHTEST <= rigid.mass <= HEAVIEST:
@@ -147,32 +147,32 @@ def _door(here: _TableLocation, entries: Any) -> dict[str, Any]:
     return {"rigid": rigid, **sizes}
 
 
-def _body(here: _TableLocation, entries: Any) -> dict[str, Any]:
-    return {"body": _rigid(here.section(entries, *_RIGID))}
+def _body(location: _TableLocation, entries: Any) -> dict[str, Any]:
+    return {"body": _rigid(location.section(entries, *_RIGID))}
 
 
 _SUPPORT = ("name", "at", "along", "stiffness", "damping", "fit", "compression")
 
 
 def _supports(kind: str) -> Callable[[_TableLocation, Any], dict[str, Any]]:
-    def read(here: _TableLocation, entries: Any) -> dict[str, Any]:
-        rows = here.parse_tables(entries, *_SUPPORT)
+    def read(location: _TableLocation, entries: Any) -> dict[str, Any]:
+        rows = location.parse_tables(entries, *_SUPPORT)
         supports = tuple(
-            _support(here, row, f"{kind} {i}" if len(rows) > 1 else kind)
+            _support(location, row, f"{kind} {i}" if len(rows) > 1 else kind)
             for i, row in enumerate(rows, start=1)
         )
         if kind == "latch":
             if len(supports) > 1:
-                raise ReadError(f"{here.where}: {len(supports)} latches; a door has one")
+                raise ReadError(f"{location.where}: {len(supports)} latches; a door has one")
             return {"latch": supports[0]}
         return {f"{kind}s": supports}
 
     return read
 
 
-def _support(here: _TableLocation, section: Section, name: str) -> Support:
+def _support(location: _TableLocation, section: Section, name: str) -> Support:
     section.needs("at")
-    along, fit = section.direction("along"), here.path(section.word("fit"))
+    along, fit = section.direction("along"), location.path(section.word("fit"))
     ways = 1 if along else 3
     stiffness = _read_directional_values(section, "stiffness", ways)
     damping = _read_directional_values(section, "damping", ways)
@@ -206,14 +206,14 @@ def _read_directional_values(
     return values * ways if len(values) == 1 else values
 
 
-def _seal(here: _TableLocation, entries: Any) -> dict[str, Any]:
-    section = here.section(
+def _seal(location: _TableLocation, entries: Any) -> dict[str, Any]:
+    section = location.section(
         entries, "fit", "length", "temperature", "points", "unit", "closed", "normal",
         "tilt", "compression", "gap", "height", "pitch", "joint", "shear",
         "friction",
     )  # fmt: skip
     section.needs("fit", "points")
-    points, columns = _points(here, section)
+    points, columns = _points(location, section)
     ways = [columns[name] for name in _NORMAL if name in columns]
     normal = ways if len(ways) == 3 else section.direction("normal") or _Z
     normals = np.broadcast_to(np.transpose(normal), points.shape)
@@ -222,7 +222,7 @@ def _seal(here: _TableLocation, entries: Any) -> dict[str, Any]:
     if section.flag("closed") and not np.array_equal(points[0], points[-1]):
         order = np.append(order, 0)
     pressed = None if pressed is None else pressed[order]
-    joints = _joints(here, section.entries.get("joint", []))
+    joints = _joints(location, section.entries.get("joint", []))
     normals = normals[order]
     tilt = section.quantity("tilt", "angle")
     if tilt is not None:
@@ -234,23 +234,23 @@ def _seal(here: _TableLocation, entries: Any) -> dict[str, Any]:
             f"{LARGEST:g} m: is the unit of its points mm?"
         )
     choice = SealChoice(
-        here.path(section.word("fit")),
+        location.path(section.word("fit")),
         _size(section, "length"),
         section.quantity("temperature", "temperature"),
         _size(section, "pitch"),
-        _shear(here, section.entries.get("shear", {})),
-        _friction(here, section.entries.get("friction")),
+        _shear(location, section.entries.get("shear", {})),
+        _friction(location, section.entries.get("friction")),
     )
     if choice.pitch:
         _refuse_more(f"{section.where}: pitch", line.length / choice.pitch, "stations")
     return {"line": line, "seal": choice}
 
 
-def _points(here: _TableLocation, section: Section) -> tuple[FloatArray, dict[str, FloatArray]]:
+def _points(location: _TableLocation, section: Section) -> tuple[FloatArray, dict[str, FloatArray]]:
     """Points, m, and the other columns of their file."""
     points = section.entries["points"]
     if isinstance(points, str):
-        return _line_file(here.path(points), section.word("unit"))
+        return _line_file(location.path(points), section.word("unit"))
     if not isinstance(points, list):
         raise ReadError(
             f"{section.where}: points = {points!r}; expected a file of x, y, z, or a list such as "
@@ -270,7 +270,7 @@ def _line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, Float
         resolved_columns, loaded = read_named_columns(
             file,
             (*_PLACE, *_PRESSED, *_NORMAL),
-            needed=[(axis,) for axis in _PLACE],
+            required=[(axis,) for axis in _PLACE],
             hint="expected x, y, z and perhaps gap, compression, nx, ny, nz",
         )
         missing = np.flatnonzero(~np.isfinite(loaded.values).all(axis=1))
@@ -327,13 +327,13 @@ def _compression(
     return np.broadcast_to(values, count)
 
 
-def _shear(here: _TableLocation, entries: Any) -> ShearChoice:
+def _shear(location: _TableLocation, entries: Any) -> ShearChoice:
     """Ratios, or fits of their own, across the line and along it."""
-    row = Section(f"{here.where[:-1]}.shear]", entries, ("across", "along", "length"))
+    row = Section(f"{location.where[:-1]}.shear]", entries, ("across", "along", "length"))
 
     def way(name: str) -> float | str:
         if isinstance(row.entries.get(name), str):
-            return here.path(row.word(name))
+            return location.path(row.word(name))
         return row.number(name) or 0.0
 
     across, along = way("across"), way("along")
@@ -345,11 +345,11 @@ def _shear(here: _TableLocation, entries: Any) -> ShearChoice:
     return ShearChoice(across, along, _size(row, "length"))
 
 
-def _friction(here: _TableLocation, entries: Any) -> LineFriction | None:
+def _friction(location: _TableLocation, entries: Any) -> LineFriction | None:
     """Return what rubs sideways beside the arms."""
     if entries is None:
         return None
-    row = Section(f"{here.where[:-1]}.friction]", entries, ("mu", "across", "along"))
+    row = Section(f"{location.where[:-1]}.friction]", entries, ("mu", "across", "along"))
     row.needs("mu")
     mu, across, along = (row.number(name) or 0.0 for name in ("mu", "across", "along"))
     return LineFriction(mu, across, along)
@@ -379,22 +379,22 @@ def _tilt_normals(
     return np.asarray(np.cos(tilt) * upright + np.sign(area) * np.sin(tilt) * outwards)
 
 
-def _joints(here: _TableLocation, rows: Any) -> tuple[Joint, ...]:
+def _joints(location: _TableLocation, rows: Any) -> tuple[Joint, ...]:
     joints = []
-    for row in here.parse_tables(rows, "name", "at", "length", "factor"):
+    for row in location.parse_tables(rows, "name", "at", "length", "factor"):
         row.needs("at", "length", "factor")
         at, length = (row.quantity(name, "length") or 0.0 for name in ("at", "length"))
         joints.append(Joint(at, length, row.number("factor") or 0.0, row.word("name") or "joint"))
     return tuple(joints)
 
 
-def _modes(here: _TableLocation, entries: Any) -> dict[str, Any]:
-    section = here.section(entries, "file", "unit", "modal_mass", "damping", "most", "held")
+def _modes(location: _TableLocation, entries: Any) -> dict[str, Any]:
+    section = location.section(entries, "file", "unit", "modal_mass", "damping", "most", "held")
     section.needs("file")
     most = section.quantity("most", "frequency")
     return {
         "modes": ModesChoice(
-            here.path(section.word("file")),
+            location.path(section.word("file")),
             section.word("unit"),
             section.quantity("modal_mass", "mass"),
             section.number("damping"),
@@ -404,9 +404,9 @@ def _modes(here: _TableLocation, entries: Any) -> dict[str, Any]:
     }
 
 
-def _read_points(here: _TableLocation, entries: Any) -> dict[str, Any]:
+def _read_points(location: _TableLocation, entries: Any) -> dict[str, Any]:
     points = []
-    for i, row in enumerate(here.parse_tables(entries, "name", "at", "along", "on"), start=1):
+    for i, row in enumerate(location.parse_tables(entries, "name", "at", "along", "on"), start=1):
         row.needs("at")
         on = row.word("on") or "door"
         if on not in {"door", "body"}:
@@ -416,17 +416,17 @@ def _read_points(here: _TableLocation, entries: Any) -> dict[str, Any]:
     names = [point.name for point in points]
     twice = [name for name in names if names.count(name) > 1]
     if twice:
-        raise ReadError(f"{here.where}: two points are called '{twice[0]}'")
+        raise ReadError(f"{location.where}: two points are called '{twice[0]}'")
     return {"points": tuple(points)}
 
 
-def _base(here: _TableLocation, entries: Any) -> dict[str, Any]:
-    section = here.section(entries, "psd", "along")
+def _base(location: _TableLocation, entries: Any) -> dict[str, Any]:
+    section = location.section(entries, "psd", "along")
     section.needs("psd")
     word = section.word("psd") or ""
     along = section.direction("along") or _Z
-    path = here.folder / word
-    return {"base": here.path(word) if path.is_file() else word, "base_along": along}
+    path = location.folder / word
+    return {"base": location.path(word) if path.is_file() else word, "base_along": along}
 
 
 def _place(section: Section, name: str) -> Vector:
@@ -467,4 +467,4 @@ _TABLES: Mapping[str, Callable[[_TableLocation, Any], dict[str, Any]]] = Mapping
         "base": _base,
     }
 )
-"""What reads each table; arrays of tables, such as [[hinge]], bear the same name."""
+"""What reads each table; arrays of tables, such as [[hinge]], have the same name."""

@@ -35,7 +35,7 @@ def closing_of(
     Parameters
     ----------
     where : str
-        How to speak of it.
+        How to name it.
     entries : mapping
     width, height : float, optional
         Of the door, m.

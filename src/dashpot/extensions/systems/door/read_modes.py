@@ -52,7 +52,7 @@ def read_modes(
         resolved_columns, loaded = read_named_columns(
             file,
             (*_NEEDED, *_SHAPE, *_MORE),
-            needed=[*((name,) for name in _NEEDED), _SHAPE],
+            required=[*((name,) for name in _NEEDED), _SHAPE],
             hint=f"modes are a table of {', '.join(_NEEDED)} and ux, uy, uz, or a UFF file with "
             "dataset 55",
         )

@@ -20,7 +20,7 @@ _ROUNDING = 1e-9
 def door(result: DoorResult, *, every: bool = False) -> Text:
     """Return the seal line, the modes with what shares them, and what a shaken base does.
 
-    Of many modes those of which the seal has most; `every` tells what each part has of them.
+    Of many modes those of which the seal has most; `every` shows what each part has of them.
     """
     lines = _line(result)
     if not result.modes:
