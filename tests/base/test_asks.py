@@ -7,6 +7,7 @@ import pytest
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import FormField
 from dashpot.extensions.app.kind_results import read_form
+from dashpot.extensions.materials.options import require_quantity
 from dashpot.extensions.materials.rod.app_form import get_density
 
 MASS = FormField("mass", "Moving mass", "g", "--mass")
@@ -48,7 +49,7 @@ def test_form_data_converts_numbers_to_si_and_reports_missing_ones():
     assert get_density(form_data) is None
     assert get_density(read_form((DENSITY,), {"density": "1100"})) == 1100.0
     with pytest.raises(DataError, match="moving mass is not given: type it beside the files"):
-        read_form((MASS,), {}).require_quantity("mass", "mass")
+        require_quantity(read_form((MASS,), {}), "mass", "mass")
     for typed in ("heavy", "1.1 g/cm3"):
         with pytest.raises(DataError, match=f"density is '{typed}'; expected a number of kg/m"):
             get_density(read_form((DENSITY,), {"density": typed}))

@@ -15,7 +15,7 @@ from kit.foreign.truths import TRUTHS, Seal
 
 from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.fit import Fit, list_known_values
-from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine
+from dashpot.datamodel.machine import DEFAULT_SD, Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.admissible_spectra import compute_end_limits
@@ -161,7 +161,7 @@ def test_each_doubt_moves_the_fit_as_far_as_a_record_that_has_it(record: RampHol
 
 
 def test_every_doubt_says_its_source() -> None:
-    for name, usual in DEFAULT_UNCERTAINTIES.items():
+    for name, usual in DEFAULT_SD.items():
         assert usual.size > 0, name
         assert usual.quantity, name
         assert usual.source, name
@@ -480,9 +480,7 @@ def test_what_creeps_on_is_correlated_by_itself() -> None:
     t = np.arange(0, 8.0, 2e-3)
     x = 8e-3 * np.clip(t, 0, 1) + 1e-9 * (1 - np.exp(-np.maximum(t - 1, 0) / 0.1))
     weights = np.where(t < 1.2, 0.5, 1.0)
-    block = recorded_block(
-        t, x, PAPER.force(t, x), weights=weights, relaxation_window=(1e-5, 500.0)
-    )
+    block = recorded_block(t, x, PAPER.force(t, x), weights=weights, tau_range=(1e-5, 500.0))
     log_tau = np.log(np.geomspace(2e-5, 400.0, 40))
     result, whole = block.evaluate(log_tau, False), block.exact.evaluate(log_tau, False)
     individual = np.concatenate((result.fixed, result.arms), axis=1)

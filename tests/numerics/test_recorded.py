@@ -279,7 +279,7 @@ def test_arms_far_slower_than_the_window_are_reduced() -> None:
     force = force_of(x, 2)
     low, high = recorded_block(TIME, x, force).window
     data_blocks = [
-        recorded_block(TIME, x, force, relaxation_window=(low, n * high)) for n in (10.0, 10.001)
+        recorded_block(TIME, x, force, tau_range=(low, n * high)) for n in (10.0, 10.001)
     ]
     assert [block.rotated_basis for block in data_blocks] == [True, False]
     same(solve(data_blocks[:1], 2), solve(data_blocks[1:], 2))

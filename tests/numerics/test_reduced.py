@@ -24,7 +24,7 @@ def test_it_is_the_block_in_other_coordinates() -> None:
     force = BROAD.force(t - t[0], x) + 1e-3 * draw.standard_normal(len(t))
     fixed = {"k_inf": x, "offset": np.ones(len(t))}
     whole = recursion_block(t, x, force, window=slice(0, len(t)), fixed=fixed)
-    few = reduced_block(whole, relaxation_window=(1e-5, 1e3))
+    few = reduced_block(whole, tau_range=(1e-5, 1e3))
     assert len(few.target) < 140
     assert few.samples == 3000
     log_tau = np.log([3e-5, 2e-3, 0.0137, 0.31, 5.0, 270.0])

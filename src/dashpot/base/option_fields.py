@@ -212,20 +212,6 @@ class FormData:
         text = self.get_option_value(name)
         return si_range(text, dimension) if text else None
 
-    def require_quantity(self, name: str, dimension: Dimension) -> float:
-        """Return a quantity that has to be given.
-
-        Raises
-        ------
-        DataError
-            If it is not.
-        """
-        value = self.number(name, dimension)
-        if value is None:
-            label = self._ask(name).label.lower()
-            raise DataError(f"{label} is not given: type it beside the files")
-        return value
-
     def options(self, files: int) -> tuple[str, ...]:
         """Return the words of a shell that say the same of so many files."""
         results: list[str] = []

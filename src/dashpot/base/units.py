@@ -94,7 +94,7 @@ def _table() -> dict[str, Unit]:
     return units
 
 
-MIN_SI_VALUE, MAX_SI_VALUE = 1e-15, 1e15
+MIN_SI, MAX_SI = 1e-15, 1e15
 """Between these lies, in SI units, every quantity that a user can mean, if it is not 0."""
 
 TABLE = MappingProxyType(_table())
@@ -337,12 +337,12 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
     scaled = from_unit(float(match[1]), replace(unit, offset=0.0))
     if (
         re.search("[1-9]", match[1].lower().partition("e")[0])
-        and not MIN_SI_VALUE <= abs(scaled) <= MAX_SI_VALUE
+        and not MIN_SI <= abs(scaled) <= MAX_SI
     ):
         raise DataError(
             f"'{text}' is {scaled:.3g} in SI units; expected 0 or a magnitude from "
-            f"{MIN_SI_VALUE:g} to "
-            f"{MAX_SI_VALUE:g}: check the number and its unit"
+            f"{MIN_SI:g} to "
+            f"{MAX_SI:g}: check the number and its unit"
         )
     return scaled + unit.offset
 

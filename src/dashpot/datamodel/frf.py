@@ -274,15 +274,13 @@ class FRF(EqualByValue, Plottable, Serialisable):
         """Summary: the kind of FRF, its range, and its highest line."""
         size = np.abs(self.value)
         top = int(size.argmax())
-        averaging = (
-            f"{self.averages} averages" if self.averages else "predicted, or of unknown averages"
-        )
+        text = f"{self.averages} averages" if self.averages else "predicted, or of unknown averages"
         files = ", ".join(source.file for source in self.source)
         return (
             (
                 f"{self.quantity}, {self.unit}, {len(self.value)} lines, "
                 f"{self.frequency[0]:.6g} to {self.frequency[-1]:.6g} Hz, "
-                f"{averaging}{f', {files}' if files else ''}"
+                f"{text}{f', {files}' if files else ''}"
             ),
             f"highest line: {size[top]:.5g} {self.unit} at {self.frequency[top]:.6g} Hz",
         )

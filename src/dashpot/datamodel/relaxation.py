@@ -438,8 +438,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         """The samples of the hold after the plate has settled, within a fifth of the ramp time."""
         hold = self.hold
         early = slice(
-            hold.start,
-            int(np.searchsorted(self.time, self.ramp_end + SETTLING * self.ramp_time)),
+            hold.start, int(np.searchsorted(self.time, self.ramp_end + SETTLING * self.ramp_time))
         )
         near = max(
             SETTLED_DISTANCE * self.depth,

@@ -66,7 +66,7 @@ def block_of(
     law: ElasticLaw | None = None,
     columns: Mapping[str, FloatArray] = MappingProxyType({}),
     weights: FloatArray | None = None,
-    relaxation_window: tuple[float, float] | None = None,
+    tau_range: tuple[float, float] | None = None,
 ) -> DataBlock:
     """Return the rows of one record: what a solid and its rig give, and the force.
 
@@ -90,7 +90,7 @@ def block_of(
         Further terms of the recorded motion, a value at every sample to the end of the hold.
     weights : array, shape (n,), optional
         Of those samples: what is known of the motion, 1 from where it is known.
-    relaxation_window : (float, float), optional
+    tau_range : (float, float), optional
         Relaxation times that are asked about, s, where the window of the record is not enough.
     """
     at = "" if index is None else f"@{index}"
@@ -108,7 +108,7 @@ def block_of(
     window = slice(first_sample(test) if start is None else start, None)
     return recorded_block(
         time, x if law is None else law.path(x), force, window=window, offset=offset, drift=drift,
-        columns=columns, weights=weights, relaxation_window=relaxation_window,
+        columns=columns, weights=weights, tau_range=tau_range,
     )  # fmt: skip
 
 

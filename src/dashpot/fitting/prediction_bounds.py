@@ -156,11 +156,7 @@ def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -
 
 
 def unresolved_arm_band(
-    fit: Fit,
-    tests: Tests,
-    frequency: npt.ArrayLike,
-    *,
-    level: float = 0.95,
+    fit: Fit, tests: Tests, frequency: npt.ArrayLike, *, level: float = 0.95
 ) -> StiffnessBounds:
     r"""Widest limits of the stiffness over all non-negative spectra that the tests do not reject.
 

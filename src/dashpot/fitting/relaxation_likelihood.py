@@ -12,7 +12,7 @@ from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median, slow_
 from dashpot.base.errors import DataError
 from dashpot.base.units import celsius
 from dashpot.datamodel.fit import Fit, get_fewest_arms_model
-from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES
+from dashpot.datamodel.machine import DEFAULT_SD
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
 from dashpot.fitting.data_blocks import block_of, first_sample, motion
@@ -141,7 +141,7 @@ def build_relaxation_data(
     if delay:
         doubts |= _build_delay_columns(test, model, time, x, delay=delay)
     columns = {name: column for name, (column, _) in doubts.items()}
-    certain = block_of(test, terms=_CELL, law=law, relaxation_window=_reach(test, 1.0))
+    certain = block_of(test, terms=_CELL, law=law, tau_range=_reach(test, 1.0))
     residual = _compute_arm_residual(solid, certain)
     power = max(noise_power(residual), certain.rounding_floor)
     trusted = 1 / np.sqrt(1 + (model.k_0 * magnitude) ** 2 / power)
@@ -153,7 +153,7 @@ def build_relaxation_data(
             law=law,
             columns=columns,
             weights=trusted,
-            relaxation_window=_reach(test, shift.a_t if shift else 1.0),
+            tau_range=_reach(test, shift.a_t if shift else 1.0),
         ),
         certain,
         model,
@@ -468,7 +468,7 @@ def compute_unmeasured_effects(
     if test.machine.force_filter is None:
         lines = build_folded_mains(time, step=test.step)
         # four parts of one line of that size
-        sd = DEFAULT_UNCERTAINTIES["folded mains"].size * peak / 2
+        sd = DEFAULT_SD["folded mains"].size * peak / 2
         terms |= {f"mains@{i}": (line, sd) for i, line in enumerate(lines)}
     return terms
 

@@ -31,7 +31,7 @@ FINISHED = 1e-11
 #: so short a step changes the linear parameters in proportion, to rounding
 LINEAR = 1e-6
 #: what then may be left of theta
-THETA_TOLERANCE = 1e-9
+THETA_TOL = 1e-9
 #: what carries less, as a part, has faded: its steps are damped as if it carried that
 FADED = 1e-12
 #: after a step that was refused none goes farther than this part of it
@@ -46,7 +46,7 @@ DAMPED = 1e-3
 #: and by how much, in parts of it, the SSE may fall
 UNCHANGED = 1e-12
 #: so many steps with a coefficient of the wrong sign lead to none of the right one
-MAX_WRONG_SIGN_STEPS = 12
+MAX_WRONG_STEPS = 12
 
 T = TypeVar("T", bound="Trial")
 
@@ -107,9 +107,7 @@ def is_step_acceptable(new: Any, old: Any, change: Any, rounding: Any) -> Any:
 
 def has_converged(change: Any, last: Any, fall: Any, sse: Any) -> Any:
     """At the rate of the last undamped steps next to nothing is left, of theta and of the SSE."""
-    return (
-        (change <= LINEAR) & (change * change <= THETA_TOLERANCE * last) & (fall <= UNCHANGED * sse)
-    )
+    return (change <= LINEAR) & (change * change <= THETA_TOL * last) & (fall <= UNCHANGED * sse)
 
 
 def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
@@ -187,7 +185,7 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
             return LocalOptimum(current, count, True)
         else:
             damping, refused, wary = 10 * max(damping, 1e-6), change, True
-        if current.sse <= rounding or damping > 1e9 or wrong > MAX_WRONG_SIGN_STEPS:
+        if current.sse <= rounding or damping > 1e9 or wrong > MAX_WRONG_STEPS:
             return LocalOptimum(current, count, current.sse <= rounding)
         if met is not None and met(current.theta):
             return None

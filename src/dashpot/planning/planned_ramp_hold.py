@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base import dataclass, field
 from dashpot.base.arrays import FloatArray, sample_count
-from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine
+from dashpot.datamodel.machine import DEFAULT_SD, Machine
 from dashpot.planning.plan_options import PlannedRamp
 from dashpot.signals.disturbances import build_earlier_press, build_machine_terms, compute_warming
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -22,9 +22,7 @@ _NODE_COUNT = 300
 # of its age that a group of samples may last: they weigh as one, to 1e-4 of an error
 _GROUP_DURATION = 0.005
 # warming in a chamber over that in a room, one standard deviation
-_CHAMBER_WARMING_SD = (
-    DEFAULT_UNCERTAINTIES["warming in a chamber"].size / DEFAULT_UNCERTAINTIES["warming"].size
-)
+_CHAMBER_WARMING_SD = DEFAULT_SD["warming in a chamber"].size / DEFAULT_SD["warming"].size
 
 
 class PlannedRows(NamedTuple):
@@ -196,7 +194,7 @@ class Bench(PlannedRamp):
         nodes = since + self.ramp_time
         x = self.depth * np.minimum(nodes / self.ramp_time, 1.0)
         warming = compute_warming(nodes, x, model, since=-min(self.baseline, self.ramp_time))
-        terms = {"warming": (warming, DEFAULT_UNCERTAINTIES["warming"].size)}
+        terms = {"warming": (warming, DEFAULT_SD["warming"].size)}
         # of a seal that was pressed before; what it carries in the middle of the rest is offset
         times = np.append(nodes + self.baseline, self.baseline / 2)
         memory, sd = build_earlier_press(machine, model, times, depth=self.depth)

@@ -310,9 +310,8 @@ def _broken(text: str, width: float) -> list[str]:
 
 def _make_panel_words(panel: Panel, box: Box) -> list[Word]:
     """Return what stands above the axes: what they show upright, the title, a note."""
-    words = (
-        [] if panel.without_axes or panel.drawing else [Word(box.x - 4, box.y - 6, panel.y.label)]
-    )
+    has_axes = not (panel.without_axes or panel.drawing)
+    words = [Word(box.x - 4, box.y - 6, panel.y.label)] * has_axes
     for i, line in enumerate(panel.below.split("\n") if panel.below else ()):
         at = box.x + box.width / 2, box.y + box.height + ROW * (i + 1)
         leads = i == 0 and "\n" in panel.below

@@ -654,9 +654,7 @@ def check_records(
 
 
 @cache_on_record
-def _as_recorded(
-    test: RampHold,
-) -> tuple[tuple[Check, ...], tuple[Check, ...], tuple[Check, ...]]:
+def _as_recorded(test: RampHold) -> tuple[tuple[Check, ...], tuple[Check, ...], tuple[Check, ...]]:
     """The checks of one record whatever is fitted: before its hold, behind it, and of its depth."""
     last = test.last_loading
     before = force_not_clipped(last), force_resolved(last.reading), depth_resolved(test)

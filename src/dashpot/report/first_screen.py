@@ -125,11 +125,7 @@ def make_study_indicators(
     comparison = study.joint_comparison if recommendation.joint else study.comparison
     if comparison is None:
         untested = "no hammer test"
-        return (
-            test,
-            Light("Stiffness", "note", untested),
-            Light("Damping", "note", untested),
-        )
+        return (test, Light("Stiffness", "note", untested), Light("Damping", "note", untested))
     return (
         test,
         _make_stiffness_light(study, recommendation, comparison),

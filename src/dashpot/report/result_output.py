@@ -97,7 +97,7 @@ def _page(item: Any, name: str) -> str:
 
 
 def _table(result: Any, name: str) -> str:
-    if callable(getattr(result, "csv", None)):
+    if hasattr(result, "csv"):
         return str(result.csv())
     frf = getattr(result, "frf", None)
     result = frf if isinstance(frf, FRF) else result

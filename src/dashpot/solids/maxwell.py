@@ -263,10 +263,7 @@ class GeneralizedMaxwell(Solid, Serialisable):
         if not (np.isfinite(count) and count > 0):
             raise DataError(f"cannot take {count!r} solids in parallel; expected a number > 0")
         return replace(
-            self,
-            k_inf=self.k_inf * count,
-            k=tuple(k * count for k in self.k),
-            b=self.b * count,
+            self, k_inf=self.k_inf * count, k=tuple(k * count for k in self.k), b=self.b * count
         )
 
     __rmul__ = __mul__

@@ -169,11 +169,7 @@ def wrap_line(line: str, *, hang: int | None = None, columns: int = COLUMNS) -> 
         starts = [match.end() for match in re.finditer(r"(?:^|\S) {2,}(?=\S)", line)]
         hang = max((start for start in starts if start <= columns // 2), default=2)
     return textwrap.wrap(
-        line,
-        columns,
-        subsequent_indent=" " * hang,
-        break_long_words=False,
-        break_on_hyphens=False,
+        line, columns, subsequent_indent=" " * hang, break_long_words=False, break_on_hyphens=False
     )
 
 

@@ -161,13 +161,7 @@ class Study(Plottable, Serialisable):
     """
 
     schema = "dashpot/study@2"
-    _keys = (
-        "verdict",
-        EVERY_FIELD,
-        "unmeasured",
-        "static_equilibrium",
-        "other_tests",
-    )
+    _keys = ("verdict", EVERY_FIELD, "unmeasured", "static_equilibrium", "other_tests")
 
     test: RelaxationTest
     prepared: RampHold
@@ -574,11 +568,7 @@ def _check_untested_prediction(
 ) -> tuple[Check, ...]:
     """Ask of a prediction that no hammer has tested whether a test informs it."""
     informed = prediction_in_valid_band(find_peak(prediction).frequency, chosen.band)
-    return (
-        *rest_checks(rests.point, on.mass),
-        informed,
-        *family_checks(chosen, rests.point, on),
-    )
+    return (*rest_checks(rests.point, on.mass), informed, *family_checks(chosen, rests.point, on))
 
 
 def _prediction_bounds(

@@ -7,8 +7,8 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from dashpot.base import dataclass
 from dashpot.base.errors import DataError
-from dashpot.base.option_fields import option, require_choice
-from dashpot.base.units import si_fields
+from dashpot.base.option_fields import FormData, option, require_choice
+from dashpot.base.units import Dimension, si_fields
 from dashpot.workflow.job import declare_shape
 
 Mode: TypeAlias = Literal["uniaxial", "equibiaxial", "planar", "volumetric"]
@@ -96,3 +96,18 @@ class Measures:
     def __post_init__(self) -> None:
         for name, var in vars(self).items():
             require_choice(name, var, Measure)
+
+
+def require_quantity(form: FormData, name: str, dimension: Dimension) -> float:
+    """Return a quantity of a form of the app that has to be given.
+
+    Raises
+    ------
+    DataError
+        If it is not.
+    """
+    value = form.number(name, dimension)
+    if value is None:
+        label = next(form_field.label for form_field in form.asks if form_field.name == name)
+        raise DataError(f"{label.lower()} is not given: type it beside the files")
+    return value

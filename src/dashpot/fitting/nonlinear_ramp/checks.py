@@ -185,10 +185,7 @@ def drift_plausible(
 
 
 @criterion(
-    "slope of the baseline / 3 SD",
-    "<=",
-    1.0,
-    "Box 1980: beyond it the two contradict each other",
+    "slope of the baseline / 3 SD", "<=", 1.0, "Box 1980: beyond it the two contradict each other"
 )
 def baseline_agrees(slopes: Sequence[tuple[float, float]]) -> Finding:
     """The slope of the baseline is within the drift that the load cell may have.

@@ -413,9 +413,7 @@ def _make_unit_kernels(folds: float, per_fold: float, rank: float) -> Kernels:
     return Kernels(tau, lags, vt[keep].T, u[:, keep].T / s[keep, None])
 
 
-def reduced_block(
-    exact: DataBlock, *, relaxation_window: tuple[float, float] | None = None
-) -> DataBlock:
+def reduced_block(exact: DataBlock, *, tau_range: tuple[float, float] | None = None) -> DataBlock:
     r"""Return the same data in orthogonal coordinates, one row per dimension of the kernels' space.
 
     One triangular factor of :math:`[\Phi V, G, y]` turns every later trial into a product of small
@@ -425,12 +423,10 @@ def reduced_block(
     ----------
     exact : DataBlock
         Every sample as a row; its window's upper end is at least the record's span.
-    relaxation_window : (float, float), optional
+    tau_range : (float, float), optional
         Relaxation times to be evaluated, s; those of the window, if left out.
     """
-    kernels = Kernels.from_window(
-        relaxation_window or exact.window, per_fold=TIMES_PER_FOLD, rank=RANK
-    )
+    kernels = Kernels.from_window(tau_range or exact.window, per_fold=TIMES_PER_FOLD, rank=RANK)
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
     every = np.concatenate((kernels.space(exact), fixed, target[:, None]), axis=1)
     factor = every[:0]
@@ -445,7 +441,7 @@ def reduced_block(
         accuracy=ACCURACY,
         full=lambda: exact,
         widen=lambda name, column: reduced_block(
-            exact.with_column(name, column), relaxation_window=relaxation_window
+            exact.with_column(name, column), tau_range=tau_range
         ),
     )
 

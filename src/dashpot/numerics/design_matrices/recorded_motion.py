@@ -270,7 +270,7 @@ def recorded_block(
     drift: str | None = None,
     columns: Mapping[str, FloatArray] = MappingProxyType({}),
     weights: FloatArray | None = None,
-    relaxation_window: tuple[float, float] | None = None,
+    tau_range: tuple[float, float] | None = None,
 ) -> DataBlock:
     r"""Return force under a recorded displacement that is straight between its samples.
 
@@ -293,7 +293,7 @@ def recorded_block(
         Further fixed columns, a value at every sample.
     weights : array, shape (M,), optional
         1/sd of each sample.
-    relaxation_window : (float, float), optional
+    tau_range : (float, float), optional
         Relaxation times to be evaluated, s; those of the window, if left out.
     """
     time = np.asarray(time, dtype=float)
@@ -325,7 +325,7 @@ def recorded_block(
     limits = window_of(time, step)
     # the first sample from which on every weight is 1
     even = 0 if weights is None else int(np.flatnonzero(weights[:stop] != 1)[-1:].sum()) + 1
-    near = relaxation_window is None or relaxation_window[1] <= MAX_SLOWNESS * limits[1]
+    near = tau_range is None or tau_range[1] <= MAX_SLOWNESS * limits[1]
     # the correlation of a plate that all but rests is rounding beside that of its whole way
     rests = even > 0 and np.ptp(x[even - 1 : stop]) <= REST_SHARE * np.ptp(x[:stop])
     if (
@@ -339,8 +339,8 @@ def recorded_block(
         whole = replace(exact(start, stop, weights), window=limits)
         return (
             whole
-            if relaxation_window is None and stop - start < MIN_REDUCED_SAMPLES
-            else reduced_block(whole, relaxation_window=relaxation_window)
+            if tau_range is None and stop - start < MIN_REDUCED_SAMPLES
+            else reduced_block(whole, tau_range=tau_range)
         )
     if even <= start:
         whole = replace(exact(start, stop), window=limits)
@@ -348,7 +348,7 @@ def recorded_block(
     before = replace(exact(start, even, weights), window=limits)
     after = replace(exact(even, stop), window=limits)
     return _stack_blocks(
-        reduced_block(before, relaxation_window=relaxation_window),
+        reduced_block(before, tau_range=tau_range),
         correlation_block(after, time, x, start=even, stop=stop),
     )
 

@@ -8,6 +8,7 @@ from dashpot.base.option_fields import FormData, FormField
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
 from dashpot.extensions.materials.indentation.fit_files import indent_file
 from dashpot.extensions.materials.indentation.indenter import Indenter
+from dashpot.extensions.materials.options import require_quantity
 from dashpot.reading.read_options import ReadOptions
 
 ASKS = (
@@ -20,7 +21,7 @@ ASKS = (
 def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> IndentationFit:
     """Return the fitted contact law of the file, with the values of the form."""
     indenter = Indenter(
-        mass=form.require_quantity("mass", "mass"),
+        mass=require_quantity(form, "mass", "mass"),
         radius=form.number("radius", "length"),
         drop_height=form.number("drop_height", "length"),
     )

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import FormData, FormField
-from dashpot.extensions.materials.options import RodChoices
+from dashpot.extensions.materials.options import RodChoices, require_quantity
 from dashpot.extensions.materials.rod.fit_files import Rod, rod_files
 from dashpot.reading.read_options import ReadOptions
 
@@ -25,7 +25,7 @@ def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -
     if not disc:
         raise DataError("the shape is not given: type diameter and length, such as 20, 20")
     return rod_files(
-        files, mass=form.require_quantity("mass", "mass"),
+        files, mass=require_quantity(form, "mass", "mass"),
         density=get_density(form) or _WATER, rod=RodChoices(disc=disc), options=options,
     )  # fmt: skip
 
