@@ -327,10 +327,8 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
             f"{_SEAL_UNITS.get(dimension, names[names[0] == '1'])}' (known: {', '.join(names)})"
         )
     if re.match(r",\d", match[2]):
-        plain_text = text.strip().replace(",", "")
-        grouped = (
-            f", or '{plain_text}' if that is meant" if re.match(r",\d{3}(?!\d)", match[2]) else ""
-        )
+        plain = text.strip().replace(",", "")
+        grouped = f", or '{plain}' if that is meant" if re.match(r",\d{3}(?!\d)", match[2]) else ""
         pointed = text.strip().replace(",", ".", 1)
         raise DataError(f"'{text}' has a decimal comma; write '{pointed}' with a point{grouped}")
     unit = parse_unit(match[2], dimension)

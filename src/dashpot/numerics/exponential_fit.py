@@ -34,7 +34,7 @@ from dashpot.numerics.log_tau_descent import (
 
 
 #: where descents that are yet to be compared end: steps, and falls of the SSE
-COARSE_TOLERANCE = 1e-4
+COARSE_TOL = 1e-4
 FLAT_DEVIANCE = 1e-10
 EXTRA_STARTS = 16
 MIN_PRIOR_SHARE = 0.1
@@ -290,7 +290,7 @@ class ArmInsertion:
         *,
         restricted: BoolArray | None = None,
         selected: BoolArray | None = None,
-        finished: float = COARSE_TOLERANCE,
+        finished: float = COARSE_TOL,
     ) -> LocalOptimum[StackTrial] | None:
         return descend(
             self.stack,

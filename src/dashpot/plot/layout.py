@@ -172,9 +172,8 @@ def lay_out(strip: tuple[Panel, ...], width: float) -> StripLayout:
     for i, panel in enumerate(strip):
         last = i == len(strip) - 1
         named = y + (ROW + 4) * bool(panel.title)
-        above = 4 + ROW * (
-            (not panel.drawing and not panel.without_axes) + _rows_above(panel, inner_width)
-        )
+        has_axes = not (panel.drawing or panel.without_axes)
+        above = 4 + ROW * (has_axes + _rows_above(panel, inner_width))
         box = Box(left, named + above, inner_width, panel.height)
         shown, at = panel, ticks[i]
         if panel.square:
@@ -310,8 +309,9 @@ def _broken(text: str, width: float) -> list[str]:
 
 def _make_panel_words(panel: Panel, box: Box) -> list[Word]:
     """Return what stands above the axes: what they show upright, the title, a note."""
-    has_axes = not (panel.without_axes or panel.drawing)
-    words = [Word(box.x - 4, box.y - 6, panel.y.label)] * has_axes
+    words = (
+        [] if panel.without_axes or panel.drawing else [Word(box.x - 4, box.y - 6, panel.y.label)]
+    )
     for i, line in enumerate(panel.below.split("\n") if panel.below else ()):
         at = box.x + box.width / 2, box.y + box.height + ROW * (i + 1)
         leads = i == 0 and "\n" in panel.below

@@ -206,7 +206,7 @@ class ShakenMass(Serialisable):
     Attributes
     ----------
     response : RandomResponse
-    kind : str
+    of : str
         The file that says how it shakes, or white noise.
     band : (float, float) or None
         Of that file, Hz.
@@ -216,13 +216,13 @@ class ShakenMass(Serialisable):
 
     _keys = (
         Key("response", flatten=True),
-        Key("of", "kind"),
+        "of",
         Key("band_hz", "band"),
         Key("limits", optional=True, nonfinite_as_null=True),
     )
 
     response: RandomResponse
-    kind: str
+    of: str
     band: tuple[float, float] | None
     limits: RandomLimits | None
 

@@ -18,7 +18,7 @@ def format_shaken_mass(prediction: Prediction) -> list[str]:
     band, response = mass.band, mass.response
     reach = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
     does = (
-        f"  shaken by {mass.kind}{reach}, the mass has {response.acceleration:.4g} m/s^2 rms and "
+        f"  shaken by {mass.of}{reach}, the mass has {response.acceleration:.4g} m/s^2 rms and "
         f"the seals move {format_quantity(response.stretch, 'mm')} rms, {response.crossings:.4g} "
         "times a "
         "second"

@@ -39,7 +39,7 @@ from dashpot.fitting.identification.likelihood import (
     descend,
 )
 from dashpot.fitting.marginal_relaxation import RelaxationData
-from dashpot.numerics.inference.model_order import DECISIVE_BIC
+from dashpot.numerics.inference.model_order import DECISIVE
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 
@@ -195,7 +195,7 @@ def _rank_causes(
     before = _refit_at_scale(best_candidate, scale)
     least = min(candidate.criterion for candidate in candidates)
     # an arm that the model lacks also distinguishes causes: only a decisive lead counts
-    threshold = least + max(DECISIVE_BIC, LACKING * (before.criterion - least))
+    threshold = least + max(DECISIVE, LACKING * (before.criterion - least))
     by = sorted(
         zip(free, candidates, strict=True),
         key=lambda pair: (is_contradicted(pair[1]), max(pair[1].criterion, threshold)),

@@ -312,11 +312,9 @@ class DataBlock:
 
     def with_delay(self, name: str, delayed_force: DelayedForce) -> DataBlock:
         """Return the block with the column of a force that comes late."""
-        return (
-            self.delayed(name, delayed_force)
-            if self.delayed
-            else self.with_column(name, delayed_force.column)
-        )
+        if self.delayed:
+            return self.delayed(name, delayed_force)
+        return self.with_column(name, delayed_force.column)
 
     def append_column(
         self, name: str, column: FloatArray, *, full: Callable[[], DataBlock] | None = None
