@@ -12,6 +12,7 @@ from dashpot.base.checks import Check, Finding, Remedy, criterion, select_graves
 from dashpot.base.errors import DataError, Status
 from dashpot.base.number_format import round_to_error
 from dashpot.base.plain_text import decapitalise_sentence
+from dashpot.base.provenance import Source
 from dashpot.base.units import celsius, format_quantity
 from dashpot.datamodel.relaxation import MAX_CREEP, SETTLING, RampHold, quantum
 from dashpot.datamodel.specimen import Specimen
@@ -585,15 +586,19 @@ def machine_deflection_small(test: RampHold) -> Finding:
     )
 
 
-def check_machine(test: RampHold) -> list[Check]:
-    """Return the check of a displacement named for a machine whose compliance is not stated."""
-    columns = test.source.columns if test.source is not None else ()
-    named = any(
+def is_machine_displacement(source: Source | None) -> bool:
+    """Return whether the column of the displacement is named for a crosshead or piston."""
+    columns = source.columns if source is not None else ()
+    return any(
         column.startswith("displacement") and word in column.casefold()
         for column in columns
         for word in MACHINE_WORDS
     )
-    unknown = named and test.machine.compliance is None
+
+
+def check_machine(test: RampHold) -> list[Check]:
+    """Return the check of a displacement named for a machine whose compliance is not stated."""
+    unknown = is_machine_displacement(test.source) and test.machine.compliance is None
     return [machine_deflection_small(test)] if unknown else []
 
 
