@@ -15,8 +15,9 @@ from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.systems.free_modes import FreeModes
+from dashpot.extensions.systems.linearised_solid import Linearised
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
-from dashpot.solids.rate_independent import AmplitudeDependent, Linearised, amplitudes
+from dashpot.solids.rate_independent import AmplitudeDependent, amplitudes
 
 # Bodies, mounts and points.
 
