@@ -258,9 +258,9 @@ class Summary(HasChecks, Serialisable):
     Attributes
     ----------
     lot : Lot
-    main : OfQuantity
+    main : QuantitySummary
         Of the quantity that the page shows.
-    others : tuple of OfQuantity
+    others : tuple of QuantitySummary
         Of the further quantities that have limits.
     flags : tuple of Flag
     checks : tuple of Check
