@@ -138,16 +138,16 @@ class EvenStep(NamedTuple):
 
     Attributes
     ----------
-    decay_factors : array
+    mean_factors : array
         Of what it carried, on the average of the step; of what is given, at its end.
-    response_factors : array
+    end_factors : array
         Of what it carried, at the end of the step.
     onward : array
         Of what is given, on the average of the step.
     """
 
-    decay_factors: FloatArray
-    response_factors: FloatArray
+    mean_factors: FloatArray
+    end_factors: FloatArray
     onward: FloatArray
 
     @classmethod
@@ -159,8 +159,8 @@ class EvenStep(NamedTuple):
 
     def mean(self, carried: FloatArray, provided: FloatArray) -> FloatArray:
         """Return what arms carry on the average of the step, N."""
-        return carried * self.decay_factors + provided * self.onward
+        return carried * self.mean_factors + provided * self.onward
 
     def end(self, carried: FloatArray, provided: FloatArray) -> FloatArray:
         """Return what they carry at its end, N."""
-        return carried * self.response_factors + provided * self.decay_factors
+        return carried * self.end_factors + provided * self.mean_factors

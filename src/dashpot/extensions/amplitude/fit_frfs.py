@@ -173,7 +173,9 @@ def _draws(
     rng, inertia = np.random.default_rng(seed), problem.inertia * problem.omega**2
     direct = K + best.residual_lines / best.problem.weight - inertia  # F/X of the fit itself
     scatter = best.residual / np.sqrt(2)
-    data = replace(problem, weight=best.problem.weight, softening=best.problem.softening)
+    data = replace(
+        problem, weight=best.problem.weight, harmonic_factor=best.problem.harmonic_factor
+    )
     pairs = []
     for _ in range(_DRAWS):
         # one error of the FRF is in the stiffness and in the amplitude
@@ -181,7 +183,7 @@ def _draws(
             1
             + scatter
             * (rng.normal(size=len(K)) + 1j * rng.normal(size=len(K)))
-            / problem.fixed_terms
+            / problem.reliability
         )
         again = replace(data, X=problem.X / np.abs(off))
         pairs.append(again.fit_terms(direct * off + inertia, best.terms, passes=0).parts)
@@ -237,13 +239,13 @@ class _LineData:
     X: FloatArray
     weight: FloatArray
     #: of each line, beside most: at most 1
-    fixed_terms: FloatArray
+    reliability: FloatArray
     #: of one seal, kg
     inertia: float
     #: yield displacements, m: beyond the largest amplitude a slider is a spring
     yields: FloatArray
     #: what the third harmonic makes of the stiffness of a cubic spring
-    softening: ComplexArray | float = 1.0
+    harmonic_factor: ComplexArray | float = 1.0
 
     @property
     def tau(self) -> FloatArray:
@@ -281,7 +283,9 @@ class _LineData:
         slope, direct = (up - down) / (2 * h), K - self.inertia * self.omega**2
         size = np.abs(direct) ** 2 + np.abs(slope) ** 2 / 2 + (direct * slope.conj()).real
         nonlinear_response = with_third_harmonic(parts, self.omega, X, self.inertia)
-        return replace(self, weight=self.fixed_terms / np.sqrt(size), softening=nonlinear_response)
+        return replace(
+            self, weight=self.reliability / np.sqrt(size), harmonic_factor=nonlinear_response
+        )
 
     def _columns(self, terms: tuple[Term, ...]) -> ComplexArray:
         product = 1j * self.omega[:, None] * self.tau
@@ -289,7 +293,7 @@ class _LineData:
         if "friction" in terms:
             arrays.append(jenkins_reduction(self.X[:, None], self.yields))
         if "a cubic spring" in terms:  # it stiffens, or it softens
-            square = 0.75 * (self.X / self.X.max()) ** 2 * self.softening
+            square = 0.75 * (self.X / self.X.max()) ** 2 * self.harmonic_factor
             arrays.append(square[:, None] * np.array([1.0, -1.0]))
         return np.hstack(arrays)
 

@@ -81,7 +81,7 @@ def _on_bending_seals(levels: Sequence[PreloadedLevel], unit: str) -> list[str]:
                     f"{convert_to_unit(amplitude, 'mm') * (abs(amplitude) > least):.3g}"
                     for amplitude in (*at.amplitudes[1:4].tolist(), at.shift)
                 ),
-                f"{100 * at.dissipated_energy:.3g} %",
+                f"{100 * at.lost_contact:.3g} %",
                 f"{at.growth:.3g}",
             ]
         )

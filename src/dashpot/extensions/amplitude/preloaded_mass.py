@@ -73,7 +73,7 @@ class Orbit(EqualByValue):
         Of the compression, m, the mean first: the real part of each turns with the force's phase.
     multiplier : complex
         The largest Floquet multiplier: by how much a small disturbance grows in a period.
-    dissipated_energy : float
+    lost_contact : float
         Part of the cycle in which nothing presses.
     least, most : float
         Compressions between which it swings, m; a seal that has not caught up lets go above 0.
@@ -84,7 +84,7 @@ class Orbit(EqualByValue):
     rest: float
     harmonics: ComplexArray
     multiplier: complex
-    dissipated_energy: float
+    lost_contact: float
     least: float
     most: float
 

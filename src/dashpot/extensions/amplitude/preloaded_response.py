@@ -104,7 +104,7 @@ class PreloadedLevel(Serialisable):
         Key("harmonics", "orbit.harmonic_amplitudes"),
         "orbit.phases",
         Key("floquet", "orbit.growth"),
-        Key("lost_contact", "orbit.lost"),
+        Key("lost_contact", "orbit.lost_contact"),
         "compression",
         "second_harmonic",
         "unsteady",
