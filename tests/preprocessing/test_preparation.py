@@ -637,7 +637,7 @@ def test_prepare_of_the_afm_record_excludes_its_retraction(shared_data: Path):
     assert ramp_hold.onset == pytest.approx(0.123, abs=0.003)
     assert ramp_hold.depth == pytest.approx(2.0e-6, abs=0.1e-6)
     assert ramp_hold.force.max() == pytest.approx(2.2e-6, rel=0.02)
-    assert "displacement counts downwards" in step(ramp_hold, "orientation")
+    assert "displacement is negative in compression" in step(ramp_hold, "orientation")
     assert np.abs(ramp_hold.displacement[ramp_hold.time < 0.12]).max() == 0.0
 
 

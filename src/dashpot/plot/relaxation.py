@@ -309,7 +309,7 @@ def bench(found: Fit, records: Sequence[Any], *, alternatives: Sequence[Fit] = (
 
     Parameters
     ----------
-    fit : Fit
+    found : Fit
     records : sequence
         As fitted; of one kind.
     alternatives : sequence of Fit

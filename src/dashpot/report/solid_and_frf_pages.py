@@ -200,7 +200,7 @@ class TemperaturePart(NamedTuple):
     ----------
     about : str
         What the fit is of, if of a material.
-    topics, strip, groups, folds
+    topics, summary_line, groups, folds
         As those of :class:`~dashpot.report.result_page.KindPage`.
     """
 

@@ -334,7 +334,7 @@ def _lengths(shape: Geometry, *names: str) -> None:
 def find_shape(words: str) -> Geometry:
     """Return the shape that words name, its lengths with their units: ``"disc:20mm,20mm"``.
 
-    >>> named_shape("disc:20mm,10mm")
+    >>> find_shape("disc:20mm,10mm")
     Disc(diameter=0.02, height=0.01, poisson=0.4995)
 
     Raises

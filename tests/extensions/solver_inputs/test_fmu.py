@@ -328,12 +328,14 @@ def test_a_derivative_of_the_input_stands_for_the_rate(paper_seal, build):
     shutil.rmtree(folder)
 
 
-def test_no_parameter_starts_below_its_least(sources_only):
+def test_no_parameter_starts_below_its_minimum(sources_only):
     tau = (8.423697820250522e-17, 1.23456789012345e-7)
     unit = TARGETS["fmu"](GeneralizedMaxwell(1.0, (1.0, 1.0), tau), units="SI", form="fmi2")
-    described = [variable for variable in unit.description.variables if variable.least is not None]
+    described = [
+        variable for variable in unit.description.variables if variable.minimum is not None
+    ]
     assert described
-    assert all(item.least <= item.start for item in described)
+    assert all(item.minimum <= item.start for item in described)
 
 
 # -- what the archive says of itself ---------------------------------------------------------------

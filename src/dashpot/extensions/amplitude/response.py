@@ -61,7 +61,7 @@ def resonance_at_level(
     level_fit : LevelFit
     level : float
         N.
-    parts : (GeneralizedMaxwell, tuple of Jenkins or Cubic), optional
+    of : (GeneralizedMaxwell, tuple of Jenkins or Cubic), optional
         One of the fit's draws, in the place of the fit itself.
 
     Raises

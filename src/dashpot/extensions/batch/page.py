@@ -65,7 +65,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     ----------
     lot : Lot
     title : str
-    summary : Summary, optional
+    found : Summary, optional
         What it says; by default of the stiffness at the end of the hold, without limits.
     """
     found = found or summary(lot)

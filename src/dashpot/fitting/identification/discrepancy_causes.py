@@ -126,7 +126,7 @@ def explain_discrepancy(
 
     Parameters
     ----------
-    candidate : Candidate
+    best_candidate : Candidate
         The joint optimum under what is known of the rig.
     refit : callable
         The best candidate, over numbers of arms, of a problem.

@@ -307,7 +307,7 @@ def replace_channel_number(name: str) -> str:
 def find_informative_words(name: str) -> str:
     """Return a name without its own number, "" if none of its words says anything.
 
-    >>> telling("Force 0017"), telling("ceoeeaa")
+    >>> find_informative_words("Force 0017"), find_informative_words("ceoeeaa")
     ('Force 00', '')
     """
     name = replace_channel_number(name)
