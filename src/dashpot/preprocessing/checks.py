@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -569,37 +569,43 @@ def motion_measured(test: RampHold) -> Finding:
 
 
 @criterion(
-    "50 um/N x force / depth",
+    "50 um/N x force / displacement",
     "<=",
     MAX_DEFLECTION,
     "two standard deviations of the deflection that limits include",
 )
-def machine_deflection_small(test: RampHold) -> Finding:
+def machine_deflection_small(stiffness: float, remedy: Remedy | str) -> Finding:
     """The displacement of a crosshead or piston has little deflection of the machine in it."""
-    share = USUAL_COMPLIANCE * float(np.abs(test.force).max()) / test.depth
+    share = USUAL_COMPLIANCE * stiffness
     return Finding(
         "The displacement is that of a crosshead or piston: a compliance of 50 um/N would be "
         f"{100 * share:.2g} % of it",
         share,
         "The stiffness is then too low. Press steel on steel; 0 if it is measured at the seal",
-        Remedy("State the compliance of the machine.", "machine", "compliance=..."),
+        remedy,
     )
 
 
-def is_machine_displacement(source: Source | None) -> bool:
-    """Return whether the column of the displacement is named for a crosshead or piston."""
-    columns = source.columns if source is not None else ()
-    return any(
+def check_machine(
+    sources: Iterable[Source], stiffness: float, remedy: Remedy | str = "Measure it at the seal."
+) -> list[Check]:
+    """Return the check of a displacement that is named for a machine; none of another.
+
+    Parameters
+    ----------
+    sources : iterable of Source
+        The files.
+    stiffness : float
+        Greatest force over displacement, N/m: the share of the machine grows with it.
+    remedy : Remedy or str
+    """
+    named = any(
         column.startswith("displacement") and word in column.casefold()
-        for column in columns
+        for source in sources
+        for column in source.columns
         for word in MACHINE_WORDS
     )
-
-
-def check_machine(test: RampHold) -> list[Check]:
-    """Return the check of a displacement named for a machine whose compliance is not stated."""
-    unknown = is_machine_displacement(test.source) and test.machine.compliance is None
-    return [machine_deflection_small(test)] if unknown else []
+    return [machine_deflection_small(stiffness, remedy)] if named else []
 
 
 @criterion(

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, median, replace_notes, set_readonly
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, Remedy
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step, sources_of
 from dashpot.base.units import Quantity, convert_to_si, format_quantity
@@ -215,7 +215,7 @@ def prepare(
             checks.columns_plausible(loading),
             checks.motion_resolved(loading),
             checks.motion_measured(loading),
-            *checks.check_machine(loading),
+            *_check_machine(loading),
             *checks.check_temperature(test.specimen),
             *caution_checks(sources_of([test])),
         ]
@@ -239,6 +239,15 @@ def prepare(
         steps.append(_make_history_step(record, history, len(list_earlier_presses(motion))))
     record = decimate(replace_notes(record, steps=tuple(steps), checks=tuple(all_checks)))
     return record if parsed_filter is None else filter_record(record, parsed_filter)
+
+
+def _check_machine(loading: RampHold) -> list[Check]:
+    """Return the check of a displacement of the machine, unless its compliance is stated."""
+    if loading.machine.compliance is not None:
+        return []
+    stiffness = float(np.abs(loading.force).max()) / loading.depth
+    remedy = Remedy("State the compliance of the machine.", "machine", "compliance=...")
+    return checks.check_machine(sources_of([loading]), stiffness, remedy)
 
 
 def _check_history(

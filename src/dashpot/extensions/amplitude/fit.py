@@ -33,6 +33,7 @@ from dashpot.extensions.amplitude.checks import (
 )
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
 from dashpot.fitting.nuisance_priors import Prior, compute_delay_errors
+from dashpot.preprocessing.checks import check_machine
 
 _MIN_SAMPLES = 6
 """Samples: two numbers of a level, three of the law, one to spare."""
@@ -112,6 +113,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         amplitudes_spread(range_[1] / range_[0], sweep.of),
         followed,
         loss_residual_small(best.loss_left),
+        *check_machine(sources_of([sweep]), float(np.hypot(sweep.storage, sweep.loss).max())),
     ]
     if "lost" in best.numbers:
         checks.insert(2, softening_seen(reach))

@@ -29,6 +29,7 @@ from dashpot.extensions.preload_map.separability import (
 )
 from dashpot.extensions.preload_map.stiffness_lines import StiffnessLines, collect_lines
 from dashpot.numerics.nonnegative_least_squares import solve_linear
+from dashpot.preprocessing.checks import check_machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.modal.dynamic_stiffness import DEGREE
 
@@ -427,6 +428,7 @@ def _run_checks(
         checks.levels_dense(gaps[widest], axis=widest),
         checks.solid_follows_master_curve(law.misfit_ratio, misfit=law.misfit),
         *_judge_limits(preload_map),
+        *check_machine(preload_map.source, float(np.abs(preload_map.value).max())),
         checks.repeatability_known(repeats, stated=stated),
     )
 

@@ -11,12 +11,12 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray, distinct, median
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import Step
+from dashpot.base.provenance import Step, sources_of
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import quantum
 from dashpot.extensions.curves.creep import checks
 from dashpot.extensions.curves.datamodel.creep import MAX_CORNERS, CreepTest, LoadHold
-from dashpot.preprocessing.checks import check_temperature, clock_steady
+from dashpot.preprocessing.checks import check_machine, check_temperature, clock_steady
 from dashpot.signals.noise import scatter, without_spikes
 from dashpot.signals.segments import find_cycles, find_segments
 
@@ -103,6 +103,7 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
         checks.load_held(record),
         checks.displacement_samples_not_repeated(record, test.displacement),
         clock_steady(record),
+        *check_machine(sources_of([test]), record.level / float(np.abs(record.displacement).max())),
         *check_temperature(test.specimen),
     )
     return replace(record, checks=all_checks)

@@ -10,7 +10,6 @@ from dashpot.base.errors import Status
 from dashpot.base.units import format_quantity
 from dashpot.extensions.materials.cld.datamodel import ProcessCapability
 from dashpot.extensions.materials.cld.zero_point import MOST_PRELOAD
-from dashpot.preprocessing.checks import MAX_DEFLECTION, USUAL_COMPLIANCE
 
 SETTLED = 0.02
 DEEPER = 1.02
@@ -35,24 +34,6 @@ def zero_recorded(preload: float, *, air: bool) -> Finding:
         failure=f"The record begins in contact, under {100 * preload:.2g} % of the force. The "
         "compression before it is not known",
         remedy="Begin the record in air.",
-    )
-
-
-@criterion(
-    "50 um/N x force / compression", "<=", MAX_DEFLECTION, "as of `machine_deflection_small`"
-)
-def crosshead_deflection_small(force: float, depth: float, *, crosshead: bool) -> Finding:
-    """The compression has little deflection of the machine in it."""
-    if not crosshead:
-        return Finding("No name says that the displacement is that of a crosshead or piston", 0.0)
-    share = USUAL_COMPLIANCE * force / depth
-    return Finding(
-        "The displacement is that of a crosshead or piston: a compliance of 50 um/N would be "
-        f"{100 * share:.2g} % of the compression",
-        share,
-        "The seal is then stiffer than measured. Or press steel on steel, and take its deflection "
-        "off the displacement",
-        remedy="Measure the displacement at the seal.",
     )
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
+from dashpot.base.provenance import sources_of
 from dashpot.base.units import Quantity, Range, convert_to_si, format_quantity, si_range
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import quantum
@@ -33,7 +34,7 @@ from dashpot.extensions.materials.cld.local_stiffness import (
 from dashpot.extensions.materials.cld.zero_point import Zero, find_later_contact, zero_of
 from dashpot.extensions.materials.strokes import Stroke, inward, strokes_of
 from dashpot.fitting.nuisance_priors import Prior, compute_delay_errors
-from dashpot.preprocessing.checks import is_machine_displacement
+from dashpot.preprocessing.checks import check_machine
 from dashpot.signals.segments import estimate_resolution
 
 _SMOOTHED, _RARE = 5, 4.0
@@ -351,9 +352,7 @@ def _checks(new_cycles: _RecordCycles, index: int, most: float, test: CLDTest) -
     drift = zero.drift / used.peak if zero.drift else None
     return (
         checks.zero_recorded(zero.begins, air=zero.air),
-        checks.crosshead_deflection_small(
-            used.peak, used.depth, crosshead=is_machine_displacement(test.source)
-        ),
+        *check_machine(sources_of([test]), used.peak / used.depth),
         checks.specimen_conditioned(
             used.common / before[-1].common - 1 if before else None,
             cycle=used.number,

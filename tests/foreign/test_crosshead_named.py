@@ -1,0 +1,83 @@
+"""Every kind of test that reads a displacement doubts that of a crosshead over a stiff seal.
+
+The generator imports nothing of dashpot: two arms, 2 N/mm, on a machine of 33 um/N.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import dashpot as dp
+
+K, ARMS, COMPLIANCE, STEP = 2000.0, ((800.0, 0.5), (600.0, 12.0)), 33e-6, 0.02
+
+
+def compute_force(x: np.ndarray, step: float) -> np.ndarray:
+    """Return the force of the seal, N, along a displacement that is straight between samples."""
+    force, elongation = K * x, np.zeros(len(ARMS))
+    k, tau = np.array(ARMS).T
+    decay = np.exp(-step / tau)
+    mean = (1 - decay) / (step / tau)
+    for i in range(1, len(x)):
+        elongation = decay * elongation + mean * (x[i] - x[i - 1])
+        force[i] += k @ elongation
+    return force
+
+
+def compute_creep(load: np.ndarray, step: float) -> np.ndarray:
+    """Return the displacement under a load, m."""
+    x, elongation = np.zeros(len(load)), np.zeros(len(ARMS))
+    k, tau = np.array(ARMS).T
+    decay = np.exp(-step / tau)
+    mean = (1 - decay) / (step / tau)
+    for i in range(1, len(load)):
+        kept = decay * elongation
+        moved = (load[i] - K * x[i - 1] - k @ kept) / (K + k @ mean)
+        x[i], elongation = x[i - 1] + moved, kept + mean * moved
+    return x
+
+
+def make_record(kind: str) -> np.ndarray:
+    """Return time, displacement of the seal and force, SI, shape (n, 3)."""
+    if kind == "loops":
+        step, time = 1e-3, np.arange(12000) * 1e-3
+        x = np.repeat([0.1e-3, 0.3e-3, 1e-3], 4000) * np.sin(4 * np.pi * time)
+        return np.column_stack((time, x, compute_force(x, step)))
+    time = np.arange(0.0, 62.0, STEP)
+    if kind == "creep":
+        load = 10.0 * np.clip((time - 1.0) / 0.1, 0.0, 1.0)
+        return np.column_stack((time, compute_creep(load, STEP), load))
+    if kind == "cld":
+        x = 5e-3 * np.abs((time / 10.0 + 1.0) % 2.0 - 1.0)
+    else:
+        x = 5e-3 * np.clip(time - 1.0, 0.0, 1.0)
+    return np.column_stack((time, x, compute_force(x, STEP)))
+
+
+@pytest.mark.parametrize("name", ["Crosshead", "Kolbenweg", "Displacement"])
+@pytest.mark.parametrize("scale", [1.0, 0.02])
+@pytest.mark.parametrize("kind", ["relaxation", "creep", "loops", "cld"])
+def test_displacement_of_a_crosshead_is_doubted(
+    kind: str, scale: float, name: str, tmp_path: Path
+) -> None:
+    """A seal of a fiftieth of the stiffness takes a fiftieth of the deflection: it is no doubt."""
+    time, x, force = make_record(kind).T
+    random, force = np.random.default_rng(3), scale * force
+    x = x + COMPLIANCE * force + 1e-8 * random.standard_normal(len(x))
+    force = force + 1e-3 * scale * random.standard_normal(len(x))
+    np.savetxt(
+        tmp_path / "record.csv",
+        np.column_stack((time, 1e3 * x, force)),
+        delimiter=",",
+        header=f"time [s],{name} [mm],force [N]",
+        comments="",
+        fmt="%.7f",
+    )
+    result = dp.fit(dp.read(tmp_path / "record.csv"))
+    doubts = {check.name for check in result.checks if check.failed}
+    is_doubted = name != "Displacement" and scale == 1.0
+    assert ("machine_deflection_small" in doubts) is is_doubted
+    assert not (is_doubted and result.verdict.use == "use")
