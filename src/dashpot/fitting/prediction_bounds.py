@@ -360,7 +360,7 @@ def _draw_stiffnesses(fit: Fit, omega: FloatArray) -> ComplexArray:
     N = fit.model.arms
     k = np.maximum(draws[:, 1 : 1 + N], 0.0)
     x = omega * np.exp(np.clip(draws[:, 1 + N : 1 + 2 * N], -60.0, 60.0))[..., None]
-    loss = k[..., None] * x / (1 + x * x)  # real arithmetic takes a third of complex
+    loss = k[..., None] * x / (1 + x * x)
     K = np.maximum(draws[:, :1], 0.0) + (loss * x).sum(axis=1) + 1j * loss.sum(axis=1)
     b = np.maximum(draws[:, -1:], 0.0) if "b" in names else np.full((DRAWS, 1), fit.model.b)
     return np.asarray(K + 1j * omega * b)

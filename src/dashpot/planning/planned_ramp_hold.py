@@ -82,8 +82,8 @@ class Bench(PlannedRamp):
         t = self.time()
         is_held = t > self.ramp_time
         age = t - self.ramp_time * is_held
-        groups = np.floor(np.log(age * self.rate) / _GROUP_DURATION) + np.where(is_held, 1e6, 0.0)
-        starts = np.flatnonzero(np.diff(groups, prepend=-np.inf))
+        groups = np.floor(np.log(age * self.rate) / _GROUP_DURATION)
+        starts = np.flatnonzero(np.append(True, (np.diff(groups) != 0) | np.diff(is_held)))
         counts = np.diff(starts, append=len(t))
         return np.add.reduceat(t, starts) / counts, counts
 
