@@ -184,7 +184,7 @@ OF_REST = frozenset({
     "curve_level_at_end",
     "strain_small", "hold_long_enough", "tangent_determined", "stiffness_of_one_seal",
     "flow_distinguished",
-    "creep_finished",
+    "creep_finished", "machine_deflection_small",
 })  # fmt: skip
 OF_LOSS = frozenset({
     "fast_arm_visible", "valid_band_exists", "loss_positive", "kramers_kronig", "arms_distinct",

@@ -49,6 +49,7 @@ def page(levels: AmplitudeResult) -> KindPage:
         "law_residual_small",
         "levels_residual_small",
         "no_hidden_cubic_spring",
+        "machine_deflection_small",
     }
     loss = {"loss_residual_small"}
     topics = [Topic("Record"), Topic("Stiffness", stiff)]
