@@ -240,7 +240,7 @@ class AdmissibleSpectra:
         r"""Relaxation :math:`k_\infty + \sum_j k_j e^{-t/\tau_j}` of unit columns, shape (m,)."""
         return np.concatenate(([1.0, 0.0], np.exp(-time / self.tau)))
 
-    def slope_limits_at(self, time: float) -> FloatArray:
+    def slope_at(self, time: float) -> FloatArray:
         r"""Return its slope :math:`-dk/d\ln t` of unit columns, shape (m,)."""
         x = time / self.tau
         return np.concatenate(([0.0, 0.0], x * np.exp(-x)))
@@ -383,7 +383,7 @@ def compute_end_limits(
     """
     if spectra is None:
         spectra = spectra_of_holds(relaxations, time=time, model=model, dof=dof, level=level)
-    falling = spectra.slope_limits_at(time)
+    falling = spectra.slope_at(time)
     end = EndOfHold(
         end_time=time,
         k_end=compute_nonnegative_limits(spectra, spectra.relaxed_to(time)),

@@ -28,7 +28,7 @@ MAX_MISFIT = 0.05
 # largest residual of a joint model, over that of the fits alone
 MORE_TOGETHER = 1.3
 # scatter so many times as large is another solid
-CONTRADICTION = 3.0
+CONTRADICTION_RATIO = 3.0
 # a plateau is known if no spectrum falls below this part of it within ten times the curve
 LEVEL = 0.8
 # a curve that ended before it relaxed falls at its end by as much as it ever did
@@ -321,7 +321,7 @@ def few_arms_sufficient(
     "scatter jointly / alone",
     "<=",
     MORE_TOGETHER,
-    other_grade=f"2.5 sd of what chance shows in few lines; stop beyond {CONTRADICTION:g}",
+    other_grade=f"2.5 sd of what chance shows in few lines; stop beyond {CONTRADICTION_RATIO:g}",
     fit_status=Status.TESTS_DISAGREE,
 )
 def data_agree(spread: Sequence[float], names: Sequence[str], freedom: Sequence[float]) -> Finding:
@@ -346,7 +346,7 @@ def data_agree(spread: Sequence[float], names: Sequence[str], freedom: Sequence[
         "has the tangent stiffness, a press from zero the secant",
         "Check that specimen, length, temperature and depth are the same.",
         limit=float(limits[worst]),
-        grade="stop" if spread[worst] > CONTRADICTION else None,
+        grade="stop" if spread[worst] > CONTRADICTION_RATIO else None,
     )
 
 

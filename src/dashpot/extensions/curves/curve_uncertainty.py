@@ -279,7 +279,7 @@ def spectra_of_curve(
 
 def end_of_curve(
     data: CurveData,
-    curve_end: Ended,
+    curve_kind: Ended,
     *,
     time: float,
     model: GeneralizedMaxwell,
@@ -294,7 +294,7 @@ def end_of_curve(
     Parameters
     ----------
     data : CurveData
-    curve_end : str
+    curve_kind : str
         What it is of: a modulus over time, storage and loss, or a compliance.
     time : float
         T, s; of a sweep 1/omega of its lowest line.
@@ -310,25 +310,25 @@ def end_of_curve(
     if spectra is None:
         spectra = spectra_of_curve(data, time=time, extra=extra, level=level)
 
-    def limit_functional(times: float) -> Interval:
-        return _compute_curve_limits(spectra, curve_end, times * time)
+    def compute_limits(times: float) -> Interval:
+        return _compute_curve_limits(spectra, curve_kind, times * time)
 
-    k_end, rest = limit_functional(1), limit_functional(AT_REST if curve_end == "creep" else np.inf)
-    if curve_end == "creep":
+    k_end, rest = compute_limits(1), compute_limits(AT_REST if curve_kind == "creep" else np.inf)
+    if curve_kind == "creep":
         # k = 1/J falls by J'/J^2
         slope_limit = (
             compute_upper_limit(spectra, _compute_creep_slope(spectra, time)) * k_end[1] ** 2
         )
     else:
-        slope_limit = compute_upper_limit(spectra, spectra.slope_limits_at(time))
+        slope_limit = compute_upper_limit(spectra, spectra.slope_at(time))
     end = EndOfHold(
         end_time=time,
         k_end=k_end,
-        k_3end=limit_functional(3),
-        k_10end=limit_functional(10),
+        k_3end=compute_limits(3),
+        k_10end=compute_limits(10),
         k_inf=(0.0, rest[1]),
         slope_limit=slope_limit,
-        test_kind=curve_end,
+        test_kind=curve_kind,
     )
     return end.widen_to_contain(model)
 
@@ -343,16 +343,16 @@ def _compute_creep(spectra: AdmissibleSpectra, time: float) -> FloatArray:
 
 def _compute_creep_slope(spectra: AdmissibleSpectra, time: float) -> FloatArray:
     r"""Return its slope :math:`dJ/d\ln t` of unit columns, shape (m,)."""
-    slope = spectra.slope_limits_at(time)
+    slope = spectra.slope_at(time)
     slope[1] = time
     return slope
 
 
-def _compute_curve_limits(spectra: AdmissibleSpectra, curve_end: Ended, time: float) -> Interval:
+def _compute_curve_limits(spectra: AdmissibleSpectra, curve_kind: Ended, time: float) -> Interval:
     """Return limits of k(t), K'(1/t) or 1/J(t)."""
-    if curve_end == "sweep":
+    if curve_kind == "sweep":
         return compute_nonnegative_limits(spectra, spectra.stiffness_at(1 / time)[0])
-    if curve_end == "creep":
+    if curve_kind == "creep":
         least, most = compute_nonnegative_limits(spectra, _compute_creep(spectra, time))
         return (1 / most if most > 0 else np.inf), (1 / least if least > 0 else np.inf)
     return compute_nonnegative_limits(spectra, spectra.relaxed_to(time))

@@ -97,8 +97,8 @@ def _refuse_beside_modulus(options: BenchFitOptions, *, others: int) -> None:
             "a relaxation modulus is fitted alone, or with others at other temperatures: fit "
             "the other tests one by one"
         )
-    defaults = options.nothing_of("method", "depth_law", "family")
-    if options.filter or options.law == "nonlinear" or not defaults:
+    is_default = options.nothing_of("method", "depth_law", "family")
+    if options.filter or options.law == "nonlinear" or not is_default:
         raise FitError(
             "a relaxation modulus is fitted without --method hold, --elastic, --filter and "
             "--model: it is the response to a step already, of a linear model with arms"

@@ -85,21 +85,21 @@ def recognise_material_record(
 def _relaxes_in_holds(time: FloatArray, strain: FloatArray, stress: FloatArray) -> bool:
     """Return whether holds after moves fill half of the record, and the stress falls in most.
 
-    After an unloading it may rise, so only holds after a loading show.
+    After an unloading it may rise, so only holds after a loading count.
     """
     _, segments = find_rising_sign(time, strain)
-    hold_count, falling, loaded = 0, 0, 0
+    held_samples, falling, loaded = 0, 0, 0
     for before, hold in pairwise(segments):
         if hold.kind != "hold" or before.kind == "hold":
             continue
         part = stress[hold.first : hold.last + 1]
-        hold_count += len(part)
+        held_samples += len(part)
         if before.kind == "load":
             tenth = max(len(part) // 10, 1)
             first, last = abs(float(part[:tenth].mean())), abs(float(part[-tenth:].mean()))
             falling += first - last > _RELAXED * first
             loaded += 1
-    return hold_count >= _HELD_PART * len(time) and 2 * falling > loaded
+    return held_samples >= _HELD_PART * len(time) and 2 * falling > loaded
 
 
 def read_strain_and_stress(file: OpenedFile, specimen: Specimen) -> dict[str, Any]:
@@ -151,13 +151,13 @@ def refuse_material_sizes(
     ------
     ReadError
     """
-    strain_channel, pushed = chosen[-2:]
+    strain_channel, stress_channel = chosen[-2:]
     far, most = (float(np.abs(signal).max(initial=0.0)) for signal in (strain, stress))
     word = strain_channel.unit.word
     of_strain: list[Check] = [strain_not_large(far, word)]
     if zero_known:
         of_strain.append(strain_not_small(far, word))
-    of_stress: list[Check] = [stress_of_a_rubber(most, pushed.unit.word)]
+    of_stress: list[Check] = [stress_of_a_rubber(most, stress_channel.unit.word)]
     if far > 0:
-        of_stress.append(modulus_of_a_rubber(most / far, pushed.unit.word))
-    channels.refuse_sizes(file, [(strain_channel, of_strain), (pushed, of_stress)])
+        of_stress.append(modulus_of_a_rubber(most / far, stress_channel.unit.word))
+    channels.refuse_sizes(file, [(strain_channel, of_strain), (stress_channel, of_stress)])

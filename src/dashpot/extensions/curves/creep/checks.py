@@ -28,7 +28,7 @@ MAX_LOAD_CHANGE = 0.02
 # of the displacement at rest that the hold did not show
 MAX_TO_COME = 0.05
 # a difference of BIC below which two solids are as good
-MIN_FLOW_RATIO = 10.0
+MIN_BIC_DIFFERENCE = 10.0
 # a displacement missed by so many times its noise is not followed
 MISSED, NOT_FOLLOWED = 2.0, 10.0
 # of the displacement at the end of a hold: a flow of less may be a slow retardation
@@ -148,7 +148,7 @@ def creep_finished(creep: CreepSpectrum, hold: float) -> Finding:
     )
 
 
-@criterion("difference of BIC", ">=", MIN_FLOW_RATIO, "our choice: 1 to 150 in likelihood")
+@criterion("difference of BIC", ">=", MIN_BIC_DIFFERENCE, "our choice: 1 to 150 in likelihood")
 def flow_distinguished(flows: bool, difference: float, se_of_flow: float | None) -> Finding:
     """The data distinguish a part that comes to rest from one that flows."""
     word, other = ("flows", "comes to rest") if flows else ("comes to rest", "flows")

@@ -66,13 +66,13 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
     """
     record = load_hold(test) if isinstance(test, CreepTest) else test
     fit = fit_creep(record)
-    ratio = record.displacement - fitted_displacement(fit, record)
+    remainder = record.displacement - fitted_displacement(fit, record)
     if not estimate_preload_baseline(record).knows_drift:
         drift = sum(
             nuisance.value for nuisance in fit.estimate.nuisance if nuisance.name == "drift"
         )
-        ratio = ratio + drift * (record.time - record.time[0])
-    ratio = ratio[record.hold] / record.level
+        remainder = remainder + drift * (record.time - record.time[0])
+    remainder = remainder[record.hold] / record.level
     since = record.time[record.hold] - (record.onset + record.ramp_end) / 2
     shortest = max(_OF_THE_RAMP * record.ramp_time, _MIN_SAMPLES * float(np.median(np.diff(since))))
     ends = np.arange(np.log10(shortest), np.log10(since[-1]) + 1e-9, 1 / _PER_DECADE)
@@ -87,7 +87,7 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
         )
     time, mean = (
         np.bincount(which, values, minlength=len(counts))[full] / counts[full]
-        for values in (since, ratio)
+        for values in (since, remainder)
     )
     return CreepCompliance(
         time,

@@ -88,7 +88,7 @@ from dashpot.signals.segments import find_segments
 from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# retardations of the first solution, which shows the velocity
+# retardations of the first solution, which gives the velocity
 _FIRST_ORDER = 2
 _FEWEST = 5
 # retardations faster than so many times what the load resolves are none

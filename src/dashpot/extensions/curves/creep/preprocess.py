@@ -246,7 +246,7 @@ def _insert_corners(
 ) -> FloatArray:
     """Corners, and more between them wherever the load is not straight."""
     arrays, stack = [corners], list(pairwise(corners.tolist()))[::-1]
-    points = set(stack)
+    original_spans = set(stack)
     while stack:
         low, high = stack.pop()
         span = slice(*np.searchsorted(time, [low, high]).tolist())
@@ -256,7 +256,7 @@ def _insert_corners(
         line = np.column_stack((np.ones(len(t)), t - t[0]))
         remainder = f - line @ np.linalg.lstsq(line, f, rcond=None)[0]
         if _is_noise(remainder, noise, _UNLIKELY_SD):
-            if (low, high) not in points:
+            if (low, high) not in original_spans:
                 pieces = min(_QUARTERS, len(t) // _MIN_READINGS)
                 arrays.append(np.linspace(low, high, pieces + 1))
             continue

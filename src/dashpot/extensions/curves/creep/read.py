@@ -72,7 +72,7 @@ def creep_in(file: OpenedFile, specimen: Specimen) -> CreepTest | CreepComplianc
     named = ["displacement", "force", "stress", "strain", "creep_compliance"]
     likely: list[FileKind] = ["creep", "relaxation", "cld"]
     if wanted is _MATERIAL and (file.options.rate or _suits(file, "time", _NAMED_SCORE)):
-        likely.append("stress-strain")  # what moves in it shows
+        likely.append("stress-strain")  # what moves in it decides
     channels.expect(file, likely, "a creep test is", stated_columns=named)
     if wanted is _CURVE:
         return _curve(file, *add_specimen_temperature(file, specimen))

@@ -201,11 +201,11 @@ def _search_shifts(
     if vertical != "auto":
         return best, how, (followed,)
     other = next(spectrum for name, spectrum in spectra.items() if name != how)
-    ratio = float(np.abs(other.ln_a - spectra[how].ln_a).max()) / _LN10
+    difference = float(np.abs(other.ln_a - spectra[how].ln_a).max()) / _LN10
     # the support of a spectrum is a rough count: what both measures say is known
     taken = spectra[how]
     margin = min(other.bic - taken.bic, other.deviance - taken.deviance)
-    return best, how, (vertical_shift_determined(how, margin, ratio), followed)
+    return best, how, (vertical_shift_determined(how, margin, difference), followed)
 
 
 def _apply_stated_shifts(
@@ -281,8 +281,8 @@ def _solid(
     Its times end where the data do, but for half a decade where the loss still shows an arm: an
     arm of which only the tail was measured can have any stiffness.
     """
-    ratio = _LN10 / 2 if isotherms[0].domain == "frequency" else 0.0
-    ln_tau = grid_of(isotherms, best.ln_a, ratio)
+    excess = _LN10 / 2 if isotherms[0].domain == "frequency" else 0.0
+    ln_tau = grid_of(isotherms, best.ln_a, excess)
     spectrum = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau)
     h, tau = spectrum.optimum.beta, np.exp(ln_tau)
     if isotherms[0].domain == "creep":

@@ -20,7 +20,7 @@ CHANCE = 0.0027
 # a misfit of this part of the peak force is rounding; of that one, no solid of these tests
 ROUNDING, TOO_MUCH = 5e-6, 1e-3
 # how much further a decade of tau may shift: K at the resonance then is still inside its errors
-MAX_DIFFERENCE = 0.05
+MAX_SHIFT_SLOPE = 0.05
 # K over a record
 STEADY = 1.0
 # of ln b_T: rubbers, filled ones too, stay within a few per cent of T/T_r over a tested step
@@ -52,7 +52,7 @@ def thermorheologically_simple(
             f"By the data alone slow arms shift {100 * slope[0]:+.2g} ± {100 * slope[1]:.1g} % "
             "further per decade"
         )
-        faulted = abs(slope[0]) > MAX_DIFFERENCE
+        faulted = abs(slope[0]) > MAX_SHIFT_SLOPE
     missed = (
         f"One model does not explain the tests: it misses the force by {100 * excess:.2g} % of the "
         "peak. The arms do not shift together, or a temperature drifted"

@@ -21,7 +21,7 @@ from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.input_tests import temperatures_of
 from dashpot.numerics.inference.model_order import DECISIVE, OrderChoice, select_model_order
 
-# what is known of how arms shift apart: two temperatures hardly show, three do
+# what is known of how arms shift apart: two temperatures hardly determine it, three do
 _SLOPE_OF_TWO, _SLOPE = 0.03, 0.3
 
 

@@ -55,7 +55,7 @@ class SingleTemperatureTest:
     record : RampHold
     temperature : float
         K.
-    unshifted_block : DataBlock
+    block_without_warming : DataBlock
         The data, with the columns of its load cell and of its clock.
     spread : float
         Standard deviation of one independent residual, N.
@@ -73,7 +73,7 @@ class SingleTemperatureTest:
 
     record: RampHold
     temperature: float
-    unshifted_block: DataBlock
+    block_without_warming: DataBlock
     spread: float
     effective: float
     chi_square: float
@@ -105,8 +105,8 @@ class SingleTemperatureTest:
     def block(self) -> DataBlock:
         """The data with every column that is the test's own."""
         if self.warming is None:
-            return self.unshifted_block
-        return self.unshifted_block.with_column(WARMED, self.warming)
+            return self.block_without_warming
+        return self.block_without_warming.with_column(WARMED, self.warming)
 
     @cached_property
     def terms(self) -> NuisanceTerms:
