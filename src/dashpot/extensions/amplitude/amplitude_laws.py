@@ -56,7 +56,7 @@ class FittedLaw:
         lost, half_way, exponent and k3, those that the law has.
     se : dict of str to float
         Their standard errors; 0 for an exponent that was set.
-    residual : complex array, shape (n,)
+    residuals : complex array, shape (n,)
         Fit less sample, over the size of the sample.
     loss_left : float
         What is left of the loss over the loss, rms, of the worst third of the amplitudes.
@@ -73,7 +73,7 @@ class FittedLaw:
     linear_se: ComplexArray
     numbers: dict[str, float]
     se: dict[str, float]
-    residual_lines: ComplexArray
+    residuals: ComplexArray
     loss_left: float
     bic: float
     deviance: float
@@ -88,13 +88,13 @@ class FittedLaw:
     @property
     def loss_deviance(self) -> float:
         """As `deviance`, of the losses alone."""
-        n, residual = len(self.residual_lines), self.residual_lines.imag
+        n, residual = len(self.residuals), self.residuals.imag
         return deviance(float(residual @ residual) / n, effective=n, floor=_ROUNDING_POWER / n)
 
     @property
     def residual(self) -> float:
         """Rms of what is left, of either part."""
-        return float(np.sqrt((np.abs(self.residual_lines) ** 2).mean() / 2))
+        return float(np.sqrt((np.abs(self.residuals) ** 2).mean() / 2))
 
 
 def fit_sweep_law(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> FittedLaw:

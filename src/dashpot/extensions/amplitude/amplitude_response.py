@@ -59,7 +59,7 @@ HITS = ("impact",)
 """Kinds of files that, as responses, show what a mass on the seals does."""
 _LOOPS = tuple(kind for kind in get_args(Loading) if kind in KINDS_OF_FILE)
 """What a record of time, displacement and force is taken for; here it is one of loops."""
-_SAME_TONE_DEVIANCE = 10.0
+_MIN_BIC_DIFFERENCE = 10.0
 """Difference of BIC below which two laws of a sweep are not distinguished."""
 VANISHING = 1e-9
 """A level, N or m/s^2, at which nothing that slips does."""
@@ -522,6 +522,6 @@ def _rivals(law: AmplitudeFit, sweep: AmplitudeSweep) -> tuple[AmplitudeFit, ...
     kraus, plus, spring = law.law.partition("+")
     other = {"factor": "additive", "additive": "factor"}.get(kraus, "") + plus + spring
     scores = dict(law.orders)
-    if other not in scores or scores[other] > scores[law.law] + _SAME_TONE_DEVIANCE:
+    if other not in scores or scores[other] > scores[law.law] + _MIN_BIC_DIFFERENCE:
         return ()
     return (fit_amplitude(sweep, law=other),)

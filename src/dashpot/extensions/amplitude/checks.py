@@ -14,7 +14,7 @@ from dashpot.vibration.impact.checks import MIN_HITS, SOFTENING
 SIGNIFICANT_DEVIANCE = 20.0
 FAR_ENOUGH = 2.0
 MAX_HIDDEN_CUBIC = 0.1
-MAX_CLIPPED_SHARE = 0.1
+MAX_RESIDUAL_SHARE = 0.1
 """Part of F/X that is left where nothing was explained."""
 
 
@@ -26,7 +26,12 @@ MAX_CLIPPED_SHARE = 0.1
     grade="note",
 )
 def amplitude_dependence_detected(
-    gain: float, amplitudes: tuple[float, float], subject: str, by: str, *, is_fitted: bool = True
+    gain: float,
+    amplitudes: tuple[float, float],
+    subject: str,
+    by: str,
+    *,
+    is_explained: bool = True,
 ) -> Finding:
     """Stiffness or loss changes with amplitude, as with friction or a cubic spring."""
     low, high = amplitudes
@@ -39,7 +44,7 @@ def amplitude_dependence_detected(
         f"{by} explains what arms alone do not (2 ln L = {gain:.3g})",
         gain,
         failure=linear
-        if is_fitted
+        if is_explained
         else "Neither friction nor a cubic spring nor arms alone explain the tests "
         f"(2 ln L = {gain:.3g})",
         remedy="Test at larger amplitudes, if the part moves farther in use.",
@@ -204,7 +209,7 @@ def levels_residual_small(residual: float, noise: float | None) -> Finding:
         residual / noise,
         "No arms, sliders and cubic spring explain every amplitude",
         Remedy("Check the mass, the order of the amplitudes, and the phase.", "amplitude"),
-        grade="stop" if residual > MAX_CLIPPED_SHARE else "limit",
+        grade="stop" if residual > MAX_RESIDUAL_SHARE else "limit",
     )
 
 

@@ -114,9 +114,9 @@ class AmplitudeSweep(EqualByValue, HasSummary):
     @property
     def _table_columns(self) -> Series:
         """Storage and loss over amplitude."""
-        unit, strain_unit = self.unit, "m" if self.of == "m" else "1"
+        unit, amplitude_unit = self.unit, "m" if self.of == "m" else "1"
         return collect_arrays(
-            self, amplitude=strain_unit, frequency="Hz", storage=unit, loss=unit, sd=unit
+            self, amplitude=amplitude_unit, frequency="Hz", storage=unit, loss=unit, sd=unit
         )
 
     @property

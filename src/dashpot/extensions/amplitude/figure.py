@@ -155,14 +155,12 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
 
 
 def _draw_loop_panels(
-    loops: Sequence[tuple[str, Sequence[Line]]], motion_name: str, pushed: str, unit: str
+    loops: Sequence[tuple[str, Sequence[Line]]], x_label: str, y_label: str, unit: str
 ) -> Iterator[Panel]:
     """Small multiples on one pair of scales."""
     every = [line for _, lines in loops for line in lines]
-    x = Scale(
-        f"{motion_name}, 1", compute_padded_limits(*(line.x for line in every)), ticks=(-1, 0, 1)
-    )
-    y = Scale(f"{pushed}, {unit}", compute_padded_limits(*(line.y for line in every)))
+    x = Scale(f"{x_label}, 1", compute_padded_limits(*(line.x for line in every)), ticks=(-1, 0, 1))
+    y = Scale(f"{y_label}, {unit}", compute_padded_limits(*(line.y for line in every)))
     for title, lines in loops:
         yield Panel(x, y, tuple(lines), title=title, height=_LOOP_HEIGHT)
 
@@ -281,15 +279,15 @@ def _close_curve(values: FloatArray) -> FloatArray:
 
 def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Panel]:
     """Return storage and loss, one colour a frequency; the law dashed where it was not measured."""
-    axis_unit, word, mm = "strain", "%", 100.0
+    quantity, word, mm = "strain", "%", 100.0
     if sweep.of != "strain":
-        axis_unit, (word, mm) = "displacement", unit_of(sweep.amplitude, "m")
+        quantity, (word, mm) = "displacement", unit_of(sweep.amplitude, "m")
     letter, (unit, scale) = "E" if sweep.unit == "Pa" else "K", read_as(sweep.unit)
     tones, tone = np.unique(sweep.frequency.round(6), return_inverse=True)
     low, high = float(sweep.amplitude.min()), float(sweep.amplitude.max())
     dense = np.geomspace(low / 1.5, high * 1.5, 200)
     across = Scale(
-        f"amplitude of {axis_unit}, {word}",
+        f"amplitude of {quantity}, {word}",
         compute_padded_log_limits(mm * dense, margin=1.0),
         log=True,
     )

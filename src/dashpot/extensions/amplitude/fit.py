@@ -62,9 +62,9 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     all, and one :math:`\tfrac34 k_3 X^2`. A law is taken where it explains what is left without it
     by 2 ln L > 20, a spring beside Kraus's law where it makes the storage rise again: else it
     is but another way to soften. Kraus's law is a factor, or stands beside the solid: BIC chooses
-    where frequencies differ enough to show; at one frequency the two are the same curve, and the
-    factor is taken for a modulus, the element beside the solid for a stiffness. Where the sweep
-    ends below twice X_c the exponent is set to 0.5.
+    where frequencies differ enough to distinguish them; at one frequency the two are the same
+    curve, and the factor is taken for a modulus, the element beside the solid for a stiffness.
+    Where the sweep ends below twice X_c the exponent is set to 0.5.
 
     Source: G. Kraus (1984); the tie of the loss is the rule of broad friction,
     :math:`K'' = -(2/\pi)\,dK'/d\ln X`.
@@ -93,7 +93,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         )
     back = _way_back(sweep)
     candidates = _sort_candidate_laws(sweep, law)
-    stray = _strays(sweep, candidates[0].residual_lines) & varied
+    stray = _strays(sweep, candidates[0].residuals) & varied
     if stray.any() and np.count_nonzero(~stray) >= _MIN_SAMPLES:
         sweep = sweep.only(~stray)
         candidates = _sort_candidate_laws(sweep, law)
@@ -107,7 +107,9 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     range_ = (float(sweep.amplitude.min()), float(sweep.amplitude.max()))
     followed = law_residual_small(best.residual)
     followed_well = bool(followed.passed)
-    detection = amplitude_dependence_detected(gain, range_, sweep.of, by, is_fitted=followed_well)
+    detection = amplitude_dependence_detected(
+        gain, range_, sweep.of, by, is_explained=followed_well
+    )
     checks: list[Check] = [
         *([detection] if varied else []),
         amplitudes_spread(range_[1] / range_[0], sweep.of),

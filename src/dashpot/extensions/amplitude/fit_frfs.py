@@ -14,7 +14,7 @@ from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.base.value_ranges import SIZES, format_quantity_short
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.amplitude.checks import (
-    MAX_CLIPPED_SHARE,
+    MAX_RESIDUAL_SHARE,
     SIGNIFICANT_DEVIANCE,
     amplitude_dependence_detected,
     amplitudes_spread,
@@ -152,7 +152,7 @@ def fit_levels(
                 range_,
                 "m",
                 by,
-                is_fitted=bool(followed.passed),
+                is_explained=bool(followed.passed),
             ),
             amplitudes_spread(range_[1] / range_[0], "m"),
             followed,
@@ -171,7 +171,7 @@ def _draws(
 ) -> tuple[Parts, ...]:
     """Return the same fit of records that chance might have given."""
     rng, inertia = np.random.default_rng(seed), problem.inertia * problem.omega**2
-    direct = K + best.residual_lines / best.problem.weight - inertia  # F/X of the fit itself
+    direct = K + best.residuals / best.problem.weight - inertia  # F/X of the fit itself
     scatter = best.residual / np.sqrt(2)
     data = replace(
         problem, weight=best.problem.weight, harmonic_factor=best.problem.harmonic_factor
@@ -197,17 +197,17 @@ class _TermsOptimum:
     problem: _LineData
     terms: tuple[Term, ...]
     k: FloatArray
-    residual_lines: ComplexArray
+    residuals: ComplexArray
 
     @property
     def residual(self) -> float:
         """Rms of what is left of F/X."""
-        return float(np.sqrt((np.abs(self.residual_lines) ** 2).mean()))
+        return float(np.sqrt((np.abs(self.residuals) ** 2).mean()))
 
     @property
     def deviance(self) -> float:
         """Minus twice the log likelihood, but for a constant."""
-        rss = 2 * len(self.residual_lines) * float(np.log(max(self.residual**2, 1e-20)))
+        rss = 2 * len(self.residuals) * float(np.log(max(self.residual**2, 1e-20)))
         return rss - 4 * float(np.log(self.problem.weight).sum())
 
     @property
@@ -282,9 +282,9 @@ class _LineData:
         up, down = (stiffness_at(parts, self.omega, X * at, self.inertia) for at in (1 + h, 1 - h))
         slope, direct = (up - down) / (2 * h), K - self.inertia * self.omega**2
         size = np.abs(direct) ** 2 + np.abs(slope) ** 2 / 2 + (direct * slope.conj()).real
-        nonlinear_response = with_third_harmonic(parts, self.omega, X, self.inertia)
+        harmonic_factor = with_third_harmonic(parts, self.omega, X, self.inertia)
         return replace(
-            self, weight=self.reliability / np.sqrt(size), harmonic_factor=nonlinear_response
+            self, weight=self.reliability / np.sqrt(size), harmonic_factor=harmonic_factor
         )
 
     def _columns(self, terms: tuple[Term, ...]) -> ComplexArray:
@@ -333,11 +333,11 @@ def rows_at_level(
     receptance = lines.to(Kind.RECEPTANCE, mass=mass)
     direct = 1 / receptance.value
     K = (direct + mass * lines.omega**2) / seals
-    weight = seals / np.abs(direct) * _compute_estimate(lines)
+    weight = seals / np.abs(direct) * _compute_reliability(lines)
     return lines.omega, np.abs(receptance.value) * pull, K, np.asarray(weight)
 
 
-def _compute_estimate(lines: FRF) -> FloatArray:
+def _compute_reliability(lines: FRF) -> FloatArray:
     """Return how well lines are known beside most, by the error that the FRF states: at most 1."""
     if lines.line_scatter is None:
         return np.ones(len(lines.value))
@@ -364,6 +364,6 @@ def _noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> float | No
         for residual in residuals
         for values in np.array_split(np.abs(residual), max(len(residual) // _NEIGHBOUR_LINES, 1))
     ]
-    size = [min(float(np.median(values)) / _THIRD, MAX_CLIPPED_SHARE) for values in near]
+    size = [min(float(np.median(values)) / _THIRD, MAX_RESIDUAL_SHARE) for values in near]
     rms = np.sqrt(np.average(np.square(size), weights=[len(values) for values in near]))
     return max(float(rms), FLOOR)

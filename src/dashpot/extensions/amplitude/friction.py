@@ -268,13 +268,13 @@ class RelativeToAmplitude(AmplitudeDependent):
     element at X.
     """
 
-    model: AmplitudeDependent
+    element: AmplitudeDependent
     amplitude: float
 
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Change of the equivalent stiffness, N/m."""
-        values = self.model.equivalent(omega, max(self.amplitude, _VANISHING))
-        return self.model.equivalent(omega, amplitude) - values
+        values = self.element.equivalent(omega, max(self.amplitude, _VANISHING))
+        return self.element.equivalent(omega, amplitude) - values
 
     def start(self) -> Any:
         """Refused: a change of stiffness has no path.
@@ -291,4 +291,4 @@ class RelativeToAmplitude(AmplitudeDependent):
 
     def __mul__(self, count: float) -> RelativeToAmplitude:
         """`count` in parallel."""
-        return replace(self, model=self.model * count)
+        return replace(self, element=self.element * count)

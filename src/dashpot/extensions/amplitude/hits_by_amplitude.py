@@ -188,8 +188,8 @@ def hits_as_levels(frf: FRF, *, band: tuple[float, float] | None = None) -> HitL
     if not modes or trend is None:
         total = sum(hit.amplitude is not None for hit in frf.hits)
         raise DataError(
-            f"{total} hits whose resonance is shown, and too few or too alike in height; expected "
-            "four or more, from soft to hard"
+            f"{total} hits have a resonance, too few or too alike in height; expected four or "
+            "more, from soft to hard"
         )
     checks = (
         *(check for check in frf.checks if check.name == high_frequency_mass_agrees.name),

@@ -64,7 +64,7 @@ class LevelPrediction(Prediction):
 
     @property
     def resonances(self) -> tuple[LevelResonance, ...] | tuple[PreloadedLevel, ...]:
-        """The resonance at each level, by whatever shows it."""
+        """The resonance at each level, by the sweep or by the preloaded mass."""
         return self.levels or self.preloaded
 
     @property

@@ -620,11 +620,13 @@ class _PressedBalance:
         A[..., 2:, 0] = tangent[..., None] / K / (omega * tau)
         A[..., range(2, 2 + len(g)), range(2, 2 + len(g))] = -1 / (omega * tau)
         first, second = A[:, 0], A[:, 1]
-        transition = width / 2 * (first + second) + np.sqrt(3) / 12 * width**2 * (
+        magnus_exponent = width / 2 * (first + second) + np.sqrt(3) / 12 * width**2 * (
             second @ first - first @ second
         )
-        square, values = transition @ transition / 12, np.eye(2 + len(g))
-        steps = np.linalg.solve(values - transition / 2 + square, values + transition / 2 + square)
+        square, values = magnus_exponent @ magnus_exponent / 12, np.eye(2 + len(g))
+        steps = np.linalg.solve(
+            values - magnus_exponent / 2 + square, values + magnus_exponent / 2 + square
+        )
         while len(steps) > 1:  # a power of two of them, the later on the left
             steps = steps[1::2] @ steps[::2]
         result = np.linalg.eigvals(steps[0])

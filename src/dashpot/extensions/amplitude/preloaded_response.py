@@ -31,7 +31,7 @@ from dashpot.vibration.mass_on_seals import MassOnSeals, add_mount_mass
 _LINES, _FINE, _LINE_RANGE = 121, 21, (0.25, 2.5)
 """Lines over the band and about the linear resonance, about the largest of these, and how far the
 search goes."""
-_MIN_ORBITS, _MIN_HARMONIC_SHARE, _MAX_HALF_WIDTH = 3, 1e-3, 1.0
+_REPORTED_HARMONICS, _MIN_HARMONIC_SHARE, _MAX_HALF_WIDTH = 3, 1e-3, 1.0
 """Harmonics that a text shows, the part of the first below which one is not known, and the half
 width of an interval, in parts of the value, from which on it is none."""
 _UNTESTED_COMPRESSION = 1e-3
@@ -153,13 +153,13 @@ class PreloadedLevel(Serialisable):
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
         """The resonance, mean and harmonics, with their intervals."""
-        interval, loss_interval = self.interval, (np.nan, np.nan)
+        interval, unknown_interval = self.interval, (np.nan, np.nan)
         at = f"at {self.level:.4g} {self.unit}"
 
         def fact(
             name: str, value: float, ends: Ends | None, unit: str, read: str = ""
         ) -> ReportedValue:
-            low, high = ends or loss_interval
+            low, high = ends or unknown_interval
             words = f"{name.replace('_', ' ')} {at}"
             error = None if ends or interval is None else math.inf
             return ReportedValue(name, value, low, high, unit, error, read, words)
@@ -176,7 +176,7 @@ class PreloadedLevel(Serialisable):
             ),
             *(
                 fact(f"harmonic_{h}", amplitudes[h], harmonics[h], "m", "mm")
-                for h in range(1, _MIN_ORBITS + 1)
+                for h in range(1, _REPORTED_HARMONICS + 1)
             ),
         )
 
@@ -373,7 +373,7 @@ class _AtLevels:
             end = at if into is None or last else into.before
             shift = self.preloaded_mass.end_changes(end, self.others)
         else:
-            shift = self._compute_motions(run[best - 1 : best + 2])
+            shift = self._compute_frequency_shifts(run[best - 1 : best + 2])
         frequency = _compute_interval(at.frequency, shift)
         if last:
             return LevelInterval(frequency, None, None, None, magnitude)
@@ -407,7 +407,7 @@ class _AtLevels:
         change = self.preloaded_mass.changes(orbit, self.others)[:, 1]
         return np.asarray(((value - less) / part / value * change).real)
 
-    def _compute_motions(self, three: Sequence[Orbit]) -> FloatArray:
+    def _compute_frequency_shifts(self, three: Sequence[Orbit]) -> FloatArray:
         """By how much the largest response moves in frequency on each of the others, Hz."""
         bend, slope, _ = _parabola(three)
         size = np.log([self.size(orbit) for orbit in three])

@@ -70,7 +70,7 @@ def sweep_of_loops(test: LoopRecord, machine: Machine | None = None) -> Amplitud
     machine.refuse_unused("sync", subject="recorded loops")
     cycles = steady_cycles(test)
     K = np.array([cycle.stiffness for cycle in cycles])
-    unit, strain_unit, pushed = (
+    unit, amplitude_unit, pushed = (
         ("N/m", "m", "force") if isinstance(test, RelaxationTest) else ("Pa", "strain", "stress")
     )
     source = test.source
@@ -83,7 +83,7 @@ def sweep_of_loops(test: LoopRecord, machine: Machine | None = None) -> Amplitud
         K.real,
         K.imag,
         unit,
-        strain_unit,
+        amplitude_unit,
         test.specimen,
         source,
         np.array([cycle.sd for cycle in cycles]),

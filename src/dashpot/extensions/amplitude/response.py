@@ -114,8 +114,8 @@ def stiffness_at(parts: Parts, omega: FloatArray, X: FloatArray, inertia: float)
     )
     K = others.equivalent(omega, X)
     if springs:
-        nonlinear_response = with_third_harmonic(parts, omega, X, inertia)
-        K = K + nonlinear_response * sum(spring.stiffness(X) for spring in springs)
+        harmonic_factor = with_third_harmonic(parts, omega, X, inertia)
+        K = K + harmonic_factor * sum(spring.stiffness(X) for spring in springs)
     return np.asarray(K)
 
 
