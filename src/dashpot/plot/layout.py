@@ -172,8 +172,8 @@ def lay_out(strip: tuple[Panel, ...], width: float) -> StripLayout:
     for i, panel in enumerate(strip):
         last = i == len(strip) - 1
         named = y + (ROW + 4) * bool(panel.title)
-        has_axes = not (panel.drawing or panel.without_axes)
-        above = 4 + ROW * (has_axes + _rows_above(panel, inner_width))
+        has_y_label = not (panel.drawing or panel.without_y_label)
+        above = 4 + ROW * (has_y_label + _rows_above(panel, inner_width))
         box = Box(left, named + above, inner_width, panel.height)
         shown, at = panel, ticks[i]
         if panel.square:
@@ -290,7 +290,7 @@ def _wrap_note(panel: Panel, width: float) -> list[str]:
 def _rows_above(panel: Panel, width: float) -> int:
     """Rows of a note over the one that names the upright axis, beside which a short one stands."""
     lines = _wrap_note(panel, width)
-    if panel.without_axes or panel.drawing:
+    if panel.without_y_label or panel.drawing:
         return len(lines) if panel.drawing else 0
     wide = text_width(panel.y.label) + text_width(panel.note) + RIGHT
     return 0 if not lines or wide <= width + 4 else len(lines)
@@ -310,7 +310,9 @@ def _broken(text: str, width: float) -> list[str]:
 def _make_panel_words(panel: Panel, box: Box) -> list[Word]:
     """Return what stands above the axes: what they show upright, the title, a note."""
     words = (
-        [] if panel.without_axes or panel.drawing else [Word(box.x - 4, box.y - 6, panel.y.label)]
+        []
+        if panel.without_y_label or panel.drawing
+        else [Word(box.x - 4, box.y - 6, panel.y.label)]
     )
     for i, line in enumerate(panel.below.split("\n") if panel.below else ()):
         at = box.x + box.width / 2, box.y + box.height + ROW * (i + 1)

@@ -185,7 +185,7 @@ class Panel:
         A few words in the upper right corner.
     square : bool
         A unit of x is as long as one of y.
-    without_axes : bool
+    without_y_label : bool
         What it shows upright is said elsewhere, and not above its axes.
     drawing : bool
         Without axes: a drawing of a thing, whose place in space says nothing.
@@ -200,7 +200,7 @@ class Panel:
     height: float = 190.0
     note: str = ""
     square: bool = False
-    without_axes: bool = False
+    without_y_label: bool = False
     drawing: bool = False
     below: str = ""
 

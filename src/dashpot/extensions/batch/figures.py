@@ -184,7 +184,7 @@ def cpk_picture(capabilities: Sequence[Capability], requested: float | None) -> 
         ends.append(np.array([requested]))
     across = Scale("Cpk", compute_padded_limits(*ends))
     upright = Scale("", (0.0, len(ranked) + 1.0), unnumbered=True)
-    panel = Panel(across, upright, tuple(marks), height=70, without_axes=True)
+    panel = Panel(across, upright, tuple(marks), height=70, without_y_label=True)
     return Picture("cpks", "Cpk of every lot", ((panel,),))
 
 
