@@ -37,7 +37,7 @@ from dashpot.numerics.log_tau_descent import (
 COARSE_TOL = 1e-4
 FLAT_DEVIANCE = 1e-10
 EXTRA_STARTS = 16
-MIN_PRIOR_SHARE = 0.1
+MAX_LN_TAU_SD = 0.1
 #: numbers of arms for which every set of points of a grid is tried, and the points of that grid
 GRID_SEARCH: dict[int, tuple[Callable[[Grid], FloatArray | None], int]] = {
     1: (single, 48),
@@ -123,7 +123,7 @@ class ArmInsertion:
             spread = np.diagonal(np.linalg.inv(point.curvature)) * noise
         except np.linalg.LinAlgError:  # an arm of which nothing is known
             return None
-        if not (spread < MIN_PRIOR_SHARE**2).all():
+        if not (spread < MAX_LN_TAU_SD**2).all():
             return None
         if arms not in GRID_SEARCH and point.sse - self.grid.residual_sse > FAR_DEVIANCE * noise:
             return None

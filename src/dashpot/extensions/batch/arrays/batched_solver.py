@@ -23,7 +23,7 @@ from dashpot.extensions.batch.arrays.shared_sampling import ReducedRecords, Shar
 from dashpot.extensions.batch.arrays.simultaneous_descent import descend_together, points_at
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import PLAIN
-from dashpot.numerics.exponential_fit import MIN_PRIOR_SHARE, Solution, solve
+from dashpot.numerics.exponential_fit import MAX_LN_TAU_SD, Solution, solve
 from dashpot.numerics.log_tau_descent import StackTrial
 
 CHUNK = 128
@@ -210,7 +210,7 @@ def _is_well_determined(
     unit = curvature / np.sqrt(scale[:, :, None] * scale[:, None, :]) + 1e-14 * np.eye(arms)
     variance = np.diagonal(np.linalg.inv(unit), axis1=1, axis2=2) / scale
     noise = (reduced.floor + point.sse) / spare
-    value = (variance > 0) & (variance * noise[:, None] < MIN_PRIOR_SHARE**2)
+    value = (variance > 0) & (variance * noise[:, None] < MAX_LN_TAU_SD**2)
     return np.asarray(value.all(axis=1))
 
 
