@@ -127,7 +127,7 @@ class ComparedValue(NamedTuple):
     a: str
     b: str
     difference: str
-    reference: str
+    agreement: str
     group: str = ""
 
 
@@ -203,7 +203,7 @@ def match_time_constants(
     mates: dict[int, int] = {}
     for value, i, j in near:
         if (
-            value < math.log(view_models.MAX_SAME_SCALE)
+            value < math.log(view_models.MAX_SAME_TAU_FACTOR)
             and i not in mates
             and j not in mates.values()
         ):
@@ -244,7 +244,7 @@ def _format_comparison(a: ComparedFit, b: ComparedFit, rows: list[ComparedValue]
         if answer.quantity in words and answer.quantity in there
     ]
     checked = [
-        row.reference for row in rows if "A's" in row.reference or row.reference == "inside both"
+        row.agreement for row in rows if "A's" in row.agreement or row.agreement == "inside both"
     ]
     inside = sum("inside" in name for name in checked)
     count = f" {inside} of {len(checked)} numbers lie inside what A left open." if checked else ""

@@ -85,7 +85,7 @@ def _card(
     first, *below = panels
     bare = not (first.title or first.note or first.drawing)
     title = first.title or (first.y.label if bare else first.y.label.partition(",")[0])
-    drawing = (replace(first, title="", without_axes=bare), *below)
+    drawing = (replace(first, title="", without_y_label=bare), *below)
     across = across if width >= TWO else 1
     svg = strip(drawing, name=name, width=(width - 8 * (across - 1)) / across - CARD, kind="figure")
     samples = [sample for sample in _samples(drawing, name) if sample[1] in key]

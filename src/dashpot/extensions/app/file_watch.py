@@ -15,9 +15,9 @@ from dashpot.extensions.app.upload_store import LIMIT, Store, get_file_stamp, pa
 class FileWatch:
     """State of open files against the files on disk that they were read from.
 
-    A change is shown by size, times of contents and of the directory entry, and number of the file;
-    one that is still written is left alone until two looks agree. What is read again is a new file
-    of the store, so no result of the old contents can be taken for one of the new.
+    A change is detected by size, times of contents and of the directory entry, and number of the
+    file; one that is still written is left alone until two looks agree. What is read again is a new
+    file of the store, so no result of the old contents can be taken for one of the new.
 
     Parameters
     ----------

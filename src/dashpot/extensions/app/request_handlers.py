@@ -147,7 +147,7 @@ def preview_fit(request: Mapping[str, Any], folder: Path) -> bytes:
         "beside": shown.words,
         "time_limits": _list_time_limits(prepared),
         "end": view_models.format_end_stiffness(dragging, prepared),
-        "left": shown.left_axis,
+        "left": shown.residual_note,
     }
     return wire_format.encode_message(head, shown.arrays)
 

@@ -109,18 +109,16 @@ _before: dict[Job, Fit] = {}
 
 def fit_while_dragging(job: Job) -> Fit:
     """The fit while a handle is held: of a linear solid the one next to that of the cut before."""
-    options, tests = (
-        replace(job, time_limits=TimeLimits()),
-        prepare_job_tests(select_test_choices(job), MAX_PREVIEW_SAMPLES),
-    )
-    near, nearby = _before.get(options), None
+    uncut_job = replace(job, time_limits=TimeLimits())
+    tests = prepare_job_tests(select_test_choices(job), MAX_PREVIEW_SAMPLES)
+    near, nearby = _before.get(uncut_job), None
     if near is not None and len(tests) == 1 and _is_followed(near, job):
         with suppress(FitError):
             nearby = refit_nearby(tests[0], near)
     if len(_before) > MAX_CACHED:
         _before.clear()
-    _before[options] = nearby or fit_job(job, job.arms == "auto", MAX_PREVIEW_SAMPLES)
-    return _before[options]
+    _before[uncut_job] = nearby or fit_job(job, job.arms == "auto", MAX_PREVIEW_SAMPLES)
+    return _before[uncut_job]
 
 
 def _is_followed(near: Fit, job: Job) -> bool:

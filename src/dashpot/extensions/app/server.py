@@ -218,11 +218,11 @@ def application(context: AppContext) -> Starlette:  # noqa: C901 -- a list of ro
     async def example(_: Request) -> Response:
         from dashpot import workflow
 
-        routes = [
+        example_files = [
             {"id": context.store.put(name, workflow.EXAMPLES[name]().encode()), "name": name}
             for name in workflow.FIRST
         ]
-        return JSONResponse({"files": routes, "mass": "114.8g", "seals": 2})
+        return JSONResponse({"files": example_files, "mass": "114.8g", "seals": 2})
 
     async def ask(request: Request) -> Response:
         verb = request.path_params["verb"]

@@ -120,7 +120,7 @@ SHARE = {1: (1.0,), 2: (0.6, 0.4), 3: (0.56, 0.26, 0.18)}
 """Of the height of a drawing, to each of its panels."""
 PULSE, PART = (88, 26), 0.1
 """Size of the drawing of a pulse, px; at which part of its peak it begins and ends."""
-MAX_SAME_SCALE = 3.0
+MAX_SAME_TAU_FACTOR = 3.0
 """Factor within which the arms of two solids stand for the same."""
 SINGLE = 8
 """Arms of a table that is read; more are a spectrum for a solver."""
@@ -167,7 +167,7 @@ def render_panels(
         replace(
             panel,
             height=part * margin,
-            without_axes=without_titles,
+            without_y_label=without_titles,
             title="",
             note="" if without_titles else panel.note,
         )
@@ -423,12 +423,12 @@ def hammer_line(study: Study) -> str:
 class LiveCurves(NamedTuple):
     """Curves by panel and name, in axis units, with texts.
 
-    Of a test in progress, `left_axis` labels the residual of the force.
+    Of a test in progress, `residual_note` labels the residual of the force.
     """
 
     arrays: dict[str, FloatArray]
     words: str
-    left_axis: str = ""
+    residual_note: str = ""
 
 
 def live_test(
@@ -588,7 +588,7 @@ class ArmRow(NamedTuple):
 
 
 def _is_near_any(tau: float, values: Iterable[float]) -> bool:
-    return any(1 / MAX_SAME_SCALE < tau / value < MAX_SAME_SCALE for value in values)
+    return any(1 / MAX_SAME_TAU_FACTOR < tau / value < MAX_SAME_TAU_FACTOR for value in values)
 
 
 def arms_table(fit: Fit, *, single: Fit | None = None) -> str:

@@ -33,7 +33,7 @@ def stop_process_group(leader: int) -> None:
             os.killpg(leader, signal.SIGKILL)
 
 
-def trim_memory(excess: int) -> None:
+def trim_memory(max_bytes: int) -> None:
     """Give memory that is free back to the system, if this process holds more than so many bytes.
 
     Where the C library (of GNU) keeps it; elsewhere nothing is done.
@@ -42,13 +42,13 @@ def trim_memory(excess: int) -> None:
         return
     with suppress(OSError, AttributeError):  # no /proc, or another library of C
         resident = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
-        if resident * os.sysconf("SC_PAGE_SIZE") > excess:
+        if resident * os.sysconf("SC_PAGE_SIZE") > max_bytes:
             import ctypes  # long records alone need it
 
             ctypes.CDLL(None).malloc_trim(0)
 
 
-RECYCLED_BYTES = 200 << 20
+MAX_IDLE_BYTES = 200 << 20
 """Bytes of a worker that has had a long record: what it needed in between it gives back."""
 
 
@@ -74,7 +74,7 @@ def main() -> None:
         preload_templates()
     while True:
         _answer(VERBS, questions.get(), folder, answers)
-        trim_memory(RECYCLED_BYTES)
+        trim_memory(MAX_IDLE_BYTES)
 
 
 def _listen(source: BinaryIO, questions: queue.Queue[bytes], folder: Path) -> None:
