@@ -97,7 +97,7 @@ def build_requested_columns(choices: BatchOptions, unit: str) -> dict[Where, tup
 def chosen_columns(choices: BatchOptions) -> tuple[str, ...]:
     """Return the columns that depend on the choices, all of numbers."""
     requested = (build_requested_columns(choices, unit).values() for unit in ("N/m", "Pa"))
-    names = (name for text in requested for several in text for name in several)
+    names = (name for groups in requested for group in groups for name in group)
     return (*arm_columns(choices.columns), *dict.fromkeys(names))
 
 

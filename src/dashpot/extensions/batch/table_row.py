@@ -96,17 +96,17 @@ def build_rows(
     the specimen's name is added to it. The arguments are those of :func:`row`.
     """
     single_row = row(entry, hashes, choices)
-    # which test strain and stress show, the record of one specimen shows
+    # only the record of one specimen shows of which test strain and stress are
     told_by_record = find_handler("record rule", single_row.get("kind", "")) is not None
     unclear = single_row["outcome"] == "refused" or told_by_record
     specimens = _list_specimens(entry, choices) if unclear and not entry.aside else []
     if not specimens:
         return [single_row]
     every: list[dict[str, Any]] = []
-    for name, specimen in specimens:
-        key, _, value = specimen.partition("=")
+    for name, selection in specimens:
+        key, _, value = selection.partition("=")
         chosen: dict[str, Any] = {key: int(value) if key == "segment" else value}
-        typed = ",".join(filter(None, (part, specimen)))
+        typed = ",".join(filter(None, (part, selection)))
         seal = f"{entry.seal} {name or value}" if entry.seal else ""
         label = typed if name in {"", value} else f"{typed} {name}"
         rows = build_rows(

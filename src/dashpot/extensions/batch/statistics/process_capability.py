@@ -15,7 +15,7 @@ Ends: TypeAlias = tuple[float, float]
 _Index: TypeAlias = tuple[float | None, Ends | None]
 _SUSPECT = 0.05
 """Below it normal values are rare."""
-_EXACT_INDEX = 30.0
+_MAX_EXACT_INDEX = 30.0
 """An index beyond which the mean's scatter is nothing beside the deviation's, and scipy 1.17's
 inverse of the noncentral t loses its digits, then does not end."""
 
@@ -143,7 +143,7 @@ def _true_index(index: float, n: int, tail: float) -> float:
     from scipy.special import nctdtrinc
     from scipy.stats import chi2
 
-    if abs(index) > _EXACT_INDEX:
+    if abs(index) > _MAX_EXACT_INDEX:
         share = chi2.isf if index > 0 else chi2.ppf
         return index * math.sqrt(float(share(tail, n - 1)) / (n - 1))
     scale = 3 * math.sqrt(n)

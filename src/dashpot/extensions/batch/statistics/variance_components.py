@@ -78,7 +78,7 @@ class _Stratum:
     away: FloatArray  # of each value from its own mean
 
     def normal(self) -> float | None:
-        """Probability of such values if they were normal; None where they are too few to show."""
+        """Probability of such values if they were normal; None where they are too few to test."""
         from scipy.stats import shapiro  # few need it, and it costs time to import
 
         # what is left of pairs is symmetric, whatever they are
