@@ -129,7 +129,7 @@ def test_six_rigid_modes_give_mass_centre_and_tensor():
     skewed = replace(modes, shapes=modes.shapes * np.array([1.5] + [1] * 6)[:, None, None])
     with pytest.raises(DataError, match=r"imply masses of .* kg along x, y and z"):
         rigid_of(skewed)
-    held = Assembly(Door(modes=ModesChoice("door.unv", include_held=True)), modes).body()
+    held = Assembly(Door(modes=ModesChoice("door.unv", is_hung=True)), modes).body()
     assert held.motions == tuple(f"q{i}" for i in range(1, 8))
     with pytest.raises(DataError, match="the door has no mass"):
         Assembly(Door()).body()

@@ -51,7 +51,7 @@ class Assembly:
         """
         rigid, modes = self.door.rigid, self.modes
         choice = self.door.modes
-        held = choice is not None and choice.include_held
+        held = choice is not None and choice.is_hung
         if modes is not None and held:
             return Body(DOOR, 1.0 if rigid is None else rigid.mass, free=(), modes=modes)
         if rigid is None:

@@ -127,7 +127,7 @@ class ModesChoice:
         Damping ratio of every mode, instead of what the file says.
     most : float
         Modes above this frequency are left out, Hz.
-    include_held : bool
+    is_hung : bool
         They are those of the door as it hangs, without rigid motions.
     """
 
@@ -136,7 +136,7 @@ class ModesChoice:
     modal_mass: float | None = None
     damping: float | None = None
     most: float = float("inf")
-    include_held: bool = False
+    is_hung: bool = False
 
 
 @dataclass(frozen=True)
