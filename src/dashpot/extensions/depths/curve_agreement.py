@@ -73,14 +73,14 @@ def compare_with_curve(
                 "measure it deeper"
             )
         relaxed, curve = float(law.force(depth)), float(np.interp(depth, x, y))
-        ratio = 100 * (curve / relaxed - 1.0)
+        deviation = 100 * (curve / relaxed - 1.0)
         agreements.append(
             CurveAgreement(
                 depth,
                 relaxed,
                 curve,
                 f"at {format_quantity(depth, 'mm')} the compression curve reads {curve:.4g} N, "
-                f"{ratio:+.2g} % of the relaxed {relaxed:.4g} N; a curve driven at a finite "
+                f"{deviation:+.2g} % of the relaxed {relaxed:.4g} N; a curve driven at a finite "
                 "speed lies above by what has not relaxed yet",
             )
         )

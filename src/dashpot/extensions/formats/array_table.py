@@ -159,7 +159,7 @@ def _stated_factors(
         text = factors_among({last: array.values})
         if not text:
             continue
-        places = _format_suggestion(stem, last, columns)
+        places = _find_scaled_columns(stem, last, columns)
         for place in places:
             factors[place].append(text)
         if not places:
@@ -182,7 +182,7 @@ def _full_scale_of(
         meant = (
             named
             if owner
-            else any(columns[i] is column for i in _format_suggestion(stem, "", columns))
+            else any(columns[i] is column for i in _find_scaled_columns(stem, "", columns))
         )
         text = describe_full_scale(column.values.real, last, array.values) if meant else ""
         if text:
@@ -190,7 +190,7 @@ def _full_scale_of(
     return ""
 
 
-def _format_suggestion(stem: str, last: str, columns: Sequence[NamedArray]) -> list[int]:
+def _find_scaled_columns(stem: str, last: str, columns: Sequence[NamedArray]) -> list[int]:
     """Return the columns that a factor is stated of, by its name and where it stands."""
     words = select_channel_words(last)
     if words:

@@ -295,8 +295,8 @@ def _per(above: str | None, below: str | None) -> str | None:
 def _repeated_records(timed: Sequence[_Set]) -> list[list[_Set]]:
     """Return the channels of each record of a file that holds several of one set-up, as of hits.
 
-    A channel is shown by its title, its points and its unit. Each must come equally often, record
-    after record or channel after channel; else all are channels of one record.
+    A channel is identified by its title, its points and its unit. Each must come equally often,
+    record after record or channel after channel; else all are channels of one record.
     """
     keys = [
         (_title(e), *_ends(e), str(e.get("rsp_ent_name")), _label(e["ordinate_axis_units_lab"]))

@@ -32,7 +32,7 @@ COHERENT_BY_CHANCE = 1e-3
 _MOST = 0.5
 """A coherence that is kept however few segments there are."""
 _NEAR = 5
-"""Neighbouring lines of which the middle one shows."""
+"""Neighbouring lines whose median coherence decides."""
 
 
 def estimate_transmissibility(

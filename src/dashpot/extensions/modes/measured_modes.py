@@ -80,7 +80,7 @@ class MeasuredMode(ImpactMode):
 
     @property
     def mode(self) -> Mode:
-        """The pole with its residue and their errors: nan where a method cannot show."""
+        """The pole with its residue and their errors: nan where a method gives none."""
         residue = complex(self.residue_real, self.residue_imag)
         residue_se = float("nan") if self.residue_se is None else self.residue_se
         return replace(super().mode, residue=residue, residue_se=residue_se)
@@ -229,7 +229,7 @@ def _select_checked_frf(
     chart: Stabilisation,
     sought: tuple[float, float],
 ) -> FRF:
-    """Return the FRF of the point that shows most, with what it and the modes say of themselves."""
+    """Return the FRF of the driven point or of the largest residue, with checks of the modes."""
     main = shapes[0] if shapes else None
     driven = [i for i, name in enumerate(measured.points) if _is_driven(name)]
     single = len(measured.points) == 1
@@ -254,7 +254,7 @@ def _check_modes(
     *,
     sought: tuple[float, float],
 ) -> Iterator[Check]:
-    """What is asked of the modes, and of the FRF of the point that shows most of the first."""
+    """What is asked of the modes, and of the FRF of the point that stands for the first."""
     main = shapes[0].mode
     yield modes_within_band([shape.mode for shape in shapes], sought)
     yield lines_in_half_power_band(near.frfs[at], main)

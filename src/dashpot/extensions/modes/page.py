@@ -108,8 +108,8 @@ def _list_tables(measured_modes: MeasuredModes) -> list[AppCard]:
         rows.append([str(i), round_to_error(mode.frequency_hz, digits=4), residue, *quality_cells,
                      f"{mode.orders} of {measured_modes.highest_order}"])  # fmt: skip
     head = ["mode", "Hz", "residue, m/(N s)", *quality_headers, "orders stable"]
-    unit_note = " of 1 kg on the base" if measured_modes.frf.quantity.over_base else ""
-    tables = [(f"Modes{unit_note}", head, rows)]
+    mass_note = " of 1 kg on the base" if measured_modes.frf.quantity.over_base else ""
+    tables = [(f"Modes{mass_note}", head, rows)]
     if measured_modes.points:
         tables += _shapes(measured_modes)
     return [

@@ -86,7 +86,7 @@ def stabilisation(
     band : (float, float), optional
         Hz; by default where modes are sought.
     highest : int
-        Order; no more than a third of the lines can show.
+        Order; no more than a third of the lines can determine.
 
     Raises
     ------

@@ -16,7 +16,7 @@ _WAYS = {
 }
 
 
-def _check_interval(test: PairTest) -> Finding:
+def _find_separability(test: PairTest) -> Finding:
     if test.is_separable is None:
         return Finding(f"No combination of sweeps shows whether {test.pair} are separable")
     size = f"{100 * (test.departure or 0):.2g} %"
@@ -36,19 +36,19 @@ def _check_interval(test: PairTest) -> Finding:
 @criterion("probability by chance", ">=", CHANCE, "F tests at 1 %; or within 1 % and 0.01 rad")
 def compression_and_frequency_separable(test: PairTest) -> Finding:
     """Every compression has the same dependence on frequency, up to a real factor."""
-    return _check_interval(test)
+    return _find_separability(test)
 
 
 @criterion("probability by chance", ">=", CHANCE, "F tests at 1 %; or within 1 % and 0.01 rad")
 def amplitude_and_frequency_separable(test: PairTest) -> Finding:
     """Every amplitude has the same dependence on frequency, up to a complex factor."""
-    return _check_interval(test)
+    return _find_separability(test)
 
 
 @criterion("probability by chance", ">=", CHANCE, "F tests at 1 %; or within 1 % and 0.01 rad")
 def compression_and_amplitude_separable(test: PairTest) -> Finding:
     """The stiffness falls with amplitude alike at every compression."""
-    return _check_interval(test)
+    return _find_separability(test)
 
 
 @criterion("pairs of variables without a test", "<=", 0, "by definition")

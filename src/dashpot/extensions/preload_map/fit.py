@@ -42,7 +42,7 @@ _LEAST_SCATTER = 1e-9
 _LEAST_SHARE = 1e-9
 """Share of the stiffness that an arm carries at least."""
 _LARGEST_ERROR = 0.5
-"""Relative error of a sensor, or angle, rad, that still shows a stiffness."""
+"""Relative error of a sensor, or angle, rad, that still determines a stiffness."""
 _RANK = 1e-9
 _GRID_POINTS = 40
 """Points of the common curve of sweeps that share no frequencies."""
@@ -113,7 +113,7 @@ def fit_preload_map(
     if max(gain_error, turn, repeatability or 0.0) >= _LARGEST_ERROR:
         raise DataError(
             f"a gain error of {gain_error:g}, a phase error of {turn:g} rad and a repeatability of "
-            f"{repeatability or 0:g} show no stiffness; expected below {_LARGEST_ERROR:g}"
+            f"{repeatability or 0:g} determine no stiffness; expected below {_LARGEST_ERROR:g}"
         )
     lines = collect_lines(_select_band(sweeps, si_range(band, "frequency")))
     layouts = build_layouts(lines)

@@ -245,15 +245,15 @@ def _rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Rows:
     columns, targets = [], []
     for record in records:
         # where the plate does not drive it, the seal is where the recorded force has brought it
-        indices = np.where(
+        free_compression = np.where(
             record.is_in_contact, 0.0, relaxation.displacement(record.time, record.force)
         )
-        answer, hats = indices.copy(), record.hats.copy()
+        answer, hats = free_compression.copy(), record.hats.copy()
         steps = np.diff(record.hats, axis=0)
         step = np.diff(record.time[record.first :])[:, None, None]
         g, tau = np.asarray(relaxation.k), np.asarray(relaxation.tau)
         if len(tau):
-            answer += arm_columns(record.time, indices, tau, derivative=False)[0] @ g
+            answer += arm_columns(record.time, free_compression, tau, derivative=False)[0] @ g
             # every hat under every arm side by side
             z = step / tau[:, None]
             lost = np.expm1(-z)

@@ -268,7 +268,7 @@ def _window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
 
 
 def _detect_clipped_samples(signal: FloatArray, signal_name: str) -> BoolArray:
-    """Return the number of samples at the limit of the sensor, equal and largest in a row."""
+    """Return which samples are at the limit of the sensor: equal and largest in a row."""
     if signal_name in {"velocity", "displacement"}:
         return np.zeros(len(signal), dtype=bool)
     at = np.flatnonzero(signal >= signal.max() - 1e-9 * float(np.ptp(signal)))
