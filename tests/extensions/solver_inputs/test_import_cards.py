@@ -260,7 +260,7 @@ def test_a_bulk_modulus_that_relaxes_otherwise_is_noted():
     assert f"{100 * (9 * K * G / (3 * K + G) - 0.35):+.2g} %" in note
 
 
-# -- what a test could have shown ------------------------------------------------------------------
+# -- what a test could have determined -------------------------------------------------------------
 
 
 def fisher(model: GeneralizedMaxwell, ramp: float, hold: float) -> np.ndarray:

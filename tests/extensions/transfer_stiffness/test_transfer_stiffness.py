@@ -268,7 +268,7 @@ MOTION = frf(F, transmissibility(two_seals(F), F, MASS), "transmissibility")
         (MOTION, {"mass": 5.0, "seals": 2}, "one mount as it stood"),
         (MOTION, {"mass": 5.0, "band": (8, 9)}, "5 or more: widen the band"),
         (MOTION, {"mass": 5.0, "band": (9.5, 13.5)}, "no third octave lies in"),
-        (MOTION, {"mass": 5.0, "gain_error": 0.7}, "show no stiffness"),
+        (MOTION, {"mass": 5.0, "gain_error": 0.7}, "determine no stiffness"),
         (FORCE, {"mass": 5.0}, "a blocking mass is of the indirect method"),
         (FORCE, {"exact": True}, "Add its transmissibility: --output-response"),
         (FORCE, {"flange_mass": 0.1}, "Add its transmissibility: --output-response"),

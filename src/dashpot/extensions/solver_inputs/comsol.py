@@ -36,7 +36,7 @@ def comsol(
     form : str
     modulus : float
         Instantaneous shear modulus G_0 of the rubber, Pa, for ``"prony"`` alone: a part's stiffness
-        does not show it.
+        does not give it.
     """
     if deck.form == "prony":
         return _prony(deck, convert_to_si(modulus, "stress"))

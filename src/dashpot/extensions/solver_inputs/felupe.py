@@ -36,7 +36,7 @@ def felupe(
     form : str
         ``"prony"``.
     modulus : float
-        Instantaneous shear modulus G_0 of the rubber, Pa: a part's stiffness does not show it.
+        Instantaneous shear modulus G_0 of the rubber, Pa: a part's stiffness does not give it.
     bulk_modulus : float, optional
         Pa; by default that of rubber, 1000 G_0.
     """

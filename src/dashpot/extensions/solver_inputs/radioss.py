@@ -27,7 +27,7 @@ def radioss(
     form : str
         ``"prony"``.
     modulus : float
-        Instantaneous shear modulus G_0 of the rubber, Pa: a part's stiffness does not show it.
+        Instantaneous shear modulus G_0 of the rubber, Pa: a part's stiffness does not give it.
     """
     modulus = convert_to_si(modulus, "stress")
     long_term, terms = deck.shear(modulus, "Radioss")

@@ -49,7 +49,7 @@ PREDICTED_LINES = 11
 _USUAL_BAND = (1.0, 100.0)
 """Hz that are predicted where no band is given."""
 _MOST_GAIN, _MOST_PHASE = 0.5, 0.5
-"""Relative gain error and phase error, rad, below which a measurement shows a stiffness."""
+"""Relative gain error and phase error, rad, below which a measurement determines a stiffness."""
 
 
 class SensorErrors(NamedTuple):
@@ -223,8 +223,8 @@ def _validate(request: _Request, seals: float) -> None:
     if request.errors.gain >= _MOST_GAIN or request.errors.phase >= _MOST_PHASE:
         raise DataError(
             f"a gain error of {request.errors.gain:g} and a phase error of "
-            f"{request.errors.phase:g} rad show no stiffness; expected below {_MOST_GAIN:g} and "
-            f"{_MOST_PHASE:g}"
+            f"{request.errors.phase:g} rad determine no stiffness; expected below {_MOST_GAIN:g} "
+            f"and {_MOST_PHASE:g}"
         )
 
 
@@ -319,7 +319,7 @@ def _measure_direct(frf: FRF, request: _Request) -> TransferStiffness:
 def _measure_indirect(frf: FRF, request: _Request) -> TransferStiffness:
     if request.mass is None:
         raise DataError(
-            "a transmissibility shows the stiffness over the mass: give the blocking mass, --mass "
+            "a transmissibility gives the stiffness over the mass: give the blocking mass, --mass "
             "5kg"
         )
     if request.output is not None:

@@ -1,4 +1,4 @@
-"""Model of a solver card as a fit, with what a test could have shown of it."""
+"""Model of a solver card as a fit, with what a test could have determined of it."""
 
 from __future__ import annotations
 
@@ -88,10 +88,10 @@ class ImportedModel(Serialisable):
 
     @property
     def _headline(self) -> str:
-        """The band that such a test could have shown."""
+        """The band that such a test could have determined."""
         if self.testable_band is None:
-            return "Such a test could have shown the damping nowhere"
-        return f"Such a test could have shown the model {format_band(self.testable_band)}"
+            return "Such a test could have determined the damping nowhere"
+        return f"Such a test could have determined the model {format_band(self.testable_band)}"
 
     @property
     def verdict(self) -> Verdict:
@@ -109,7 +109,7 @@ def import_card(
     modulus: float | None = None,
     specimen: Specimen | None = None,
 ) -> ImportedModel:
-    """Return the model of a card as a fit, and what a test could have shown of it.
+    """Return the model of a card as a fit, and what a test could have determined of it.
 
     Parameters
     ----------
@@ -146,9 +146,9 @@ def import_card(
         arms, band = find_testable_arms(model, bench)
     undetermined = sum(not arm.is_determined for arm in arms)
     told = (
-        "It could have shown damping nowhere"
+        "It could have determined damping nowhere"
         if band is None
-        else (f"It could have shown the model {format_band(band)}")
+        else (f"It could have determined the model {format_band(band)}")
     )
     behind = test_behind_model(card.keyword)
     checks: tuple[Check, ...] = (table_followed(error), behind)

@@ -57,7 +57,7 @@ class TestableArm(Serialisable):
 def find_testable_arms(
     model: GeneralizedMaxwell, test: Bench
 ) -> tuple[tuple[TestableArm, ...], tuple[float, float] | None]:
-    """Return each arm with what a test could have shown of it, and the band it could have shown.
+    """Return each arm with what a test could have determined of it, and the band of such a test.
 
     In the band, Hz, |K| would be known to 10 % and the loss factor to 30 %; None if nowhere.
     """
