@@ -15,7 +15,7 @@ from kit.foreign.truths import TRUTHS, Seal
 
 from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.fit import Fit, list_known_values
-from dashpot.datamodel.machine import DEFAULT_SD, Machine
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.admissible_spectra import compute_end_limits
@@ -161,7 +161,7 @@ def test_each_doubt_moves_the_fit_as_far_as_a_record_that_has_it(record: RampHol
 
 
 def test_every_doubt_says_its_source() -> None:
-    for name, usual in DEFAULT_SD.items():
+    for name, usual in DEFAULT_UNCERTAINTIES.items():
         assert usual.size > 0, name
         assert usual.quantity, name
         assert usual.source, name

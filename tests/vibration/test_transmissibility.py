@@ -12,7 +12,7 @@ import dashpot as dp
 from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError, Status
 from dashpot.datamodel.fit import list_undetermined_times
-from dashpot.datamodel.machine import DEFAULT_SD
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES
 from dashpot.extensions.formats.write_uff import frf_uff
 from dashpot.fitting.identification.identify import identify
 from dashpot.reading.readers.inspect import inspect_file
@@ -448,7 +448,7 @@ def test_joint_fit_of_relaxation_and_shaker_is_valid_in_both_bands(bench, tmp_pa
     assert limits[1] / limits[0] < 1.06
     # of a bench that nobody named the seal may be as much stiffer as that gives
     run_json("fit", seal, path, *on, *free, "-o", joint)
-    give = 1.96 * DEFAULT_SD["give"].size
+    give = 1.96 * DEFAULT_UNCERTAINTIES["give"].size
     assert limits_near(12.0, joint, on)[1] == pytest.approx(
         [size(1 + give), size(1 - give)], rel=0.1
     )

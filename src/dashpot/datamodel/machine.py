@@ -35,7 +35,7 @@ class DefaultUncertainty(NamedTuple):
     source: str
 
 
-DEFAULT_SD: Mapping[str, DefaultUncertainty] = MappingProxyType({
+DEFAULT_UNCERTAINTIES: Mapping[str, DefaultUncertainty] = MappingProxyType({
     "drift over the record": DefaultUncertainty(
         3.5e-3, "of the final force", "data sheets of load cells: zero drift of a warm amplifier"
     ),
@@ -134,7 +134,7 @@ class MachineCalibration(Serialisable):
 class Machine(Serialisable):
     r"""Test machine: properties that its records show badly or not at all.
 
-    A value that is None is unknown; `DEFAULT_SD` then applies.
+    A value that is None is unknown; `DEFAULT_UNCERTAINTIES` then applies.
 
     Attributes
     ----------
@@ -231,26 +231,26 @@ class Machine(Serialisable):
         """Return standard deviation of the delay of the force, s, for samples so far apart, s."""
         filtered = 1 / (2 * math.pi * self.force_filter) if self.force_filter else 0.0
         if self.sync is None:
-            return max(sample, DEFAULT_SD["delay"].size, filtered)
+            return max(sample, DEFAULT_UNCERTAINTIES["delay"].size, filtered)
         return max(_ONE_CLOCK * sample, self.sync, filtered)
 
     def give_sd(self, depth: float, peak: float) -> float:
         """Standard deviation of what it gives, unsaid, under the `peak` of the force, N, in m."""
         if self.compliance is None:
-            return DEFAULT_SD["give"].size * depth
+            return DEFAULT_UNCERTAINTIES["give"].size * depth
         calibration = self.calibration
         if calibration is not None:
             return math.hypot(calibration.compliance_error * peak, calibration.gain_error * depth)
-        return DEFAULT_SD["give, named"].size * self.compliance * peak
+        return DEFAULT_UNCERTAINTIES["give, named"].size * self.compliance * peak
 
     def creep_sd(self, depth: float) -> float:
         """Return standard deviation of what its crosshead settles by in a factor e of time, m."""
-        return DEFAULT_SD["crosshead"].size * depth if self.creep is None else self.creep
+        return DEFAULT_UNCERTAINTIES["crosshead"].size * depth if self.creep is None else self.creep
 
     @property
     def min_rest_time(self) -> float:
         """Time for which a seal was left alone before its record, at least, s."""
-        return DEFAULT_SD["rest after it"].size if self.rest is None else self.rest
+        return DEFAULT_UNCERTAINTIES["rest after it"].size if self.rest is None else self.rest
 
     def drift_sd(self, final: float, duration: float, noise: float | None = None) -> float:
         r"""Standard deviation of the drift, N/s; of a cell not described, from the final force, N.
@@ -263,16 +263,17 @@ class Machine(Serialisable):
         """
         if self.drift is not None:
             return self.drift
-        default_drift = DEFAULT_SD["drift over the record"].size * final / duration
+        default_drift = DEFAULT_UNCERTAINTIES["drift over the record"].size * final / duration
         if noise is None:
             return default_drift
         values = (
-            DEFAULT_SD["drift rate"].size * final,
-            DEFAULT_SD["drift of a noisy cell"].size * noise,
+            DEFAULT_UNCERTAINTIES["drift rate"].size * final,
+            DEFAULT_UNCERTAINTIES["drift of a noisy cell"].size * noise,
         )
         return max(
             default_drift,
-            math.hypot(*values) / math.sqrt(1 + duration / DEFAULT_SD["warm after"].size),
+            math.hypot(*values)
+            / math.sqrt(1 + duration / DEFAULT_UNCERTAINTIES["warm after"].size),
         )
 
     def combine_drift(
@@ -289,13 +290,15 @@ class Machine(Serialisable):
         drift is then 0 with :math:`\sigma^2 = s^2 + m^2`.
         """
         mean, error = slope
-        default_drift = self.drift_sd(final, duration, noise)
-        if not math.isfinite(error) or default_drift == 0:
-            return 0.0, default_drift
+        drift_sd = self.drift_sd(final, duration, noise)
+        if not math.isfinite(error) or drift_sd == 0:
+            return 0.0, drift_sd
         if self.drift_conflict(slope, final, duration, noise) > 1:
-            return 0.0, math.hypot(default_drift, mean)
-        baseline_variance = error**2 + (DEFAULT_SD["drift changes"].size * final / duration) ** 2
-        sd = 1 / math.sqrt(1 / baseline_variance + 1 / default_drift**2)
+            return 0.0, math.hypot(drift_sd, mean)
+        baseline_variance = (
+            error**2 + (DEFAULT_UNCERTAINTIES["drift changes"].size * final / duration) ** 2
+        )
+        sd = 1 / math.sqrt(1 / baseline_variance + 1 / drift_sd**2)
         return mean * sd**2 / baseline_variance, sd
 
     def drift_conflict(
@@ -311,7 +314,7 @@ class Machine(Serialisable):
         mean, error = slope
         if not math.isfinite(error):
             return 0.0
-        changes = DEFAULT_SD["drift changes"].size * final / duration
+        changes = DEFAULT_UNCERTAINTIES["drift changes"].size * final / duration
         spread = math.hypot(error, changes, self.drift_sd(final, duration, noise))
         return abs(mean) / (3 * spread) if spread > 0 else 0.0
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray, block_means, cache_on_record
-from dashpot.datamodel.machine import DEFAULT_SD, Machine
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.numerics.design_matrices.block import DataBlock, prior_block
@@ -124,7 +124,7 @@ def get_column_kind(name: str) -> str:
     return name.partition("@")[0]
 
 
-WARMING = Prior(0.0, DEFAULT_SD["warming in a chamber"].size)
+WARMING = Prior(0.0, DEFAULT_UNCERTAINTIES["warming in a chamber"].size)
 """Prior of the warming of the seal over its record, K, where several temperatures are tested."""
 # standard deviation of the warming of the seal about a recorded rise of temperature, K
 _WARMING_SD = 0.1
@@ -404,5 +404,5 @@ def build_warming_prior(specimen: Specimen) -> Prior:
     A recorded rise widens it, as its effect on the seal is unknown.
     """
     if specimen.warmed is None:
-        return Prior(0.0, DEFAULT_SD["warming"].size)
+        return Prior(0.0, DEFAULT_UNCERTAINTIES["warming"].size)
     return Prior(0.0, float(np.hypot(specimen.warmed, _WARMING_SD)))

@@ -12,7 +12,7 @@ from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median, slow_
 from dashpot.base.errors import DataError
 from dashpot.base.units import celsius
 from dashpot.datamodel.fit import Fit, get_fewest_arms_model
-from dashpot.datamodel.machine import DEFAULT_SD
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
 from dashpot.fitting.data_blocks import block_of, first_sample, motion
@@ -468,7 +468,7 @@ def compute_unmeasured_effects(
     if test.machine.force_filter is None:
         lines = build_folded_mains(time, step=test.step)
         # four parts of one line of that size
-        sd = DEFAULT_SD["folded mains"].size * peak / 2
+        sd = DEFAULT_UNCERTAINTIES["folded mains"].size * peak / 2
         terms |= {f"mains@{i}": (line, sd) for i, line in enumerate(lines)}
     return terms
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base import dataclass, field
 from dashpot.base.arrays import FloatArray, sample_count
-from dashpot.datamodel.machine import DEFAULT_SD, Machine
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine
 from dashpot.planning.plan_options import PlannedRamp
 from dashpot.signals.disturbances import build_earlier_press, build_machine_terms, compute_warming
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -22,7 +22,9 @@ _NODE_COUNT = 300
 # of its age that a group of samples may last: they weigh as one, to 1e-4 of an error
 _GROUP_DURATION = 0.005
 # warming in a chamber over that in a room, one standard deviation
-_CHAMBER_WARMING_SD = DEFAULT_SD["warming in a chamber"].size / DEFAULT_SD["warming"].size
+_CHAMBER_WARMING_SD = (
+    DEFAULT_UNCERTAINTIES["warming in a chamber"].size / DEFAULT_UNCERTAINTIES["warming"].size
+)
 
 
 class PlannedRows(NamedTuple):
@@ -129,11 +131,11 @@ class Bench(PlannedRamp):
 
         The fit of the hold has no delay, and the widest prior of the drift.
         """
-        offset, fixed_sd, free = self._compute_offset_and_drift_sd(model)
+        offset, fitted_drift_sd, free_drift_sd = self._compute_offset_and_drift_sd(model)
         if self.method == "hold":
-            return np.array([offset, free])
+            return np.array([offset, free_drift_sd])
         machine = self.machine or Machine()
-        return np.array([offset, fixed_sd, machine.delay_sd(1 / self.rate)])
+        return np.array([offset, fitted_drift_sd, machine.delay_sd(1 / self.rate)])
 
     def _compute_offset_and_drift_sd(self, model: GeneralizedMaxwell) -> tuple[float, float, float]:
         """Return prior SDs of the offset, N, and of the drift in a fit and in a limit, N/s."""
@@ -144,10 +146,10 @@ class Bench(PlannedRamp):
         )
         offset = self.noise / np.sqrt(self.baseline * self.rate)
         slope = 0.0, float(np.sqrt(12.0) * offset / self.baseline)
-        fixed_sd, free = (
+        fitted_drift_sd, free_drift_sd = (
             machine.combine_drift(slope, final, length, noise)[1] for noise in (None, self.noise)
         )
-        return offset, fixed_sd, free
+        return offset, fitted_drift_sd, free_drift_sd
 
     @lru_cache(maxsize=4)  # noqa: B019  a plan asks for the same test several times
     def rows(self, model: GeneralizedMaxwell, *, several: bool = False) -> PlannedRows:
@@ -186,15 +188,15 @@ class Bench(PlannedRamp):
         """
         if self.machine is None:
             return np.zeros((len(time), 0))
-        machine, hold_shift = self.machine, self.ramp_time * 1e-3
+        machine, first_node = self.machine, self.ramp_time * 1e-3
         since = np.concatenate((
             np.linspace(-self.ramp_time, 0.0, _NODE_COUNT),
-            np.geomspace(min(hold_shift, self.hold_time / 2), self.hold_time, _NODE_COUNT),
+            np.geomspace(min(first_node, self.hold_time / 2), self.hold_time, _NODE_COUNT),
         ))  # fmt: skip
         nodes = since + self.ramp_time
         x = self.depth * np.minimum(nodes / self.ramp_time, 1.0)
         warming = compute_warming(nodes, x, model, since=-min(self.baseline, self.ramp_time))
-        terms = {"warming": (warming, DEFAULT_SD["warming"].size)}
+        terms = {"warming": (warming, DEFAULT_UNCERTAINTIES["warming"].size)}
         # of a seal that was pressed before; what it carries in the middle of the rest is offset
         times = np.append(nodes + self.baseline, self.baseline / 2)
         memory, sd = build_earlier_press(machine, model, times, depth=self.depth)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.datamodel.machine import DEFAULT_SD, Machine
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # What a machine and the climate may add to the force of a seal that no channel shows.
@@ -71,7 +71,9 @@ def build_earlier_press(
     """
     tau = np.asarray(solid.tau)
     memory = _compute_residual_stiffness(solid, machine.min_rest_time)
-    return -np.exp(-time[:, None] / tau) @ memory, DEFAULT_SD["earlier press"].size * depth
+    return -np.exp(-time[:, None] / tau) @ memory, DEFAULT_UNCERTAINTIES[
+        "earlier press"
+    ].size * depth
 
 
 def compute_set_sd(
@@ -81,13 +83,15 @@ def compute_set_sd(
 
     A set goes as what the solid remembers does.
     """
-    usual = float(_compute_residual_stiffness(solid, DEFAULT_SD["rest after it"].size).sum())
+    usual = float(
+        _compute_residual_stiffness(solid, DEFAULT_UNCERTAINTIES["rest after it"].size).sum()
+    )
     ratio = (
         float(_compute_residual_stiffness(solid, machine.min_rest_time).sum()) / usual
         if usual > 0
         else 0.0
     )
-    return min(gap / 2, DEFAULT_SD["set"].size * depth * ratio)
+    return min(gap / 2, DEFAULT_UNCERTAINTIES["set"].size * depth * ratio)
 
 
 def _compute_residual_stiffness(solid: GeneralizedMaxwell, rested: float) -> FloatArray:
@@ -125,7 +129,7 @@ def compute_warming(
     x: FloatArray,
     solid: GeneralizedMaxwell,
     *,
-    by_a: float = -DEFAULT_SD["faster by warmth"].size,
+    by_a: float = -DEFAULT_UNCERTAINTIES["faster by warmth"].size,
     by_b: float = 0.0,
     since: float = 0.0,
 ) -> FloatArray:

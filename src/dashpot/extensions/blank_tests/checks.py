@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit, format_quantity, parse_quantity
-from dashpot.datamodel.machine import DEFAULT_SD
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES
 
 if TYPE_CHECKING:
     from dashpot.extensions.blank_tests.estimation import Blanks, EmptyRun, Press
@@ -23,7 +23,7 @@ _CLEAR_ERRORS = 3.0
 _DELAY_TOLERANCE = parse_quantity("0.2ms", "time")
 _CREEP_TOLERANCE = parse_quantity("1.5um", "length")
 """What two records of one machine may differ by besides their errors."""
-MOST_DELAY_ERROR = 0.1 * DEFAULT_SD["delay"].size
+MOST_DELAY_ERROR = 0.1 * DEFAULT_UNCERTAINTIES["delay"].size
 """Standard error of a delay, s, beyond which a machine file says hardly more than is usual."""
 _CELL_CLASS = 1.035
 """Gain of a cell of the lowest class, 3 % off, by a spring that is known to 0.5 %."""

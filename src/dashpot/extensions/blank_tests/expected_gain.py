@@ -16,7 +16,7 @@ from dataclasses import replace
 
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import format_quantity, parse_quantity
-from dashpot.datamodel.machine import DEFAULT_SD, Machine, MachineCalibration
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine, MachineCalibration
 from dashpot.extensions.blank_tests.datamodel import CREEP_REPEATABILITY, SPRING_ERROR
 from dashpot.planning.expected_errors import expected_end, expected_error
 from dashpot.planning.planned_ramp_hold import Bench
@@ -38,7 +38,7 @@ def expect_machine(bench: Bench) -> Machine:
         machine,
         sync=_GAP_FACTOR * delay,
         compliance=machine.compliance or 0.0,
-        creep=CREEP_REPEATABILITY * DEFAULT_SD["crosshead"].size * bench.depth,
+        creep=CREEP_REPEATABILITY * DEFAULT_UNCERTAINTIES["crosshead"].size * bench.depth,
         calibration=MachineCalibration(gain_error=SPRING_ERROR),
     )
 

@@ -15,7 +15,7 @@ from dashpot.base.option_fields import iterate_option_fields
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import Dimension, convert_to_unit
 from dashpot.base.version import __version__, byline
-from dashpot.datamodel.machine import DEFAULT_SD, Machine, MachineCalibration
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine, MachineCalibration
 from dashpot.extensions.blank_tests.datamodel import MachineFit
 from dashpot.reading.toml import Section, tables_of
 
@@ -191,7 +191,7 @@ def _complete_errors(where: str, compliance: float | None, calibration: dict[str
             "compliance, 0um/N if the displacement is measured at the seal"
         )
     if compliance is not None and "compliance_error" not in calibration:
-        calibration["compliance_error"] = DEFAULT_SD["give, named"].size * compliance
+        calibration["compliance_error"] = DEFAULT_UNCERTAINTIES["give, named"].size * compliance
 
 
 def _describe_origin(where: str, origin: Section) -> str:

@@ -22,7 +22,7 @@ from dashpot.datamodel.fit_diagnostics import (
     Provenance,
 )
 from dashpot.datamodel.frf import FRF
-from dashpot.datamodel.machine import DEFAULT_SD
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES
 from dashpot.datamodel.parameter_estimate import (
     Nuisance,
     ParameterEstimate,
@@ -168,7 +168,7 @@ def _explains(other: Candidate, best: Candidate) -> bool:
 # with the cables of accelerometers :math:`\epsilon K'` and, for their own loss,
 # :math:`j\epsilon\eta_c K'`, both of the seals at the resonance; a table that gives,
 # :math:`-\epsilon_t K^2/K'`; a mass that moves along, :math:`\epsilon_m m s^2`. Sizes are those of
-# :data:`~dashpot.datamodel.machine.DEFAULT_SD`. A window whose decay a has the
+# :data:`~dashpot.datamodel.machine.DEFAULT_UNCERTAINTIES`. A window whose decay a has the
 # error :math:`\sigma_a` adds :math:`\sigma_a\,\partial A/\partial a`.
 #
 # A fit is of the quiet rig; its parameters follow a doubt c by :math:`\delta\theta = C J' c`.
@@ -206,13 +206,13 @@ def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
     s, accelerance = response.s, response.accelerance
     seals = s**2 / accelerance - point.mass * s**2
     there = complex((data.seals * point.seal_under_hammer).stiffness_at(2j * np.pi * data.peak_hz))
-    cable, loss = rig.cable_sd * abs(there.real), DEFAULT_SD["loss of the cable"].size
+    cable, loss = rig.cable_sd * abs(there.real), DEFAULT_UNCERTAINTIES["loss of the cable"].size
     ones = np.ones_like(s)
     added = np.column_stack((
         cable * ones,
         1j * cable * loss * ones,
-        -DEFAULT_SD["table"].size * seals**2 / abs(there.real),
-        DEFAULT_SD["mass that moves along"].size * point.mass * s**2,
+        -DEFAULT_UNCERTAINTIES["table"].size * seals**2 / abs(there.real),
+        DEFAULT_UNCERTAINTIES["mass that moves along"].size * point.mass * s**2,
     ))  # fmt: skip
     by = -(accelerance**2 / s**2)[:, None] * added
     shown, *_ = data.slopes(response, point.gain, point.delay, by)

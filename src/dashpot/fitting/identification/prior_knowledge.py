@@ -9,7 +9,7 @@ from dashpot.base import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import option
 from dashpot.base.units import Dimension, Quantity, si_fields, si_range
-from dashpot.datamodel.machine import DEFAULT_SD, Machine
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine
 
 _DIMENSIONS: dict[str, Dimension] = {
     "static_stiffness": "stiffness",
@@ -31,7 +31,7 @@ class HammerRig:
         the upper sensor over the lower.
     cable : float, optional
         Standard deviation of the stiffness of its cables over that of the seals; 0 if they hang
-        free, 1.5 % by default (``dashpot.datamodel.machine.DEFAULT_SD``).
+        free, 1.5 % by default (``dashpot.datamodel.machine.DEFAULT_UNCERTAINTIES``).
 
     Raises
     ------
@@ -47,7 +47,7 @@ class HammerRig:
     @property
     def cable_sd(self) -> float:
         """What cables may add, over the stiffness of the seals."""
-        return DEFAULT_SD["cable"].size if self.cable is None else self.cable
+        return DEFAULT_UNCERTAINTIES["cable"].size if self.cable is None else self.cable
 
     def with_machine(self, machine: Machine | None) -> HammerRig:
         """Return the rig, and what a user says of its cable among what is known of the machines."""
