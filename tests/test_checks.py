@@ -73,7 +73,7 @@ from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.nonlinear_ramp.linearity import assess_linear_fit
 from dashpot.numerics.inference.correlated_noise import Noise, nearly_white, noise_of
 from dashpot.numerics.inference.model_order import (
-    DECISIVE,
+    DECISIVE_BIC,
     OrderChoice,
     Shortage,
     select_model_order,
@@ -1959,7 +1959,7 @@ READING = [
     ),
     Case(
         "stiffness_of_a_seal",
-        lambda x: reading.stiffness_of_a_seal(8e-3 * x, "mN", travel=8e-3, motion="mm"),
+        lambda x: reading.stiffness_of_a_seal(8e-3 * x, "mN", travel=8e-3, travel_unit="mm"),
         10.01,
         9.99,
     ),
@@ -2938,8 +2938,12 @@ def test_advice_follows_only_where_a_check_fails() -> None:
 
 def test_bic_is_decisive_from_50_on() -> None:
     doubtful = (True, True, False)
-    assert select_model_order(range(3), (99.0, 49.9, 0.0), doubtful, decisive=DECISIVE).arms == 1
-    assert select_model_order(range(3), (99.0, 50.1, 0.0), doubtful, decisive=DECISIVE).arms == 2
+    assert (
+        select_model_order(range(3), (99.0, 49.9, 0.0), doubtful, decisive=DECISIVE_BIC).arms == 1
+    )
+    assert (
+        select_model_order(range(3), (99.0, 50.1, 0.0), doubtful, decisive=DECISIVE_BIC).arms == 2
+    )
 
 
 @pytest.mark.parametrize(("kappa", "white"), [(2.99, True), (3.01, False)])

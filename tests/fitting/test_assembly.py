@@ -43,7 +43,7 @@ def make_nuisances(*names: str, **more: object) -> tuple[Nuisance, ...]:
 
 
 def test_nuisances_of_several_tests_are_named_by_their_number():
-    assert make_nuisances(*COLUMNS, priors={"drift@0": 0.5}) == (
+    assert make_nuisances(*COLUMNS, prior_sds={"drift@0": 0.5}) == (
         Nuisance("offset of test 1", 1.0, 10.0, "N"),
         Nuisance("drift of test 1", 2.0, 20.0, "N/s", 0.5),
         Nuisance("offset of test 2", 3.0, 30.0, "N"),

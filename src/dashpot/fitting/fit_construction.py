@@ -165,7 +165,7 @@ def nuisances(
     error: Callable[[str], float],
     *,
     unit: str = "N",
-    priors: Mapping[str, float] | None = None,
+    prior_sds: Mapping[str, float] | None = None,
 ) -> tuple[Nuisance, ...]:
     """Return offset, drift, delay and warming of each test; of several, named by its number.
 
@@ -177,7 +177,7 @@ def nuisances(
         Coefficient and standard error of a column.
     unit : str
         Unit of what was measured.
-    priors : mapping of str to float, optional
+    prior_sds : mapping of str to float, optional
         Standard deviations that were known before the fit.
     """
     units = {"offset": unit, "drift": f"{unit}/s", "delay": "s", "warming": "K"}
@@ -187,7 +187,7 @@ def nuisances(
     for name in labels:
         kind, _, test = name.partition("@")
         title = f"{kind} of test {int(test) + 1}" if several else kind
-        before = None if priors is None else priors.get(name)
+        before = None if prior_sds is None else prior_sds.get(name)
         terms.append(Nuisance(title, value(name), error(name), units[kind], before))
     return tuple(terms)
 

@@ -51,7 +51,7 @@ from dashpot.numerics.inference.correlated_noise import (
     whitened_block,
 )
 from dashpot.numerics.inference.model_order import (
-    DECISIVE,
+    DECISIVE_BIC,
     OrderChoice,
     Shortage,
     bic_of_deviance,
@@ -300,7 +300,7 @@ class SelectedModel:
             entries["delay"] = delays[0]
         value = value or self.solution.coefficient
         error = self.estimate.standard_error
-        return nuisances(self.solution.fixed_names, value, error, unit=unit, priors=entries)
+        return nuisances(self.solution.fixed_names, value, error, unit=unit, prior_sds=entries)
 
     def make_solid_estimate(
         self,
@@ -369,7 +369,7 @@ def select_order(
     samples, peak, in_time = data.samples, data.peak, data.in_time
     scores = _score_orders(first.solutions[: most + 1], data, noises)
     exhausted = len(scores) - 1 < most or not in_time
-    choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE if in_time else np.inf)
+    choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE_BIC if in_time else np.inf)
 
     @lru_cache(maxsize=1)  # the order that the rules support is, as a rule, the one chosen
     def solve_whole_order(order: int) -> Jacobian:
@@ -391,7 +391,9 @@ def select_order(
         )
         if anew is not None:
             scores = anew
-            choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE, in_noise_metric=True)
+            choice = _choice(
+                scores, exhausted=exhausted, decisive=DECISIVE_BIC, in_noise_metric=True
+            )
     taken = choice.arms if auto else min(most, len(scores) - 1)
     estimate = estimate_covariance(
         scores[taken].solution,

@@ -34,7 +34,7 @@ from dashpot.numerics.log_tau_descent import (
 
 
 #: where descents that are yet to be compared end: steps, and falls of the SSE
-COARSE_TOL = 1e-4
+COARSE_TOLERANCE = 1e-4
 FLAT_DEVIANCE = 1e-10
 EXTRA_STARTS = 16
 MAX_LN_TAU_SD = 0.1
@@ -137,7 +137,10 @@ class ArmInsertion:
                 None
                 if start is None
                 else descend(
-                    self.stack, start, damping=1e-6, selected=self._get_nonnegative_mask(arms)
+                    self.stack,
+                    start,
+                    damping=1e-6,
+                    expected_positive=self._get_nonnegative_mask(arms),
                 )
             )
         return self._attempts[arms]
@@ -177,8 +180,8 @@ class ArmInsertion:
             last, count = self.best[-1].point, self.largest_order + 1
             if last.sse <= self.stack.nothing:
                 return
-            is_small_enough = self._leaves_less_than(negligible)
-            if is_small_enough:
+            gains_little = self._leaves_less_than(negligible)
+            if gains_little:
                 optimum = self._best_with(count, starts=self._insert_arm(count=1))
             else:
                 optimum = self._find_certain_optimum(count) or self._best_with(count)
@@ -186,7 +189,7 @@ class ArmInsertion:
             if optimum is None or optimum.point.sse >= worth:
                 return
             self.best.append(optimum)
-            if is_small_enough and not every:
+            if gains_little and not every:
                 return
 
     def _leaves_less_than(self, negligible: float) -> bool:
@@ -258,7 +261,7 @@ class ArmInsertion:
         optima = [] if first is None else [first]
         for start in starts:
             rivals = [np.sort(rival.point.log_tau) for rival in optima]
-            local = self._descend(start, rivals, selected=restricted)
+            local = self._descend(start, rivals, expected_positive=restricted)
             if local is not None:
                 optima.append(local)
         sse = np.array([local.point.sse for local in optima])
@@ -289,14 +292,14 @@ class ArmInsertion:
         rivals: Sequence[FloatArray],
         *,
         restricted: BoolArray | None = None,
-        selected: BoolArray | None = None,
-        finished: float = COARSE_TOL,
+        expected_positive: BoolArray | None = None,
+        finished: float = COARSE_TOLERANCE,
     ) -> LocalOptimum[StackTrial] | None:
         return descend(
             self.stack,
             start,
             restricted=restricted,
-            selected=selected,
+            expected_positive=expected_positive,
             rivals=rivals,
             finished=finished,
             flat=0.0 if finished == FINISHED else FLAT_DEVIANCE,

@@ -31,7 +31,7 @@ FINISHED = 1e-11
 #: so short a step changes the linear parameters in proportion, to rounding
 LINEAR = 1e-6
 #: what then may be left of theta
-THETA_TOL = 1e-9
+THETA_TOLERANCE = 1e-9
 #: what carries less, as a part, has faded: its steps are damped as if it carried that
 FADED = 1e-12
 #: after a step that was refused none goes farther than this part of it
@@ -40,13 +40,13 @@ STEP_REDUCTION = 0.5
 #: part of what it promised
 EASED, GAINED = 0.5, 0.75
 #: what was learned of the Hessian is dropped where the fall that it foretells is so far off
-POOR_PREDICTION = 0.25
+MAX_PREDICTION_ERROR = 0.25
 #: a step so little damped promises what there is to gain
 DAMPED = 1e-3
 #: and by how much, in parts of it, the SSE may fall
 UNCHANGED = 1e-12
 #: so many steps with a coefficient of the wrong sign lead to none of the right one
-MAX_WRONG_STEPS = 12
+MAX_WRONG_SIGN_STEPS = 12
 
 T = TypeVar("T", bound="Trial")
 
@@ -107,14 +107,16 @@ def is_step_acceptable(new: Any, old: Any, change: Any, rounding: Any) -> Any:
 
 def has_converged(change: Any, last: Any, fall: Any, sse: Any) -> Any:
     """At the rate of the last undamped steps next to nothing is left, of theta and of the SSE."""
-    return (change <= LINEAR) & (change * change <= THETA_TOL * last) & (fall <= UNCHANGED * sse)
+    return (
+        (change <= LINEAR) & (change * change <= THETA_TOLERANCE * last) & (fall <= UNCHANGED * sse)
+    )
 
 
 def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     objective: Objective[T],
     start: FloatArray,
     *,
-    selected: BoolArray | None = None,
+    expected_positive: BoolArray | None = None,
     met: Callable[[FloatArray], bool] | None = None,
     finished: float = FINISHED,
     flat: float = 0.0,
@@ -136,7 +138,7 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     *Math. Programming Study* 16, 1982).
 
     With `flat` it ends where a step promises to lower the SSE by less than that part of it. A
-    descent on which coefficients that are `selected` positive have long been negative, such as two
+    descent on which coefficients that are `expected_positive` have long been negative, such as two
     arms that merge with ever larger coefficients of opposite sign, ends there.
 
     Returns None when it has `met` what is known already, or where the start cannot be evaluated.
@@ -179,13 +181,17 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
                 _update_hessian_correction(lacking, current, new, change, last) if sure else None
             )
             last, current = change, new
-            wrong = wrong + 1 if selected is not None and (current.beta[selected] < 0).any() else 0
+            wrong = (
+                wrong + 1
+                if expected_positive is not None and (current.beta[expected_positive] < 0).any()
+                else 0
+            )
             damping *= (1.0 if short else EASED if wary else 0.1) * (change >= TAIL)
         elif (change < TAIL and damping == 0.0) or fall <= UNCHANGED * sse:
             return LocalOptimum(current, count, True)
         else:
             damping, refused, wary = 10 * max(damping, 1e-6), change, True
-        if current.sse <= rounding or damping > 1e9 or wrong > MAX_WRONG_STEPS:
+        if current.sse <= rounding or damping > 1e9 or wrong > MAX_WRONG_SIGN_STEPS:
             return LocalOptimum(current, count, current.sse <= rounding)
         if met is not None and met(current.theta):
             return None
@@ -197,7 +203,7 @@ def _foretold(lacking: FloatArray | None, old: Trial, new: Trial, step: FloatArr
     if lacking is None:
         return True
     fall = -float(step @ (2 * old.gradient + (old.curvature + lacking) @ step))
-    return bool(abs(old.sse - new.sse - fall) <= POOR_PREDICTION * fall)
+    return bool(abs(old.sse - new.sse - fall) <= MAX_PREDICTION_ERROR * fall)
 
 
 def _update_hessian_correction(

@@ -259,7 +259,7 @@ def descend(
     start: FloatArray,
     *,
     restricted: BoolArray | None = None,
-    selected: BoolArray | None = None,
+    expected_positive: BoolArray | None = None,
     rivals: Sequence[FloatArray] = (),
     finished: float = FINISHED,
     flat: float = 0.0,
@@ -279,7 +279,7 @@ def descend(
     return descend_problem(
         objective,
         np.sort(start),
-        selected=selected,
+        expected_positive=expected_positive,
         met=(lambda log_tau: _is_near_rival(log_tau, rivals)) if rivals else None,
         finished=finished,
         flat=flat,

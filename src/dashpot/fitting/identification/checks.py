@@ -11,7 +11,7 @@ from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.errors import Status
 from dashpot.datamodel.bounds import WELL_KNOWN, BandError
 from dashpot.datamodel.fit_diagnostics import Explanation
-from dashpot.numerics.inference.model_order import DECISIVE, MAX_SE_LN_TAU
+from dashpot.numerics.inference.model_order import DECISIVE_BIC, MAX_SE_LN_TAU
 
 STRAINED = 2.5
 EXPLAINED = 2.0
@@ -194,7 +194,7 @@ gain_plausible, delay_plausible, stiffness_plausible = map(
 )
 
 
-@criterion("fall of BIC", "<=", DECISIVE, "0 beside arms that are not known", grade="note")
+@criterion("fall of BIC", "<=", DECISIVE_BIC, "0 beside arms that are not known", grade="note")
 def dashpot_not_missed(fall: float | None, text: str, b: float, *, sure: bool = True) -> Finding:
     """A parallel dashpot would not improve the fit much.
 
@@ -208,7 +208,7 @@ def dashpot_not_missed(fall: float | None, text: str, b: float, *, sure: bool = 
         failure=f"A parallel dashpot of {b:.3g} N s/m beside {text} explains the FRF better "
         f"(BIC falls by {fall:.3g})",
         remedy=Remedy("Add a dashpot.", "dashpot"),
-        limit=DECISIVE if sure else 0.0,
+        limit=DECISIVE_BIC if sure else 0.0,
     )
 
 

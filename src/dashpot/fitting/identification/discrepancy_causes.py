@@ -39,7 +39,7 @@ from dashpot.fitting.identification.likelihood import (
     descend,
 )
 from dashpot.fitting.marginal_relaxation import RelaxationData
-from dashpot.numerics.inference.model_order import DECISIVE
+from dashpot.numerics.inference.model_order import DECISIVE_BIC
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 
@@ -63,7 +63,7 @@ class DiscrepancyCause(NamedTuple):
     quantity : str
         What it is called among the priors, at a point, and in the vector, a logarithm there.
     unit : str
-    note : str
+    paired_stiffness : str
         The stiffness that is free with it; empty of one that is free alone.
     """
 
@@ -71,7 +71,7 @@ class DiscrepancyCause(NamedTuple):
     phrase: str
     quantity: str
     unit: str = "1"
-    note: str = ""
+    paired_stiffness: str = ""
 
 
 CAUSES = (
@@ -195,7 +195,7 @@ def _rank_causes(
     before = _refit_at_scale(best_candidate, scale)
     least = min(candidate.criterion for candidate in candidates)
     # an arm that the model lacks also distinguishes causes: only a decisive lead counts
-    threshold = least + max(DECISIVE, LACKING * (before.criterion - least))
+    threshold = least + max(DECISIVE_BIC, LACKING * (before.criterion - least))
     by = sorted(
         zip(free, candidates, strict=True),
         key=lambda pair: (is_contradicted(pair[1]), max(pair[1].criterion, threshold)),
@@ -276,7 +276,7 @@ def _free_quantity(
 ) -> IdentificationProblem:
     free = {
         name: (problem.priors.priors_by_name[name] or UNCHANGED)._replace(sd=np.inf)
-        for name in (cause.quantity, cause.note)
+        for name in (cause.quantity, cause.paired_stiffness)
         if name
     }
     return replace(problem, priors=replace(problem.priors, **free))
@@ -329,12 +329,12 @@ def _read_free_quantity(candidate: Candidate, quantity: str) -> tuple[float, flo
 
 def _format_compensating_quantity(cause: DiscrepancyCause, candidate: Candidate) -> str:
     """Return the stiffness that goes with a mass or a gain, where it is another one at all."""
-    if not cause.note:
+    if not cause.paired_stiffness:
         return ""
-    value, error = _read_free_quantity(candidate, cause.note)
+    value, error = _read_free_quantity(candidate, cause.paired_stiffness)
     if abs(value - 1) < _OTHER * error:
         return ""
-    return f". Then {_SENTENCES[cause.note](value, error)}"
+    return f". Then {_SENTENCES[cause.paired_stiffness](value, error)}"
 
 
 def _format_stiffness_change(value: float, error: float) -> str:

@@ -56,7 +56,7 @@ from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
 from dashpot.fitting.order_selection import EXTRA_ARMS
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import iterate_orders
-from dashpot.numerics.inference.model_order import DECISIVE, Shortage, select_model_order
+from dashpot.numerics.inference.model_order import DECISIVE_BIC, Shortage, select_model_order
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
@@ -67,7 +67,7 @@ ELEMENT_STARTS = 4
 # steps after which the best of them are known, and how many are then taken to the end
 ROUGH, FINISHED = 25, 2
 # relative fall of chi-square that ends a search, and the last descent
-COARSE_TOL, FINE_TOLERANCE = 1e-9, 1e-13
+COARSE_TOLERANCE, FINE_TOLERANCE = 1e-9, 1e-13
 # fall of chi-square over a whole descent: along a valley so flat the optimum is no better known
 SETTLED = 0.5
 # a larger number of arms that leaves so many times what the last one leaves
@@ -271,14 +271,17 @@ def _fit_fractional(problems: Sequence[IdentificationProblem], before: PriorTest
             starts.append((before.fractional_fit.solid, starts[0][1]))
         rough = [
             descend(
-                problem, problem.pack(_start(problem, *start)), tolerance=COARSE_TOL, most=ROUGH
+                problem,
+                problem.pack(_start(problem, *start)),
+                tolerance=COARSE_TOLERANCE,
+                most=ROUGH,
             )
             for start in starts
             if start[1] > 0 and start[0].k_0 > 0
         ]
         rough.sort(key=lambda candidate: candidate.cost)
         tries += [
-            descend(problem, candidate.theta, tolerance=COARSE_TOL)
+            descend(problem, candidate.theta, tolerance=COARSE_TOLERANCE)
             for candidate in rough[:FINISHED]
         ]
     if not tries:
@@ -342,7 +345,7 @@ def _lowest(problem: IdentificationProblem, starts: Sequence[Parameters]) -> Can
     """Return the lowest optimum from several starts, or the first that nothing is left of."""
     tries: list[Candidate] = []
     for start in starts:
-        tries.append(descend(problem, problem.pack(start), tolerance=COARSE_TOL))
+        tries.append(descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE))
         if tries[-1].exact:
             break
     return min(tries, key=lambda candidate: candidate.cost)
@@ -353,7 +356,7 @@ def _solve_from_start(
 ) -> Candidate:
     """Return the best of a problem with no more arms than a start has, from there."""
     if isinstance(problem.sought, FractionalElement):
-        return descend(problem, problem.pack(start), tolerance=COARSE_TOL)
+        return descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
     most = start.model.maxwell.arms
     fewer = [number for number in numbers if number < most]
     candidates = _candidates(problem, [*fewer, most], before, start=start)
@@ -361,7 +364,7 @@ def _solve_from_start(
     return (
         _chosen(candidates)
         if candidates
-        else descend(problem, problem.pack(start), tolerance=COARSE_TOL)
+        else descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
     )
 
 
@@ -387,7 +390,9 @@ def _chosen(candidates: Sequence[Candidate]) -> Candidate:
         if ladder:
             sure = [candidate.copy_with_scale(scale).significant for candidate in ladder.values()]
             bics = [candidate.bic for candidate in ladder.values()]
-            best.append(ladder[select_model_order([*ladder], bics, sure, decisive=DECISIVE).arms])
+            best.append(
+                ladder[select_model_order([*ladder], bics, sure, decisive=DECISIVE_BIC).arms]
+            )
     return min(best, key=lambda candidate: candidate.bic)
 
 
@@ -405,7 +410,7 @@ def _arms_enough(
     sure = [candidate.copy_with_scale(scale).significant for candidate in candidates]
     numbers = [candidate.arms for candidate in candidates]
     bics = [candidate.bic for candidate in candidates]
-    more = select_model_order(numbers, bics, sure, decisive=DECISIVE).arms
+    more = select_model_order(numbers, bics, sure, decisive=DECISIVE_BIC).arms
     if more > few:
         lines = best.problem.frf_data.lines.s
         samples = 2 * len(lines) + sum(
@@ -434,7 +439,8 @@ def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
         problem, point = replace(best.problem, dashpot=True), best.point
         tries = [(problem, replace(point, model=_add_parallel_dashpot(problem, point.model)))]
     candidates = [
-        descend(problem, problem.pack(start), tolerance=COARSE_TOL) for problem, start in tries
+        descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
+        for problem, start in tries
     ]
     other = min(candidates, key=lambda candidate: candidate.bic)
     sure = best.copy_with_scale(best.line_scale).significant

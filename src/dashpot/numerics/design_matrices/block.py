@@ -82,7 +82,7 @@ def compute_arm_elongations(
 
 
 def _compute_responses(kernel: FloatArray) -> FloatArray:
-    """Return a row of answers to each step of a stretch, and one to the end before it."""
+    """Return a row of responses to each step of a stretch, and one to the end before it."""
     return np.concatenate((_triangle(kernel[:STRETCH]), kernel[None, 1:]))
 
 
@@ -161,20 +161,20 @@ class MotionSteps(NamedTuple):
         d; the first is the first displacement, zero.
     after : float
         The step after the window, or its last where the record ends.
-    motion : array, shape (stop,)
+    correlation : array, shape (stop,)
         C_d at every lag.
     """
 
     each: FloatArray
     after: float
-    motion: FloatArray
+    correlation: FloatArray
 
 
 def compute_delayed_lags(
     steps: MotionSteps, delayed_force: DelayedForce, *, start: int, interval: float
 ) -> FloatArray:
     """Correlation of the column with the steps at every lag, shape (stop,)."""
-    d, values = steps.each, steps.motion
+    d, values = steps.each, steps.correlation
     first = reverse_before_start(d, start + 1)
     after_last = np.concatenate(([0.0], d[:0:-1]))
     total = np.zeros(len(d))

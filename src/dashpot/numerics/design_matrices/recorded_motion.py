@@ -252,7 +252,7 @@ def _validate_samples(
 
 
 #: samples from which the recursion is worth reducing
-MIN_LONG = 2000
+MIN_REDUCED_SAMPLES = 2000
 #: of its way, a plate that moves by less is at rest
 REST_SHARE = 1e-5
 #: correlations cannot distinguish arms that are slower than a record's window by more than this
@@ -337,7 +337,7 @@ def recorded_block(
         or rests
     ):
         whole = replace(exact(start, stop, weights), window=limits)
-        if tau_range is None and stop - start < MIN_LONG:
+        if tau_range is None and stop - start < MIN_REDUCED_SAMPLES:
             return whole
         return reduced_block(whole, tau_range=tau_range)
     if even <= start:

@@ -26,7 +26,7 @@ from dashpot.numerics.inference.model_order import bic
 from dashpot.numerics.least_squares import Optimum
 
 #: of a profile interval: slices to a side, trials at most, and how close its ends come in quantiles
-_SLICES, _TRIALS, _CLOSE = 3, 40, 1e-2
+_SLICES, _TRIALS, _END_TOLERANCE = 3, 40, 1e-2
 
 
 class DerivedQuantity(NamedTuple):
@@ -133,7 +133,7 @@ class Estimate:
             """Return what is held has no error; None where the model says nothing."""
             try:
                 optimum = best.problem.fix_parameter(index, value).solve(
-                    [start], flat=_CLOSE / sum(count)
+                    [start], flat=_END_TOLERANCE / sum(count)
                 )
                 return None if optimum is None else slice_of(value, optimum)
             except DataError:
@@ -153,7 +153,10 @@ class Estimate:
             last, (here, near, root) = (middle - first, rest - first * tangent), (middle, rest, 0.0)
             step, excess, worse = first, np.nan, np.inf
             for _ in range(_TRIALS):
-                met = root > reach * (1 - _CLOSE) or abs(excess - here) < _CLOSE * first
+                met = (
+                    root > reach * (1 - _END_TOLERANCE)
+                    or abs(excess - here) < _END_TOLERANCE * first
+                )
                 if met or here == limit:
                     break
                 # the root of a parabola's deviance is straight: a secant, kept off the ends
@@ -164,7 +167,7 @@ class Estimate:
                 # the others begin where the last two lead
                 start = near + (near - last[1]) * ((value - here) / (here - last[0]))
                 new = solve_slice(value, start)
-                if new is None or new.root > reach * (1 + _CLOSE):
+                if new is None or new.root > reach * (1 + _END_TOLERANCE):
                     excess, worse = value, np.inf if new is None else new.root
                     continue
                 inside.append(new)

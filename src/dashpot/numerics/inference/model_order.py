@@ -43,7 +43,7 @@ MAX_CHANCE = erfc(MIN_K_OVER_SE / sqrt(2.0))
 
 
 #: a difference of BIC that outweighs doubt about k and tau
-DECISIVE = 50.0
+DECISIVE_BIC = 50.0
 
 
 class OrderChoice(NamedTuple):

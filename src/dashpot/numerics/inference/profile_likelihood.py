@@ -153,7 +153,7 @@ class SolvedTrials(NamedTuple):
     beta: FloatArray
     gradient: FloatArray
     curvature: FloatArray
-    second_derivatives: FloatArray
+    residual_curvature: FloatArray
 
 
 class BatchedDescent:
@@ -231,14 +231,14 @@ class BatchedDescent:
         size = curvature[:, arms, arms]
         stretch = np.where(size > 0, size, 1.0)
         curvature[:, arms, arms] = size + stretch * RIDGE + (size <= 0)
-        both = np.concatenate((self.known.second_derivatives[on], gradient[:, :, None]), axis=2)
+        both = np.concatenate((self.known.residual_curvature[on], gradient[:, :, None]), axis=2)
         solved = np.linalg.solve(curvature, both)
         share, first = solved[..., :-1], solved[..., -1]
         # what the move takes off the residual bends nothing where it leads
         reduction = np.vecdot(first, gradient) / np.maximum(self.known.sse[on], 1e-300)
         remainder = np.maximum(1.0 - reduction * reduction, 0.0)[:, None, None]
         believed = _moderate(remainder * share)[:, None, None]
-        curvature += np.where(believed, remainder, 0.0) * self.known.second_derivatives[on]
+        curvature += np.where(believed, remainder, 0.0) * self.known.residual_curvature[on]
         curvature[:, arms, arms] += stretch * self.damping[on][:, None]
         move = np.linalg.solve(curvature, gradient[:, :, None])[..., 0]
         longest = np.abs(move).max(axis=1, keepdims=True)

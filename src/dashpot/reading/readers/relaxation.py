@@ -197,7 +197,7 @@ def _refuse_sizes(
                 size_checks.size_possible("force", push, pushes, role="force"),
                 size_checks.force_of_a_seal(push, pushes),
                 size_checks.force_of_a_bench(push, pushes, travel=far),
-                size_checks.stiffness_of_a_seal(push, pushes, travel=far, motion=moves),
+                size_checks.stiffness_of_a_seal(push, pushes, travel=far, travel_unit=moves),
             ],
             "displacement": [
                 size_checks.size_possible("travel", far, moves, role="displacement"),

@@ -127,7 +127,7 @@ def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
     "our choice: a tenth of the softest foam strip; an indenter has less",
     grade="note",
 )
-def stiffness_of_a_seal(force: float, unit: str, *, travel: float, motion: str) -> Finding:
+def stiffness_of_a_seal(force: float, unit: str, *, travel: float, travel_unit: str) -> Finding:
     """The ratio of force to displacement is no lower than that of a soft seal."""
     message = (
         f"The force goes over {format_quantity_short(force, 'N')} while the displacement goes over "
@@ -137,7 +137,7 @@ def stiffness_of_a_seal(force: float, unit: str, *, travel: float, motion: str) 
         message,
         force / travel if travel > 0 else None,
         **make_unit_advice(message, "force", unit, _LARGER),
-        always_passes=motion not in _COARSE,
+        always_passes=travel_unit not in _COARSE,
     )
 
 

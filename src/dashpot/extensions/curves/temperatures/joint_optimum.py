@@ -19,7 +19,7 @@ from dashpot.extensions.curves.temperatures.starting_points import (
 )
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.input_tests import temperatures_of
-from dashpot.numerics.inference.model_order import DECISIVE, OrderChoice, select_model_order
+from dashpot.numerics.inference.model_order import DECISIVE_BIC, OrderChoice, select_model_order
 
 # what is known of how arms shift apart: two temperatures hardly determine it, three do
 _SLOPE_OF_TWO, _SLOPE = 0.03, 0.3
@@ -115,7 +115,7 @@ def _choice(
     numbers = [candidate.point.order for candidate in candidates]
     clear = [joint.has_significant_arms(candidate.point) for candidate in candidates]
     bics = [candidate.bic for candidate in candidates]
-    return select_model_order(numbers, bics, clear, exhausted=exhausted, decisive=DECISIVE)
+    return select_model_order(numbers, bics, clear, exhausted=exhausted, decisive=DECISIVE_BIC)
 
 
 def _select_candidate(
