@@ -199,7 +199,7 @@ def test_fractional_element_is_recovered_from_any_noise_free_test() -> None:
 
 def test_a_trial_is_differentiated() -> None:
     columns = ArmColumns(
-        data_of([press_seal(Seal.fractional(*TRUTHS[0]))], FitSetup("full")).bind_parameters().rows
+        data_of([press_seal(Seal.fractional(*TRUTHS[0]))], FitSetup("full")).weight_priors().rows
     )
     theta = np.array([np.log(0.07), 0.55])
     here = columns.problem.solve_linear(theta)
@@ -571,7 +571,7 @@ def coverage(seeds: int) -> dict[str, float]:
     inside = dict.fromkeys(truth, 0)
     for seed in range(seeds):
         test = press_seal(Seal.fractional(200.0, 300.0, 0.05, 0.5), bench=bench, seed=seed)
-        result = fit_fractional_model(data_of([test], FitSetup("full")).bind_parameters())
+        result = fit_fractional_model(data_of([test], FitSetup("full")).weight_priors())
         parameter_estimate = ParameterEstimate(
             result.parameters, result.covariance, result.estimate.dof, Residual(1, 1.0, 1.0)
         )

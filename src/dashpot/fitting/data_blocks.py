@@ -321,7 +321,7 @@ class FitData:
         """The standard deviation of one independent residual that each prior assumes, N."""
         return tuple(float(np.sqrt(block.variance or 0.0)) for block in self.priors)
 
-    def bind_parameters(self, spreads: Sequence[float] | None = None) -> FitData:
+    def weight_priors(self, spreads: Sequence[float] | None = None) -> FitData:
         """Return the data with priors whose weight is that of residuals with these spreads, N."""
         return self if self.bind is None else replace(self, priors=self.bind(spreads))
 
@@ -394,7 +394,7 @@ def fit_all_orders(
     that could gain what BIC asks for one. ``only`` leaves out all but the last, which with `near`
     is the one next to these ln tau.
     """
-    data = data.bind_parameters()
+    data = data.weight_priors()
 
     def solve_once() -> Sequence[Solution]:
         least = bic_penalty_per_arm(data.rows) if data.in_time else 0.0
@@ -415,7 +415,7 @@ def fit_all_orders(
     spreads = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
     if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(spreads, data.units, strict=False)):
         return InitialFit(data, solutions, series, noises, solutions[-1])
-    data = data.bind_parameters(spreads)
+    data = data.weight_priors(spreads)
     return InitialFit(data, solve_once(), series, noises, solutions[-1])
 
 

@@ -59,8 +59,12 @@ def depths_of(test: RelaxationTest, **how: Any) -> tuple[RampHold, ...]:
     """
     chosen = prepare(test, **how)
     parameters = next(dict(step.parameters) for step in chosen.steps if step.name == "segments")
-    cycles = int(parameters["cycle"].partition(" of ")[2])
-    every = [prepare(test, **how, cycle=i) for i in range(1, cycles + 1)] if cycles > 1 else []
+    cycle_count = int(parameters["cycle"].partition(" of ")[2])
+    every = (
+        [prepare(test, **how, cycle=number) for number in range(1, cycle_count + 1)]
+        if cycle_count > 1
+        else []
+    )
     records: list[RampHold] = []
     for ramp_hold in sorted(every, key=lambda record: -record.hold_time):
         if all(abs(ramp_hold.depth / other.depth - 1) > SAME_DEPTH for other in records):
@@ -179,7 +183,7 @@ def find_reference_index(temperatures: FloatArray, target: float | None) -> int:
 
 # Distinct records of one seal.
 #
-# A record given twice makes every standard error smaller by :math:`\sqrt 2` and shows nothing; two
+# A record given twice makes every standard error smaller by :math:`\sqrt 2` and adds nothing; two
 # lots fitted as one seal give a seal that does not exist.
 
 
@@ -232,8 +236,12 @@ def _describe_copy(first: RampHold, second: RampHold) -> str:
         return "sample for sample"
     if abs(first.depth / second.depth - 1) > SAME_DEPTH:
         return ""
-    corr = noise_correlation(first, second)
-    return f"resampled (their noise correlates by {corr:.2f})" if corr > COPY_CORRELATION else ""
+    correlation = noise_correlation(first, second)
+    return (
+        f"resampled (their noise correlates by {correlation:.2f})"
+        if correlation > COPY_CORRELATION
+        else ""
+    )
 
 
 def noise_correlation(ramp_hold: RampHold, other: RampHold) -> float:

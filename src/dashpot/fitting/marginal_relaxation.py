@@ -270,7 +270,7 @@ class RelaxationData:
         offset, drift, delay and motion. The solid's parameters are k_inf, every k, every ln tau, or
         those of a fractional solid, then b; N/m, s and N s/m.
         """
-        model, priors, fixed = solid.maxwell, dict(self.terms.priors), self.drift
+        model, priors, fitted_drift = solid.maxwell, dict(self.terms.priors), self.drift
         # a seal that warms is sought where several temperatures were fitted
         kinds = (
             "give",
@@ -281,7 +281,10 @@ class RelaxationData:
         )
         borne = {kind: priors.pop(kind) for kind in kinds if kind in priors}
         if "drift" in priors:
-            borne["drift"], priors["drift"] = priors["drift"].compute_remainder(fixed), fixed
+            borne["drift"], priors["drift"] = (
+                priors["drift"].compute_remainder(fitted_drift),
+                fitted_drift,
+            )
         values, arms = np.unique(
             np.clip(np.log(model.tau), *np.log(self.window)), return_inverse=True
         )

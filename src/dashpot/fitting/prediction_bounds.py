@@ -99,13 +99,13 @@ def off_by_error(fit: Fit) -> tuple[Solid, ...]:
     )
 
 
-def _build_solid(fit: Fit, rates: FloatArray, there: FloatArray) -> Solid:
+def _build_solid(fit: Fit, values: FloatArray, there: FloatArray) -> Solid:
     if fit.estimate.parameters == ELEMENT:
-        k_inf, k_0 = np.maximum(there[:2], _LEAST_PART * rates[:2])
+        k_inf, k_0 = np.maximum(there[:2], _LEAST_PART * values[:2])
         alpha = float(np.clip(there[3], 0.05, 1.0))
         return FractionalZener(float(k_0), float(k_inf), float(np.exp(there[2])), alpha)
     arms = fit.model.arms
-    k = np.maximum(there[: 1 + arms], _LEAST_PART * rates[: 1 + arms]).tolist()
+    k = np.maximum(there[: 1 + arms], _LEAST_PART * values[: 1 + arms]).tolist()
     tau = np.exp(there[1 + arms : 1 + 2 * arms])
     order = np.argsort(tau)
     return GeneralizedMaxwell(

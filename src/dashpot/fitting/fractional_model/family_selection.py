@@ -109,11 +109,11 @@ class ArmColumns:
         """Return the best points of a grid, no two of nearly the same relaxation time."""
         low, high = self.bounds
         times = np.arange(low[0], high[0], 1 / _PER_FOLD)
-        starting_points = [
+        grid_optima = [
             self.problem.solve_linear(np.array([t, slope])) for t in times for slope in _SLOPES
         ]
         optima: list[Optimum] = []
-        for near in sorted(starting_points, key=lambda optimum: optimum.cost):
+        for near in sorted(grid_optima, key=lambda optimum: optimum.cost):
             if all(abs(near.theta[0] - optimum.theta[0]) > 2 / _PER_FOLD for optimum in optima):
                 optima.append(near)
             if len(optima) == count:

@@ -391,23 +391,28 @@ class ModelPrediction:
         return stack_real_rows(by / data.sd[:, None]) / problem.scale
 
     def _differentiate_impedance(
-        self, s: ComplexArray, impedance: ComplexArray, seal_share: npt.ArrayLike, *, order: int = 0
+        self,
+        s: ComplexArray,
+        derivatives: ComplexArray,
+        seal_stiffness: npt.ArrayLike,
+        *,
+        order: int = 0,
     ) -> ComplexArray:
         """Derivative of m s^2 + n K(s) under the hammer by the vector, or that of its slope by s.
 
-        `impedance` is that of one seal's K or K' by its own numbers, `seal_share` n K or n K'
-        under the hammer.
+        `derivatives` are those of one seal's K or K' by its own numbers, `seal_stiffness` is n K or
+        n K' under the hammer.
         """
         problem, p = self.problem, self.point
         count = problem.frf_data.seals * p.factor
         spring = count * p.model.k_inf * (1 - order)
         by = np.zeros((len(s), len(self.theta)), dtype=complex)
-        by[:, : impedance.shape[1]] = count * impedance
+        by[:, : derivatives.shape[1]] = count * derivatives
         by[:, 0] += (p.spring - 1) * spring
         rest = {
             "b": count * self._b * s ** (1 - order),
             "mass": p.mass * s ** (2 - order) * (1 + order),
-            "factor": seal_share,
+            "factor": seal_stiffness,
             "spring": p.spring * spring,
         }
         for name in rest.keys() & problem.index.keys():

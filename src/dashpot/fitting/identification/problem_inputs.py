@@ -115,7 +115,7 @@ def _without_tests(fit: Fit | None, temperature: float | None, family: str) -> P
 def point_of(
     before: Fit | None, mass: float | None, seals: float, compression: float | None
 ) -> OperatingPoint | None:
-    """Where the seals are under the hammer; None if that makes no difference, or nothing shows."""
+    """Where the seals are under the hammer; None if that makes no difference, or is not known."""
     law = None if before is None else before.elastic_law
     if before is None or law is None or law.kind == "linear":
         return None

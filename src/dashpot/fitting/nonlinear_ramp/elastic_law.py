@@ -361,9 +361,9 @@ def _bic(optimum: RampHoldOptimum, hold: HoldEstimate, correlation: Sequence[flo
         on = float(np.sum(rows.ramp & (rows.record == i))) / kappa
         # a ramp followed closer than its noise is luck
         least = min(rows.noise[i], optimum.hold[i])
-        hold_samples = rows.select_hold(i).sum() / hold.correlation[i]
+        effective_count = rows.select_hold(i).sum() / hold.correlation[i]
         total += deviance(max(optimum.ramp[i], least) ** 2, effective=on)
-        total += deviance(optimum.hold[i] ** 2, effective=hold_samples)
+        total += deviance(optimum.hold[i] ** 2, effective=effective_count)
         effective += on
     arms, bends = len(optimum.log_tau), optimum.weighted.solid.bends.stop
     delays = len(optimum.nuisance) - 2 * len(rows.depths)

@@ -151,11 +151,11 @@ def law_checks(tests: Sequence[RampHold], law: RampLaw, end: EndOfHold | None) -
     residual = law.estimate.residual
     error = np.sqrt(np.diag(law.estimate.covariance))
     # the misfit of the ramp is assessed by ramp_residual_small
-    hold_ratios = [
+    residuals_by_record = [
         residual[test.settled_samples.start - test.hold.stop :]
         for residual, test in zip(law.residuals, tests, strict=True)
     ]
-    residuals = Residuals(hold_ratios, residual.rms, residual.variance_inflation)
+    residuals = Residuals(residuals_by_record, residual.rms, residual.variance_inflation)
     return (
         *run_relaxation_checks(tests, law.model, error, residuals, end),
         *ramp_checks(tests, law, end),

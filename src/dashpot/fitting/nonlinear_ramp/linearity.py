@@ -337,11 +337,11 @@ class DelayedMotion(NamedTuple):
         """What was done to the motion."""
         if not any(self.lags):
             return ()
-        delays = " and ".join(format_quantity(lag, "ms", ".3g") for lag in self.lags)
+        delay_text = " and ".join(format_quantity(lag, "ms", ".3g") for lag in self.lags)
         parameters = (("lag_s", ", ".join(f"{lag:.6g}" for lag in self.lags)),)
-        how = f"put the motion behind a low-pass of {delays}"
+        how = f"put the motion behind a low-pass of {delay_text}"
         if not self.filtered:
-            how = f"took the motion {delays} later"
+            how = f"took the motion {delay_text} later"
         return (Step("lag", parameters, f"{how}, as the force comes"),)
 
 
@@ -390,14 +390,14 @@ def _shift_motion(record: RampHold, lag: float) -> tuple[RampHold, float]:
     if not many:
         return record, 0.0
 
-    def delay_records(values: FloatArray) -> FloatArray:
+    def delay_values(values: FloatArray) -> FloatArray:
         return np.concatenate((np.full(many, values[0]), values[:-many]))
 
     provided = (
-        None if record.machine_deflection is None else delay_records(record.machine_deflection)
+        None if record.machine_deflection is None else delay_values(record.machine_deflection)
     )
     return replace(
-        record, displacement=delay_records(record.displacement), machine_deflection=provided
+        record, displacement=delay_values(record.displacement), machine_deflection=provided
     ), many * step
 
 

@@ -175,8 +175,8 @@ def relaxes_from(test: RampHold) -> int:
     soon = test.force[start : max(stop, start + 1)]
     peak = int(np.argmax(soon))
     rise = float(soon[peak] - soon[0])
-    is_late = rise > _CLEAR * test.force_noise + _RISEN * float(soon[peak])
-    return int(start) + peak if is_late else int(start)
+    rises_on = rise > _CLEAR * test.force_noise + _RISEN * float(soon[peak])
+    return int(start) + peak if rises_on else int(start)
 
 
 def _place_ramp_blocks(time: FloatArray, interval: float) -> IndexArray:
@@ -259,10 +259,10 @@ class QuasiLinear:
     def _steps(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Step of each row over tau, the mean decay within it, and what passes from row to row."""
         z = self.rows.step[:, None] / np.exp(log_tau)
-        decay = np.expm1(-z)
-        passed = 1 + decay
+        change = np.expm1(-z)
+        passed = 1 + change
         passed[self.rows.first] = 0.0
-        return z, -decay / z, passed
+        return z, -change / z, passed
 
 
 def hat_integrals(x: FloatArray, knots: FloatArray) -> FloatArray:
