@@ -250,13 +250,13 @@ def test_limits_at_a_level_count_what_the_law_leaves(place, tmp_path):
         record = AmplitudeSweep(np.full(24, 10.0), strain, E.real, E.imag, units="SI")
         law = fit_amplitude(record, law="factor")
         part = SweptPart((law,), (1.0,), HEIGHT, 0.0, None, record)
-        f, T = part.relative_error(2e-3, 100.0, ReferencePoint(None, 0.0))
+        f, T = part.compute_relative_errors(2e-3, 100.0, ReferencePoint(None, 0.0))
         change = 0.5 * abs(np.log(payne(2e-3).real / payne(1e-7).real))
         sd = 0.2 * 0.05 * off
         assert f == pytest.approx(np.sqrt(0.02**2 + 2 * sd**2 + change**2), rel=0.08)
         loss = 2 * 0.05 * off
         assert pytest.approx(2 * np.sqrt(loss**2 + 0.1**2 + 0.05**2), rel=0.1) == T
-        far, _ = part.relative_error(2e-3, 100.0, ReferencePoint(200.0, 0.0))
+        far, _ = part.compute_relative_errors(2e-3, 100.0, ReferencePoint(200.0, 0.0))
         assert far**2 - f**2 == pytest.approx((0.05 * np.log(2)) ** 2)
 
 

@@ -292,9 +292,9 @@ class _LawOnSweep:
         size = self.size
         storage, X = self.sweep.storage + residual.real * size, self.sweep.amplitude
         least = _RISES * float(np.sqrt((np.abs(residual) ** 2).mean() / 2))
-        for branch in self.chosen.T:
-            last = storage[branch][X[branch].argmax()]
-            if last - storage[branch].min() > least * size[branch].min():
+        for tone in self.chosen.T:
+            last = storage[tone][X[tone].argmax()]
+            if last - storage[tone].min() > least * size[tone].min():
                 return True
         return False
 

@@ -286,7 +286,7 @@ class SweptPart(Serialisable):
             hz, value, change = group[0]
             frf, _ = self.frf(solid, self.law, self.factors[0], frequency=frequency, **how)
             strain = change / self.stretch(self.factors[0])
-            off_hz, off_value = self.relative_error(strain, hz, reference_point)
+            off_hz, off_value = self.compute_relative_errors(strain, hz, reference_point)
             lowest, highest = (pick(values[0] for values in group) for pick in (min, max))
             least, most = (pick(values[1] for values in group) for pick in (min, max))
             resonances.append(
@@ -304,7 +304,7 @@ class SweptPart(Serialisable):
             )
         return tuple(resonances)
 
-    def relative_error(
+    def compute_relative_errors(
         self, strain: float, hz: float, anchor: ReferencePoint
     ) -> tuple[float, float]:
         r"""Two standard deviations of ln f and of ln of the height at a strain of the sweep.

@@ -203,7 +203,7 @@ def levels_residual_small(residual: float, noise: float | None) -> Finding:
     """One model with friction fits the FRFs of every amplitude."""
     message = f"The model misses F/X by {100 * residual:.2g} %"
     if noise is None:
-        return Finding(f"{message}. Too few lines show how much of it is noise")
+        return Finding(f"{message}. The lines are too few to show how much of it is noise")
     return Finding(
         f"{message}; the noise is {100 * noise:.2g} %",
         residual / noise,

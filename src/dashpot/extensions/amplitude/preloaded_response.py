@@ -34,7 +34,7 @@ search goes."""
 _REPORTED_HARMONICS, _MIN_HARMONIC_SHARE, _MAX_HALF_WIDTH = 3, 1e-3, 1.0
 """Harmonics that a text shows, the part of the first below which one is not known, and the half
 width of an interval, in parts of the value, from which on it is none."""
-_UNTESTED_COMPRESSION = 1e-3
+_MIN_COMPRESSION_SHARE = 1e-3
 """Part of the tested compression below which no contact was tested."""
 Ends = tuple[float, float]
 
@@ -236,7 +236,7 @@ def preloaded_levels(
         return PreloadedMass(load.mass, on, solid, None if at is None else float(on.force(at)))
 
     preloaded_mass = build_preloaded_mass(fit.elastic_law, fit.solid)
-    if preloaded_mass.rest < _UNTESTED_COMPRESSION * fit.elastic_law.depth:
+    if preloaded_mass.rest < _MIN_COMPRESSION_SHARE * fit.elastic_law.depth:
         raise DataError(
             f"the mass presses the seal by {format_quantity(preloaded_mass.rest, 'mm', '.2g')} "
             "alone, and "

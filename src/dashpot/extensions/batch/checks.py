@@ -194,7 +194,7 @@ def capability_as_asked(
 def scatter_normal(source: str, normal: float | None) -> Finding:
     """The scatter between seals, lots and repeats is normally distributed."""
     if normal is None:
-        return Finding("Too few values show whether the scatter is normal")
+        return Finding("The values are too few to show whether the scatter is normal")
     return Finding(
         f"The values of each {source} would scatter so with a probability of {normal:.2g} if they "
         "were normal",

@@ -175,7 +175,7 @@ def compare_two_lots(
     first, second : (str, Lot)
         What a lot is called, and the lot.
     names : sequence of str
-        Quantities; by default those that both lots have, less what the others show.
+        Quantities; by default those that both lots have, without those that follow from others.
 
     Raises
     ------
@@ -225,7 +225,7 @@ def _count_shared_records(first: Lot, second: Lot) -> int:
 
 
 def _select_common_quantities(first: Lot, second: Lot) -> tuple[str, ...]:
-    """Return the quantities that both lots have, less what the others show."""
+    """Return the quantities that both lots have, without those that follow from others."""
     theirs = {quantity.name for quantity in second.quantities}
     mine = (quantity.name for quantity in first.quantities)
     return tuple(name for name in mine if name in theirs and not name.startswith(_TOLD_BY_OTHERS))

@@ -38,7 +38,7 @@ from dashpot.report.page_frame import VERDICT_COLOURS, digest, environment, fram
 
 ROWS = 50
 """Of a table or a list in the page: its height does not depend on how many tests there are."""
-BY_SEALS, FEW_LOTS, MAX_FINDINGS = 100, 6, 6
+BY_SEALS, FEW_LOTS, MAX_FLAGS = 100, 6, 6
 """Most seals that the chart shows one by one, lots in the table of Cpk, and rows of the gravest
 flags."""
 CURVES = 200
@@ -123,7 +123,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             lots=_lots(main),
             scatter=_scatter(main),
             gauge=_gauge(main),
-            weighs=weighs[:MAX_FINDINGS],
+            weighs=weighs[:MAX_FLAGS],
             remarks=len(weighs),
             checked=[
                 {"mark": _mark(check), "message": check.message_with_remedy}
