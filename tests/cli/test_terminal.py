@@ -421,7 +421,7 @@ def test_a_result_fits_the_terminal_that_shows_it(monkeypatch):
     monkeypatch.setattr("shutil.get_terminal_size", lambda fallback=(80, 24): small)
     lines = format_for_screen(*message, size=_terminal.screen())
     assert max(map(len, lines)) <= 80
-    assert len(lines) + _terminal.MAX_COLUMNS <= 24
+    assert len(lines) + _terminal.OTHER_LINES <= 24
     assert lines[-1].strip() == "more with -v"
     large = os.terminal_size((300, 90))
     monkeypatch.setattr("shutil.get_terminal_size", lambda fallback=(80, 24): large)

@@ -55,8 +55,8 @@ class Source(Serialisable):
     simulated : bool
         True if the file says that it was made by simulation.
     cautions : tuple of str
-        Those of the notes that can change a number, which the checks of what is made of the
-        record show.
+        Those of the notes that can change a number; the checks of every result of the record
+        repeat them.
 
     Examples
     --------

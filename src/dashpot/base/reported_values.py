@@ -23,7 +23,7 @@ AT_MOST = "at most"
 """What stands before the upper limit of a number that nothing bounds from below."""
 ASYMMETRY_LIMIT = 0.1
 """An interval whose one end is that much nearer to the value than the other."""
-SECOND_ROW_SHARE = 1e-2
+END_AT_VALUE_SHARE = 1e-2
 """The same, where that end stands for the value itself."""
 
 
@@ -210,7 +210,7 @@ class ReportedValue(Serialisable):
             return "unknown", round_to_error(low), "no limit"
         below, above = value - low, high - value
         near, far = sorted((below, above))
-        if math.isfinite(far) and near <= SECOND_ROW_SHARE * far:
+        if math.isfinite(far) and near <= END_AT_VALUE_SHARE * far:
             # an end that is the value itself says nothing of its digits
             return round_to_error(value), round_to_error(low), round_to_error(high)
         # of a lopsided interval each end has the digits of its own distance

@@ -94,7 +94,7 @@ def _table() -> dict[str, Unit]:
     return units
 
 
-MIN_SI, MAX_SI = 1e-15, 1e15
+MIN_SI_VALUE, MAX_SI_VALUE = 1e-15, 1e15
 """Between these lies, in SI units, every quantity that a user can mean, if it is not 0."""
 
 TABLE = MappingProxyType(_table())
@@ -286,11 +286,11 @@ def _filter_units(dimension: Dimension) -> list[Unit]:
     return [unit for unit in TABLE.values() if unit.dimension == dimension]
 
 
-_SEAL_UNITS: dict[Dimension, str] = {
+_DEFAULT_UNITS: dict[Dimension, str] = {
     "mass": "g", "length": "mm", "temperature": "degC", "stiffness": "N/mm", "stress": "MPa",
     "compliance": "um/N",
 }  # fmt: skip
-"""What a seal is measured in, where that is not the first unit of the table."""
+"""The unit of a form and of an example, where that is not the first unit of the table."""
 
 _DISPLAY_UNITS = MappingProxyType({
     "m": "mm", "kg": "g", "N/m": "N/mm", "N*s/m": "N*s/mm", "Pa": "MPa", "Pa*s": "MPa*s",
@@ -324,23 +324,25 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
         names = [unit.word for unit in _filter_units(dimension)]
         raise DataError(
             f"'{text}' has no unit; add a unit of {dimension} to it, for example '{text.strip()}"
-            f"{_SEAL_UNITS.get(dimension, names[names[0] == '1'])}' (known: {', '.join(names)})"
+            f"{_DEFAULT_UNITS.get(dimension, names[names[0] == '1'])}' (known: {', '.join(names)})"
         )
     if re.match(r",\d", match[2]):
-        plain = text.strip().replace(",", "")
-        grouped = f", or '{plain}' if that is meant" if re.match(r",\d{3}(?!\d)", match[2]) else ""
+        plain_text = text.strip().replace(",", "")
+        grouped = (
+            f", or '{plain_text}' if that is meant" if re.match(r",\d{3}(?!\d)", match[2]) else ""
+        )
         pointed = text.strip().replace(",", ".", 1)
         raise DataError(f"'{text}' has a decimal comma; write '{pointed}' with a point{grouped}")
     unit = parse_unit(match[2], dimension)
     scaled = from_unit(float(match[1]), replace(unit, offset=0.0))
     if (
         re.search("[1-9]", match[1].lower().partition("e")[0])
-        and not MIN_SI <= abs(scaled) <= MAX_SI
+        and not MIN_SI_VALUE <= abs(scaled) <= MAX_SI_VALUE
     ):
         raise DataError(
             f"'{text}' is {scaled:.3g} in SI units; expected 0 or a magnitude from "
-            f"{MIN_SI:g} to "
-            f"{MAX_SI:g}: check the number and its unit"
+            f"{MIN_SI_VALUE:g} to "
+            f"{MAX_SI_VALUE:g}: check the number and its unit"
         )
     return scaled + unit.offset
 
@@ -363,7 +365,7 @@ def get_default_unit(dimension: Dimension) -> str:
     >>> get_default_unit("length"), get_default_unit("time")
     ('mm', 's')
     """
-    return _SEAL_UNITS.get(dimension, _filter_units(dimension)[0].word)
+    return _DEFAULT_UNITS.get(dimension, _filter_units(dimension)[0].word)
 
 
 def get_display_unit(unit: str, *, fine: bool = False) -> str:

@@ -26,7 +26,7 @@ PROGRESS_DELAY, PROGRESS_PERIOD = 1.0, 0.25
 
 MIN_SCREEN = ScreenSize(60, 20)
 """A screen that is smaller scrolls."""
-MAX_COLUMNS = 4
+OTHER_LINES = 4
 """Lines that are left for what was recognised and written, and for what comes next."""
 
 
@@ -34,10 +34,10 @@ def screen() -> ScreenSize:
     """Return the size for which a result is laid out: that of the terminal, if stdout is one."""
     if not getattr(sys.stdout, "isatty", bool)():
         return SIZE
-    columns, lines = shutil.get_terminal_size((COLUMNS, SIZE.lines + MAX_COLUMNS))
+    columns, lines = shutil.get_terminal_size((COLUMNS, SIZE.lines + OTHER_LINES))
     return ScreenSize(
         min(max(columns, MIN_SCREEN.columns), SIZE.columns),
-        min(max(lines - MAX_COLUMNS, MIN_SCREEN.lines), SIZE.lines),
+        min(max(lines - OTHER_LINES, MIN_SCREEN.lines), SIZE.lines),
     )
 
 

@@ -170,12 +170,12 @@ def _update_specimen(specimen: Specimen, provided_specimen: Specimen) -> Specime
     news = {
         field.name: getattr(provided_specimen, field.name)
         for field in fields(provided_specimen)
-        if field.name != _MISSING_TEMPERATURE
+        if field.name != _DECK_FIELD
     }
     return replace(specimen, **{name: value for name, value in news.items() if value})
 
 
-_MISSING_TEMPERATURE = "temperature"
+_DECK_FIELD = "temperature"
 """Of the specimen: what a deck is asked for, not what is added to the fit."""
 
 

@@ -70,13 +70,13 @@ def command(
         from dashpot.reading.read_options import dump_profile
 
         write_output(save, dump_profile(options))
-    questions = [
+    summary_lines = [
         line
         for file, path in zip(inspections.files, files, strict=True)
         for line in _answer(file, "" if len(files) == 1 else path)
     ]
     tables = [line for file in inspections.files for line in (file.file, *_columns(file))]
-    text = Text(questions, tables) if len(files) > 1 else Text([*questions, *tables[1:]])
+    text = Text(summary_lines, tables) if len(files) > 1 else Text([*summary_lines, *tables[1:]])
     return CommandResult(
         inspections, text, inspections.checks, follow=_follow(files, inspections.files, save)
     )

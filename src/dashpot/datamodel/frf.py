@@ -360,7 +360,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
             text = "no mass is given" if mass is None else f"mass = {mass!r} kg"
             raise DataError(
                 "a transmissibility relates two motions, the others a motion and a force, and only "
-                f"the mass between them, > 0 kg, shows one by the other: {text} "
+                f"the mass between them, > 0 kg, gives one from the other: {text} "
                 "(Python: frf.to(kind, mass=m))"
             )
         relative = Kind.RELATIVE_TRANSMISSIBILITY
@@ -499,7 +499,7 @@ class Mode(Serialisable):
     residue : complex
         Of the receptance, m/(N s): :math:`X/F = r/(s-p) + r^*/(s-p^*) + \dots`
     frequency_se, damping_ratio_se, residue_se : float
-        Standard errors; 0 for a model's mode, nan where a method cannot show.
+        Standard errors; 0 for a model's mode, nan where a method gives none.
     method : str
         How it was found.
 

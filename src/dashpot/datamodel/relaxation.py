@@ -297,7 +297,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         """Duration of the hold, s."""
         return self.hold_end - self.ramp_end
 
-    def hold_end_before(self, hold_end: float) -> RampHold:
+    def with_hold_end(self, hold_end: float) -> RampHold:
         """Return the record with an earlier end of its hold, s; its readings are the same."""
         record = replace(self, hold_end=min(hold_end, self.hold_end))
         vars(record)["displacement_quantum"] = self.displacement_quantum

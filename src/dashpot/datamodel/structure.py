@@ -64,14 +64,14 @@ class FRFSet(EqualByValue):
             self._refuse_other_lines(name, frf, first)
 
     def _refuse_other_lines(self, name: str, frf: FRF, first: FRF) -> None:
-        there, first_lines = frf.frequency, first.frequency
-        if len(there) != len(first_lines) or not np.allclose(
-            there, first_lines, rtol=SAME_LINES, atol=0
+        frequency, first_frequency = frf.frequency, first.frequency
+        if len(frequency) != len(first_frequency) or not np.allclose(
+            frequency, first_frequency, rtol=SAME_LINES, atol=0
         ):
             raise DataError(
-                f"'{name}' has {len(there)} lines from {there[0]:.6g} to {there[-1]:.6g} Hz, "
-                f"'{self.points[0]}' {len(first_lines)} from {first_lines[0]:.6g} to "
-                f"{first_lines[-1]:.6g} Hz; poles "
+                f"'{name}' has {len(frequency)} lines from {frequency[0]:.6g} to "
+                f"{frequency[-1]:.6g} Hz, '{self.points[0]}' {len(first_frequency)} from "
+                f"{first_frequency[0]:.6g} to {first_frequency[-1]:.6g} Hz; poles "
                 "common to several points need the same lines at each: export them alike"
             )
         if (frf.shift, frf.record) != (first.shift, first.record):

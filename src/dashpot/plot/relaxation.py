@@ -245,7 +245,7 @@ def fitted_force(fit: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     entries = {term.name: term.value for term in fit.estimate.nuisance if term.name in terms}
     allowed = {term.name.partition(" ")[0] for term in fit.estimate.nuisance} & set(terms)
     if fit.method not in get_choice_values(Method):
-        # a fit to other tests too shows what it found of those
+        # a fit to other tests too states what it found of those
         entries, allowed = {}, {"offset", "drift"}
     if entries:
         # the chord of a delay: its tangent is off at the corners of a ramp

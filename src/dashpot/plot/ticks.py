@@ -16,7 +16,7 @@ SUBS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 
 # of a logarithmic axis and of an even one, below which numbers may stand closer
 FEW_TICKS, PAIR = 5, 3
 # how much so, and if they are short
-CLOSE_SPACING, SHORT_SPACING, LETTERS = 0.7, (1e-2, 1e4), 4
+CLOSE_SPACING, SHORT_NUMBERS, LETTERS = 0.7, (1e-2, 1e4), 4
 # plain numbers are short between these
 PLAIN = (1e-4, 1e5)
 
@@ -46,7 +46,7 @@ def numbers(scale: Scale, length: float, difference: float) -> tuple[float, ...]
         return values
     if scale.log:
         return (
-            closer if SHORT_SPACING[0] <= closer[0] and closer[-1] <= SHORT_SPACING[1] else values
+            closer if SHORT_NUMBERS[0] <= closer[0] and closer[-1] <= SHORT_NUMBERS[1] else values
         )
     return closer if max(map(len, format_ticks(scale, closer))) <= LETTERS else values
 

@@ -523,7 +523,7 @@ def motion_resolved(test: RampHold) -> Finding:
     secant stiffness of the ramp times that. A few sharp corners may lie between samples. Limits
     count the rows of the ramp for less by it.
     """
-    ramp = test.hold_end_before(test.ramp_end + test.ramp_time)
+    ramp = test.with_hold_end(test.ramp_end + test.ramp_time)
     x, residual = denoise_displacement(ramp)
     time, force = test.time[: len(x)], test.force[: len(x)]
     if len(x) < 4 * CORNERS:

@@ -20,7 +20,7 @@ from dashpot.solids.maxwell import arm_response
 # half widths of the windows that compete, in samples: each some 1.4 times the one before
 HALF_WIDTHS = (0, 1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362, 512, 724, 1024)
 # means of windows disagree if they are farther apart than this many standard deviations
-MIN_STEP_DISTANCE = 2.5
+MAX_MEAN_DISTANCE = 2.5
 # what scatters after reading between counts, as a part of a count, and what is off while it moves
 SCATTER_OF_A_COUNT, LEFT_OF_A_COUNT = 0.025, 0.2
 # a mean leaves more than this part of the noise only where the motion bends
@@ -276,7 +276,7 @@ def denoise_values(values: FloatArray, noise: float) -> tuple[FloatArray, FloatA
     open_still, widened = np.ones(n, dtype=bool), np.zeros(n, dtype=np.uint8)
 
     def widen(window: slice, sums: FloatArray, count: FloatArray | int) -> None:
-        mean, reach = values[-1] + sums / count, MIN_STEP_DISTANCE * (noise / np.sqrt(count))
+        mean, reach = values[-1] + sums / count, MAX_MEAN_DISTANCE * (noise / np.sqrt(count))
         np.maximum(low[window], mean - reach, out=low[window])
         np.minimum(high[window], mean + reach, out=high[window])
         open_still[window] &= low[window] <= high[window]

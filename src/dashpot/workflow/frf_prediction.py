@@ -492,25 +492,26 @@ def prediction(
     frf_kind = _select_frf_kind(kind, base=base or base_psd is not None, relative=relative)
     band, predictor = band or BAND, _level_predictor(at_level, swept)
     moving, noted = moving_mass(mass, seal=block.seal_mass or 0.0, seals=seals)
-    local_fit = fit if temperature is None else fit.at_temperature(temperature)
+    shifted_fit = fit if temperature is None else fit.at_temperature(temperature)
     stiffer, of_part = 1.0, part is not None and part != PartChoices()
     if part is not None and of_part:
         _refuse_records(tests)
-        material = local_fit.solid
+        material = shifted_fit.solid
         measured = None if predictor is None else predictor.measured_peak(frf_kind)
-        local_fit = fit = apply_part_factor(
-            part, local_fit, seals=seals, base=frf_kind.over_base, peak=measured
+        shifted_fit = fit = apply_part_factor(
+            part, shifted_fit, seals=seals, base=frf_kind.over_base, peak=measured
         )
         stiffer = float(
             abs(
-                local_fit.solid.complex_stiffness(omega=1.0) / material.complex_stiffness(omega=1.0)
+                shifted_fit.solid.complex_stiffness(omega=1.0)
+                / material.complex_stiffness(omega=1.0)
             )
         )
     # over a base, mounts that weigh something couple the mass to it
     coupled = compute_coupled_mass(block.seal_mass, seals) if frf_kind.over_base else 0.0
     load = MassOnSeals(moving, seals, block.compression, coupled)
-    rests = find_static_equilibrium(local_fit, load)
-    on = MountedMass(local_fit, rests, load, frf_kind)
+    rests = find_static_equilibrium(shifted_fit, load)
+    on = MountedMass(shifted_fit, rests, load, frf_kind)
     frf = on.frf(np.linspace(*band, lines))
     bounded = _bounds(on, fit, tests, temperature=temperature)
     limited = on.compute_limits(frf, bounded)
@@ -529,10 +530,10 @@ def prediction(
         *fit.checks,
         *_check_temperature_tested(fit, temperature),
         noted,
-        *family_checks(local_fit, rests.point, load),
+        *family_checks(shifted_fit, rests.point, load),
     )
     plain = Prediction(
-        local_fit,
+        shifted_fit,
         mass,
         moving,
         seals,

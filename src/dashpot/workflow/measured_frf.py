@@ -233,7 +233,7 @@ class ImpactMode:
 
     @property
     def mode(self) -> Mode:
-        """The pole with its errors: nan where a method cannot show."""
+        """The pole with its errors: nan where a method gives none."""
         values = (self.frequency_se_hz, self.damping_ratio_se)
         frequency, ratio = (np.nan if se is None else se for se in values)
         return Mode(self.frequency_hz, self.damping_ratio, 0j, frequency, ratio, 0.0, self.method)

@@ -19,7 +19,7 @@ from dashpot.reading.table import Column
 
 
 _BARE_RATIOS = {"": 1.0, "1": 1.0, "-": 1.0, "db": 1.0, "%": 0.01}
-"""Units of a ratio; they show a transmissibility where a name or a comment does."""
+"""Units of a ratio; they mean a transmissibility where a name or a comment says so."""
 _RESPONSE_KINDS: tuple[tuple[Dimension, Dimension, Kind], ...] = (
     ("length", "force", Kind.RECEPTANCE),
     ("velocity", "force", Kind.MOBILITY),

@@ -47,8 +47,8 @@ _MARKUP = compile_on_use(
     re.I,
 )
 """How a web page, a document of XML or rich text begins."""
-_MIN_COUNT = 6
-"""Rows, and parts of the numbers of each, that no table has."""
+_MIN_TABLE_ROWS = 6
+"""Fewest rows of a table; one on its side has fewer, each of as many times so many numbers."""
 _STEADY = 6
 """Rows from the first on that show how all are printed."""
 _OF_A_FACTOR = 2
@@ -194,7 +194,7 @@ def _lies(lines: Sequence[str], dialect: Dialect) -> bool:
     """Return whether a few long rows, each behind its name, are what should be columns."""
     filled = sum(1 for line in lines if line.strip())
     words = dialect.contents[0] == "text" and dialect.contents.count("text") == 1
-    return words and filled < _MIN_COUNT <= len(dialect.numbers) // _MIN_COUNT
+    return words and filled < _MIN_TABLE_ROWS <= len(dialect.numbers) // _MIN_TABLE_ROWS
 
 
 def _factors(header: Sequence[str]) -> list[Caution]:

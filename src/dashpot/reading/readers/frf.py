@@ -42,8 +42,8 @@ from dashpot.reading.table import Column, FileTable, LoadedColumns
 # FRF as the ratio of two signals by amplitude and phase.
 
 
-_PHASE_LINES = 8
-"""Lines that show how far a phase goes."""
+_MIN_PHASE_LINES = 8
+"""Fewest lines that show how far a phase goes."""
 _FULL_TURN, _MAX_UNWRAPPED = 2 * np.pi, 60.0
 """How far a phase goes in radians, once around; and unwrapped, over ten modes."""
 
@@ -125,7 +125,7 @@ def refuse_angle(file: OpenedFile, index: int, phase: FloatArray, radian: float)
     """Ask for the unit of a phase that goes over one turn of the other unit, unless it was said."""
     stated = file.options.unit_of("phase", file.table.columns[index].name)
     reach = float(np.nanmax(np.abs(phase), initial=0.0))
-    if stated or len(phase) < _PHASE_LINES or reach == 0:
+    if stated or len(phase) < _MIN_PHASE_LINES or reach == 0:
         return
     in_degrees = radian != 1.0
     if reach <= _FULL_TURN if in_degrees else reach > _MAX_UNWRAPPED:

@@ -268,14 +268,14 @@ class ClockColumn:
         """Add the days to the seconds; return the rows where midnight passes, and what to ask."""
         if self.doubtful:
             three = self.doubtful.count(":") > 1
-            orders = (
+            explanation = (
                 "is said to be minutes and seconds, but has three parts; if they are hours, "
                 'minutes and seconds, add --units "time=hh:mm:ss"'
                 if three
                 else "can be hours and minutes or minutes and seconds; say which with "
                 '--units "time=hh:mm" or --units "time=mm:ss"'
             )
-            message = f"a time such as '{self.doubtful}' {orders}"
+            message = f"a time such as '{self.doubtful}' {explanation}"
             return [], [Question(message, '--units "time=mm:ss"')]
         if not any(date for _, date in self.dates):
             return self._over_midnight(values), []

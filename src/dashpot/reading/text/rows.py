@@ -487,14 +487,12 @@ class _Reader:
             return ""
         texts = tuple(text for _, text in self.got.between)
         if texts not in self.headers and len(self.headers) < _MENTIONED:
-            self.headers[texts] = self._is_changed_header(texts)
-        is_changed = (
-            self.headers[texts] if texts in self.headers else self._is_changed_header(texts)
-        )
+            self.headers[texts] = self._compare_header(texts)
+        difference = self.headers[texts] if texts in self.headers else self._compare_header(texts)
         number = self.got.between[-1][0]
-        return is_changed and f"line {number} ends a second header, {is_changed}"
+        return difference and f"line {number} ends a second header, {difference}"
 
-    def _is_changed_header(self, texts: Sequence[str]) -> str | None:
+    def _compare_header(self, texts: Sequence[str]) -> str | None:
         return find_header_change(texts, self.dialect, self.heading.columns, self.indexes)
 
     def _find_like(self, lines: Sequence[str]) -> None:

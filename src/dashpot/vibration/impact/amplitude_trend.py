@@ -33,7 +33,7 @@ class RegressionLine(Serialisable):
     ----------
     slope : float
         Per doubling.
-    confidence : float
+    critical_slope : float
         What chance exceeds in one of a hundred records without any slope.
     found : float
         What slope four of five such records find, at 5 %.
@@ -47,7 +47,7 @@ class RegressionLine(Serialisable):
     _keys = (Key("change", "slope"), "se", "found")
 
     slope: float
-    confidence: float
+    critical_slope: float
     found: float
     middle: float
     value: float
@@ -87,7 +87,7 @@ class Trend:
     @property
     def stiffness_sure(self) -> float:
         """What chance exceeds in one of a hundred tests without a change."""
-        return self.stiffness_line.confidence
+        return self.stiffness_line.critical_slope
 
     @property
     def detectable_stiffness_change(self) -> float:
@@ -102,7 +102,7 @@ class Trend:
     @property
     def damping_sure(self) -> float:
         """As `stiffness_sure`."""
-        return self.damping_line.confidence
+        return self.damping_line.critical_slope
 
     @property
     def detectable_damping_change(self) -> float:
