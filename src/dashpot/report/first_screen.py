@@ -157,12 +157,14 @@ def _make_stiffness_light(
         off = max(seen.off, default=0.0)
         worst = "bad" if off > 2 * STORAGE_LIMIT else "care" if off > 0 else "good"
         mark = max(mark, worst, key=ORDER.index)
-        measured, there, *ends = (
+        model, hammer, *ends = (
             round_to_error(convert_to_unit(value, "N/mm"), digits=3)
             for value in (seen.model, seen.hammer, *seen.test)
         )
-        other = f"test {' to '.join(ends)}" if max(seen.off[1:], default=0.0) else f"hammer {there}"
-        text = f"K\N{PRIME}{NBSP}{measured}, {other}{NBSP}N/mm"
+        other = (
+            f"test {' to '.join(ends)}" if max(seen.off[1:], default=0.0) else f"hammer {hammer}"
+        )
+        text = f"K\N{PRIME}{NBSP}{model}, {other}{NBSP}N/mm"
     return Light("Stiffness", mark, f"{'agrees' if mark in _PASSED_MARKS else 'misses'}, {text}")
 
 

@@ -371,12 +371,17 @@ class ModelPrediction:
         values = problem.sought.differentiate_stiffness(self._numbers, s)
         sensed = 1 / response.receptance - p.mass * s**2
 
-        def differentiate_lost_poles(loss: TruncationLoss) -> tuple[ComplexArray, ComplexArray]:
-            mass, columns = p.mass, differentiate_poles(problem.sought, self._numbers, loss.p)
+        def differentiate_lost_poles(
+            truncation: TruncationLoss,
+        ) -> tuple[ComplexArray, ComplexArray]:
+            mass, columns = p.mass, differentiate_poles(problem.sought, self._numbers, truncation.p)
             return (
-                self._differentiate_impedance(loss.p, columns[0], -mass * loss.p**2),
+                self._differentiate_impedance(truncation.p, columns[0], -mass * truncation.p**2),
                 self._differentiate_impedance(
-                    loss.p, columns[1], 1 / loss.residue - 2 * mass * loss.p, order=1
+                    truncation.p,
+                    columns[1],
+                    1 / truncation.residue - 2 * mass * truncation.p,
+                    order=1,
                 ),
             )
 

@@ -411,10 +411,10 @@ def amplitude_linear(trend: Trend | None, main: Mode) -> Finding:
         return Finding(
             f"A change with amplitude needs more than {MIN_HITS} hits of different height"
         )
-    octaves = float(np.log2(trend.range))
-    matters = min(SOFTENING, 4 * NARROW * main.damping_ratio) / octaves
+    doublings = float(np.log2(trend.range))
+    matters = min(SOFTENING, 4 * NARROW * main.damping_ratio) / doublings
     stiffness = abs(trend.stiffness) / max(trend.stiffness_sure, matters)
-    damping = abs(trend.damping) / max(trend.damping_sure, MAX_DISAGREEMENT / octaves)
+    damping = abs(trend.damping) / max(trend.damping_sure, MAX_DISAGREEMENT / doublings)
     return Finding(
         f"Hits of 1 to {trend.range:.3g} in height change the stiffness by "
         f"{100 * trend.stiffness:+.2g} % per doubling, the damping by "
