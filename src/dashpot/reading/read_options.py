@@ -299,7 +299,7 @@ OF_HAMMER = (
 )  # fmt: skip
 """Fields that concern a hammer test, whatever other file a command reads."""
 OF_BENCH = ("displacement", "cycle")
-"""Fields that concern a relaxation test so."""
+"""Fields that concern a relaxation test, whatever other file a command reads."""
 
 
 def _sections() -> dict[str, tuple[str, ...]]:

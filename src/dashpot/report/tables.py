@@ -130,7 +130,7 @@ def checks(
 
 
 def _gravity(check: Check, verdict_checks: Collection[Check]) -> int:
-    """Order of a check: failed by grade, mended, then not checked, then passed."""
+    """Order of a check: failed by grade, corrected, then not checked, then passed."""
     if check.failed:
         return -GRADES.index(check.grade) if check in verdict_checks else 1
     return 3 if check.passed else 2

@@ -87,7 +87,7 @@ class StaticEquilibrium:
 
     @property
     def summary(self) -> EquilibriumSummary:
-        """As the document of what stands on it shows it."""
+        """As a document of a result that rests on it shows it."""
         point = self.point
         at = point.compression if np.isfinite(point.compression) else None
         law = point.is_extrapolated and not point.linear
