@@ -16,7 +16,6 @@ from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.amplitude.checks import (
     MAX_RESIDUAL_SHARE,
     SIGNIFICANT_DEVIANCE,
-    UNEXPLAINED_SHARE,
     amplitude_dependence_detected,
     amplitudes_spread,
     levels_controlled,
