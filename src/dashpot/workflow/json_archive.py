@@ -82,6 +82,8 @@ def find_mistyped_number(value: Any, where: str = "$") -> str:
 
 def find_unknown_keys(value: Any, reference: Any, where: str = "$") -> str:
     """Report what a document holds beyond its value written again; nothing if all is known."""
+    if value == reference:
+        return ""
     if isinstance(value, dict | list) and type(value) is not type(reference):
         text, expected = (_JSON_KINDS.get(type(item), "one value") for item in (value, reference))
         return f"{where} is {text}; expected {expected}"
@@ -241,8 +243,11 @@ def _map_to_fields(kind: Any, value: Any) -> Any:
     cls = _find_value_class(kinds, value)
     if cls is None:
         return {key: _map_to_fields(Any, item) for key, item in value.items()}
-    hints, entries = _hints(cls), decode_fields(cls, _find_completion(cls)(value))
-    layout = {name: _map_to_fields(hints[name], item) for name, item in entries.items()}
+    entries = decode_fields(cls, _find_completion(cls)(value))
+    # only objects and arrays are of a type that matters here; to evaluate types takes a millisecond
+    is_nested = any(isinstance(item, list | dict) for item in entries.values())
+    types = _evaluate_types(cls) if is_nested else dict.fromkeys(entries)
+    layout = {name: _map_to_fields(types[name], item) for name, item in entries.items()}
     # the decoder knows no class with several subclasses
     return _convert_to_class(cls, layout) if _CHOSEN.keys() & kinds else layout
 
@@ -283,7 +288,7 @@ def _find_completion(cls: type) -> Callable[[dict[str, Any]], dict[str, Any]]:
 
 
 @cache
-def _hints(cls: type) -> dict[str, Any]:
+def _evaluate_types(cls: type) -> dict[str, Any]:
     return get_type_hints(cls)
 
 
