@@ -70,11 +70,11 @@ def get_attribute_type(class_: type, name: str) -> Any:
     raise AttributeError(f"{class_.__qualname__} has no field or property {name!r}")
 
 
-def iterate_known_classes(type_: Any) -> Iterator[type]:
+def iterate_annotated_classes(type_: Any) -> Iterator[type]:
     """Yield the classes of an annotation whose attributes are known: of a union, each."""
     if isinstance(type_, types.UnionType) or typing.get_origin(type_) is typing.Union:
         for member in typing.get_args(type_):
-            yield from iterate_known_classes(member)
+            yield from iterate_annotated_classes(member)
     elif inspect.isclass(type_) and type_.__module__.startswith(("dashpot.", __name__)):
         yield type_
 
@@ -91,7 +91,7 @@ def find_missing_attributes(class_: type) -> list[str]:
                     types_.append(get_attribute_type(owner, name))
                 except AttributeError as error:
                     missing.append(f"{class_.__qualname__}: {'.'.join(key.path)!r}: {error}")
-            owners = {known for type_ in types_ for known in iterate_known_classes(type_)}
+            owners = {known for type_ in types_ for known in iterate_annotated_classes(type_)}
     return missing
 
 
