@@ -1681,6 +1681,12 @@ HYPERELASTIC = [
     ),
     Case("labels_agree", lambda x: hyper.labels_agree(x, "planar", 0.03), 2.99, 3.01),
     Case("measures_stated", hyper.measures_stated, 0.0999, 0.1001),
+    Case(
+        "strain_measured_on_specimen",
+        lambda x: hyper.strain_measured_on_specimen(("uniaxial",) * x),
+        0,
+        1,
+    ),
     Case("bulk_modulus_determined", lambda x: hyper.bulk_modulus_determined(certain=bool(x)), 1, 0),
 ]
 
@@ -2272,6 +2278,7 @@ LIMITS = {
         "zero_stress_at_zero_strain": 0.005,
         "labels_agree": 3, "lateral_swelling_agrees": 0.05,
         "measures_stated": 0.1, "modes_enough": 2, "modes_in_scale": 1.1,
+        "strain_measured_on_specimen": 0,
     },
     "extensions/materials/indentation": {
         "contact_sampled": 20, "flights_recorded": 0.1, "sensor_in_range": 0, "first_contact": 0,

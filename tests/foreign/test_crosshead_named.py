@@ -81,3 +81,36 @@ def test_displacement_of_a_crosshead_is_doubted(
     is_doubted = name != "Displacement" and scale == 1.0
     assert ("machine_deflection_small" in doubts) is is_doubted
     assert not (is_doubted and result.verdict.use == "use")
+
+
+@pytest.mark.parametrize(
+    ("title", "is_doubted"),
+    [
+        ("Strain (crosshead)", True),
+        ("Tensile strain (Displacement)", True),
+        ("Nenndehnung Traversenweg", True),
+        ("Strain grip to grip", True),
+        ("Strain", False),
+        ("Tensile strain (Strain 1)", False),
+        ("Strain extensometer", False),
+    ],
+)
+def test_strain_of_the_grips_is_doubted(title: str, *, is_doubted: bool, tmp_path: Path) -> None:
+    """A Neo-Hooke rubber of 0.8 MPa in tension and planar tension, so that no mode is missing."""
+    stretch = np.linspace(1.0, 2.2, 120)
+    random, records = np.random.default_rng(3), []
+    for mode, power in (("uniaxial", 2.0), ("planar", 3.0)):
+        stress = 0.8 * (stretch - stretch**-power) * (1 + 2e-3 * random.standard_normal(120))
+        np.savetxt(
+            tmp_path / f"{mode}.csv",
+            np.column_stack((100 * (stretch - 1), stress)),
+            delimiter=",",
+            header=f"{title} [%],nominal stress [MPa]",
+            comments="",
+            fmt="%.6f",
+        )
+        records.append(dp.read(tmp_path / f"{mode}.csv", test=mode))
+    result = dp.fit(*records)
+    failed = {check.name for check in result.checks if check.failed}
+    assert ("strain_measured_on_specimen" in failed) == is_doubted
+    assert (result.verdict.use == "use") == (not is_doubted)

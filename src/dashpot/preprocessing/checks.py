@@ -586,6 +586,18 @@ def machine_deflection_small(stiffness: float, remedy: Remedy | str) -> Finding:
     )
 
 
+def has_machine_column(
+    sources: Iterable[Source], roles: tuple[str, ...], words: Sequence[str] = MACHINE_WORDS
+) -> bool:
+    """Return whether the column of one of these roles is named for the motion of the machine."""
+    return any(
+        column.startswith(roles) and word in column.casefold()
+        for source in sources
+        for column in source.columns
+        for word in words
+    )
+
+
 def check_machine(
     sources: Iterable[Source], stiffness: float, remedy: Remedy | str = "Measure it at the seal."
 ) -> list[Check]:
@@ -599,12 +611,7 @@ def check_machine(
         Greatest force over displacement, N/m: the share of the machine grows with it.
     remedy : Remedy or str
     """
-    named = any(
-        column.startswith("displacement") and word in column.casefold()
-        for source in sources
-        for column in source.columns
-        for word in MACHINE_WORDS
-    )
+    named = has_machine_column(sources, ("displacement",))
     return [machine_deflection_small(stiffness, remedy)] if named else []
 
 

@@ -10,6 +10,7 @@ from itertools import combinations
 import numpy as np
 
 from dashpot.base.checks import Check, Finding, Remedy, criterion
+from dashpot.base.provenance import sources_of
 from dashpot.extensions.materials.hyperelastic.datamodel import ElasticCurve, HyperelasticFit, Span
 from dashpot.extensions.materials.hyperelastic.law_least_squares import (
     HyperelasticOptimum,
@@ -22,6 +23,7 @@ from dashpot.extensions.materials.hyperelastic.strain_energy import (
 )
 from dashpot.extensions.materials.options import Mode
 from dashpot.numerics.inference.covariance_estimate import DerivedQuantity
+from dashpot.preprocessing.checks import MACHINE_WORDS, has_machine_column
 
 FOLLOWED = 0.05
 ALIKE = 0.05
@@ -36,6 +38,8 @@ _AS_GOOD = 10.0
 _FACTORS = (0.03, 0.06, 0.12, 0.2)
 """Logarithms of a factor by which the stress of one mode is tried to be off."""
 _OF_NOTE = 0.03
+_MOTIONS = ("displacement", "grip", "klemme", "einspann")
+"""Words of a strain that is a motion of the machine over a length, besides those of a motion."""
 _BOTH = 0.1
 """Logarithmic strain in tension and in compression from which one test is as good as two modes."""
 _SHIFTS = (0.01, 0.02, 0.04, 0.08, 0.16)
@@ -87,6 +91,7 @@ def run_checks(
         zero_stress_at_zero_strain(*_slack(through, fit.law.poisson, flexible)),
         labels_agree(*_reading(through, fit.law.poisson, flexible)),
         measures_stated(_estimate_measure_error(fit.curves)),
+        strain_measured_on_specimen(_list_modes_by_machine(shaped)),
         bulk_modulus_determined(certain=fit.law.bulk_modulus is not None),
     )
 
@@ -509,6 +514,32 @@ def measures_stated(part: float) -> Finding:
         "A law fits either",
         Remedy("Say which they are.", "stress-is", "nominal"),
     )  # fmt: skip
+
+
+def _list_modes_by_machine(curves: Sequence[ElasticCurve]) -> tuple[Mode, ...]:
+    """Return the modes whose strain is named for the motion of the machine."""
+    return tuple(
+        {
+            curve.mode: None
+            for curve in curves
+            if has_machine_column(
+                sources_of([curve]), ("strain", "stretch"), (*MACHINE_WORDS, *_MOTIONS)
+            )
+        }
+    )
+
+
+@criterion("modes by the machine", "<=", 0, "ISO 37: the length between marks, not the grips")
+def strain_measured_on_specimen(modes: Sequence[Mode]) -> Finding:
+    """The strain is that of the specimen between marks, not the motion of crosshead or grips."""
+    return Finding(
+        "No strain is named for the motion of crosshead or grips",
+        len(modes),
+        f"The strain of the {' and '.join(modes)} test is named for the motion of the machine: "
+        "grips or plates, ends of the specimen and the machine deform as well, so the stiffness is "
+        "wrong by an unknown part",
+        "Measure it between marks, with an extensometer or a camera.",
+    )
 
 
 @criterion(grade="note")
