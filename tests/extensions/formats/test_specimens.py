@@ -63,3 +63,39 @@ def test_a_count_of_samples_is_no_specimen(tmp_path, label) -> None:
     head = "Sample;Time [s];Displacement [mm];Force [N]"
     path = write(tmp_path / "a.csv", head, label, TIME, MOVED, FORCE)
     assert len(read_relaxation(path).time) == len(TIME)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".xlsx"])
+@pytest.mark.parametrize(
+    ("heads", "clocks"),
+    [
+        (["Time [s];Displacement [mm];Force [N];Time [s];Displacement [mm];Force [N]"], True),
+        (["Seal A;;;Seal B;;", "Time;Weg;Kraft;Time;Weg;Kraft", "s;mm;N;s;mm;N"], True),
+        (["t 1 [s];Travel 1 [mm];Force 1 [N];t 2 [s];Travel 2 [mm];Force 2 [N]"], True),
+        (["Time [s];Displacement 1 [mm];Force 1 [N];Displacement 2 [mm];Force 2 [N]"], False),
+    ],
+)
+def test_inspect_asks_once_which_of_two_specimens_side_by_side(
+    tmp_path, suffix, heads, clocks
+) -> None:
+    columns = [TIME, MOVED, FORCE, *([TIME] if clocks else []), MOVED, 1.1 * FORCE]
+    path = tmp_path / f"seals{suffix}"
+    if suffix == ".csv":
+        write(path, "\n".join(heads), *columns)
+    else:
+        openpyxl = pytest.importorskip("openpyxl", reason="it writes the workbook")
+        book = openpyxl.Workbook()
+        for head in heads:
+            book.active.append([cell or None for cell in head.split(";")])
+        for row in zip(*columns, strict=True):
+            book.active.append([float(cell) for cell in row])
+        book.save(path)
+    inspected = inspect_file(path)
+    (question,) = inspected.questions
+    assert "2 sets of columns" in question.message
+    roles = [column.role for column in inspected.columns]
+    assert [role for role in roles if role] == ["time", "displacement", "force"]
+    for segment, factor in ((1, 1.0), (2, 1.1)):
+        options = ReadOptions(segment=segment)
+        assert not inspect_file(path, options=options).questions
+        assert read_relaxation(path, options=options).force == pytest.approx(factor * FORCE)

@@ -515,21 +515,29 @@ def _part_by_columns(
             names, f"{len(names)} sets of columns could each be the test ({listed}{ellipsis})",
             "tests of several specimens, or channels of several sensors, stand side by side",
         )  # fmt: skip
-        return replace(table, doubts=(*table.doubts, question))
+        # roles are proposed for the first, so that one question is asked
+        return replace(_leave_set(table, sets, names[0]), doubts=(*table.doubts, question))
     if options.segment > len(names):
         raise ReadError(
             f"--file-part segment={options.segment}, but the file has {len(names)} sets of columns "
             f"({_list_names(names)})"
         )
-    others = {i for name in names for i in sets[name]} - set(sets[names[options.segment - 1]])
-    columns = tuple(
-        replace(column, content="blank") if i in others else column
-        for i, column in enumerate(table.columns)
-    )
     count = options.segment
 
     def load(indexes: Sequence[int]) -> LoadedColumns:
         loaded = table.load(indexes)
         return replace(loaded, starts=(0,) * count, segments=tuple(names[:count]))
 
-    return replace(table, columns=columns, load=load)
+    return replace(_leave_set(table, sets, names[count - 1]), load=load)
+
+
+def _leave_set(table: FileTable, sets: dict[str, list[int]], name: str) -> FileTable:
+    """Return the table with the columns of one specimen, and those of none."""
+    others = {i for indexes in sets.values() for i in indexes} - set(sets[name])
+    return replace(
+        table,
+        columns=tuple(
+            replace(column, content="blank") if i in others else column
+            for i, column in enumerate(table.columns)
+        ),
+    )
