@@ -326,6 +326,11 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
             f"'{text}' has no unit; add a unit of {dimension} to it, for example '{text.strip()}"
             f"{_DEFAULT_UNITS.get(dimension, names[names[0] == '1'])}' (known: {', '.join(names)})"
         )
+    if "," in match[2][1:]:
+        raise DataError(
+            f"'{text}' holds several numbers; expected one number and a unit of {dimension}, "
+            "without commas. Give each value by itself"
+        )
     if re.match(r",\d", match[2]):
         plain_text = text.strip().replace(",", "")
         grouped = (

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 
 import pytest
@@ -9,6 +10,7 @@ from kit.shell import ran
 
 import dashpot as dp
 from dashpot.base.errors import DataError
+from dashpot.extensions.dynamic_stiffness.command_options import parse_frequencies
 from dashpot.extensions.dynamic_stiffness.figure import draw_stiffness_prediction
 from dashpot.extensions.dynamic_stiffness.prediction import predict_stiffness
 
@@ -99,3 +101,44 @@ def test_a_model_without_a_band_is_not_for_use(fit):
     verdict = dp.predict(bare, frequency="0.001Hz").verdict
     assert verdict.use == "use with care"
     assert "frequencies_in_valid_band" in verdict.reasons
+
+
+@pytest.mark.parametrize(
+    ("text", "hertz"),
+    [
+        ("1,5,10,44Hz", (1, 5, 10, 44)), ("1, 5, 10 Hz", (1, 5, 10)), ("1Hz,5Hz", (1, 5)),
+        ("1.5,5Hz", (1.5, 5)), ("1;5Hz", (1, 5)), ("500mHz,1kHz", (0.5, 1000)),
+        ("12.71Hz", (12.71,)), ("1e-1,2e1,3Hz", (0.1, 20, 3)),
+    ],
+)  # fmt: skip
+def test_list_of_frequencies_has_the_unit_of_its_last(text, hertz):
+    assert parse_frequencies(text) == pytest.approx(hertz)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("1,5Hz", "write 1.5Hz, or a unit after each"),
+        ("1,000Hz", "write 1.000Hz or 1000Hz, or a unit"),
+        ("1,000,000Hz", "write 1000000Hz, or a unit"),
+        ("1,5,10", "has no unit"), ("1,5,10mm", "expected a unit of frequency"),
+        ("1,,5Hz", "is not a quantity"), ("1,five,10Hz", "is not a quantity"),
+    ],
+)  # fmt: skip
+def test_list_of_frequencies_that_may_mean_something_else_is_refused(text, message):
+    with pytest.raises(DataError, match=re.escape(message)):
+        parse_frequencies(text)
+
+
+def test_list_of_frequencies_equals_the_option_repeated(fit, tmp_path):
+    path = tmp_path / "fit.json"
+    dp.save(fit, path)
+    listed, repeated = (
+        ran("predict", path, *words, "--json").stdout
+        for words in (
+            ["--frequency", "1,5,10Hz", "--frequency", "20Hz"],
+            [word for f in (1, 5, 10, 20) for word in ("--frequency", f"{f}Hz")],
+        )
+    )
+    assert listed == repeated
+    assert json.loads(listed)["frequencies"] == [1, 5, 10, 20]
