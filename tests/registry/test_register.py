@@ -102,6 +102,7 @@ NAMED = {
     "extensions/curves/": "each kind is its own",
     "extensions/materials/": "each kind is its own",
     "extensions/amplitude/": "each kind is its own",
+    "extensions/guidance/": "what users call a kind",
     "signals/": "what the moves of a record show",
 }
 """Where a kind of file is named, and why; everybody else asks the register."""

@@ -323,7 +323,9 @@ class Keyed(click.ParamType[Any]):
             word = key if key in named else named[0]
             self.fail(f"'{part}': write {self.flag} {word}{self.sign}VALUE", param, ctx)
         if key not in named:
-            self.fail(f"'{key}' is unknown. {format_suggestion(key, named)}", param, ctx)
+            suggest = find_handler("suggest key", self.flag)
+            advice = (suggest and suggest(key, text)) or format_suggestion(key, named)
+            self.fail(f"'{key}' is unknown. {advice}", param, ctx)
         return self.fields[key], text
 
     def _convert_field(

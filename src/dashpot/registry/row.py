@@ -263,6 +263,7 @@ class Extension(NamedTuple):
         read record                     reader that needs options of its own
         read several                    reader of several files of one kind, or of a base excitation
         roles                           roles of the columns of a kind
+        propose roles                   questions of a kind besides; it adds to the proposed roles
         adapt table                     table with the columns that its reader expects
         first point                     first point of a file with several
         table rule                      whether a table is of a kind
@@ -274,6 +275,7 @@ class Extension(NamedTuple):
         mounts                          mounts of a seal line
         stations                        stations of the seal in a file
         suggest                         words that a user may have meant, by command
+        suggest key                     what to give for an unknown key of an option, by flag
         choice                          advice on a word that an option does not take, by the word
         install command                 command that installs an extra in this installation
         keep                            job and report saved in a folder
@@ -298,6 +300,7 @@ class Extension(NamedTuple):
         scatter of specimens            standard deviations between and within the seals of a lot
         dynamic stiffness               stiffness over frequency of what a test or a fit holds
         retained force                  share of the force that an aged seal retains
+        recognise limits                whether the tables of a TOML ``"file"`` are limits
         read limits, judge interval     acceptance limits from a file; one against an interval
         judge limits                    section of the ``"app"``, options and document of limits
         bound value                     a value by its name, with what its standard error leaves out

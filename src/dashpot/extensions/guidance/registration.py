@@ -8,6 +8,10 @@ EXTENSION = Extension(
         "suggest": {
             "option": "dashpot.extensions.guidance.option_suggestions:suggest_option",
             "command": "dashpot.extensions.guidance.option_suggestions:suggest_command",
+            "kind": "dashpot.extensions.guidance.kind_synonyms:find_kind_of_file",
+        },
+        "suggest key": {
+            "--machine": "dashpot.extensions.guidance.machine_keys:suggest_machine_key",
         },
         "install command": {
             "extra": "dashpot.extensions.guidance.install_command:format_install_command",

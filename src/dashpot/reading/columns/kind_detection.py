@@ -367,10 +367,6 @@ _KINDS_BY_ROLE: Mapping[str, tuple[FileKind, ...]] = MappingProxyType({
 """Kinds by the role that they alone have: a user who names its column states the kind."""
 
 
-_FORMER_KINDS = {"slam": "drop"}
-"""Current name of a kind by its former name."""
-
-
 def detect_table_kind(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     """Return the kind of record and the reason, by names and units, and of a sweep by its range.
 
@@ -424,7 +420,7 @@ def parse_file_kind(kind_name: str) -> tuple[FileKind, str]:
     ReadError
         If there is none; the message names the nearest.
     """
-    kind_name = _FORMER_KINDS.get(kind_name, kind_name)
+    kind_name = find_handler("suggest", "kind")(kind_name)
     if kind_name in KINDS_OF_FILE and kind_name != "plug-in":
         return cast("FileKind", kind_name), "as stated"
     from difflib import get_close_matches  # few need them, and they cost time to import
