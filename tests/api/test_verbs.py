@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -113,7 +114,30 @@ def test_fit_of_hits_and_frf_under_a_mass_agree(examples):
 WRONG = {
     "fit nothing": (lambda test, hits: dp.fit(), "nothing to fit"),
     "fit a list": (lambda test, hits: dp.fit([test, test]), r"dp\.fit\(one, two\)"),
-    "fit a path": (lambda test, hits: dp.fit("seal_8mm.csv"), r"Read a file first: dp\.read"),
+    "fit a path": (
+        lambda test, hits: dp.fit("seal_8mm.csv"), r'Read the file first: dp\.read\("seal_8mm',
+    ),
+    "fit a path object": (lambda test, hits: dp.fit(Path("a.csv")), r'dp\.read\("a\.csv"\)'),
+    "compare with a path": (
+        lambda test, hits: dp.compare(dp.fit(test, arms=1), "hammer.csv"),
+        r'the name of a file, and no record. Read the file first: dp\.read\("hammer',
+    ),
+    "compare of a path": (lambda test, hits: dp.compare("fit.json", hits), r"dp\.read\(FILE\)"),
+    "predict a path": (lambda test, hits: dp.predict("fit.json", mass="1kg"), r"dp\.read\(FIT\)"),
+    "predict a test": (lambda test, hits: dp.predict(test, mass="1kg"), "Fit a test first"),
+    "export a path": (lambda test, hits: dp.export("fit.json", to="abaqus"), r"dp\.read\(FIT\)"),
+    "read nothing": (lambda test, hits: dp.read(None), "None is no file and no table"),
+    "inspect a number": (lambda test, hits: dp.inspect(3), "3 is no file and no table"),
+    "units as text": (
+        lambda test, hits: dp.read("x.csv", units="s, mm, N"),
+        r"units= of dp\.read is 's, mm, N'; expected a mapping, such as units=\{\"time\": \"s\"",
+    ),
+    "units as a list": (
+        lambda test, hits: dp.read("x.csv", units=["s", "mm", "N"]), "expected a mapping",
+    ),
+    "columns as text": (lambda test, hits: dp.read("x.csv", columns="F"), "expected a mapping"),
+    "text as text": (lambda test, hits: dp.read("x.csv", text=","), "expected a mapping"),
+    "part as a number": (lambda test, hits: dp.inspect("x.csv", part=2), "expected a mapping"),
     "fit a number": (lambda test, hits: dp.fit(3), "a int is no record"),
     "a mass is missing": (dp.fit, "Give the test mass"),
     "arms of hits": (lambda test, hits: dp.fit(hits, arms=2), r"arms= does not suit hits"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from dashpot.api import call_with_options, show_stub_signature
@@ -137,9 +138,15 @@ def kind_of(record: object) -> str:
         return "impact"
     row = row_of(record)
     if row is None:
-        text = f"'{record}'" if isinstance(record, str) else f"a {type(record).__name__}"
-        read = " Read a file first: dp.read(FILE)" if isinstance(record, str) else ""
-        raise DataError(f"{text} is no record that is fitted.{read}")
+        if isinstance(record, str | Path):
+            raise DataError(
+                f"'{record}' is the name of a file, and no record. Read the file first: "
+                f'dp.read("{record}")'
+            )
+        raise DataError(
+            f"a {type(record).__name__} is no record that is fitted. Read a table first: "
+            "dp.read(TABLE)"
+        )
     return row.name
 
 

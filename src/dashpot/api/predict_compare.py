@@ -102,7 +102,14 @@ def _find_prediction(solid: Any, options: Iterable[str]) -> Callable[..., Any]:
     if special is not None:
         predict: Callable[..., Any] = special
         return predict
-    return _predict_under_mass if isinstance(solid, Fit) else _predict_solid_frf
+    if isinstance(solid, Fit):
+        return _predict_under_mass
+    if not hasattr(solid, "complex_stiffness"):
+        raise DataError(
+            f"a {type(solid).__name__} is neither a fit nor a model. Fit a test first: "
+            "dp.fit(dp.read(FILE)); read a stored fit: dp.read(FIT)"
+        )
+    return _predict_solid_frf
 
 
 def _predict_solid_frf(
@@ -226,7 +233,8 @@ def compare(first: Any, other: Any, /, **options: Any) -> Any:
         )
     raise DataError(
         f"a {type(first).__name__} is not compared with a {type(other).__name__}. Compare a fit or "
-        "a prediction with hits or an FRF, an FRF with an FRF, or a lot with a lot"
+        "a prediction with hits or an FRF, an FRF with an FRF, or a lot with a lot. Read a file "
+        "first: dp.read(FILE)"
     )
 
 

@@ -72,6 +72,13 @@ class ReadOptionKeywords(TypedDict, total=False):
     role: str
 
 
+_MAPPINGS = {
+    "columns": '{"force": "Kraft"}',
+    "units": '{"time": "s", "displacement": "mm", "force": "N"}',
+    "text": '{"decimal": ","}',
+    "part": '{"sheet": 2}',
+}
+"""Keywords that are mappings, with an example of each."""
 _TEXT = {"skip": "skip_rows"}
 _CONVERTERS: Mapping[str, Callable[[Any], Any]] = {
     "units": dict,
@@ -151,6 +158,12 @@ def _drop_unset(keywords: Mapping[str, Any]) -> dict[str, Any]:
 
 def _options(keywords: Mapping[str, Any], kind: str | None) -> ReadOptions:
     """Return the reading options that were said."""
+    for name, example in _MAPPINGS.items():
+        if not isinstance(keywords.get(name, {}), Mapping):
+            raise DataError(
+                f"{name}= of dp.read is {keywords[name]!r}; expected a mapping, such as "
+                f"{name}={example}"
+            )
     columns = {role: _column(role, item) for role, item in (keywords.get("columns") or {}).items()}
     stated: dict[str, Any] = {**columns, **(keywords.get("part") or {})}
     stated |= {_TEXT.get(name, name): value for name, value in (keywords.get("text") or {}).items()}

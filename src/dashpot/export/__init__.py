@@ -110,7 +110,10 @@ def deck_for(
     find_writer(target)
     export = find_handler("export", result)
     if export is None:
-        raise ExportError(f"a {type(result).__name__} has no deck")
+        raise ExportError(
+            f"a {type(result).__name__} is neither a fit nor a model. Fit a test first: "
+            "dp.fit(dp.read(FILE)); read a stored fit: dp.read(FIT)"
+        )
     given_options = {name: value for name, value in choices.items() if value is not None}
     deck: DeckText = export(
         target,

@@ -84,6 +84,19 @@ def refuse_array(array: Any, **_: Any) -> None:
     )
 
 
+def refuse_value(value: object, **_: Any) -> None:
+    """Refuse a value that is neither the name of a file nor a table.
+
+    Raises
+    ------
+    DataError
+    """
+    raise DataError(
+        f"{value!r} is no file and no table. Give the name of a file, or a table or a mapping with "
+        'named columns: dp.read("seal.csv"), dp.read(frame)'
+    )
+
+
 def _name_units(frame: Any, keywords: dict[str, Any]) -> dict[str, Any]:
     """Return the keywords, with units that were listed as text named by the columns they are of.
 

@@ -9,6 +9,7 @@ _FRAMES = (
     "xarray.core.dataset:Dataset",
     "builtins:dict",
 )
+_NO_TABLES = ("builtins:NoneType", "builtins:int", "builtins:float")
 EXTENSION = Extension(
     "formats",
     handlers={
@@ -21,10 +22,12 @@ EXTENSION = Extension(
         "read": {
             **dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:read_frame"),
             "numpy:ndarray": "dashpot.extensions.formats.frames:refuse_array",
+            **dict.fromkeys(_NO_TABLES, "dashpot.extensions.formats.frames:refuse_value"),
         },
         "inspect": {
             **dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:inspect_frame"),
             "numpy:ndarray": "dashpot.extensions.formats.frames:refuse_array",
+            **dict.fromkeys(_NO_TABLES, "dashpot.extensions.formats.frames:refuse_value"),
         },
         "make records": dict.fromkeys((*_FRAMES, "numpy:ndarray", "builtins:list"), "dashpot.extensions.formats.frames:make_records"),
         "write frf": {
