@@ -252,7 +252,8 @@ def test_json_of_others_is_read_as_a_table(tmp_path: Path) -> None:
         ("[door]\nmass = '25kg'\n", "door"),
         (dump_profile(ReadOptions(force="Kraft", rate=1e3, units={"force": "N"})), "profile"),
         ("\n".join(f"[{item}]" for item in sorted(PROFILE)), "profile"),
-        ("[k_end]\nlower = '2N/mm'\n", "unclear"),
+        ("[k_end]\nlower = '2N/mm'\n", "limits"),
+        ("[k_end]\nleast = '2N/mm'\n", "unclear"),
     ],
 )
 def test_toml_is_a_door_or_a_profile(tmp_path: Path, content: str, kind: str) -> None:

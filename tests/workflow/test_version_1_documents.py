@@ -160,8 +160,10 @@ def test_version_1_document_refuses_a_version_2_key() -> None:
             "of a newer version of dashpot; this version reads 'dashpot/fit' up to @2",
         ),
         ("dashpot/model@2", "up to @1. Update dashpot"),
-        ("dashpot/nothing@1", "this version of dashpot reads dashpot/"),
-        (None, "this version of dashpot reads dashpot/"),
+        ("dashpot/batch@2", "this is the result of a lot (use dashpot fit with the file of one"),
+        ("dashpot/nothing@1", "a stored nothing, by its schema 'dashpot/nothing@1', and is not"),
+        ("another/fit@1", "this is no result of dashpot, by its schema 'another/fit@1'"),
+        (None, "this is no result of dashpot, by its schema None"),
     ],
 )
 def test_an_unknown_schema_is_refused_with_what_to_do(schema: str | None, message: str) -> None:

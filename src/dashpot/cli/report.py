@@ -177,7 +177,7 @@ def _refuse_others(kinds: dict[str, str], tests: Sequence[str], impact: Sequence
             line = (
                 f"Type: dashpot fit {path}"
                 if kind in KINDS and KINDS[kind].fit
-                else f"{get_kind_command(kind)}.".capitalize()
+                else f"{get_kind_command(kind)}.".lstrip(".").capitalize()
             )
             raise click.UsageError(
                 f"{path} is {get_kind_label(kind)}. "

@@ -218,10 +218,8 @@ def _format_unknown_schema(name: object) -> str:
             f'the document\'s "schema" is {name!r}, of a newer version of dashpot; this version '
             f"reads {what!r} up to @{newest}. Update dashpot, or write the document with this one"
         )
-    return (
-        f'the document\'s "schema" is {name!r}; this version of dashpot reads '
-        f"{', '.join(sorted(schemas()))}. Name a file that it wrote, or make the result again"
-    )
+    subject = _describe_kind(what) if what.startswith("dashpot/") else "no result of dashpot"
+    return f"this is {subject}, by its schema {name!r}, and is not read back"
 
 
 # -- plain values to results -----------------------------------------------------------------------
@@ -451,8 +449,13 @@ def _a_fit(path: str | Path, result: object) -> Fit:
 
 def format_unexpected_kind(path: str | Path, result: object) -> str:
     """Return what a document holds that is not what was wanted, and who wants it."""
+    return f"{path} is {_describe_kind(str(getattr(result, 'schema', '')))}"
+
+
+def _describe_kind(schema: str) -> str:
+    """Return what a document of a schema is, and the command that takes it."""
     from dashpot.reading.columns.file_kinds import get_kind_command, get_kind_label
 
-    kind = str(getattr(result, "schema", "")).partition("/")[2].partition("@")[0]
+    kind = schema.partition("/")[2].partition("@")[0]
     use = get_kind_command(kind)
-    return f"{path} is {get_kind_label(kind)}{f' ({use})' if use else ''}"
+    return f"{get_kind_label(kind)}{f' ({use})' if use else ''}"

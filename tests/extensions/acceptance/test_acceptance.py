@@ -223,3 +223,19 @@ def test_fit_prints_writes_and_ends_by_its_limits(tmp_path: Path) -> None:
     run = CliRunner().invoke(main, ["fit", str(path), "--limit", "k_1 => 1N/m"])
     assert run.exit_code == 2
     assert "expected a quantity" in run.stderr
+
+
+def test_a_limit_file_is_recognised_with_the_option_that_takes_it(tmp_path: Path) -> None:
+    limits, other = tmp_path / "limits.toml", tmp_path / "other.toml"
+    limits.write_text('[damping]\nlower = "3%"\n[k_end]\nupper = "0.2N/mm"\ncpk = 1.33\n')
+    other.write_text('[damping]\nlowest = "3%"\n')
+    shown = CliRunner().invoke(main, ["inspect", str(limits)]).output
+    assert "limits.toml: limits (its tables state limits: damping, k_end)" in shown
+    assert "--limits" in shown
+    refused = CliRunner().invoke(main, ["fit", str(limits)])
+    assert refused.exit_code == 2
+    assert (
+        "is a file of acceptance limits: use dashpot fit --limits or dashpot report"
+        in refused.stderr
+    )
+    assert dp.inspect(other).kind == "unclear"

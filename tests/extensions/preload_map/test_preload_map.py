@@ -578,3 +578,18 @@ def test_loops_without_a_stated_compression_are_refused(tmp_path: Path):
     (tmp_path / "loops.csv").write_text(loop_record(draw_part(r), 4.0, r), encoding="utf-8")
     with pytest.raises(ReadError, match="the file says no compression"):
         read_sweeps([tmp_path / "loops.csv"])
+
+
+@pytest.mark.parametrize("loss", ["loss factor", "loss [N/mm]"])
+def test_inspect_names_every_column_of_a_map(tmp_path: Path, loss: str) -> None:
+    head = f"compression [mm],amplitude [mm],frequency [Hz],storage [N/mm],{loss}"
+    rows = [
+        f"{c},{a},{f},{c + f},{0.1 * f}" for c in (4, 8) for a in (0.1, 0.5) for f in range(1, 12)
+    ]
+    (tmp_path / "map.csv").write_text("\n".join([head, *rows]) + "\n")
+    inspected = dp.inspect(tmp_path / "map.csv")
+    assert (inspected.kind, inspected.questions) == ("preload-map", ())
+    last = "loss factor" if loss == "loss factor" else "loss"
+    assert [column.role for column in inspected.columns] == [
+        "compression", "amplitude", "frequency", "storage", last,
+    ]  # fmt: skip

@@ -10,11 +10,9 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.base.number_format import format_count
 from dashpot.extensions.acceptance.accept import read_limits
 from dashpot.extensions.acceptance.datamodel import JudgedResult
-from dashpot.extensions.acceptance.limit_files import is_expression
+from dashpot.extensions.acceptance.limit_files import is_expression, recognise_limits
 from dashpot.extensions.acceptance.page import render_section
 from dashpot.reading.toml import tables_of
-
-_KEYS = {"lower", "upper", "cpk"}
 
 
 def judge_for_app(
@@ -61,9 +59,7 @@ def describe_limit_file(path: Path) -> dict[str, Any] | None:
         _, tables = tables_of(path)
     except ReadError:
         return None
-    if not tables or not all(
-        isinstance(table, dict) and table and table.keys() <= _KEYS for table in tables.values()
-    ):
+    if recognise_limits(tables) is None:
         return None
     return {"kind": "limits", "page": "limits", "line": format_count(len(tables), "limit"),
             "mark": "good", "simulated": False, "long": False, "asks": [], "alone": False,

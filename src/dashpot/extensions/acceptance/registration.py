@@ -6,6 +6,7 @@ EXTENSION = Extension(
     "acceptance",
     handlers={
         "options": {"limits": "dashpot.extensions.acceptance.command_options:OPTIONS"},
+        "recognise limits": {"file": "dashpot.extensions.acceptance.limit_files:recognise_limits"},
         "read limits": {"file": "dashpot.extensions.acceptance.limit_files:read_limits"},
         "judge limits": {"app": "dashpot.extensions.acceptance.app_panel:judge_for_app"},
         "file row": {".toml limits": "dashpot.extensions.acceptance.app_panel:describe_limit_file"},

@@ -12,20 +12,25 @@ from dashpot.base.errors import ReadError
 from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep, LoopRecord, StressStrainLoops
-from dashpot.reading.columns.kind_detection import ONE_FREQUENCY_DECADES, group_values
-from dashpot.reading.columns.role_assignment import RoleAssignment, assign
+from dashpot.reading.columns.kind_detection import (
+    ONE_FREQUENCY_DECADES,
+    assign_amplitude_column,
+    group_values,
+)
+from dashpot.reading.columns.role_assignment import RoleAssignment, assign, list_columns
 from dashpot.reading.columns.vocabulary import Role, has_word, normalise_name
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import OpenedFile
 from dashpot.reading.readers.header_metadata import add_specimen_temperature
+from dashpot.reading.readers.inspect import list_unit_questions
 from dashpot.reading.readers.relaxation import relaxation_in
 from dashpot.reading.readers.sweep_columns import (
     SWEEP_OPTIONS,
-    amplitude_column,
     parts_of,
     sweep_columns,
 )
+from dashpot.reading.table import Question
 from dashpot.registry import find_handler
 
 # ASTM D5992 calls the double strain amplitude DSA
@@ -34,7 +39,36 @@ _SPAN = re.compile(
     r"|(?:double|doppelte) (?:strain |displacement )?amplitude|doppelamplitude|schwingbreite)(?!\w)"
     r"|峰峰|[双両全]振幅"
 )
+_AMPLITUDES: tuple[Role, ...] = ("strain", "displacement")
 _RMS = ("rms", "effektiv", "effektivwert", "eff")
+
+
+def find_amplitude_column(file: OpenedFile) -> RoleAssignment:
+    """Return the column of the amplitude of a sweep: of strain, else of displacement.
+
+    Raises
+    ------
+    ReadError
+        If there is none, or several could be it.
+    """
+    named = assign_amplitude_column(file.table, file.options)
+    for role in _AMPLITUDES:
+        assignment = assign(file.table, role, named)
+        if isinstance(assignment, RoleAssignment):
+            return assignment
+        if assignment.choices:
+            raise ReadError(assignment.message)
+    raise ReadError(
+        "no column of strain or displacement amplitude was found; name it with "
+        "--column strain=NAME or displacement=NAME; the columns are "
+        f"{list_columns(file.table.columns)}"
+    )
+
+
+def propose_amplitude(file: OpenedFile, roles: object) -> list[Question]:
+    """Return the question of the amplitude, which an amplitude sweep alone has."""
+    del roles
+    return list_unit_questions(lambda: find_amplitude_column(file), "strain")
 
 
 def over_amplitude(name: str) -> tuple[float, str]:
@@ -113,7 +147,7 @@ def read_amplitude(
             stated_columns=SWEEP_OPTIONS,
         )
         wanted, ratio = sweep_columns(file)
-        column = amplitude_column(file)
+        column = find_amplitude_column(file)
         chosen = channels.with_units(file, [*wanted, column])
         _, values, unit, notes = parts_of(file, chosen, ratio)
         called = file.table.columns[column.index]

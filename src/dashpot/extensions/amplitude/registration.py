@@ -58,6 +58,7 @@ EXTENSION = Extension(
             "cyclic": "dashpot.extensions.amplitude.api:read_loops_as_sweep",
         },
         "record rule": {"cyclic": "dashpot.extensions.amplitude.harmonic_motion:is_harmonic"},
+        "propose roles": {"strain-sweep": "dashpot.extensions.amplitude.read:propose_amplitude"},
         "roles": {"cyclic": "dashpot.extensions.amplitude.read:list_loop_roles"},
         "text": {
             "dashpot.extensions.amplitude.level_prediction:LevelPrediction": "dashpot.extensions.amplitude.level_text:prediction",

@@ -83,6 +83,7 @@ EXTENSION = Extension(
             "cyclic": "dashpot.extensions.curves.material_records:refuse_material_sizes",
         },
         "read signals": {"stress-strain": "dashpot.extensions.curves.material_records:read_strain_and_stress"},
+        "propose roles": {"modulus": "dashpot.extensions.curves.modulus.read:propose_temperature"},
         "roles": {"creep": "dashpot.extensions.curves.creep.read:roles", "modulus": "dashpot.extensions.curves.modulus.read:roles"},
         "fit records": {
             "dashpot.extensions.curves.datamodel.dynamic:DynamicTest": "dashpot.extensions.curves.fit_records:fit_curves",

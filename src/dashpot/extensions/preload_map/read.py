@@ -39,7 +39,9 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.frf import read_frf
+from dashpot.reading.readers.inspect import list_unit_questions
 from dashpot.reading.readers.sweep_columns import SWEEP_OPTIONS, parts_of, sweep_columns
+from dashpot.reading.table import Question
 from dashpot.registry import find_handler, list_names
 from dashpot.signals.segments import Loading
 
@@ -75,6 +77,26 @@ def read_preload_table(
                 f"columns are {list_columns(file.table.columns)}"
             )
         return PreloadTable(tuple(_split(table, table.compression)), table.source)
+
+
+def propose_settings(
+    file: channels.OpenedFile, roles: dict[int, tuple[str, str]]
+) -> list[Question]:
+    """Add compression, amplitude and loss factor to the proposed roles; return what they ask."""
+
+    def propose() -> None:
+        static = find_length_column(file.table, STATIC, file.options, without=MOVING)
+        moving = find_length_column(file.table, MOVING, file.options)
+        for index, name in ((static, STATIC[0]), (moving, MOVING[0])):
+            if index is not None:
+                roles[index] = name, "its name says so, its unit is a length"
+        columns, ratio = sweep_columns(file)
+        for column in columns:
+            roles[column.index] = column.role, column.reason
+        if ratio is not None:
+            roles[ratio] = "loss factor", "its name says loss factor"
+
+    return list_unit_questions(propose, STATIC[0])
 
 
 class _StiffnessTable(NamedTuple):

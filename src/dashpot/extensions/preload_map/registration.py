@@ -25,6 +25,7 @@ EXTENSION = Extension(
         ),
     ),
     handlers={
+        "propose roles": {"preload-map": "dashpot.extensions.preload_map.read:propose_settings"},
         "table rule": {"preload-map": "dashpot.extensions.preload_map.table_rule:has_several_compressions"},
         "text": {_MAP: "dashpot.extensions.preload_map.text:format_preload_map"},
         "plot": {"preload_map": "dashpot.extensions.preload_map.figure:draw_preload_map"},

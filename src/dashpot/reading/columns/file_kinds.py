@@ -86,8 +86,14 @@ DOCUMENT_KINDS: Mapping[str, KindOfFile] = MappingProxyType({
     "door": KindOfFile("a door", "use dashpot predict"),
     "profile": KindOfFile("a reading profile", "give it as --profile"),
     "machine": KindOfFile("a machine file", "use dashpot fit --machine"),
+    "limits": KindOfFile("a file of acceptance limits", "use dashpot fit --limits or dashpot report --limits"),
     "project": KindOfFile("a project", "use dashpot verify"),
     "lot": KindOfFile("a lot", "use dashpot compare with another lot"),
+    "batch": KindOfFile(
+        "the result of a lot",
+        "use dashpot fit with the file of one specimen, or dashpot compare with two folders of "
+        "lots",
+    ),
     "folder": KindOfFile("a folder", "use dashpot batch"),
 })  # fmt: skip
 """Files that are no table of a test: their name in messages, and the command that reads them."""

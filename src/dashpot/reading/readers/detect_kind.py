@@ -213,9 +213,8 @@ def _identify_toml(path: str | Path) -> Recognised | None:
         return Recognised("machine", "it has the table [machine]")
     if tables.keys() <= PROFILE:
         return Recognised("profile", "it is TOML with tables of a profile")
-    return Recognised(
-        "unclear", "it is TOML of no door or machine; for limits: dashpot report --limits"
-    )
+    is_limits = find_handler("recognise limits", "file")(tables)
+    return is_limits or Recognised("unclear", "it is TOML of no door, machine or limits")
 
 
 def _identify_folder(path: Path) -> Recognised:

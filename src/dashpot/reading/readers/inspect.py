@@ -34,7 +34,7 @@ from dashpot.reading.readers import channels, cleaning
 from dashpot.reading.readers.channels import OpenedFile, find_mass_motions
 from dashpot.reading.readers.cleaning import find_separate_clocks, since_the_step
 from dashpot.reading.readers.detect_kind import open_or_identify, recognise_opened
-from dashpot.reading.readers.sweep_columns import amplitude_column, sweep_columns, swept
+from dashpot.reading.readers.sweep_columns import sweep_columns, swept
 from dashpot.reading.table import LoadedColumns, Question
 from dashpot.registry import find_handler
 
@@ -215,7 +215,9 @@ def inspect_opened(file: OpenedFile) -> Inspection:
         warnings.append("displacement and force look swapped")
     refuse_sizes = find_handler("refuse sizes", kind)
     if refuse_sizes and not questions:
-        questions = _asks(lambda: _judge_sizes(file, by_index, roles, refuse_sizes), "strain")
+        questions = list_unit_questions(
+            lambda: _judge_sizes(file, by_index, roles, refuse_sizes), "strain"
+        )
     inspection = Inspection(
         file=raw.name, sha256=raw.sha256, format=table.format, kind=kind, reason=reason,
         encoding=table.encoding, delimiter=table.delimiter, decimal=table.decimal,
@@ -292,13 +294,14 @@ def _proposal(file: OpenedFile, kind: str) -> tuple[dict[int, tuple[Role, str]],
         from dashpot.reading.readers.frf import as_a_ratio, determine_frf_columns
 
         select = find_handler("first point", "frf") or as_a_ratio
-        questions = _asks(lambda: determine_frf_columns(as_a_ratio(select(file))), "ROLE")
+        questions = list_unit_questions(
+            lambda: determine_frf_columns(as_a_ratio(select(file))), "ROLE"
+        )
     if kind in SWEEP_KINDS and not questions:
-        questions = _asks(lambda: swept(file), "ROLE")
-    if kind == "strain-sweep":
-        questions += _asks(lambda: amplitude_column(file), "strain")
-    if kind == "modulus":
-        questions += _asks(lambda: file.find_unambiguous_column("temperature"), "temperature")
+        questions = list_unit_questions(lambda: swept(file), "ROLE")
+    propose_more = find_handler("propose roles", kind)
+    if propose_more:
+        questions += propose_more(file, roles)
     if kind in KINDS_OF_FILE and KINDS_OF_FILE[kind].accelerated:
         for acceleration in _find_accelerations(file, list(roles)):
             roles[acceleration.index] = (acceleration.role, acceleration.reason)
@@ -378,13 +381,13 @@ def _make_role_questions(
 ) -> list[Question]:
     """Return what a role leaves open: its column, or the unit of that."""
     if isinstance(assignment, RoleAssignment):
-        return _asks(lambda: file.unit(assignment.index, role), role)
+        return list_unit_questions(lambda: file.unit(assignment.index, role), role)
     needless = role == "loss" and file.column("loss_factor")
     return [] if needless else [assignment]
 
 
-def _asks(settle: Callable[[], object], role: str) -> list[Question]:
-    """Return what is asked for by what cannot be settled."""
+def list_unit_questions(settle: Callable[[], object], role: str) -> list[Question]:
+    """Return the question of the unit of a role if what settles it raises; none otherwise."""
     try:
         settle()
     except ReadError as error:

@@ -12,13 +12,12 @@ from dashpot.base.arrays import BoolArray, FloatArray, median
 from dashpot.base.errors import ReadError
 from dashpot.base.units import si_unit
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.kind_detection import assign_amplitude_column, detect_table_kind
+from dashpot.reading.columns.kind_detection import detect_table_kind
 from dashpot.reading.columns.role_assignment import (
     RoleAssignment,
     assign,
     format_column,
     handle,
-    list_columns,
 )
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.readers import channels
@@ -27,7 +26,6 @@ from dashpot.reading.readers.header_metadata import temperatures_of_segments
 from dashpot.reading.table import LoadedColumns, Question
 
 _ROLES: tuple[Role, ...] = ("frequency", "storage", "loss")
-_AMPLITUDES: tuple[Role, ...] = ("strain", "displacement")
 SWEEP_OPTIONS = ("storage", "magnitude")
 """Options that say that a file is a sweep."""
 _ROUNDED = 1.05
@@ -108,28 +106,6 @@ def _blocks(loaded: LoadedColumns, whole: BoolArray) -> list[BoolArray]:
     """Return which of the whole rows stand in each block."""
     of_row = np.searchsorted(np.array(loaded.starts), np.arange(len(whole)), side="right")
     return [of_row[whole] == number for number in range(1, len(loaded.starts) + 1)]
-
-
-def amplitude_column(file: OpenedFile) -> RoleAssignment:
-    """Return the column of the amplitude of a sweep: of strain, else of displacement.
-
-    Raises
-    ------
-    ReadError
-        If there is none, or several could be it.
-    """
-    named = assign_amplitude_column(file.table, file.options)
-    for role in _AMPLITUDES:
-        assignment = assign(file.table, role, named)
-        if isinstance(assignment, RoleAssignment):
-            return assignment
-        if assignment.choices:
-            raise ReadError(assignment.message)
-    raise ReadError(
-        "no column of strain or displacement amplitude was found; name it with "
-        "--column strain=NAME or displacement=NAME; the columns are "
-        f"{list_columns(file.table.columns)}"
-    )
 
 
 def _parts(file: OpenedFile) -> dict[Role, RoleAssignment | Question]:

@@ -30,7 +30,9 @@ from dashpot.reading.readers.header_metadata import (
     add_specimen_temperature,
     temperatures_of_segments,
 )
+from dashpot.reading.readers.inspect import list_unit_questions
 from dashpot.reading.readers.relaxation import check_joined_segments
+from dashpot.reading.table import Question
 
 
 def roles(file: OpenedFile) -> tuple[Role, ...]:
@@ -82,6 +84,12 @@ def read_modulus(
             warm,
             units="SI",
         )
+
+
+def propose_temperature(file: OpenedFile, roles: object) -> list[Question]:
+    """Return the question of the temperature, which a relaxation modulus may have."""
+    del roles
+    return list_unit_questions(lambda: file.find_unambiguous_column("temperature"), "temperature")
 
 
 def over_time(
