@@ -86,7 +86,9 @@ DOCUMENT_KINDS: Mapping[str, KindOfFile] = MappingProxyType({
     "door": KindOfFile("a door", "use dashpot predict"),
     "profile": KindOfFile("a reading profile", "give it as --profile"),
     "machine": KindOfFile("a machine file", "use dashpot fit --machine"),
-    "limits": KindOfFile("a file of acceptance limits", "use dashpot fit --limits or dashpot report --limits"),
+    "limits": KindOfFile(
+        "a file of acceptance limits", "use dashpot fit --limits or dashpot report --limits"
+    ),
     "project": KindOfFile("a project", "use dashpot verify"),
     "lot": KindOfFile("a lot", "use dashpot compare with another lot"),
     "batch": KindOfFile(
