@@ -246,6 +246,22 @@ def test_a_handle_is_dragged_and_the_fit_follows(visit, files):
     assert handle.get_attribute("aria-valuenow") == moved
 
 
+def test_the_way_back_stays_at_the_file_that_is_shown(visit, files):
+    page = visit(files / "seal_8mm.csv")
+    page.done()
+    page.at.locator("#pick").set_input_files(str(files / "sweep.csv"))
+    command = page.at.locator("#command")
+    page.file("sweep.csv").click()
+    command.filter(has_text="fit sweep.csv").wait_for()
+    page.done()
+    page.at.keyboard.press("2")
+    command.filter(has_text="fit sweep.csv --arms 2").wait_for()
+    page.done()
+    page.at.keyboard.press("Control+z")
+    command.filter(has_not_text="--arms").filter(has_text="fit sweep.csv").wait_for()
+    page.done()
+
+
 def tab_to(page, name):
     """Go on by Tab until something of this name has the focus."""
     named = "document.activeElement.getAttribute('aria-label') || document.activeElement.innerText"

@@ -278,13 +278,13 @@ export function onlyRead(/** @type {boolean} */ yes) {
 /** Keep the state: for a page that is loaded again, and for the way back. */
 export function remember() {
   if (readOnly) return;
-  const { past, ...own } = state, now = key();
-  if (past.at(-1)?.key !== now) {
-    const last = past.at(-1), words = last ? changed(last.key, now) : "opened";
-    // what a file asks is asked again where one goes back to it
-    const files = own.files.map((one) => one.asked ? { ...one, asked: "" } : one);
-    past.push({ key: now, words, kept: JSON.stringify({ ...own, files }) });
-  }
+  const { past, ...own } = state, now = key(), last = past.at(-1);
+  // what a file asks is asked again where one goes back to it
+  const files = own.files.map((one) => one.asked ? { ...one, asked: "" } : one);
+  const kept = JSON.stringify({ ...own, files });
+  // one goes back to the file that was shown when the next choice was made
+  if (last?.key === now) last.kept = kept;
+  else past.push({ key: now, words: last ? changed(last.key, now) : "opened", kept });
   if (past.length > STEPS_BACK) past.shift();
   $("undo").hidden = past.length < 2;
   call("PUT", "/api/state", JSON.stringify(state)).then(
