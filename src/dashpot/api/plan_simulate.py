@@ -163,13 +163,13 @@ def simulate(
             raise DataError('the mass under the hammer is not known for this seal: mass="104g"')
         options["mass"] = convert_to_si(options["mass"], "mass")
     rig: Any = getattr(simulation, instrument)()
-    stated = {
+    given_values = {
         "rate": convert_to_si(rate, "frequency"),
         "record": convert_to_si(options.pop("record", None), "time"),
     }
     rig = replace(
         rig.noise_free() if noise_free else rig,
-        **{name: item for name, item in stated.items() if item is not None},
+        **{name: item for name, item in given_values.items() if item is not None},
     )
     climate = None
     if temperature is not None:

@@ -145,16 +145,16 @@ def _predict_under_mass(
     machine: Machine | None = None,
 ) -> Prediction:
     part = PartChoices(**shape_words(shape)) if shape is not None else None
-    stated = (level,) if isinstance(level, str | float | int) else tuple(level)
+    level_list = (level,) if isinstance(level, str | float | int) else tuple(level)
     levels = tuple(f"{item!r}{'m/s^2' if base else 'N'}" if not isinstance(item, str) else item
-                   for item in stated)  # fmt: skip
+                   for item in level_list)  # fmt: skip
     choices = LevelChoices(levels=levels, height=convert_to_si(height, "length"))
     if sweep is not None and not levels:
         raise DataError("sweep= is what a level does to the part: add level=")
-    swept = None
+    fitted_sweep = None
     if sweep is not None:
         fit_sweep = find_handler("predict with sweep", sweep)
-        swept = fit_sweep(sweep, choices, unit=fit.unit, part=part)
+        fitted_sweep = fit_sweep(sweep, choices, unit=fit.unit, part=part)
     return prediction(
         fit,
         _prepare_tests(record, machine),
@@ -172,7 +172,7 @@ def _predict_under_mass(
         temperature=convert_to_si(temperature, "temperature"),
         part=part,
         at_level=choices,
-        swept=swept,
+        swept=fitted_sweep,
         base_psd=base if isinstance(base, str) else None,
     )
 
@@ -319,14 +319,18 @@ def report(
     from dashpot.workflow.study import characterise
 
     tests = [record for record in records if isinstance(record, RelaxationTest)]
-    struck = [record for record in records if not isinstance(record, RelaxationTest)]
+    hammer_records = [record for record in records if not isinstance(record, RelaxationTest)]
     if not tests:
         raise DataError("a report is of a relaxation test. Give one: dp.report(test, hits)")
     kilograms, hertz = convert_to_si(mass, "mass"), si_range(band, "frequency")
     measured = impact = None
-    if struck:
-        measured = frf_of(struck, mass=kilograms, band=hertz, hammer=hammer)
-        impact = struck[0] if isinstance(struck[0], ImpactTest) and len(struck) == 1 else None
+    if hammer_records:
+        measured = frf_of(hammer_records, mass=kilograms, band=hertz, hammer=hammer)
+        impact = (
+            hammer_records[0]
+            if isinstance(hammer_records[0], ImpactTest) and len(hammer_records) == 1
+            else None
+        )
     study = characterise(
         tests[0],
         measured,

@@ -123,10 +123,12 @@ def count_words(text: str) -> int:
     return len(text.split())
 
 
-def clip_sentences(most: int, lines: Sequence[str], after: Iterable[str] = ()) -> str:
-    """Return as many sentences of `lines` as leave space for all of `after`, but one at least."""
-    end = [name for name in after if name]
+def clip_sentences(
+    max_words: int, lines: Sequence[str], closing_sentences: Iterable[str] = ()
+) -> str:
+    """Return the sentences of `lines` that fit before `closing_sentences`, but one at least."""
+    end = [name for name in closing_sentences if name]
     retained = list(lines)
-    while len(retained) > 1 and count_words(" ".join((*retained, *end))) > most:
+    while len(retained) > 1 and count_words(" ".join((*retained, *end))) > max_words:
         retained.pop()
     return " ".join((*retained, *end))

@@ -24,10 +24,10 @@ class Caution(str):
 
     sentence: str
 
-    def __new__(cls, note: str, told: str = "") -> Self:
+    def __new__(cls, note: str, displayed_text: str = "") -> Self:
         """Return the note; by default both texts are the same."""
         caution = super().__new__(cls, note)
-        caution.sentence = told or str(note)
+        caution.sentence = displayed_text or str(note)
         return caution
 
 

@@ -408,8 +408,8 @@ class FRF(EqualByValue, Plottable, Serialisable):
         keep = (self.frequency > ZERO) & (np.abs(self.value) > 0)
         sd = self.line_scatter
         if sd is not None:
-            quiet = keep & (sd < NOISY_LINE * np.abs(self.value))
-            keep = quiet if np.count_nonzero(quiet) >= FEWEST else keep
+            low_noise = keep & (sd < NOISY_LINE * np.abs(self.value))
+            keep = low_noise if np.count_nonzero(low_noise) >= FEWEST else keep
         return np.asarray(keep)
 
     def only(self, keep: BoolArray) -> FRF:

@@ -108,10 +108,10 @@ class TemperatureShifts(EqualByValue, Serialisable):
             object.__setattr__(self, name, frozen(values.reshape(rows, rows)))
         cross = np.asarray(self.cross, dtype=float).reshape(-1, 2 * len(self.shifts) + 1)
         object.__setattr__(self, "cross", frozen(cross))
-        rising = [shift.temperature for shift in self.shifts]
-        if rising != sorted(set(rising)) or self.law.reference not in rising:
+        temperatures = [shift.temperature for shift in self.shifts]
+        if temperatures != sorted(set(temperatures)) or self.law.reference not in temperatures:
             raise DataError(
-                f"shifts at {rising} K; expected rising temperatures with the reference of "
+                f"shifts at {temperatures} K; expected rising temperatures with the reference of "
                 f"{self.law.reference:g} K among them"
             )
 
@@ -202,15 +202,15 @@ class TemperatureShifts(EqualByValue, Serialisable):
         """
         log_a, b_t = float(np.log(self.law.a_t(temperature))), self.b_t(temperature)
         values = {f"k_{j}": k for j, k in enumerate(solid.k, start=1)} | {"k_inf": solid.k_inf}
-        far = {
+        distances = {
             f"ln_tau_{j}": d for j, d in enumerate(decades(np.log(np.asarray(solid.tau))), start=1)
         }
         by = np.zeros((len(names), len(names) + 3))
         for row, name in enumerate(names):
-            if name in far:
+            if name in distances:
                 stretched = 1 + log_a * self.slope / _LN10
                 by[row, row] = stretched
-                by[row, -3:] = 1 + self.slope * far[name], 0.0, log_a * far[name]
+                by[row, -3:] = (1 + self.slope * distances[name], 0.0, log_a * distances[name])
             elif name == "b":
                 a_b = float(np.exp(log_a)) * b_t
                 by[row, row] = a_b
@@ -224,22 +224,22 @@ class TemperatureShifts(EqualByValue, Serialisable):
         """Return covariance of a solid's parameters, of ln a_T, ln b_T at T, and of the slope."""
         size, count = len(covariance), len(self.shifts)
         of_a, of_b = self.error(temperature)
-        whole = np.zeros((size + 3, size + 3))
-        whole[:size, :size] = covariance
-        whole[size, size], whole[size + 1, size + 1] = of_a**2, of_b**2
+        full_covariance = np.zeros((size + 3, size + 3))
+        full_covariance[:size, :size] = covariance
+        full_covariance[size, size], full_covariance[size + 1, size + 1] = of_a**2, of_b**2
         if len(self.cross) == size + 1:
             at = [shift.temperature for shift in self.shifts]
-            near = np.array([np.interp(temperature, at, values) for values in np.eye(count)])
+            weights = np.array([np.interp(temperature, at, values) for values in np.eye(count)])
             other = np.column_stack(
                 (
-                    self.cross[:, :count] @ near * _LN10,
-                    self.cross[:, count:-1] @ near,
+                    self.cross[:, :count] @ weights * _LN10,
+                    self.cross[:, count:-1] @ weights,
                     self.cross[:, -1],
                 )
             )
-            whole[:size, size:], whole[size:, :size] = other[:-1], other[:-1].T
-            whole[-1, size:], whole[size:, -1] = other[-1], other[-1]
-        return whole
+            full_covariance[:size, size:], full_covariance[size:, :size] = other[:-1], other[:-1].T
+            full_covariance[-1, size:], full_covariance[size:, -1] = other[-1], other[-1]
+        return full_covariance
 
     def rates(self, temperature: float) -> tuple[float, float]:
         """Slopes of ln a_T and of ln b_T over T between the tests about T, 1/K."""
@@ -261,32 +261,32 @@ class TemperatureShifts(EqualByValue, Serialisable):
             Where the law says nothing.
         """
         at = [shift.temperature for shift in self.shifts]
-        away, b_t = float(self.law.log10_a_t(temperature)), self.b_t(temperature)
-        scale = 1 / (1 + self.slope * away)
-        every = np.array(sorted({*at, temperature}))
-        near = np.array([np.interp(temperature, at, values) for values in np.eye(len(at))])
-        turn = np.array([np.interp(every, at, values) for values in np.eye(len(at))]).T - near
-        turn[every == temperature] = 0.0
-        both = np.kron(np.diag([scale, 1.0]), turn)
-        covariance = propagate_covariance(both, self.covariance)
+        log_a_t, b_t = float(self.law.log10_a_t(temperature)), self.b_t(temperature)
+        scale = 1 / (1 + self.slope * log_a_t)
+        grid = np.array(sorted({*at, temperature}))
+        weights = np.array([np.interp(temperature, at, values) for values in np.eye(len(at))])
+        turn = np.array([np.interp(grid, at, values) for values in np.eye(len(at))]).T - weights
+        turn[grid == temperature] = 0.0
+        jacobian = np.kron(np.diag([scale, 1.0]), turn)
+        covariance = propagate_covariance(jacobian, self.covariance)
         # what the shift there may be off by, all others are
-        others = np.append(every != temperature, np.zeros(len(every))) * scale
+        is_other_temperature = np.append(grid != temperature, np.zeros(len(grid))) * scale
         covariance = covariance + self._compute_bend_limit(temperature) ** 2 * np.outer(
-            others, others
+            is_other_temperature, is_other_temperature
         )
         error = np.sqrt(np.maximum(np.diag(covariance), 0.0)).reshape(2, -1)
         shifts = tuple(
             Shift(
                 kelvin,
-                0.0 if kelvin == temperature else scale * (self._log10_at(kelvin) - away),
+                0.0 if kelvin == temperature else scale * (self._log10_at(kelvin) - log_a_t),
                 float(error[0, i]),
                 self.b_t(kelvin) / b_t,
                 float(error[1, i]) * self.b_t(kelvin) / b_t,
             )
-            for i, kelvin in enumerate(every.tolist())
+            for i, kelvin in enumerate(grid.tolist())
         )
         law, by = self._law_from(temperature, shifts, scale)
-        cross = np.zeros((1, 2 * len(every) + 1))
+        cross = np.zeros((1, 2 * len(grid) + 1))
         if len(self.cross):
             cross[-1, -1] = self.cross[-1, -1]
         return replace(
@@ -300,9 +300,9 @@ class TemperatureShifts(EqualByValue, Serialisable):
 
     def _log10_at(self, temperature: float) -> float:
         """Return the shift found at a tested temperature, K, or the law's at another."""
-        near = self.find_nearest(temperature)
-        if near.temperature == temperature:
-            return near.log10_a_t
+        nearest_shift = self.find_nearest(temperature)
+        if nearest_shift.temperature == temperature:
+            return nearest_shift.log10_a_t
         return float(self.law.log10_a_t(temperature))
 
     def _law_from(
@@ -311,20 +311,20 @@ class TemperatureShifts(EqualByValue, Serialisable):
         """Return the same law from another temperature, and the derivatives of its constants."""
         law = self.law
         if isinstance(law, WLF):
-            there = law.change_reference(temperature)
+            law_there = law.change_reference(temperature)
             # C_1' = C_1 C_2 / C_2', and C_2' moves with C_2
             by = np.array(
                 [
-                    [scale * law.c2 / there.c2, scale * (law.c1 - there.c1) / there.c2],
+                    [scale * law.c2 / law_there.c2, scale * (law.c1 - law_there.c1) / law_there.c2],
                     [0.0, 1.0],
                 ]
             )
-            return replace(there, c1=scale * there.c1), by
+            return replace(law_there, c1=scale * law_there.c1), by
         if isinstance(law, Arrhenius):
             return Arrhenius(scale * law.energy, temperature), np.array([[scale]])
-        every = tuple(shift.temperature for shift in shifts)
+        temperatures = tuple(shift.temperature for shift in shifts)
         values = tuple(shift.log10_a_t for shift in shifts)
-        return FreeShifts(every, values, temperature), np.zeros((0, 0))
+        return FreeShifts(temperatures, values, temperature), np.zeros((0, 0))
 
     def find_nearest(self, temperature: float) -> Shift:
         """Return the tested temperature nearest to T, K."""
@@ -372,9 +372,9 @@ def propagate_covariance(turn: FloatArray, covariance: FloatArray) -> FloatArray
     """Covariance of `turn` times what has this one; where it is infinite, so is what it reaches."""
     unknown = np.isinf(np.diag(covariance))
     values = np.asarray(turn @ np.where(np.isfinite(covariance), covariance, 0.0) @ turn.T)
-    reached = (turn[:, unknown] != 0).any(axis=1)
-    values[reached], values[:, reached] = 0.0, 0.0
-    values[reached, reached] = np.inf
+    is_affected = (turn[:, unknown] != 0).any(axis=1)
+    values[is_affected], values[:, is_affected] = 0.0, 0.0
+    values[is_affected, is_affected] = np.inf
     return values
 
 

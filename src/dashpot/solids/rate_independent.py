@@ -71,8 +71,8 @@ class AmplitudeDependent(ABC):
         time, x = increasing("t", samples("t", t)), samples("displacement", displacement)
         same_length(t=time, displacement=x)
         state, values = self.start(), []
-        for dt, place in zip(np.diff(time, prepend=time[0]).tolist(), x.tolist(), strict=True):
-            force, state = self.advance(state, dt, place)
+        for dt, position in zip(np.diff(time, prepend=time[0]).tolist(), x.tolist(), strict=True):
+            force, state = self.advance(state, dt, position)
             values.append(force)
         return np.array(values)
 
@@ -131,9 +131,11 @@ class RateIndependent(AmplitudeDependent):
     def loop(self, amplitude: float, *, points: int = 400) -> tuple[FloatArray, FloatArray]:
         """Return the steady loop: displacement, m, and force, N, once round from +amplitude."""
         X = float(amplitudes(amplitude))
-        half = X * np.cos(np.linspace(0, np.pi, points // 2 + 1))
-        down = self.unloading(half, np.full_like(half, X))
-        return np.concatenate((half, -half[1:])), np.concatenate((down, -down[1:]))
+        half_cycle = X * np.cos(np.linspace(0, np.pi, points // 2 + 1))
+        unloading_force = self.unloading(half_cycle, np.full_like(half_cycle, X))
+        return np.concatenate((half_cycle, -half_cycle[1:])), np.concatenate(
+            (unloading_force, -unloading_force[1:])
+        )
 
 
 @dataclass(frozen=True)
@@ -149,16 +151,18 @@ class InParallel(AmplitudeDependent):
     parts: tuple[Solid | AmplitudeDependent, ...]
 
     def __post_init__(self) -> None:
-        flat = tuple(
+        all_parts = tuple(
             part
             for item in self.parts
             for part in (item.parts if isinstance(item, InParallel) else (item,))
         )
-        if not flat or not all(isinstance(part, Solid | AmplitudeDependent) for part in flat):
+        if not all_parts or not all(
+            isinstance(part, Solid | AmplitudeDependent) for part in all_parts
+        ):
             raise DataError(
                 f"parts = {self.parts!r}; expected solids or elements, at least one of them"
             )
-        object.__setattr__(self, "parts", flat)
+        object.__setattr__(self, "parts", all_parts)
 
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Return complex stiffness, N/m: the sum of the parts."""
@@ -227,8 +231,8 @@ def amplitudes(amplitude: npt.ArrayLike) -> FloatArray:
     """
     X = np.asarray(amplitude, dtype=float)
     if not (np.isfinite(X) & (X > 0)).all():
-        bad = X[~(np.isfinite(X) & (X > 0))].flat[0]
-        raise DataError(f"amplitude = {bad:g}; expected a displacement > 0, in m")
+        bad_amplitude = X[~(np.isfinite(X) & (X > 0))].flat[0]
+        raise DataError(f"amplitude = {bad_amplitude:g}; expected a displacement > 0, in m")
     return X
 
 

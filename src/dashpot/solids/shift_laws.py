@@ -130,13 +130,13 @@ class WLF(TemperatureLaw):
 
     def log10_a_t(self, temperature: npt.ArrayLike) -> FloatArray:
         """Decadic logarithm of the shift factor at temperatures, K."""
-        above = np.asarray(temperature, dtype=float) - self.reference
-        if (self.c2 + above <= 0).any():
+        temperature_difference = np.asarray(temperature, dtype=float) - self.reference
+        if (self.c2 + temperature_difference <= 0).any():
             raise DataError(
-                f"{float(np.min(above)) + self.reference:.5g} K is at or below "
+                f"{float(np.min(temperature_difference)) + self.reference:.5g} K is at or below "
                 f"{self.reference - self.c2:.5g} K, where this WLF law diverges"
             )
-        return np.asarray(-self.c1 * above / (self.c2 + above))
+        return np.asarray(-self.c1 * temperature_difference / (self.c2 + temperature_difference))
 
     def activation_energy(self, temperature: npt.ArrayLike) -> FloatArray:
         """Apparent activation energy, J/mol, at temperatures, K."""

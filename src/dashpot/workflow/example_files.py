@@ -55,8 +55,8 @@ def _seal(
 def _simulate_clipped_test() -> str:
     """Return a load cell whose range ends at three quarters of the force."""
     relaxation = simulate_relaxation(BROAD, rig=_RIG, seed=7)
-    most = 0.75 * float(relaxation.test.force.max())
-    spoilt = replace(relaxation.test, force=np.minimum(relaxation.test.force, most))
+    force_limit = 0.75 * float(relaxation.test.force.max())
+    spoilt = replace(relaxation.test, force=np.minimum(relaxation.test.force, force_limit))
     return write_relaxation(
         spoilt, comments=(*stamp(relaxation.truth)[:1], "spoilt: the load cell clips")
     )

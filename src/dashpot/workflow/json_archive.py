@@ -57,45 +57,54 @@ def require_unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     entries = dict(pairs)
     if len(entries) < len(pairs):
         keys = [key for key, _ in pairs]
-        twice = next(key for key in keys if keys.count(key) > 1)
-        raise ValueError(f'the key "{twice}" stands twice in one object')
+        repeated_key = next(key for key in keys if keys.count(key) > 1)
+        raise ValueError(f'the key "{repeated_key}" stands twice in one object')
     return entries
 
 
-def parts_of(value: Any, where: str) -> dict[str, Any]:
+def parts_of(value: Any, path: str) -> dict[str, Any]:
     """Return what an object or an array holds by its place; nothing of any other value."""
     if isinstance(value, dict):
-        return {f"{where}.{key}": item for key, item in value.items()}
+        return {f"{path}.{key}": item for key, item in value.items()}
     if isinstance(value, list):
-        return {f"{where}[{i}]": item for i, item in enumerate(value)}
+        return {f"{path}[{i}]": item for i, item in enumerate(value)}
     return {}
 
 
-def find_mistyped_number(value: Any, where: str = "$") -> str:
+def find_mistyped_number(value: Any, path: str = "$") -> str:
     """Say which number of a document is a text; nothing if none is."""
     if isinstance(value, str) and re.fullmatch(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", value):
-        numeric = where.rpartition(".")[2].partition("[")[0] in _NUMERIC
-        return f'{where} is the text "{value}"; expected a number, with a point' if numeric else ""
-    parts = parts_of(value, where).items()
-    return next(filter(None, (find_mistyped_number(item, place) for place, item in parts)), "")
+        numeric = path.rpartition(".")[2].partition("[")[0] in _NUMERIC
+        return f'{path} is the text "{value}"; expected a number, with a point' if numeric else ""
+    parts = parts_of(value, path).items()
+    return next(
+        filter(None, (find_mistyped_number(item, item_path) for item_path, item in parts)), ""
+    )
 
 
-def find_unknown_keys(value: Any, reference: Any, where: str = "$") -> str:
+def find_unknown_keys(value: Any, reference: Any, path: str = "$") -> str:
     """Report what a document holds beyond its value written again; nothing if all is known."""
     if isinstance(value, dict | list) and type(value) is not type(reference):
         text, expected = (_JSON_KINDS.get(type(item), "one value") for item in (value, reference))
-        return f"{where} is {text}; expected {expected}"
+        return f"{path} is {text}; expected {expected}"
     if isinstance(value, dict):
         unknown = sorted(value.keys() - reference.keys())
         if unknown:
-            return f'{where} has "{unknown[0]}", which this version of dashpot does not know'
+            return f'{path} has "{unknown[0]}", which this version of dashpot does not know'
     # the bare contract's orders are left out: then there is nothing to hold the items against
     elif isinstance(value, list) and len(value) != len(reference):
         return ""
-    there = parts_of(reference, where)
-    parts = parts_of(value, where).items()
+    reference_parts = parts_of(reference, path)
+    parts = parts_of(value, path).items()
     return next(
-        filter(None, (find_unknown_keys(item, there[place], place) for place, item in parts)), ""
+        filter(
+            None,
+            (
+                find_unknown_keys(item, reference_parts[item_path], item_path)
+                for item_path, item in parts
+            ),
+        ),
+        "",
     )
 
 
@@ -109,13 +118,13 @@ _JSON_KINDS: dict[type, str] = {dict: "an object", list: "an array"}
 def schemas() -> dict[str, type[Serialisable]]:
     """What each versioned schema name holds, those of every kind included, which it loads."""
     of_kinds = (load_object(name) for kind in KINDS.values() for name in kind.classes)
-    retained = (
+    loadable_kinds = (
         kind
         for kind in of_kinds
         if issubclass(kind, Serialisable) and kind.schema and kind._is_loadable
     )
-    others = {name: find_handler("document", name) for name in list_names("document")}
-    return {**others, **{item.schema: item for item in retained}}
+    other_loaders = {name: find_handler("document", name) for name in list_names("document")}
+    return {**other_loaders, **{item.schema: item for item in loadable_kinds}}
 
 
 def _find_schema_class(name: str) -> type[Serialisable] | None:
@@ -208,13 +217,14 @@ def _parse_document(text: str | bytes) -> tuple[type[Serialisable], dict[str, An
 
 def _format_unknown_schema(name: object) -> str:
     """Return why a document of this schema is not read, and what to do."""
-    what, _, version = str(name).partition("@")
-    present = next((schema for schema in schemas() if schema.startswith(f"{what}@")), "")
+    schema_name, _, version = str(name).partition("@")
+    present = next((schema for schema in schemas() if schema.startswith(f"{schema_name}@")), "")
     newest = present.partition("@")[2]
     if newest and version.isdecimal() and int(version) > int(newest):
         return (
             f'the document\'s "schema" is {name!r}, of a newer version of dashpot; this version '
-            f"reads {what!r} up to @{newest}. Update dashpot, or write the document with this one"
+            f"reads {schema_name!r} up to @{newest}. Update dashpot, or write the document with "
+            "this one"
         )
     return (
         f'the document\'s "schema" is {name!r}; this version of dashpot reads '

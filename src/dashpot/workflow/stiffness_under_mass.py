@@ -97,12 +97,20 @@ class StaticEquilibrium:
         point, secant, tangent = self.point, self.secant, self.tangent
         if point.linear:
             return ""
-        where = "as given" if point.given else "under its weight"
-        here, depth = (
+        how_known = "as given" if point.given else "under its weight"
+        compression_text, depth = (
             format_quantity(value or 0.0, "mm", ".3g") for value in (point.compression, point.depth)
         )
-        lines = [f"The seals are compressed by {here} {where}; they were tested to {depth}."]
-        for name, stiffness in ((f"secant at {depth}", secant), (f"tangent at {here}", tangent)):
+        lines = [
+            (
+                f"The seals are compressed by {compression_text} {how_known}; they were tested to "
+                f"{depth}."
+            )
+        ]
+        for name, stiffness in (
+            (f"secant at {depth}", secant),
+            (f"tangent at {compression_text}", tangent),
+        ):
             peak = (
                 "no resonance" if stiffness.frequency is None else f"{stiffness.frequency:.5g} Hz"
             )
@@ -176,44 +184,48 @@ def frf_limits(
     """
     forced = kind is Kind.ACCELERANCE
     shifts, f = fit.temperatures, np.asarray(frequency, dtype=float)
-    b_t, ends, here, doubt_b = 1.0, [1.0], fit, 0.0
+    b_t, time_factors, shifted_fit, doubt_b = 1.0, [1.0], fit, 0.0
     if temperature is not None and shifts is not None and temperature != shifts.reference:
-        here, b_t = fit.at_temperature(temperature), shifts.b_t(temperature)
+        shifted_fit, b_t = fit.at_temperature(temperature), shifts.b_t(temperature)
         doubt_a, doubt_b = shifts.error(temperature)
-        reach = NORMAL * doubt_a
-        ends = list(float(shifts.law.a_t(temperature)) * np.exp([-reach, reach]))
+        half_width = NORMAL * doubt_a
+        time_factors = list(float(shifts.law.a_t(temperature)) * np.exp([-half_width, half_width]))
     s = point.factor * b_t
     bounds = []
-    for a in ends:
+    for a in time_factors:
         scale = a**2 * s
         limits = frf_band(
             fit, tests, mass=on.mass / scale, frequency=a * f, seals=on.seals, kind=kind,
             coupled=on.coupled / scale,
         )  # fmt: skip
         bounds.append(_scale_bounds(limits, 1 / a, 1 / scale if forced else 1.0))
-    if here is fit:
-        joined = bounds[0]
+    if shifted_fit is fit:
+        merged_bounds = bounds[0]
     else:
         omega = 2 * np.pi * f
-        K = point.solid(here).complex_stiffness(omega=omega)
+        K = point.solid(shifted_fit).complex_stiffness(omega=omega)
         values = PredictedFRF(on, kind).magnitude(K, omega)
-        formal = formal_frf_band(here, on.divide_masses(point.factor), frequency=f, kind=kind)
-        joined = _merge_bounds(bounds, values, formal / point.factor if forced else formal)
+        formal = formal_frf_band(
+            shifted_fit, on.divide_masses(point.factor), frequency=f, kind=kind
+        )
+        merged_bounds = _merge_bounds(bounds, values, formal / point.factor if forced else formal)
     note = "; with the uncertainty of the tangent at the compression of the mass"
-    slid = replace(point, factor_se=float(np.hypot(point.factor_se, point.factor * doubt_b)))
+    widened_point = replace(
+        point, factor_se=float(np.hypot(point.factor_se, point.factor * doubt_b))
+    )
     return replace(
-        joined,
-        parameter=_slid(f, joined.parameter, slid),
-        unmeasured=_slid(f, joined.unmeasured, slid),
-        message=joined.message + note * (point.factor_se > 0),
+        merged_bounds,
+        parameter=_slid(f, merged_bounds.parameter, widened_point),
+        unmeasured=_slid(f, merged_bounds.unmeasured, widened_point),
+        message=merged_bounds.message + note * (point.factor_se > 0),
     )
 
 
 def _scale_bounds(bounds: FRFBounds, frequency: float, height: float) -> FRFBounds:
     """Return limits on an axis so many times as long, so many times as high."""
 
-    def times(scale: float, ends: tuple[float, float] | None) -> tuple[float, float] | None:
-        return None if ends is None else (scale * ends[0], scale * ends[1])
+    def times(scale: float, interval: tuple[float, float] | None) -> tuple[float, float] | None:
+        return None if interval is None else (scale * interval[0], scale * interval[1])
 
     return replace(
         bounds,
@@ -255,8 +267,8 @@ def rival_of(fit: Fit) -> Fit | None:
 
 def rival_modes(fit: Fit, point: OperatingPoint, on: MassOnSeals) -> tuple[Mode, ...]:
     """Modes of a mass on the other family of solids, if one explains the tests as well."""
-    rival = rival_of(fit)
-    return () if rival is None else model_modes(on.seals * point.solid(rival), on.mass)
+    other_fit = rival_of(fit)
+    return () if other_fit is None else model_modes(on.seals * point.solid(other_fit), on.mass)
 
 
 def family_checks(fit: Fit, point: OperatingPoint, on: MassOnSeals) -> tuple[Check, ...]:
@@ -264,8 +276,8 @@ def family_checks(fit: Fit, point: OperatingPoint, on: MassOnSeals) -> tuple[Che
     if fit.evidence.alternative is None:
         return ()
     modes = model_modes(on.seals * point.solid(fit), on.mass)
-    rival = rival_modes(fit, point, on)
-    return (families_predict_alike(next(iter(modes), None), next(iter(rival), None)),)
+    other_modes = rival_modes(fit, point, on)
+    return (families_predict_alike(next(iter(modes), None), next(iter(other_modes), None)),)
 
 
 def formal_limits(
@@ -293,10 +305,10 @@ def _slid(frequency: FloatArray, limits: FloatArray, point: OperatingPoint) -> F
     if part <= 0:
         return limits
     first, last = frequency / np.sqrt(1 + part), frequency / np.sqrt(max(1 - part, SOFTEST))
-    ends = [[np.interp(edge, frequency, row) for edge in (first, last)] for row in limits]
-    low = np.min(ends[0], axis=0)
+    end_values = [[np.interp(edge, frequency, row) for edge in (first, last)] for row in limits]
+    low = np.min(end_values[0], axis=0)
     # beside a line that nothing limits, the straight line to it is no number
-    high = np.nan_to_num(np.max(ends[1], axis=0), nan=np.inf, posinf=np.inf)
+    high = np.nan_to_num(np.max(end_values[1], axis=0), nan=np.inf, posinf=np.inf)
     windows = zip(
         np.searchsorted(frequency, first), np.searchsorted(frequency, last, "right"), strict=True
     )

@@ -91,9 +91,9 @@ def command(*, driver: str, output: str, seconds: float | None, **choices: Any) 
             replace=Path(output).exists(),  # what must not be written over was refused before
         )
     note_written(output)
-    story = Text([f"{output}: {rows} samples; {device}", *(f"! {note}" for note in notes)])
+    summary = Text([f"{output}: {rows} samples; {device}", *(f"! {note}" for note in notes)])
     return CommandResult(
-        RecordedFile(output, rows, tuple(notes)), story, follow=format_command("inspect", output)
+        RecordedFile(output, rows, tuple(notes)), summary, follow=format_command("inspect", output)
     )
 
 
@@ -117,7 +117,7 @@ def _device(
     port: str | None,
     baud: int,
     columns: str,
-    played: str | None,
+    device: str | None,
     seal: str,
     speed: float,
 ) -> dp.files.acquisition.Recorder:
@@ -128,7 +128,7 @@ def _device(
         return dp.files.acquisition.SerialLine(port, columns=columns.split(","), baud=baud)
     if driver == "simulated":
         return dp.files.acquisition.create_simulated_device(seal_named(seal).solid, speed=speed)
-    if played is None:
+    if device is None:
         raise DataError("--driver replay needs the record: add --from FILE")
-    with as_it_stands(played):
-        return dp.files.acquisition.replay(played, speed=speed)
+    with as_it_stands(device):
+        return dp.files.acquisition.replay(device, speed=speed)

@@ -98,9 +98,9 @@ class Iwan(Masing):
         last = 2 * self.slip / self.k / amplitudes(amplitude)  # the largest yield over X
         r = np.minimum(last, 1.0)
         theta = np.arccos(1 - 2 * r)
-        slips = (np.sin(theta) - theta * np.cos(theta) - np.sin(theta) ** 3 / 3) / (2 * np.pi)
+        slip_part = (np.sin(theta) - theta * np.cos(theta) - np.sin(theta) ** 3 / 3) / (2 * np.pi)
         loss = 4 / np.pi * (r**2 / 2 - r**3 / 3)
-        return np.asarray(self.k / last * (slips + (last - r) + 1j * loss))
+        return np.asarray(self.k / last * (slip_part + (last - r) + 1j * loss))
 
     def __mul__(self, count: float) -> Iwan:
         """`count` in parallel."""
@@ -248,13 +248,13 @@ def jenkins_like(element: RateIndependent, *, to: float, per_decade: int = 10) -
 
     grid = np.geomspace(to / 1e3, to, 3 * per_decade + 1)
     # what slips beyond the largest amplitude is a spring there
-    yields = np.append(grid, 1e3 * to)
-    share = jenkins_reduction(grid[:, None], yields).real
+    yield_displacements = np.append(grid, 1e3 * to)
+    share = jenkins_reduction(grid[:, None], yield_displacements).real
     k, _ = nnls(share, element.stiffness(grid).real)
     return InParallel(
         tuple(
             Jenkins(float(value), float(value * at))
-            for value, at in zip(k, yields, strict=True)
+            for value, at in zip(k, yield_displacements, strict=True)
             if value > 1e-9 * k.sum()
         )
     )

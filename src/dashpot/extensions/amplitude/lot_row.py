@@ -40,7 +40,7 @@ def build_lot_row(
     top = sweep.only(sweep.amplitude >= sweep.amplitude.max() / _SAME_AMPLITUDE_FACTOR)
     tone = float(top.frequency.min())
     top, at_tone = top.only(top.frequency == tone), sweep.only(sweep.frequency == tone)
-    least = at_tone.only(at_tone.amplitude <= at_tone.amplitude.min() * _SAME_AMPLITUDE_FACTOR)
+    smallest = at_tone.only(at_tone.amplitude <= at_tone.amplitude.min() * _SAME_AMPLITUDE_FACTOR)
     storage, loss = median(top.storage), median(top.loss)
     scatter = (
         1.4826
@@ -48,7 +48,9 @@ def build_lot_row(
         / np.sqrt(len(top.amplitude))
     )
     turn = 2 * np.pi * tone * sweep.delay_sd
-    several = sweep.amplitude.max() > _SAME_AMPLITUDE_FACTOR * least.amplitude.max()
+    has_several_amplitudes = (
+        sweep.amplitude.max() > _SAME_AMPLITUDE_FACTOR * smallest.amplitude.max()
+    )
     kelvin = sweep.specimen.temperature or lot_specimen.temperature
     values = {
         column(f"loop_{name}", unit): None
@@ -65,5 +67,7 @@ def build_lot_row(
         column("loop_loss", sweep.unit): loss,
         column("loop_loss_se", sweep.unit): float(np.hypot(scatter[1], turn * storage)),
         "loop_loss_factor": loss / storage,
-        "loop_softening": 1 - storage / median(least.storage) if several else None,
+        "loop_softening": 1 - storage / median(smallest.storage)
+        if has_several_amplitudes
+        else None,
     }

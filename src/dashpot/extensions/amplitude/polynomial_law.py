@@ -49,8 +49,8 @@ class PolynomialLaw:
 
     def tangent(self, x: npt.ArrayLike) -> FloatArray:
         """Tangent stiffness, N/m."""
-        powers, place = self._powers, np.asarray(x, dtype=float)[..., None]
-        return np.asarray(place ** (powers - 1) @ (powers * self.coefficients))
+        powers, position = self._powers, np.asarray(x, dtype=float)[..., None]
+        return np.asarray(position ** (powers - 1) @ (powers * self.coefficients))
 
     def rests(self, force: float) -> tuple[float, ...]:
         """Return every compression under a relaxed force, N, the least first.

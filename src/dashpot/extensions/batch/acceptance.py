@@ -59,12 +59,12 @@ def check_lot_acceptance(lot: Lot, limits: Limits) -> tuple[SealDecision, ...]:
     """
     seals = lot.seals(limits.quantity.column)
     deviation, freedom = _compute_pooled_deviation(seals)
-    between = _between_operators(lot, limits.quantity.column)
+    operator_note = _between_operators(lot, limits.quantity.column)
     decisions = []
     for item in seals:
         guard = None
         if freedom:
-            value = math.hypot(deviation / math.sqrt(len(item.values)), between)
+            value = math.hypot(deviation / math.sqrt(len(item.values)), operator_note)
             guard = t_quantile(2 * CONFORMITY_PROBABILITY - 1, freedom) * value
         decisions.append(
             SealDecision(item.lot, item.name, _decision(limits, item.mean, guard), item.mean, guard)

@@ -20,9 +20,15 @@ MOST_ARMS = 6
 """The most that are tried where their number is left to choose."""
 
 
-def several(provided: Quantity | Sequence[Quantity], dimension: Dimension) -> tuple[float, ...]:
+def several(
+    quantity_or_quantities: Quantity | Sequence[Quantity], dimension: Dimension
+) -> tuple[float, ...]:
     """Return one quantity or several in SI."""
-    quantities = [provided] if isinstance(provided, str | float | int) else provided
+    quantities = (
+        [quantity_or_quantities]
+        if isinstance(quantity_or_quantities, str | float | int)
+        else quantity_or_quantities
+    )
     return tuple(convert_to_si(quantity, dimension) for quantity in quantities)
 
 

@@ -71,8 +71,8 @@ def _refuse_unreachable(chunk: list[Task], folder: Path) -> None:
 
 def _pop_idle_worker(key: tuple[str, str]) -> Worker | None:
     with _lock:
-        place = next((i for i, (worker_key, _) in enumerate(_idle) if worker_key == key), None)
-        return None if place is None else _idle.pop(place)[1]
+        idle_index = next((i for i, (worker_key, _) in enumerate(_idle) if worker_key == key), None)
+        return None if idle_index is None else _idle.pop(idle_index)[1]
 
 
 def _add_idle_worker(key: tuple[str, str], worker: Worker) -> None:

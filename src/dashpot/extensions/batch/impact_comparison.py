@@ -61,12 +61,14 @@ def compare_with_hammer(
             frf, tests=(record,), fit=fit, mass=mass, seals=choices.seals, compression=at
         )
         _, comparison = compare_with_measured(fit, frf, on)
-    agreed = verdict((*frf.checks, *comparison.checks), headline=comparison.message)
+    verdict_with_hammer = verdict((*frf.checks, *comparison.checks), headline=comparison.message)
     numbers |= {
-        "agreement": agreed.use,
+        "agreement": verdict_with_hammer.use,
         "peak_dB": comparison.ratio_db,
         "frac": comparison.frac,
-        "reason": "" if agreed.use == "use" else f"hammer: {decapitalise_sentence(agreed.message)}",
+        "reason": ""
+        if verdict_with_hammer.use == "use"
+        else f"hammer: {decapitalise_sentence(verdict_with_hammer.message)}",
     }
     return fit, numbers
 

@@ -97,6 +97,6 @@ def make_control_charts(seals: Sequence[Seal]) -> Charts:
     """Return the control charts of the seals of one lot, two or more."""
     points, moving = individuals(seal_means(seals))
     groups = [seal.values for seal in seals]
-    several = sum(len(group) > 1 for group in groups) > 1
-    repeats = means_and_deviations(groups)[1] if several else None
+    has_several_repeats = sum(len(group) > 1 for group in groups) > 1
+    repeats = means_and_deviations(groups)[1] if has_several_repeats else None
     return Charts(tuple(seals), points, moving, repeats)

@@ -152,9 +152,9 @@ class MachineFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     @property
     def machine(self) -> Machine:
         """The machine that fits take: ``dp.fit(test, machine=found.machine)``."""
-        facts = {value.name: value for value in self.found}
+        reported_values = {value.name: value for value in self.found}
         compliance, creep, delay, gain = (
-            facts.get(name) for name in ("compliance", "creep", "delay", "gain")
+            reported_values.get(name) for name in ("compliance", "creep", "delay", "gain")
         )
         calibration = MachineCalibration(
             delay=delay.value if delay else 0.0,

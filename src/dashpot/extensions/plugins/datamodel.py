@@ -54,12 +54,12 @@ class PluggedTest(EqualByValue, HasSummary):
     @property
     def _summary_lines(self) -> tuple[str, ...]:
         """Which file it is, and its columns."""
-        named = ", ".join(
+        columns_text = ", ".join(
             f"{column.role or column.name} [{column.unit or '?'}]" for column in self.columns
         )
         return describe_record_source(
             self.source, len(self.columns[0].values)
-        ), f"for '{self.kind}': {named}"
+        ), f"for '{self.kind}': {columns_text}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -299,25 +299,30 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
 
     def csv(self, *, lines: bool = False) -> str:
         """Return the third octaves as a table, or the lines, below what they are of."""
-        notes = [byline("transfer stiffness of " + ", ".join(one.file for one in self.source))]
-        if any(one.simulated for one in self.source):
+        notes = [
+            byline("transfer stiffness of " + ", ".join(source.file for source in self.source))
+        ]
+        if any(source.simulated for source in self.source):
             notes.append("SIMULATED: the test behind this table was simulated")
         columns = self._line_columns if lines else self._table_columns
         head = ",".join(f"{name} [{unit}]" if unit else name for name, (_, unit) in columns.items())
         rows = zip(*(values for values, _ in columns.values()), strict=True)
-        above = (f"# {note}" for note in notes)
-        return "\n".join((*above, head, *(",".join(map(_format_cell, row)) for row in rows))) + "\n"
+        comment_lines = (f"# {note}" for note in notes)
+        return (
+            "\n".join((*comment_lines, head, *(",".join(map(_format_cell, row)) for row in rows)))
+            + "\n"
+        )
 
     @property
     def _headline(self) -> str:
         """The stiffness of the first and of the last third octave that is valid."""
         valid = [band for band in self.bands if band.valid] or list(self.bands)
-        ends = [
+        end_texts = [
             f"{convert_to_unit(band.stiffness, 'N/mm'):.4g} N/mm ({band.level:.2f} dB) at "
             f"{band.centre:g} Hz"
             for band in (valid[0], valid[-1])
         ]
-        return "the transfer stiffness is " + " to ".join(dict.fromkeys(ends))
+        return "the transfer stiffness is " + " to ".join(dict.fromkeys(end_texts))
 
 
 def _replace_none(value: float | None) -> float:

@@ -175,7 +175,7 @@ class IdentificationProblem:
             if prior is None or prior.sd > 0
         ]
         names = ["b"] * self.dashpot + free
-        return {name: place for place, name in enumerate(names, start=self.sought.size)}
+        return {name: index for index, name in enumerate(names, start=self.sought.size)}
 
     @property
     def log_tau_range(self) -> tuple[float, float]:
@@ -236,15 +236,15 @@ class IdentificationProblem:
         before = self.constraints.before
         if before is None:
             return None
-        retained, places = self.sought.extract_earlier_values(before)
-        place_of = dict(zip(retained, places, strict=True))
+        earlier_values, indices = self.sought.extract_earlier_values(before)
+        place_of = dict(zip(earlier_values, indices, strict=True))
         # with all that its rig may have done it could not show that the tests disagree
         covariance, rows = before.estimate.noise_only.covariance, self.earlier_rows
         names = [before.estimate.parameters[i] for i in rows]
         root = np.asarray(np.linalg.cholesky(covariance[np.ix_(rows, rows)]))
         return (
             [place_of[name] for name in names],
-            np.array([retained[name] for name in names]),
+            np.array([earlier_values[name] for name in names]),
             root,
         )
 
@@ -254,24 +254,24 @@ class IdentificationProblem:
         before = self.constraints.before
         if before is None:
             return []
-        retained = self.sought.extract_earlier_values(before)[0]
+        earlier_values = self.sought.extract_earlier_values(before)[0]
         variance = np.diag(before.estimate.noise_only.covariance)
         return [
             i for i, name in enumerate(before.estimate.parameters)
-            if name in retained and np.isfinite(variance[i]) and variance[i] > 0
+            if name in earlier_values and np.isfinite(variance[i]) and variance[i] > 0
         ]  # fmt: skip
 
     def build_problem(self, start: FloatArray) -> least_squares.Problem:
         """It as least squares, about a start: every logarithm kept where doubles can follow."""
         low, high = start - 25.0, start + 12.0
-        ends = self.sought.ends(self.log_tau_range)
-        sought = slice(self.sought.size - len(ends), self.sought.size)
-        low[sought], high[sought] = ends.T
+        log_tau_limits = self.sought.ends(self.log_tau_range)
+        tau_slice = slice(self.sought.size - len(log_tau_limits), self.sought.size)
+        low[tau_slice], high[tau_slice] = log_tau_limits.T
         if "delay" in self.index:
             low[self.index["delay"]], high[self.index["delay"]] = -1e3, 1e3
         return least_squares.Problem(
             lambda theta: ModelPrediction(self, theta).rows,
-            [Parameter(*ends) for ends in zip(low.tolist(), high.tolist(), strict=True)],
+            [Parameter(*limits) for limits in zip(low.tolist(), high.tolist(), strict=True)],
             priors=len(ModelPrediction(self, start).prior_residuals[0]),
         )
 
@@ -306,16 +306,16 @@ class ModelPrediction:
     def lines(self) -> FloatArray:
         """Those of the lines, real then imaginary, shape (2n,)."""
         problem, p = self.problem, self.point
-        shown = problem.frf_data.predict(self._response, p.gain, p.delay)
-        return problem.frf_data.misfit(shown) / problem.scale
+        fitted_lines = problem.frf_data.predict(self._response, p.gain, p.delay)
+        return problem.frf_data.misfit(fitted_lines) / problem.scale
 
     @cached_property
     def prior_residuals(self) -> tuple[FloatArray, FloatArray]:
         """Those of everything known beforehand, shape (r,), and their slope (r, p)."""
         at, mean, sd = self.problem.rig
         rig = (self.theta[at] - mean) / sd, np.eye(len(self.theta))[at] / sd[:, None]
-        off, slopes = zip(rig, *self._iterate_solid_constraints(), self.earlier, strict=True)
-        return np.concatenate(list(map(np.atleast_1d, off))), np.vstack(slopes)
+        residuals, slopes = zip(rig, *self._iterate_solid_constraints(), self.earlier, strict=True)
+        return np.concatenate(list(map(np.atleast_1d, residuals))), np.vstack(slopes)
 
     @cached_property
     def earlier(self) -> tuple[FloatArray, FloatArray]:
@@ -323,11 +323,11 @@ class ModelPrediction:
         slope = np.zeros((0, len(self.theta)))
         if self.problem.earlier is None:
             return np.empty(0), slope
-        places, old, root = self.problem.earlier
+        indices, old, root = self.problem.earlier
         _, values, gradient = self.problem.sought.physical(self._numbers)
-        slope = np.zeros((len(places), len(self.theta)))
-        slope[:, : len(self._numbers)] = np.linalg.solve(root, gradient[places])
-        return np.asarray(np.linalg.solve(root, values[places] - old)), slope
+        slope = np.zeros((len(indices), len(self.theta)))
+        slope[:, : len(self._numbers)] = np.linalg.solve(root, gradient[indices])
+        return np.asarray(np.linalg.solve(root, values[indices] - old)), slope
 
     @property
     def slope(self) -> FloatArray:
@@ -369,7 +369,7 @@ class ModelPrediction:
         problem, response, p = self.problem, self._response, self.point
         s, data = response.s, problem.frf_data
         values = problem.sought.differentiate_stiffness(self._numbers, s)
-        sensed = 1 / response.receptance - p.mass * s**2
+        stiffness = 1 / response.receptance - p.mass * s**2
 
         def differentiate_lost_poles(
             truncation: TruncationLoss,
@@ -386,7 +386,7 @@ class ModelPrediction:
             )
 
         by = response.slope(
-            self._differentiate_impedance(s, values, sensed), differentiate_lost_poles
+            self._differentiate_impedance(s, values, stiffness), differentiate_lost_poles
         )
         by, *rest = data.slopes(response, p.gain, p.delay, by)
         units = {"mass": 1.0, "gain": 1.0, "delay": DELAY_UNIT}
@@ -439,13 +439,13 @@ class ModelPrediction:
         values = differentiate_poles(self.problem.sought, self._numbers, at)[0]
         by = self._differentiate_impedance(at, values, -p.mass * at**2)[0]
         change = -by * complex(residues(solid.maxwell, p.mass, at)[0])
-        longer = (pole.conjugate() * change).real / size
+        growth = (pole.conjugate() * change).real / size
         if constraints.natural_frequency is not None:
             yield constraints.natural_frequency.standardise(
-                size / (2 * np.pi), longer / (2 * np.pi)
+                size / (2 * np.pi), growth / (2 * np.pi)
             )
         if constraints.damping_ratio is not None:
-            slope = (pole.real * longer / size - change.real) / size
+            slope = (pole.real * growth / size - change.real) / size
             yield constraints.damping_ratio.standardise(-pole.real / size, slope)
 
 
@@ -570,8 +570,8 @@ class Candidate:
     @property
     def line_scale(self) -> float:
         """What the standard deviation of the lines must be multiplied by to explain the misfit."""
-        spare = max(2 * len(self.problem.frf_data.lines.s) - len(self.theta), 1)
-        rms = float(np.sqrt(self.line_misfit / spare))
+        dof = max(2 * len(self.problem.frf_data.lines.s) - len(self.theta), 1)
+        rms = float(np.sqrt(self.line_misfit / dof))
         return max(rms, 1.0 if self.problem.frf_data.known_sd else SMALLEST_SCATTER)
 
     def copy_with_scale(self, scale: float) -> Candidate:
@@ -581,13 +581,20 @@ class Candidate:
 
 
 def descend(
-    problem: IdentificationProblem, start: FloatArray, *, tolerance: float, most: int = 200
+    problem: IdentificationProblem, start: FloatArray, *, tolerance: float, max_steps: int = 200
 ) -> Candidate:
     """To the nearest optimum, in at most so many steps.
 
     Until a step promises to lower chi-square by less than that part of it.
     """
-    whole = problem.build_problem(start)
+    whole_problem = problem.build_problem(start)
     return Candidate(
-        problem, require_optimum(whole, [start], most=most, finished=SHORT, flat=tolerance)
+        problem,
+        require_optimum(
+            whole_problem,
+            [start],
+            max_steps=max_steps,
+            step_tolerance=SHORT,
+            cost_tolerance=tolerance,
+        ),
     )

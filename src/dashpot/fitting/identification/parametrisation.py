@@ -110,8 +110,8 @@ class Arms:
         names, values, _ = old.physical(old.pack(before.model))
         # faster arms than the earlier fit has are new: it says nothing about them
         new, count = self.count - old.count, self.count
-        places = [0, *range(1 + new, 1 + count), *range(1 + count + new, 1 + 2 * count)]
-        return dict(zip(names, values.tolist(), strict=True)), places
+        indices = [0, *range(1 + new, 1 + count), *range(1 + count + new, 1 + 2 * count)]
+        return dict(zip(names, values.tolist(), strict=True)), indices
 
     def is_identified(self, error: FloatArray) -> bool:
         """Return whether standard errors of the numbers leave none unknown."""
@@ -168,8 +168,8 @@ class FractionalElement:
         """Return the numbers of a solid."""
         assert isinstance(solid, FractionalZener)  # noqa: S101  # nothing else is an element
         k_inf, value = solid.k_inf, solid.k_0 - solid.k_inf
-        ends = [max(number, FADED * max(solid.k_0, 1e-300)) for number in (k_inf, value)]
-        return np.array([*np.log(ends), np.log(solid.tau), solid.alpha])
+        springs = [max(number, FADED * max(solid.k_0, 1e-300)) for number in (k_inf, value)]
+        return np.array([*np.log(springs), np.log(solid.tau), solid.alpha])
 
     def unpack(self, numbers: FloatArray, b: float) -> FractionalZener:
         """Return the solid of the numbers, beside a dashpot b."""
@@ -206,9 +206,11 @@ class FractionalElement:
         (k_inf, value, tau), alpha = np.exp(numbers[:3]), numbers[3]
         power = (s * tau) ** alpha
         column = value * (1 - 1 / (1 + power))
-        turned = column / (1 + power)
+        rotated_column = column / (1 + power)
         spring = np.full(len(s), k_inf)
-        return np.column_stack((spring, column, alpha * turned, np.log(s * tau) * turned))
+        return np.column_stack(
+            (spring, column, alpha * rotated_column, np.log(s * tau) * rotated_column)
+        )
 
     def extract_earlier_values(self, before: Fit) -> tuple[dict[str, float], list[int]]:
         """Return what an earlier fit found."""
@@ -233,18 +235,20 @@ Parametrisation: TypeAlias = Arms | FractionalElement
 
 
 def differentiate_poles(
-    sought: Parametrisation, numbers: FloatArray, p: ComplexArray
+    parametrisation: Parametrisation, numbers: FloatArray, p: ComplexArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """Derivative of the stiffness of its arms, and of its slope, by the numbers: (n, size)."""
-    gradient = sought.arm_gradient(numbers)
-    by_arms, slope_by_arms = sought.unpack(numbers, 0.0).maxwell.arm_slopes(p)
+    gradient = parametrisation.arm_gradient(numbers)
+    by_arms, slope_by_arms = parametrisation.unpack(numbers, 0.0).maxwell.arm_slopes(p)
     return by_arms @ gradient, slope_by_arms @ gradient
 
 
-def is_at_edge(sought: Parametrisation, numbers: FloatArray, log_tau: tuple[float, float]) -> bool:
+def is_at_edge(
+    parametrisation: Parametrisation, numbers: FloatArray, log_tau: tuple[float, float]
+) -> bool:
     """Return whether a relaxation time or a slope stands at an end of what is sought."""
-    low, high = (ends := sought.ends(log_tau)).T
-    last = numbers[len(numbers) - len(ends) :]
+    low, high = (limits := parametrisation.ends(log_tau)).T
+    last = numbers[len(numbers) - len(limits) :]
     return bool(np.any((last < low + _AT_EDGE) | (last > high - _AT_EDGE)))
 
 

@@ -120,11 +120,13 @@ class KnownSolid:
 
 
 def _pair(
-    name: str, provided: Quantity | tuple[Quantity, Quantity] | None, dimension: Dimension
+    name: str, given_values: Quantity | tuple[Quantity, Quantity] | None, dimension: Dimension
 ) -> tuple[float, float] | None:
-    if provided is None:
+    if given_values is None:
         return None
-    value, sd = si_range(provided if isinstance(provided, tuple) else (provided, 0.0), dimension)
+    value, sd = si_range(
+        given_values if isinstance(given_values, tuple) else (given_values, 0.0), dimension
+    )
     if not (isfinite(value) and value > 0):
         raise DataError(f"{name} = {value!r}; expected a number > 0")
     if name == "damping_ratio" and value >= 1:

@@ -66,14 +66,14 @@ def swept(file: OpenedFile) -> tuple[LoadedColumns, dict[Role, FloatArray], str,
     ReadError
         With what the file leaves open.
     """
-    wanted, ratio = sweep_columns(file)
-    parts = parts_of(file, channels.with_units(file, wanted), ratio)
+    roles_wanted, ratio = sweep_columns(file)
+    parts = parts_of(file, channels.with_units(file, roles_wanted), ratio)
     if "temperature" not in parts[1] and temperatures_of_segments(file, parts[0]) is None:
         refuse_unlike_blocks(*parts[:2])
     return parts
 
 
-def refuse_unlike_blocks(loaded: LoadedColumns, values: Mapping[Role, FloatArray]) -> None:
+def refuse_unlike_blocks(loaded_columns: LoadedColumns, values: Mapping[Role, FloatArray]) -> None:
     """Ask for one block where no temperature parts blocks that sweep the same frequencies.
 
     Raises
@@ -81,8 +81,8 @@ def refuse_unlike_blocks(loaded: LoadedColumns, values: Mapping[Role, FloatArray
     ReadError
         If the moduli of one are half as much again as those of another, or more.
     """
-    whole: BoolArray = np.all(np.isfinite(loaded.values), axis=1)
-    blocks = [np.flatnonzero(part) for part in _blocks(loaded, whole)]
+    is_complete: BoolArray = np.all(np.isfinite(loaded_columns.values), axis=1)
+    blocks = [np.flatnonzero(part) for part in _blocks(loaded_columns, is_complete)]
     sweeps = [
         (np.log(values["frequency"][at]), np.log(values["storage"][at]))
         for at in blocks
@@ -92,10 +92,10 @@ def refuse_unlike_blocks(loaded: LoadedColumns, values: Mapping[Role, FloatArray
     for f, storage in sweeps[1:]:
         order = np.argsort(sweeps[0][0])
         first, reference = sweeps[0][0][order], sweeps[0][1][order]
-        within = (f >= first[0]) & (f <= first[-1])
-        if not within.any() or len(set(f.tolist())) < _A_SWEEP:
+        in_range = (f >= first[0]) & (f <= first[-1])
+        if not in_range.any() or len(set(f.tolist())) < _A_SWEEP:
             continue
-        times = math.exp(median(np.abs(storage - np.interp(f, first, reference))[within]))
+        times = math.exp(median(np.abs(storage - np.interp(f, first, reference))[in_range]))
         if times >= _FAR:
             raise ReadError(
                 f"its blocks sweep the same frequencies, and their moduli differ {times:.3g} "
@@ -104,10 +104,12 @@ def refuse_unlike_blocks(loaded: LoadedColumns, values: Mapping[Role, FloatArray
             )
 
 
-def _blocks(loaded: LoadedColumns, whole: BoolArray) -> list[BoolArray]:
+def _blocks(loaded_columns: LoadedColumns, is_complete: BoolArray) -> list[BoolArray]:
     """Return which of the whole rows stand in each block."""
-    of_row = np.searchsorted(np.array(loaded.starts), np.arange(len(whole)), side="right")
-    return [of_row[whole] == number for number in range(1, len(loaded.starts) + 1)]
+    of_row = np.searchsorted(
+        np.array(loaded_columns.starts), np.arange(len(is_complete)), side="right"
+    )
+    return [of_row[is_complete] == number for number in range(1, len(loaded_columns.starts) + 1)]
 
 
 def amplitude_column(file: OpenedFile) -> RoleAssignment:
@@ -118,9 +120,9 @@ def amplitude_column(file: OpenedFile) -> RoleAssignment:
     ReadError
         If there is none, or several could be it.
     """
-    named = assign_amplitude_column(file.table, file.options)
+    amplitude_role = assign_amplitude_column(file.table, file.options)
     for role in _AMPLITUDES:
-        assignment = assign(file.table, role, named)
+        assignment = assign(file.table, role, amplitude_role)
         if isinstance(assignment, RoleAssignment):
             return assignment
         if assignment.choices:
@@ -163,13 +165,14 @@ def _hint(file: OpenedFile, assignments: Mapping[Role, RoleAssignment | Question
 
 def _told_apart(file: OpenedFile, columns: Sequence[RoleAssignment]) -> None:
     """Refuse one column for storage and loss."""
-    both = [column.index for column in columns if column.role in {"storage", "loss"}]
-    if len(both) == len(set(both)):
+    modulus_columns = [column.index for column in columns if column.role in {"storage", "loss"}]
+    if len(modulus_columns) == len(set(modulus_columns)):
         return
     raise ReadError(
-        f"only '{file.table.columns[both[0]].name}' could be storage or loss, and it is not both; "
-        "expected a column of each, or of storage and loss factor, or of |K*| and loss angle: name "
-        "the columns with --column ROLE=NAME (storage, loss, loss-factor; magnitude, phase)"
+        f"only '{file.table.columns[modulus_columns[0]].name}' could be storage or loss, and it is "
+        "not both; expected a column of each, or of storage and loss factor, or of |K*| and loss "
+        "angle: name the columns with --column ROLE=NAME (storage, loss, loss-factor; magnitude, "
+        "phase)"
     )
 
 
@@ -217,8 +220,8 @@ def _is_size(
     """
     columns, storage = file.table.columns, assignments["storage"]
     if file.options.magnitude or vocabulary.says_size(columns[size.index].name):
-        named = isinstance(storage, RoleAssignment) and storage.index != size.index
-        return bool(file.options.magnitude) or not named
+        is_named = isinstance(storage, RoleAssignment) and storage.index != size.index
+        return bool(file.options.magnitude) or not is_named
     if isinstance(storage, Question) or (
         vocabulary.matches(columns[storage.index].name).get("storage", 0.0) < 1.5
     ):
@@ -233,7 +236,7 @@ def _is_size(
 
 
 def parts_of(
-    file: OpenedFile, chosen: Sequence[Channel], ratio: int | None
+    file: OpenedFile, channels_chosen: Sequence[Channel], ratio: int | None
 ) -> tuple[LoadedColumns, dict[Role, FloatArray], str, list[str]]:
     """Return what was loaded, the values in SI by role with storage and loss, their unit and notes.
 
@@ -244,17 +247,17 @@ def parts_of(
     ReadError
         If storage and loss are of two kinds, or an angle is not that of a solid.
     """
-    column_by_role = {c.role: c for c in chosen}
+    column_by_role = {c.role: c for c in channels_chosen}
     base = column_by_role["storage" if "storage" in column_by_role else "complex_modulus"]
-    indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
+    indexes = [c.index for c in channels_chosen] + ([] if ratio is None else [ratio])
     assignment = file.column("loss_factor") if "loss" in column_by_role else None
     columns = [*indexes, *([assignment.index] if assignment else [])]
-    loaded = channels.load(file.table, columns, file.options.segment)
-    reported = loaded.values[:, -1]
-    loaded = replace(loaded, values=loaded.values[:, : len(indexes)])
-    loaded = channels.filled_down(loaded, [c.role for c in chosen])
-    rows, gaps = channels.select_complete_rows(loaded)
-    values = channels.convert_signals_to_si(rows, chosen)
+    loaded_columns = channels.load(file.table, columns, file.options.segment)
+    reported = loaded_columns.values[:, -1]
+    loaded_columns = replace(loaded_columns, values=loaded_columns.values[:, : len(indexes)])
+    loaded_columns = channels.filled_down(loaded_columns, [c.role for c in channels_chosen])
+    rows, gaps = channels.select_complete_rows(loaded_columns)
+    values = channels.convert_signals_to_si(rows, channels_chosen)
     warmth = [column_by_role["temperature"]] if "temperature" in column_by_role else []
     notes = [*file.table.notes, *gaps, *channels.rivals(file, warmth)]
     if "loss" in column_by_role:
@@ -265,11 +268,11 @@ def parts_of(
                 "expected both in one kind of unit, such as MPa or N/mm"
             )
         if assignment is not None:
-            reported = reported[np.isfinite(loaded.values).all(axis=1)]
+            reported = reported[np.isfinite(loaded_columns.values).all(axis=1)]
             notes += _check_loss_factor(
                 file, column_by_role["loss"].index, assignment.index, reported, values
             )
-        return loaded, values, si_unit(base.unit.dimension).word, notes
+        return loaded_columns, values, si_unit(base.unit.dimension).word, notes
     if ratio is None:
         angle = column_by_role["loss_angle"]
         tangent = np.tan(_solid_angle(file, angle, values["loss_angle"]))
@@ -286,7 +289,7 @@ def parts_of(
         )
     values["loss"] = values["storage"] * tangent
     notes.append(f"loss is storage times {message}")
-    return loaded, values, si_unit(base.unit.dimension).word, notes
+    return loaded_columns, values, si_unit(base.unit.dimension).word, notes
 
 
 def _check_loss_factor(

@@ -182,8 +182,8 @@ class Comparison(Plottable, Serialisable):
     @property
     def resonance_match(self) -> str:
         """Measured peak and damping with the errors of the model, as text."""
-        off = f"{100 * self.frequency_error:+z.2g} %, {self.ratio_db:+z.1f} dB"
-        peak = f"peak at {self.measured_hz:.4g} Hz ({off})"
+        error_text = f"{100 * self.frequency_error:+z.2g} %, {self.ratio_db:+z.1f} dB"
+        peak = f"peak at {self.measured_hz:.4g} Hz ({error_text})"
         if self.measured_damping is None or self.predicted_damping is None:
             return peak
         return (

@@ -127,15 +127,17 @@ def _indices(
 
     tail = (1 - level) / 2
     halves = [side / (3 * deviation) for side in (mean - lower, upper - mean)]
-    values = [half for half in halves if math.isfinite(half)]
+    values = [half_width for half_width in halves if math.isfinite(half_width)]
     low = min(_true_index(value, n, 1 - tail) for value in values)
     high = min(_true_index(value, n, tail / len(values)) for value in values)
     of_cpk = min(values), (low, high)
     if len(values) < len(halves):
         return (None, None), of_cpk
     cp = (upper - lower) / (6 * deviation)
-    near, far = (cp * math.sqrt(float(chi2.ppf(p, n - 1)) / (n - 1)) for p in (tail, 1 - tail))
-    return (cp, (near, far)), of_cpk
+    lower_bound, upper_bound = (
+        cp * math.sqrt(float(chi2.ppf(p, n - 1)) / (n - 1)) for p in (tail, 1 - tail)
+    )
+    return (cp, (lower_bound, upper_bound)), of_cpk
 
 
 def _true_index(index: float, n: int, tail: float) -> float:

@@ -107,10 +107,10 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
     @property
     def _summary_lines(self) -> tuple[str, ...]:
         """Which record it is, and how far it reaches."""
-        change, pressed = float(np.ptp(self.displacement)), float(np.ptp(self.force))
+        change, force_range = float(np.ptp(self.displacement)), float(np.ptp(self.force))
         return (
             describe_record_source(self.source, len(self.time)),
-            f"{np.ptp(self.time):.5g} s; {_spans(change, pressed, self.unit)}",
+            f"{np.ptp(self.time):.5g} s; {_spans(change, force_range, self.unit)}",
         )
 
 
@@ -325,8 +325,8 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
     @property
     def resolution(self) -> float:
         """The shortest time between corners of a load that is not straight, s; 0 if it is."""
-        many = len(self.corners) > MAX_CORNERS
-        return float(np.diff(self.corners).min()) if many else 0.0
+        has_many_corners = len(self.corners) > MAX_CORNERS
+        return float(np.diff(self.corners).min()) if has_many_corners else 0.0
 
     @property
     def has_recovery(self) -> bool:
@@ -368,7 +368,7 @@ def _require_unit(unit: str, names: Iterable[str]) -> None:
         raise DataError(f"unit = {unit!r}; expected {' or '.join(map(repr, words))}")
 
 
-def _spans(change: float, pressed: float, unit: str) -> str:
+def _spans(change: float, stress_range: float, unit: str) -> str:
     if unit == "Pa":
-        return f"strain spans {change:.4g}, stress {pressed:.4g} Pa"
-    return f"displacement spans {format_quantity(change, 'mm')}, force {pressed:.4g} N"
+        return f"strain spans {change:.4g}, stress {stress_range:.4g} Pa"
+    return f"displacement spans {format_quantity(change, 'mm')}, force {stress_range:.4g} N"

@@ -137,8 +137,8 @@ class JointTests:
     @cached_property
     def free_temperatures(self) -> IndexArray:
         """The temperatures whose shifts are sought."""
-        every = np.arange(len(self.temperatures))
-        return np.asarray(every[every != self.reference])
+        indices = np.arange(len(self.temperatures))
+        return np.asarray(indices[indices != self.reference])
 
     @property
     def fixed_log_b(self) -> FloatArray:
@@ -177,7 +177,7 @@ class JointTests:
     def descend(self, point: ShiftedSolid) -> ShiftedSolid:
         """Return the nearest optimum."""
         best = require_optimum(
-            self.problem(point), [self.theta(point)], most=_STEPS, flat=_STATIONARY
+            self.problem(point), [self.theta(point)], max_steps=_STEPS, cost_tolerance=_STATIONARY
         )
         k_inf, k = float(best.beta[0]), best.beta[1:]
         return replace(
@@ -238,15 +238,15 @@ class JointTests:
         A = b * np.column_stack((evaluation.fixed[:, spring], evaluation.arms))
 
         def slope(k: FloatArray) -> FloatArray:
-            names, far = self.names(n)[1 + n :], decades(point.log_tau)
+            names, decade_distances = self.names(n)[1 + n :], decades(point.log_tau)
             by, row = np.zeros((len(A), len(names))), b * evaluation.d_arms * k[1:]
             by[:, :n] = row * (1 + point.log_a[i] * point.slope / np.log(10.0))
             if i != self.reference:
-                by[:, names.index(f"ln_a_{i}")] = row @ (1 + point.slope * far)
+                by[:, names.index(f"ln_a_{i}")] = row @ (1 + point.slope * decade_distances)
                 if self.vertical == "free":
                     by[:, names.index(f"ln_b_{i}")] = A @ k
             if n > 1:
-                by[:, -1] = row @ (point.log_a[i] * far)
+                by[:, -1] = row @ (point.log_a[i] * decade_distances)
             return by
 
         return evaluation.target, A, slope

@@ -88,15 +88,15 @@ class SingleTemperatureTest:
         """From its own free fit."""
         noise, best = first.noises[0], first.solutions[-1]
         block = first.data.blocks[0]
-        least = block.rounding_floor / noise.samples
-        spread = float(np.sqrt(max(noise.power, least, 1e-300)))
+        rounding_power = block.rounding_floor / noise.samples
+        noise_sd = float(np.sqrt(max(noise.power, rounding_power, 1e-300)))
         return cls(
             record,
             temperature,
             block,
-            spread,
+            noise_sd,
             noise.effective,
-            float(best.sse) / spread**2,
+            float(best.sse) / noise_sd**2,
             1 + 2 * best.order,
             law,
         )
@@ -201,33 +201,35 @@ class _Basis(NamedTuple):
     floor: float
 
 
-def _basis(compact: DataBlock, spread: float) -> _Basis:
+def _basis(compact: DataBlock, noise_sd: float) -> _Basis:
     low, high = compact.bounds
-    every = np.linspace(low - np.log(BEYOND), high + np.log(BEYOND), _COLUMNS)
-    evaluation = compact.evaluate(every, False)
+    log_tau_grid = np.linspace(low - np.log(BEYOND), high + np.log(BEYOND), _COLUMNS)
+    evaluation = compact.evaluate(log_tau_grid, False)
     columns = np.concatenate((evaluation.fixed, evaluation.arms), axis=1)
     size = np.linalg.norm(columns, axis=0)
     residual, strength, _ = np.linalg.svd(
         columns / np.where(size > 0, size, 1.0), full_matrices=False
     )
-    turn = residual[:, strength > _WEAKEST * strength[0]].T / spread
-    target, whole = turn @ evaluation.target, evaluation.target / spread
-    aside = float(whole @ whole - target @ target) + compact.floor / spread**2
-    return _Basis(turn, target, turn @ evaluation.fixed, max(aside, 0.0))
+    turn = residual[:, strength > _WEAKEST * strength[0]].T / noise_sd
+    target, full_target = turn @ evaluation.target, evaluation.target / noise_sd
+    remainder_sse = float(full_target @ full_target - target @ target) + compact.floor / noise_sd**2
+    return _Basis(turn, target, turn @ evaluation.fixed, max(remainder_sse, 0.0))
 
 
 def _marginal(test: SingleTemperatureTest) -> DataBlock:
     compact = compact_block(test.block, excess=BEYOND)
     basis, names = _basis(compact, test.spread), compact.fixed_names
-    doubts, mean = test.terms.build_prior_columns(basis.fixed, names)
-    white = marginal(basis.fixed[:, :0], doubts)
+    prior_columns, mean = test.terms.build_prior_columns(basis.fixed, names)
+    white = marginal(basis.fixed[:, :0], prior_columns)
     data, residual = white(basis.turn), white(basis.target - mean)
-    stiff = white(basis.fixed[:, [names.index("k_inf")]])
+    stiffness_column = white(basis.fixed[:, [names.index("k_inf")]])
 
     def evaluate_block(log_tau: FloatArray, derivative: bool) -> Evaluation:
         evaluation = compact.evaluate(log_tau, derivative)
         arms = data @ evaluation.arms
-        return Evaluation(residual, stiff, arms, data @ evaluation.d_arms if derivative else arms)
+        return Evaluation(
+            residual, stiffness_column, arms, data @ evaluation.d_arms if derivative else arms
+        )
 
     return replace(
         compact, rows=evaluate_block, fixed_names=("k_inf",), floor=basis.floor, arm_group="k"

@@ -64,10 +64,10 @@ class ViscousContact:
 
     def force(self, x: npt.ArrayLike, v: npt.ArrayLike) -> FloatArray:
         """Force, N, at an indentation, m, and its rate, m/s; none out of contact."""
-        here = np.maximum(np.asarray(x, dtype=float), 0.0)
+        indentation = np.maximum(np.asarray(x, dtype=float), 0.0)
         n = self.exponent
-        slope = n * here ** (n - 1)
-        return np.asarray(self.k * (here**n + self.viscous_time * slope * np.asarray(v)))
+        slope = n * indentation ** (n - 1)
+        return np.asarray(self.k * (indentation**n + self.viscous_time * slope * np.asarray(v)))
 
 
 @dataclass(frozen=True)

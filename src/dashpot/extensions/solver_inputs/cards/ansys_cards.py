@@ -85,11 +85,11 @@ def _build_card(number: str, material: _Material) -> ViscoelasticCard:
         for (label, _), count in material.temperatures.items()
         if count > 1
     ]
-    modulus, poisson, more = _read_elasticity(number, material)
+    modulus, poisson, modulus_notes = _read_elasticity(number, material)
     law, shifts = _read_shift(number, material)
     card = ViscoelasticCard(
         number, "TB,PRONY", relative, bulk, modulus, poisson, law=law,
-        notes=(*notes, *more, *shifts),
+        notes=(*notes, *modulus_notes, *shifts),
     )  # fmt: skip
     return card.add_notes(*card.format_poisson_note())
 

@@ -54,7 +54,7 @@ def compile_binaries(form: str, identifier: str, sources: Mapping[str, str]) -> 
     ExportError
         If the compiler fails.
     """
-    made = {}
+    compiled = {}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for file, text in sources.items():
@@ -76,5 +76,5 @@ def compile_binaries(form: str, identifier: str, sources: Mapping[str, str]) -> 
                     f"{(run.stderr.strip() or 'no message').splitlines()[-1]}; uninstall it to "
                     "write an FMU of sources only"
                 )
-            made[f"binaries/{platform}/{library}"] = (folder / library).read_bytes()
-    return made
+            compiled[f"binaries/{platform}/{library}"] = (folder / library).read_bytes()
+    return compiled

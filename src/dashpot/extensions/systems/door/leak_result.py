@@ -127,10 +127,10 @@ class LeakResult(HasChecks, HasVerdict, Serialisable):
     @property
     def _headline(self) -> str:
         """Leak speed as described, and the lowest of the other states."""
-        first, *others = self.states
+        first, *other_states = self.states
         text = f"the seal leaks from {format_speed(first.least)} on"
-        if others:
-            worst = min(others, key=lambda state: state.least.value)
+        if other_states:
+            worst = min(other_states, key=lambda state: state.least.value)
             text += f", {worst.name} from {format_speed(worst.least)} on"
         return text
 

@@ -152,6 +152,8 @@ class LeakSetup:
                 f"force_sd = {100 * self.force_sd:g} %; expected at most {100 * _MOST_ERROR:.0f} %"
             )
         names = [NEW, *(state.name for state in self.states)]
-        twice = [name for name in names if names.count(name) > 1]
-        if twice:
-            raise DataError(f"two states are called '{twice[0]}'; the first of all is '{NEW}'")
+        repeated_names = [name for name in names if names.count(name) > 1]
+        if repeated_names:
+            raise DataError(
+                f"two states are called '{repeated_names[0]}'; the first of all is '{NEW}'"
+            )

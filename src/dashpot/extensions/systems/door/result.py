@@ -128,17 +128,17 @@ class SealOfDoor(Serialisable):
     @property
     def slip_limit(self) -> float | None:
         """Motion sideways up to which no station slips, m; None without friction."""
-        ends = [
+        slip_ratios = [
             slips[sticks > 0] / sticks[sticks > 0]
-            for way in self.section.ways(self.along)
-            if way.friction is not None
-            for sticks, slips in (way.friction,)
+            for direction in self.section.ways(self.along)
+            if direction.friction is not None
+            for sticks, slips in (direction.friction,)
         ]
-        whole = np.concatenate(ends) if ends else np.zeros(0)
-        return float(whole.min()) if len(whole) else None
+        all_ratios = np.concatenate(slip_ratios) if slip_ratios else np.zeros(0)
+        return float(all_ratios.min()) if len(all_ratios) else None
 
-    def _compute_rest_stiffness(self, way: int) -> float:
-        direction = self.section.ways(self.along)[way]
+    def _compute_rest_stiffness(self, direction_index: int) -> float:
+        direction = self.section.ways(self.along)[direction_index]
         return float(direction.solid.k_inf * direction.share.sum())
 
     @property
@@ -215,19 +215,19 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
     @property
     def _headline(self) -> str:
         """What the seal does to the first mode in which it stores energy; else the first mode."""
-        held = [mode for mode in self.modes if mode.share(SEAL) > 0]
+        seal_modes = [mode for mode in self.modes if mode.share(SEAL) > 0]
         if not self.modes:
             return f"no mode lies below {self.band[1]:.3g} Hz"
-        first = (held or list(self.modes))[0]
+        first = (seal_modes or list(self.modes))[0]
         number, hz = self.modes.index(first) + 1, first.mode.frequency
-        if not held:
+        if not seal_modes:
             return f"mode 1 lies at {hz:.3g} Hz"
         message = f"the seal stores {100 * first.share(SEAL):.2g} % of the energy of mode {number}"
         if first.without_seal is None:
             return f"{message} ({hz:.3g} Hz)"
         shift = hz - first.without_seal
-        way = "raises" if shift >= 0 else "lowers"
-        return f"{message} ({hz:.3g} Hz) and {way} it by {abs(shift):.2g} Hz"
+        verb = "raises" if shift >= 0 else "lowers"
+        return f"{message} ({hz:.3g} Hz) and {verb} it by {abs(shift):.2g} Hz"
 
     @property
     def stations(self) -> Stations | None:
@@ -254,7 +254,8 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
     def responses(self) -> dict[str, Any]:
         """The FRF of every point, by their names."""
         points = {
-            name: {"sealed": sealed.value, "bare": bare.value} for name, sealed, bare in self.frfs
+            name: {"sealed": sealed.value, "bare": bare_frf.value}
+            for name, sealed, bare_frf in self.frfs
         }
         return {
             "force": self.driven.name,
