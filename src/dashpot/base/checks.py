@@ -123,7 +123,7 @@ class Check(Serialisable):
 
     @property
     def message_with_remedy(self) -> str:
-        """What was found, and what to do about it."""
+        """Finding of the check, and its remedy."""
         return paragraph(self.message, self.remedy.words if self.remedy else "")
 
     @property

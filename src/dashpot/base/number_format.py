@@ -188,7 +188,7 @@ def json_number(value: float) -> float | str:
 
 
 def format_count(number: int, noun: str) -> str:
-    """So many of a thing, as a sentence says it.
+    """Return a count with its noun, as a sentence says it.
 
     >>> format_count(1, "arm"), format_count(4, "Maxwell arm"), format_count(9, "arm")
     ('one arm', 'four Maxwell arms', '9 arms')
@@ -198,7 +198,7 @@ def format_count(number: int, noun: str) -> str:
 
 
 def seals(number: float) -> str:
-    """On how many seals a mass rests.
+    """Return the number of seals as text.
 
     >>> seals(2.0), seals(1), seals(1.5)
     ('2 seals', '1 seal', '1.5 seals')

@@ -121,7 +121,7 @@ class Prepared(Protocol):
 
     @property
     def steps(self) -> tuple[Step, ...]:
-        """All of it, in its order."""
+        """All processing steps, in their order."""
         ...
 
 

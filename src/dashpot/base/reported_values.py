@@ -250,7 +250,7 @@ class HasReportedValues(HasChecks):
         return self.found
 
     def __getitem__(self, name: str) -> ReportedValue:
-        """One of the numbers found, by its name."""
+        """Return a reported value by its name."""
         return next(reported_value for reported_value in self.found if reported_value.name == name)
 
 

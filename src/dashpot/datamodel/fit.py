@@ -405,7 +405,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def _arm_values(self) -> tuple[ReportedValue, ...]:
-        """The same of the arms: those that stand for a fractional solid, not its own four."""
+        """Return the values of the arms, for a fractional solid those of its approximation."""
         return self._bound_k_inf(self._arm_estimate.list_values(self.model, self.unit))
 
     def _bound_k_inf(self, reported_values: tuple[ReportedValue, ...]) -> tuple[ReportedValue, ...]:
@@ -481,7 +481,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def stiffness_limits(self) -> StiffnessLimits | None:
-        r"""Between which limits tests leave k_inf, k(T) and k(3 T), in `unit`.
+        r"""Limits of k_inf, k(T) and k(3 T) by the tests, in `unit`.
 
         T is the time that the seal was held, from the end of the ramp,
         :math:`k(t) = k_\infty + \sum_j k_j e^{-t/\tau_j}`, and the limits are those over every

@@ -106,7 +106,7 @@ The table of a machine that nobody has described; what `Machine` names takes its
 
 @dataclass(frozen=True)
 class MachineCalibration(Serialisable):
-    """What blank tests measured of a machine, and is taken off its records.
+    """Errors of a machine as measured by blank tests; they are subtracted from its records.
 
     Attributes
     ----------
@@ -205,7 +205,7 @@ class Machine(Serialisable):
 
     @property
     def on_bench(self) -> Machine:
-        """What is known of the machine of a relaxation test, and nothing of a hammer's rig."""
+        """Machine of a relaxation test, without the rig of the hammer."""
         return self if self.cable is None else replace(self, cable=None)
 
     def refuse_unused(self, *names: str, subject: str) -> None:

@@ -226,7 +226,7 @@ class ParameterEstimate(EqualByValue):
         )
 
     def scale(self, by: FloatArray) -> ParameterEstimate:
-        """Of parameters so many times as large each, shape (p,)."""
+        """Return the estimate with each parameter multiplied by a factor, shape (p,)."""
         products = np.outer(by, by)
         return replace(
             self,
@@ -237,7 +237,7 @@ class ParameterEstimate(EqualByValue):
         )
 
     def convert_to_arms(self, solid: FractionalZener) -> ParameterEstimate:
-        """What is known of a fractional solid, as of the arms that stand for it: to first order."""
+        """Return the estimate of the arms that approximate a fractional solid, to first order."""
         gradient = solid.arm_gradient()
         rows = [self.parameters.index(name) for name in ELEMENT]
 

@@ -193,7 +193,7 @@ class SealSection:
         )
 
     def path(self, compression: npt.ArrayLike) -> FloatArray:
-        """What the solid is pressed by, m, where the seal is: less where it is softer at first.
+        """Return the displacement, m, that loads the solid; less where the law starts softer.
 
         The force of a history of compressions is that of the solid under this one.
         """

@@ -122,7 +122,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
 
     @property
     def constants(self) -> tuple[ReportedValue, ...]:
-        """Those of the law with their errors."""
+        """Constants of the shift law with their errors."""
         errors = self.law_covariance.diagonal() ** 0.5
         return tuple(
             ReportedValue(name, getattr(self.law, name), unit=unit, error=float(error), words=words)
@@ -180,7 +180,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         return _LN10 * se, float(np.interp(temperature, at, errors))
 
     def _compute_bend_limit(self, temperature: float) -> float:
-        """How far free shifts may bend between two tests, decades: half way by 3 % of the step."""
+        """Return the largest bend of free shifts between two tests: 3 % of the step, decades."""
         at = np.array([shift.temperature for shift in self.shifts])
         if not isinstance(self.law, FreeShifts) or not at[0] < temperature < at[-1]:
             return 0.0

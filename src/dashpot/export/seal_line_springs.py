@@ -73,11 +73,11 @@ class SpringRow:
 
     @cached_property
     def ways(self) -> int:
-        """How many of them a station may have: 1 where nothing is held sideways, else 3."""
+        """Number of directions of a station: 1 without lateral stiffness, else 3."""
         return 3 if any(any(station.shares[1:]) for station in self.stations) else 1
 
     def nodes(self, station: int, first_id: int) -> tuple[int, int]:
-        """Of a station: that of the body or frame, and that of the door; they coincide."""
+        """Return the two coincident nodes of a station: on the body or frame, and on the door."""
         return first_id + 2 * station, first_id + 2 * station + 1
 
     def format_node_numbering(self, first_id: int) -> str:
@@ -137,7 +137,7 @@ def row_of(deck: Deck, line: Stations | None, shear: Shear | None = None) -> Spr
 def _stations(
     deck: Deck, line: Stations, shares: list[FloatArray], carried: BoolArray, *, turns: bool
 ) -> list[LineStation]:
-    """Those that touch; where nothing acts sideways the frame turns about its normal at will."""
+    """Return the stations that touch; the frame may turn freely about a normal without shear."""
     normal = line.normal
     across, along = line.across, line.tangent
     if turns:

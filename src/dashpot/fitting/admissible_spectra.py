@@ -402,7 +402,7 @@ def compute_end_limits(
 def _compute_named_rig_share(
     relaxations: Sequence[RelaxationData], spectra: AdmissibleSpectra, time: float
 ) -> float:
-    """What is left of the width of k(T) if give, settling and drift were named; nan if they are.
+    """Return the share of the width of k(T) without compliance, settling and drift; else nan.
 
     About the best spectrum, whose arms are free: to first order.
     """
@@ -538,7 +538,7 @@ class StiffnessSet:
 
     @property
     def _supports(self) -> list[float]:
-        """How far the set reaches in each direction."""
+        """Return the largest extent of the set in each direction."""
         return [_dot(*pair) for pair in zip(self._directions, self.points, strict=True)]
 
     @property

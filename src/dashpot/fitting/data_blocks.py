@@ -52,7 +52,7 @@ class FitSetup(NamedTuple):
 
     @property
     def terms(self) -> tuple[str, ...]:
-        """Those that have a column from the beginning; eq. 5 has no motion to come late."""
+        """Return the terms that have a column from the beginning; eq. 5 has no delay."""
         return tuple(name for name in self.nuisance if name != "delay")
 
 

@@ -73,7 +73,7 @@ class FitOptions(SolidOptions):
 
     @property
     def choices(self) -> dict[str, Any]:
-        """What differs from the usual, by the names of those arguments."""
+        """Options that differ from the defaults, by name."""
         return {
             name: item for name, item in vars(self).items() if item != getattr(FitOptions, name)
         }

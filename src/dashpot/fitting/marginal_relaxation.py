@@ -72,7 +72,7 @@ class ThermalShift(NamedTuple):
         return shifted_log_tau(log_tau, self.log_a, self.slope)
 
     def compute_shift_columns(self, model: GeneralizedMaxwell, slopes: FloatArray) -> FloatArray:
-        """What a doubtful shift and slope add to a force: columns times their standard deviation.
+        """Return the columns of an uncertain shift and slope, times their standard deviation.
 
         `model` is the solid at this temperature, `slopes` the derivatives of its arms' columns.
         """
@@ -269,7 +269,7 @@ class RelaxationData:
         )
 
     def compute_rig_gradient(self, solid: Solid) -> FloatArray:
-        r"""By how much each uncertainty of the rig pulls at a solid, J'c, shape (p + 1, d).
+        r"""Return the gradient of each uncertainty of the rig on a solid, J'c, shape (p + 1, d).
 
         Of data that are claimed, each doubt with a column c; J is free of what the fit knew of
         offset, drift, delay and motion. The solid's parameters are k_inf, every k, every ln tau, or

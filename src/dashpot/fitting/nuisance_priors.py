@@ -317,11 +317,11 @@ class TwoChannels(Protocol):
 
     @property
     def machine(self) -> Machine:
-        """What is known of the machine that made it."""
+        """Machine of the record."""
 
     @property
     def step(self) -> float:
-        """Between two samples, s."""
+        """Time step, s."""
 
 
 def build_delay_prior(record: TwoChannels) -> Prior:

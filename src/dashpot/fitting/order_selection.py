@@ -196,7 +196,7 @@ class SelectedModel:
 
     @cached_property
     def covariance(self) -> FloatArray:
-        """Of the model's parameters: k_inf, every k, every ln tau, and b."""
+        """Covariance of the model's parameters: k_inf, every k, every ln tau, and b."""
         rows = list(self._rows.values())
         return self.estimate.covariance[np.ix_(rows, rows)]
 
@@ -242,7 +242,7 @@ class SelectedModel:
 
     @cached_property
     def certificate(self) -> Certificate:
-        """How far the optimum can be from the best positive spectrum."""
+        """Distance of the optimum from the best positive spectrum."""
         return compute_certificate(self.data.rows, self.solution)
 
     @cached_property

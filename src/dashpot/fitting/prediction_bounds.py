@@ -302,7 +302,7 @@ class PredictedFRF:
 
     @property
     def _excited_mass(self) -> float:
-        """What the base's acceleration pulls at, kg, or a force of 1 N at the mass."""
+        """Return the mass, kg, that the base accelerates; 1 for a force at the mass."""
         over_base = self.kind is Kind.RELATIVE_TRANSMISSIBILITY
         return self.on.mass + self.on.coupled if over_base else 1.0
 
@@ -451,7 +451,7 @@ def _resonance(
 
 
 def _crossing(excess: Callable[[float], float], low: float, high: float) -> float:
-    """Where a falling function passes zero: `low` if it begins below, inf if it ends above."""
+    """Return the zero of a falling function: `low` if it begins below, inf if it ends above."""
     at_low, at_high = excess(low), excess(high)
     if at_low <= 0:
         return low

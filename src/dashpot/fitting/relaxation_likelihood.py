@@ -298,7 +298,7 @@ def build_hold_data(
 def fitted_data(
     test: RampHold, block: DataBlock, model: GeneralizedMaxwell, residual: FloatArray
 ) -> RelaxationData:
-    """As :func:`build_relaxation_data`, from the block of a recorded motion that a fit has at hand.
+    """Return the data of :func:`build_relaxation_data` from a block of recorded motion.
 
     What the encoder leaves unknown of the depth scales the force; what it leaves unknown of the
     ramp's corners is not in it, so it serves no question about fast arms.
@@ -433,7 +433,7 @@ def _doubts(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, floa
 def compute_unmeasured_effects(
     test: RampHold, time: FloatArray, x: FloatArray, model: GeneralizedMaxwell
 ) -> dict[str, tuple[FloatArray, float]]:
-    """What a rig may add to the force that no record shows, in N a unit, and its sd in units.
+    """Return forces that the rig may add without a trace, N per unit, and their SD in units.
 
     The machine gives under the force; its crosshead settles after its stop, where no reading moves;
     what the cell carries before the ramp may be a seal that was pressed already; the seal warms;

@@ -290,15 +290,15 @@ class HeldTest(Protocol):
 
     @property
     def time(self) -> FloatArray:
-        """Of every sample, s."""
+        """Time of every sample, s."""
 
     @property
     def ramp_time(self) -> float:
-        """How long the ramp takes, s."""
+        """Duration of the ramp, s."""
 
     @property
     def hold_time(self) -> float:
-        """How long the hold lasts, s."""
+        """Duration of the hold, s."""
 
 
 def find_informed_band(

@@ -106,7 +106,7 @@ def is_step_acceptable(new: Any, old: Any, change: Any, rounding: Any) -> Any:
 
 
 def has_converged(change: Any, last: Any, expected_fall: Any, sse: Any) -> Any:
-    """At the rate of the last undamped steps next to nothing is left, of theta and of the SSE."""
+    """Return whether the last undamped steps leave next to no change of theta and of the SSE."""
     return (
         (change <= LINEAR)
         & (change * change <= THETA_TOLERANCE * last)
@@ -216,7 +216,7 @@ def _foretold(
 def _update_hessian_correction(
     hessian_correction: FloatArray | None, old: Trial, new: Trial, length: float, last: float
 ) -> FloatArray | None:
-    """What the Hessian holds beyond J'J, corrected so that it explains a step that creeps."""
+    """Return the corrected part of the Hessian beyond J'J, which explains a slow step."""
     if not (ROUNDING < length < NEAR_OPTIMUM and length > SLOW_RATE * last):
         return hessian_correction
     change = new.theta - old.theta
@@ -238,7 +238,7 @@ def _trial(
     damping: float,
     bounds: tuple[list[float], list[float]],
 ) -> FloatArray:
-    """Where the damped step ends; held is what presses against a bound or carries nothing."""
+    """Return the end of the damped step; parameters at a bound or without effect are held."""
     gradient, curvature, at = point.gradient, point.curvature, point.theta
     scale = curvature.diagonal()
     # an estimate that would turn the step uphill is no Hessian
@@ -476,7 +476,7 @@ class Problem:
         step_tolerance: float,
         cost_tolerance: float,
     ) -> LocalOptimum[_AtTheta] | None:
-        """Where a descent from one start ends, in sizes of the parameters; None if met before."""
+        """Return the optimum of a descent from one start, in scaled parameters; None if known."""
         low, high, scale = self.bounds
         low, high = low / scale, high / scale
         first = self._evaluate_trial(np.clip(np.asarray(start) / scale, low, high), None)
@@ -517,7 +517,7 @@ class _AtTheta:
 
     @property
     def optimum(self) -> Optimum:
-        """It must be somewhere."""
+        """Optimum; it must exist."""
         if self.found is None:
             raise FitError("the model says nothing of the record there")
         return self.found
@@ -565,12 +565,12 @@ class Optimum:
 
     @cached_property
     def all_residuals(self) -> FloatArray:
-        """What is left of every row, priors too: y less the model."""
+        """Residual of every row, priors included: y less the model."""
         return np.asarray(self.rows.y - self.rows.A @ self.beta)
 
     @property
     def residual(self) -> FloatArray:
-        """What is left of the data, shape (n,)."""
+        """Residual of the data, shape (n,)."""
         return self.all_residuals[: len(self.all_residuals) - self.problem.priors]
 
     @cached_property
@@ -590,7 +590,7 @@ class Optimum:
 
     @property
     def free(self) -> BoolArray:
-        """Which of theta and beta may move: a coefficient that rests at zero does not."""
+        """Mask of theta and beta that may change: a coefficient at zero may not."""
         is_zero = (self.beta == 0) & self.problem.positive
         return np.concatenate((np.ones(len(self.theta), dtype=bool), ~is_zero))
 
@@ -627,12 +627,12 @@ class Optimum:
 
     @cached_property
     def curvature(self) -> FloatArray:
-        """Of Gauss and Newton, shape (p, p)."""
+        """Gauss-Newton curvature, shape (p, p)."""
         return np.asarray(self.projected_jacobian.T @ self.projected_jacobian)
 
     @property
     def steps(self) -> list[tuple[float, float]]:
-        """How far down and up theta, in its range, and beta move for a difference."""
+        """Steps down and up of theta and beta for differences, within their range."""
         results = []
         for value, parameter in zip(self.theta.tolist(), self.problem.parameters, strict=True):
             h = parameter.step * parameter.scale

@@ -36,7 +36,7 @@ class StackRows(NamedTuple):
 
     @property
     def target(self) -> FloatArray:
-        """What is to be explained, y (n,)."""
+        """Target y (n,)."""
         return np.asarray(self.columns[-1])
 
     @property
@@ -46,7 +46,7 @@ class StackRows(NamedTuple):
 
     @property
     def slope(self) -> FloatArray:
-        """Its derivative by ln tau where arms are, (n, a)."""
+        """Derivative of the columns by ln tau, (n, a)."""
         return self.columns[self.width : -1].T
 
 
@@ -144,14 +144,14 @@ class StackTrial(NamedTuple):
 
     @property
     def theta(self) -> FloatArray:
-        """What a descent moves."""
+        """Parameters of the descent."""
         return self.log_tau
 
     @classmethod
     def from_factor(
         cls, log_tau: FloatArray, factor: FloatArray, fixed: int, active: BoolArray | None = None
     ) -> StackTrial:
-        r"""From the triangular factor of the `active` columns, the slopes and the target.
+        r"""Return the trial from the triangular factor of the `active` columns, slopes and target.
 
         With Phi = QR, r = (I - QQ')y and beta = R^{-1}Q'y, the derivative of r by ln tau_j is
 
@@ -441,7 +441,7 @@ class Grid:
         return float(rest @ rest)
 
     def dual_gradient(self, point: StackTrial, *, signed: bool) -> FloatArray:
-        r"""How much of the residual one more arm at each grid point would remove, shape (m,).
+        r"""Return the gain of one more arm at each grid point, shape (m,).
 
         :math:`D(\tau) = \hat\varphi_\perp' r`, with the columns of the point swept out of
         phi; negative where only a negative coefficient would help. Groups add as squares.
@@ -517,7 +517,7 @@ def find_best_pair(grid: Grid) -> FloatArray | None:
 
 
 def _vertex(gain: FloatArray, i: int, j: int) -> FloatArray:
-    """Where the parabola through a largest value and its eight neighbours has its maximum."""
+    """Return the maximum of the parabola through a largest value and its eight neighbours."""
     no_shift = np.zeros(2)
     if not 0 < i < j - 2 < len(gain) - 3:
         return no_shift

@@ -81,7 +81,7 @@ class _Canvas:
             self.word(word, x, y)
 
     def inner(self, mark: Polyline | Fill | Markers, corner: FloatArray, clip: Any) -> None:
-        """What is inside the axes, cut at them."""
+        """Draw a mark inside the axes, clipped at them."""
         if isinstance(mark, Polyline):
             for part in mark.parts:
                 self.line(part + corner, mark.pen, clip)

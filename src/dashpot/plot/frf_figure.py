@@ -160,7 +160,7 @@ class PredictionBand:
     """Of the curve that it is of; by default the one that is predicted."""
 
     def convert_to_kind(self, kind: Kind) -> FloatArray:
-        """The same limits for another kind of FRF; those over a base that moves are their own."""
+        """Return the limits for another kind of FRF; those over a moving base are their own."""
         omega = 2 * np.pi * self.frequency
         if kind is Kind.ACCELERANCE or kind.over_base:
             return self.limits
@@ -408,7 +408,7 @@ def resonance_curves(
 
 
 def about_peaks(curves: Sequence[Curve]) -> tuple[float, float]:
-    """From where to where every peak is in sight, Hz, as far as there are lines."""
+    """Return the frequency range about every peak, Hz, as far as there are lines."""
     peaks = [curve.peak[0] for curve in curves if curve.peak is not None]
     first = min(curve.frf.frequency[curve.frf.frequency > 0][0] for curve in curves)
     last = max(curve.frf.frequency[-1] for curve in curves)
@@ -433,7 +433,7 @@ def curves_of(
 
 
 def _pens(first: FRF, other_count: int, *, ordered: bool) -> tuple[Pen, ...]:
-    """Of a measurement or a prediction, and of what stands over it."""
+    """Return the pens of a measurement or a prediction, and of the other curves."""
     pens = PENS if first.averages else (PREDICTED, *PENS[2:], MEASURED)
     return (pens[0], *(Pen(colour, 2.0) for colour in sequential(other_count))) if ordered else pens
 
@@ -498,7 +498,7 @@ def phase_panel(curves: Sequence[Curve], view: tuple[float, float]) -> Panel:
 
 
 def _sort_by_layer(curves: Sequence[Curve]) -> list[Curve]:
-    """In the order of drawing: broad ones first, then what failed, what was measured over all."""
+    """Return the curves in the order of drawing: broad ones, failed ones, measured ones last."""
     layers = {JOINT: 0, REJECTED: 2, MEASURED: 3}
     return sorted(curves, key=lambda curve: layers.get(curve.pen, 1))
 

@@ -507,7 +507,7 @@ _Spot: TypeAlias = tuple[float, float, Anchor]
 
 
 class _Surroundings(NamedTuple):
-    """What words keep clear of: the ends of the axes, other words, curves, and what is hatched."""
+    """Obstacles for words: the ends of the axes, other words, curves and hatched areas."""
 
     box: Box
     boxes: list[Box]

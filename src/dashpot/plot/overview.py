@@ -21,39 +21,39 @@ class Story(Protocol):
 
     @property
     def prepared(self) -> RampHold:
-        """As in a study."""
+        """Prepared record of the study."""
 
     @property
     def fit(self) -> Fit:
-        """As in a study."""
+        """Fit of the study."""
 
     @property
     def alternatives(self) -> tuple[Fit, ...]:
-        """As in a study."""
+        """Alternative fits of the study."""
 
     @property
     def seals(self) -> float:
-        """As in a study."""
+        """Number of seals of the study."""
 
     @property
     def mass(self) -> float | None:
-        """As in a study."""
+        """Mass of the study."""
 
     @property
     def comparison(self) -> Comparison | None:
-        """As in a study."""
+        """Comparison of the study."""
 
     @property
     def joint(self) -> Fit | None:
-        """As in a study."""
+        """Joint fit of the study."""
 
     @property
     def joint_comparison(self) -> Comparison | None:
-        """As in a study."""
+        """Comparison of the joint fit of the study."""
 
     @property
     def frf_band(self) -> FRFBounds | None:
-        """As in a study."""
+        """FRF limits of the study."""
 
 
 def hero(study: Story) -> Picture:

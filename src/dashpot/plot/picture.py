@@ -206,7 +206,7 @@ class Panel:
 
 
 def _count_strips_across(row: tuple[tuple[Panel, ...], ...], columns: int) -> int:
-    """How many strips of a row of its own stand beside each other where others are so many."""
+    """Return the number of strips side by side in a row of its own."""
     if all(panel.drawing for strip in row for panel in strip):
         return columns if columns > 1 else min(len(row), _DRAWINGS)
     if columns > 1:

@@ -115,17 +115,17 @@ def _is_simulated(specimen: Specimen | None) -> bool:
 
 
 def format_test_stamp(test: RampHold | RelaxationTest) -> str:
-    """Of one test of a specimen."""
+    """Return the stamp of one test of a specimen."""
     return stamp(sources_of([test]), test.specimen)
 
 
 def format_fit_stamp(fit: Fit) -> str:
-    """Of a fit."""
+    """Return the stamp of a fit."""
     return stamp(fit.source, fit.specimen)
 
 
 def format_frf_stamp(frf: FRF) -> str:
-    """Of a measured FRF."""
+    """Return the stamp of a measured FRF."""
     return stamp(frf.source)
 
 

@@ -55,11 +55,11 @@ class PlottedHit(NamedTuple):
 
     @property
     def pen(self) -> Pen:
-        """Of all its curves."""
+        """Pen of all its curves."""
         return ACCEPTED if self.is_accepted else REJECTED
 
     def last(self, size: FloatArray, share: float) -> float:
-        """When `size` last exceeds a share of its peak, s after the hit."""
+        """Return the time at which `size` last exceeds a share of its peak, s after the hit."""
         return float(self.time[np.flatnonzero(size > share * np.max(size))[-1]])
 
 

@@ -121,7 +121,7 @@ class PlottedFit(NamedTuple):
 
     @property
     def label(self) -> str:
-        """What the key calls it."""
+        """Label in the key."""
         name = get_model_label(self.fit)
         return f"fit, {name}" if self.pen is FIT else name
 
@@ -288,7 +288,7 @@ def _select_depth_solid(fit: Fit, depth: float) -> Solid:
 
 
 def _end(prepared: RampHold) -> float:
-    """When the hold ends, s after first contact."""
+    """Return the end of the hold, s after first contact."""
     return prepared.hold_end - prepared.onset
 
 
@@ -306,7 +306,7 @@ def _log_start(prepared: RampHold) -> float:
 
 
 def compute_time_step(prepared: RampHold) -> float:
-    """Between two samples of the ramp: sampling may slow down during the hold."""
+    """Return the time step on the ramp; sampling may slow down during the hold."""
     near_ramp = (prepared.time >= prepared.onset) & (prepared.time <= prepared.ramp_end)
     return float(
         np.median(np.diff(prepared.time[near_ramp] if near_ramp.sum() > 1 else prepared.time))

@@ -414,7 +414,7 @@ def _scale(name: str, label: str, curve: FloatArray, marks: list[Mark]) -> Scale
 
 
 class _Words(NamedTuple):
-    """What a fit is called on an axis, and the factor from SI to the unit said there."""
+    """Words for a fit on an axis, and the factor from SI to the unit of the axis."""
 
     scale: float
     arm: str
@@ -486,7 +486,7 @@ def _sweep(data: StiffnessSweep, name: str, factor: float) -> Dots:
 
 
 def _points(measured: DynamicStiffness | None, name: str) -> list[Dots]:
-    """What the FRF says in thirds of an octave, where that is good, with one standard deviation."""
+    """Return the FRF in thirds of an octave where it is good, with one standard deviation."""
     if measured is None:
         return []
     lines = {quantity.name: quantity for quantity in build_plotted_quantities(measured)}

@@ -73,15 +73,15 @@ class ClockedTest(Protocol):
 
     @property
     def time(self) -> FloatArray:
-        """Of every sample, s."""
+        """Time of every sample, s."""
 
     @property
     def onset(self) -> float:
-        """When the ramp begins, s."""
+        """Start of the ramp, s."""
 
     @property
     def ramp_time(self) -> float:
-        """How long it takes, s; 0 of a step."""
+        """Duration of the ramp, s; 0 for a step."""
 
     @property
     def hold(self) -> slice:
@@ -116,7 +116,7 @@ def temperature_held(specimen: Specimen) -> Finding:
 
 
 def check_temperature(specimen: Specimen) -> list[Check]:
-    """What the file says of the temperature, as far as it says anything."""
+    """Return the checks of the temperature that the file states."""
     all_checks = []
     if specimen.stated_temperature is not None:
         all_checks.append(temperature_as_stated(specimen))

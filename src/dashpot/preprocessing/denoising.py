@@ -81,7 +81,7 @@ def denoise_displacement(test: RampHold) -> tuple[FloatArray, FloatArray]:
 def between_samples(
     test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray
 ) -> FloatArray:
-    r"""What a straight line between samples misses of a motion, as white noise, m, shape (n,).
+    r"""Return the interpolation error of a motion as white noise, m, shape (n,).
 
     A bend misses :math:`m = h^2 \ddot x/8`, always to its hollow side: samples that bend alike
     share the error, :math:`2\sqrt{|m_i| \sum_j |m_j|}`. Counted up to a ramp after the ramp, and
@@ -180,7 +180,7 @@ def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> 
 
 
 def _restore_steps(time: FloatArray, x: FloatArray, change: IndexArray) -> FloatArray:
-    r"""Where every reading is a new one, without what a line from half way to half way flattens.
+    r"""Return the new readings at their samples, without the flattening by interpolation.
 
     There :math:`y_i = (x_{i-1} + 2 x_i + x_{i+1})/4` is off by :math:`h^2 \ddot x/4`, always to the
     hollow side; doing the same to y shows by how much, 2 y - S y (Tukey's twicing).

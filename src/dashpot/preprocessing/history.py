@@ -119,7 +119,7 @@ def _fit_alternately(
 
 
 def _first_face(record: RampHold, plate: FloatArray) -> FloatArray:
-    """Where the force shows that the plate presses, that of the plate; straight between, m."""
+    """Return the face of the seal, m: the plate where in contact, else interpolated."""
     force, t = median_of_three(record.force), record.time
     force_limit = max(PRESSED * record.force_noise, PRESSED_PART * float(force.max()))
     is_compressed = (force > force_limit) & (plate > 0)
@@ -152,7 +152,7 @@ def _solid_of(record: RampHold, arms: int) -> tuple[GeneralizedMaxwell, float]:
 
 
 def _misfit(record: RampHold, solid: GeneralizedMaxwell) -> float:
-    """By how much the earlier loadings differ from a solid, of their own force."""
+    """Return the relative misfit of a solid to the forces of earlier loadings."""
     stop = record.start
     x = denoise_displacement(record)[0][:stop]
     time, force = record.time[:stop] - record.time[0], record.force[:stop]

@@ -54,7 +54,7 @@ class IdealRamp(NamedTuple):
     last: int
 
     def time_of(self, displacement: float) -> float:
-        """When the line passes `displacement`, s."""
+        """Return the time at which the line passes `displacement`, s."""
         return self.at + (displacement - self.level) / self.speed
 
 
@@ -348,7 +348,7 @@ def _resting(x: FloatArray, rest: MotionSegment | None, ramp: MotionSegment) -> 
 
 
 def _find_hold(time: FloatArray, x: FloatArray, cycle: RampHoldCycle) -> float:
-    """Where the plate is held after its first ramp, once it has settled and before it creeps."""
+    """Return the position of the plate in the hold, after it settled and before it creeps."""
     ramp, hold = cycle.segments[0], cycle.segments[1]
     if hold.kind != "hold":
         return ramp.level

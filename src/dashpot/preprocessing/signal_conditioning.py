@@ -60,7 +60,7 @@ class Filter:
         return self.kind != "median"
 
     def __str__(self) -> str:
-        """As the user writes it."""
+        """Return the filter as the user writes it."""
         if self.kind == "median":
             return f"median:{self.window}"
         return f"{self.kind}:{self.cutoff:g}Hz" + (":causal" if self.causal else "")
@@ -219,7 +219,7 @@ def decimate(record: RampHold) -> RampHold:
 
 
 def _count_neighbours(record: RampHold) -> int:
-    """How many samples become one, an odd number; one where averaging is no help or no mean."""
+    """Return how many samples to average, an odd number; 1 where averaging does not help."""
     step = float(record.time[-1] - record.time[0]) / (len(record.time) - 1)
     max_neighbours = int(record.ramp_time / step / FEWEST_ON_THE_RAMP)
     count = min(len(record.time) // ENOUGH_SAMPLES, max_neighbours)

@@ -125,7 +125,7 @@ class RawFile:
 
     @cached_property
     def patience(self) -> TimeBudget:
-        """What reading it may cost in this process."""
+        """Time budget to read it in this process."""
         return TimeBudget(self.size)
 
     @cached_property
@@ -233,13 +233,13 @@ def _keep_what_is_freed() -> None:
 
 @lru_cache(maxsize=1)
 def _stdin(stream: BinaryIO) -> bytes:
-    """What stdin holds; kept, for a pipe can be read only once and a file is looked at twice."""
+    """Return the bytes of stdin; kept, for a pipe can be read only once."""
     return _read_pipe(stream, "stdin")
 
 
 @lru_cache(maxsize=8)
 def _fifo(path: Path, _one: tuple[int, int]) -> bytes:
-    """What another pipe holds, kept as long as that one is there; its writer may never come."""
+    """Return the bytes of a pipe, kept while it exists; its writer may never come."""
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     os.set_blocking(descriptor, True)
     with os.fdopen(descriptor, "rb") as stream:

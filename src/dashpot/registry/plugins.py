@@ -73,12 +73,12 @@ class Plugin(Serialisable):
 
     @property
     def full_label(self) -> str:
-        """Its name and who brings it, as a reader is named: ``"labkit (labkit 0.1.0)"``."""
+        """Name with the package that brings it, as for a reader: ``"labkit (labkit 0.1.0)"``."""
         return f"{self.name} ({self.package_version})"
 
     @property
     def label(self) -> str:
-        """How an error names it."""
+        """Name in an error message."""
         return f"the plug-in '{self.name}' of {self.package_version}"
 
     def load(self) -> Any:

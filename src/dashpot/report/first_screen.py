@@ -46,7 +46,7 @@ ORDER = ("good", "note", "care", "bad")
 
 
 class Light(NamedTuple):
-    """One of the three lights of the first screen: its mark and a short text."""
+    """One of the three indicators of the first screen: its mark and a short text."""
 
     name: str
     mark: str

@@ -180,7 +180,7 @@ class ElasticLaw(Serialisable):
         return (self.compression(force),)
 
     def __mul__(self, count: float) -> ElasticLaw:
-        """So many in parallel."""
+        """Return the law of `count` seals in parallel."""
         return replace(self, stiffness=count * self.stiffness)
 
     __rmul__ = __mul__

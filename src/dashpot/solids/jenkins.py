@@ -36,7 +36,7 @@ class Masing(RateIndependent):
         return np.asarray(self.backbone(amplitude) - 2 * self.backbone((amplitude - x) / 2))
 
     def start(self) -> _Path:
-        """At rest, where the first loading begins."""
+        """Return the state at rest, where the first loading begins."""
         return ((0.0, 0.0), (0.0, 0.0))
 
     def step(self, state: _Path, x: float) -> tuple[float, _Path]:

@@ -82,7 +82,7 @@ class Solid(ABC):
 
     @abstractmethod
     def __rmul__(self, count: float) -> Solid:
-        """As ``solid * count``."""
+        """Return ``solid * count``."""
 
     def slope_at(self, s: npt.ArrayLike) -> ComplexArray:
         """Derivative of the stiffness by s, N s/m: by differences over a circle about `s`."""

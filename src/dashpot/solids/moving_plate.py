@@ -98,7 +98,7 @@ def _compute_force_and_states(
 
 
 class _Recovery:
-    """How the face of one solid recovers under no force."""
+    """Recovery of the face of one solid without force."""
 
     def __init__(self, solid: GeneralizedMaxwell) -> None:
         k, tau = np.asarray(solid.k), np.asarray(solid.tau)
@@ -153,7 +153,7 @@ class EvenStep(NamedTuple):
 
     @classmethod
     def from_ratio(cls, ratio: FloatArray) -> EvenStep:
-        """For steps of h / tau > 0."""
+        """Return the factors of steps of h / tau > 0."""
         mean_decay = -np.expm1(-ratio) / ratio
         onward = np.where(ratio < 1e-4, 0.5 - ratio / 6, (1 - mean_decay) / ratio)
         return cls(mean_decay, 1 - ratio * mean_decay, onward)

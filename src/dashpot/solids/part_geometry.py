@@ -80,7 +80,7 @@ def _compressible(single: float, S: float, poisson: float, edges: tuple[float, .
 
 
 def bonded_block(S: float, aspect: float, poisson: float = RUBBER) -> float:
-    r"""As :func:`bonded_cylinder`, of a rectangular block.
+    r"""Return the shape factor of :func:`bonded_cylinder` for a rectangular block.
 
     With r its narrow side over its wide one, :math:`f_0 = (A S + B S^2 + \beta C S^3)/(1 + C S)`,
     A, B and C quadratic in r, and

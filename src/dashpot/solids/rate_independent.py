@@ -53,7 +53,7 @@ class AmplitudeDependent(ABC):
         """`count` equal parts in parallel."""
 
     def __rmul__(self, count: float) -> AmplitudeDependent:
-        """As ``part * count``."""
+        """Return ``part * count``."""
         return self * count
 
     def __add__(self, other: object) -> InParallel:
@@ -63,7 +63,7 @@ class AmplitudeDependent(ABC):
         return InParallel((self, other))
 
     def __radd__(self, other: object) -> InParallel:
-        """As ``part + other``."""
+        """Return ``part + other``."""
         return self + other
 
     def path_force(self, t: npt.ArrayLike, displacement: npt.ArrayLike) -> FloatArray:
@@ -97,11 +97,11 @@ class RateIndependent(AmplitudeDependent):
         """`count` equal elements in parallel."""
 
     def advance(self, state: Any, dt: float, x: float) -> tuple[float, Any]:  # noqa: ARG002
-        """As :meth:`step`: time does not matter."""
+        """Return :meth:`step`: time does not matter."""
         return self.step(state, x)
 
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
-        """As :meth:`stiffness`, at every frequency."""
+        """Return :meth:`stiffness`, the same at every frequency."""
         return np.asarray(self.stiffness(amplitude) + 0 * np.asarray(omega))
 
     def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:

@@ -113,13 +113,13 @@ class WLF(TemperatureLaw):
         return "wlf"
 
     def change_reference(self, reference: float) -> WLF:
-        r"""The same law at another T_r: :math:`C_2' = C_2 + T_r' - T_r`, :math:`C_1' = C_1 C_2/C_2'`.
+        r"""Return the law for T_r': :math:`C_2' = C_2 + T_r' - T_r`, :math:`C_1' = C_1 C_2/C_2'`.
 
         Raises
         ------
         DataError
             If that is below T_r - C_2.
-        """  # noqa: E501
+        """
         c2 = self.c2 + reference - self.reference
         if c2 <= 0:
             raise DataError(

@@ -451,7 +451,7 @@ class Measured(Protocol):
 
     @property
     def loss_factor(self) -> FloatArray:
-        """By line."""
+        """Loss factor, by line."""
         ...
 
     @property

@@ -481,7 +481,7 @@ class Response:
 
     @cached_property
     def receptance(self) -> ComplexArray:
-        """Of a record without an end, m/N."""
+        """Return the receptance for a record without an end, m/N."""
         return np.asarray(1 / (self.mass * self.s**2 + self.model.stiffness_at(self.s)))
 
     @cached_property

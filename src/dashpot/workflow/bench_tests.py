@@ -153,7 +153,7 @@ Record: TypeAlias = Any
 
 @dataclass(frozen=True)
 class BenchFitOptions(SolidOptions):
-    """What is asked of the fit of tests on a bench, whatever the records turn out to be.
+    """Options of the fit of tests on a bench, whatever the records turn out to be.
 
     Sweeps, moduli and creep always have intervals.
 
@@ -185,7 +185,7 @@ class BenchFitOptions(SolidOptions):
 
     @property
     def ramp_options(self) -> FitOptions:
-        """What is asked of ramps and holds, which find their own shifts.
+        """Options of ramps and holds, which fit their own shifts.
 
         Raises
         ------

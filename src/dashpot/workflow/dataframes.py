@@ -89,7 +89,7 @@ def _frame(**columns: tuple[Any, str]) -> UnitFrame:
 
 @frame.register
 def _(result: Fit) -> UnitFrame:
-    """Its facts, but for the dashpots that follow of k and tau."""
+    """Return the values, without the dashpots that follow from k and tau."""
     return _build_facts_frame(
         [
             reported_value

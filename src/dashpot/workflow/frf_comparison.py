@@ -170,14 +170,14 @@ class FRFComparison(HasVerdict, Serialisable):
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Those of the comparison and what was noted, what forbids the use of the FRF first."""
+        """Checks of the comparison and the notes; those that forbid its use come first."""
         stop_checks = select_failed_stops(self.comparison.measured)
         other_checks = tuple(check for check in self.noted if check not in stop_checks)
         return (*stop_checks, *self.comparison.checks, *other_checks)
 
     @property
     def verdict(self) -> Verdict:
-        """What to make of the prediction; it says how near it came, where the FRF is one."""
+        """Verdict on the prediction, with its difference from the measured FRF."""
         new_verdict = verdict(self.checks)
         if select_failed_stops(self.comparison.measured):
             return new_verdict

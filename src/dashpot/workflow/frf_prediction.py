@@ -192,7 +192,7 @@ class ResponseLimits(Serialisable):
 
     @property
     def admissible(self) -> dict[str, Any] | None:
-        """What the tests that were fitted do not reject."""
+        """Ranges that the fitted tests do not reject."""
         bounds = self.bounds
         if bounds is None:
             return None
@@ -325,7 +325,7 @@ class Prediction(HasVerdict, Serialisable):
 
     @property
     def limits(self) -> FRFBounds | None:
-        """By both kinds of ignorance, if the relaxation record is at hand."""
+        """Limits by both kinds of uncertainty, if the relaxation record is at hand."""
         return self.limited.bounds
 
     @property
@@ -375,7 +375,7 @@ class PredictedLevels(Protocol):
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Those of the levels."""
+        """Checks of the levels."""
 
     def complete(self, prediction: Prediction) -> Prediction:
         """Return the prediction with its levels."""
@@ -612,7 +612,7 @@ class MountedMass:
 
     @cached_property
     def modes(self) -> tuple[Mode, ...]:
-        """Those of the mass on them."""
+        """Modes of the mass on the seals."""
         return model_modes(self.solid, self.load.mass)
 
     @property
@@ -640,7 +640,7 @@ class MountedMass:
 
     @property
     def rival(self) -> RivalModes | None:
-        """What the other family of solids that explains the test makes of the resonance."""
+        """Resonance by the other family of solids that explains the test."""
         other = self.fit.evidence.alternative
         if other is None or not other.is_sufficient:
             return None

@@ -64,7 +64,7 @@ class DirectStiffness(Serialisable):
 
     @property
     def sensitivity(self) -> dict[str, Changes]:
-        """What a degree of phase, and a per cent of mass, change."""
+        """Changes by a degree of phase, and by a per cent of mass."""
         phase, mass = self.stiffness.changes("phase", DEGREE), self.stiffness.changes("mass", 0.01)
         return {"phase_1_degree": Changes(*phase), "mass_1_percent": Changes(*mass)}
 
@@ -128,12 +128,12 @@ class Identified(HasVerdict, Serialisable):
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
-        """Those of the fit."""
+        """Values of the fit."""
         return self.fit.facts
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Those of the fit, and what was noted."""
+        """Checks of the fit, and the notes."""
         return (*self.fit.checks, *self.noted)
 
     @property

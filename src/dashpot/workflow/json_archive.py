@@ -116,7 +116,7 @@ _JSON_KINDS: dict[type, str] = {dict: "an object", list: "an array"}
 
 @cache
 def schemas() -> dict[str, type[Serialisable]]:
-    """What each versioned schema name holds, those of every kind included, which it loads."""
+    """Return the class of each versioned schema name, with those of every kind."""
     of_kinds = (load_object(name) for kind in KINDS.values() for name in kind.classes)
     loadable_kinds = (
         kind

@@ -87,7 +87,7 @@ class StaticEquilibrium:
 
     @property
     def summary(self) -> EquilibriumSummary:
-        """As a document of a result that rests on it shows it."""
+        """Equilibrium as a document shows it."""
         point = self.point
         at = point.compression if np.isfinite(point.compression) else None
         law = point.is_extrapolated and not point.linear

@@ -251,7 +251,7 @@ class Study(Plottable, Serialisable):
 
     @property
     def _headline_text(self) -> str:
-        """What to say of the study where no check of weight failed."""
+        """Return the headline of the study where no important check failed."""
         if self.joint is not None and self.joint_comparison is not None:
             sentence_start = f"From {hertz(self.joint.band)} one model matches both tests"
             return paragraph(sentence_start, self.joint_comparison.resonance_match)
@@ -430,7 +430,7 @@ def characterise(
 
 
 def _on_bench(machine: Machine | None, measured: FRF | None) -> Machine | None:
-    """What is known of the machine of the tests; of a hammer's rig only where there is one."""
+    """Return the machine of the tests; the hammer's rig only where there is a hammer."""
     return machine if machine is None or measured is None else machine.on_bench
 
 
@@ -455,7 +455,7 @@ def _before_hammer(
 
 
 class _MassResponse(NamedTuple):
-    """What a fit says of the mass on the seals, beside what was measured of it; else nothing."""
+    """Predicted and measured response of the mass on the seals; else nothing."""
 
     prediction: FRF | None = None
     comparison: Comparison | None = None

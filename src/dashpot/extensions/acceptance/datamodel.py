@@ -81,7 +81,7 @@ class JudgedLimit(Serialisable):
 
     @property
     def request(self) -> str:
-        """What was asked, such as 'damping ratio at least 3 %'."""
+        """Requested limit as text, such as 'damping ratio at least 3 %'."""
         return f"{self.value.label} {self.limit_text}"
 
     @property
@@ -138,7 +138,7 @@ class JudgedLimit(Serialisable):
 
     @property
     def explanation(self) -> str:
-        """What would decide an open limit, as a sentence; empty where it is decided."""
+        """Sentence on what would decide an open limit; empty where it is decided."""
         if self.outcome != "open":
             return ""
         if not self.is_usable:
@@ -198,7 +198,7 @@ class Acceptance(Printable, Serialisable):
 
     @property
     def explanations(self) -> dict[str, str]:
-        """What would decide the open limits, each sentence once, with the names that it is of."""
+        """Sentences on what would decide the open limits, each with the names of its values."""
         names: dict[str, list[str]] = {}
         for limit in self.limits:
             if limit.explanation:

@@ -28,17 +28,17 @@ class LimitedQuantity(Protocol):
 
     @property
     def column(self) -> str:
-        """Its one name, with the unit if a table has it."""
+        """Column name of the quantity, with the unit if a table has it."""
         ...
 
     @property
     def unit(self) -> str:
-        """In which it is shown; empty for a plain number."""
+        """Unit in which the quantity is shown; empty for a plain number."""
         ...
 
     @property
     def dimension(self) -> Dimension | None:
-        """What it measures; None of a plain number."""
+        """Dimension of the quantity; None for a plain number."""
         ...
 
 

@@ -76,12 +76,12 @@ class ResultValue(NamedTuple):
 
     @property
     def unit(self) -> str:
-        """In which it is shown; empty for a plain number."""
+        """Unit in which the quantity is shown; empty for a plain number."""
         return "" if self.fact.reading == "1" else self.fact.reading
 
     @property
     def dimension(self) -> Dimension | None:
-        """What it measures; None of a plain number."""
+        """Dimension of the quantity; None for a plain number."""
         unit = find_unit(self.fact.unit)
         return None if unit is None or unit.dimension == "strain" else unit.dimension
 

@@ -82,12 +82,12 @@ class FittedLaw:
 
     @property
     def terms(self) -> int:
-        """How many dependences on amplitude it has."""
+        """Number of amplitude-dependent terms of the law."""
         return 0 if self.law == "none" else len(self.law.split("+"))
 
     @property
     def loss_deviance(self) -> float:
-        """As `deviance`, of the losses alone."""
+        """Deviance of the losses alone."""
         n, residual = len(self.residuals), self.residuals.imag
         return deviance(
             float(residual @ residual) / n, effective=n, rounding_sse=_ROUNDING_POWER / n
@@ -192,7 +192,7 @@ class _LawOnSweep:
 
     @property
     def least_squares_problem(self) -> Problem:
-        """Its rows, real parts first, over the size of the samples; levels are linear."""
+        """Return the least-squares problem, real parts first, scaled by the size of the samples."""
         X, y = self.sweep.amplitude, stack_real_rows(self.sweep.value / self.size)
         parameters = [
             Parameter(np.log(X.min()) - 3, np.log(X.max()) + 5),
@@ -208,7 +208,7 @@ class _LawOnSweep:
 
     @property
     def starts(self) -> list[FloatArray]:
-        """Where its descents begin."""
+        """Return the starting points of the descents."""
         low, high = np.log(self.sweep.amplitude.min()), np.log(self.sweep.amplitude.max())
         rest = [DEFAULT_EXPONENT] * (self.exponent is None) + [0.5] * self.factor
         return [np.array([(1 - at) * low + at * high, *rest]) for at in (0.2, 0.5, 0.8)]
@@ -221,7 +221,7 @@ class _LawOnSweep:
 
     @cached_property
     def size(self) -> FloatArray:
-        """What residuals are over: the sample's own size, more where its scatter is more."""
+        """Scale of the residuals: the size of the sample, more where its scatter is larger."""
         size, sd = np.abs(self.sweep.value), self.sweep.sd
         return size if sd is None else np.hypot(size, sd / _MIN_SCATTER)
 
@@ -232,7 +232,7 @@ class _LawOnSweep:
 
     @cached_property
     def chosen(self) -> BoolArray:
-        """Which sample is of which frequency, shape (n, f)."""
+        """Mask of the samples of each frequency, shape (n, f)."""
         return np.asarray(self.sweep.frequency[:, None] == self.tones)
 
     def columns(self, p: FloatArray) -> ComplexArray:

@@ -110,7 +110,7 @@ class LevelResonance(Serialisable):
 
     @property
     def peak(self) -> dict[str, float]:
-        """Its numbers by their names."""
+        """Frequency and height of the peak by their names."""
         return {"frequency_hz": self.frequency, "value": self.value}
 
 
@@ -179,12 +179,12 @@ class SweptPart(Serialisable):
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Of the sweep."""
+        """Checks of the sweep."""
         return self.law.checks
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the laws."""
+        """Names of the laws."""
         return tuple(law.law for law in self.laws)
 
     def stretch(self, factor: float) -> float:
@@ -350,7 +350,7 @@ class SweptPart(Serialisable):
         return residuals[0], residuals[1]
 
     def _between_tones(self, strain: float, before: float) -> tuple[float, float]:
-        """By how much laws of each frequency alone differ: ln of stiffness, and of loss factor."""
+        """Return the difference of the laws by frequency: ln of stiffness and of loss factor."""
         assert self.record is not None  # noqa: S101
         tones = np.unique(self.record.frequency)
         before = max(before, _VANISHES * float(self.record.amplitude.min()))
@@ -383,7 +383,7 @@ class SweptPart(Serialisable):
 
 
 def unit_of(kind: Kind) -> str:
-    """Of a level: of the base's acceleration or of the force."""
+    """Return the unit of a level: of the acceleration of the base or of the force."""
     return "m/s^2" if kind.over_base else "N"
 
 
@@ -449,7 +449,7 @@ def swept_by(
     unit: str,
     part: PartChoices | None = None,
 ) -> SweptPart:
-    """What a sweep, by its law, says of parts; the parameters are those of :func:`swept_part`."""
+    """Return the effect of amplitude on parts by the law of a sweep; see :func:`swept_part`."""
     if law.unit != unit:
         raise DataError(
             f"the sweep is in {law.unit} and the fit in {unit}; expected both of the material, or "
@@ -490,7 +490,7 @@ def amplitude_file(
 
 
 def _strain_factors(sweep: Source | None) -> tuple[float, ...]:
-    """Of parts loaded as the sweep, and otherwise: in shear beside tension, or the other way."""
+    """Return the possible strain factors: of equal loading, or of shear beside tension."""
     text = " ".join(sweep.columns) if sweep else ""
     equal_factors, other_factor = STRAIN_FACTORS
     return (
@@ -500,7 +500,7 @@ def _strain_factors(sweep: Source | None) -> tuple[float, ...]:
 
 
 def _height(choices: LevelChoices, law: AmplitudeFit, height: float | None) -> float | None:
-    """Of the part, m; None where the sweep is over the part's own displacement."""
+    """Return the height of the part, m; None for a sweep over displacement."""
     if law.of == "m":
         if law.unit == "Pa":
             raise DataError(

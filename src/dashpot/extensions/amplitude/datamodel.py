@@ -123,7 +123,7 @@ class AmplitudeSweep(EqualByValue, HasSummary):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which sweep it is, and what it covers."""
+        """Summary: the sweep and its range."""
         tones = ", ".join(f"{item:.4g}" for item in np.unique(self.frequency))
         return (
             describe_record_source(self.source, len(self.frequency)),
@@ -196,7 +196,7 @@ class StressStrainLoops(EqualByValue, HasSummary):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which record it is, and how far it goes."""
+        """Summary: the record and its range."""
         return (
             describe_record_source(self.source, len(self.time)),
             (
@@ -338,7 +338,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     @property
     def _headline(self) -> str:
-        """By how much the stiffness changes over the amplitudes, and what the law leaves of it."""
+        """Change of the stiffness over the amplitudes, and residual of the law."""
         unit, amplitude_unit = get_display_unit(self.unit), get_display_unit(self.of)
         low, high = (convert_to_unit(amplitude, amplitude_unit) for amplitude in self.amplitudes)
         end_stiffnesses = self.stiffness(self.amplitudes).real

@@ -82,7 +82,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
 
     @property
     def _table_columns(self) -> Series:
-        """As of the fit; of hits each with its motion, resonance and damping."""
+        """Columns of the fit; of hits each with its motion, resonance and damping."""
         if isinstance(self.fit, HitLevels):
             return collect_columns(
                 self.fit.hits, name="", peak="N", amplitude="m", frequency_hz="Hz", damping_ratio=""
@@ -91,7 +91,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
 
     @property
     def verdict(self) -> Verdict:
-        """What to make of it."""
+        """Verdict on the fit."""
         return verdict(self.checks, headline=self.fit._headline)
 
     @property
@@ -104,7 +104,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
 
     @property
     def loss_per_lag(self) -> float | None:
-        """As of the fit of recorded loops."""
+        """Change of the loss per lag, from the fit of recorded loops."""
         return self.fit.loss_per_lag if isinstance(self.fit, AmplitudeFit) else None
 
     @property

@@ -276,7 +276,7 @@ class _LineData:
         return optimum
 
     def weight_at_solution(self, parts: Parts, K: ComplexArray) -> _LineData:
-        r"""With what is known once a solution is: the third harmonic, and what its X do.
+        r"""Return the data weighted by a solution: its third harmonic and amplitude errors.
 
         A relative error e of the FRF is an error :math:`-e F/X` of K and, through the amplitude
         at which it is taken to be, :math:`-\mathrm{Re}(e)\, dK/d\ln X`.

@@ -262,7 +262,7 @@ def jenkins_like(element: RateIndependent, *, to: float, per_decade: int = 10) -
 
 @dataclass(frozen=True)
 class RelativeToAmplitude(AmplitudeDependent):
-    r"""What an element has changed by since an amplitude: :math:`N(X) - N(X_0)`.
+    r"""Change of an element since an amplitude: :math:`N(X) - N(X_0)`.
 
     Beside a solid that was measured at X_0 with the element in it, it gives the solid and the
     element at X.

@@ -75,12 +75,12 @@ class HitLevels(HasChecks, Serialisable):
 
     @property
     def amplitudes(self) -> tuple[float, float]:
-        """Of the motion that the resonances of the hits are of, m."""
+        """Amplitude range of the motion at the resonances of the hits, m."""
         return self.trend.amplitudes
 
     @property
     def _headline(self) -> str:
-        """By how much stiffness and damping change as the motion doubles, and where."""
+        """Change of stiffness and damping for twice the motion, and the range."""
         low, high = self.amplitudes
         return (
             f"from {convert_to_unit(low, 'mm'):.3g} to {format_quantity(high, 'mm', '.3g')} a "

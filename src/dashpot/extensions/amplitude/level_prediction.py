@@ -56,7 +56,7 @@ class LevelPrediction(Prediction):
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
-        """Those of each mode, and what each level makes of it."""
+        """Values of each mode, and of each level."""
         return (
             *super().facts,
             *(reported_value for level in self.preloaded for reported_value in level.facts),

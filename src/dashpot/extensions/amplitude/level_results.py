@@ -56,7 +56,7 @@ class PeakAtLevel:
 
     @property
     def facts(self) -> tuple[ReportedValue, ReportedValue]:
-        """Where the motion is largest, and how large it is per force."""
+        """Frequency of the largest motion, and its height per force."""
         at = f"at {self.level:.4g} N"
         return (
             ReportedValue(f"peak {at}", self.frequency, *self.frequency_interval, "Hz"),
@@ -147,7 +147,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     @property
     def _table_columns(self) -> Series:
-        """What stands side by side: the spring at rest, arms, sliders and a cubic spring."""
+        """Columns of the elements in parallel: spring, arms, sliders and a cubic spring."""
         no, solid = math.nan, self.solid
         arms = zip(solid.k, solid.tau, strict=True)
         rows = [
@@ -165,7 +165,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     @property
     def _has_digest(self) -> bool:
-        """Its document shows whether it was edited."""
+        """Whether its document shows that it was edited."""
         return True
 
     @property
@@ -175,7 +175,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     @property
     def k3(self) -> float:
-        """Of the cubic spring beside the solid, N/m^3; 0 where there is none."""
+        """Coefficient of the cubic spring beside the solid, N/m^3; 0 where there is none."""
         return _k3(self.solid, self.rate_independent)
 
     @property
@@ -240,7 +240,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         raise ExportError("FRFs at amplitudes are of one compression; leave out --compression")
 
     def in_parallel(self, count: float) -> LevelFit:
-        """So many seals side by side, as one; a fraction is a shorter specimen."""
+        """Return the fit of several seals in parallel; a fraction is a shorter specimen."""
 
         def scale_parts(solid: GeneralizedMaxwell, elements: Elements) -> Parts:
             return solid * count, tuple(element * count for element in elements)
@@ -266,7 +266,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     @property
     def _headline(self) -> str:
-        """By how much the stiffness changes with amplitude, and where the lines cover it."""
+        """Change of the stiffness with amplitude, and the range of the lines."""
         low, high = self.amplitudes
         end_stiffnesses = self.stiffness(
             amplitude=[low, high], omega=np.pi * (self.band[0] + self.band[1])

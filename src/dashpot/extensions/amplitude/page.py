@@ -194,7 +194,7 @@ def _make_law_facts(fit: AmplitudeFit) -> Iterator[ReportedValue]:
 
 
 def _make_hit_facts(fit: HitLevels) -> Iterator[ReportedValue]:
-    """How stiffness and damping change for twice the motion."""
+    """Yield the change of stiffness and damping for twice the motion."""
     for name, line in (
         ("stiffness per doubling", fit.trend.stiffness_line),
         ("damping per doubling", fit.trend.damping_line),

@@ -70,7 +70,7 @@ class PolynomialLaw:
         return tuple(np.sort(real).tolist())
 
     def __mul__(self, count: float) -> PolynomialLaw:
-        """So many in parallel."""
+        """Return `count` such elements in parallel."""
         return replace(
             self, coefficients=tuple(count * coefficient for coefficient in self.coefficients)
         )

@@ -90,7 +90,7 @@ class Orbit(EqualByValue):
 
     @property
     def amplitudes(self) -> FloatArray:
-        """Of the harmonics, m; the mean as it is."""
+        """Amplitudes of the harmonics, m; the mean with its sign."""
         return np.abs(self.harmonics)
 
     @property
@@ -100,7 +100,7 @@ class Orbit(EqualByValue):
 
     @property
     def phases(self) -> FloatArray:
-        """Of those against the force, rad."""
+        """Phases of the harmonics against the force, rad."""
         return np.angle(self.harmonics[: REPORTED_HARMONICS + 1])
 
     @property
@@ -211,7 +211,7 @@ class PreloadedMass:
 
     @property
     def static_force(self) -> float:
-        """What presses at rest, N."""
+        """Static force, N."""
         return self.mass * GRAVITY if self.preload is None else self.preload
 
     @cached_property
@@ -353,7 +353,7 @@ class PreloadedMass:
         return np.array([line.harmonics(item) for item in change]).reshape(-1, line.most + 1)
 
     def end_changes(self, orbit: Orbit, others: Sequence[PreloadedMass]) -> FloatArray:
-        r"""By how much the end of its branch would move on others, Hz, shape (others,).
+        r"""Return the change of the end of its branch for other masses, Hz, shape (others,).
 
         .. math:: \Delta f = -\frac{w \cdot R'}{w \cdot \partial R/\partial f}
 
@@ -386,14 +386,14 @@ _SAME_SOLUTION = 1e-5
 
 
 def _compare_orbits(orbit: Orbit, other: Orbit) -> float:
-    """By how much two answers differ, of the larger first harmonic."""
+    """Return the relative difference of two orbits, of the larger first harmonic."""
     first = max(abs(orbit.harmonics[1]), abs(other.harmonics[1]))
     return float(np.abs(orbit.harmonics[:3] - other.harmonics[:3]).max() / first)
 
 
 @lru_cache(maxsize=8)
 def _transforms(harmonic_count: int) -> tuple[AlternatingFrequencyTime, FloatArray]:
-    """Between harmonics and samples of a cycle, and the samples of each real unknown."""
+    """Return the transform between harmonics and samples, and the samples of each real unknown."""
     cycle = AlternatingFrequencyTime(
         range(harmonic_count + 1), max(_FEWEST, _PER_HARMONIC * harmonic_count)
     )
@@ -463,7 +463,7 @@ class _PressedBalance:
         return self.real(residual)
 
     def slope(self, z: FloatArray) -> FloatArray:
-        """Of the balance by the unknowns, N/m."""
+        """Return the derivative of the balance by the unknowns, N/m."""
         x, glued = self.pressing(z)
         tangent = np.where(x > 0, self.of.law.tangent(np.maximum(x, 0.0)), 0.0)
         force = np.where(glued > 0, self._apply_arms((tangent * self.basis.T).T).T, 0.0)

@@ -126,7 +126,7 @@ class PreloadedLevel(Serialisable):
 
     @property
     def peak(self) -> dict[str, float]:
-        """Its numbers by their names."""
+        """Frequency and height of the peak by their names."""
         return {"frequency_hz": self.frequency, "value": self.value}
 
     @property
@@ -136,7 +136,7 @@ class PreloadedLevel(Serialisable):
 
     @property
     def second_harmonic(self) -> dict[str, float]:
-        """Where it is largest, Hz, how large, m, and beside which first one."""
+        """Largest second harmonic: frequency, Hz, amplitude, m, and the first harmonic there."""
         first, second = self.doubled.amplitudes[1:3].tolist()
         return {"frequency_hz": self.doubled.frequency, "amplitude": second, "first": first}
 
@@ -147,7 +147,7 @@ class PreloadedLevel(Serialisable):
 
     @property
     def magnitude(self) -> FloatArray | None:
-        """Between which ends that of the response lies, shape (2, n), at the lines of `frf`."""
+        """Interval of the magnitude of the response, shape (2, n), at the lines of `frf`."""
         return None if self.interval is None else self.interval.magnitude
 
     @property
@@ -182,7 +182,7 @@ class PreloadedLevel(Serialisable):
 
     @property
     def jumps_hz(self) -> list[float]:
-        """Where a rising frequency jumps, Hz."""
+        """Frequencies at which an upward sweep jumps, Hz."""
         return [jump.after.frequency for jump in self.jumps]
 
     @property
@@ -364,7 +364,7 @@ class _AtLevels:
     def interval(
         self, run: Sequence[Orbit], best: int, jump_into: Jump | None, shown_orbits: Sequence[Orbit]
     ) -> LevelInterval | None:
-        r"""Between which ends 95 % lie, by the delta method; None where no error is known.
+        r"""Return the 95 % interval by the delta method; None where no error is known.
 
         The largest of :math:`L(f) = \ln|H|` stays where its slope is 0:
         :math:`\Delta f = -(\partial \Delta L/\partial f) / L''`; beside a jump it moves with it.
@@ -410,7 +410,7 @@ class _AtLevels:
         )
 
     def _logs(self, orbit: Orbit) -> FloatArray:
-        """By how much the logarithm of the response changes on each of the others."""
+        """Return the change of the logarithm of the response for each of the other masses."""
         first = complex(orbit.harmonics[1])
         part = _PART * first
         value, changed_value = (complex(self.frf([orbit], off).value[0]) for off in (0.0, -part))
@@ -418,7 +418,7 @@ class _AtLevels:
         return np.asarray(((value - changed_value) / part / value * change).real)
 
     def _compute_frequency_shifts(self, top_orbits: Sequence[Orbit]) -> FloatArray:
-        """By how much the largest response moves in frequency on each of the others, Hz."""
+        """Return the shift of the largest response for each of the other masses, Hz."""
         bend, slope, _ = _parabola(top_orbits)
         size = np.log([self.size(orbit) for orbit in top_orbits])
         return np.asarray(
@@ -427,7 +427,7 @@ class _AtLevels:
 
     @staticmethod
     def _slopes(orbits: Sequence[Orbit]) -> Callable[[Callable[[Orbit], Any]], Any]:
-        """What finds the slope by frequency of anything: at the middle of three, or along two."""
+        """Return a function for derivatives by frequency at the middle of three orbits or two."""
         if len(orbits) == 2:
             difference = orbits[1].frequency - orbits[0].frequency
             return lambda of: (of(orbits[1]) - of(orbits[0])) / difference
@@ -444,7 +444,7 @@ def _find_adjacent_jumps(
 
 
 def _parabola(orbits: Sequence[Orbit]) -> FloatArray:
-    """What makes of values at three the bend, slope and height of their parabola at the second."""
+    """Return the matrix that maps three values to the bend, slope and height of their parabola."""
     f = np.array([orbit.frequency for orbit in orbits])
     return np.asarray(np.linalg.inv(np.vander(f - f[1], 3)))
 
@@ -465,7 +465,7 @@ def _compute_interval(value: float, change: FloatArray) -> Ends:
 
 
 def _compute_narrow_interval(value: float, change: FloatArray) -> Ends | None:
-    """That interval, where it is narrower than the value."""
+    """Return the interval of a value, if it is narrower than the value."""
     interval = _compute_interval(value, change)
     return interval if interval[1] - value < _MAX_HALF_WIDTH * abs(value) else None
 

@@ -38,7 +38,7 @@ _RMS = ("rms", "effektiv", "effektivwert", "eff")
 
 
 def over_amplitude(name: str) -> tuple[float, str]:
-    """What a name says its numbers are over the amplitude of a cycle, and in which words.
+    """Return the factor from numbers of that name to the amplitude of a cycle, and the words.
 
     >>> over_amplitude("Strain p-p"), over_amplitude("Double Strain Amplitude")[0]
     ((2.0, 'peak to peak'), 2.0)

@@ -122,7 +122,7 @@ def stiffness_at(parts: Parts, omega: FloatArray, X: FloatArray, inertia: float)
 def with_third_harmonic(
     parts: Parts, omega: FloatArray, X: FloatArray, inertia: float
 ) -> ComplexArray:
-    r"""What the third harmonic makes of the stiffness of a cubic spring under a mass, a factor.
+    r"""Return the factor of the third harmonic on the stiffness of a cubic spring under a mass.
 
     .. math:: \frac{X_3}{X} = \frac{-k_3 X^2 / 4}{K(3\omega) - 9 m \omega^2}, \qquad
         \frac{N}{\tfrac34 k_3 X^2} = 1 + \frac{X_3}{X} + 2 \left|\frac{X_3}{X}\right|^2

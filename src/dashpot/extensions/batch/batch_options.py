@@ -117,12 +117,12 @@ class BatchOptions:
 
     @property
     def bench(self) -> ReadOptions:
-        """How a test is read, before it is known to be a modulus."""
+        """Options to read a test, before it is known to be a modulus."""
         return self.reading.drop_fields(("modulus",))
 
     @staticmethod
     def from_plain(values: dict[str, Any]) -> BatchOptions:
-        """From what JSON held of them."""
+        """Return the options from plain values of JSON."""
         options = {
             name: ReadOptions(**(values[name] | {"units": dict(values[name]["units"])}))
             for name in ("reading", "reading_impact")

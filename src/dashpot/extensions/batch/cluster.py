@@ -55,7 +55,7 @@ def cluster(address: str) -> Iterator[Executor]:
 
 @contextmanager
 def _silent() -> Iterator[None]:
-    """What goes wrong is said in one sentence, not in dask's log too."""
+    """Keep dask's log silent: an error is said in one sentence."""
     logs = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
     levels = [log.level for log in logs]
     for logger in logs:

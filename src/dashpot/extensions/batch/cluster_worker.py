@@ -57,7 +57,7 @@ def stop_idle_workers() -> None:
 
 
 def _refuse_unreachable(chunk: list[Task], folder: Path) -> None:
-    """What was hashed and is not there would be a row that says so, and stays."""
+    """Refuse a file that was hashed and is not there, which would stay as a row."""
     for task in chunk:
         entry = task.entry
         files = zip((entry.file, *entry.hammer), task.hashes, strict=True)

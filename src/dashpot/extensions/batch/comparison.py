@@ -82,7 +82,7 @@ class LotComparison(HasChecks, Serialisable):
 
     @property
     def _headline(self) -> str:
-        """How many quantities differ, and by how much the one does that chance explains least."""
+        """Number of quantities that differ, and the difference that chance explains least."""
         comparisons = [comparison for comparison in self.differences if not comparison.shared]
         if not comparisons:
             return "0 quantities are compared: the lots share their records"

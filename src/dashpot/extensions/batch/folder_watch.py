@@ -76,7 +76,7 @@ def watch_batch(
 
 
 class _Watched:
-    """What was seen of the files, and of what the rows were made."""
+    """State of the files as last read, and of the files of the rows."""
 
     def __init__(self, job: BatchJob, clock: Callable[[], float]) -> None:
         self._job, self._clock = job, clock

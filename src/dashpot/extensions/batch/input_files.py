@@ -105,7 +105,7 @@ class Entry:
 
     @staticmethod
     def from_plain(values: dict[str, Any]) -> Entry:
-        """From what JSON held of it."""
+        """Return the entry from plain values of JSON."""
         return Entry(**{**values, "hammer": tuple(values["hammer"])})
 
     def hashes(self, by: Callable[[str], str] | None = None) -> tuple[str, ...]:
@@ -431,7 +431,7 @@ def _rows_of(content: bytes, *, toml: bool) -> Any:
 
 
 def _manifest(text: str | Path | None) -> dict[str, dict[str, Any]]:
-    """What a manifest says of each file, by path; a path in it is seen from its own folder."""
+    """Return the entries of a manifest by path; a path in it starts from its own folder."""
     if text is None:
         return {}
     path = Path(text)

@@ -44,7 +44,7 @@ class Limits(Serialisable):
 
     @property
     def distance(self) -> float | None:
-        """From the lower limit to the upper one; None where one is missing."""
+        """Distance of the two limits; None where one is missing."""
         return None if self.lower is None or self.upper is None else self.upper - self.lower
 
     def __str__(self) -> str:

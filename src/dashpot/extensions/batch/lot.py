@@ -119,7 +119,7 @@ class Lot:
 
     @property
     def outcomes(self) -> dict[str, int]:
-        """How many files were ``fitted``, ``refused``, ``other`` tests, ``died`` or ``changed``.
+        """Number of files ``fitted``, ``refused``, ``other`` tests, ``died`` or ``changed``.
 
         Texts and pictures of a folder were ``ignored``.
         """

@@ -76,7 +76,7 @@ class LotOutput(Serialisable):
 
     @property
     def files(self) -> int:
-        """How many."""
+        """Number of files."""
         return 0 if self.summary is None else self.summary.lot.table.height
 
     @property

@@ -171,7 +171,7 @@ def _part(name: str) -> str:
 
 
 def _render_picture(picture: Picture, width: float = CHART_WIDTH) -> RenderedFigure:
-    """For a screen and a phone and, where that is wider than a sheet, for paper."""
+    """Return the picture for a screen, a phone and, where it is wider than a sheet, paper."""
     total_height = sum(panel.height for panel in picture.panels)
     return render_figure(picture, width=width, low=total_height if width > PAPER else None)
 
@@ -208,7 +208,7 @@ def _cpks(main: QuantitySummary) -> RenderedFigure | None:
 
 
 def _points(main: QuantitySummary, *, by_lots: bool) -> list[tuple[str, str]]:
-    """What each place of the chart stands for: a lot, or a lot and the words that find a seal."""
+    """Return the lot and seal of each point of the chart."""
     if by_lots:
         return [(lot, "") for lot in split_seals_by_lot(main.seals)]
     return [(seal.lot, f"seal {seal.name}") for seal in main.seals]

@@ -61,12 +61,12 @@ class Task:
 
     @property
     def entry(self) -> Entry:
-        """What is known of the test."""
+        """Entry of the test."""
         return Entry.from_plain(dict(zip(Entry.__slots__, self._words, strict=False)))
 
     @property
     def hashes(self) -> tuple[str, ...]:
-        """Of the contents of its file, and of its hammer's."""
+        """Hashes of its file, and of its hammer's."""
         return tuple(self._words[-1])
 
     @property

@@ -52,7 +52,7 @@ class Executor(NamedTuple):
 
 @contextmanager
 def processes(jobs: int | None) -> Iterator[Executor]:
-    """So many processes of this machine side by side; by default as many as processors."""
+    """Yield an executor of processes of this machine; by default as many as processors."""
     process_count = jobs or processors()
     yield Executor(
         process_count, min(process_count, processors()), partial(_compute_chunks, process_count)

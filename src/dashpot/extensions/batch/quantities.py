@@ -67,18 +67,18 @@ class Quantity(NamedTuple):
 
     @property
     def scale(self) -> float:
-        """From SI to that unit."""
+        """Factor from SI to the unit of the quantity."""
         return convert_to_unit(1.0, self.unit) if self.unit else 1.0
 
     @property
     def dimension(self) -> Dimension | None:
-        """What it measures; None of a plain number."""
+        """Dimension of the quantity; None for a plain number."""
         unit = find_unit(self.unit)
         return None if unit is None else unit.dimension
 
     @property
     def title(self) -> str:
-        """Its words and its unit."""
+        """Name of the quantity with its unit."""
         return f"{self.words}, {self.unit}" if self.unit else self.words
 
     def fact(

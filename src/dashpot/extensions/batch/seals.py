@@ -39,12 +39,12 @@ class Seal(Serialisable):
 
     @property
     def tests(self) -> int:
-        """How many."""
+        """Number of tests."""
         return len(self.files)
 
     @property
     def mean(self) -> float:
-        """Of its tests."""
+        """Mean of the tests of the seal."""
         return float(self.values.mean())
 
     @property

@@ -85,7 +85,7 @@ class ExcludedFile(NamedTuple):
 
 
 class LotLight(NamedTuple):
-    """One of the four summary lines behind a lot's verdict.
+    """One of the four summary lines of a lot's verdict.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ class LotLight(NamedTuple):
 
     @property
     def label(self) -> str:
-        """Its name on a page and in a terminal."""
+        """Name of the indicator on a page and in a terminal."""
         return _LIGHT_LABELS.get(self.name, self.name)
 
 
@@ -193,12 +193,12 @@ class QuantitySummary(Serialisable):
 
     @property
     def signals(self) -> Signals:
-        """Of the charts of seals and lots; each run of points is one cause."""
+        """Signals of the charts of seals and lots; each run of points is one cause."""
         signals = self.signals_of("seals"), self.signals_of("lots")
         return Signals(*map(sum, zip(*signals, strict=True)))
 
     def signals_of(self, chart: Literal["seals", "lots"]) -> Signals:
-        """Of the charts of the seals of each lot, or of the lots among themselves."""
+        """Return the signals of the charts of seals in each lot, or of the chart of lots."""
         charts = [chart.means for chart in self.charts.values()]
         if chart == "lots":
             charts = [] if self.lots is None else [self.lots.mean, self.lots.sd]
@@ -289,7 +289,7 @@ class Summary(HasChecks, Serialisable):
 
     @property
     def _headline(self) -> str:
-        """How many files were fitted, the mean of the quantity, and the alarms of its charts."""
+        """Number of fitted files, mean of the quantity, and signals of its charts."""
         fitted, files = self.lot.outcomes.get("fitted", 0), self.lot.record_count
         count_text = f"{fitted} of {files} files were fitted"
         if fitted == files:

@@ -68,7 +68,7 @@ class RigEstimate(NamedTuple):
 
 
 class Press(NamedTuple):
-    """What one press of a stop or a spring determines.
+    """Result of one press of a stop or a spring.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class Press(NamedTuple):
 
 
 class EmptyRun(NamedTuple):
-    """What an empty run determines.
+    """Result of an empty run.
 
     Attributes
     ----------

@@ -283,7 +283,7 @@ def plateau(
     first: float,
     extra: str,
 ) -> tuple[Check, ...]:
-    """What is known of the plateau: that there is one, and how well, where an end was asked.
+    """Return the checks of the plateau: whether there is one, and its error where it was asked.
 
     `first` is the stiffness of the model where the data are fastest.
     """

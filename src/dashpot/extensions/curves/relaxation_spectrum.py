@@ -255,12 +255,12 @@ class Dense(Protocol):
 
     @property
     def model(self) -> GeneralizedMaxwell:
-        """Its arms."""
+        """Arms of the spectrum."""
         ...
 
     @property
     def rms(self) -> float:
-        """Over every value of the curves."""
+        """Root mean square over every value of the curves."""
         ...
 
 

@@ -113,7 +113,7 @@ class ShiftLawFit:
 
     @property
     def score(self) -> LawScore:
-        """Of the law chosen."""
+        """Score of the selected law."""
         return next(score for score in self.scores if score.kind == self.law.kind)
 
 
@@ -127,7 +127,7 @@ class _Shifts:
     reference: float
 
     def rows(self, column: FloatArray, slope: FloatArray | None = None) -> Rows:
-        """Of a law that is so large for a factor of one, of which one theta has that slope."""
+        """Return the rows of a law of unit factor, one theta of which has that slope."""
         W = self.whitener
         by = None if slope is None else lambda beta: (W @ slope * beta)[:, None]
         return Rows(W @ self.log10, (W @ column)[:, None], by)

@@ -54,7 +54,7 @@ _FOREIGN = "it is data of another file, which this file's hash does not cover; s
 
 @dataclass
 class _Walked:
-    """What a walk has found, and the objects it has been to: links may lead in circles."""
+    """Findings of a walk, and the objects visited: links may lead in circles."""
 
     datasets: list[tuple[Any, str]] = field(default_factory=list)
     stated: list[NamedArray] = field(default_factory=list)
@@ -274,7 +274,7 @@ def _attributes_by_column(node: Any, count: int) -> list[dict[str, Any]]:
 
 
 def _start(node: Any) -> str:
-    """When a dataset, or the group in which it stands, is said to begin, "" if nothing says so."""
+    """Return the start time of a dataset or of its group; empty if none is given."""
     for holder in (node, node.parent):
         for key in filter(names_start, holder.attrs):
             value = holder.attrs[key]

@@ -109,7 +109,7 @@ def _scan_xlsx_sheet(tags: Iterator[tuple[str, dict[str, str]]]) -> tuple[list[i
 
 
 def _scan_ods_tables(tags: Iterator[tuple[str, dict[str, str]]]) -> dict[str, str]:
-    """So too, of every table of an ods file."""
+    """Return the hidden rows and columns of every table of an ods file."""
     entries: dict[str, tuple[list[int], list[int]]] = {}
     name, positions = "", {"table-row": 0, "table-column": 0}
     for tag, words in tags:

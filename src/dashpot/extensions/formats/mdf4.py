@@ -55,7 +55,7 @@ _VLSD = 1
 
 @dataclass(eq=False)
 class Content:
-    """What the blocks of a file hold.
+    """Contents of the blocks of a file.
 
     Attributes
     ----------

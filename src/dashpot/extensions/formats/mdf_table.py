@@ -38,7 +38,7 @@ _UNFINISHED = b"UnFinMF "
 
 @dataclass(frozen=True)
 class _Place:
-    """Where a column stands: the group of each segment and its channel there; None of the rows."""
+    """Position of a column: the group of each segment and its channel there; None for the rows."""
 
     groups: tuple[int, ...]
     channel: int

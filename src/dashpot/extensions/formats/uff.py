@@ -266,7 +266,7 @@ def _coherence_of(frf: _Set, coherent: Sequence[_Set]) -> _Set | None:
 
 
 def _ends(entry: _Set) -> tuple[str, str]:
-    """Where it moves and where it is struck, such as 3+Z and 1+Z; "" if a file does not say."""
+    """Return response and reference point, such as 3+Z and 1+Z; empty if a file gives none."""
     return _end(entry, "rsp"), _end(entry, "ref")
 
 
@@ -504,7 +504,7 @@ def _mode(
 
 
 def _title(entry: _Set) -> str:
-    """What a curve is called: its axis label, response point or first identification line."""
+    """Return the title of a curve: its axis label, response point or first identification line."""
     for key in ("ordinate_axis_lab", "rsp_ent_name", "id1"):
         word = _label(entry.get(key, ""))
         if word:

@@ -59,7 +59,7 @@ def _iterate_rows(archive: zipfile.ZipFile, part: str) -> Iterator[bytes]:
 
 
 class _SheetFormulas:
-    """What the formulas of one sheet show, row by row."""
+    """Formulas of one sheet, row by row."""
 
     def __init__(self) -> None:
         self._values: dict[bytes, float] = {}

@@ -31,7 +31,7 @@ class Stroke(NamedTuple):
 
     @property
     def samples(self) -> slice:
-        """Of the record."""
+        """Samples of the stroke in the record."""
         return slice(self.first, self.last + 1)
 
 

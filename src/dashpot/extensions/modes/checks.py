@@ -81,7 +81,7 @@ def points_share_modes(modes: Sequence[ModeShape]) -> Finding:
 
 
 def _overlap(first: ModeShape, second: ModeShape) -> float:
-    """What two shapes share of their points, whatever the signs."""
+    """Return the similarity of two shapes at their common points, whatever the signs."""
     a, b = np.abs(first.residues), np.abs(second.residues)
     return float(a @ b / np.sqrt((a @ a) * (b @ b)))
 
@@ -105,7 +105,7 @@ def one_solid_explains_masses(
 
 
 def _chi_quantile(count: int) -> float:
-    """What the root of so many squared standard errors exceeds once in a hundred tests."""
+    """Return the 99 % quantile of the root of a sum of squared standard errors."""
     z, share = NormalDist().inv_cdf(SURE), 2 / (9 * count)
     return float((count * (1 - share + z * share**0.5) ** 3) ** 0.5)  # Wilson and Hilferty 1931
 
@@ -167,7 +167,7 @@ def segments_resolve(frf: FRF, main: Mode | None) -> Finding:
 
 
 def _count_clipped_runs(signal: FloatArray) -> int:
-    """How often three samples in a row are the highest of all, or the lowest."""
+    """Return how often three samples in a row are at the maximum, or at the minimum."""
     count = 0
     for end in (signal.max(), signal.min()):
         is_clipped = np.convolve(signal == end, np.ones(3), "valid") == 3

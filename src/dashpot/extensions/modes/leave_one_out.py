@@ -91,7 +91,7 @@ def cross_validate_hits(
 
 
 def _as_signed(frf: FRF, reference: FRF) -> FRF:
-    """With the sign that the whole record has: one hit alone may be taken the other way round."""
+    """Return the FRF with the sign of the average; one hit alone may have the other."""
     reference_values = np.interp(
         frf.frequency, reference.frequency, reference.value.real
     ) + 1j * np.interp(frf.frequency, reference.frequency, reference.value.imag)

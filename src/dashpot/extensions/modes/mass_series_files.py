@@ -107,7 +107,7 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
 
     @property
     def stiffness(self) -> tuple[StiffnessAtMode, ...]:
-        """Of the seals, at every mode."""
+        """Stiffness of the seals at every mode."""
         of = self.joint_modes
         rows = zip(of.modes, of.stiffness, of.spread, strict=True)
         return tuple(StiffnessAtMode(mode.frequency, k.real, k.imag, *se) for mode, k, se in rows)

@@ -131,7 +131,7 @@ class MeasuredModes(Modes):
 
     @property
     def sound(self) -> str:
-        """Of two tests, where the first mode that both have moves."""
+        """Change of the first mode between two tests, as a sentence."""
         if not self.against:
             return super().sound
         matched_mode = self.against[0]
@@ -260,7 +260,7 @@ def _check_modes(
     *,
     search_band: tuple[float, float],
 ) -> Iterator[Check]:
-    """What is asked of the modes, and of the FRF of the point that stands for the first."""
+    """Yield the checks of the modes, and of the FRF of the point that stands for the first."""
     main = shapes[0].mode
     yield modes_within_band([shape.mode for shape in shapes], search_band)
     yield lines_in_half_power_band(band_frfs.frfs[at], main)

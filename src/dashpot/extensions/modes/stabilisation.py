@@ -69,7 +69,7 @@ class Stabilisation:
         return np.asarray(self.state == (SHAPE if self.points > 1 else DAMPING))
 
     def orders_with(self, mode: Mode) -> int:
-        """At how many orders a stable pole stands within the half-power band of a mode."""
+        """Return the number of orders with a stable pole in the half-power band of a mode."""
         max_distance = max(0.5 * mode.bandwidth, SAME_FREQUENCY * mode.frequency)
         is_near = self.stable & (np.abs(self.frequency - mode.frequency) <= max_distance)
         return len(np.unique(self.order[is_near]))

@@ -38,7 +38,7 @@ class Coefficients:
         return self.b[0] / self.k[0], self.b[1] / self.k[1]
 
     def times(self, seals: float) -> Coefficients:
-        """So many seals side by side."""
+        """Return the coefficients of several seals in parallel."""
         (k1, k2), (b1, b2) = self.k, self.b
         return Coefficients(seals * self.k_inf, (seals * k1, seals * k2), (seals * b1, seals * b2))
 

@@ -146,7 +146,7 @@ def _sensitivity(
     *,
     constant: bool,
 ) -> FloatArray:
-    """What each parameter moves per unit of each (weighted) sample: the pseudo-inverse of J."""
+    """Return the sensitivity of each parameter to each weighted sample: the pseudo-inverse of J."""
     decay = np.exp(-x[:, None] * rates)
     columns = [decay, -x[:, None] * decay * amplitudes]
     if constant:

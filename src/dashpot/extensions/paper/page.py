@@ -97,7 +97,7 @@ def _format_fact(reported_value: ReportedValue) -> str:
 
 
 def statements(rows: Sequence[Statement], part: str) -> TextTable:
-    """What the paper says beside what is found, of one part; what is left of what is compared."""
+    """Return the statements of one part of the paper with computed values and differences."""
     chosen = [row for row in rows if row.part == part]
     has_intervals = any(row.within_interval is not None for row in chosen)
     head = ("where", "the paper says", "found", *(("off by", "allowed") if has_intervals else ()))

@@ -219,7 +219,7 @@ class Reproduction(Serialisable):
 
     @property
     def summary(self) -> str:
-        """What was found, in a sentence or two."""
+        """Summary of the result, in a sentence or two."""
         rows_with_interval = [row for row in self.rows if row.within_interval is not None]
         total = sum(bool(row.within_interval) for row in rows_with_interval)
         covered_counts = [
@@ -339,7 +339,7 @@ def fit_hold_phase(test: RelaxationTest, arms: int) -> HoldFit:
 
 
 def peak_of(kind: Kind) -> tuple[float, float]:
-    """Where the magnitude of an FRF of the mass on two seals is highest, Hz, and how high."""
+    """Return frequency, Hz, and height of the peak of the FRF of the mass on two seals."""
     from scipy.optimize import minimize_scalar
 
     def height(hz: float) -> float:

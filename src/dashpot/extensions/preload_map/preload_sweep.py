@@ -131,7 +131,7 @@ class PreloadTable(EqualByValue, HasSummary):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which sweeps there are."""
+        """Summary: the sweeps."""
         compressions = sorted({float(sweep.compression) for sweep in self.sweeps})
         compressions_text = ", ".join(f"{convert_to_unit(c, 'mm'):.4g}" for c in compressions)
         lines = sum(len(sweep.frequency) for sweep in self.sweeps)

@@ -91,7 +91,7 @@ def command(*, project: str, expect: str | None) -> CommandResult:
 
 
 def _make_cleanup_result(folder: str, remaining: list[str]) -> CommandResult:
-    """What is said of a folder that is no project."""
+    """Return the result for a folder that is no project."""
     from dashpot.extensions.projects.verification import check_half_written_files
 
     check = check_half_written_files(Path(folder))
@@ -105,7 +105,7 @@ def _make_cleanup_result(folder: str, remaining: list[str]) -> CommandResult:
 
 
 def _format_headline(checks: Iterable[Check]) -> str:
-    """What to say where nothing failed: no more than was judged."""
+    """Return the headline where nothing failed."""
     open_ = [check.message for check in checks if check.passed is None]
     open_text = f". {len(open_)} not checked: {decapitalise_sentence(open_[0])}" if open_ else ""
     return f"every result follows from its raw files again{open_text}"

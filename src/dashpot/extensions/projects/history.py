@@ -203,7 +203,7 @@ def _as_written(text: bytes, line_hash: str) -> bool:
 
 
 def _as_written_before(text: bytes, line_hash: str) -> bool:
-    """The same of a line of the second edition, whose hash was that of its content, sorted."""
+    """Return the same for a line of the second edition, hashed by its sorted content."""
     entry = json.loads(text)
     without = {key: value for key, value in entry.items() if key != "hash"}
     ordered = json.dumps(without, sort_keys=True, ensure_ascii=False)
@@ -242,7 +242,7 @@ def _line(text: bytes, number: int) -> HistoryLine:
 
 
 def _head(folder: Path) -> tuple[int, str, str]:
-    """How many lines there were, the hash of the last, and of one that was about to be written."""
+    """Return the number of lines, the hash of the last, and that of a line about to be written."""
     try:
         match = _HEAD.fullmatch(head_of(folder).read_bytes())
     except FileNotFoundError:

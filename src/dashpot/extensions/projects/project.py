@@ -221,17 +221,17 @@ class ResultNumbers(Serialisable):
 
     @property
     def fit(self) -> dict[str, Any]:
-        """Of the chosen solid."""
+        """Document of the chosen solid."""
         return numbers(self.study.fit.to_dict())
 
     @property
     def alternatives(self) -> list[dict[str, Any]]:
-        """Of the solids with one and with two arms."""
+        """Documents of the solids with one and with two arms."""
         return [numbers(fit.to_dict()) for fit in self.study.alternatives]
 
     @property
     def hammer_results(self) -> dict[str, Any]:
-        """Of what there is where a hammer was used."""
+        """Documents of the results with a hammer."""
         names = ("joint", "comparison", "joint_comparison")
         entries = {name: getattr(self.study, name) for name in names}
         return {

@@ -221,7 +221,7 @@ def _spread(solids: Iterable[Solid]) -> bool:
 
 
 def _following(system: System, base: str, along: Vector) -> FloatArray:
-    """How the degrees of freedom move with a ground that takes the bodies along, shape (n,)."""
+    """Return the rigid motion of the degrees of freedom with a ground, shape (n,)."""
     if base not in system.grounds:
         raise DataError(f"'{base}' is no ground; known: {', '.join(system.grounds)}")
     direction = dict(zip(MOTIONS, unit_vector(along), strict=False))
@@ -239,7 +239,7 @@ def _following(system: System, base: str, along: Vector) -> FloatArray:
 def _white(
     system: System, follow: FloatArray, participation: FloatArray, density: float
 ) -> RandomResponse:
-    """By the states of the first-order form: of those alone that die away.
+    """Return the response to white noise by the stable states of the first-order form.
 
     The others, undamped motions, must not be shaken: in an ordered Schur form they then rest.
     """
@@ -320,7 +320,7 @@ def _density(at: FloatArray, f: FloatArray, table: FloatArray) -> FloatArray:
 def _integrate_response(
     f: FloatArray, S: FloatArray, carried: ComplexArray, relative: ComplexArray
 ) -> RandomResponse:
-    """From transmissibility, and relative motion per acceleration of the base."""
+    """Return the response from transmissibility, and relative motion per acceleration."""
     change = np.abs(relative) ** 2
     return _response(
         float(np.trapezoid(np.abs(carried) ** 2 * S, f)),

@@ -86,7 +86,7 @@ class Body:
 
     @property
     def motions(self) -> tuple[str, ...]:
-        """Those that are free, then the modes."""
+        """Free motions, then the modes."""
         count = 0 if self.modes is None else len(self.modes)
         return (*self.free, *(f"q{i + 1}" for i in range(count)))
 
@@ -210,7 +210,7 @@ class Point:
 
 
 def motion_of(point: Point, centre: Vector) -> FloatArray:
-    r"""How the six motions of its body about `centre` move a point along its direction, shape (6,).
+    r"""Return the motion of a point by the six motions of its body about `centre`, shape (6,).
 
     .. math:: d \cdot (u + \theta \times r) = d \cdot u + (r \times d) \cdot \theta
 
@@ -322,7 +322,7 @@ class System:
 
     @cached_property
     def _columns(self) -> dict[str, int]:
-        """Where each motion of the bodies, then of the grounds, stands in a row."""
+        """Column of each motion of the bodies, then of the grounds."""
         return {name: i for i, name in enumerate(self.dofs + self.base_dofs)}
 
     # -- matrices -------------------------------------------------------------------------------

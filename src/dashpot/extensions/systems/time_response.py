@@ -348,7 +348,7 @@ def newton_modes(system: System, *, iterations: int = 100) -> tuple[ComplexMode,
 
 
 def _find_newton_starts(system: System) -> list[complex]:
-    """Where to look for each mode: the stiffness at its own frequency, not the glassy one."""
+    """Return starting points of the modes: with the stiffness at their own frequency."""
     E = system.stretch
     inverse = np.linalg.inv(system.mass_matrix)
     glass = np.array([spring.linearised_solid.k_0 for spring in system.springs])

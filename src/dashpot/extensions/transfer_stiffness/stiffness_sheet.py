@@ -90,7 +90,7 @@ class BandStiffness(Serialisable):
 
     @property
     def level(self) -> float:
-        """In dB re 1 N/m."""
+        """Level, dB re 1 N/m."""
         return float(compute_level(np.array(self.stiffness)))
 
     @property
@@ -101,7 +101,7 @@ class BandStiffness(Serialisable):
 
     @property
     def indirect_level(self) -> float | None:
-        """The same of what the formula of the indirect method gives, dB."""
+        """Level by the formula of the indirect method, dB."""
         return None if self.indirect is None else float(compute_level(np.array(self.indirect)))
 
     @property
@@ -206,7 +206,7 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
 
     @property
     def interval_note(self) -> str:
-        """What the intervals leave out beyond the valid band of a fit; else empty."""
+        """Sentence on what the intervals leave out beyond the valid band of a fit; else empty."""
         if not any(
             check.failed and check.name == "third_octaves_in_valid_band" for check in self.checks
         ):
@@ -220,7 +220,7 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
 
     @property
     def loss_factor(self) -> FloatArray:
-        """Of each line."""
+        """Loss factor of each line."""
         return np.asarray(self.value.imag / self.value.real)
 
     @property

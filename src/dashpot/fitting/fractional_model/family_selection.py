@@ -227,7 +227,7 @@ class FractionalFit(SelectedModel):
 
     @cached_property
     def covariance(self) -> FloatArray:
-        """Of k_inf, k_0, ln tau and alpha, and b: k_0 is k_inf and the k of the element."""
+        """Return the covariance of k_inf, k_0, ln tau, alpha and b; k_0 sums both springs."""
         names = ["k_inf", "k", "ln_tau", "alpha", *(["b"] if "b" in self.parameters else [])]
         rows = [self.estimate.names.index(name) for name in names]
         covariance = self.estimate.covariance[np.ix_(rows, rows)]
@@ -253,7 +253,7 @@ class FractionalFit(SelectedModel):
 
     @property
     def stiffnesses(self) -> dict[str, float]:
-        """Those that an error of the depth scales, by their rows."""
+        """Stiffnesses that an error of the depth scales, by their rows."""
         return {"k_inf": self.solid.k_inf, "k": self.k}
 
 

@@ -373,7 +373,7 @@ _SENTENCES: dict[str, Callable[[float, float], str]] = {
 def _format_other_compression(
     cause: DiscrepancyCause, value: float, law: ElasticLaw | None, compression: float | None
 ) -> str:
-    """At which other compression the law has this stiffness, in words."""
+    """Return the compression at which the law has this stiffness, in words."""
     if cause.name != "stiffness" or law is None or law.kind == "linear":
         return ""
     shape = np.asarray(law.ratio)

@@ -120,7 +120,7 @@ def chosen_rival(
 def reselect_family(
     family_rival: AlternativeCandidate, free: Callable[[Candidate], Candidate]
 ) -> AlternativeCandidate:
-    """The same two where what the tests contradict is free: else a wrong mass chooses the solid."""
+    """Return the same two fits with the contradicted quantity free: a wrong mass misleads."""
     best, other = free(family_rival.best), free(family_rival.other)
     return AlternativeCandidate(best, other, _explains(other, best))
 
@@ -511,7 +511,7 @@ def _find_loss_factor_band(
 
 
 def data_band(best: Candidate, before: Fit | None) -> tuple[float, float]:
-    """Where the tests inform the solid: an octave about the peak, and what relaxation sees."""
+    """Return the valid band: an octave about the peak, and that of the relaxation test."""
     frf_data = best.problem.frf_data
     low = max(frf_data.peak_hz / 2, float(frf_data.lines.frequency[0]))
     high = min(frf_data.peak_hz * 2, float(frf_data.lines.frequency[-1]))

@@ -57,7 +57,7 @@ class FRFData:
     reach: float = REACH
 
     def reaching(self, remainder: float) -> FRFData:
-        """As far as lines tell of which a part of so much is left unexplained."""
+        """Return the data with the reach at which a part of that size stays unexplained."""
         slowest_factor = min(max(1 / np.sqrt(ABOVE * max(remainder, 1e-300)), REACH), FARTHEST)
         return replace(self, reach=float(slowest_factor))
 
@@ -95,7 +95,7 @@ class FRFData:
         return (line_gain * share)[:, None] * by, extra, moving_part, -self.lines.s * moving_part
 
     def _over_base(self, mass: float) -> tuple[float, float]:
-        """What the accelerance is multiplied by, and its value where the mass does not move."""
+        """Return the factor on the accelerance, and its value where the mass does not move."""
         if self.weighed_mass is None:
             return 1.0, 0.0
         is_over_base = self.kind is Kind.TRANSMISSIBILITY
@@ -182,7 +182,7 @@ def frf_data_of(
 
 
 def _size(lines: FRF, kind: Kind, mass: float | None) -> FloatArray:
-    """How large what was measured is, of which an unknown error is a part: T, and not T - 1."""
+    """Return the magnitude of the measured part to which relative errors apply: T, not T - 1."""
     if kind is Kind.TRANSMISSIBILITY:
         return np.asarray(np.abs(lines.to(kind, mass=mass).value) / mass)
     return np.abs(lines.value)

@@ -95,7 +95,7 @@ class NuisancePriors:
 
     @property
     def priors_by_name(self) -> dict[str, Prior | None]:
-        """By name, in the order of the vector."""
+        """Priors by name, in the order of the vector."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
 
@@ -219,7 +219,7 @@ class IdentificationProblem:
 
     @cached_property
     def rig(self) -> tuple[list[int], FloatArray, FloatArray]:
-        """Which of the vector is known of the rig, its mean and its standard deviation."""
+        """Return the indices of the rig's parameters, their means and standard deviations."""
         entries = {
             name: (0.0, prior.sd / DELAY_UNIT)
             if name == "delay"
@@ -232,7 +232,7 @@ class IdentificationProblem:
 
     @cached_property
     def earlier(self) -> tuple[list[int], FloatArray, FloatArray] | None:
-        """Which physical parameters an earlier fit knows, its values, a root of its covariance."""
+        """Return indices, values and covariance root of the parameters of an earlier fit."""
         before = self.constraints.before
         if before is None:
             return None
@@ -250,7 +250,7 @@ class IdentificationProblem:
 
     @cached_property
     def earlier_rows(self) -> list[int]:
-        """Which rows of the covariance of an earlier fit are kept."""
+        """Rows of the covariance of an earlier fit that are kept."""
         before = self.constraints.before
         if before is None:
             return []
@@ -262,7 +262,7 @@ class IdentificationProblem:
         ]  # fmt: skip
 
     def build_problem(self, start: FloatArray) -> least_squares.Problem:
-        """It as least squares, about a start: every logarithm kept where doubles can follow."""
+        """Return the least-squares problem about a start; logarithms stay within doubles."""
         low, high = start - 25.0, start + 12.0
         log_tau_limits = self.sought.ends(self.log_tau_range)
         tau_slice = slice(self.sought.size - len(log_tau_limits), self.sought.size)
@@ -285,7 +285,7 @@ class ModelPrediction:
 
     @cached_property
     def point(self) -> Parameters:
-        """In physical terms."""
+        """Return the parameters in physical terms."""
         return self.problem.unpack(self.theta)
 
     @property
@@ -304,14 +304,14 @@ class ModelPrediction:
 
     @cached_property
     def lines(self) -> FloatArray:
-        """Those of the lines, real then imaginary, shape (2n,)."""
+        """Residuals of the lines, real then imaginary, shape (2n,)."""
         problem, p = self.problem, self.point
         fitted_lines = problem.frf_data.predict(self._response, p.gain, p.delay)
         return problem.frf_data.misfit(fitted_lines) / problem.scale
 
     @cached_property
     def prior_residuals(self) -> tuple[FloatArray, FloatArray]:
-        """Those of everything known beforehand, shape (r,), and their slope (r, p)."""
+        """Residuals of the priors, shape (r,), and their slope (r, p)."""
         at, mean, sd = self.problem.rig
         rig = (self.theta[at] - mean) / sd, np.eye(len(self.theta))[at] / sd[:, None]
         residuals, slopes = zip(rig, *self._iterate_solid_constraints(), self.earlier, strict=True)
@@ -319,7 +319,7 @@ class ModelPrediction:
 
     @cached_property
     def earlier(self) -> tuple[FloatArray, FloatArray]:
-        """How far the solid is from the earlier fit, in its standard deviations; empty without."""
+        """Deviation of the solid from the earlier fit, in standard deviations; empty without."""
         slope = np.zeros((0, len(self.theta)))
         if self.problem.earlier is None:
             return np.empty(0), slope
@@ -466,17 +466,17 @@ class Candidate:
 
     @property
     def arms(self) -> int:
-        """Of the solid, or of those that stand for it."""
+        """Number of arms of the solid or of its approximation."""
         return self.point.model.maxwell.arms
 
     @property
     def cost(self) -> float:
-        """What was minimised."""
+        """Minimised cost."""
         return self.optimum.cost
 
     @cached_property
     def model_prediction(self) -> ModelPrediction:
-        """What it makes of every test."""
+        """Prediction of every test."""
         return ModelPrediction(self.problem, self.theta)
 
     @property
@@ -496,7 +496,7 @@ class Candidate:
 
     @property
     def covariance(self) -> FloatArray:
-        """Of the flat parameter vector."""
+        """Covariance of the flat parameter vector."""
         return self.estimate.covariance
 
     @property
@@ -538,7 +538,7 @@ class Candidate:
 
     @property
     def criterion(self) -> float:
-        """That with the noise as it is weighted."""
+        """Information criterion with the noise as it is weighted."""
         return self._compute_bic(self.cost)
 
     def _compute_bic(self, total: float) -> float:
@@ -564,18 +564,18 @@ class Candidate:
 
     @property
     def chi2(self) -> float:
-        """Of the lines and of the relaxation tests."""
+        """Chi-square of the lines and of the relaxation tests."""
         return self.line_misfit / self.problem.scale**2 + sum(self.relaxation_chi2)
 
     @property
     def line_scale(self) -> float:
-        """What the standard deviation of the lines must be multiplied by to explain the misfit."""
+        """Factor on the standard deviation of the lines that explains the misfit."""
         dof = max(2 * len(self.problem.frf_data.lines.s) - len(self.theta), 1)
         rms = float(np.sqrt(self.line_misfit / dof))
         return max(rms, 1.0 if self.problem.frf_data.known_sd else SMALLEST_SCATTER)
 
     def copy_with_scale(self, scale: float) -> Candidate:
-        """As it was found, its covariance with the scatter of the lines scaled."""
+        """Return the candidate with its covariance scaled by the scatter of the lines."""
         problem = replace(self.problem, scale=scale)
         return Candidate(problem, problem.build_problem(self.theta).solve_linear(self.theta))
 
@@ -583,7 +583,7 @@ class Candidate:
 def descend(
     problem: IdentificationProblem, start: FloatArray, *, tolerance: float, max_steps: int = 200
 ) -> Candidate:
-    """To the nearest optimum, in at most so many steps.
+    """Return the nearest optimum, in at most so many steps.
 
     Until a step promises to lower chi-square by less than that part of it.
     """

@@ -58,7 +58,7 @@ class Arms:
 
     @property
     def size(self) -> int:
-        """How many numbers there are."""
+        """Number of parameters."""
         return 1 + 2 * self.count
 
     def pack(self, solid: Solid) -> FloatArray:
@@ -84,7 +84,7 @@ class Arms:
         return RelaxationResiduals(force - rows.target, np.concatenate(parts, axis=1), rows.dashpot)
 
     def ends(self, log_tau: tuple[float, float]) -> FloatArray:
-        """Between which its last numbers are sought, those of relaxation times."""
+        """Return the limits of the last parameters, those of relaxation times."""
         return np.tile(log_tau, (self.count, 1))
 
     def physical(self, numbers: FloatArray) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
@@ -105,7 +105,7 @@ class Arms:
         return differentiate_poles(self, numbers, s)[0]
 
     def extract_earlier_values(self, before: Fit) -> tuple[dict[str, float], list[int]]:
-        """What an earlier fit found, by name, and which of the physical parameters those are."""
+        """Return the values of an earlier fit, by name, and their indices."""
         old = Arms(before.model.arms)
         names, values, _ = old.physical(old.pack(before.model))
         # faster arms than the earlier fit has are new: it says nothing about them
@@ -187,7 +187,7 @@ class FractionalElement:
         return RelaxationResiduals(spring + column - rows.target, slopes, rows.dashpot)
 
     def ends(self, log_tau: tuple[float, float]) -> FloatArray:
-        """Between which ln tau and alpha are sought: its flank alone may be in sight."""
+        """Return the limits of ln tau and alpha."""
         return np.array([(log_tau[0] - SOUGHT, log_tau[1] + SOUGHT), ALPHA])
 
     def physical(self, numbers: FloatArray) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
@@ -198,7 +198,7 @@ class FractionalElement:
         return ELEMENT, np.array([k_inf, k_inf + value, *numbers[2:]]), gradient
 
     def arm_gradient(self, numbers: FloatArray) -> FloatArray:
-        """Of the arms that stand for it."""
+        """Return the gradient of the arms that approximate the element."""
         return self.unpack(numbers, 0.0).arm_gradient() @ self.physical(numbers)[2]
 
     def differentiate_stiffness(self, numbers: FloatArray, s: ComplexArray) -> ComplexArray:
@@ -226,7 +226,7 @@ class FractionalElement:
         return solid.k_0 - solid.k_inf > GONE * solid.k_0
 
     def format_model_order(self) -> str:
-        """In words."""
+        """Return the model order in words."""
         return "a fractional element"
 
 

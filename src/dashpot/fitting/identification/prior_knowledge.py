@@ -46,7 +46,7 @@ class HammerRig:
 
     @property
     def cable_sd(self) -> float:
-        """What cables may add, over the stiffness of the seals."""
+        """Error by cables, over the stiffness of the seals."""
         return DEFAULT_UNCERTAINTIES["cable"].size if self.cable is None else self.cable
 
     def with_machine(self, machine: Machine | None) -> HammerRig:
@@ -115,7 +115,7 @@ class KnownSolid:
             object.__setattr__(self, name, self.pair(name))
 
     def pair(self, name: str) -> tuple[float, float] | None:
-        """One of the three with its standard deviation, SI units; None if it is not known."""
+        """Return a quantity with its standard deviation, SI units; None if it is not known."""
         return _pair(name, getattr(self, name), _DIMENSIONS[name])
 
 

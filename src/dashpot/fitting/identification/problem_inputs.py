@@ -115,7 +115,7 @@ def _without_tests(fit: Fit | None, temperature: float | None, family: str) -> P
 def point_of(
     before: Fit | None, mass: float | None, seals: float, compression: float | None
 ) -> OperatingPoint | None:
-    """Where the seals are under the hammer; None if that makes no difference, or is not known."""
+    """Return the operating point under the hammer; None if not needed or not known."""
     law = None if before is None else before.elastic_law
     if before is None or law is None or law.kind == "linear":
         return None
@@ -157,7 +157,7 @@ def priors_of(mass: float | None, rig: HammerRig, point: OperatingPoint | None) 
 
 
 def constraints_of(solid_prior: KnownSolid, before: PriorTests) -> Constraints:
-    """What the solid must obey: what is known of it, and an earlier fit that has no tests here."""
+    """Return the constraints on the solid: its priors, and an earlier fit without its tests."""
 
     def prior(name: str) -> Prior | None:
         pair = solid_prior.pair(name)

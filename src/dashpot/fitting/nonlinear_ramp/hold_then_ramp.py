@@ -94,12 +94,12 @@ class RampHoldOptimum:
 
     @property
     def log_tau(self) -> FloatArray:
-        """Of every arm, shape (N,)."""
+        """Logarithm of the relaxation time of every arm, shape (N,)."""
         return self.weighted.solid.split_parameters(self.optimum.theta)[0]
 
     @property
     def shape(self) -> FloatArray:
-        """Of the law at its knots, of mean 1."""
+        """Shape of the law at its knots, of mean 1."""
         return self.weighted.solid.split_parameters(self.optimum.theta)[1]
 
     @property

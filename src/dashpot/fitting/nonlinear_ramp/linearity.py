@@ -198,7 +198,7 @@ class HoldBlocks:
 
     @cached_property
     def blocks(self) -> tuple[DataBlock, ...]:
-        """By eq. 5, or, where the plate creeps, as the answer to the recorded motion."""
+        """Blocks of eq. 5 or, where the plate creeps, of the response to the recorded motion."""
         return tuple(
             compress_tests([record], FitSetup("hold", ()))[0]
             if eq5_obstacle(record) is None
@@ -207,7 +207,7 @@ class HoldBlocks:
         )
 
     def compute_hold_residual(self, i: int, start: FloatArray) -> FloatArray:
-        """What as many arms as `start` has, or as many as it supports, leave of one hold alone."""
+        """Return the residual of one hold alone, with at most as many arms as it supports."""
         block = self.blocks[i]
         arms = min(max(len(start), _FEWEST_HOLD_ARMS), max_determinable_arms([block]))
         # a start with two arms in one place, as at the edge of its shorter window, leads nowhere
@@ -217,7 +217,7 @@ class HoldBlocks:
         return compute_residual(solution, block.exact)
 
     def fit_hold_equation(self, model: GeneralizedMaxwell) -> GeneralizedMaxwell | None:
-        """What eq. 5 on all holds says with as many arms as another solid, where it applies."""
+        """Return the solid of eq. 5 on all holds with as many arms as a model, if it applies."""
         sample_count = sum(len(record.time[record.hold]) for record in self.records)
         if sample_count <= 1 + 2 * model.arms or any(
             eq5_obstacle(record) for record in self.records
@@ -339,7 +339,7 @@ class DelayedMotion(NamedTuple):
 
     @property
     def steps(self) -> tuple[Step, ...]:
-        """What was done to the motion."""
+        """Steps that were applied to the motion."""
         if not any(self.lags):
             return ()
         delay_text = " and ".join(format_quantity(lag, "ms", ".3g") for lag in self.lags)

@@ -244,7 +244,7 @@ class QuasiLinear:
         return theta[:arms], theta[arms:] if self.bends.stop else np.ones(2)
 
     def columns(self, log_tau: FloatArray) -> FloatArray:
-        """Of k_inf and every k under each hat: its path, and each arm's elongation, (M, 1+N, P)."""
+        """Return columns of k_inf and every k under each hat: path and elongations, (M, 1+N, P)."""
         _, mean, passed = self._steps(log_tau)
         arms = _run_recursion(passed[:, :, None], mean[:, :, None] * self._moved[:, None, :])
         return np.concatenate((self.hats[:, None, :], arms), axis=1)

@@ -148,7 +148,7 @@ class DelayedForce(NamedTuple):
     def from_arms(
         cls, arms: FloatArray, k: FloatArray, tau: FloatArray, k_g: float, speed: FloatArray
     ) -> DelayedForce:
-        """From the arms' elongations and the speed of the motion over the window."""
+        """Return the force from the arms' elongations and the speed of the motion in the window."""
         return cls(arms @ (k / tau) - k_g * speed, arms, k, tau, k_g)
 
 
@@ -303,7 +303,7 @@ class DataBlock:
 
     @property
     def exact(self) -> DataBlock:
-        """The same data with every sample as a row; itself if nothing was compressed."""
+        """Block with every sample as a row; itself if nothing was compressed."""
         return self if self.full is None else self.full()
 
     def with_column(self, name: str, column: FloatArray) -> DataBlock:

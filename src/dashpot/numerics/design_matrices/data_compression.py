@@ -76,7 +76,7 @@ class DataCompression:
 
     @property
     def samples(self) -> int:
-        """How many samples are compressed."""
+        """Number of samples that are compressed."""
         return self.stages[0][-1].stop if self.stages else len(self.nodes)
 
     def project(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -98,12 +98,12 @@ class DataCompression:
         return _apply_stages(values, self.stages)
 
     def compute_stacked_nodes(self, sequences: Sequence[FloatArray]) -> FloatArray:
-        """As `nodes_of`, for sequences of shape (M,), as rows: one by one while they are long."""
+        """Return `nodes_of` for sequences of shape (M,) as rows, one by one while they are long."""
         first = np.stack([_apply_stages(sequence, self.stages[:1]) for sequence in sequences])
         return _apply_stages(first, self.stages[1:])
 
     def _explicit(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """As `project`, the floor summed from what every basis leaves."""
+        """Return the projection with the remainder summed explicitly, without cancellation."""
         remainder_sse = np.zeros(values.shape[:-1])
         for sections in self.stages:
             parts = []
@@ -365,7 +365,7 @@ class Kernels(NamedTuple):
 
     @classmethod
     def from_window(cls, window: tuple[float, float], *, per_fold: float, rank: float) -> Kernels:
-        """For relaxation times in `window`, s.
+        """Return the kernels of relaxation times in `window`, s.
 
         `per_fold` fixed times per factor e; directions weaker than `rank` of the strongest are
         left out.

@@ -93,7 +93,7 @@ class ConvolvedMotion(EqualByValue):
     steps: MotionSteps | None = None
 
     def with_fixed(self, column: FloatArray, values: FloatArray | None = None) -> ConvolvedMotion:
-        """The same with one more fixed column, shape (n,), `values` its correlation if known."""
+        """Return the motion with a further fixed column, shape (n,), and its correlation."""
         fixed = np.concatenate((self.fixed.T, column[None])).T
         crossed = column @ fixed
         size = len(crossed)
@@ -226,7 +226,7 @@ def correlation_rows(shared: ConvolvedMotion, force: Force, exact: DataBlock) ->
 
 
 def _factor_of_samples(evaluation: Evaluation, *, derivative: bool) -> FloatArray:
-    """The same factor by the columns themselves: dearer, and no digit is lost by squaring."""
+    """Return the same factor from the columns themselves: slower, without loss of digits."""
     slopes = [evaluation.d_arms] if derivative else []
     columns = np.column_stack((evaluation.fixed, evaluation.arms, *slopes, evaluation.target))
     if not np.isfinite(columns).all():

@@ -107,18 +107,18 @@ class ResidualSeries:
 
     @cached_property
     def sequence(self) -> tuple[FloatArray, FloatArray | None]:
-        """Its :func:`initial_sequence`."""
+        """Initial sequence of the residuals, see :func:`initial_sequence`."""
         return initial_sequence(self.values)
 
     @cached_property
     def durbin_watson(self) -> float:
-        """Of neighbours, as a :class:`Noise` has it."""
+        """Durbin-Watson statistic of neighbours, as in :class:`Noise`."""
         steps = np.diff(self.values)
         return float(steps @ steps / (self.values @ self.values))
 
     @cached_property
     def means(self) -> ResidualSeries:
-        """Its means over a few samples."""
+        """Return the series of means over a few samples."""
         return ResidualSeries(block_means(self.values, len(self.values) // _MEANS))
 
 
@@ -144,16 +144,16 @@ class JacobianColumns:
 
     @cached_property
     def even(self) -> FloatArray:
-        """What makes the columns orthonormal over all that was fitted with them, shape (r, s)."""
+        """Matrix that makes the columns orthonormal over all fitted data, shape (r, s)."""
         return np.eye(self.matrix.shape[1]) if self.shared else _turn(self.gram)[0]
 
     @property
     def absorbed_count(self) -> float:
-        """How many residuals of white noise the columns take out of this record."""
+        """Number of residuals of white noise that the columns absorb in this record."""
         return float(np.trace(self.gram)) if self.shared else float(self.matrix.shape[1])
 
     def means(self, samples_per_mean: int) -> JacobianColumns:
-        """Of means over a few samples."""
+        """Return the columns of means over a few samples."""
         short = block_means(self.matrix.T, samples_per_mean).T
         return JacobianColumns(
             np.sqrt(samples_per_mean) * short if self.shared else short, shared=self.shared
@@ -321,7 +321,7 @@ def geyer_cut(gamma: FloatArray) -> int:
 
 
 def geyer_cuts(gamma: FloatArray) -> IndexArray:
-    """As :func:`geyer_cut`, of many autocovariances (..., n) at once."""
+    """Return :func:`geyer_cut` of many autocovariances (..., n) at once."""
     pairs = gamma[..., :-1:2] + gamma[..., 1::2]
     positive = np.logical_and.accumulate(~(pairs <= 0.0), axis=-1).sum(axis=-1)
     is_all_positive = positive == pairs.shape[-1]
@@ -449,7 +449,7 @@ class Directions(NamedTuple):
         )
 
     def compute_record_gain(self, record: int, noise: Noise) -> FloatArray:
-        """That of one record."""
+        """Return the gain of one record."""
         return toeplitz_form(self.columns[record], noise.autocovariance)
 
     def covariance(
@@ -508,7 +508,7 @@ def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:
 
 
 def _turn_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
-    """As :func:`_turn`, by the singular values of J itself."""
+    """Return :func:`_turn` by the singular values of J itself."""
     size = np.linalg.norm(jacobian, axis=0)
     value = size > 0.0
     scale = np.where(value, size, 1.0)
@@ -613,7 +613,7 @@ def reduced_basis(exact: DataBlock, samples_per_mean: int) -> ReducedBasis:
 
 @cache_on_record
 def _bases(_: DataBlock) -> dict[int, ReducedBasis]:
-    """Those that were found of a block, by how many neighbours are one."""
+    """Return the reduced bases of a block, by the number of averaged neighbours."""
     return {}
 
 

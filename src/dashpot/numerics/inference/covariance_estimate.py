@@ -46,7 +46,7 @@ class DerivedQuantity(NamedTuple):
 
     @property
     def standard_error(self) -> FloatArray:
-        """Of each value."""
+        """Standard error of each value."""
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
 
@@ -77,7 +77,7 @@ class Estimate:
 
     @property
     def kappa(self) -> float:
-        """How many residuals are worth one."""
+        """Number of residuals for each independent one."""
         return len(self.optimum.residual) / self.effective
 
     @property
@@ -87,7 +87,7 @@ class Estimate:
 
     @property
     def standard_error(self) -> FloatArray:
-        """Of theta, then beta."""
+        """Standard errors of theta, then beta."""
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
     def quantile(self, level: float = 0.95) -> float:
@@ -106,7 +106,7 @@ class Estimate:
         return DerivedQuantity(values, propagate_covariance(self.covariance, G), G)
 
     def add_parameter_error(self, by: FloatArray) -> Estimate:
-        """With one more error, that moves theta and beta by so much."""
+        """Return the estimate with one more error, which changes theta and beta by so much."""
         return replace(self, covariance=self.covariance + np.outer(by, by))
 
     def profile(self, index: int, *, level: float = 0.95) -> list[ProfileSlice]:

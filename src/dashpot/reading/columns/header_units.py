@@ -54,7 +54,7 @@ _SPECIAL_RATIOS = {
 
 
 def parse_response_unit(word: str) -> Ratio | None:
-    """What a unit such as ``(m/s^2)/N``, ``1/kg``, ``g/g`` or ``mm/(m/s^2)`` says; None if nothing.
+    """Return the ratio of a unit such as ``(m/s^2)/N``, ``1/kg`` or ``g/g``; None if it is none.
 
     >>> millimetres = parse_response_unit("mm/g")
     >>> millimetres.kind.value, millimetres.order, parse_response_unit("furlong/N")
@@ -81,7 +81,7 @@ def bare_ratio(word: str) -> Ratio | None:
 
 
 def undecibel(word: str) -> str | None:
-    """What decibels are of, such as g/g in ``dB re 1 g/g``, dB if of nothing; None if no decibels.
+    """Return the unit of decibels, such as g/g in ``dB re 1 g/g``; None if they are no decibels.
 
     >>> undecibel("dB re 1 g/g"), undecibel("dB ref 1 g/N"), undecibel("dB"), undecibel("g/g")
     ('g/g', 'g/N', 'dB', None)
@@ -116,7 +116,7 @@ def _parse_unit_ratio(top: str, bottom: str) -> Ratio | None:
 
 
 def _find_motion_unit(word: str) -> tuple[int, float] | None:
-    """How often the displacement was differentiated in a motion of this unit, and its factor."""
+    """Return the order of the derivative of a motion of this unit, and its factor."""
     for order, dimension in enumerate(_MOTIONS):
         unit = units.find_unit(word, dimension)
         if unit is not None:

@@ -201,7 +201,7 @@ def _is_named_acceleration(column: Column) -> bool:
 
 
 def score_columns(table: FileTable, role: Role, options: ReadOptions) -> Mapping[int, float]:
-    """How well the name and unit of each column suit a role, by index; none of what cannot play it.
+    """Return the score of each suitable column for a role, by index.
 
     A table keeps what was found, for there may be thousands of columns.
     """
@@ -230,7 +230,7 @@ def scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
 
 @lru_cache(maxsize=1 << 16)
 def _compute_file_scores(name: str, unit: str | None, content: Content) -> Mapping[Role, float]:
-    """What the file alone says of columns that differ by a number, or whose names say nothing."""
+    """Return the scores by the file of columns that differ by a number or have vague names."""
     return _scores(Column(name, unit, content), _NOTHING_SAID)
 
 
@@ -264,7 +264,7 @@ def _score(column: Column, role: Role, options: ReadOptions) -> float:
 
 
 def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
-    """How well the name says a role, one more where the unit fits; 0 if the unit forbids it."""
+    """Return the score of a name for a role, one more where the unit fits; 0 if it does not."""
     message = vocabulary.matches(column.name)
     value = message.get(role, 0.0)
     is_named = value >= vocabulary.LEAST_SCORE
@@ -667,7 +667,7 @@ def _unlike(table: FileTable) -> tuple[Column, ...]:
 
 @cache_on_record
 def _all_columns(table: FileTable) -> str:
-    """What each question about a table lists: of thousands of columns it is put together once."""
+    """Return the list of columns for a question, made once for thousands of columns."""
     return list_columns(table.columns)
 
 

@@ -233,7 +233,7 @@ def _odd_first_row(lines: Sequence[str], dialect: Dialect) -> list[str]:
 
 
 def _significant(cell: str) -> int:
-    """How many significant digits a number is printed with; trailing zeros count for none."""
+    """Return the number of significant digits of a printed number, without trailing zeros."""
     mantissa = cell.lower().partition("e")[0]
     return len("".join(filter(str.isdigit, mantissa)).strip("0"))
 
@@ -268,7 +268,7 @@ def _multiplies(line: str, dialect: Dialect) -> bool:
 
 
 def _clock_orders(header: Header, options: ReadOptions) -> tuple[str, ...]:
-    """How the clock times of each column are written: as the user says, else as the header."""
+    """Return the order of date parts of each column: as the user states, else as the header."""
     return tuple(
         (column.content == "clock" and clock_order(options.unit_of("time", column.name))) or clock
         for column, clock in zip(header.columns, header.clocks, strict=True)

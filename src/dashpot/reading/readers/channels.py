@@ -72,7 +72,7 @@ class OpenedFile:
         return answer if isinstance(answer, RoleAssignment) else None
 
     def find_unambiguous_column(self, role: Role) -> RoleAssignment | None:
-        """As `column`, but where several could play the role it is asked which.
+        """Return the column of a role; ask where several could play it.
 
         Raises
         ------

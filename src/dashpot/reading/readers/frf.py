@@ -379,7 +379,7 @@ def _get_stated_kind(table: FileTable, *, over_base: bool) -> Kind | None:
 def _compute_derivative_factor(
     factor: float, order: int, frequency: FloatArray, shift: float
 ) -> float | ComplexArray:
-    """What makes a motion over a motion one of the same derivative: a factor, and s to a power."""
+    """Return the factor, with a power of s, that makes both motions the same derivative."""
     if order == 0:
         return factor
     s = 2j * np.pi * frequency + shift

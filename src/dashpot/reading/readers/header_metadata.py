@@ -147,7 +147,7 @@ def _load_temperature_column(
 
 
 def _rise(kelvin: FloatArray) -> float:
-    """By how much a straight line through the readings rises from the first to the last."""
+    """Return the rise of a straight line through the readings, from the first to the last."""
     relative_time = np.linspace(-0.5, 0.5, len(kelvin))
     square = float(relative_time @ relative_time)
     return float(relative_time @ kelvin) / square if square > 0 else 0.0

@@ -166,7 +166,7 @@ class Inspection(Plottable):
 
     @property
     def use(self) -> str:
-        """Which command wants such a file, or why none does; empty where that is not known."""
+        """Command that takes such a file, or why none does; empty where that is not known."""
         return get_kind_command(self.kind)
 
 

@@ -148,7 +148,7 @@ def _table(stream: BinaryIO, head: dict[str, Any]) -> FileTable:
 
 
 def _blocks(rows: int, width: int) -> Iterator[tuple[int, int]]:
-    """Where each block of columns begins and ends: one column, or thousands of short ones."""
+    """Yield the first and last column of each block: one column, or thousands of short ones."""
     block_width = max(1, _BLOCK // max(1, rows))
     return ((first, min(first + block_width, width)) for first in range(0, width, block_width))
 

@@ -241,7 +241,7 @@ def _determine_decimal_mark(lines: Sequence[str], dialect: Dialect) -> Dialect:
 
 
 def _delimiters(windows: Sequence[Sequence[str]], text: str | None) -> tuple[str, ...]:
-    """What to try: the one given, else all, and a fixed width for cells that may be blank."""
+    """Return the delimiters to try: the one given, else all, and a fixed width."""
     if text == "fixed":
         return tuple(dict.fromkeys(map(_find_column_breaks, windows)))
     if text is not None:

@@ -125,7 +125,7 @@ def _clock(name: str, word: str | None) -> str:
 
 
 def _misfit(rows: Sequence[list[str]], dialect: Dialect) -> str:
-    """What to say of a row of names that is not as wide as the table; nothing without one."""
+    """Return the note on a row of names that is not as wide as the table; empty without one."""
     wrong = next((row for row in rows if _misfits(row, dialect)), [])
     if not wrong:
         return ""

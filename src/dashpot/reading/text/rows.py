@@ -54,7 +54,7 @@ def find_undecided_columns(values: FloatArray) -> set[int]:
 
 @dataclass(frozen=False)
 class _Marks:
-    """How the numbers of one column are written, as far as they have been read."""
+    """Marks of the numbers in one column, as far as they have been read."""
 
     decimal: str
     text: str = ""
@@ -183,7 +183,7 @@ class Heading:
 
 @dataclass(frozen=False)
 class _Gathered:
-    """What has been read so far."""
+    """Rows and notes that have been read so far."""
 
     parts: list[FloatArray] = field(default_factory=list)
     rows: int = 0

@@ -72,7 +72,7 @@ def _no_peak(c: Comparison) -> bool:
 
 
 def _grade(limits: float) -> Grade | None:
-    """What missing the measurement by so many limits means for the prediction."""
+    """Return the grade of a prediction that misses the measurement by so many limits."""
     return "stop" if limits > MAX_LIMIT_RATIO else None
 
 
@@ -299,7 +299,7 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
 
 
 def format_conclusion(c: Comparison) -> str:
-    """What agrees, what does not, why, and what to do, as a verdict says it."""
+    """Return the conclusion of a verdict: what agrees, what does not, why, and what to do."""
     checks = {check.name: check for check in c.checks}
     slip, tested = checks["no_unit_error"], checks.get("damping_tested")
     if slip.failed:
@@ -323,7 +323,7 @@ def format_conclusion(c: Comparison) -> str:
 
 
 def _format_frequency_error(c: Comparison, *, agrees: bool) -> str:
-    """How far the frequency of the peak is off, in a sentence."""
+    """Return the error of the peak frequency, in a sentence."""
     error_text = f"{100 * c.frequency_error:+z.1f} %"
     if agrees:
         return f"The frequency agrees ({error_text})."
@@ -332,7 +332,7 @@ def _format_frequency_error(c: Comparison, *, agrees: bool) -> str:
 
 
 def _format_damping_error(c: Comparison) -> str:
-    """How far its damping is off or, where that is not known, its height."""
+    """Return the error of the damping in a sentence or, where it is not known, of the height."""
     if c.predicted_damping is None or c.measured_damping is None:
         return f"The peak is {c.ratio_db:+z.1f} dB off."
     predicted, measured = 100 * c.predicted_damping, 100 * c.measured_damping

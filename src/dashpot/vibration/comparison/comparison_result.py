@@ -31,7 +31,7 @@ class ArmEvidence:
     seen_by_relaxation: bool
 
     def __str__(self) -> str:
-        """Its share of the loss, as text."""
+        """Return the share of the loss, as text."""
         return (
             f"arm tau = {self.tau:.4g} s: {100 * self.loss_share:.1f} % of the model's loss at the "
             f"measured peak, {'' if self.seen_by_relaxation else 'not '}resolved by the relaxation"

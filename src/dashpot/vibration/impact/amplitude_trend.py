@@ -86,7 +86,7 @@ class Trend:
 
     @property
     def stiffness_sure(self) -> float:
-        """What chance exceeds in one of a hundred tests without a change."""
+        """Limit that chance exceeds in one of a hundred tests without a change of stiffness."""
         return self.stiffness_line.critical_slope
 
     @property
@@ -101,12 +101,12 @@ class Trend:
 
     @property
     def damping_sure(self) -> float:
-        """As `stiffness_sure`."""
+        """Limit that chance exceeds in one of a hundred tests without a change of damping."""
         return self.damping_line.critical_slope
 
     @property
     def detectable_damping_change(self) -> float:
-        """As `detectable_stiffness_change`."""
+        """Change of damping that the test would detect, as `detectable_stiffness_change`."""
         return self.damping_line.found
 
 

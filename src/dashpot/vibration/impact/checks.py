@@ -67,7 +67,7 @@ def agreement(
 
 
 def disagreement(spectra: Spectra) -> FloatArray | None:
-    """How far each response is from what another hit's FRF makes of its force, relative.
+    """Return the relative difference of each response from the FRF of the other hits.
 
     The median over the other hits, so that one bad hit does not discredit the good ones.
     """
@@ -250,7 +250,7 @@ def _relative_cause(part: float, size: complex) -> tuple[str, Remedy]:
 
 
 def _turn(size: FloatArray) -> int | None:
-    """Where a ratio of motions peaks within its lines, or, upside down, is least."""
+    """Return the line at which a ratio of motions peaks, or is least if inverted."""
     top, lowest_index, end = int(size.argmax()), int(size.argmin()), len(size) - 1
     if 0 < top < NO_TURN * end:
         return top

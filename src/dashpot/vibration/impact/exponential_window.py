@@ -94,7 +94,7 @@ class ExponentialWindow(NamedTuple):
     from_start: bool = False
 
     def compute_response_only_window(self, hit: HitBlock) -> FloatArray:
-        """What the force of a hit lacks of the window, shape (n,); ones where it carries it."""
+        """Return the window that the force of a hit lacks, shape (n,); ones where it has it."""
         count = len(hit.force)
         if self.on_force or self.rate <= 0:
             return np.ones(count)

@@ -103,7 +103,7 @@ class HitBlock:
         return width_at(self.force, level * self.peak, pulse_ends) / self.rate
 
     def moments(self) -> tuple[float, float]:
-        """When the pulse acts on average, s from the start of the block, and its rms width, s."""
+        """Return the mean time of the pulse from the start of the block, and its rms width, s."""
         pulse_samples = self.pulse(0.05)
         weights = self.force[pulse_samples] / self.force[pulse_samples].sum()
         at = np.arange(pulse_samples.start, pulse_samples.stop) / self.rate
@@ -124,7 +124,7 @@ def width_at(values: FloatArray, level: float, pulse_ends: tuple[int, int]) -> f
 
 @dataclass(frozen=True)
 class _PulseOnset:
-    """Where a pulse begins in its continuous record, and where its neighbours do."""
+    """Start of a pulse in its continuous record, and those of its neighbours."""
 
     test: ImpactTest
     sign: float

@@ -27,7 +27,7 @@ MOST_MODES, MOST_OF_A_SET = 6, 24
 
 
 def compute_rms_accelerance(points: FRFSet) -> FRF:
-    """What all points do: the root mean square of their accelerances, each over its own size.
+    """Return the root mean square of the accelerances of all points, each over its own size.
 
     Its value has no phase. It shows where to look for modes, and where a chart's peaks are.
     """

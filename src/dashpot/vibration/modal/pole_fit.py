@@ -210,7 +210,7 @@ class PoleTrial:
 
     @cached_property
     def columns(self) -> ComplexArray:
-        """What a residue of 1 and of j looks like, pole by pole: shape (2 modes, n)."""
+        """Return the columns of a residue of 1 and of j, pole by pole: shape (2 modes, n)."""
         return _pairs(self.ground.lines, self.poles)
 
     @cached_property
@@ -275,7 +275,7 @@ class PoleTrial:
 
     @cached_property
     def curvature(self) -> FloatArray:
-        """Of Gauss and Newton."""
+        """Gauss-Newton curvature."""
         return np.asarray(self.solution.normal.sum(axis=0))
 
     def ahead(self, step: FloatArray) -> PoleTrial:
@@ -345,7 +345,7 @@ def _subtract_projection(basis: FloatArray, rows: FloatArray) -> FloatArray:
 
 
 def _times(matrix: FloatArray, vector: FloatArray) -> FloatArray:
-    """By channel."""
+    """Return the product of matrix and vector for each channel."""
     return np.asarray((matrix @ vector[..., None])[..., 0])
 
 
@@ -455,7 +455,7 @@ def _select_mode_lines(lines: FRFLines, p: complex) -> BoolArray:
 
 
 def _refine(trial: PoleTrial, tolerance: float = 0.0) -> PoleTrial:
-    """To the nearest optimum of the poles, the residues projected out.
+    """Return the nearest optimum of the poles, the residues projected out.
 
     Ends where a step promises no more than `tolerance` variances, as one for each row of the lines.
     """
@@ -563,7 +563,7 @@ def _chi2(trial: PoleTrial, p: complex) -> float:
 
 
 def _parameters(channels: FloatArray) -> int:
-    """Of one mode: its pole, and a residue in each channel."""
+    """Return the number of parameters of one mode: its pole, and a residue in each channel."""
     return 2 + 2 * len(channels)
 
 

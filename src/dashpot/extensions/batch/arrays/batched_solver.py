@@ -202,7 +202,7 @@ def _is_interior_positive(
 def _is_well_determined(
     family: SharedSampling, point: StackTrial, reduced: ReducedRecords
 ) -> BoolArray:
-    """Which records know every relaxation time so well that no other optimum can be better."""
+    """Return a mask of records whose relaxation times exclude any better optimum."""
     count, arms = point.log_tau.shape
     dof = family.template.samples - family.fixed_count - 2 * arms
     if dof < 10:

@@ -26,7 +26,7 @@ class GridSearch:
         self.inverse: FloatArray | None = None
 
     def gains(self, reduced: ReducedRecords) -> FloatArray:
-        """What each set explains of each record, (sets, R); zero without positive coefficients."""
+        """Return the explained sum of squares by set and record, (sets, R); 0 if not positive."""
         gram, with_fixed, with_grid = self.family.moments(self.log_tau, reduced)
         q = self.family.fixed_count
         coefficients = np.linalg.solve(gram[:q, :q], gram[:q, q:])

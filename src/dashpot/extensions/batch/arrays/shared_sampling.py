@@ -73,7 +73,7 @@ class SharedSampling(ABC):
 
     @property
     def nonnegative(self) -> BoolArray:
-        """Which fixed coefficients are stiffnesses, shape (q,)."""
+        """Mask of the fixed coefficients that are stiffnesses, shape (q,)."""
         return stiffnesses(self.template.fixed_names)
 
     def reduce(self, values: FloatArray) -> ReducedRecords:
@@ -182,7 +182,7 @@ def column_space(template: DataBlock, at_nodes: Callable[[IndexArray], DataBlock
 
 
 def _independent(basis: FloatArray) -> IndexArray:
-    """As many rows as there are columns, each the farthest from the span of those before it."""
+    """Return as many row indices as columns, each farthest from the span of those before it."""
     rest, indices = basis.copy(), []
     for _ in range(basis.shape[1]):
         square = np.vecdot(rest, rest)
@@ -255,7 +255,7 @@ class CompressedFamily(SharedSampling):
     def moments(
         self, log_tau: FloatArray, reduced: ReducedRecords
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """In the space of the columns."""
+        """Return the moments in the space of the columns."""
         columns = self.space.inverse @ self.space.chosen.evaluate(log_tau, False).arms
         q = self.fixed_count
         fixed = np.zeros((len(columns), q))
@@ -285,7 +285,7 @@ class RecordedFamily(SharedSampling):
     def moments(
         self, log_tau: FloatArray, reduced: ReducedRecords
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """By the correlations."""
+        """Return the moments from the correlations."""
         tau, force = np.exp(log_tau), Force(*reduced.data)
         first = Force(force.sequence[0], force.fixed[0], force.energy[0])
         gram = self.motion.gram(tau, first, derivative=False)[:-1, :-1]

@@ -185,7 +185,7 @@ def _ratio(first: FloatArray, second: FloatArray) -> float:
 
 
 def _ratios(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Of deviations, from variances; 0 over 0 is 0."""
+    """Return ratios of deviations, from variances; 0 over 0 is 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(first == 0, 0.0, np.sqrt(first / second))
 

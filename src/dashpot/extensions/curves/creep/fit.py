@@ -230,7 +230,7 @@ def _data(record: LoadHold, *, flows: bool) -> FitData:
 
 
 class _PreloadBaseline(NamedTuple):
-    """What the samples before the load say, SI units; the first sample that the fit may use."""
+    """Samples before the load, SI units, and the first sample that the fit may use."""
 
     offset: Prior
     at: float
@@ -243,7 +243,7 @@ class _PreloadBaseline(NamedTuple):
 
     @property
     def terms(self) -> NuisanceTerms:
-        """Of the columns, which count from the first sample."""
+        """Return the nuisance terms of the columns, which count from the first sample."""
         priors = {"offset": self.offset, "drift": self.drift, "delay": self.delay}
         return NuisanceTerms(priors, -self.at, self.least)
 
@@ -524,7 +524,7 @@ def _plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) -> l
 def _end_of_test(
     record: LoadHold, retardation: Retarded, band: tuple[float, float]
 ) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
-    """What the record leaves open when its hold ends, and where in a band it knows the solid.
+    """Return the limits at the end of the hold, and the valid band of the solid.
 
     Its rig drifts as one that is not described may, and gives under the load.
     """
@@ -555,7 +555,7 @@ def _end_and_band(
     lam: Sequence[float],
     band: tuple[float, float],
 ) -> tuple[EndOfHold, tuple[float, float], BandError | None]:
-    """What retardations leave open at the end of some data, and where in a band they are known."""
+    """Return the limits at the end of some data, and the valid band of their retardations."""
     spectra = spectra_of_curve(data, time=time, extra=lam)
     end = end_of_curve(data, "creep", time=time, model=model, extra=lam, spectra=spectra)
     return end, *band_of_curve(spectra, model, band, creep=True)

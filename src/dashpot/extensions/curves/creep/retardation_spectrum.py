@@ -157,7 +157,7 @@ class Retarded(SelectedModel):
 
     @cached_property
     def _gradient(self) -> dict[str, FloatArray]:
-        """How each parameter of the solid moves with those of the creep."""
+        """Return the derivative of each parameter of the solid by those of the creep."""
         model, size = self.model, len(self.creep.parameters)
         sensitivity = relaxation_sensitivity(self.spectrum, model.tau)[:, :size]
         arms = range(1, model.arms + 1)
@@ -178,7 +178,7 @@ class Retarded(SelectedModel):
 
     @cached_property
     def covariance(self) -> FloatArray:
-        """Of the solid's parameters, by the derivative of the interconversion."""
+        """Covariance of the solid's parameters, by the derivative of the interconversion."""
         return propagate_covariance(self.creep.covariance, np.array(list(self._gradient.values())))
 
     @property

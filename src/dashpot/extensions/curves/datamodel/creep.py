@@ -106,7 +106,7 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which record it is, and how far it reaches."""
+        """Summary: the record and its range."""
         change, force_range = float(np.ptp(self.displacement)), float(np.ptp(self.force))
         return (
             describe_record_source(self.source, len(self.time)),
@@ -194,7 +194,7 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which curve it is, and what it covers."""
+        """Summary: the curve and its range."""
         return describe_step_response(self, "compliance")
 
 
@@ -278,7 +278,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
 
     @property
     def step(self) -> float:
-        """Between two samples, s: the median."""
+        """Median time step, s."""
         return median(np.diff(self.time))
 
     def with_load_earlier(self, by: float) -> LoadHold:
@@ -308,12 +308,12 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
 
     @property
     def ramp_time(self) -> float:
-        """How long the load rises, s; 0 for a step."""
+        """Time in which the load rises, s; 0 for a step."""
         return self.ramp_end - self.onset
 
     @property
     def hold_time(self) -> float:
-        """How long the load is held, s."""
+        """Duration of the hold, s."""
         return self.hold_end - self.ramp_end
 
     @property
@@ -335,7 +335,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which record it is, its load and hold, and what preparation noticed."""
+        """Summary: the record, its load and hold, and the notes of preparation."""
         failed = (f"  {check.name}: {check.message}" for check in self.checks if check.failed)
         return (
             describe_record_source(self.source, len(self.time)),

@@ -106,7 +106,7 @@ class DynamicTest(EqualByValue, HasSummary, Serialisable):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which sweep it is, and what it covers."""
+        """Summary: the sweep and its range."""
         return (
             describe_record_source(self.source, len(self.frequency)),
             (

@@ -60,7 +60,7 @@ def has_several_temperatures(temperature: FloatArray | None) -> bool:
 
 
 def format_temperature_range(temperature: FloatArray | None) -> str:
-    """From which to which temperature, in words; nothing if there is but one."""
+    """Return the range of temperatures in words; empty if there is one only."""
     if temperature is None:
         return ""
     return f", {temperature.min():.5g} to {temperature.max():.5g} K"

@@ -73,7 +73,7 @@ class Superposition(EqualByValue, Plottable):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """What was shifted, how far, by which law, and what that leaves."""
+        """Summary: the shifted curves, the shifts, the law and its residual."""
         shifts = self.temperatures
         largest_shift = max(abs(shift.log10_a_t) for shift in shifts.shifts)
         cold, hottest = shifts.tested_range

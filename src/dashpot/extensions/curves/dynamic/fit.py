@@ -442,7 +442,7 @@ def _end(
     tau: Sequence[float],
     band: tuple[float, float],
 ) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
-    """What a sweep leaves open of the storage below it, and where in a band it knows the solid.
+    """Return the limits of the storage below a sweep, and the valid band.
 
     Nothing of one of few lines.
     """
@@ -464,7 +464,7 @@ def _end(
 def _misfit_in_band(
     solid: Solid, data: DynamicTest, band: tuple[float, float]
 ) -> tuple[float, float]:
-    """By how much a solid misses stiffness and loss factor of a line in a band, relative to it."""
+    """Return the relative misfit of stiffness and loss factor of a line in a band."""
     in_band = (data.frequency >= band[0]) & (data.frequency <= band[1])
     K, measured = solid.complex_stiffness(omega=data.omega), data.value
     is_compared = in_band & (data.loss > 0)

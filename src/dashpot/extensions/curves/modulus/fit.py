@@ -212,7 +212,7 @@ def _end(
 def _misfit_in_band(
     model: GeneralizedMaxwell, t: FloatArray, values: FloatArray, band: tuple[float, float]
 ) -> float:
-    """By how much the model misses a value of the curve in a band, relative to it, at most."""
+    """Return the largest relative misfit of the curve in a band."""
     with np.errstate(divide="ignore"):
         line = 1 / (2 * np.pi * t)
     error = np.abs(model.relaxation(t) / values - 1)

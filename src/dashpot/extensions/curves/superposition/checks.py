@@ -259,7 +259,7 @@ def collect_shift_checks(
     *,
     requested: bool = False,
 ) -> tuple[Check, ...]:
-    """How each shift lies against that of the next temperature, and the law against all.
+    """Return the checks of each shift against that of the next temperature, and of the law.
 
     `covariance` begins with that of the shifts; `requested` if none but they were asked for.
     """

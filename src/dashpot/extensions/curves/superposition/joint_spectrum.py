@@ -63,7 +63,7 @@ class ShiftedSpectrum:
 
     @property
     def values(self) -> int:
-        """How many residuals there are."""
+        """Number of residuals."""
         return len(self.optimum.residual)
 
     @property
@@ -83,17 +83,17 @@ class ShiftedSpectrum:
 
     @property
     def bic(self) -> float:
-        """Of the spectrum and the shifts, what was known of these counted in."""
+        """BIC of the spectrum and the shifts, with their priors."""
         return bic(self.optimum.cost, effective=self.values, parameters=self.parameters)
 
     @property
     def deviance(self) -> float:
-        """Of the data alone, as part of a BIC."""
+        """Deviance of the data alone, as part of a BIC."""
         return deviance(self.sse, effective=self.values)
 
     @property
     def covariance(self) -> FloatArray:
-        """Of the free shifts, natural logarithms."""
+        """Covariance of the free shifts, natural logarithms."""
         return white(self.optimum.projected_jacobian, self.variance)
 
 
@@ -149,7 +149,7 @@ class ShiftSearch:
         return ln_a, ln_b
 
     def rows(self, theta: FloatArray) -> Rows:
-        """Of every isotherm, and what is known of the steps between neighbours."""
+        """Return the rows of every isotherm, and of the priors of steps between neighbours."""
         ln_a, ln_b = self.split_shifts(theta)
         n, prior = len(ln_a), _prior(self.isotherms, self.noise)
         group = list(zip(self.isotherms, ln_a.tolist(), ln_b.tolist(), strict=True))

@@ -145,7 +145,7 @@ def superpose(
 
 
 class _SeparateSpectra(NamedTuple):
-    """What the isotherms leave, each with a spectrum of its own."""
+    """Residuals of the isotherms, each with a spectrum of its own."""
 
     sse: float
     dof: int

@@ -57,7 +57,7 @@ class JointCovariance(ParameterCovariance):
 
     @property
     def solid_rig_sensitivity(self) -> FloatArray:
-        """What the uncertainties of the rigs add to the solid's parameters, shape (p, d)."""
+        """Sensitivity of the solid's parameters to the uncertainties of the rigs, shape (p, d)."""
         return self.rig_changes[self._solid]
 
     @property
@@ -66,13 +66,13 @@ class JointCovariance(ParameterCovariance):
 
     @property
     def shift_covariance(self) -> FloatArray:
-        """Of log10 a_T of every temperature, then of ln b_T; zero where nothing was sought."""
+        """Covariance of log10 a_T of every temperature, then of ln b_T; zero if not fitted."""
         turn = self.joint.shift_rows(self.names)
         return np.asarray(turn @ self.covariance @ turn.T)
 
     @property
     def cross(self) -> FloatArray:
-        """Of the solid's parameters and the slope, with the shifts and the slope."""
+        """Cross-covariance of the solid's parameters and slope with the shifts and slope."""
         solid = [self.names.index(name) for name in parameter_names(self.point.order)]
         identity = np.eye(len(self.names))
         slope = identity[[self.names.index("slope")]] if "slope" in self.names else 0 * identity[:1]
@@ -88,7 +88,7 @@ class JointCovariance(ParameterCovariance):
 
     @property
     def residual(self) -> Residual:
-        """Of every sample."""
+        """Residual of every sample."""
         return self.statistics([noise.samples for noise in self.noises])
 
 

@@ -75,12 +75,12 @@ class ShiftedSolid:
 
     @property
     def alive(self) -> BoolArray:
-        """Which arms are there."""
+        """Mask of the arms that are not zero."""
         return np.asarray(self.k > _NOTHING * self.stiffnesses.sum())
 
     @property
     def solid(self) -> GeneralizedMaxwell:
-        """At the reference."""
+        """Solid at the reference temperature."""
         order = np.argsort(self.log_tau)
         return GeneralizedMaxwell(
             self.k_inf, tuple(self.k[order]), tuple(np.exp(self.log_tau[order]))
@@ -91,7 +91,7 @@ class ShiftedSolid:
         return shifted_log_tau(self.log_tau, float(self.log_a[i]), self.slope)
 
     def solid_at(self, i: int) -> GeneralizedMaxwell:
-        """At temperature i."""
+        """Return the solid at temperature i."""
         order, b = np.argsort(self.log_tau), float(np.exp(self.log_b[i]))
         return GeneralizedMaxwell(
             b * self.k_inf,
@@ -161,7 +161,7 @@ class JointTests:
         )
 
     def shift_rows(self, names: Sequence[str]) -> FloatArray:
-        """What picks log10 a_T and ln b_T of every temperature out of the parameters named."""
+        """Return the rows that select log10 a_T and ln b_T of every temperature."""
         count = len(self.temperatures)
         turn = np.zeros((2 * count, len(names)))
         for i in self.free_temperatures:

@@ -85,7 +85,7 @@ class SingleTemperatureTest:
     def from_first_fit(
         cls, record: RampHold, temperature: float, first: InitialFit, law: ElasticLaw | None
     ) -> SingleTemperatureTest:
-        """From its own free fit."""
+        """Return the test with the nuisances of its own free fit."""
         noise, best = first.noises[0], first.solutions[-1]
         block = first.data.blocks[0]
         rounding_power = block.rounding_floor / noise.samples
@@ -110,24 +110,24 @@ class SingleTemperatureTest:
 
     @cached_property
     def terms(self) -> NuisanceTerms:
-        """What is known of those columns."""
+        """Nuisance terms of the test's own columns."""
         return build_nuisance_terms(self.record).add_terms(
             warming=build_recorded_warming_prior(self.record.specimen)
         )
 
     @property
     def nuisance_columns(self) -> list[int]:
-        """Which fixed columns are the test's own."""
+        """Indices of the fixed columns that are the test's own."""
         return [i for i, name in enumerate(self.block.fixed_names) if name != "k_inf"]
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """What they are: ``"offset"``, ``"drift"``, ``"delay"``, ``"warming"``."""
+        """Kinds of the columns: ``"offset"``, ``"drift"``, ``"delay"``, ``"warming"``."""
         return tuple(get_column_kind(self.block.fixed_names[i]) for i in self.nuisance_columns)
 
     @cached_property
     def prior_rows(self) -> tuple[FloatArray, FloatArray]:
-        """What is known of its own columns as rows of unit noise, with their targets."""
+        """Priors of the test's own columns as rows of unit noise, with their targets."""
         prior = self.terms.build_rows(self.block, self.spread)
         evaluation, unit = prior.evaluate(np.zeros(0), False), float(np.sqrt(prior.variance or 1.0))
         return evaluation.fixed / unit, evaluation.target / unit
@@ -165,7 +165,7 @@ class SingleTemperatureTest:
         return replace(self, warming=column[self.start :])
 
     def unmeasured_effects(self, solid: GeneralizedMaxwell) -> FloatArray:
-        """What the rig may add that no column looks for, N, one standard deviation each, (n, d).
+        """Return forces that the rig may add and no column fits, N, one SD each, (n, d).
 
         Of the drift, what the fit holds to be less than it may be. `solid` is that at the
         temperature of the test.

@@ -89,7 +89,7 @@ class CLDTest(EqualByValue, HasSummary):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which record it is, and how far it reaches."""
+        """Summary: the record and its range."""
         return (
             describe_record_source(self.source, len(self.force)),
             (
@@ -119,7 +119,7 @@ class Branch(EqualByValue):
 
     @property
     def samples(self) -> slice:
-        """Of the record."""
+        """Samples of the record."""
         return slice(self.first, self.first + len(self.force))
 
     def work(self, depth: float = np.inf) -> float:
@@ -350,17 +350,17 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
 
     @property
     def loading(self) -> Branch:
-        """Its way in."""
+        """Loading branch."""
         return self.cycle.loading
 
     @property
     def unloading(self) -> Branch | None:
-        """Its way back."""
+        """Unloading branch."""
         return self.cycle.unloading
 
     @property
     def met_later(self) -> float:
-        """How much deeper a force that is late by its `delay_sd` shows the first contact, m."""
+        """Compression that the first contact gains by a delay of one `delay_sd`, m."""
         return self.delay_sd * (self.cycle.speed or 0.0)
 
     @property
@@ -385,12 +385,12 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
 
     @property
     def per(self) -> float:
-        """What a force, N, is multiplied with: to N per 100 mm, or 1 where no length is known."""
+        """Factor from a force, N, to N per 100 mm; 1 where no length is known."""
         return 1.0 if self.specimen.length is None else PER / self.specimen.length
 
     @property
     def unit(self) -> str:
-        """Of a force times `per`."""
+        """Unit of a force times `per`."""
         return "N" if self.specimen.length is None else "N per 100 mm"
 
     @property

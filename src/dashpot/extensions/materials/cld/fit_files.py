@@ -179,7 +179,7 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
 
     @property
     def unit(self) -> str:
-        """Of a force."""
+        """Unit of a force."""
         return self.specimens[0].unit
 
     @property

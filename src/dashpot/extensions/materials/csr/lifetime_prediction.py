@@ -86,7 +86,7 @@ class Aged(HasVerdict, Serialisable):
 
     @property
     def interval_note(self) -> str:
-        """What the intervals leave out where the answer lies beyond the ovens; else empty."""
+        """Sentence on what the intervals leave out beyond the ovens; else empty."""
         if not any(check.failed and check.name in _EXTRAPOLATION for check in self.checks):
             return ""
         return (
@@ -96,7 +96,7 @@ class Aged(HasVerdict, Serialisable):
 
     @property
     def sources(self) -> tuple[Source, ...]:
-        """Of the law."""
+        """Sources of the aging law."""
         return self.aging.sources
 
     @property

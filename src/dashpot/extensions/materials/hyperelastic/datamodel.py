@@ -253,7 +253,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
 
     @property
     def loading_rate(self) -> str:
-        """At which rate of strain the law holds, as text."""
+        """Strain rate of the law, as text."""
         return self._speed.partition(":")[0].removeprefix(", ")
 
     @property

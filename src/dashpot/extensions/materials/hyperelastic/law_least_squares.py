@@ -84,7 +84,7 @@ class HyperelasticOptimum(NamedTuple):
 
     @property
     def rms(self) -> float:
-        """Of the residual, over the rms of the stress."""
+        """Root mean square residual over the rms of the stress."""
         return float(np.sqrt(np.mean(self.optimum.residual**2)))
 
     def numbers(self, values: FloatArray) -> FloatArray:
@@ -179,7 +179,7 @@ def _starts(rows: WeightedCurves, terms: int, poisson: float | None) -> list[Flo
 
 
 def _paths(rows: WeightedCurves, poisson: float) -> list[Path]:
-    """Of every curve."""
+    """Return the strain paths of every curve."""
     return [path(curve.mode, curve.stretch, poisson) for curve in rows.curves]
 
 

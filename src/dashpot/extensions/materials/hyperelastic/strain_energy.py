@@ -174,14 +174,14 @@ class Hyperelastic:
 
     @property
     def constant_names(self) -> tuple[str, ...]:
-        """What the constants are called."""
+        """Names of the constants."""
         if self.kind in POWERS:
             return tuple(f"C{i}{j}" for i, j in POWERS[self.kind])
         return tuple(f"mu{k}" for k in range(1, len(self.constants) + 1))
 
     @property
     def shear_modulus(self) -> float:
-        """At rest, Pa."""
+        """Shear modulus at rest, Pa."""
         if self.kind not in POWERS:
             return sum(self.constants)
         first = zip(self.constants, POWERS[self.kind], strict=True)
@@ -189,7 +189,7 @@ class Hyperelastic:
 
     @property
     def bulk_modulus(self) -> float | None:
-        """At rest, Pa; None for a rubber of which it is not known."""
+        """Bulk modulus at rest, Pa; None for a rubber of which it is not known."""
         if self.kind != "hyperfoam":
             return self.bulk
         v = self.poisson

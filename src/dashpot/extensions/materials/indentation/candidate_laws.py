@@ -172,7 +172,7 @@ def simulate_sensor_signal(
     def interpolate_cubic(
         values: FloatArray, rate: FloatArray, at: FloatArray = time_since_touch
     ) -> tuple[FloatArray, ...]:
-        """By the cubics of value and rate, which bend as a motion does, and their rate."""
+        """Return values and rates from cubics through value and rate."""
         cubic = CubicHermiteSpline(t, values, rate)
         at = np.clip(at, 0.0, end)
         return cubic(at), cubic(at, 1)

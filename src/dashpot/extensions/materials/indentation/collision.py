@@ -89,7 +89,7 @@ class Collision(EqualByValue):
 
     @property
     def acceleration(self) -> FloatArray:
-        """Of the body, m/s^2, positive into the surface, shape (n,)."""
+        """Acceleration of the body, m/s^2, positive into the surface, shape (n,)."""
         return np.asarray(self.pull - self.force / self.mass)
 
 
@@ -153,7 +153,7 @@ def scale_collision(
 
 
 def _peak(t: FloatArray, y: FloatArray) -> float:
-    """Of the parabola through the largest sample and its neighbours; an end is what it is."""
+    """Return the maximum of the parabola through the largest sample and its neighbours."""
     top = int(y.argmax())
     if top in {0, len(y) - 1}:
         return float(y[top])

@@ -59,7 +59,7 @@ class ViscousContact:
 
     @property
     def c(self) -> float:
-        """Of a linear contact: N s/m."""
+        """Damping of a linear contact, N s/m."""
         return self.k * self.viscous_time
 
     def force(self, x: npt.ArrayLike, v: npt.ArrayLike) -> FloatArray:

@@ -202,7 +202,7 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
 
     @property
     def units(self) -> dict[str, str]:
-        """By the same names."""
+        """Units of the values, by their names."""
         return {reported_value.name: reported_value.unit for reported_value in self.found}
 
     @property

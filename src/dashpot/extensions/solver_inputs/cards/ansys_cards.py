@@ -16,7 +16,7 @@ from dashpot.solids.shift_laws import GAS, WLF, Arrhenius, TemperatureLaw
 
 @dataclass
 class _Material:
-    """What commands said of one material: its elastic constants, and tables by name and option."""
+    """Elastic constants and tables of one material, by name and option."""
 
     elastic: dict[str, float] = field(default_factory=dict)
     tables: dict[tuple[str, str], list[float]] = field(default_factory=dict)

@@ -95,7 +95,7 @@ class ImportedModel(Serialisable):
 
     @property
     def verdict(self) -> Verdict:
-        """What to make of it."""
+        """Verdict on the imported model."""
         return verdict(self.checks, headline=self._headline)
 
 

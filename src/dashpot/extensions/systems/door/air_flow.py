@@ -57,7 +57,7 @@ def pressure_of(density: npt.ArrayLike, exponent: float) -> FloatArray:
 
 
 def compute_stored_energy(density: FloatArray, volume: FloatArray, exponent: float) -> FloatArray:
-    """What the air of a chamber would give back were it let to expand against the ambient, J."""
+    """Return the energy that the air of a chamber would give back in expansion, J."""
     p = pressure_of(density, exponent)
     free = volume * density / DENSITY
     if exponent == 1.0:

@@ -213,7 +213,7 @@ def door_file(
 
 
 def _points(assembly: Assembly) -> tuple[DoorPoint, ...]:
-    """Those of the file, the first on the door being driven; else the corner farthest away."""
+    """Return the points of the file, or the farthest corner; the first on the door is driven."""
     door = assembly.door
     if any(point.on == BODY for point in door.points) and door.body is None:
         raise DataError(
@@ -284,7 +284,7 @@ def check_door(
 
 
 def _check_lateral_stiffness(assembly: Assembly) -> Iterator[Check]:
-    """What the seal's section holds across the way in which it is pressed."""
+    """Yield the check of the lateral stiffness of the seal."""
     line = assembly.door.line
     section = None if line is None else line.section
     if line is None or section is None:

@@ -99,7 +99,7 @@ class ClosingDoor:
         return max(self.touching, self.latch_angle + travel) or 1e-3
 
     def angles(self, steps: int = STEPS, touching: float | None = None) -> FloatArray:
-        """From where the door has its speed to closed, rad, densest near closed, shape (n + 1,)."""
+        """Return angles from the initial one to closed, rad, densest there, shape (n + 1,)."""
         start, end = self.begins, self.latch_angle
         near_angle = min(self.touching if touching is None else touching, start) - end
         fine_angles = end + near_angle * np.linspace(1.0, 0.0, steps + 1) ** 1.5
@@ -181,7 +181,7 @@ class _Doors:
         dashpot: FloatArray,
         angle: float,
     ) -> _Doors:
-        """At an angle, each with its compressions of the closed door and its seal's force."""
+        """Return the doors at an angle, with their compressions and seal forces."""
         geometry: dict[str, Any] = {"lever": door.lever, "closed": closed, "angle": angle}
         share = door.length * load[:, None]
         seal = PressedSeal(door.section, share=share, dashpot=dashpot, **geometry)
@@ -301,7 +301,7 @@ def march(
 
 
 def _compute_rebound_energy(state: _Doors, angle: FloatArray) -> float:
-    """With what energy a door comes back that stopped at the first of the angles, J."""
+    """Return the rebound energy of a door that stopped at the first of the angles, J."""
     kinetic, moment = np.zeros(1), np.zeros(1)
     for at in angle[1:].tolist():
         turned_angle = state.angle - at

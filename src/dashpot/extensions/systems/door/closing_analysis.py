@@ -66,7 +66,7 @@ class Share(Serialisable):
 
     @property
     def dissipated_energy(self) -> float:
-        """What does not come back, J."""
+        """Dissipated energy, J."""
         return self.work - self.stored
 
 
@@ -143,7 +143,7 @@ class SealDoubt:
 
     @classmethod
     def from_fit(cls, fit: Fit) -> SealDoubt:
-        """What a fit leaves open: its covariance, and arms that look like a lead of the force.
+        """Return the uncertainty of a fit: its covariance, and arms that look like a delay.
 
         A fast arm and clocks that differ are one column of the fit: the lead that was found may be
         all of the arms', and more by as much as the clocks may hide. A hold alone, a bent ramp and
@@ -226,12 +226,12 @@ class ClosingAnalysis:
 
     @property
     def remaining_energy(self) -> float:
-        """What is left of it when it latches, for the bumpers and the striker, J; 0 if not."""
+        """Energy that remains at the latch for bumpers and striker, J; 0 if it does not latch."""
         return float(np.nan_to_num(self.march.kinetic[-1, 0]))
 
     @property
     def stopped_gap(self) -> float | None:
-        """Where the edge stops short of closed, m; None if it does not."""
+        """Distance of the edge from closed where the door stops, m; None if it closes."""
         if self.is_latched:
             return None
         last = int(np.flatnonzero(np.isfinite(self.march.kinetic[:, 0]))[-1])
@@ -244,7 +244,7 @@ class ClosingAnalysis:
 
     @property
     def seconds(self) -> float:
-        """From where it began to closed, or to where it stops, s."""
+        """Time from the start to closed, or to the stop, s."""
         return float(self.march.time[-1, 0])
 
     @property
@@ -256,7 +256,7 @@ class ClosingAnalysis:
 
     @property
     def frequency(self) -> float:
-        """Of a quarter of a period as long as that, Hz."""
+        """Frequency of which that time is a quarter of a period, Hz."""
         return 1 / (4 * self.sealing) if self.sealing > 0 else float("inf")
 
     def share(self, name: str) -> Share:

@@ -180,7 +180,7 @@ def doors_panel(closing: ClosingAnalysis, scatter: Scatter, *, height: float = 2
 
 
 def _bars(speed: FloatArray, limit: float | None) -> tuple[list[Area], float]:
-    """How many doors need which speed, those beyond the limit apart, and the most in one bar."""
+    """Return the histogram of closing speeds, those beyond the limit apart, and its largest bar."""
     bins = np.histogram_bin_edges(speed, bins=max(8, int(1.2 * np.sqrt(len(speed)))))
     if limit is not None and bins[0] < limit < bins[-1]:
         # an edge at the limit: no bar is on both sides of it

@@ -66,7 +66,7 @@ class PressedSeal:
         return elastic, (self.share * total_force * compression).sum(axis=1) - elastic
 
     def compute_stored_energy(self) -> FloatArray:
-        """In the arms, J, shape (doors,)."""
+        """Return the energy stored in the arms, J, shape (doors,)."""
         factor = np.where(self.path > 0, self.section.factor(self.at), 1.0)
         arm_energy = (self.arms**2 / (2 * self.k)).sum(axis=-1)
         return np.asarray((self.share * arm_energy / np.where(factor > 0, factor, 1.0)).sum(axis=1))

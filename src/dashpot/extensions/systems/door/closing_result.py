@@ -60,7 +60,7 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
 
     @property
     def _table_columns(self) -> Series:
-        """What each term takes of the energy."""
+        """Columns: the energy of each term."""
         return collect_columns(self.closing.terms, name="", work="J", stored="J", moment="N m")
 
     @property

@@ -51,7 +51,7 @@ def _door_line() -> str:
 
 
 def _door_modes() -> str:
-    """Of a plate of 25 kg whose first elastic mode lies at 64 Hz, as a row a point and mode."""
+    """Return the modes of a plate of 25 kg whose first elastic mode lies at 64 Hz."""
     positions = np.concatenate((_make_seal_line()[0][:-1], (*_HINGES, _LATCH, _MIRROR)))
     modes = free_plate(positions, width=1.1, height=1.2, mass=25.0, rigidity=3e4, elastic=24)
     rows = (

@@ -112,12 +112,12 @@ class View:
 
     @classmethod
     def from_result(cls, result: DoorResult) -> View | None:
-        """As the seal line of a door lies; None without one."""
+        """Return the view of the seal line of a door; None without one."""
         return None if result.door.line is None else cls.from_line(result.door.line)
 
     @classmethod
     def from_line(cls, line: SealLine) -> View:
-        """As a seal line lies."""
+        """Return the view of a seal line."""
         first, second = sorted(np.argsort(np.ptp(line.points, axis=0))[1:].tolist())
         inward = line.normal_at(line.arc_length).mean(axis=0)
         size = float(np.linalg.norm(inward))

@@ -53,7 +53,7 @@ class DoorMode(Serialisable):
 
     @property
     def loss_factor(self) -> float:
-        """By the energies of its springs."""
+        """Loss factor by the energies of the springs."""
         return sum(share.loss for share in self.shares)
 
     def share(self, name: str) -> float:
@@ -106,7 +106,7 @@ def station_error(assembly: Assembly, max_hz: float) -> float:
 
 
 def basis_error(assembly: Assembly, max_hz: float) -> float | None:
-    """The same, up to half of that frequency, without the upper third of the elastic modes."""
+    """Return the change of frequencies without the upper third of the elastic modes."""
     modes = assembly.modes
     if modes is None or (elastic := int((~modes.rigid).sum())) < 3:
         return None
@@ -120,7 +120,7 @@ def basis_error(assembly: Assembly, max_hz: float) -> float | None:
 
 
 def find_farthest_point(assembly: Assembly, modes: FreeModes) -> tuple[float, str]:
-    """How far at most a place that is used lies from where the shapes are known, m, and which."""
+    """Return the largest distance, m, of a used point from the known shapes, and its name."""
     door = assembly.door
     latch = () if door.latch is None else (door.latch,)
     points_and_names = [(hinge.at, hinge.name) for hinge in (*door.hinges, *latch, *door.bumpers)]

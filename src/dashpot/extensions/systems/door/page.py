@@ -152,7 +152,7 @@ def make_door_indicators(
     checks: Sequence[Check],
     verdict: Verdict,
 ) -> Iterator[Light]:
-    """Of the seal line, the modes, the closing and its limit, as far as each was asked."""
+    """Yield the indicators of the seal line, the modes, the closing and its limit, if asked."""
     topics = []
     if result is not None:
         outside = [

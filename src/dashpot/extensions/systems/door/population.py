@@ -202,12 +202,12 @@ class DoorQuantity(Serialisable):
 
     @property
     def unit(self) -> str:
-        """Its unit."""
+        """Unit of the quantity."""
         return "m/s" if self.name == CLOSING else "Hz"
 
     @property
     def label(self) -> str:
-        """What it is called in a table."""
+        """Name of the quantity in a table."""
         return "least closing speed" if self.name == CLOSING else self.name
 
 

@@ -82,7 +82,7 @@ _MOST_POINTS = 20_000
 
 @dataclass(frozen=True)
 class _TableLocation:
-    """Where a table stands, and the folder of the files that it names."""
+    """Location of a table, and the folder of the files that it names."""
 
     where: str
     folder: Path

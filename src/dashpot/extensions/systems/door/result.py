@@ -95,12 +95,12 @@ class SealOfDoor(Serialisable):
 
     @property
     def stations(self) -> int:
-        """How many."""
+        """Number of stations."""
         return len(self.along.length)
 
     @property
     def pitch(self) -> float:
-        """Their distance on average, m."""
+        """Average distance of the stations, m."""
         return float(self.along.length.mean())
 
     @property
@@ -117,12 +117,12 @@ class SealOfDoor(Serialisable):
 
     @property
     def stiffness(self) -> float:
-        """At rest, of all of it, N/m."""
+        """Stiffness at rest of the whole seal, N/m."""
         return self._compute_rest_stiffness(0)
 
     @property
     def sideways(self) -> LateralStiffness:
-        """At rest, of all of it, across the line and along it, N/m."""
+        """Lateral stiffness at rest of the whole seal, across and along the line, N/m."""
         return LateralStiffness(self._compute_rest_stiffness(1), self._compute_rest_stiffness(2))
 
     @property
@@ -209,12 +209,12 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
 
     @property
     def door(self) -> Door:
-        """As its file describes it, with the seal."""
+        """Door with its seal, as its file describes it."""
         return self.assembly.door
 
     @property
     def _headline(self) -> str:
-        """What the seal does to the first mode in which it stores energy; else the first mode."""
+        """Change by the seal of the first mode in which it stores energy; else the first mode."""
         seal_modes = [mode for mode in self.modes if mode.share(SEAL) > 0]
         if not self.modes:
             return f"no mode lies below {self.band[1]:.3g} Hz"
@@ -231,12 +231,12 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
 
     @property
     def stations(self) -> Stations | None:
-        """Of the seal line."""
+        """Stations of the seal line."""
         line = self.door.line
         return None if line is None else line.stations(self.assembly.door.pitch)
 
     def extrapolation_factor(self, frequency: float) -> float:
-        """By what factor a frequency, Hz, lies outside what the test of the seal informs.
+        """Return the factor by which a frequency, Hz, lies outside the valid band of the seal.
 
         1 or less inside; nan where there is no test.
         """
@@ -266,7 +266,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
 
     @property
     def seal(self) -> SealOfDoor | None:
-        """What lies along the line; None without a seal."""
+        """Seal of the line; None without a seal."""
         line, stations = self.door.line, self.stations
         if line is None or stations is None or line.section is None:
             return None

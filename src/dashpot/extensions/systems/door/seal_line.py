@@ -111,7 +111,7 @@ class SealLine(EqualByValue):
 
     @property
     def arc_length(self) -> FloatArray:
-        """How far along the line each point lies, m, shape (n,)."""
+        """Arc length of each point, m, shape (n,)."""
         return np.append(0.0, np.cumsum(_lengths(self.points)))
 
     def normal_at(self, along: FloatArray) -> FloatArray:
@@ -175,7 +175,7 @@ class SealLine(EqualByValue):
         return find_handler("mounts", self)(self, body, pitch, ground=ground)
 
     def _piece(self, arc_length: FloatArray) -> IndexArray:
-        """Between which two points a place lies, by the first of them."""
+        """Return the index of the piece in which a point lies."""
         return np.clip(
             np.searchsorted(self.arc_length, arc_length, "right") - 1, 0, len(self.points) - 2
         )
@@ -204,7 +204,7 @@ class SealLine(EqualByValue):
         return values
 
     def _joints(self) -> list[tuple[float, float, float]]:
-        """From where to where each joint reaches, m, and its factor; round a closed line again."""
+        """Return start and end of each joint along the line, m, and its factor."""
         rounds = (-self.length, 0.0, self.length) if self.is_closed else (0.0,)
         return [
             (joint.at - joint.length / 2 + turn, joint.at + joint.length / 2 + turn, joint.factor)
@@ -213,7 +213,7 @@ class SealLine(EqualByValue):
         ]
 
     def _factor(self, middle: FloatArray) -> FloatArray:
-        """That of the joints that lie there; those that lie one over the other add."""
+        """Return the factor of the joints at a position; those that overlap add."""
         factor = np.ones(len(middle))
         for first, last, value in self._joints():
             factor += (value - 1) * ((first < middle) & (middle < last))
@@ -295,7 +295,7 @@ def _refuse_along(normal: FloatArray, runs: FloatArray) -> None:
 
 
 def _lengths(points: FloatArray) -> FloatArray:
-    """Of the pieces, m."""
+    """Lengths of the pieces, m."""
     return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1))
 
 

@@ -79,7 +79,7 @@ def _format_damping(value: float) -> str:
 
 
 def _format_extrapolation_factor(result: DoorResult, frequency: float) -> str:
-    """By what factor a frequency lies outside what the test of the seal informs."""
+    """Return the factor by which a frequency lies outside the valid band, as text."""
     factor = result.extrapolation_factor(frequency)
     return "" if isnan(factor) else "inside" if factor <= 1 else f"{factor:.3g}"
 
