@@ -223,14 +223,14 @@ def test_three_decimals_behind_a_comma_are_no_thousands(
 ) -> None:
     """12,345 can be read two ways; 0,054 in the first rows cannot."""
     path = tmp_path / "seal.csv"
-    path.write_text(table(BENCH, rows("seal_8mm.csv"), sign=sign, format_number=comma(digits)))
+    path.write_text(table(BENCH, rows("seal_8mm.csv"), sign=sign, printed=comma(digits)))
     truth = np.array(rows("seal_8mm.csv"))[:, 2]
     np.testing.assert_allclose(read_relaxation(path).force, truth, atol=0.51 * 10**-digits)
 
 
 def test_numbers_cut_in_two_at_their_comma_are_seen(tmp_path: Path) -> None:
     path = tmp_path / "seal.csv"
-    path.write_text(table(BENCH, rows("seal_8mm.csv"), format_number=comma(5)))
+    path.write_text(table(BENCH, rows("seal_8mm.csv"), printed=comma(5)))
     with pytest.raises(
         ReadError, match=r"3 names for 6 columns .* cut in two at their decimal comma"
     ):

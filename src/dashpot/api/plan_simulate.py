@@ -186,7 +186,7 @@ _TESTS: dict[str, tuple[str, dict[str, str]]] = {
         "Hammer", {"mass": "mass", "seals": "seals", "hits": "hits", "hit_length": "record"}
     ),
 }  # fmt: skip
-"""What is simulated: its instrument, and the words of it as the simulation has them."""
+"""Instrument of each simulated test, and the names of its options in the simulation."""
 
 
 def _get_seal_model(seal: str | Fit | Solid) -> tuple[Any, TemperatureLaw, float | None]:

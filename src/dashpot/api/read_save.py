@@ -80,7 +80,7 @@ _CONVERTERS: Mapping[str, Callable[[Any], Any]] = {
     "rate": lambda rate: convert_to_si(rate, "frequency"),
     "window_decay": lambda decay: convert_to_si(decay, "time"),
 }
-"""What is said under the names that the reading options have, and what they take of it."""
+"""Converters of the keywords that are named as the reading options."""
 
 
 @refuse_wrong_options

@@ -31,10 +31,10 @@ BoolArray: TypeAlias = npt.NDArray[np.bool_]
 IndexArray: TypeAlias = npt.NDArray[np.intp]
 
 MIN_SI_MAGNITUDE, MAX_SI_MAGNITUDE = 1e-30, 1e30
-"""Between these lies, in SI units, the largest magnitude of whatever is measured."""
+"""Smallest and largest magnitude of any measured array, in SI units."""
 
 MOST_SAMPLES = 2e7
-"""Of a record that is planned or simulated: a day at 200 Hz, a minute at 300 kHz."""
+"""Largest length of a planned or simulated record: a day at 200 Hz, a minute at 300 kHz."""
 
 
 class EqualByValue:
@@ -361,7 +361,7 @@ def _validate_array(
 
 SI = "SI"
 Dimensions: TypeAlias = Dimension | tuple[Dimension, ...]
-"""What an array can be of: one, or one of several, as a modulus is of a material or of a part."""
+"""Dimension of an array: one, or one of several, as for the modulus of a material or a part."""
 
 
 def make_units_field() -> Any:

@@ -100,7 +100,7 @@ else:
 
 
 PART = ".part"
-"""How the name of a file ends that is not yet whole."""
+"""Suffix of a file that is still being written."""
 
 
 def validate_path(path: str | Path) -> Path:

@@ -10,7 +10,7 @@ from dashpot.base import dataclass
 from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 
 SIMULATED = "simulated"
-"""What a table says of a file that simulation made."""
+"""Word in a table for a file that simulation made."""
 
 
 class Caution(str):

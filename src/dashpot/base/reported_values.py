@@ -13,14 +13,14 @@ from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import convert_to_unit, get_display_unit
 
 FIXED, UNKNOWN = "held", "not identified"
-"""What stands in place of an error of 0, and of one without limit."""
+"""Texts for an error of 0, and for one without limit."""
 _WORD = compile_on_use(r"_(?=[a-z]{4})")
 NORMAL = 1.96
 """Standard errors to either end of a 95 % interval."""
 INTERVAL_LEVELS = (0.025, 0.975)
 """Probabilities at the ends of a 95 % interval of draws."""
 AT_MOST = "at most"
-"""What stands before the upper limit of a number that nothing bounds from below."""
+"""Text before the upper limit of a number that has no lower limit."""
 ASYMMETRY_LIMIT = 0.1
 """An interval whose one end is that much nearer to the value than the other."""
 END_AT_VALUE_SHARE = 1e-2

@@ -95,7 +95,7 @@ def _table() -> dict[str, Unit]:
 
 
 MIN_SI_VALUE, MAX_SI_VALUE = 1e-15, 1e15
-"""Between these lies, in SI units, every quantity that a user can mean, if it is not 0."""
+"""Smallest and largest quantity that a user can mean, in SI units, if it is not 0."""
 
 TABLE = MappingProxyType(_table())
 """Every unit word known, keyed ``"dimension:word"``."""
@@ -301,7 +301,7 @@ _DISPLAY_UNITS = MappingProxyType({
 
 
 _FINE = MappingProxyType({"N": "mN", "N/s": "mN/s", "s": "ms"})
-"""That of what is small of its kind: a tare, a drift, a delay."""
+"""Display units of small quantities: a tare, a drift, a delay."""
 
 
 def parse_quantity(text: str, dimension: Dimension) -> float:

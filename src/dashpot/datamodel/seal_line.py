@@ -17,7 +17,7 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 
 ShearStiffness: TypeAlias = float | Solid
-"""Of the stiffness normal to the line at the same place, or one of its own, N/m per m."""
+"""Factor on the normal stiffness at the same place, or a stiffness of its own, N/m per m."""
 
 
 @dataclass(frozen=True)

@@ -199,7 +199,7 @@ class NonlinearFit(Protocol):
 
 
 Exportable: TypeAlias = Solid | Fit | NonlinearFit
-"""What can be exported: a model alone, or a fit, whose deck states files and steps."""
+"""Value that can be exported: a model alone, or a fit, whose deck states files and steps."""
 
 NOT_VERIFIED = "not solver-verified: no solver of this kind runs in dashpot's tests"
 

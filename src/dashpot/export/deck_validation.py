@@ -30,7 +30,7 @@ PROBLEMS = MappingProxyType(
         "prony_sum": "the relative moduli sum to 1: nothing would carry a static load",
     }
 )
-"""What a deck is refused for; each can be overridden by name and then leaves a mark."""
+"""Reasons to refuse a deck; each can be overridden by name and then leaves a mark."""
 
 _REMEDIES = {
     "temperature": "give --temperature 23degC (Python: Specimen(temperature=...), K)",

@@ -14,7 +14,7 @@ from dashpot.base.errors import ExportError
 from dashpot.solids.maxwell import Solid
 
 Damping: TypeAlias = Literal["loss_factor", "damping"]
-"""What stands beside the storage stiffness: K''/K', or the viscous equivalent K''/omega."""
+"""Second column beside the storage stiffness: K''/K', or the viscous equivalent K''/omega."""
 
 _MAX_POINTS = 5000
 _CHECKED_FRACTIONS = (np.arange(16) + 0.5) / 16  # where each interval is checked

@@ -16,7 +16,7 @@ from dashpot.solids.maxwell import Solid
 DIRECTION_NAMES = ("normal to the line", "across it", "along it")
 """The springs of a station, in the order of every deck: components 1, 2 and 3."""
 _DIGITS = 12
-"""Of a direction: frames that differ by rounding are one."""
+"""Digits of a direction: frames that differ by rounding are one."""
 _X = (1.0, 0.0, 0.0)
 
 

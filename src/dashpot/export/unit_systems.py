@@ -101,7 +101,7 @@ UNIT_SYSTEMS = MappingProxyType(
 
 _UNITS_ASKED = f"add --unit-system, one of {', '.join(UNIT_SYSTEMS)}"
 NO_UNITS = f"no unit system is given; {_UNITS_ASKED}"
-"""What is said, with all else that is missing, where none was chosen."""
+"""Message, with all else that is missing, if no unit system was chosen."""
 
 
 def unit_system(name: str | None) -> UnitSystem:

@@ -157,7 +157,7 @@ class PredictionBand:
     limits: FloatArray
     label: str = INTERVAL
     pen: Pen | None = None
-    """Of the curve that it is of; by default the one that is predicted."""
+    """Pen of the curve; by default the predicted one."""
 
     def convert_to_kind(self, kind: Kind) -> FloatArray:
         """Return the limits for another kind of FRF; those over a moving base are their own."""

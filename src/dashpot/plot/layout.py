@@ -48,10 +48,10 @@ MARGIN, BETWEEN = 12.0, 20.0
 """About a file's drawing, and between its strips, px."""
 
 LEADING = 14.0
-"""Between the lines of one tag, px."""
+"""Line spacing of a tag, px."""
 
 SWATCH = 34.0
-"""From a sample in the key to its words, px."""
+"""Distance from a sample in the key to its words, px."""
 
 
 class Box(NamedTuple):

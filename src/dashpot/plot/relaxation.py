@@ -40,7 +40,7 @@ from dashpot.registry import find_handler
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 DATA = Pen("measured", 1.2)
-"""Of a record; the fits are drawn over it."""
+"""Pen of a record; the fits are drawn over it."""
 
 SINCE, SINCE_RAMP = "time since first contact, s", "time since ramp end, s"
 

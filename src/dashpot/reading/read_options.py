@@ -321,7 +321,7 @@ _HEAD: Mapping[str, tuple[Dimension, str]] = {
 }  # fmt: skip
 """Quantities at the head of a profile: their dimension and SI unit."""
 PROFILE = frozenset({*_HEAD, "units", *filter(None, _SECTIONS)})
-"""What stands in a profile: its tables, and the quantities at its head."""
+"""Keys of a profile: its tables, and the quantities at its head."""
 _ASKED = {field.name: field.metadata for field in iterate_option_fields(ReadOptions)}
 _ALSO = {"hammer": "force", "complex_modulus": "magnitude", "loss_angle": "phase"}
 """Roles whose unit may be given by another's name."""

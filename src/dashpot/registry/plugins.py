@@ -43,7 +43,7 @@ _PLUGGED: Mapping[str, tuple[Any, str, str, str]] = {
     "kinds": (KindOfTest, "fits", rf"{_MODULE}:\w+", "package.module:function"),
     "solver_inputs": (SolverInput, "module", _MODULE, "package.module"),
 }
-"""What a row of plain data may hold: the field of each beside its name, and its pattern."""
+"""Fields of a row of plain data, with their patterns."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ LOW = 172.0
 """Height of the first figure where the numbers must stand beneath it on one screen or sheet, px."""
 
 _GUTTER, _FEW = 24.0, 2
-"""Between strips, px; small multiples that stand beside each other on a phone."""
+"""Gap between strips, px; number of small multiples side by side on a phone."""
 
 LEAD, HALF = 728.0, 590.0
 """Widths of the figure on the first screen, and of one that stands beside words, px."""

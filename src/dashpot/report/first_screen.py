@@ -40,7 +40,7 @@ from dashpot.workflow.study import Study
 NOT_GIVEN, NBSP = "not given", "\N{NO-BREAK SPACE}"
 
 GRADE_MARKS = {"stop": "bad", "limit": "care", "note": "note"}
-"""How a failed check of each grade looks."""
+"""Class of a failed check by its grade."""
 
 ORDER = ("good", "note", "care", "bad")
 
@@ -554,7 +554,7 @@ SUBJECTS = {
 }  # fmt: skip
 
 MOST_WORDS = 100
-"""Of the checks on the first screen: what stands on one page of paper with all the rest."""
+"""Words of the checks on the first screen, which fit one printed page."""
 
 
 class DecisiveCheck(NamedTuple):

@@ -102,9 +102,9 @@ def digest(text: str) -> str:
 
 _SYSTEM = "mm-t-s"
 _SOLVERS = {"nastran": "Nastran", "abaqus": "Abaqus"}
-"""Of the decks that a page holds, and how a link calls them."""
+"""Decks of a page, and the text of their links."""
 _UNSTATED = {"temperature": "temperature", "length": "contact length"}
-"""What a deck should say of its specimen, and does without, marked."""
+"""Data of the specimen that a deck should state; it is marked without."""
 
 
 class DeckSource(Protocol):

@@ -39,7 +39,7 @@ _TABLES: dict[type, Callable[..., str]] = {
     ImpactTest: write_impact,
     RelaxationTest: write_relaxation,
 }
-"""What is written as a table that every tool here reads back."""
+"""Writers of tables that every tool here reads back."""
 
 
 def save(result: Any, path: str | Path) -> Path:

@@ -179,7 +179,7 @@ _LINES, _BAND_FACTOR, _BOUNDED = 41, 4.0, 3
 """Lines of a bound, how far beyond the band it is drawn, and of how many tests at most."""
 
 _FEW_ARMS = 6
-"""Of more the single arms stand in a fold: they mean little, and the screen is full."""
+"""Largest number of arms that are listed; more stand in a fold."""
 
 OF_REST = frozenset({
     "k_end_determined", "k_inf_positive", "k_inf_plausible", "plateau_determined",

@@ -58,7 +58,7 @@ def facts(reported_values: Sequence[ReportedValue]) -> list[str]:
 
 
 Style: TypeAlias = Callable[..., str]
-"""What makes a word bold, dim or of a colour, as ``click.style`` does."""
+"""Function that makes a word bold, dim or coloured, as ``click.style`` does."""
 
 
 def apply_no_style(word: str, **_: Any) -> str:
@@ -70,7 +70,7 @@ COLUMNS = 100
 """A line is not longer, unless one word is, such as a path."""
 
 LINES = 36
-"""Of a result, unless all is asked for; with the files written and what comes next, 40."""
+"""Lines of a result unless all is requested; 40 with files written and the next step."""
 
 
 class ScreenSize(NamedTuple):
@@ -81,14 +81,14 @@ class ScreenSize(NamedTuple):
 
 
 SIZE = ScreenSize(COLUMNS, LINES)
-"""Of what is no terminal, and the most of one."""
+"""Size without a terminal, and the largest size of one."""
 
 
 CHECK_LINES = 3
-"""Of one check there."""
+"""Lines of one check on a screen."""
 
 MARKS = {"stop": ("!!", "red"), "limit": ("!", "yellow"), "note": ("-", None)}
-"""How a failed check is marked and coloured, by its grade."""
+"""Mark and colour of a failed check, by its grade."""
 
 VERDICT_COLOURS = {
     "use": "green",

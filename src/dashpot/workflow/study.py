@@ -99,7 +99,7 @@ COMPARED_ORDERS = (1, 2)
 """The numbers of arms that the paper's Fig. 4 compares."""
 
 STIFFNESS_LINES = np.geomspace(1e-3, 100.0, 61)
-"""Where the unseen-arm band is drawn, Hz: from the hold to past the hammer."""
+"""Frequencies of the unresolved-arm band, Hz: from the hold to past the hammer."""
 
 
 BAND_LINES, PEAK_LINES = 61, 121

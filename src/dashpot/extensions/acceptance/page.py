@@ -10,7 +10,7 @@ from dashpot.extensions.acceptance.datamodel import Acceptance, JudgedLimit
 from dashpot.report.page_frame import environment
 
 WIDTH = 200.0
-"""Of the bar of an interval, px."""
+"""Width of the bar of an interval, px."""
 _MARKS = {"met": "good", "missed": "bad", "open": "care"}
 _COLOURS = {"meets": "good", "misses": "bad", "open": "care"}
 

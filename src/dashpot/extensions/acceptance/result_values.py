@@ -26,7 +26,7 @@ from dashpot.workflow.recommended_solid import Recommendation, RecommendedValue,
 from dashpot.workflow.study import Study
 
 Spread = Literal["random", "bound", "unknown"]
-"""What an interval is of: noise of the test, what no test of this kind determines, or unknown."""
+"""Origin of an interval: noise, a bound that no such test determines, or unknown."""
 
 _SYNONYMS = {
     "damping": "damping_ratio", "damping ratio": "damping_ratio", "loss factor": "loss_factor",

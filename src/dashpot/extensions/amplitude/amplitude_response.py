@@ -58,7 +58,7 @@ shear beside a sweep in tension, by equal energy."""
 HITS = ("impact",)
 """Kinds of files that, as responses, show what a mass on the seals does."""
 _LOOPS = tuple(kind for kind in get_args(Loading) if kind in KINDS_OF_FILE)
-"""What a record of time, displacement and force is taken for; here it is one of loops."""
+"""Kinds of a record of time, displacement and force; here it is one of loops."""
 _MIN_BIC_DIFFERENCE = 10.0
 """Difference of BIC below which two laws of a sweep are not distinguished."""
 VANISHING = 1e-9

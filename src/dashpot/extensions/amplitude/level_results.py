@@ -26,7 +26,7 @@ from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.solids.rate_independent import InParallel, RateIndependent
 
 Elements: TypeAlias = tuple[RateIndependent, ...]
-"""What stands beside a solid: sliders and a cubic spring."""
+"""Elements in parallel with a solid: sliders and a cubic spring."""
 Parts: TypeAlias = tuple[GeneralizedMaxwell, Elements]
 """A solid, and what stands beside it."""
 

@@ -16,7 +16,7 @@ from dashpot.registry import LotSpecimen
 _SAME_AMPLITUDE_FACTOR = 1.05
 """Amplitudes no farther apart than this factor are one."""
 _UNITS = (("N/m", "m"), ("Pa", ""))
-"""Of storage and amplitude: of a part, and of a material."""
+"""Units of storage and amplitude: of a part, and of a material."""
 
 
 def build_lot_row(

@@ -76,7 +76,7 @@ def mass_at_level(
 
 
 _DECADES, _PER_DECADE, _HALVINGS = 7, 20, 40
-"""Of amplitudes over that of a rigid spring; of the search between two of them."""
+"""Decades of amplitudes over that of a rigid spring, points of each, and halvings between two."""
 
 
 def _stretch(

@@ -40,7 +40,7 @@ from dashpot.solids.maxwell import Solid
 BendingLaw: TypeAlias = ElasticLaw | PolynomialLaw
 
 HARMONICS = 10
-"""Of the lines of a sweep; one orbit takes as many as it needs."""
+"""Number of harmonics of the lines of a sweep; one orbit takes as many as it needs."""
 REPORTED_HARMONICS = 5
 """Harmonics that are reported."""
 _MAX_HARMONICS, _HARMONIC_TOLERANCE = 80, 1e-7

@@ -129,9 +129,9 @@ def _(slider: Coulomb, solid: Solid, omega: FloatArray, amplitude: FloatArray) -
 
 
 _STEPS, _MAX_ITERATIONS, _STEADY_TOLERANCE = 512, 60, 1e-9
-"""Of half a cycle; of Newton at most; what a steady state moves by at most, relatively."""
+"""Steps of half a cycle, largest number of Newton iterations, and relative change when steady."""
 _AT_ONCE = 1e-4
-"""Of a dashpot taken for an arm: omega tau."""
+"""Product omega tau of a dashpot that is represented by an arm."""
 _BEYOND = np.geomspace(1e-3, 1e8, 130)
 """Amplitudes over the one that begins to slip, less 1, at which the answer is tabulated."""
 

@@ -37,7 +37,7 @@ from dashpot.report.first_screen import ORDER
 from dashpot.report.page_frame import VERDICT_COLOURS, digest, environment, frame
 
 ROWS = 50
-"""Of a table or a list in the page: its height does not depend on how many tests there are."""
+"""Rows of a table or a list in the page: its height does not depend on the number of tests."""
 BY_SEALS, FEW_LOTS, MAX_FLAGS = 100, 6, 6
 """Most seals that the chart shows one by one, lots in the table of Cpk, and rows of the gravest
 flags."""

@@ -31,7 +31,7 @@ PARTS = "part-*.parquet"
 SMALL_PART = 25
 """Rows below which a part is small, and how many such parts become one."""
 _FORM = 4
-"""Of a row; another one is another key."""
+"""Version of the form of a row; it is part of the key."""
 
 
 _KEY_WIDE = 64

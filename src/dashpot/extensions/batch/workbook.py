@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 
 _MADE = dt.datetime(1980, 1, 1)
-"""That a workbook says it was made: the same lot is the same bytes."""
+"""Date in a workbook: the same lot gives the same bytes."""
 _SHEET_ROWS = 1_048_575
-"""That a sheet has below its header."""
+"""Rows of a sheet below its header."""
 _FORMATS = {"Float64": "#,##0.000000", "Int64": "#,##0"}
 
 
@@ -106,7 +106,7 @@ _SHEETS = {
         "lot count mean deviation lower upper cp cpk cpk_interval_from cpk_interval_to outside",
     ),
 }
-"""Which part of the document of each quantity a sheet lists, and what of it."""
+"""Sheets: the part of the document of each quantity, and its entries."""
 _HEADS = {
     "name": "source", "deviation": "sd", "count": "seals", "interval_from": "from",
     "interval_to": "to", "cpk_interval_from": "cpk_from", "cpk_interval_to": "cpk_to",

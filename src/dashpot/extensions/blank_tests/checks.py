@@ -22,7 +22,7 @@ _CLEAR_ERRORS = 3.0
 """Standard errors beyond which a departure is no chance."""
 _DELAY_TOLERANCE = parse_quantity("0.2ms", "time")
 _CREEP_TOLERANCE = parse_quantity("1.5um", "length")
-"""What two records of one machine may differ by besides their errors."""
+"""Difference of two records of one machine beyond their errors."""
 MOST_DELAY_ERROR = 0.1 * DEFAULT_UNCERTAINTIES["delay"].size
 """Standard error of a delay, s, beyond which a machine file says hardly more than is usual."""
 _CELL_CLASS = 1.035

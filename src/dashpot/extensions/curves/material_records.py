@@ -32,7 +32,7 @@ from dashpot.signals.segments import (
 
 MATERIAL: tuple[Role, ...] = ("time", "strain", "stress")
 _RESTS, _HELD_PART = 0.02, 0.5
-"""Of its range, by how much a held strain moves; of the record, how long it is held at least."""
+"""Largest motion of a held strain, of its range; shortest hold, of the record."""
 _RELAXED = 0.02
 """Part of its size by which a stress falls in a hold that shows relaxation."""
 _OTHER_MOTIONS = ("cld", "cyclic")

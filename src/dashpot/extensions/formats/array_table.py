@@ -58,9 +58,9 @@ class NamedArray:
     values: FloatArray | ComplexArray
     unit: str | None = None
     factor: str = ""
-    """What is stated beside its numbers that would change them, such as "gain = 10"."""
+    """Factor stated beside the numbers and not applied, such as "gain = 10"."""
     start: str = ""
-    """When it is said to begin, such as "t0 = 0.1"."""
+    """Stated start, such as "t0 = 0.1"."""
 
 
 def gather(

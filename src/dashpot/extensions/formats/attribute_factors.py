@@ -60,7 +60,7 @@ _TURNED = {
     "yes",
     "true",
 }
-"""What the sign of a channel is said to be where it is turned."""
+"""Words for a reversed sign of a channel."""
 _FILLS = {
     "fillvalue", "fill", "missingvalue", "missing", "nodata", "nodatavalue", "nullvalue", "navalue",
     "nanvalue", "invalidvalue", "errorvalue", "fehlwert", "missingdatavalue",

@@ -35,7 +35,7 @@ _NAMES = (
         ),
     ),
 )  # fmt: skip
-"""What each viscosity becomes, and how it is named; the longer name first."""
+"""Modulus of each viscosity, and its names; the longer name first."""
 _UNITS = {
     "pas": 1.0, "mpas": 1e-3, "kpas": 1e3, "MPas": 1e6, "ns/m2": 1.0, "ns/m²": 1.0, "p": 0.1,
     "poise": 0.1, "cp": 1e-3, "cps": 1e-3, "psec": 0.1,

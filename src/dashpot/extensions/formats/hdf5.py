@@ -58,7 +58,7 @@ class _Walked:
 
     datasets: list[tuple[Any, str]] = field(default_factory=list)
     stated: list[NamedArray] = field(default_factory=list)
-    """What attributes say of the clock and of factors, as single numbers."""
+    """Attributes of the clock and of factors, as single numbers."""
     notes: list[str] = field(default_factory=list)
     visited: set[tuple[int, int]] = field(default_factory=set)
     numbers: int = 0

@@ -16,7 +16,7 @@ _TAG = 1 << 12
 """Bytes of a tag, at most."""
 _TOLD = 8
 _LISTED = re.compile(rb"<(?:\w{1,20}:)?(Relationship|sheet)\b([^<>]{0,4000})>")
-"""What names the parts of a workbook."""
+"""Tags that name the parts of a workbook."""
 _TAGS = re.compile(
     rb"<(?:\w{1,20}:)?(row|col|table-row|table-column|table)(?=[\s/>])([^<>]{0,4000})>"
 )

@@ -79,7 +79,7 @@ class _Mdf4Block:
     links: tuple[int, ...]
     data: bytes
     start: int
-    """Where its data stands."""
+    """Position of its data."""
     length: int
 
     def link(self, link_index: int) -> int:

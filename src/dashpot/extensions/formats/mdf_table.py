@@ -29,7 +29,7 @@ WHOLE = 1 << 22
 _ROLES: tuple[Role, ...] = ("force", "displacement", "acceleration", "velocity", "stress", "strain")
 _LOADS, _MOTIONS = {"force", "stress"}, {"displacement", "strain", "acceleration"}
 _SURE, _LIKELY = 2.0, 1.0
-"""How well the name of a channel says a role of a test, at least."""
+"""Scores of the name of a channel for a role of a test: sure, and likely."""
 _APART = 10.0
 """Steps of its clock over which nothing is interpolated: something is missing there."""
 _FEW = 8

@@ -52,12 +52,12 @@ _LEAST_ROWS = 8
 _RESTART_SHARE = 0.02
 """Part of the first record within which the clock of the next begins."""
 _STORAGE_SCORE = 2.5
-"""How well a name says a storage modulus, at least."""
+"""Lowest score of a name for a storage modulus."""
 _SHARED_ROWS_SHARE = 0.1
 """Part of the rows in which two channels hold the same numbers, from which on it is noted."""
 _DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "blanks": " ", "pipe": "|"}
 LABELS = "labels of "
-"""What a line of the header begins with that names the numbers of a column, 1, 2, ..."""
+"""Start of a header line that names the numbers of a column, 1, 2, ..."""
 
 
 def adapt_table(table: FileTable, raw: RawFile, options: ReadOptions) -> FileTable:

@@ -39,7 +39,7 @@ from dashpot.reading.table import Column, FileTable, make_loader
 
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units")
 _SCALED = ("NI_Scal", "NI_Number_Of_Scales")
-"""How the properties begin by which a channel, its group or its file says that it is scaled."""
+"""Start of the properties that say that a channel, its group or its file is scaled."""
 _SCALE_TYPE = re.compile(r"NI_Scale\[\d+\]_Scale_Type")
 _KNOWN_SCALES = {
     "Polynomial", "Linear", "RTD", "Strain", "Table", "Thermistor", "Thermocouple", "Add",
@@ -51,7 +51,7 @@ _UNSET = -2 * 10**18
 _NUMBERS = "iuf"
 """The kinds of arrays that hold numbers."""
 _PATH = re.compile(r"/'((?:[^']|'')*)'/'((?:[^']|'')*)'")
-"""What stands for a channel: the names of its group and its own."""
+"""Path of a channel: the names of its group and its own."""
 """Roles of the channels of a test."""
 _NONE = np.empty(0)
 _WHOLE = 0.01
@@ -66,7 +66,7 @@ class _TdmsChannel:
     step: float | None
     offset: float
     start: int | None = None
-    """Its stated start, ns since 1970; None without."""
+    """Stated start, ns since 1970; None without."""
     said_start: str = ""
     """A start that another property than the format's own states."""
     factor: str = ""

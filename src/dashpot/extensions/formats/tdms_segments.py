@@ -13,7 +13,7 @@ _STARTS = ("wf_start_offset", "wf_start_time")
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units")
 _SCALED = ("NI_Scal", "NI_Number_Of_Scales")
 _CONTIGUOUS = 0.5
-"""Of a step: by how much a later segment may start otherwise than where the last one ended."""
+"""Largest deviation of the start of a later segment from the end of the last, in steps."""
 
 
 class SegmentReader(TdmsReader):  # type: ignore[misc]

@@ -38,7 +38,7 @@ _REAL = (2, 4)
 _EXPONENTIAL = (4, 6)
 """Window types of dataset 1858: exponential alone, and beside the impact window."""
 _LEFT = (3e-4, 0.2)
-"""What exponential windows of analysers leave at the end of a record, as a part."""
+"""Remainder of exponential windows of analysers at the end of a record."""
 _DOUBLE_EXPONENT = re.compile(rb"(?<=\d)[dD](?=[+-]\d\d)")
 """Fortran's D of a double: ``1.0D+01``."""
 _BINARY_DATASET = re.compile(rb"^ {4}58b", re.MULTILINE)

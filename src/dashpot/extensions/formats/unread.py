@@ -68,7 +68,7 @@ _NAMED = {
     b"Rar!": ("a packed file (RAR)", _UNPACK),
     b"\x28\xb5\x2f\xfd": ("a packed file (zstd)", _UNPACK),
 }
-"""What a file is by its first bytes, and what to do."""
+"""Formats by their first bytes, with advice."""
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:

@@ -21,7 +21,7 @@ _UNKNOWN = 0xFFFFFFFF
 _ORDERS = {b"RIFF": "<", b"RIFX": ">", b"RF64": "<", b"BW64": "<"}
 """Byte order by the first bytes; RF64 and BW64 keep sizes beyond 4 GiB in a chunk of their own."""
 FULL_SCALE = "1 = full scale"
-"""What is stated of every channel beside its numbers."""
+"""Note on the scale of every channel."""
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:

@@ -20,7 +20,7 @@ from dashpot.reading.sandbox import limits
 
 HIDDEN = "hidden/"
 FORMULAS = "formulas/"
-"""What no name of a sheet begins with."""
+"""Start of a path that no name of a sheet has."""
 _LARGEST = 1 << 31
 """Bytes of an unpacked workbook."""
 _LEAST = 4

@@ -22,13 +22,13 @@ USUAL_SEGMENTS = 8
 """Lengths of a segment in a record, if none is said."""
 FEWEST_SEGMENTS = 3
 OVERLAP = 1 / (1 + 2 / 36)
-"""What a segment is worth that shares half of its samples with either neighbour (Hann)."""
+"""Weight of a segment that shares half of its samples with either neighbour (Hann)."""
 HIGHEST_OF_RATE = 0.4
 """Part of the sampling rate up to which lines are kept: beyond, filters and aliases stand."""
 BASE_MOVES = 1e-3
 """Part of the base's strongest line below which it is not moved."""
 COHERENT_BY_CHANCE = 1e-3
-"""How often the coherence of mere noise is that of a line that is kept."""
+"""Probability that the coherence of mere noise exceeds the limit."""
 _MOST = 0.5
 """A coherence that is kept however few segments there are."""
 _NEAR = 5

@@ -35,7 +35,7 @@ LOOKS = {
 ABOUT = 2.0
 """Times the lowest and the highest mode: what is shown of the FRFs under several masses."""
 NAMED = 4
-"""That many modes have their numbers beside them."""
+"""Number of modes that have a label."""
 
 
 def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: str = "") -> Picture:

@@ -30,11 +30,11 @@ from dashpot.vibration.modal.pole_fit import MOST_DAMPED, FRFLines, mac
 HIGHEST = 30
 ARC = 1.5 * np.pi
 NOTHING_NEW = 1e-11
-"""Of the squares of a numerator's columns: below it they follow the noise."""
+"""Share of a numerator's columns below which they follow the noise."""
 SAME_FREQUENCY, SAME_DAMPING, SAME_SHAPE = 0.01, 0.05, 0.98
 """Relative, relative, and by the modal assurance criterion: what stays from order to order."""
 NEW, FREQUENCY, DAMPING, SHAPE = range(4)
-"""How much of a pole was there at the order before."""
+"""States of a pole compared with the order before."""
 
 
 @dataclass(frozen=True, eq=False)

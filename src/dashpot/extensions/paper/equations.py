@@ -13,7 +13,7 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import ComplexArray, FloatArray
 
 NODES = 40
-"""Of the rule that integrates the history: a ramp is a few time constants long."""
+"""Nodes of the rule that integrates the history: a ramp is a few time constants long."""
 
 
 @dataclass(frozen=True)

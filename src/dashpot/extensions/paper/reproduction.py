@@ -43,7 +43,7 @@ DEPTH, RAMP, HOLD = 8e-3, 1.0, 40.0
 SPEED = DEPTH / RAMP
 SEALS = 2
 BEFORE, RATE = 3.0, 1000.0
-"""What the paper does not say: how long the record runs before contact, s, and its rate, Hz."""
+"""Assumed record before contact, s, and rate, Hz; the paper does not give them."""
 QUANTUM = 1 / 1280
 """Resolution of the paper's load cell, N."""
 PRINTED_HZ = 12.71
@@ -556,7 +556,7 @@ UNSAID = tuple(
         ("how the fit was started, and its uncertainty", "no start is needed; 95 % intervals"),
     )
 )  # fmt: skip
-"""What the paper does not say, and what is supposed here."""
+"""Quantities that the paper does not give, and their assumed values."""
 
 
 def _table(

@@ -26,15 +26,15 @@ NAMES = ("paper", "broad")
 FILES = (
     "_relaxation.csv", "_relaxation.truth.json", "_impact.csv", "_impact.truth.json", ".html",
 )  # fmt: skip
-"""What is written of each seal."""
+"""Files of each seal."""
 PUZZLE = "broad"
 """The seal that a warm test and a hammer find to be two."""
 COLD = ("_cold.csv", "_cold.truth.json")
-"""What is written of that seal in a refrigerator."""
+"""Files of that seal in a refrigerator."""
 ROOM, FRIDGE = 296.15, 273.15
 """Temperatures of its two tests, K."""
 COLD_HOLD = 20.0
-"""How long the cold test is held, s: the arms that it is for relax in a tenth of that."""
+"""Hold of the cold test, s: its arms relax in a tenth of that."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from dashpot.base.file_writing import write_atomic
 from dashpot.base.version import software
 
 GENESIS = "0" * 64
-"""What the first line names as the hash of the line before it."""
+"""Hash of the line before the first."""
 _HEAD = re.compile(rb"(0|[1-9]\d{0,17}) ([0-9a-f]{64})\n(?:[1-9]\d{0,17} ([0-9a-f]{64})\n)?")
 
 

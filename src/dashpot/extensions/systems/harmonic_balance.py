@@ -23,7 +23,7 @@ from dashpot.numerics.harmonic_balance import AlternatingFrequencyTime, find_roo
 from dashpot.solids.rate_independent import AmplitudeDependent
 
 _SCAN = np.log(10) * np.linspace(-7, 7, 1401)
-"""Where answers are looked for: ln of the stretch over that without friction."""
+"""Search grid of answers: ln of the stretch over that without friction."""
 _SAMPLES = 256
 """Samples of a cycle in time; half as many are wrong by 0.03 %."""
 _LAPS, _CLOSED = 200, 1e-8

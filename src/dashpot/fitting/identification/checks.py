@@ -153,7 +153,7 @@ REMEDIES: dict[str, Remedy | str] = {
     "delay": "Check the delay between hammer and accelerometer.",
     "stiffness": "Check number, length and compression of the seals.",
 }
-"""What to do where the fit wants another than was known."""
+"""Remedies where the fit contradicts a known quantity."""
 
 
 class Believable(Protocol):

@@ -231,7 +231,7 @@ class FractionalElement:
 
 
 Parametrisation: TypeAlias = Arms | FractionalElement
-"""How a solid is written as `size` free numbers."""
+"""Representation of a solid by `size` free numbers."""
 
 
 def differentiate_poles(

@@ -33,7 +33,7 @@ EXAMPLE = {
     "phase": "deg", "velocity": "m/s", "creep_compliance": "1/MPa", "stress": "MPa", "strain": "%",
     "stretch": "1", "complex_modulus": "MPa", "loss_angle": "deg",
 }  # fmt: skip
-"""What a role is measured in most often."""
+"""Most common unit of a role."""
 _LESS = (
     (vocabulary.COMMANDED, 1.5, None),
     (vocabulary.EXTREMES, 1.0, False),
@@ -50,7 +50,7 @@ _SENSITIVITY = compile_on_use(
 _PLACE = {
     "displacement": 1, "force": 2, "hammer": 1, "storage": 1, "loss": 2, "modulus": 1,
 }  # fmt: skip
-"""Where a role stands in a table that says nothing, counted from 0."""
+"""Most common column of a role in a table without names, counted from 0."""
 _ANGULAR = ("w", "omega", "ω", "angular", "kreisfrequenz")
 _ROLES: tuple[Role, ...] = get_args(Role)
 _SUITED = "_suited"

@@ -33,7 +33,7 @@ OF_A_PART: MappingProxyType[str, Dimension] = MappingProxyType({
     "storage": "stiffness", "loss": "stiffness", "modulus": "stiffness",
     "creep_compliance": "compliance", "complex_modulus": "stiffness",
 })  # fmt: skip
-"""What a role of a material measures on a part."""
+"""Role on a part for each role of a material."""
 
 # Names that say exactly this; German and other compounds are met as parts of a word.
 _FIRST: dict[Role, str] = {
@@ -167,7 +167,7 @@ OF_BASE = (
 )  # fmt: skip
 """Words for what is shaken, of two that move."""
 LEAST_SCORE = 1.5
-"""How well a name says a role at least, so that it counts: the score of a second meaning."""
+"""Lowest score with which a name counts for a role: that of a second meaning."""
 WHOLE_TIME = ("run",)
 """Clocks of all that an instrument did, before this record too."""
 _HUMP = compile_on_use(r"(?<=[a-zäöüß]{2})(?=[A-ZÄÖÜ])")

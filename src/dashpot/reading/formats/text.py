@@ -46,7 +46,7 @@ _MARKUP = compile_on_use(
     rb"\A(?:\xef\xbb\xbf)?\s{0,99}(<(?:!doctype\b|html\b|head\b|body\b|table\b|\?xml\b)|\{\\rtf)",
     re.I,
 )
-"""How a web page, a document of XML or rich text begins."""
+"""Start of a web page, a document of XML or rich text."""
 _MIN_TABLE_ROWS = 6
 """Fewest rows of a table; one on its side has fewer, each of as many times so many numbers."""
 _STEADY = 6
@@ -170,7 +170,7 @@ def _table(
             dialect,
             indexes,
             Heading(new_header.columns, _clock_orders(new_header, options), title(header)),
-            refuse_questions=options.decimal is not None,
+            is_decimal_certain=options.decimal is not None,
             time_budget=raw.patience,
         )
 

@@ -45,15 +45,15 @@ Judged: TypeAlias = Callable[
     [Mapping[Role, float], Mapping[Role, str], AbstractSet[Role]],
     Sequence[tuple[Role, Sequence[Check]]],
 ]
-"""What is asked of the sizes of a test, had its units been said otherwise."""
+"""Function that checks the sizes of a test with other units."""
 _OVERLOAD = 9.9e37
-"""What SCPI instruments send for an infinite or an invalid reading."""
+"""Number that SCPI instruments send for an infinite or an invalid reading."""
 _NINES = 999.0
 """The least number of nines alone that loggers write for no reading: 999, -9999, 999.99."""
 _RATE_TOLERANCE = 0.01
 """Part of a step by which the steps of an even clock, and a rate said of it, may differ from it."""
 _FAR = 5.0
-"""How far beyond all other numbers of its column it then stands."""
+"""Factor of such a number over all others of its column."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +142,7 @@ def open_table(raw: RawFile, options: ReadOptions) -> OpenedFile:
 _LEFT_OPEN: dict[object, OpenedFile] = {}
 """Files that were looked at and are about to be read."""
 _MAX_KEPT = 16
-"""How many of them are kept."""
+"""Number of them that are kept."""
 
 
 def cache_open_file(path: str | Path, file: OpenedFile) -> None:

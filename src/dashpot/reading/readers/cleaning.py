@@ -22,7 +22,7 @@ from dashpot.signals.clock import JUMP_RATIO, NEIGHBOUR_STEPS, find_clock_jumps
 
 
 _LAST = 5.0
-"""How much longer than all others the last step may be before it is worth a word."""
+"""Largest ratio of the last step to all others without a note."""
 _FULL = 0.98
 """Part of the travel at which a ramp counts as over; what is left of it, as begun."""
 _LOUD_SHARE = 0.1

@@ -42,7 +42,7 @@ _REASONS_WITHOUT_CLOCK: Mapping[str, str] = MappingProxyType({
     "harmonic": "it goes to and fro; it has no clock",
     "creep": "its force is held; it has no clock",
 })  # fmt: skip
-"""Of kinds whose fit needs a clock, by the loading that a record without one shows."""
+"""Reasons why a kind needs a clock, by the loading that a record without one shows."""
 _LEAST_SAMPLES = 8
 """Fewest samples that show a motion."""
 _MATERIAL_ROLES: tuple[Role, ...] = ("strain", "stress")

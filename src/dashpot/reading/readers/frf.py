@@ -45,7 +45,7 @@ from dashpot.reading.table import Column, FileTable, LoadedColumns
 _MIN_PHASE_LINES = 8
 """Fewest lines that show how far a phase goes."""
 _FULL_TURN, _MAX_UNWRAPPED = 2 * np.pi, 60.0
-"""How far a phase goes in radians, once around; and unwrapped, over ten modes."""
+"""Range of a phase in radians, wrapped and unwrapped over ten modes."""
 
 
 def as_a_ratio(file: OpenedFile) -> OpenedFile:

@@ -27,7 +27,7 @@ from dashpot.reading.table import LoadedColumns
 
 HITS = "hits, a hammer force and an acceleration, are"
 _RINGS_ON = 5.0
-"""How much longer than its hammer what is struck is in motion, at least."""
+"""Smallest ratio of the duration of a response to that of its hammer."""
 _PULSES = 0.02
 """Part of a record that a hammer's pulses hardly fill."""
 _PEAKS: dict[Role, tuple[Callable[[float, str], Check], ...]] = {

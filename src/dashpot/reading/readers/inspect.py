@@ -53,7 +53,7 @@ _WELCOME = {
 }  # fmt: skip
 """Roles that are shown where they are found, and not asked for."""
 _CURVES: frozenset[Role] = frozenset({"modulus", "creep_compliance"})
-"""What is over the time since a step."""
+"""Roles that are given over the time since a step."""
 _UNCLOCKED = ("cld", "stress-strain")
 """Kinds whose time is, too."""
 

@@ -23,12 +23,12 @@ _SMALLER = {
     "kgf": "N", "lbf": "N", "min": "s", "h": "s", "s": "ms", "ms": "us",
     "g": "m/s^2", "m/s^2": "mm/s^2", "m/s": "mm/s",
 }  # fmt: skip
-"""What a unit is mistaken for most often, where its numbers are too large."""
+"""Likely unit where the numbers are too large."""
 _LARGER = {
     "mm": "m", "cm": "m", "in": "mm", "um": "mm", "nm": "um", "nN": "N", "uN": "N", "mN": "N",
     "N": "kN", "kN": "MN", "us": "s", "ms": "s", "s": "min", "mm/s^2": "m/s^2", "m/s^2": "g",
 }  # fmt: skip
-"""So too, where they are too small."""
+"""Likely unit where the numbers are too small."""
 _COARSE = {"mm", "cm", "in", "ft"}
 """Units of length in which no one writes a few micrometres."""
 

@@ -31,9 +31,9 @@ _AMPLITUDES: tuple[Role, ...] = ("strain", "displacement")
 SWEEP_OPTIONS = ("storage", "magnitude")
 """Options that say that a file is a sweep."""
 _ROUNDED = 1.05
-"""What a loss factor may be of loss over storage, for the digits printed and the harmonics."""
+"""Tolerance of a loss factor over loss and storage, for printed digits and harmonics."""
 _FAR = 1.5
-"""What it may be before it is asked which of them is right, and moduli of two blocks likewise."""
+"""Deviation at which the user is asked which is right, also for moduli of two blocks."""
 _A_SWEEP = 3
 """Frequencies of a block, at least."""
 

@@ -26,7 +26,7 @@ _MARK = "--read-for-dashpot"
 CHILD_ENVIRONMENT = {"MALLOC_ARENA_MAX": "1", "POLARS_MAX_THREADS": "1"}
 """Each thread of polars sets aside 64 MB of addresses in an arena: a GiB is full before a file."""
 CHILD_OPTIONS = ("sheet", "segment", "format", "rate")
-"""What is said to a reader in a child."""
+"""Options that a reader in a child process receives."""
 _frozen_children: list[str] = []
 
 

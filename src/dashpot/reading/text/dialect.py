@@ -535,7 +535,7 @@ _WORDS: tuple[tuple[float, Callable[[str, str], float]], ...] = (
     (-0.2, lambda word, _: sum(c in "þðýÞÐÝ" for c in word)),
     (-0.3, lambda word, _: sum("\u0400" <= c <= "\u04ff" for c in word) * (len(word) < 3)),
 )
-"""What a word beyond ASCII shows of its code page, and how much."""
+"""Evidence of non-ASCII words for a code page, with weights."""
 _UNITS = compile_on_use(r"(?:°[CF]?|[µμ][mNsV]|[ms][²³])(?![^\W\d_])")
 _DEBRIS = compile_on_use(r"(?<=[^\W\d_])[³¹¿œŸž¡£¥]|[¤¦¨¸¯](?=\w)|[\x80-\x9f\ufffd\ue000-\uf8ff]")
 

@@ -38,7 +38,7 @@ _TOGETHER = (
     (100 * 2**16 + 1, 16, 0x0000FFFF0000FFFF),
     (10_000 * 2**32 + 1, 32, 0xFFFFFFFF),
 )
-"""How digits become twos, fours and eight: the earlier count so many times, and which bits stay."""
+"""Multipliers and masks that merge digits into twos, fours and eights."""
 
 
 def _make_byte_masks(stop: int) -> IndexArray:

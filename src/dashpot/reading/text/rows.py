@@ -263,12 +263,12 @@ def load_rows(
     indexes: Sequence[int],
     heading: Heading | None = None,
     *,
-    refuse_questions: bool = True,
+    is_decimal_certain: bool = True,
     time_budget: TimeBudget | None = None,
 ) -> LoadedColumns:
     """Return the columns `indexes` of the table, from blocks of whole lines.
 
-    Unless the decimal mark is `refuse_questions`, what can be read two ways is left as a doubt.
+    Unless `is_decimal_certain`, numbers that can be read two ways become questions.
     Reading may cost what `time_budget` is left.
 
     Raises
@@ -285,7 +285,7 @@ def load_rows(
             indexes,
             heading or Heading(),
             time_budget,
-            refuse_questions=refuse_questions,
+            is_decimal_certain=is_decimal_certain,
         )
 
 
@@ -296,7 +296,7 @@ def _load_columns(
     heading: Heading,
     time_budget: TimeBudget,
     *,
-    refuse_questions: bool,
+    is_decimal_certain: bool,
 ) -> LoadedColumns:
     gathered = _Gathered(segments=[heading.title])
     reader = _Reader(dialect, tuple(indexes), heading, gathered, time_budget)
@@ -315,7 +315,7 @@ def _load_columns(
     if not complete and dialect.is_cut_off(last):
         values = values[:-1]
         notes.append("the last row is cut off within its last number and was left out")
-    if not refuse_questions:
+    if not is_decimal_certain:
         points = find_undecided_columns(values)
         table_lines = _patient(
             _drop_first_lines(blocks(), dialect.first), time_budget, dialect.first + 1

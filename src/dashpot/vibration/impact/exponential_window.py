@@ -40,7 +40,7 @@ _FEWEST_STRETCHES = 5
 _TAPS = 65
 _FEWEST_TAPS = 9
 _PASSED = 0.3
-"""Of the sampling rate: above it a channel is noise."""
+"""Share of the sampling rate above which a channel is noise."""
 _BETA = 8.0
 _STEPS = 1.5
 """Times the variance of rounding that noise must have to be seen: below that it rounds to none."""

@@ -28,7 +28,7 @@ _FEWEST = 6
 _OF_THREE = 2 / 3
 """Degrees of freedom of a value where each mean is of three."""
 SHORT_HOLD = 0.95
-"""Of the median hold."""
+"""Shortest hold, as a share of the median hold."""
 _PER_MAD = 1.482602218505602
 """Standard deviations of a normal distribution in its median absolute deviation."""
 

@@ -38,7 +38,7 @@ MAX_CORNERS = 16
 """Corners of a load that is ramps and holds, at most."""
 COMPLIANCES = {"N/m": "m/N", "Pa": "1/Pa"}
 _ARE = {"N/m": ("m", "N"), "Pa": ("1", "Pa")}
-"""What displacement and force are in, by the unit of the stiffness."""
+"""Units of displacement and force, by the unit of the stiffness."""
 """Unit of the compliance by that of the stiffness."""
 
 
@@ -348,7 +348,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
 
 
 Creep: TypeAlias = CreepTest | LoadHold | CreepCompliance
-"""What creep is fitted to."""
+"""Record of creep that can be fitted."""
 
 
 def _determine_stiffness_unit(text: Dimension, pushed: Dimension) -> str:

@@ -48,11 +48,11 @@ _PER_STROKE = 120
 _FALLS = 0.98
 """Part of the residual above which a further arm, and any after it, is not worth trying."""
 DECISIVE = 10.0
-"""By so much a further arm lowers BIC."""
+"""Decrease of BIC that a further arm needs."""
 _TELLS = 3.0
 """Standard errors of a delay from which on a record is taken to have one."""
 _SMALLEST, _LARGEST = 1e-3, 20.0
-"""Of g."""
+"""Smallest and largest g."""
 
 
 class DownsampledRecord(NamedTuple):

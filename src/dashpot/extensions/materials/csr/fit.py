@@ -39,7 +39,7 @@ _PHYSICAL, _ACTIVATION, _EXPONENT = (
     Parameter(-0.1, 0.25, 0.01), Parameter(-10, 60, 0.3), Parameter(-1, 1, 0.1),
 )  # fmt: skip
 _HELD = {"exponential": (3,), "stretched": ()}
-"""Of physical loss, ln tau, activation energy and ln exponent what each law holds at 0."""
+"""Indices of the parameters (physical loss, ln tau, energy, ln exponent) fixed at 0 by each law."""
 
 
 def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> Aging:

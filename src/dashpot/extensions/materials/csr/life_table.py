@@ -15,7 +15,7 @@ from dashpot.extensions.materials.csr.law import HOUR, YEAR
 from dashpot.extensions.materials.csr.lifetime_prediction import format_part, predict_aging
 
 _TEMPERATURE_STEP, _BELOW, _ABOVE = 10.0, 60.0, 10.0
-"""Of the table, and how far it goes below and above the coldest oven, K."""
+"""Step of the table, and its range below and above the coldest oven, K."""
 _RESOLUTION = 0.5
 """K."""
 

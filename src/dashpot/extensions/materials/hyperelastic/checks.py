@@ -32,7 +32,7 @@ _MUCH_CLOSER = 0.25
 SMALL = 0.005
 """Rms over the rms of the stress, below which a residual is no matter: a load cell's."""
 _AS_GOOD = 10.0
-"""Of BIC: what is no farther is not refuted (R. E. Kass, A. E. Raftery, 1995)."""
+"""Difference of BIC that refutes no law (R. E. Kass, A. E. Raftery, 1995)."""
 _FACTORS = (0.03, 0.06, 0.12, 0.2)
 """Logarithms of a factor by which the stress of one mode is tried to be off."""
 _OF_NOTE = 0.03

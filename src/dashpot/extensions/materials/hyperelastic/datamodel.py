@@ -28,7 +28,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 LEAST_ROWS = 4
 MOST_STRETCH = 20.0
 MOST_POISSON = 0.6
-"""That a strain sideways may show: 0.5, and what a tape or a camera is off."""
+"""Largest measured Poisson's ratio: 0.5, and the error of a tape or a camera."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -167,7 +167,7 @@ class ElasticCurve(EqualByValue):
 
 
 Span: TypeAlias = tuple[float, float]
-"""From a stretch to a stretch."""
+"""Smallest and largest stretch."""
 Limits: TypeAlias = tuple[float | None, float | None]
 """Stretches below and above 1; None where there is none."""
 

@@ -28,7 +28,7 @@ VERIFIED = (
     "the law within 1e-3"
 )
 _MOST_TERMS = 6
-"""Of viscoelasticity in *MAT_077."""
+"""Largest number of viscoelastic terms in *MAT_077."""
 _NO_SWELLING = 1e-6
 """In place of beta = 0, by which *MAT_HILL_FOAM divides."""
 

@@ -14,7 +14,7 @@ from dashpot.extensions.materials.strokes import Stroke, strokes_of
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MOST_POINTS = 100
-"""Of one curve: neighbours in stretch are one mean."""
+"""Largest number of points of one curve: neighbours in stretch are averaged."""
 _WHOLE = 0.95
 """Part of the largest strain that a loading must reach to be chosen."""
 _BOTH = 0.1

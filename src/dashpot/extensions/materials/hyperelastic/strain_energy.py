@@ -43,7 +43,7 @@ SHEARING: tuple[Mode, ...] = ("uniaxial", "equibiaxial", "planar")
 POWERS: MappingProxyType[ElasticKind, tuple[tuple[int, int], ...]] = MappingProxyType({
     "neo-hooke": ((1, 0),), "mooney-rivlin": ((1, 0), (0, 1)), "yeoh": ((1, 0), (2, 0), (3, 0)),
 })  # fmt: skip
-"""Of I1 - 3 and I2 - 3 with each constant of a law of the invariants."""
+"""Exponents of I1 - 3 and I2 - 3 for each constant of a law of the invariants."""
 FARTHEST = 10.0
 """Stretch, or one over it, to which stability is sought."""
 _SCAN = 600

@@ -39,11 +39,11 @@ _SLIGHT = np.array([0.02, 1.0])
 changes in proportion, and where both are more their logarithms do."""
 _RANGE = np.array([[1e-6, 10.0], [1 / 32, 32.0]])
 _REACH = 8.0
-"""Of the logarithm of a number, from where it begins."""
+"""Range of the logarithm of a number about its start."""
 _HALF_WAVE = 1.07
 """Pi over the length of a lossless contact."""
 STEP = 3e-5
-"""Of a difference, where a motion is marched again."""
+"""Relative step of a numerical derivative that integrates the motion again."""
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ that relaxes to 3e-6, its force to 1e-5 of the largest."""
 _WITHIN = 6
 """Samples of a step."""
 _ROUNDS = 30
-"""Of the search for the end of a contact."""
+"""Iterations in the search for the end of a contact."""
 _REMEMBERED = 1024
 """Shapes: a fit asks for one again, at another speed or touch, and so do other fits."""
 _LONGEST = 300.0

@@ -51,32 +51,32 @@ from dashpot.numerics.inference.covariance_estimate import Estimate, ProfileSlic
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows
 
 _ABOUT = 1.0
-"""How much of the flights is taken to either side, in times of the contact."""
+"""Time before and after the contact that is fitted, in contact times."""
 _VELOCITY_OFFSET = 3e-3
 """Standard deviation of a velocity's offset, as a part of the speed: no flight shows it."""
 _AT_TOUCH = 0.29
 """Standard deviation of a time that is known to lie between two samples, in their distance."""
 _TOUCHES = (0.0, -2.0, -1.0, 1.0, 2.0)
-"""Where such a touch is sought, in samples."""
+"""Shifts at which the contact time is searched, in samples."""
 _CLIPPED = 3
 """Samples at one and the same extreme that a sensor at its limit leaves."""
 _ROUNDING = 1e-5
 """Part of the record that integration and interpolation leave."""
 _LOSSES = frozenset({"c", "viscous_time", "g"})
 _OF_RADIUS = frozenset({"modulus", "glassy_modulus"})
-"""What goes with the root of the radius of the tip."""
+"""Values in proportion to the root of the tip radius."""
 _TIME = 2
 """Place of the law's time among the parameters."""
 _SAME = 0.05
 """Difference of every parameter below which two valleys are one."""
 _LEVEL = 0.95
 _ENDS = 1.02
-"""Of a quantile, beyond which a slice of a profile is outside."""
+"""Factor on a quantile beyond which a slice of a profile is outside."""
 _FAR = 0.8
-"""How far from where it begins the touch is sought, in times of the contact."""
+"""Search range of the contact time about its start, in contact times."""
 _TRIES, _FLAT = 40, 1e-7
 _STARTS = 4
-"""Of descents; of a table of more those that none of their neighbours beats."""
+"""Number of descents, from the best entries of a table."""
 _NEAR, _ROUGHLY = 3, 1e-3
 """Steps that the others take beside one of a table, and what they may leave."""
 _DECIDED = 10.0

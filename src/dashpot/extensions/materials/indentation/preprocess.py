@@ -11,7 +11,7 @@ from dashpot.base.errors import DataError
 from dashpot.extensions.materials.indentation.datamodel import IndentationTest
 
 _DERIVATIVES = {"acceleration": 0, "force": 0, "velocity": 1, "displacement": 2}
-"""How often a record is differentiated to show the push."""
+"""Number of differentiations that turn a record into the push."""
 _CLEAR = 25.0
 """Peak over scatter at which a contact stands out."""
 _OTHER = 0.1
@@ -19,7 +19,7 @@ _OTHER = 0.1
 _FOOT = 0.25
 """Part of the push at which its width is taken."""
 _FOOT_WIDTH = 0.84
-"""Of a half sine at that height, over its whole width."""
+"""Width of a half sine at that height, over its whole width."""
 _FEWEST = 6
 
 

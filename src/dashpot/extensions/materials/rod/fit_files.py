@@ -32,7 +32,7 @@ from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import read_measured
 
 _LIGHTEST, _HEAVIEST = 5.0, 2e4
-"""Of a foam and of a metal, kg/m^3."""
+"""Density of a light foam and of a metal, kg/m^3."""
 _ERRORS = ("gain", "phase", "mass", "length", "area", "density", "poisson", "glue")
 _OF_THE_PLATEAU = frozenset({"plateau_determined", "curve_level_at_end"})
 """Checks of what lies below the band of a rod, whose answer is its modulus within."""

@@ -22,7 +22,7 @@ from dashpot.extensions.materials.rod.datamodel import RodModulus
 from dashpot.numerics.nonnegative_least_squares import solve_linear
 
 _PER_DECADE, _BEYOND = 12, 30.0
-"""Of relaxation times, and how many bands beyond the lines they go."""
+"""Relaxation times of a decade, and factor of their range beyond the lines."""
 _FEW = 8
 
 

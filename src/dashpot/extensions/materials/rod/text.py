@@ -11,7 +11,7 @@ from dashpot.text_output.results import format_error_sensitivity, hertz
 _ROWS = 8
 """Lines of a rod that are shown."""
 _ERRORS = ("phase", "gain")
-"""Of the test, what small ones do to every line."""
+"""Errors of the test whose effect on every line is listed."""
 
 
 def rod(rod: Rod) -> Text:

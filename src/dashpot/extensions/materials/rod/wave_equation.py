@@ -58,7 +58,7 @@ _TURNS = 3
 _GOOD = 0.1
 """Error of storage and of loss factor in the band that is called usable."""
 _POISSON_ERROR, _HIGHEST_POISSON = 0.0007, 0.4999
-"""How far Poisson's ratio of a rubber is not known, and its upper end."""
+"""Uncertainty of Poisson's ratio of a rubber, and its largest value."""
 
 
 def rod_transmissibility(

@@ -15,7 +15,7 @@ from dashpot.planning.plan_options import PlannedRamp
 
 _TEST = "Test"
 RELATIVE_NOISE = 0.002
-"""Of a material, whose forces have no size, where none is given."""
+"""Relative noise of a material without a stated one; its forces have no size."""
 
 
 @verb(

@@ -34,7 +34,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF
 
 METHOD = "card"
-"""Of a fit whose model is that of a card."""
+"""Method of a fit whose model is that of a card."""
 
 
 @dataclass(frozen=True)

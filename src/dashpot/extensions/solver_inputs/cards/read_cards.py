@@ -20,7 +20,7 @@ _DIALECTS = {
     "nastran": r"(?mi)^(PBUSHT?|MATF?VE|CBUSH|MAT1)\b",
     "radioss": r"(?mi)^/(VISC|MAT)/",
 }
-"""What a file of each solver has at the beginning of a line."""
+"""Pattern of a line in a file of each solver."""
 READ = (
     "*VISCOELASTIC, TIME=PRONY and *TRS (Abaqus), PBUSH, PBUSHT and MATVE (Nastran, OptiStruct), "
     "TB,PRONY (Ansys), *MAT_GENERAL_VISCOELASTIC, *MAT_VISCOELASTIC and *MAT_SPRING_MAXWELL "

@@ -16,7 +16,7 @@ from dashpot.base.arrays import FloatArray
 
 _NORMAL = NormalDist()
 _PER_VARIABLE = 2
-"""With fewer draws than so many times the variables their correlations are left as they are."""
+"""Fewest draws of each variable for which their correlations are corrected."""
 
 
 def draw_standard_normal(count: int, variables: int, seed: int) -> FloatArray:

@@ -31,7 +31,7 @@ _VERSIONS = {"fmi2": "FMI 2.0", "fmi3": "FMI 3.0"}
 _SHORTEST = 1e-9
 """s and deck units of mass: the least relaxation time and mass that an importer may set."""
 _DATE = (1980, 1, 1, 0, 0, 0)
-"""Of every file in the archive, which then repeats to the byte."""
+"""Date of every file in the archive, which then repeats to the byte."""
 
 
 class ModelUnit(DeckText):

@@ -36,7 +36,7 @@ PLATFORMS: Mapping[str, Mapping[str, tuple[str, str]]] = MappingProxyType(
         ),
     }
 )
-"""Of each form: folder of a platform in the archive, what the compiler calls it, and the suffix."""
+"""Platforms of each form: folder in the archive, name for the compiler, and suffix."""
 
 
 def find_platforms(form: str) -> tuple[str, ...]:

@@ -52,7 +52,7 @@ def read_runs() -> tuple[Run, ...]:
 
 _MEASURED = "the largest difference to the model, over the peak:"
 WITH_DASHPOT = "with b"
-"""How the name of a case ends that is of solids with a parallel dashpot."""
+"""Suffix of a case of solids with a parallel dashpot."""
 
 
 def format_procedures(target: str, form: str, *, with_dashpot: bool = False) -> list[str]:

@@ -25,7 +25,7 @@ _LOG_CHOKED = np.log(CHOKED)
 _SLOPE = np.sqrt(2 * GAMMA / (GAMMA - 1) * AMBIENT * DENSITY)
 
 _STAGE = 1 - np.sqrt(0.5)
-"""Of the two-stage rule of second order that damps what is stiff (Alexander 1977)."""
+"""Stage of the stiffly stable two-stage rule of second order (Alexander 1977)."""
 _ROUNDS = 60
 _CLOSE = 1e-9
 

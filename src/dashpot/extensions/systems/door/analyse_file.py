@@ -46,7 +46,7 @@ from dashpot.workflow.json_archive import format_unexpected_kind, read_fit, read
 __all__ = ["DoorResult", "door_file", "open_door"]
 
 LINES = 2001
-"""Of an FRF."""
+"""Number of lines of an FRF."""
 
 
 def open_door(

@@ -22,7 +22,7 @@ from dashpot.report.result_page import AppCard, Group, KindPage
 from dashpot.workflow.json_archive import to_json
 
 _HEIGHT = 300.0
-"""Of a response beside no seal line, px."""
+"""Height of a response without a seal line, px."""
 
 
 def describe_file(path: Path) -> dict[str, Any]:

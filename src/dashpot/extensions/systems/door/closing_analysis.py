@@ -31,7 +31,7 @@ _SIGNIFICANT = 1e-5
 _COARSE, _FEW, _ROUGH = 60, 24, 1e-3
 """Steps, stations and tolerance of the many doors of a scatter."""
 _NOTHING = 1e-9
-"""Of the energy at 1 m/s: a door that closes with so little closes by itself."""
+"""Share of the energy at 1 m/s with which a door closes by itself."""
 _TRIES = 60
 _FASTER = (1.02, 1.1, 1.25, 1.5, 2.0, 3.0)
 

@@ -15,11 +15,11 @@ from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.plot.style import sequential
 
 _HALF = 0.36
-"""Of a bar, its rows being 1 apart."""
+"""Half the height of a bar; its rows are 1 apart."""
 _NEAR = 6.0
-"""How many times the way on which most of the seal is pressed is drawn."""
+"""Length of the drawn motion, over that on which most of the seal is pressed."""
 _WORDS, _NAMES = 1.18, 0.55
-"""How far the axis of energy goes, to hold the number beside a bar, and the name left of it."""
+"""Ends of the energy axis, for the number beside a bar and the name left of it."""
 _COARSE = 2.0
 """Energy above which its axis has whole numbers, J."""
 

@@ -15,7 +15,7 @@ from dashpot.base.value_ranges import require_nonnegative, require_positive, sel
 Vector: TypeAlias = tuple[float, float, float]
 
 DISCHARGE = 0.62
-"""Of a sharp-edged hole."""
+"""Discharge coefficient of a sharp-edged hole."""
 ADIABATIC, ISOTHERMAL = 1.4, 1.0
 """Exponents n of p ~ density^n."""
 

@@ -38,13 +38,13 @@ from dashpot.plot.style import sequential
 SHOWN = 6
 """Modes that are drawn."""
 _CLASSES = 4
-"""Of compression."""
+"""Number of classes of compression."""
 _FINE = 240
 """Places along the line at which a shape is drawn."""
 _WIDE = 0.16
-"""Of the door's larger side: the band of the largest motion."""
+"""Width of the band of the largest motion, over the door's larger side."""
 _IN_PLANE = 0.1
-"""Of a motion: less than that of its largest part across the plane, and it stays in its plane."""
+"""Largest motion across the plane, over that in it, of a mode in the plane."""
 _NEAR = 1.2
 """About the modes that the seal holds: how far their FRF is shown, as a factor."""
 _SCALES = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
@@ -52,7 +52,7 @@ _SCALES = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
 _WAYS = {"out": "warm", "in": "cold"}
 """Colours of what goes out and in."""
 _INSIDE = {"out": 0.5, "in": 1.5}
-"""Where their words stand, in widths of a band from the line, inwards."""
+"""Distance of the words from the line, in widths of a band, inwards."""
 _ROUND = 17
 """Places over which the direction of a band is averaged."""
 _LEAST = 12

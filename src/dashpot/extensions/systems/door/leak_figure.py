@@ -12,7 +12,7 @@ from dashpot.plot.plotted_data import compute_padded_limits
 from dashpot.plot.plotted_data import stamp as format_stamp
 
 _HALF_BAR, _ABOVE = 0.2, 0.75
-"""Of a bar, its rows being 1 apart, and where its name begins above it."""
+"""Half the height of a bar, its rows being 1 apart, and the height of its name above it."""
 _COLOURS = ("fit", "joint", "measured", "ref", "bad")
 _DASHES: tuple[tuple[float, ...], ...] = ((), (7, 4), (2, 3))
 

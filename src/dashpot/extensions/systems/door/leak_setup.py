@@ -8,9 +8,9 @@ from dashpot.base.value_ranges import require_nonnegative, require_positive
 from dashpot.extensions.systems.door.air_flow import AMBIENT
 
 GAS_CONSTANT = 287.05
-"""Of dry air, J/(kg K)."""
+"""Gas constant of dry air, J/(kg K)."""
 STANDARD_TEMPERATURE = 293.15
-"""Of the air where a state gives none, K."""
+"""Temperature of the air where a state gives none, K."""
 NEW = "new"
 """The state of the door as its file describes it."""
 _MOST_ERROR = 0.5

@@ -15,7 +15,7 @@ from dashpot.extensions.systems.multibody import System
 from dashpot.extensions.systems.time_response import ComplexMode, complex_modes, newton_modes
 
 _STATES = 1200
-"""Of the first-order form, at most; beyond it the nonlinear eigenproblem is quicker."""
+"""Largest first-order form; beyond it the nonlinear eigenproblem is faster."""
 _LOSSLESS = 1e-9
 """Loss factor of rounding."""
 _SIDEWAYS, _LOOSE = 0.1, 1e-12

@@ -77,7 +77,7 @@ def read_door(path: str | Path) -> Door:
 _MOST_PARTS = 200
 """Hinges, bumpers, joints or points of one kind: no door has more."""
 _MOST_POINTS = 20_000
-"""Of a seal line, and stations along it: one each millimetre of the longest."""
+"""Largest number of points and stations of a seal line: one each millimetre of the longest."""
 
 
 @dataclass(frozen=True)
@@ -471,4 +471,4 @@ _TABLES: Mapping[str, Callable[[_TableLocation, Any], dict[str, Any]]] = Mapping
         "base": _base,
     }
 )
-"""What reads each table; arrays of tables, such as [[hinge]], have the same name."""
+"""Reader of each table; arrays of tables, such as [[hinge]], have the same name."""

@@ -14,7 +14,7 @@ from dashpot.text_output.results import format_rounded, hertz
 _MOST = 9
 """Number of modes that are listed."""
 _ROUNDING = 1e-9
-"""Of a damping, %."""
+"""Damping that is rounding, %."""
 
 
 def door(result: DoorResult, *, every: bool = False) -> Text:
