@@ -95,12 +95,12 @@ def _find_prediction(solid: Any, options: Iterable[str]) -> Callable[..., Any]:
     if row is not None and row.predict:
         function: Callable[..., Any] = load_object(row.predict)
         return function
-    special = find_handler("predict", solid)
-    if special is None and isinstance(solid, Fit):
+    predict_special = find_handler("predict", solid)
+    if predict_special is None and isinstance(solid, Fit):
         by_option = (find_handler("predict with option", option) for option in options)
-        special = next(filter(None, by_option), None)
-    if special is not None:
-        predict: Callable[..., Any] = special
+        predict_special = next(filter(None, by_option), None)
+    if predict_special is not None:
+        predict: Callable[..., Any] = predict_special
         return predict
     return _predict_under_mass if isinstance(solid, Fit) else _predict_solid_frf
 
@@ -209,9 +209,9 @@ def compare(first: Any, other: Any, /, **options: Any) -> Any:
     >>> dp.compare(fit, hits, mass="114.8g", seals=2).verdict.use
     'do not use'
     """
-    special = find_handler("compare", first)
-    if special is not None and type(first) is type(other):
-        return call_with_options(special, first, other, options=options, subject="two lots")
+    compare_special = find_handler("compare", first)
+    if compare_special is not None and type(first) is type(other):
+        return call_with_options(compare_special, first, other, options=options, subject="two lots")
     if isinstance(first, FRF) and isinstance(other, FRF):
         return call_with_options(_compare_frfs, first, other, options=options, subject="two FRFs")
     measured = isinstance(other, ImpactTest | FRF) or (

@@ -199,9 +199,9 @@ def _record(path: Place, kind: str, options: ReadOptions, keywords: Mapping[str,
                     f'kind="{owner.name}" if it is one after all'
                 )
     arguments: dict[str, Any] = {"options": options}
-    special = _SPECIAL.get(kind) or find_handler("read record", kind)
-    if special is not None:
-        return special(path, arguments, keywords)
+    read_special = _SPECIAL.get(kind) or find_handler("read record", kind)
+    if read_special is not None:
+        return read_special(path, arguments, keywords)
     if "specimen" in keywords:
         arguments["specimen"] = keywords["specimen"]
     return load_object(KINDS[kind].reader)(path, **arguments)

@@ -178,16 +178,16 @@ class Verdict(Serialisable):
 def format_check_tally(checks: Iterable[Check]) -> str:
     """Return how many of some checks passed and failed, in a sentence; empty if none was judged."""
     checks_with_result = [check for check in dict.fromkeys(checks) if check.passed is not None]
-    passed = sum(bool(check.passed) for check in checks_with_result)
+    passed_count = sum(bool(check.passed) for check in checks_with_result)
     notes = sum(check.failed and check.grade == "note" for check in checks_with_result)
-    failed = len(checks_with_result) - passed - notes
+    failed = len(checks_with_result) - passed_count - notes
     if not checks_with_result:
         return ""
-    if passed == len(checks_with_result) > 1:
-        return f"All {passed} checks passed."
-    noun = f" check{'s' * ((passed or failed) > 1)}"
-    parts = [f"{passed}{noun} passed"] if passed else []
-    parts += [f"{failed}{'' if passed else noun} failed"] if failed else []
+    if passed_count == len(checks_with_result) > 1:
+        return f"All {passed_count} checks passed."
+    noun = f" check{'s' * ((passed_count or failed) > 1)}"
+    parts = [f"{passed_count}{noun} passed"] if passed_count else []
+    parts += [f"{failed}{'' if passed_count else noun} failed"] if failed else []
     parts += [f"{notes} note{'s' * (notes > 1)}"] if notes else []
     return f"{', '.join(parts)}."
 

@@ -205,20 +205,20 @@ class TemperatureShifts(EqualByValue, Serialisable):
         distances = {
             f"ln_tau_{j}": d for j, d in enumerate(decades(np.log(np.asarray(solid.tau))), start=1)
         }
-        by = np.zeros((len(names), len(names) + 3))
+        slopes = np.zeros((len(names), len(names) + 3))
         for row, name in enumerate(names):
             if name in distances:
-                stretched = 1 + log_a * self.slope / _LN10
-                by[row, row] = stretched
-                by[row, -3:] = (1 + self.slope * distances[name], 0.0, log_a * distances[name])
+                slope_factor = 1 + log_a * self.slope / _LN10
+                slopes[row, row] = slope_factor
+                slopes[row, -3:] = (1 + self.slope * distances[name], 0.0, log_a * distances[name])
             elif name == "b":
                 a_b = float(np.exp(log_a)) * b_t
-                by[row, row] = a_b
-                by[row, -3:-1] = a_b * solid.b
+                slopes[row, row] = a_b
+                slopes[row, -3:-1] = a_b * solid.b
             else:
-                by[row, row] = b_t
-                by[row, -2] = b_t * values.get(name, 0.0)
-        return propagate_covariance(by, self._with_shifts(temperature, covariance))
+                slopes[row, row] = b_t
+                slopes[row, -2] = b_t * values.get(name, 0.0)
+        return propagate_covariance(slopes, self._with_shifts(temperature, covariance))
 
     def _with_shifts(self, temperature: float, covariance: FloatArray) -> FloatArray:
         """Return covariance of a solid's parameters, of ln a_T, ln b_T at T, and of the slope."""
@@ -265,9 +265,9 @@ class TemperatureShifts(EqualByValue, Serialisable):
         scale = 1 / (1 + self.slope * log_a_t)
         grid = np.array(sorted({*at, temperature}))
         weights = np.array([np.interp(temperature, at, values) for values in np.eye(len(at))])
-        turn = np.array([np.interp(grid, at, values) for values in np.eye(len(at))]).T - weights
-        turn[grid == temperature] = 0.0
-        jacobian = np.kron(np.diag([scale, 1.0]), turn)
+        change = np.array([np.interp(grid, at, values) for values in np.eye(len(at))]).T - weights
+        change[grid == temperature] = 0.0
+        jacobian = np.kron(np.diag([scale, 1.0]), change)
         covariance = propagate_covariance(jacobian, self.covariance)
         # what the shift there may be off by, all others are
         is_other_temperature = np.append(grid != temperature, np.zeros(len(grid))) * scale
@@ -285,7 +285,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
             )
             for i, kelvin in enumerate(grid.tolist())
         )
-        law, by = self._law_from(temperature, shifts, scale)
+        law, jacobian_of_law = self._law_from(temperature, shifts, scale)
         cross = np.zeros((1, 2 * len(grid) + 1))
         if len(self.cross):
             cross[-1, -1] = self.cross[-1, -1]
@@ -294,7 +294,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
             law=law,
             shifts=shifts,
             covariance=covariance,
-            law_covariance=by @ self.law_covariance @ by.T,
+            law_covariance=jacobian_of_law @ self.law_covariance @ jacobian_of_law.T,
             cross=cross,
         )
 
@@ -313,13 +313,13 @@ class TemperatureShifts(EqualByValue, Serialisable):
         if isinstance(law, WLF):
             law_there = law.change_reference(temperature)
             # C_1' = C_1 C_2 / C_2', and C_2' moves with C_2
-            by = np.array(
+            jacobian = np.array(
                 [
                     [scale * law.c2 / law_there.c2, scale * (law.c1 - law_there.c1) / law_there.c2],
                     [0.0, 1.0],
                 ]
             )
-            return replace(law_there, c1=scale * law_there.c1), by
+            return replace(law_there, c1=scale * law_there.c1), jacobian
         if isinstance(law, Arrhenius):
             return Arrhenius(scale * law.energy, temperature), np.array([[scale]])
         temperatures = tuple(shift.temperature for shift in shifts)

@@ -127,22 +127,22 @@ class _LinearInterpolation:
         """Return storage stiffness and damping at `f`, Hz, as printed."""
         omega = 2 * np.pi * f
         K = self.solid.complex_stiffness(omega=omega)
-        damped = K.imag / (K.real if self.damping == "loss_factor" else omega)
+        second_column = K.imag / (K.real if self.damping == "loss_factor" else omega)
         return (
             np.array([self.rounded(v) for v in K.real]),
-            np.array([self.rounded(v) for v in damped]),
+            np.array([self.rounded(v) for v in second_column]),
         )
 
     def error(self, f: FloatArray) -> float:
         """Return largest relative error of any FRF, of lines with points at `f`."""
-        storage, damped = self.values(f)
+        storage, second_column = self.values(f)
         inner = f[:-1, None] + np.diff(f)[:, None] * _CHECKED_FRACTIONS
         grid = np.concatenate((f, inner.ravel()))
         omega = 2 * np.pi * grid
         K = self.solid.complex_stiffness(omega=omega)
         if not K.imag.any():
             return 0.0  # a spring: both of its lines are level
-        real, second = (np.interp(grid, f, storage), np.interp(grid, f, damped))
+        real, second = (np.interp(grid, f, storage), np.interp(grid, f, second_column))
         imaginary = second * (real if self.damping == "loss_factor" else omega)
         with np.errstate(divide="ignore"):
             return float((np.abs(real + 1j * imaginary - K) / np.abs(imaginary)).max())

@@ -173,5 +173,5 @@ def _remarks(deck: Deck, line: Stations, shares: FloatArray, shear: Shear) -> li
         for direction, value in zip(DIRECTION_NAMES[1:], (shear.across, shear.along), strict=True)
         if value != 0
     ]
-    nothing = "no shear is given: the line holds nothing sideways"
-    return [description, "; ".join(sideways) if sideways else nothing]
+    no_shear_text = "no shear is given: the line holds nothing sideways"
+    return [description, "; ".join(sideways) if sideways else no_shear_text]

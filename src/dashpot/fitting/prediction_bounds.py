@@ -278,7 +278,7 @@ def frf_band(
 
 
 def formal_frf_band(
-    fit: Fit, on: MassOnSeals, *, frequency: npt.ArrayLike, kind: Kind
+    fit: Fit, load: MassOnSeals, *, frequency: npt.ArrayLike, kind: Kind
 ) -> FloatArray:
     """Return lowest and highest magnitude that the standard errors allow at 95 %, shape (2, n).
 
@@ -286,7 +286,7 @@ def formal_frf_band(
     are not in it.
     """
     omega = 2 * np.pi * _frequencies(frequency)
-    return _formal(fit, omega, PredictedFRF(on, kind), level=0.95)[1]
+    return _formal(fit, omega, PredictedFRF(load, kind), level=0.95)[1]
 
 
 @dataclass(frozen=True)

@@ -563,8 +563,8 @@ def _triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
     determinant = 1 - c23 * c23 + c12 * minor12 + c13 * minor13
     allowed = (np.minimum(np.minimum(beta1, beta2), beta3) > 0) & (determinant > 1e-10)
     explained = beta1 * m1 + beta2 * m2 + beta3 * m3
-    nothing = np.zeros_like(m1)
-    return np.asarray(np.divide(explained, determinant, out=nothing, where=allowed))
+    no_gain = np.zeros_like(m1)
+    return np.asarray(np.divide(explained, determinant, out=no_gain, where=allowed))
 
 
 @lru_cache(maxsize=2)

@@ -133,23 +133,23 @@ def nonnegative(
         Which coefficients are likely above zero: it spares most solves.
     """
     count = len(moment)
-    ridged = gram + 1e-14 * float(np.trace(gram)) / max(count, 1) * np.eye(count)
-    nothing = ZERO_SLOPE * float(np.abs(moment).max(initial=0.0))
+    regularised = gram + 1e-14 * float(np.trace(gram)) / max(count, 1) * np.eye(count)
+    zero_slope = ZERO_SLOPE * float(np.abs(moment).max(initial=0.0))
 
     def solve_free_coefficients(free: BoolArray) -> FloatArray:
         """Return the minimum over the free coefficients, of either sign, the others zero."""
         index = np.flatnonzero(free)
         x = np.zeros(count)
-        x[index] = np.linalg.solve(ridged[index[:, None], index], moment[index])
+        x[index] = np.linalg.solve(regularised[index[:, None], index], moment[index])
         return x
 
     free: BoolArray = moment > 0 if likely_positive is None else likely_positive.copy()
     for _ in range(ITERATIONS if likely_positive is None else 0):
         x = solve_free_coefficients(free)
-        wrong = np.where(free, x < 0, moment - gram @ x > nothing)
-        if not wrong.any():
+        is_wrong = np.where(free, x < 0, moment - gram @ x > zero_slope)
+        if not is_wrong.any():
             return x
-        free = free ^ wrong
+        free = free ^ is_wrong
     x = solve_free_coefficients(free)
     while (x[free] <= 0).any():
         free = free & (x > 0)
@@ -157,7 +157,7 @@ def nonnegative(
     for _ in range(3 * count):
         slope = np.where(free, -np.inf, moment - gram @ x)
         entering = int(np.argmax(slope))
-        if slope[entering] <= nothing:
+        if slope[entering] <= zero_slope:
             break
         free[entering] = True
         trial = solve_free_coefficients(free)

@@ -209,10 +209,10 @@ def render_figure(
         return f"<!-- {byline('figure')} -->\n{to_svg(picture)}\n".encode()
     from matplotlib import rc_context
 
-    by: dict[str, str | None] = {"Software": byline("figure")}
+    metadata: dict[str, str | None] = {"Software": byline("figure")}
     if kind == "pdf":
-        by = {"Creator": byline("figure"), "CreationDate": None}
+        metadata = {"Creator": byline("figure"), "CreationDate": None}
     buffer = io.BytesIO()
     with rc_context({"pdf.fonttype": 42}):
-        to_figure(picture).savefig(buffer, format=kind, dpi=dpi, metadata=by)
+        to_figure(picture).savefig(buffer, format=kind, dpi=dpi, metadata=metadata)
     return buffer.getvalue()

@@ -462,8 +462,8 @@ def magnitude_panel(
     limits = [0.6 * max(float(np.percentile(all_sizes, 1)), highest / HIGHEST), 1.9 * highest]
     marks: list[Mark] = []
     for limit in prediction_bands:
-        of = next((curve for curve in curves if curve.pen is limit.pen), predicted)
-        area = _area(limit, kind, scale, None if of is None else smoothed[id(of)])
+        own_curve = next((curve for curve in curves if curve.pen is limit.pen), predicted)
+        area = _area(limit, kind, scale, None if own_curve is None else smoothed[id(own_curve)])
         in_view = (area.x >= view[0]) & (area.x <= view[1])
         top = float(np.max(area.high[in_view], initial=0.0))
         limits[1] = max(limits[1], min(1.3 * top, 12 * limits[1]))

@@ -384,9 +384,9 @@ def simplify_line(points: FloatArray) -> FloatArray:
         size = np.hypot(*chord.T)
         cross = np.abs(chord[:, 0] * offset[:, 1] - chord[:, 1] * offset[:, 0])
         # between its neighbours, not beyond them: a spike has a short chord
-        projection = (chord * offset).sum(axis=1)
-        on = (cross <= STRAIGHT_TOLERANCE * size) & (projection >= 0) & (projection <= size**2)
-        points = np.delete(points, i[on], axis=0)
+        inner = (chord * offset).sum(axis=1)
+        straight = (cross <= STRAIGHT_TOLERANCE * size) & (inner >= 0) & (inner <= size**2)
+        points = np.delete(points, i[straight], axis=0)
     return points
 
 
@@ -582,9 +582,9 @@ def _strokes(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> FloatArr
     ]
     arrays = [np.zeros((0, 2))]
     for part in parts:
-        walked = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(part, axis=0).T))])
-        at = np.arange(0.0, walked[-1], 5.0)
-        arrays.append(np.column_stack([np.interp(at, walked, part[:, i]) for i in (0, 1)]))
+        path_length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(part, axis=0).T))])
+        at = np.arange(0.0, path_length[-1], 5.0)
+        arrays.append(np.column_stack([np.interp(at, path_length, part[:, i]) for i in (0, 1)]))
     return np.asarray(np.concatenate(arrays) + np.array([box.x, box.y]))
 
 

@@ -104,8 +104,8 @@ def stamp(
     if specimen is not None:
         sentences += [specimen.name, f"lot {specimen.lot}" * bool(specimen.lot), specimen.date]
     if mass is not None:
-        on = "" if seals is None else f" on {number_format.seals(seals)}"
-        sentences.append(f"{format_with_error(mass, 'g', digits=4)}{on}")
+        seals_text = "" if seals is None else f" on {number_format.seals(seals)}"
+        sentences.append(f"{format_with_error(mass, 'g', digits=4)}{seals_text}")
     return "  ·  ".join(part for part in sentences if part)
 
 

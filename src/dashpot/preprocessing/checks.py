@@ -430,18 +430,19 @@ def _leap_of(time: FloatArray, onset: float, shortest: float) -> Finding | None:
     worst = int(np.argmax(shares))
     if shares[worst] <= MAX_LEAP:
         return None
-    leap, leap_time = leaps[worst], float(time[leaps[worst].at] - onset)
+    longest_leap, leap_time = leaps[worst], float(time[leaps[worst].at] - onset)
     before = leap_time < 0
     return Finding(
-        f"The clock goes on by {leap.step:.3g} s where its steps are {leap.expected_step:.3g} s, "
-        f"{abs(leap_time):.3g} s {'before' if before else 'after'} onset",
+        f"The clock goes on by {longest_leap.step:.3g} s where its steps are "
+        f"{longest_leap.expected_step:.3g} s, {abs(leap_time):.3g} s "
+        f"{'before' if before else 'after'} onset",
         shares[worst],
         "The clock jumped, or the record was interrupted" if before else JUMPED,
         Remedy("Leave out the rows before it, or correct its clock.")
         if before
         else Remedy("Cut the record there, or correct its clock.", "time-limits", "hold-end=..."),
         limit=MAX_LEAP,
-        grade="stop" if not before and 2 * leap.step > time[-1] - onset else None,
+        grade="stop" if not before and 2 * longest_leap.step > time[-1] - onset else None,
     )
 
 
@@ -490,11 +491,11 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
     is_at_rest &= time > test.ramp_end + SETTLING * test.ramp_time
     before, ramp = np.searchsorted(test.time, (test.onset, test.ramp_end)).tolist()
     # a part that is pressed falls, on either side of zero; a plate that moves on loads it again
-    turn = 1.0 if (f - f.mean()) @ test.force[hold] >= 0 else -1.0
+    sign = 1.0 if (f - f.mean()) @ test.force[hold] >= 0 else -1.0
     time_since_ramp = time - test.ramp_end if not is_moving[is_at_rest.argmax() :].any() else None
     other_forces = force[:before], force[before:ramp]
     stuck_runs = find_stuck_runs(
-        turn * f,
+        sign * f,
         is_at_rest=is_at_rest,
         time_since_ramp=time_since_ramp,
         other_stretches=other_forces,

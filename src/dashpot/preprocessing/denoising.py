@@ -223,9 +223,9 @@ def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: floa
     if len(change) < 2:
         return np.zeros(len(time))
     start, stop, before, stay_after = _stays(0.5 * (time[change] + time[change + 1]))
-    climbed = np.sign(displacement[change + 1] - displacement[change]) * step
+    signed_steps = np.sign(displacement[change + 1] - displacement[change]) * step
     # velocity over the readings before and after each one; those at rest do not count
-    speed = np.divide(climbed[:-1], np.diff(0.5 * (time[change] + time[change + 1])))
+    speed = np.divide(signed_steps[:-1], np.diff(0.5 * (time[change] + time[change + 1])))
     turns_per_stay = np.zeros(len(start))
     turns_per_stay[2:-2] = np.abs(speed[2:] - speed[:-2])
     stay_times = np.where(np.isfinite(stop - start), stop - start, 0.0)

@@ -165,11 +165,11 @@ def find_motion(
         If nothing is held.
     """
     if sign is None:
-        turn, segments = _find_rising_sign(test)
+        sign_found, segments = _find_rising_sign(test)
     else:
         x = sign * test.displacement
-        turn, segments = sign, find_segments(test.time, x, _resolution(test))
-    time, x, force = test.time, turn * test.displacement, test.force
+        sign_found, segments = sign, find_segments(test.time, x, _resolution(test))
+    time, x, force = test.time, sign_found * test.displacement, test.force
     if is_creep_test(time, x, force, segments):
         raise DataError(
             f"{location}: this is a creep test, because the force is held while the displacement "
@@ -180,7 +180,7 @@ def find_motion(
             raise DataError(f"{location}: the displacement hardly moves, {_BEGINS_LATE}")
         raise DataError(explain_missing_hold(segments, location, _advice(time, x, force)))
     index, cycles = choose_cycle(segments, number, location=location)
-    return replace(_select_cycle(test, turn, cycles, index), segments=segments)
+    return replace(_select_cycle(test, sign_found, cycles, index), segments=segments)
 
 
 @cache_on_record
@@ -307,9 +307,9 @@ def _rises(force: FloatArray, min_rise: float) -> bool:
 
 
 def _select_cycle(
-    test: RelaxationTest, turn: int, cycles: tuple[RampHoldCycle, ...], index: int
+    test: RelaxationTest, sign: int, cycles: tuple[RampHoldCycle, ...], index: int
 ) -> PlateMotion:
-    time, x = test.time, turn * test.displacement
+    time, x = test.time, sign * test.displacement
     cycle, resolution = cycles[index], _resolution(test)
     ramp = cycle.ramp
     rest = _resting(x, cycle.rest, ramp)
@@ -323,7 +323,7 @@ def _select_cycle(
         else ramp.first
     )
     return PlateMotion(
-        sign=turn, cycles=cycles, index=index, line=line, rest=rest, level=level, start=start,
+        sign=sign, cycles=cycles, index=index, line=line, rest=rest, level=level, start=start,
         departure=departure_index, stop=_last_held(x, cycle.hold, resolution),
     )  # fmt: skip
 
@@ -335,7 +335,7 @@ def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
         return "with the other sign it would ramp and rest. Leave out sign, or give the other"
     if not has_motion and relaxes(force):
         return _BEGINS_LATE
-    if has_motion and any(is_force_held(time, turn * force) for turn in (1, -1)):
+    if has_motion and any(is_force_held(time, sign * force) for sign in (1, -1)):
         return "the force column ramps and rests instead. Check whether the two are swapped"
     return "expected a ramp and then a hold. Check the columns and the units"
 

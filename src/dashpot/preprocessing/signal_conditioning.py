@@ -400,10 +400,10 @@ def _refine_frequency(rest: FloatArray, step: float, frequency: float) -> float:
     for _ in range(3):
         first = _transform(taper * rest[:half_length], step, frequency)
         second = _transform(taper * rest[half_length : 2 * half_length], step, frequency)
-        turn = np.angle(
+        phase_advance = np.angle(
             second * np.conj(first) * np.exp(-2j * np.pi * frequency * half_length * step)
         )
-        frequency += float(turn) / (2 * np.pi * half_length * step)
+        frequency += float(phase_advance) / (2 * np.pi * half_length * step)
     return float(frequency)
 
 

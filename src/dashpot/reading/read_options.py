@@ -343,10 +343,10 @@ def flag(name: str) -> str:
 def _validate_encoding(word: str) -> None:
     """Raise where an encoding does not turn bytes into text, as zlib and punycode do not."""
     try:
-        reads = "a;1,5".encode(word).decode(word) == "a;1,5"
+        is_ascii_like = "a;1,5".encode(word).decode(word) == "a;1,5"
     except (LookupError, ValueError):
-        reads = False
-    if not reads or codecs.lookup(word).name in _NO_TEXT:
+        is_ascii_like = False
+    if not is_ascii_like or codecs.lookup(word).name in _NO_TEXT:
         raise DataError(
             f"encoding '{word}' is unknown; give --text-format encoding=utf-8, utf-16, cp1252, "
             "cp1250 or gb18030"

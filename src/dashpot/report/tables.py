@@ -393,8 +393,8 @@ def resonance(study: Study) -> TextTable | None:
     compression = rest.point.compression if rest is not None and rest.point.given else None
     for message, fit, mass in _solids(study, study.mass):
         point = operating_point(fit, MassOnSeals(mass, study.seals, compression))
-        on = study.seals * get_hammer_stiffness_factor(fit) * point.solid(fit)
-        for mode in model_modes(on, mass)[:1]:
+        seals_solid = study.seals * get_hammer_stiffness_factor(fit) * point.solid(fit)
+        for mode in model_modes(seals_solid, mass)[:1]:
             rows.append((f"{message}: exact pole", round_to_error(mode.frequency, digits=5),
                          round_to_error(100 * mode.damping_ratio)))  # fmt: skip
     return TextTable(("", "natural frequency, Hz", "damping ratio, %"), tuple(rows))

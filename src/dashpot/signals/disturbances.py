@@ -121,7 +121,7 @@ def build_folded_mains(time: FloatArray, *, step: float) -> tuple[FloatArray, ..
     if not aliases or min(aliases) > MAINS_OFF + 1 / duration:
         return ()
     turns = [2 * np.pi * part * time / duration for part in (0.5, 1.0)]
-    return tuple(np.asarray(line(turn)) for turn in turns for line in (np.cos, np.sin))
+    return tuple(np.asarray(line(phase)) for phase in turns for line in (np.cos, np.sin))
 
 
 def compute_warming(

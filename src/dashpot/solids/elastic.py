@@ -94,11 +94,11 @@ class ElasticLaw(Serialisable):
     def path(self, x: npt.ArrayLike) -> FloatArray:
         """The compression of a linear seal with the same force, m: the force over `stiffness`."""
         x = np.asarray(x, dtype=float)
-        knots, ratio, bend, force_at_knots = self._stretches
+        knots, ratio, bends, force_at_knots = self._stretches
         clipped = np.minimum(np.maximum(x, 0.0), knots[-1])
         i = knots[1:-1].searchsorted(clipped, side="right")
         step = clipped - knots[i]
-        force_inside = force_at_knots[i] + step * (ratio[i] + bend[i] * step)
+        force_inside = force_at_knots[i] + step * (ratio[i] + bends[i] * step)
         excess = np.where(x < 0.0, ratio[0], ratio[-1]) * (x - clipped)
         return np.asarray(force_inside + excess)
 
@@ -170,9 +170,9 @@ class ElasticLaw(Serialisable):
         force_at_knots = self.path(self.knots)
         i = max(int(np.searchsorted(force_at_knots, target)) - 1, 0)
         rest, first = target - float(force_at_knots[i]), self.ratio[i]
-        bend = 2 * (self.ratio[i + 1] - first) / (self.knots[i + 1] - self.knots[i])
+        curvature = 2 * (self.ratio[i + 1] - first) / (self.knots[i + 1] - self.knots[i])
         # the smaller root of first * step + bend / 4 * step**2 = rest, without cancellation
-        root = first + float(np.sqrt(max(first**2 + bend * rest, 0.0)))
+        root = first + float(np.sqrt(max(first**2 + curvature * rest, 0.0)))
         return self.knots[i] + (2 * rest / root if root > 0 else 0.0)
 
     def rests(self, force: float) -> tuple[float, ...]:

@@ -106,8 +106,8 @@ class _Recovery:
         self.pull = k / tau / self.k_g
         # -1/tau + 1 w' is made symmetric by the root of w: its eigenvalues are the rates
         root = np.sqrt(np.maximum(self.pull, 1e-300))
-        self.rate, turn = np.linalg.eigh(np.outer(root, root) - np.diag(1 / tau))
-        self.into, self.out = turn.T * root, turn / root[:, None]
+        self.rate, eigenvectors = np.linalg.eigh(np.outer(root, root) - np.diag(1 / tau))
+        self.into, self.out = eigenvectors.T * root, eigenvectors / root[:, None]
 
     def __call__(
         self, time_since_release: FloatArray, face: float, q: FloatArray

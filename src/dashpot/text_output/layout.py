@@ -40,10 +40,10 @@ def table(rows: Sequence[Sequence[str]], *, align_left: bool = False) -> list[st
     """Return rows of cells as lines of aligned columns: the first, or all, to the left."""
     widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
     sides = ["-" if align_left or i == 0 else "" for i in range(len(widths))]
-    form = "".join(
+    row_format = "".join(
         f"  %{alignment}{width}s" for alignment, width in zip(sides, widths, strict=True)
     )
-    return [(form % tuple(row)).rstrip() for row in rows]
+    return [(row_format % tuple(row)).rstrip() for row in rows]
 
 
 def facts(reported_values: Sequence[ReportedValue]) -> list[str]:
@@ -119,7 +119,7 @@ def format_for_screen(
     # of a table of thousands no more is put into lines than can be shown, and one to be cut
     part = text.lines if verbose else text.lines[: lines + 1]
     body, requested = _lines(part, columns), _lines(text.requested_lines, columns)
-    counted = [f"  checks      {_format_check_counts(checks)}"] if checks else []
+    count_lines = [f"  checks      {_format_check_counts(checks)}"] if checks else []
     failed = [
         _check(check, verdict, style, columns)
         for check in _select_failed_checks(verdict, checks, everything=verbose)
@@ -130,22 +130,24 @@ def format_for_screen(
             *body,
             *requested,
             *_lines(text.details, columns),
-            *counted,
+            *count_lines,
             *(part for names in failed for part in names),
         ]
-    tail = counted + [part for names in failed for part in _shorten_check_lines(names, columns)]
-    remaining = max(lines - 1 - len(head) - len(tail), 0)
+    last_lines = count_lines + [
+        part for names in failed for part in _shorten_check_lines(names, columns)
+    ]
+    remaining = max(lines - 1 - len(head) - len(last_lines), 0)
     if len(body) > remaining:
         body, line_count = [*body[: max(remaining - 1, 0)], "  ..."], len(body)
     else:
         line_count = len(body)
     head += body
-    kept_lines = [*head, *tail][: lines - 1]
-    cut = len(kept_lines) < len(head) - len(body) + line_count + sum(map(len, failed)) + len(
-        counted
+    kept_lines = [*head, *last_lines][: lines - 1]
+    is_cut = len(kept_lines) < len(head) - len(body) + line_count + sum(map(len, failed)) + len(
+        count_lines
     )
     kept_lines[len(head) : len(head)] = requested
-    return [*kept_lines, "  more with -v"] if cut or text.details else kept_lines
+    return [*kept_lines, "  more with -v"] if is_cut or text.details else kept_lines
 
 
 def _lines(paragraphs: Sequence[str], columns: int) -> list[str]:

@@ -243,12 +243,12 @@ def _format_parameter_changes(fit: Fit) -> list[str]:
     ]
     for item in fit.evidence.parameter_changes:
         before = "-" if item.was is None else _with_limit(item.was)
-        by = (
+        change_text = (
             "new"
             if item.was is None
             else ascii_only(number_format.format_signed_difference(item.shift))
         )
-        rows.append([f"  {item.name}", before, _with_limit(item.now), by])
+        rows.append([f"  {item.name}", before, _with_limit(item.now), change_text])
     return table(rows)
 
 
@@ -381,10 +381,12 @@ def study(study: Study) -> Text:
 def prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Text:
     """Return a prediction's peak, modes and limits."""
     (hz, height), seals = prediction.peak, prediction.seals
-    on = f"{format_quantity(prediction.mass, 'g', '.6g')} on {number_format.seals(seals)}"
+    load_text = f"{format_quantity(prediction.mass, 'g', '.6g')} on {number_format.seals(seals)}"
     peak_name = "largest value" if prediction.at_edge else "peak"
     kind = prediction.frf.quantity.replace("_", " ")
-    lines = [f"{on}: {peak_name} of the {kind} {height:.5g} {prediction.frf.read} at {hz:.5g} Hz"]
+    lines = [
+        f"{load_text}: {peak_name} of the {kind} {height:.5g} {prediction.frf.read} at {hz:.5g} Hz"
+    ]
     if prediction.height_between is not None:
         height_interval = number_format.interval(*prediction.height_between)
         lines.append(f"  95 % limits there {height_interval} {prediction.frf.read}")

@@ -55,11 +55,11 @@ def find_mass_on_seals(
     band_frf = frf if band is None else frf.band(*band)
     mass = infer_mass(block.seals * fit.model, band_frf)[0]
     for _ in range(MAX_ITERATIONS):
-        on = MassOnSeals(mass, block.seals, block.compression)
-        solid = operating_point(fit, on).solid(fit)
+        load = MassOnSeals(mass, block.seals, block.compression)
+        solid = operating_point(fit, load).solid(fit)
         mass = infer_mass(block.seals * solid, band_frf)[0]
-        if abs(mass - on.mass) <= 1e-9 * mass:
-            return replace(on, mass=mass)
+        if abs(mass - load.mass) <= 1e-9 * mass:
+            return replace(load, mass=mass)
     raise DataError(
         "no mass rests where its peak is: the stiffness of the seals changes too fast with the "
         "compression; give --mass"
@@ -67,7 +67,7 @@ def find_mass_on_seals(
 
 
 def compare_with_measured(
-    fit: Fit, measured: FRF, on: MassOnSeals, *, band: tuple[float, float] | None = None
+    fit: Fit, measured: FRF, load: MassOnSeals, *, band: tuple[float, float] | None = None
 ) -> tuple[FRF, Comparison]:
     """Return a fit's prediction on the measured lines, and its agreement."""
     predicted = predict_frf(
@@ -75,9 +75,9 @@ def compare_with_measured(
         frequency=measured.frequency,
         kind=measured.quantity,
         shift=measured.shift,
-        **on.keywords,
+        **load.keywords,
     )
-    return predicted, compare(predicted, measured, fit=fit, band=band, **on.keywords)
+    return predicted, compare(predicted, measured, fit=fit, band=band, **load.keywords)
 
 
 @dataclass(frozen=True)
@@ -284,11 +284,11 @@ def agreement(
     """
     _, mass_checks = total_mass(block)
     frf = remove_seal_mass(frf, block)
-    on = find_mass_on_seals(fit, frf, block, band=band)
-    _, comparison = compare_with_measured(fit, frf, on, band=band)
-    rest_state = find_static_equilibrium(fit, on)
+    load = find_mass_on_seals(fit, frf, block, band=band)
+    _, comparison = compare_with_measured(fit, frf, load, band=band)
+    rest_state = find_static_equilibrium(fit, load)
     lines = comparison.measured.frequency[comparison.measured.frequency > 0]
-    formal = formal_limits(fit, rest_state.point, on, frequency=lines)
+    formal = formal_limits(fit, rest_state.point, load, frequency=lines)
     limits = None
     circular = find_fitted_files(fit, frf)
     if tests and not circular:  # the unresolved arms of a joint fit have no bound
@@ -296,11 +296,11 @@ def agreement(
 
         refuse_unfitted_tests(tests, fit)
         limit_frequencies = np.linspace(lines[0], lines[-1], min(len(lines), LIMIT_LINES))
-        limits = frf_limits(fit, tests, rest_state.point, on, frequency=limit_frequencies)
+        limits = frf_limits(fit, tests, rest_state.point, load, frequency=limit_frequencies)
     mass_checks = (*frf.checks, *mass_checks, measurement_independent_of_fit(len(circular)))
     return FRFComparison(
-        comparison, on.mass, block.mass is None, mass_checks, rest_state, (lines, formal), limits,
-        on.seals,
+        comparison, load.mass, block.mass is None, mass_checks, rest_state, (lines, formal), limits,
+        load.seals,
         in_sample=bool(circular),
     )  # fmt: skip
 

@@ -516,21 +516,21 @@ def prediction(
     coupled = compute_coupled_mass(block.seal_mass, seals) if frf_kind.over_base else 0.0
     load = MassOnSeals(moving, seals, block.compression, coupled)
     rest_state = find_static_equilibrium(shifted_fit, load)
-    on = MountedMass(shifted_fit, rest_state, load, frf_kind)
-    frf = on.frf(np.linspace(*band, lines))
-    bounded = _bounds(on, fit, tests, temperature=temperature)
-    limited = on.compute_limits(frf, bounded)
-    peak, at_edge = on.peak(frf)
-    around_hz = on.modes[0].frequency if on.modes else peak[0]
+    mounted_mass = MountedMass(shifted_fit, rest_state, load, frf_kind)
+    frf = mounted_mass.frf(np.linspace(*band, lines))
+    bounded = _bounds(mounted_mass, fit, tests, temperature=temperature)
+    limited = mounted_mass.compute_limits(frf, bounded)
+    peak, at_edge = mounted_mass.peak(frf)
+    around_hz = mounted_mass.modes[0].frequency if mounted_mass.modes else peak[0]
     levels = None
     if predictor is not None:
         levels = predictor.respond(
-            on, part, scale=seals * stiffer, linear_frequency=around_hz,
+            mounted_mass, part, scale=seals * stiffer, linear_frequency=around_hz,
             frequency=frf.frequency[frf.frequency > 0],
         )  # fmt: skip
     checks = (
         # what the test must inform is the resonance, inside the band or not
-        *_led_by(on, mass=mass, band=band, response=around_hz if at_edge else peak[0]),
+        *_led_by(mounted_mass, mass=mass, band=band, response=around_hz if at_edge else peak[0]),
         *(() if levels is None else levels.checks),
         *fit.checks,
         *_check_temperature_tested(fit, temperature),
@@ -543,17 +543,17 @@ def prediction(
         moving,
         seals,
         frf,
-        on.modes,
+        mounted_mass.modes,
         peak,
         at_edge,
         limited,
         checks,
         verdict(checks, headline=_format_headline(frf, peak, fit, at_edge=at_edge)),
         rest_state,
-        on.rival,
+        mounted_mass.rival,
         of_part,
-        on.shaken(base_psd, bounded),
-        on.isolation,
+        mounted_mass.shaken(base_psd, bounded),
+        mounted_mass.isolation,
     )
     return linear_prediction if levels is None else levels.complete(linear_prediction)
 
@@ -673,7 +673,7 @@ class MountedMass:
 
 
 def _bounds(
-    on: MountedMass, fit: Fit, tests: Sequence[RampHold], *, temperature: float | None
+    load: MountedMass, fit: Fit, tests: Sequence[RampHold], *, temperature: float | None
 ) -> Callable[..., FRFBounds] | None:
     """Return what bounds the FRF by the relaxation tests; None without them."""
     if not tests:
@@ -685,20 +685,20 @@ def _bounds(
         frf_limits,
         fit,
         fill_missing_temperatures(tests, fit),
-        on.rests.point,
-        on.load,
+        load.rests.point,
+        load.load,
         temperature=temperature,
     )
 
 
 def _led_by(
-    on: MountedMass, *, mass: float, band: tuple[float, float], response: float
+    load: MountedMass, *, mass: float, band: tuple[float, float], response: float
 ) -> tuple[Check, ...]:
     """Return a mass in a wrong unit first; then a solid that is not known at the peak."""
-    band_checks = [prediction_in_valid_band(response, on.fit.band)]
-    if on.kind.over_base:
-        band_checks.append(base_band_in_valid_band(band, response, on.fit.band))
-    return (*rest_checks(on.rests.point, mass), *band_checks)
+    band_checks = [prediction_in_valid_band(response, load.fit.band)]
+    if load.kind.over_base:
+        band_checks.append(base_band_in_valid_band(band, response, load.fit.band))
+    return (*rest_checks(load.rests.point, mass), *band_checks)
 
 
 def _check_temperature_tested(fit: Fit, temperature: float | None) -> tuple[Check, ...]:

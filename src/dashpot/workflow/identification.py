@@ -190,8 +190,8 @@ def identify_files(
             "of the seals under the hammer"
         )
     _, frf = read_measured(measured, choices=hammer, options=options, mass=block.mass, band=band)
-    apart = bench.ramp_options
-    if not tests and (apart.choices or bench.time_limits != TimeLimits() or bench.filter):
+    ramp_options = bench.ramp_options
+    if not tests and (ramp_options.choices or bench.time_limits != TimeLimits() or bench.filter):
         raise DataError(
             "method, elastic law, cuts, filter, starting points and shifts say how relaxation "
             "tests are prepared and fitted, and there are none here. Give the tests in place of "
@@ -206,7 +206,8 @@ def identify_files(
     choices["rig"] = (choices.get("rig") or HammerRig()).with_machine(machine)
     return identify_solid(
         frf, block, tests=prepared, band=band,
-        temperature=impact_temperature, specimen=specimen, hammer=hammer, bench=apart, **choices,
+        temperature=impact_temperature, specimen=specimen, hammer=hammer, bench=ramp_options,
+        **choices,
     )  # fmt: skip
 
 
@@ -256,18 +257,18 @@ def identify_solid(
             frf, find_modes_or_reason(frf, band)[0], hammer or HammerChoices()
         )
     total, mass_checks = total_mass(block)
-    on = MassOnSeals(total or block.weighed_mass, block.seals, block.compression)
+    load = MassOnSeals(total or block.weighed_mass, block.seals, block.compression)
     if seals_assumed:
-        mass_checks = (*mass_checks, seals_counted(on.seals))
+        mass_checks = (*mass_checks, seals_counted(load.seals))
     frf = remove_seal_mass(frf, block)
-    line_by_line = dynamic_stiffness(frf, on.mass, seals=on.seals, band=band)
+    line_by_line = dynamic_stiffness(frf, load.mass, seals=load.seals, band=band)
     fit = identify(
         frf,
         band=band,
         tests=tests,
         fit=fits[0] if fits else None,
         temperature=temperature,
-        **on.keywords,
+        **load.keywords,
         **choices,
     )
     if specimen is not None:
@@ -278,7 +279,7 @@ def identify_solid(
     evidence = replace(fit.evidence, checks=(*stop_checks, *fit.checks))
     other_checks = tuple(check for check in frf.checks if check not in stop_checks)
     fit = replace(fit, evidence=evidence)
-    rest_state = find_static_equilibrium(fit, on)
+    rest_state = find_static_equilibrium(fit, load)
     return Identified(
         fit, DirectStiffness(line_by_line), (*other_checks, *mass_checks), rest_state, vibration
     )

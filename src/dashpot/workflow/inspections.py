@@ -108,8 +108,8 @@ def inspect_files(
     the inspection and the reader both need of a file is read once.
     """
     options = options or ReadOptions()
-    by = read or _read, prepared or _prepare_record
-    return Inspections(tuple(_inspect_path(path, options, *by) for path in files))
+    functions = read or _read, prepared or _prepare_record
+    return Inspections(tuple(_inspect_path(path, options, *functions) for path in files))
 
 
 def _read(file: OpenedFile) -> RelaxationTest:

@@ -338,7 +338,7 @@ def _fit(entries: dict[str, Any]) -> dict[str, Any]:
         raise ValueError(f"status {status!r} is none of {', '.join(names)}")
     value, model = entries.get("solid", {}), entries["model"]
     # a fit typed by hand may hold no more than a model: nothing else is then claimed
-    nothing = {"n": 0, "sse": 0.0, "rms": 0.0}
+    empty_residual = {"n": 0, "sse": 0.0, "rms": 0.0}
     defaults = {"method": "full", "band_hz": [0.0, 0.0], **_diagonal_covariance(entries)}
     return (
         defaults
@@ -346,7 +346,7 @@ def _fit(entries: dict[str, Any]) -> dict[str, Any]:
         | {
             "status": names[status],
             "solid": value if value.get("family") == "fractional" else model,
-            "residual": nothing | entries.get("residual", nothing),
+            "residual": empty_residual | entries.get("residual", empty_residual),
             # the bare contract lists neither a candidate's significance nor its solid
             "orders": [order for order in entries.get("orders", []) if "model" in order],
         }

@@ -234,7 +234,7 @@ def _list_values_under_mass(
         value_limits = _contain(limits.peak_frequency, frequency)
     damping = max(peak.damping, 0.0) + 0.0  # of a spring, to rounding
     share = damping / loss.value if loss.value > 0 else 0.5
-    damped = _contain((share * loss.low, share * loss.high), damping)
+    damping_range = _contain((share * loss.low, share * loss.high), damping)
     bound = stiffness.is_limit
     return (
         RecommendedValue(
@@ -243,7 +243,7 @@ def _list_values_under_mass(
             measured_se=None if c is None else c.measured_hz_se,
         ),
         RecommendedValue(
-            "damping", damping, damped[0], damped[1], is_limit=bound,
+            "damping", damping, damping_range[0], damping_range[1], is_limit=bound,
             measured=None if c is None else c.measured_damping,
             measured_se=None if c is None else c.measured_damping_se,
         ),

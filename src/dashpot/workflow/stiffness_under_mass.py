@@ -127,13 +127,13 @@ class StaticEquilibrium:
         return "\n".join(lines)
 
 
-def find_static_equilibrium(fit: Fit, on: MassOnSeals) -> StaticEquilibrium:
+def find_static_equilibrium(fit: Fit, load: MassOnSeals) -> StaticEquilibrium:
     """Return where a mass rests on seals, with the secant and the tangent solid."""
-    point = operating_point(fit, on)
+    point = operating_point(fit, load)
     k = fit.solid.k_inf
 
     def evaluate_stiffness(solid: Solid, error: float) -> StiffnessAt:
-        mode = next(iter(model_modes(on.seals * solid, on.mass)), None)
+        mode = next(iter(model_modes(load.seals * solid, load.mass)), None)
         items = (None, None) if mode is None else (mode.frequency, mode.damping_ratio)
         return StiffnessAt(solid.k_inf, error, *items)
 
@@ -153,7 +153,7 @@ def frf_limits(
     fit: Fit,
     tests: RampHold | Sequence[RampHold],
     point: OperatingPoint,
-    on: MassOnSeals,
+    load: MassOnSeals,
     *,
     frequency: npt.ArrayLike,
     temperature: float | None = None,
@@ -174,7 +174,7 @@ def frf_limits(
         What it was fitted to.
     point : OperatingPoint
         At `temperature`.
-    on : MassOnSeals
+    load : MassOnSeals
     frequency : array_like, shape (n,)
         Hz, > 0.
     temperature : float, optional
@@ -195,8 +195,8 @@ def frf_limits(
     for a in time_factors:
         scale = a**2 * s
         limits = frf_band(
-            fit, tests, mass=on.mass / scale, frequency=a * f, seals=on.seals, kind=kind,
-            coupled=on.coupled / scale,
+            fit, tests, mass=load.mass / scale, frequency=a * f, seals=load.seals, kind=kind,
+            coupled=load.coupled / scale,
         )  # fmt: skip
         bounds.append(_scale_bounds(limits, 1 / a, 1 / scale if forced else 1.0))
     if shifted_fit is fit:
@@ -204,9 +204,9 @@ def frf_limits(
     else:
         omega = 2 * np.pi * f
         K = point.solid(shifted_fit).complex_stiffness(omega=omega)
-        values = PredictedFRF(on, kind).magnitude(K, omega)
+        values = PredictedFRF(load, kind).magnitude(K, omega)
         formal = formal_frf_band(
-            shifted_fit, on.divide_masses(point.factor), frequency=f, kind=kind
+            shifted_fit, load.divide_masses(point.factor), frequency=f, kind=kind
         )
         merged_bounds = _merge_bounds(bounds, values, formal / point.factor if forced else formal)
     note = "; with the uncertainty of the tangent at the compression of the mass"
@@ -265,32 +265,32 @@ def rival_of(fit: Fit) -> Fit | None:
     return None if other is None or not other.is_sufficient else replace(fit, solid=other.solid)
 
 
-def rival_modes(fit: Fit, point: OperatingPoint, on: MassOnSeals) -> tuple[Mode, ...]:
+def rival_modes(fit: Fit, point: OperatingPoint, load: MassOnSeals) -> tuple[Mode, ...]:
     """Modes of a mass on the other family of solids, if one explains the tests as well."""
     other_fit = rival_of(fit)
-    return () if other_fit is None else model_modes(on.seals * point.solid(other_fit), on.mass)
+    return () if other_fit is None else model_modes(load.seals * point.solid(other_fit), load.mass)
 
 
-def family_checks(fit: Fit, point: OperatingPoint, on: MassOnSeals) -> tuple[Check, ...]:
+def family_checks(fit: Fit, point: OperatingPoint, load: MassOnSeals) -> tuple[Check, ...]:
     """Whether another family of solids, where one was fitted, foretells the same resonance."""
     if fit.evidence.alternative is None:
         return ()
-    modes = model_modes(on.seals * point.solid(fit), on.mass)
-    other_modes = rival_modes(fit, point, on)
+    modes = model_modes(load.seals * point.solid(fit), load.mass)
+    other_modes = rival_modes(fit, point, load)
     return (families_predict_alike(next(iter(modes), None), next(iter(other_modes), None)),)
 
 
 def formal_limits(
     fit: Fit,
     point: OperatingPoint,
-    on: MassOnSeals,
+    load: MassOnSeals,
     *,
     frequency: FloatArray,
     kind: Kind = Kind.ACCELERANCE,
 ) -> FloatArray:
     """Return the limits by the standard errors alone, shape (2, n), so too."""
     s = point.factor
-    limits = formal_frf_band(fit, on.divide_masses(s), frequency=frequency, kind=kind)
+    limits = formal_frf_band(fit, load.divide_masses(s), frequency=frequency, kind=kind)
     limits = limits / s if kind is Kind.ACCELERANCE else limits
     return _slid(frequency, limits, point)
 

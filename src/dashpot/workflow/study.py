@@ -377,13 +377,13 @@ def characterise(
     # what is shown is of the temperature of the solid
     first = find_reference_test(chosen_fit, fitted_records)
     test, prepared = (test, *tests)[first], fitted_records[first]
-    on = None if mass is None else MassOnSeals(mass, block.seals, block.compression)
+    load = None if mass is None else MassOnSeals(mass, block.seals, block.compression)
     if measured is not None:
         measured = remove_seal_mass(measured, block)
-        on = find_mass_on_seals(chosen_fit, measured, block, band=band)
+        load = find_mass_on_seals(chosen_fit, measured, block, band=band)
     response, mended = _MassResponse(), _JointResults()
-    if on is not None:
-        response = _predict_mass_response(chosen_fit, fitted_records, measured, on, band)
+    if load is not None:
+        response = _predict_mass_response(chosen_fit, fitted_records, measured, load, band)
         if joint and measured is not None:
             send_progress("fitting relaxation and hammer together")
             usual_options = replace(options, arms="auto", family="maxwell")
@@ -391,15 +391,15 @@ def characterise(
                 chosen_fit, fitted_records, options.arms, usual_options, impact_temperature
             )
             joint_fit = identify(
-                measured, tests=fitted_records, fit=before, mass=mass, seals=on.seals, band=band,
-                compression=response.compression if mass is None else on.compression, arms=number,
+                measured, tests=fitted_records, fit=before, mass=mass, seals=load.seals, band=band,
+                compression=response.compression if mass is None else load.compression, arms=number,
                 family=options.family, rig=HammerRig().with_machine(machine), bench=usual_options,
             )  # fmt: skip
             fitted_mass = (
-                get_fitted_mass(joint_fit) or on.mass,
-                on.seals * get_hammer_stiffness_factor(joint_fit),
+                get_fitted_mass(joint_fit) or load.mass,
+                load.seals * get_hammer_stiffness_factor(joint_fit),
             )
-            mass_on_seals = MassOnSeals(*fitted_mass, on.compression)
+            mass_on_seals = MassOnSeals(*fitted_mass, load.compression)
             mended = _JointResults(
                 joint_fit, *_predict_and_compare(joint_fit, measured, mass_on_seals, band)
             )
@@ -412,8 +412,8 @@ def characterise(
         alternatives=fitted.alternatives,
         hold_fit=hold_fit,
         seals=block.seals,
-        mass=None if on is None else on.mass,
-        mass_inferred=mass is None and on is not None,
+        mass=None if load is None else load.mass,
+        mass_inferred=mass is None and load is not None,
         impact=impact,
         measured=measured,
         unmeasured=fitted.unmeasured_arm_limits,
@@ -482,22 +482,22 @@ def _predict_mass_response(
     chosen_fit: Fit,
     tests: Sequence[RampHold],
     measured: FRF | None,
-    on: MassOnSeals,
+    load: MassOnSeals,
     band: tuple[float, float] | None,
 ) -> _MassResponse:
-    prediction, comparison = _predict_and_compare(chosen_fit, measured, on, band)
-    rest_state = find_static_equilibrium(chosen_fit, on)
+    prediction, comparison = _predict_and_compare(chosen_fit, measured, load, band)
+    rest_state = find_static_equilibrium(chosen_fit, load)
     return _MassResponse(
         prediction,
         comparison,
         rest_state,
-        _prediction_bounds(chosen_fit, tests, measured, rest_state.point, on),
+        _prediction_bounds(chosen_fit, tests, measured, rest_state.point, load),
         None
         if measured is None
-        else dynamic_stiffness(measured, on.mass, seals=on.seals, band=band),
+        else dynamic_stiffness(measured, load.mass, seals=load.seals, band=band),
         ()
         if measured is not None
-        else _check_untested_prediction(prediction, chosen_fit, rest_state, on),
+        else _check_untested_prediction(prediction, chosen_fit, rest_state, load),
     )
 
 
@@ -563,23 +563,23 @@ def _format_file_names(files: Sequence[str]) -> str:
 
 
 def _predict_and_compare(
-    fit: Fit, measured: FRF | None, on: MassOnSeals, band: tuple[float, float] | None
+    fit: Fit, measured: FRF | None, load: MassOnSeals, band: tuple[float, float] | None
 ) -> tuple[FRF, Comparison | None]:
     """Return the FRF that a fit predicts, on the measured lines if there are any."""
     if measured is None:
-        return predict_frf(fit, **on.keywords), None
-    return compare_with_measured(fit, measured, on, band=band)
+        return predict_frf(fit, **load.keywords), None
+    return compare_with_measured(fit, measured, load, band=band)
 
 
 def _check_untested_prediction(
-    prediction: FRF, chosen_fit: Fit, rest_state: StaticEquilibrium, on: MassOnSeals
+    prediction: FRF, chosen_fit: Fit, rest_state: StaticEquilibrium, load: MassOnSeals
 ) -> tuple[Check, ...]:
     """Ask of a prediction that no hammer has tested whether a test informs it."""
     band_check = prediction_in_valid_band(find_peak(prediction).frequency, chosen_fit.band)
     return (
-        *rest_checks(rest_state.point, on.mass),
+        *rest_checks(rest_state.point, load.mass),
         band_check,
-        *family_checks(chosen_fit, rest_state.point, on),
+        *family_checks(chosen_fit, rest_state.point, load),
     )
 
 
@@ -588,10 +588,10 @@ def _prediction_bounds(
     prepared: Sequence[RampHold],
     measured: FRF | None,
     point: OperatingPoint,
-    on: MassOnSeals,
+    load: MassOnSeals,
 ) -> FRFBounds:
     """Return the limits of the predicted FRF around its peak, by both kinds of ignorance."""
-    top = compute_peak_limit(on.seals * point.solid(chosen_fit).k_0, on.mass)
+    top = compute_peak_limit(load.seals * point.solid(chosen_fit).k_0, load.mass)
     low, high = top / FREQUENCY_FACTOR, top * FREQUENCY_FACTOR
     if measured is not None:
         low, high = max(low, measured.frequency[0]), min(high, measured.frequency[-1])
@@ -599,4 +599,4 @@ def _prediction_bounds(
     lines = np.union1d(
         np.geomspace(low, high, BAND_LINES), near_peak if near_peak[0] < near_peak[-1] else ()
     )
-    return frf_limits(chosen_fit, prepared, point, on, frequency=lines)
+    return frf_limits(chosen_fit, prepared, point, load, frequency=lines)

@@ -117,7 +117,7 @@ def _device(
     port: str | None,
     baud: int,
     columns: str,
-    device: str | None,
+    played: str | None,
     seal: str,
     speed: float,
 ) -> dp.files.acquisition.Recorder:
@@ -128,7 +128,7 @@ def _device(
         return dp.files.acquisition.SerialLine(port, columns=columns.split(","), baud=baud)
     if driver == "simulated":
         return dp.files.acquisition.create_simulated_device(seal_named(seal).solid, speed=speed)
-    if device is None:
+    if played is None:
         raise DataError("--driver replay needs the record: add --from FILE")
-    with as_it_stands(device):
-        return dp.files.acquisition.replay(device, speed=speed)
+    with as_it_stands(played):
+        return dp.files.acquisition.replay(played, speed=speed)

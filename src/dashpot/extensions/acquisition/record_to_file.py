@@ -72,8 +72,8 @@ def record(
                         first = times[0] if math.isnan(first) else first
                         if seen is not None:
                             seen((times, values))
-                    passed = times[-1] - first if len(times) else time.monotonic() - start_time
-                    if passed >= seconds:
+                    elapsed = times[-1] - first if len(times) else time.monotonic() - start_time
+                    if elapsed >= seconds:
                         break
             finally:
                 recorder.stop()

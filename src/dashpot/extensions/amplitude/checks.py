@@ -134,9 +134,10 @@ def law_residual_small(residual: float) -> Finding:
 @criterion("change of modulus, downward sweep", "<=", 0.03, "the residual that a model may leave")
 def up_and_down_sweeps_agree(change: float) -> Finding:
     """The downward sweep of the amplitude gives the same modulus as the upward sweep."""
-    way = "softer" if change < 0 else "stiffer"
+    comparative = "softer" if change < 0 else "stiffer"
     return Finding(
-        f"At the same amplitude the way down is {100 * abs(change):.2g} % {way} than the way up",
+        f"At the same amplitude the way down is {100 * abs(change):.2g} % {comparative} than the "
+        "way up",
         abs(change),
         "The rubber softened (Mullins) or warmed, and the law is a mean of both",
         "Write the way that counts to a file of its own.",

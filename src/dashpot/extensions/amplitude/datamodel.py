@@ -342,9 +342,9 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         unit, amplitude_unit = get_display_unit(self.unit), get_display_unit(self.of)
         low, high = (convert_to_unit(amplitude, amplitude_unit) for amplitude in self.amplitudes)
         end_stiffnesses = self.stiffness(self.amplitudes).real
-        way = "falls" if end_stiffnesses[1] < end_stiffnesses[0] else "rises"
+        verb = "falls" if end_stiffnesses[1] < end_stiffnesses[0] else "rises"
         return (
-            f"from {low:.3g} to {high:.3g} {amplitude_unit} the stiffness {way} by "
+            f"from {low:.3g} to {high:.3g} {amplitude_unit} the stiffness {verb} by "
             f"{100 * abs(end_stiffnesses[1] / end_stiffnesses[0] - 1):.2g} %, to "
             f"{format_quantity(float(end_stiffnesses[1]), unit, '.3g')}. "
             f"The law follows it to {100 * self.residual:.2g} %"
@@ -391,13 +391,13 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
             )
         if self.k3:
             unit_text = f"{self.unit}" + ("" if self.of == "strain" else "/m^2")
-            way = "stiffens" if self.k3 > 0 else "softens"
+            verb = "stiffens" if self.k3 > 0 else "softens"
             cubic_stiffness = format_quantity(
                 0.75 * abs(self.k3) * self.amplitudes[1] ** 2, unit, ".3g"
             )
             lines.append(
-                f"cubic spring: k3 = {self.k3:.4g} ± {error['k3']:.2g} {unit_text}, which {way} by "
-                f"{cubic_stiffness} at the largest amplitude"
+                f"cubic spring: k3 = {self.k3:.4g} ± {error['k3']:.2g} {unit_text}, which {verb} "
+                f"by {cubic_stiffness} at the largest amplitude"
             )
         if self.k3_detection_limit:
             share = 0.75 * self.k3_detection_limit * self.amplitudes[1] ** 2

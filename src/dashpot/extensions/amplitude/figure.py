@@ -237,7 +237,8 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
     ):
         intervals = np.array([predict_interval(line, float(x)) for x in np.log2(dense)])
         middle, lower, upper = (
-            scale * np.exp(power * (intervals[:, 0] + way * intervals[:, 1])) for way in (0, -1, 1)
+            scale * np.exp(power * (intervals[:, 0] + sign * intervals[:, 1]))
+            for sign in (0, -1, 1)
         )
         dots = scale * np.array(values, dtype=float)
         marks = (
@@ -269,10 +270,10 @@ def _select_distinct_loops(cycles: Sequence[HysteresisLoop]) -> list[HysteresisL
 
 def _ellipse(loop: HysteresisLoop, fit: AmplitudeFit) -> tuple[FloatArray, FloatArray]:
     """Return the loop of the fitted stiffness, m and N."""
-    turn = np.exp(1j * np.linspace(0, 2 * np.pi, 181))
+    phasor = np.exp(1j * np.linspace(0, 2 * np.pi, 181))
     tone = int(np.abs(fit.frequency - loop.frequency).argmin())
     K = complex(fit.stiffness(loop.amplitude, tone=tone))
-    return loop.amplitude * turn.real, (K * loop.amplitude * turn).real
+    return loop.amplitude * phasor.real, (K * loop.amplitude * phasor).real
 
 
 def _close_curve(values: FloatArray) -> FloatArray:

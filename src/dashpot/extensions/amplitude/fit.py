@@ -105,14 +105,14 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     reach_ratio = float(sweep.amplitude.max()) / best.numbers.get("half_way", np.nan)
     if reach_ratio < FAR_ENOUGH:
         best = fit_sweep_law(sweep, best.law, DEFAULT_EXPONENT)
-    gain, by = constant_fit.deviance - best.deviance, _WORDS.get(best.law, "")
+    gain, law_words = constant_fit.deviance - best.deviance, _WORDS.get(best.law, "")
     if gain <= SIGNIFICANT_DEVIANCE:  # nothing moves with amplitude
         best = constant_fit
     range_ = (float(sweep.amplitude.min()), float(sweep.amplitude.max()))
     residual_check = law_residual_small(best.residual)
     followed_well = bool(residual_check.passed)
     detection = amplitude_dependence_detected(
-        gain, range_, sweep.of, by, is_explained=followed_well
+        gain, range_, sweep.of, law_words, is_explained=followed_well
     )
     checks: list[Check] = [
         *([detection] if has_several_amplitudes else []),
@@ -186,7 +186,9 @@ def _errors_with_delay(
     parts = np.append(best.linear_se.real, best.linear_se.imag)
     linear_se = join_complex_parts(np.hypot(parts, np.append(storage, loss)))
     error_pairs = zip(best.se.items(), law.tolist(), strict=True)
-    return linear_se, {name: float(np.hypot(value, by)) for (name, value), by in error_pairs}
+    return linear_se, {
+        name: float(np.hypot(value, added_error)) for (name, value), added_error in error_pairs
+    }
 
 
 def _estimate_hidden_cubic(sweep: AmplitudeSweep, best: FittedLaw) -> float:

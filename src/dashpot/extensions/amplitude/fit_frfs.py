@@ -128,13 +128,13 @@ def fit_levels(
     draws = _draws(problem, K, best, seed)
     solid, elements = best.parts
     range_ = (float(X.min()), high)
-    begins = np.cumsum([len(row[0]) for row in rows])[:-1]
-    residual_check = levels_residual_small(best.residual, _noise(problem, K, begins))
+    row_stops = np.cumsum([len(row[0]) for row in rows])[:-1]
+    residual_check = levels_residual_small(best.residual, _noise(problem, K, row_stops))
     gains = {
         " and ".join(optimum.terms): linear_fit.deviance - optimum.deviance
         for optimum in candidates[1:]
     }
-    by = " and ".join(best.terms)
+    terms_text = " and ".join(best.terms)
     return LevelFit(
         solid,
         elements,
@@ -149,10 +149,10 @@ def fit_levels(
         (
             levels_controlled([_name(frf, i) for i, frf in enumerate(frfs, 1) if frf.is_from_hits]),
             amplitude_dependence_detected(
-                gains.get(by) or max(gains[arg] for arg in get_args(Term)),
+                gains.get(terms_text) or max(gains[arg] for arg in get_args(Term)),
                 range_,
                 "m",
-                by,
+                terms_text,
                 is_explained=bool(residual_check.passed),
             ),
             amplitudes_spread(range_[1] / range_[0], "m"),

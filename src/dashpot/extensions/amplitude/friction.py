@@ -128,10 +128,12 @@ class Berg(RateIndependent):
     def __post_init__(self) -> None:
         require_positive_parameters(self, "limit", "half_way")
 
-    def _from(self, turn: Any, way: Any, up: Any) -> Any:
-        """Return force after moving `way` >= 0 from a turning point; `up` is +1 or -1."""
-        mu = up * turn / self.limit
-        return turn + way / (self.half_way * (1 - mu) + way) * (up * self.limit - turn)
+    def _from(self, turning_point: Any, distance: Any, up: Any) -> Any:
+        """Return force after moving `distance` >= 0 from a turning point; `up` is +1 or -1."""
+        mu = up * turning_point / self.limit
+        return turning_point + distance / (self.half_way * (1 - mu) + distance) * (
+            up * self.limit - turning_point
+        )
 
     def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:
         """Force, N, on the branch of the steady loop, whose tip force is in closed form."""

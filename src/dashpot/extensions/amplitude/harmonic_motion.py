@@ -56,8 +56,8 @@ def _is_sine(time: FloatArray, motion: FloatArray, begin: float, end: float) -> 
     factors = np.linalg.lstsq(A, x, rcond=None)[0]
     residual = x - A @ factors
     noise = estimate_scatter(residual) if count >= _MANY else 0.0
-    squared = max(float(np.mean(residual**2)) - noise**2, 0.0)
-    return squared < (_DISTORTED * float(np.hypot(*factors[1:]))) ** 2
+    mean_square = max(float(np.mean(residual**2)) - noise**2, 0.0)
+    return mean_square < (_DISTORTED * float(np.hypot(*factors[1:]))) ** 2
 
 
 def find_cycle_starts(t: FloatArray, x: FloatArray) -> FloatArray:

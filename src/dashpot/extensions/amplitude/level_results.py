@@ -271,11 +271,11 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         end_stiffnesses = self.stiffness(
             amplitude=[low, high], omega=np.pi * (self.band[0] + self.band[1])
         ).real
-        way = "falls" if end_stiffnesses[1] < end_stiffnesses[0] else "rises"
+        verb = "falls" if end_stiffnesses[1] < end_stiffnesses[0] else "rises"
         return (
             f"from {convert_to_unit(low, 'mm'):.3g} to {format_quantity(high, 'mm', '.3g')} the "
             "stiffness of one "
-            f"seal {way} by {100 * abs(end_stiffnesses[1] / end_stiffnesses[0] - 1):.2g} %, from "
+            f"seal {verb} by {100 * abs(end_stiffnesses[1] / end_stiffnesses[0] - 1):.2g} %, from "
             f"{convert_to_unit(end_stiffnesses[0], 'N/mm'):.4g} to "
             f"{format_quantity(end_stiffnesses[1], 'N/mm')}"
         )
@@ -315,11 +315,11 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         if not self.k3:
             return ()
         low, high = self.k3_interval
-        way = "stiffens" if self.k3 > 0 else "softens"
+        verb = "stiffens" if self.k3 > 0 else "softens"
         share = 0.75 * self.k3 * self.amplitudes[1] ** 2
         return (
             (
-                f"it {way} as a cubic spring, k3 = {self.k3:.3g} N/m^3 ({low:.3g} to {high:.3g}): "
+                f"it {verb} as a cubic spring, k3 = {self.k3:.3g} N/m^3 ({low:.3g} to {high:.3g}): "
                 f"{format_quantity(share, 'N/mm', '+.3g')} at the largest amplitude"
             ),
         )

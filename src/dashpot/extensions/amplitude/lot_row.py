@@ -47,7 +47,7 @@ def build_lot_row(
         * np.array([median(np.abs(values - median(values))) for values in (top.storage, top.loss)])
         / np.sqrt(len(top.amplitude))
     )
-    turn = 2 * np.pi * tone * sweep.delay_sd
+    phase_error = 2 * np.pi * tone * sweep.delay_sd
     has_several_amplitudes = (
         sweep.amplitude.max() > _SAME_AMPLITUDE_FACTOR * smallest.amplitude.max()
     )
@@ -63,9 +63,9 @@ def build_lot_row(
         "loop_frequency_Hz": tone,
         column("loop_amplitude", "m" if sweep.of == "m" else ""): median(top.amplitude),
         column("loop_storage", sweep.unit): storage,
-        column("loop_storage_se", sweep.unit): float(np.hypot(scatter[0], turn * abs(loss))),
+        column("loop_storage_se", sweep.unit): float(np.hypot(scatter[0], phase_error * abs(loss))),
         column("loop_loss", sweep.unit): loss,
-        column("loop_loss_se", sweep.unit): float(np.hypot(scatter[1], turn * storage)),
+        column("loop_loss_se", sweep.unit): float(np.hypot(scatter[1], phase_error * storage)),
         "loop_loss_factor": loss / storage,
         "loop_softening": 1 - storage / median(smallest.storage)
         if has_several_amplitudes

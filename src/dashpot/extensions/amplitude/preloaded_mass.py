@@ -325,11 +325,15 @@ class PreloadedMass:
             before, excess = last, next_orbit.frequency
             for _ in range(_HALVES):
                 middle = 0.5 * (before.frequency + excess)
-                on = self._solve_near_orbit(before, middle, before.level)
-                if on is None or not on.stable or _compare_orbits(on, before) > _JUMP:
+                middle_orbit = self._solve_near_orbit(before, middle, before.level)
+                if (
+                    middle_orbit is None
+                    or not middle_orbit.stable
+                    or _compare_orbits(middle_orbit, before) > _JUMP
+                ):
                     excess = middle
                 else:
-                    before = on
+                    before = middle_orbit
             orbit_at_jump = (
                 self._solve_near_orbit(next_orbit, excess, next_orbit.level) or next_orbit
             )
@@ -626,15 +630,15 @@ class _PressedBalance:
         compression = np.maximum(x, 0.0)
         tangent = np.where(x > 0, law.tangent(compression), 0.0)
         samples = 2 * np.pi * np.arange(self.samples) / self.samples
-        on = np.interp(phase, samples, self.pressing(z)[1], period=2 * np.pi) > 0
-        bend = np.gradient(tangent.ravel(), phase.ravel()).reshape(x.shape)  # dF_e'/dphase
+        is_pressed = np.interp(phase, samples, self.pressing(z)[1], period=2 * np.pi) > 0
+        slope = np.gradient(tangent.ravel(), phase.ravel()).reshape(x.shape)  # dF_e'/dphase
         K = float(law.tangent(self.of.rest))
         m = self.of.mass * omega**2
         A = np.zeros((n, 2, 2 + len(g), 2 + len(g)))
         A[..., 0, 1] = 1.0
-        A[..., 1, 0] = -1.0 * on * (at_once * tangent + dash * omega * bend) / m
-        A[..., 1, 1] = -1.0 * on * dash * omega * tangent / m
-        A[..., 1, 2:] = on[..., None] * g * K / m
+        A[..., 1, 0] = -1.0 * is_pressed * (at_once * tangent + dash * omega * slope) / m
+        A[..., 1, 1] = -1.0 * is_pressed * dash * omega * tangent / m
+        A[..., 1, 2:] = is_pressed[..., None] * g * K / m
         A[..., 2:, 0] = tangent[..., None] / K / (omega * tau)
         A[..., range(2, 2 + len(g)), range(2, 2 + len(g))] = -1 / (omega * tau)
         first, second = A[:, 0], A[:, 1]

@@ -232,8 +232,10 @@ def preloaded_levels(
         )
 
     def build_preloaded_mass(law: ElasticLaw, solid: Solid) -> PreloadedMass:
-        on, at = load.seals * law, load.compression
-        return PreloadedMass(load.mass, on, solid, None if at is None else float(on.force(at)))
+        seal_law, at = load.seals * law, load.compression
+        return PreloadedMass(
+            load.mass, seal_law, solid, None if at is None else float(seal_law.force(at))
+        )
 
     preloaded_mass = build_preloaded_mass(fit.elastic_law, fit.solid)
     if preloaded_mass.rest < _MIN_COMPRESSION_SHARE * fit.elastic_law.depth:
@@ -334,10 +336,10 @@ class _AtLevels:
         if 0 < best < len(run) - 1:
             # between the lines, where the parabola through three is highest
             top_orbits = run[best - 1 : best + 2]
-            bend, slope, _ = _parabola(top_orbits) @ np.log(
+            curvature, slope, _ = _parabola(top_orbits) @ np.log(
                 [self.size(orbit) for orbit in top_orbits]
             )
-            near_top = np.array([top_orbits[1].frequency - slope / (2 * bend)])
+            near_top = np.array([top_orbits[1].frequency - slope / (2 * curvature)])
             summit = self.preloaded_mass.sweep(level=force, frequency=near_top, start=top_orbits[1])
             run[best : best + 1] = [orbit for orbit in summit if orbit.stable] or top_orbits[1:2]
         return run, best
@@ -391,8 +393,8 @@ class _AtLevels:
         log_slope = by_frequency(lambda orbit: np.log(self.size(orbit)))
         value = self.size(at) * np.exp(NORMAL * _norm(self._logs(at) + log_slope * shift) * _SIGNS)
         count = len(at.harmonic_amplitudes)
-        turn = np.conj(at.harmonics[:count]) / np.maximum(at.harmonic_amplitudes, 1e-300)
-        real = (turn * self.preloaded_mass.changes(at, self.others)[:, :count]).real
+        rotation = np.conj(at.harmonics[:count]) / np.maximum(at.harmonic_amplitudes, 1e-300)
+        real = (rotation * self.preloaded_mass.changes(at, self.others)[:, :count]).real
         real += np.outer(shift, by_frequency(lambda orbit: orbit.harmonic_amplitudes))
         rest_changes = np.array([other.rest for other in self.others]) - at.rest
         low, high = value.tolist()
@@ -419,10 +421,10 @@ class _AtLevels:
 
     def _compute_frequency_shifts(self, top_orbits: Sequence[Orbit]) -> FloatArray:
         """Return the shift of the largest response for each of the other masses, Hz."""
-        bend, slope, _ = _parabola(top_orbits)
+        curvature, slope, _ = _parabola(top_orbits)
         size = np.log([self.size(orbit) for orbit in top_orbits])
         return np.asarray(
-            -(slope @ [self._logs(orbit) for orbit in top_orbits]) / (2 * bend @ size)
+            -(slope @ [self._logs(orbit) for orbit in top_orbits]) / (2 * curvature @ size)
         )
 
     @staticmethod
@@ -430,8 +432,8 @@ class _AtLevels:
         """Return a function for derivatives by frequency at the middle of three orbits or two."""
         if len(orbits) == 2:
             difference = orbits[1].frequency - orbits[0].frequency
-            return lambda of: (of(orbits[1]) - of(orbits[0])) / difference
-        return lambda of: _parabola(orbits)[1] @ [of(orbit) for orbit in orbits]
+            return lambda function: (function(orbits[1]) - function(orbits[0])) / difference
+        return lambda function: _parabola(orbits)[1] @ [function(orbit) for orbit in orbits]
 
 
 def _find_adjacent_jumps(

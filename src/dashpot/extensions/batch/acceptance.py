@@ -73,14 +73,14 @@ def check_lot_acceptance(lot: Lot, limits: Limits) -> tuple[SealDecision, ...]:
     missing_seals = (key for key in _find_tested_seals(lot) if key not in items)
     return (
         *decisions,
-        *(SealDecision(of, seal, "no result", None, None) for of, seal in missing_seals),
+        *(SealDecision(lot, seal, "no result", None, None) for lot, seal in missing_seals),
     )
 
 
 def _find_tested_seals(lot: Lot) -> dict[tuple[str, str], None]:
     """Lot and name of every seal; a file that nobody named and that has no fit need not be one."""
     rows = lot.table.select("lot", "seal", "file", "outcome").iter_rows()
-    return {(of, seal or file): None for of, seal, file, end in rows if seal or end == "fitted"}
+    return {(lot, seal or file): None for lot, seal, file, end in rows if seal or end == "fitted"}
 
 
 def _decision(limits: Limits, value: float, guard: float | None) -> Decision:

@@ -299,16 +299,18 @@ def _chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
     return task_groups
 
 
-def _compute(missing: Sequence[Task], choices: BatchOptions, folder: Path, by: Executor) -> None:
-    chunks, done_count, start_time = _chunks(missing, by.side), 0, time.monotonic()
+def _compute(
+    missing: Sequence[Task], choices: BatchOptions, folder: Path, executor: Executor
+) -> None:
+    chunks, done_count, start_time = _chunks(missing, executor.side), 0, time.monotonic()
     send_progress(f"{len(missing)} tests in {len(chunks)} chunks")
     first = (0, 0.0)
-    for number, (chunk, rows) in enumerate(by.computed(chunks, choices), start=1):
+    for number, (chunk, rows) in enumerate(executor.computed(chunks, choices), start=1):
         path = write_part(folder, build_row_frame(rows, choices))
         done_count += len(chunk)
         progress = done_count, max(time.monotonic() - start_time, 1e-6)
         first = progress if number == 1 else first
-        tests_per_second = rate(first, progress, number, min(by.side, len(chunks)))
+        tests_per_second = rate(first, progress, number, min(executor.side, len(chunks)))
         text = f"{done_count} of {len(missing)} tests, {tests_per_second:.1f} tests/s"
         if done_count < len(missing):
             text += f", {(len(missing) - done_count) / tests_per_second:.0f} s left"

@@ -149,10 +149,10 @@ def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Fi
         "no result": "without a value that is used",
     }  # fmt: skip
     broken = ", ".join(f"{count} {decision_texts[name]}" for name, count in counts.items() if count)
-    passed, seal_count = decisions.count("pass"), len(decisions)
+    passed_count, seal_count = decisions.count("pass"), len(decisions)
     return Finding(
-        f"{passed} of {seal_count} seals pass: {words} {limits}",
-        seal_count - passed,
+        f"{passed_count} of {seal_count} seals pass: {words} {limits}",
+        seal_count - passed_count,
         broken,
         "Look up those seals in the table.",
     )

@@ -89,10 +89,10 @@ class LotComparison(HasChecks, Serialisable):
         smallest = min(comparisons, key=lambda comparison: comparison.p_value)
         differ = sum(bool(comparison.different) for comparison in comparisons)
         low, high = (100 * smallest.share(end) for end in smallest.difference.interval)
-        by = 100 * smallest.share(smallest.difference.value)
+        percent = 100 * smallest.share(smallest.difference.value)
         return (
             f"{differ} of {len(comparisons)} compared quantities differ. "
-            f"{sentence(smallest.quantity.words)[:-1]}: {by:+.2g} %, 95 % from {low:+.2g} to "
+            f"{sentence(smallest.quantity.words)[:-1]}: {percent:+.2g} %, 95 % from {low:+.2g} to "
             f"{high:+.2g} %"
         )
 

@@ -221,8 +221,10 @@ def lots_picture(
     marks += [Rule(quantity.scale * end, _ASKED, "limits asked", across=True) for end in requested]
     marks.append(Dots(at, means, "measured", "mean of a lot", size=5.0))
     if lots is not None and lots.mean.signalling_points:
-        on = [names.index(lots.names[i]) for i in lots.mean.signalling_points]
-        marks.insert(-1, Dots(at[on], means[on], "care", "signal", size=10.0, hollow=True))
+        signalling = [names.index(lots.names[i]) for i in lots.mean.signalling_points]
+        marks.insert(
+            -1, Dots(at[signalling], means[signalling], "care", "signal", size=10.0, hollow=True)
+        )
     limits = _limits(quantity, charts, seals, requested)
     marks += _groups(names, means, limits[1])
     upper = Panel(scale, Scale(quantity.title, limits), tuple(marks), height=CHART)

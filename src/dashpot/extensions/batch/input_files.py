@@ -383,12 +383,12 @@ def _result(path: Path) -> bool:
 
 
 def _labels(
-    by: str | None, files: Sequence[str], *, allow_none: bool
+    label_pattern: str | None, files: Sequence[str], *, allow_none: bool
 ) -> Callable[[str], dict[str, Any]]:
     """Return what an expression says of a file."""
-    if by is None:
+    if label_pattern is None:
         return lambda _: {}
-    pattern, group_names = _groups(by)
+    pattern, group_names = _groups(label_pattern)
 
     def parse_labels(file: str) -> dict[str, Any]:
         match = pattern.search(Path(file).as_posix())
@@ -398,17 +398,19 @@ def _labels(
 
     if not any(map(parse_labels, files)) and not allow_none:
         raise DataError(
-            f"--label-pattern '{by}' fits none of {len(files)} paths, such as {files[0]}"
+            f"--label-pattern '{label_pattern}' fits none of {len(files)} paths, such as {files[0]}"
         )
     return parse_labels
 
 
-def _groups(by: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
+def _groups(label_pattern: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
     """Return a regular expression, and which label each of its groups is."""
     try:
-        pattern = re.compile(by)
+        pattern = re.compile(label_pattern)
     except re.error as error:
-        raise DataError(f"--label-pattern '{by}' is no regular expression: {error}") from None
+        raise DataError(
+            f"--label-pattern '{label_pattern}' is no regular expression: {error}"
+        ) from None
     group_names = tuple(pattern.groupindex) or LABELS[: pattern.groups]
     if (
         not 1 <= pattern.groups <= len(LABELS)
@@ -416,7 +418,7 @@ def _groups(by: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
         or set(group_names) - set(LABELS)
     ):
         raise DataError(
-            f"--label-pattern '{by}' has {pattern.groups} groups "
+            f"--label-pattern '{label_pattern}' has {pattern.groups} groups "
             f"({', '.join(group_names) or 'none'}); "
             r"expected up to five, named or in the order of lot, seal, repeat, operator, date: "
             r"'lot(\w+)_seal(\d+)_rep(\d+)'"

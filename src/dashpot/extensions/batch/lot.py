@@ -439,8 +439,8 @@ class Lot:
         )
 
     @staticmethod
-    def _groups(rows: pl.DataFrame, *by: str) -> Iterator[pl.DataFrame]:
-        names = [name for name in by if name in rows.columns]
+    def _groups(rows: pl.DataFrame, *labels: str) -> Iterator[pl.DataFrame]:
+        names = [name for name in labels if name in rows.columns]
         for _, group in rows.group_by(names, maintain_order=True):
             yield group
 

@@ -436,8 +436,10 @@ def _only(seal: Seal) -> str:
 
 
 def _far(quantity: Quantity, seal: Seal, distance: float) -> str:
-    by = f"{abs(distance):.1f} robust deviations " if isfinite(distance) else ""
-    return f"{quantity.read(seal.mean)}, {by}{_side(distance)} the median seal of its lot"
+    distance_text = f"{abs(distance):.1f} robust deviations " if isfinite(distance) else ""
+    return (
+        f"{quantity.read(seal.mean)}, {distance_text}{_side(distance)} the median seal of its lot"
+    )
 
 
 def _side(distance: float) -> str:
@@ -479,7 +481,7 @@ def _checks(
         yield gauge_discriminates(main.gauge)
     kinds: tuple[Literal["seals", "lots"], ...] = ("seals", "lots")
     rows = [(kind, *main.signals_of(kind)) for kind in kinds]
-    if any(of for *_, of in rows):
+    if any(lot for *_, lot in rows):
         yield charts_in_control([row for row in rows if row[-1]])
     seals = {(flag.lot, flag.seal, flag.file) for flag in flags if flag.weighty}
     yield no_lot_outlier(len(seals), len(summaries[0].seals))
@@ -566,8 +568,8 @@ def _format_limits(quantity: QuantitySummary) -> str:
         lot, capability = quantity.lowest
         lot_text = f" in {lot}" if lot and len(quantity.capabilities) > 1 else ""
         return f"Cpk {capability.cells[0]}{lot_text}, asked {quantity.limits.cpk:.2f}"
-    passed = sum(decision.decision == "pass" for decision in quantity.judged)
-    return f"{passed} of {len(quantity.judged)} seals pass"
+    passed_count = sum(decision.decision == "pass" for decision in quantity.judged)
+    return f"{passed_count} of {len(quantity.judged)} seals pass"
 
 
 # -- for people and programs -----------------------------------------------------------------------

@@ -373,17 +373,17 @@ def orient_channels(record: BlankTest) -> tuple[FloatArray, FloatArray]:
 def _find_ramp_and_hold(record: BlankTest, time: FloatArray, x: FloatArray) -> tuple[int, int]:
     """Return the sample at which the plate stops, and that after its hold."""
     segments = find_segments(time, x)
-    holds = [
+    hold_segments = [
         part
         for i, part in enumerate(segments)
         if part.kind == "hold" and i and segments[i - 1].kind == "load"
     ]
-    if not holds:
+    if not hold_segments:
         raise DataError(
             f"{name_record(record)}: found no ramp with a hold after it. Press the stop or the "
             "spring in one ramp, and hold"
         )
-    hold = max(holds, key=lambda part: (part.level, part.duration))
+    hold = max(hold_segments, key=lambda part: (part.level, part.duration))
     return hold.first, hold.last if hold.last < len(time) - 1 else len(time)
 
 

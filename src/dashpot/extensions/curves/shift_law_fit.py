@@ -129,8 +129,8 @@ class _Shifts:
     def rows(self, column: FloatArray, slope: FloatArray | None = None) -> Rows:
         """Return the rows of a law of unit factor, one theta of which has that slope."""
         W = self.whitener
-        by = None if slope is None else lambda beta: (W @ slope * beta)[:, None]
-        return Rows(W @ self.log10, (W @ column)[:, None], by)
+        derivative = None if slope is None else lambda beta: (W @ slope * beta)[:, None]
+        return Rows(W @ self.log10, (W @ column)[:, None], derivative)
 
 
 class _SolvedLaw(NamedTuple):

@@ -35,7 +35,7 @@ def cross_validate_hits(
     impact: ImpactTest,
     tests: Sequence[RampHold],
     fit: Fit,
-    on: MassOnSeals,
+    load: MassOnSeals,
     *,
     choices: HammerChoices,
     band: tuple[float, float] | None = None,
@@ -49,7 +49,7 @@ def cross_validate_hits(
         The relaxation tests that the hits were fitted together with.
     fit : Fit
         The joint fit: how many arms it has.
-    on : MassOnSeals
+    load : MassOnSeals
     choices : HammerChoices
     band : (float, float), optional
         Lines compared, Hz; by default a factor of 2.3 about the resonance.
@@ -67,10 +67,10 @@ def cross_validate_hits(
         frf = average(impact, choices=replace(choices, reject=(*choices.reject, *other_hits)))
         item = _as_signed(frf.band(low, high), average_frf)
         new_fit = identify(
-            _as_signed(rest, average_frf), tests=tests, arms=fit.model.arms, **on.keywords
+            _as_signed(rest, average_frf), tests=tests, arms=fit.model.arms, **load.keywords
         )
         predicted = predict_frf(
-            new_fit, frequency=item.frequency, kind=item.quantity, shift=item.shift, **on.keywords
+            new_fit, frequency=item.frequency, kind=item.quantity, shift=item.shift, **load.keywords
         )
         relative_difference = np.linalg.norm(predicted.value - item.value) / np.linalg.norm(
             item.value

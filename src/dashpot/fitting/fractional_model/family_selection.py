@@ -557,7 +557,7 @@ def build_alternative(
     else:
         at = max(10.0, 10.0 ** np.ceil(np.log10(frequency)))
         a, b = (
-            complex(solid.complex_stiffness(omega=2 * np.pi * at)) for solid in (own_solid, other)
+            complex(item.complex_stiffness(omega=2 * np.pi * at)) for item in (own_solid, other)
         )
         advice = sentence(f"{extra} separates them")
         message = (

@@ -27,10 +27,10 @@ def format_of(raw: RawFile) -> str:
             return name
     if re.match(rb"\A\s*+-1[ \t]*+[\r\n]\s*+\d++b?(\s|\Z)", head_without_bom):
         return "uff"
-    opens = head_without_bom.lstrip().startswith((b"{", b"[{")) and not head_without_bom.startswith(
-        b"{\\rtf"
-    )
-    return "trios" if opens else "text"
+    is_json = head_without_bom.lstrip().startswith(
+        (b"{", b"[{")
+    ) and not head_without_bom.startswith(b"{\\rtf")
+    return "trios" if is_json else "text"
 
 
 def read_table(raw: RawFile, options: ReadOptions) -> FileTable:
@@ -62,8 +62,8 @@ def _table(raw: RawFile, options: ReadOptions) -> FileTable:
         raise ReadError(
             f"--file-part sheet={options.sheet}: this file has no sheets or groups; leave it out"
         )
-    reads = import_module(FORMATS[name].module)
-    reader: Callable[[RawFile, ReadOptions], FileTable] = reads.read
+    module = import_module(FORMATS[name].module)
+    reader: Callable[[RawFile, ReadOptions], FileTable] = module.read
     try:
         if not FORMATS[name].sandboxed:
             return reader(raw, options)

@@ -284,8 +284,8 @@ def _relaxes(values: FloatArray) -> float:
     peak = int(np.argmax(change))
     if change[peak] <= 0 or peak > 0.5 * len(values):
         return 0.0
-    tail = change[int(0.9 * len(change)) :]
-    return float((change[peak] - median(tail)) / change[peak])
+    last_part = change[int(0.9 * len(change)) :]
+    return float((change[peak] - median(last_part)) / change[peak])
 
 
 def _creeps(values: FloatArray) -> float:

@@ -148,8 +148,8 @@ def _longest_record(time: FloatArray, starts: Sequence[int]) -> float:
 
 def joined_starts(tests: Sequence[tuple[int, tuple[int, ...]]]) -> tuple[int, ...]:
     """Return the first samples of the records of joined tests, of the length and starts of each."""
-    begins = np.cumsum([0, *(length for length, _ in tests[:-1])]).tolist()
-    pairs = zip(begins, tests, strict=True)
+    record_starts = np.cumsum([0, *(length for length, _ in tests[:-1])]).tolist()
+    pairs = zip(record_starts, tests, strict=True)
     return tuple(record_start + start for record_start, (_, starts) in pairs for start in starts)
 
 

@@ -90,7 +90,7 @@ def send_reply(stream: BinaryIO, table: Reply) -> None:
         "notes": table.notes, "header": table.header, "hints": table.hints,
         "cautions": [i for i, note in enumerate(table.notes) if isinstance(note, Caution)],
     }  # fmt: skip
-    blocks = (table.load(range(*of)).values.T for of in _blocks(rows, width))
+    blocks = (table.load(range(*columns)).values.T for columns in _blocks(rows, width))
     send(stream, head, (np.ascontiguousarray(block, float).data.cast("B") for block in blocks))
 
 

@@ -239,13 +239,13 @@ class ClockColumn:
             return None
         timestamps, moments = self._minutes, []
         for cell in cells:
-            head, _, tail = cell.rpartition(":")
+            head, _, seconds_text = cell.rpartition(":")
             if head not in timestamps:
                 timestamps[head] = parse_clock_time(f"{head}:00") if ":" in head else None
             minute = timestamps[head]
-            if minute is None or not _SECONDS.match(tail):
+            if minute is None or not _SECONDS.match(seconds_text):
                 return None
-            seconds = minute.seconds + float(tail.replace(",", "."))
+            seconds = minute.seconds + float(seconds_text.replace(",", "."))
             moments.append(Timestamp(minute.date, seconds, "hms"))
         return moments
 

@@ -559,10 +559,10 @@ def decode_blocks(
         for block in blocks:
             text = rest + decoder.decode(block)
             ended = text.rstrip("\r")  # what follows them shows what they end
-            cut = max(ended.rfind("\n"), ended.rfind("\r")) + 1
-            rest = text[cut:]
-            if cut:
-                yield _ends(text[:cut])
+            complete_length = max(ended.rfind("\n"), ended.rfind("\r")) + 1
+            rest = text[complete_length:]
+            if complete_length:
+                yield _ends(text[:complete_length])
             elif len(rest) > _LONGEST_LINE:
                 raise ReadError(
                     f"a line of more than {_LONGEST_LINE >> 20} million characters; this is no "

@@ -126,15 +126,15 @@ def _clock(name: str, word: str | None) -> str:
 
 def _misfit(rows: Sequence[list[str]], dialect: Dialect) -> str:
     """Return the note on a row of names that is not as wide as the table; empty without one."""
-    wrong = next((row for row in rows if _misfits(row, dialect)), [])
-    if not wrong:
+    misfit_row = next((row for row in rows if _misfits(row, dialect)), [])
+    if not misfit_row:
         return ""
     cells = dialect.cells or len(dialect.contents)
     message = (
-        f"the header holds {len(wrong)} names for {cells} columns ('{wrong[0][:20]}' ... "
-        f"'{wrong[-1][:20]}'), so that none was taken"
+        f"the header holds {len(misfit_row)} names for {cells} columns ('{misfit_row[0][:20]}' ... "
+        f"'{misfit_row[-1][:20]}'), so that none was taken"
     )
-    if cells == 2 * len(wrong) and dialect.delimiter == ",":
+    if cells == 2 * len(misfit_row) and dialect.delimiter == ",":
         message += (
             "; two columns for each name look like numbers cut in two at their decimal "
             "comma: export the file with ';' between the columns, or with decimal points"

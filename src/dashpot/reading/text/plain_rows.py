@@ -136,15 +136,15 @@ def split_line_cells(lines: bytes, sign: int) -> PartedLines | None:
     signs |= ended
     if sign == ord(" "):
         turns = np.flatnonzero(signs[1:] != signs[:-1]) + 1
-        begins, stops = turns[::2], turns[1::2]
+        cell_starts, stops = turns[::2], turns[1::2]
     else:
         stops = np.flatnonzero(signs)
-        begins = np.append(_SEEN, stops[:-1] + 1)
+        cell_starts = np.append(_SEEN, stops[:-1] + 1)
     rows = int(np.count_nonzero(ended))
     width, odd = divmod(len(stops), rows) if rows else (0, 1)
     if odd or not width or not ended[stops[width - 1 :: width]].all():
         return None
-    return PartedLines(text, stops.reshape(-1, width).T, (stops - begins).reshape(-1, width).T)
+    return PartedLines(text, stops.reshape(-1, width).T, (stops - cell_starts).reshape(-1, width).T)
 
 
 # Blocks of plain rows, which NumPy reads: of one width, with nothing but numbers and times wanted.

@@ -363,9 +363,9 @@ def _merge_parts(gathered: _Gathered, width: int) -> FloatArray:
 def _drop_first_lines(blocks: Iterator[str], first: int) -> Iterator[str]:
     """The text below the first lines, block by block."""
     for block in blocks:
-        cut = _after_lines(block, first)
-        first -= block.count("\n", 0, cut)
-        text = block[cut:]
+        remaining_block = _after_lines(block, first)
+        first -= block.count("\n", 0, remaining_block)
+        text = block[remaining_block:]
         if text:
             yield text
 
@@ -440,9 +440,9 @@ class _Reader:
         self.patience.check_time_limit(line)
         count = line_count(text)
         if self.plain.possible and count > _PATIENT:
-            cut = _after_lines(text, count // 2)
-            self.read(text[:cut], line)
-            self.read(text[cut:], line + count // 2)
+            half_block = _after_lines(text, count // 2)
+            self.read(text[:half_block], line)
+            self.read(text[half_block:], line + count // 2)
             return count
         run: list[list[float]] = []
         lines = text.split("\n")[:-1]

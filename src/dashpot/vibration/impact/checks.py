@@ -289,13 +289,13 @@ def record_long_enough(frf: FRF, main: Mode) -> Finding:
     """The record contains the whole decay."""
     record_length = frf.record or 0.0
     needed_length = TIME_CONSTANTS / main.decay
-    cut = 100 * np.exp(-(main.decay + frf.shift) * record_length)
+    cut_percent = 100 * np.exp(-(main.decay + frf.shift) * record_length)
     return Finding(
         f"The record lasts {record_length:.3g} s after the hit; {TIME_CONSTANTS} time constants of "
         f"the decay are {needed_length:.3g} s",
         record_length,
-        f"At its end {cut:.2g} % of the response is left, which flattens the peak of the FRF. The "
-        "modes allow for that",
+        f"At its end {cut_percent:.2g} % of the response is left, which flattens the peak of the "
+        "FRF. The modes allow for that",
         Remedy("Record longer after each hit.", "hit-length", f"{needed_length:.3g}s"),
         limit=needed_length,
     )

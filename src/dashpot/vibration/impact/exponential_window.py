@@ -345,12 +345,12 @@ def _fitted_rate(scatter_decays: Sequence[ScatterDecay]) -> tuple[float, float]:
             low = lower
     rate = float((low + high) / 2)
     lowest_deviance, step = total(rate), 0.01 * rate
-    bend = (total(rate + step) - 2 * lowest_deviance + total(rate - step)) / step**2
+    curvature = (total(rate + step) - 2 * lowest_deviance + total(rate - step)) / step**2
     # chi-square of what the model leaves, against what chance would
     freedom = sum(len(decay.time) for decay in noise_segments) - 3 * len(noise_segments)
     chance = sum(float(decay.freedom @ (np.log(decay.variance) + 1)) for decay in noise_segments)
     excess = max((lowest_deviance - chance) / max(freedom, 1), 1.0)
-    sd = float(np.sqrt(2 * excess / bend)) if bend > 0 else np.inf
+    sd = float(np.sqrt(2 * excess / curvature)) if curvature > 0 else np.inf
     return rate, sd
 
 

@@ -458,7 +458,7 @@ def _select_accepted_hits(
     unknown = [name for name in (*accept, *reject) if name not in faults]
     if unknown:
         raise DataError(f"there is no hit {unknown[0]!r}; the hits are {', '.join(faults)}")
-    accepted_names = {name for name, wrong in faults.items() if not wrong}
+    accepted_names = {name for name, reasons in faults.items() if not reasons}
     accepted = (accepted_names - set(reject)) | set(accept)
     if not accepted:
         reasons_text = "; ".join(

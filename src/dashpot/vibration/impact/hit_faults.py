@@ -234,19 +234,19 @@ def _list_undershoot(hit: HitBlock) -> Iterator[str]:
     """Yield a doubt if the force undershoots after the pulse, as an AC-coupled channel does."""
     pulse = hit.pulse(0.02)
     end = pulse.stop + (pulse.stop - pulse.start)
-    tail = hit.force[end : len(hit.force) - hit.missing]
-    if hit.onset < 8 or len(tail) < 16:
+    after_pulse = hit.force[end : len(hit.force) - hit.missing]
+    if hit.onset < 8 or len(after_pulse) < 16:
         return
     impulse = float(hit.force[pulse].sum())
-    undershoot = -float(tail.sum()) / impulse
+    undershoot = -float(after_pulse.sum()) / impulse
     # the base line is known only as well as the mean of the samples before the hit
-    undershoot_error = 5 * hit.noise[0] * len(tail) / np.sqrt(hit.onset) / impulse
+    undershoot_error = 5 * hit.noise[0] * len(after_pulse) / np.sqrt(hit.onset) / impulse
     if undershoot < max(MAX_UNDERSHOOT, undershoot_error):
         return
     # at time t after the pulse, exp(-2 pi f t) of the undershoot is still to come
-    early_count = max(len(tail) // 50, 8)
+    early_count = max(len(after_pulse) // 50, 8)
     early_fraction = min(
-        max(-float(tail[:early_count].sum()) / float(hit.force[:end].sum()), 0.0), 0.99
+        max(-float(after_pulse[:early_count].sum()) / float(hit.force[:end].sum()), 0.0), 0.99
     )
     corner_frequency = -np.log1p(-early_fraction) * hit.rate / (2 * np.pi * early_count)
     yield (

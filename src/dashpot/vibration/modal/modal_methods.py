@@ -321,14 +321,14 @@ def _decrement(s: ComplexArray, accelerance: ComplexArray, record: float | None)
     turning = np.unwrap(np.angle(h * np.exp(-1j * omega[top] * t)))
     rows = np.column_stack((t, np.ones_like(t))) * size[:, None]
     fits = [solve_ordinary(size * y, rows) for y in (np.log(size), turning)]
-    (slope, start), (turn, phase) = (fit.beta for fit in fits)
+    (slope, start), (phase_slope, phase) = (fit.beta for fit in fits)
     # neighbours share four samples' worth of band
     noises = [white_noise(fit, 4 * fit.sse / max(len(t) / 4 - 2, 1)) for fit in fits]
     errors = [
         float(estimate(fit, noises=[noise]).standard_error[0])
         for fit, noise in zip(fits, noises, strict=True)
     ]
-    p = complex(slope, omega[top] + turn)
+    p = complex(slope, omega[top] + phase_slope)
     # the fading lets through, of e^{pt}, its own value at p
     let_through = 0.5 * (1 + np.cos(np.pi * (p / 1j - omega[top]) / half_range))
     residue = complex(np.exp(start + 1j * phase) / let_through)

@@ -176,8 +176,8 @@ def _wander(
     omega = peak + step * np.array([-1.0, 0.0, 1.0])
     rows = ((1j * omega - centre) / scale)[:, None] ** np.arange(3) / (1j * omega[:, None]) ** 2
     u = rows @ c
-    first, bend = (u[2] - u[0]) / (2 * step), (u[2] - 2 * u[1] + u[0]) / step**2
-    curvature = abs(first) ** 2 + (np.conj(u[1]) * bend).real
+    first, second_difference = (u[2] - u[0]) / (2 * step), (u[2] - 2 * u[1] + u[0]) / step**2
+    curvature = abs(first) ** 2 + (np.conj(u[1]) * second_difference).real
     change = np.conj(first) * rows[1] + np.conj(u[1]) * (rows[2] - rows[0]) / (2 * step)
     size = float(np.sqrt(max((change @ coefficient_covariance @ change.conj()).real, 0.0)))
     return size / max(abs(float(curvature)), np.finfo(float).tiny)

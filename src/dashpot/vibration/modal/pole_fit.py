@@ -534,13 +534,15 @@ def _worth(trial: PoleTrial) -> float:
 def _finish(trial: PoleTrial, modes: int) -> PoleFit:
     """Residues of the first poles, and all errors: every channel shows the poles."""
     solution = trial.solution
-    by = 1 / np.ravel(np.column_stack((-trial.poles.real, trial.poles.imag)))  # not by logarithms
-    normal = trial.curvature * np.outer(by, by)
+    scales = 1 / np.ravel(
+        np.column_stack((-trial.poles.real, trial.poles.imag))
+    )  # not by logarithms
+    normal = trial.curvature * np.outer(scales, scales)
     scale = np.sqrt(np.diag(normal))
     inverse_normal = np.linalg.pinv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
     covariance = inverse_normal[: 2 * modes, : 2 * modes]
     inverse = solution.inverse[:, : 2 * modes]
-    change = inverse @ (solution.crossing * by)
+    change = inverse @ (solution.crossing * scales)
     variance = (inverse**2).sum(axis=2) + ((change @ inverse_normal) * change).sum(axis=2)
     # what the model misses about a mode widens that mode's error
     misfit = np.array([_chi2(trial, p) for p in trial.poles[:modes]])

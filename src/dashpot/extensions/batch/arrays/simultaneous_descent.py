@@ -76,15 +76,15 @@ def descend_together(
         if not len(active):
             break
         new = points_at(family, trial, reduced.take(active))
-        tail, is_better = (
+        is_tail, is_better = (
             change < TAIL,
             is_step_acceptable(new.sse, before, change, rounding[active]),
         )
         improved = active[is_better]
         last[improved] = change[is_better]
         points.put(improved, new.take(is_better))
-        damping[improved] = np.where(tail[is_better], 0.0, 0.1 * damping[improved])
-        is_stuck = ~is_better & tail & (damping[active] == 0.0)
+        damping[improved] = np.where(is_tail[is_better], 0.0, 0.1 * damping[improved])
+        is_stuck = ~is_better & is_tail & (damping[active] == 0.0)
         converged[active[is_stuck]] = True
         refused_rows = active[~is_better]
         damping[refused_rows] = 10 * np.maximum(damping[refused_rows], 1e-6)

@@ -101,13 +101,15 @@ class _Stratum:
         if normal is None or normal >= NOT_NORMAL:
             from scipy.stats import chi2
 
-            tail = (1 - level) / 2
-            upper, lower = (chi2.ppf(p, self.freedom) for p in (1 - tail, tail))
+            tail_probability = (1 - level) / 2
+            upper, lower = (
+                chi2.ppf(p, self.freedom) for p in (1 - tail_probability, tail_probability)
+            )
             return float(self.freedom / upper), float(self.freedom / lower)
         d, count = self.away, len(self.away)
         z = NormalDist().inv_cdf((1 + level) / 2)
-        cut = int(count / (2 * np.sqrt(count - 4)))
-        middle = float(np.sort(d)[cut : count - cut].mean())
+        trimmed_count = int(count / (2 * np.sqrt(count - 4)))
+        middle = float(np.sort(d)[trimmed_count : count - trimmed_count].mean())
         kurtosis = count * float(np.sum((d - middle) ** 4)) / float(np.sum(d**2)) ** 2
         c = count / (count - z)
         half_width = z * c * np.sqrt(max(kurtosis - (count - 3) / count, 0.0) / self.freedom)
@@ -221,13 +223,13 @@ def _compute_difference_limits(
     """Modified large-sample limits of (outer mean square - below) / own."""
     from scipy.stats import f
 
-    tail, n1, n2 = (1 - level) / 2, outer.freedom, inner.freedom
+    tail_probability, n1, n2 = (1 - level) / 2, outer.freedom, inner.freedom
     m2 = max(inner_sum, 0.0) / value
     # an estimate below 0 is known no better than one of 0
     m1 = max(outer.square / value, m2)
     (low1, high1), (low2, high2) = outer.limits(level), inner.limits(level)
     g1, h1, g2, h2 = 1 - low1, high1 - 1, 1 - low2, high2 - 1
-    high, low = f.ppf(1 - tail, n1, n2), f.ppf(tail, n1, n2)
+    high, low = f.ppf(1 - tail_probability, n1, n2), f.ppf(tail_probability, n1, n2)
     g12 = ((high - 1) ** 2 - (g1 * high) ** 2 - h2**2) / high
     h12 = ((1 - low) ** 2 - (h1 * low) ** 2 - g2**2) / low
     lower_square = (g1 * m1) ** 2 + (h2 * m2) ** 2 + g12 * m1 * m2

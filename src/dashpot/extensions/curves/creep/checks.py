@@ -84,9 +84,9 @@ def displacement_samples_not_repeated(test: LoadHold, displacement: FloatArray) 
     same samples as it stands in the file.
     """
     x, time = displacement[test.hold], test.time[test.hold]
-    turn = 1.0 if (x - x.mean()) @ test.displacement[test.hold] >= 0 else -1.0
+    sign = 1.0 if (x - x.mean()) @ test.displacement[test.hold] >= 0 else -1.0
     # what creeps rises; it is turned, for what relaxes falls
-    runs = find_stuck_runs(-turn * x, time_since_ramp=time - test.ramp_end)
+    runs = find_stuck_runs(-sign * x, time_since_ramp=time - test.ramp_end)
     if not len(runs):
         return Finding("The displacement stands at no value while it should scatter or change", 0.0)
     first, last = runs[np.argmax(np.diff(runs)[:, 0])]

@@ -563,10 +563,10 @@ def _end_and_band(
 
 def _departure(record: LoadHold, retardation: Retarded) -> tuple[float | None, float | None]:
     """Return how far the answer departs from proportion at its largest, and the standard error."""
-    holds = [
+    hold_segments = [
         segment for segment in find_segments(record.time, record.load) if segment.kind == "hold"
     ]
-    levels = np.array([hold.level for hold in holds if hold.first > 0 or hold.level > 0])
+    levels = np.array([hold.level for hold in hold_segments if hold.first > 0 or hold.level > 0])
     differences = levels[levels > _LEVEL_DISTANCE * record.level]
     if not len(differences) or float(np.ptp(differences)) < _LEVEL_DISTANCE * float(
         differences.max()
@@ -590,11 +590,11 @@ def _departure(record: LoadHold, retardation: Retarded) -> tuple[float | None, f
     return solution.coefficient("bend"), estimate.standard_error("bend")
 
 
-def _step(result: Retarded, to: str, arms: int | Literal["auto"]) -> Step:
+def _step(result: Retarded, limit_text: str, arms: int | Literal["auto"]) -> Step:
     count = len(result.spectrum.d)
     flow = " and a flow" if result.flows else ""
     message = (
-        f"fitted {count} retardation{'s' * (count != 1)}{flow} to {to}; the model, with "
+        f"fitted {count} retardation{'s' * (count != 1)}{flow} to {limit_text}; the model, with "
         f"{result.model.arms} arm{'s' * (result.model.arms != 1)}, is their exact interconversion"
     )
     return Step("fit_creep", (("arms", str(arms)),), message)

@@ -77,10 +77,10 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
     )
     if held_load.ramp_end > test.time[0]:
         load, heights = load - load[0], heights - load[0]
-    turn = _turn(test, held_load, file_name)
+    sign = _turn(test, held_load, file_name)
     record = LoadHold(
         time=test.time,
-        displacement=turn * test.displacement,
+        displacement=sign * test.displacement,
         force=preload_force,
         load=load,
         onset=held_load.onset,
@@ -93,7 +93,7 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
         unit=test.unit,
         specimen=test.specimen,
         source=test.source,
-        steps=(_step(held_load, turn, test.unit),),
+        steps=(_step(held_load, sign, test.unit),),
         corners=tuple(corners.tolist()),
         heights=tuple(heights.tolist()),
         machine=machine,
@@ -111,29 +111,29 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
 
 def _find_longest_hold(time: FloatArray, force: FloatArray, file_name: str) -> _HeldLoad:
     """Return the load with the longest hold."""
-    holds = [_cycle(time, turn * force, turn) for turn in (1, -1)]
-    loads = [hold for hold in holds if hold is not None]
+    longest_holds = [_cycle(time, sign * force, sign) for sign in (1, -1)]
+    loads = [hold for hold in longest_holds if hold is not None]
     if loads:
         return max(loads, key=lambda hold: (hold.hold_end - hold.ramp_end, hold.turn))
     level = median(force)
-    turn = 1 if level > 0 else -1
+    sign = 1 if level > 0 else -1
     if not abs(level) > 4 * float(np.std(force)):
         raise DataError(
             f"{file_name}: no force is held: expected a load that rises and then stays, or stays "
             "from the first sample on; check which column is the force (--column force=NAME)"
         )
-    return _HeldLoad(float(time[0]), float(time[0]), float(time[-1]), abs(level), 0.0, turn)
+    return _HeldLoad(float(time[0]), float(time[0]), float(time[-1]), abs(level), 0.0, sign)
 
 
-def _cycle(time: FloatArray, force: FloatArray, turn: int) -> _HeldLoad | None:
+def _cycle(time: FloatArray, force: FloatArray, sign: int) -> _HeldLoad | None:
     """Return the longest hold of a force that rises, and when its load began."""
     cycles = find_cycles(find_segments(time, force))
-    holds = [
+    cycle_holds = [
         (cycle, segment) for cycle in cycles for segment in cycle.segments if segment.kind == "hold"
     ]
-    if not holds:
+    if not cycle_holds:
         return None
-    cycle, hold = max(holds, key=lambda pair: pair[1].duration)
+    cycle, hold = max(cycle_holds, key=lambda pair: pair[1].duration)
     before = force[: cycle.ramp.first + 1]
     # a record that begins on its load ramp begins at its first reading
     preload = median(before) if len(before) >= _FEWEST else float(force[0])
@@ -143,7 +143,7 @@ def _cycle(time: FloatArray, force: FloatArray, turn: int) -> _HeldLoad | None:
     at = cycle.segments.index(hold)
     ramp = cycle.segments[at - 1]
     return _HeldLoad(
-        float(cycle.ramp.start), float(ramp.end), float(hold.end), level, preload, turn
+        float(cycle.ramp.start), float(ramp.end), float(hold.end), level, preload, sign
     )
 
 
@@ -197,9 +197,9 @@ def errors_of_load(record: LoadHold) -> Callable[[FloatArray], FloatArray]:
         gram = np.block(
             [[gram, crossed], [crossed.T, corner_shift_columns.T @ corner_shift_columns]]
         )
-    value, turn = np.linalg.eigh(gram)
+    value, eigenvectors = np.linalg.eigh(gram)
     reference = value > _SINGULAR * value[-1]
-    errors = record.force_noise * (turn[:, reference] / np.sqrt(value[reference])).T
+    errors = record.force_noise * (eigenvectors[:, reference] / np.sqrt(value[reference])).T
     # all is measured from the first reading
     first = np.zeros(len(gram))
     first[0] = 1.0
@@ -336,7 +336,7 @@ def _is_noise(residual: FloatArray, noise: float, chance: float) -> bool:
     return True
 
 
-def _step(held_load: _HeldLoad, turn: int, unit: str) -> Step:
+def _step(held_load: _HeldLoad, sign: int, unit: str) -> Step:
     word = "N" if unit == "N/m" else "Pa"
     start_text = (
         f"the load of {held_load.level:.4g} {word} rises from {held_load.onset:.5g} s "
@@ -347,5 +347,5 @@ def _step(held_load: _HeldLoad, turn: int, unit: str) -> Step:
         f"{held_load.preload:.3g} {word} of "
         "preload; the recorded force, freed of its noise, is what the fit answers"
     )
-    options = (("force turned", str(held_load.turn)), ("displacement turned", str(turn)))
+    options = (("force turned", str(held_load.turn)), ("displacement turned", str(sign)))
     return Step("load_hold", options, message)

@@ -160,13 +160,13 @@ class ShiftSearch:
         y = np.concatenate((*(isotherm.value for isotherm in self.isotherms), -prior @ ln_a))
 
         def slope(h: FloatArray) -> FloatArray:
-            by, start = np.zeros((len(y), 2 * n)), 0
+            derivative, start = np.zeros((len(y), 2 * n)), 0
             for i, (isotherm, a, b) in enumerate(group):
                 rows = slice(start, start := start + len(isotherm.value))
-                by[rows, i] = isotherm.vertical(b) * isotherm.slope(self.ln_tau, a, h[1:])
-                by[rows, n + i] = np.log(isotherm.vertical(1.0)) * (columns[i] @ h)
-            by[start:, :n] = prior
-            return by[:, self.free]
+                derivative[rows, i] = isotherm.vertical(b) * isotherm.slope(self.ln_tau, a, h[1:])
+                derivative[rows, n + i] = np.log(isotherm.vertical(1.0)) * (columns[i] @ h)
+            derivative[start:, :n] = prior
+            return derivative[:, self.free]
 
         return Rows(y, A, slope)
 

@@ -67,8 +67,8 @@ class JointCovariance(ParameterCovariance):
     @property
     def shift_covariance(self) -> FloatArray:
         """Covariance of log10 a_T of every temperature, then of ln b_T; zero if not fitted."""
-        turn = self.joint.shift_rows(self.names)
-        return np.asarray(turn @ self.covariance @ turn.T)
+        selection_rows = self.joint.shift_rows(self.names)
+        return np.asarray(selection_rows @ self.covariance @ selection_rows.T)
 
     @property
     def cross(self) -> FloatArray:

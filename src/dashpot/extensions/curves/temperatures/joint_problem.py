@@ -163,12 +163,12 @@ class JointTests:
     def shift_rows(self, names: Sequence[str]) -> FloatArray:
         """Return the rows that select log10 a_T and ln b_T of every temperature."""
         count = len(self.temperatures)
-        turn = np.zeros((2 * count, len(names)))
+        selection = np.zeros((2 * count, len(names)))
         for i in self.free_temperatures:
-            turn[i, names.index(f"ln_a_{i}")] = 1 / np.log(10.0)
+            selection[i, names.index(f"ln_a_{i}")] = 1 / np.log(10.0)
             if f"ln_b_{i}" in names:
-                turn[count + i, names.index(f"ln_b_{i}")] = 1.0
-        return turn
+                selection[count + i, names.index(f"ln_b_{i}")] = 1.0
+        return selection
 
     def part(self, block: DataBlock, i: int, point: ShiftedSolid) -> TestContribution:
         """One test of temperature i, in the rows of its block."""
@@ -239,15 +239,15 @@ class JointTests:
 
         def slope(k: FloatArray) -> FloatArray:
             names, decade_distances = self.names(n)[1 + n :], decades(point.log_tau)
-            by, row = np.zeros((len(A), len(names))), b * evaluation.d_arms * k[1:]
-            by[:, :n] = row * (1 + point.log_a[i] * point.slope / np.log(10.0))
+            derivative, row = np.zeros((len(A), len(names))), b * evaluation.d_arms * k[1:]
+            derivative[:, :n] = row * (1 + point.log_a[i] * point.slope / np.log(10.0))
             if i != self.reference:
-                by[:, names.index(f"ln_a_{i}")] = row @ (1 + point.slope * decade_distances)
+                derivative[:, names.index(f"ln_a_{i}")] = row @ (1 + point.slope * decade_distances)
                 if self.vertical == "free":
-                    by[:, names.index(f"ln_b_{i}")] = A @ k
+                    derivative[:, names.index(f"ln_b_{i}")] = A @ k
             if n > 1:
-                by[:, -1] = row @ (point.log_a[i] * decade_distances)
-            return by
+                derivative[:, -1] = row @ (point.log_a[i] * decade_distances)
+            return derivative
 
         return evaluation.target, A, slope
 

@@ -210,10 +210,10 @@ def _basis(compact: DataBlock, noise_sd: float) -> _Basis:
     residual, strength, _ = np.linalg.svd(
         columns / np.where(size > 0, size, 1.0), full_matrices=False
     )
-    turn = residual[:, strength > _WEAKEST * strength[0]].T / noise_sd
-    target, full_target = turn @ evaluation.target, evaluation.target / noise_sd
+    rotation = residual[:, strength > _WEAKEST * strength[0]].T / noise_sd
+    target, full_target = rotation @ evaluation.target, evaluation.target / noise_sd
     remainder_sse = float(full_target @ full_target - target @ target) + compact.floor / noise_sd**2
-    return _Basis(turn, target, turn @ evaluation.fixed, max(remainder_sse, 0.0))
+    return _Basis(rotation, target, rotation @ evaluation.fixed, max(remainder_sse, 0.0))
 
 
 def _marginal(test: SingleTemperatureTest) -> DataBlock:
