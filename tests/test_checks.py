@@ -451,7 +451,7 @@ PREPARATION = [
     Case("baseline_recorded", judge_integer(baseline), 5, 4),
     Case(
         "contact_found",
-        lambda x: preparation.contact_found(Touch(0.0, 1e-3, DEPTH * x), DEPTH, provided=False),
+        lambda x: preparation.contact_found(Touch(0.0, 1e-3, DEPTH * x), DEPTH, is_given=False),
         0.00999,
         0.01001,
     ),
@@ -636,7 +636,7 @@ FITTING = [
     ),
     Case(
         "tau_inside_window",
-        lambda x: solid.tau_inside_window(arm(1, 10.0), (0.1, 10.0), "it", within=bool(x)),
+        lambda x: solid.tau_inside_window(arm(1, 10.0), (0.1, 10.0), "it", is_closed=bool(x)),
         0,
         1,
     ),
@@ -1012,7 +1012,7 @@ IDENTIFICATION = [
     ),
     Case(
         "dashpot_not_missed",
-        lambda x: identification.dashpot_not_missed(x, "1 arm", 0.1, sure=False),
+        lambda x: identification.dashpot_not_missed(x, "1 arm", 0.1, is_determined=False),
         -0.1,
         0.1,
     ),
@@ -1103,7 +1103,9 @@ SEALS = [
     ),
     Case(
         "seal_touches",
-        lambda x: seals.seal_touches(x, length=4.0, least=-1e-3, where=1.0, most=1e-3),
+        lambda x: seals.seal_touches(
+            x, length=4.0, min_compression=-1e-3, position=1.0, max_compression=1e-3
+        ),
         0.0,
         0.01,
     ),
@@ -1286,7 +1288,7 @@ MODAL = [
     ),
     Case(
         "modes_explain_lines",
-        lambda x: modal.modes_explain_lines([shape(0.5), shape(x)], certain=True),
+        lambda x: modal.modes_explain_lines([shape(0.5), shape(x)], is_known=True),
         3.999,
         4.001,
     ),
@@ -1441,7 +1443,7 @@ DROP = [
     ),
     Case("impacts_sampled", drop.impacts_sampled, 50.1, 49.9),
     Case("impact_speeds_spread", drop.impact_speeds_spread, 2.001, 1.999),
-    Case("slow_arms_determined", lambda x: drop.slow_arms_determined(provided=bool(x)), 1, 0),
+    Case("slow_arms_determined", lambda x: drop.slow_arms_determined(is_given=bool(x)), 1, 0),
     Case("impact_speeds_agree", drop.impact_speeds_agree, 2.999, 3.001),
     Case("impacts_separated", drop.impacts_separated, 10.01, 9.99),
     Case("impact_mass_agrees", lambda x: drop.impact_mass_agrees(1 + x), 0.0299, 0.0301),
@@ -1450,17 +1452,17 @@ DROP = [
     Case("spectrum_has_gaps", drop.spectrum_has_gaps, 4, 5),
     Case(
         "loss_factors_agree",
-        lambda x: drop.loss_factors_agree(-x, 0.08, 0.1, within=True),
+        lambda x: drop.loss_factors_agree(-x, 0.08, 0.1, is_in_interval=True),
         2.999,
         3.001,
     ),
     Case(
         "loss_factors_agree",
-        lambda x: drop.loss_factors_agree(x, 0.1, 0.08, within=True),
+        lambda x: drop.loss_factors_agree(x, 0.1, 0.08, is_in_interval=True),
         2.999,
         3.001,
     ),
-    Case("specimen_length_given", lambda x: drop.specimen_length_given(provided=bool(x)), 1, 0),
+    Case("specimen_length_given", lambda x: drop.specimen_length_given(is_given=bool(x)), 1, 0),
 ]
 
 IMPACT = [
@@ -1660,7 +1662,10 @@ HYPERELASTIC = [
         0.1001,
     ),
     Case(
-        "modes_enough", judge_integer(lambda n: hyper.modes_enough(n, both=False, foam=False)), 2, 1
+        "modes_enough",
+        judge_integer(lambda n: hyper.modes_enough(n, has_two_modes=False, foam=False)),
+        2,
+        1,
     ),
     Case("modes_in_scale", lambda x: hyper.modes_in_scale(x, 0.05, "planar"), 1.099, 1.101),
     Case("use_range_measured", hyper.use_range_measured, 1.0, 1.001),
@@ -1687,7 +1692,9 @@ HYPERELASTIC = [
         0,
         1,
     ),
-    Case("bulk_modulus_determined", lambda x: hyper.bulk_modulus_determined(certain=bool(x)), 1, 0),
+    Case(
+        "bulk_modulus_determined", lambda x: hyper.bulk_modulus_determined(is_known=bool(x)), 1, 0
+    ),
 ]
 
 LEVEL = [
@@ -1759,7 +1766,7 @@ CLD = [
     Case("no_adhesion_on_release", cld.no_adhesion_on_release, 0.0099, 0.0101),
     Case("no_energy_gained", cld.no_energy_gained, -0.0199, -0.0201),
     Case("unloading_recorded", lambda x: cld.unloading_recorded(recorded=bool(x)), 1, 0),
-    Case("length_given", lambda x: cld.length_given(provided=bool(x)), 1, 0),
+    Case("length_given", lambda x: cld.length_given(is_given=bool(x)), 1, 0),
     Case(
         "relaxation_explains_hysteresis",
         lambda x: cld.relaxation_explains_hysteresis(0.2, x),
@@ -1913,7 +1920,7 @@ PROJECTS = [
     ),
     Case(
         "page_redrawn",
-        lambda x: verification_checks.page_redrawn(1, same=not x, is_same=True),
+        lambda x: verification_checks.page_redrawn(1, is_same_page=not x, is_same=True),
         0,
         1,
     ),
@@ -1926,7 +1933,7 @@ PROJECTS = [
     Case("file_present", lambda _: verification_checks.file_present("raw.csv", 1), None, 0),
     Case(
         "file_unchanged",
-        lambda x: verification_checks.file_unchanged("raw.csv", 1, same=bool(x)),
+        lambda x: verification_checks.file_unchanged("raw.csv", 1, is_same=bool(x)),
         1,
         0,
     ),
@@ -2064,7 +2071,7 @@ PRELOAD_MAPS = [
     ),
     Case("departure_excluded", lambda x: maps.departure_excluded(0.05 * x, 0.0), 0.99, 1.01),
     Case("departure_excluded", lambda x: maps.departure_excluded(0.0, 0.02 * x), 0.99, 1.01),
-    Case("sweeps_followed", lambda x: maps.sweeps_followed(x, where="8 mm"), 0.099, 0.101),
+    Case("sweeps_followed", lambda x: maps.sweeps_followed(x, sweep_text="8 mm"), 0.099, 0.101),
     Case("levels_enough", judge_integer(lambda n: maps.levels_enough(n, axis="compression")), 3, 2),
     Case("levels_dense", lambda x: maps.levels_dense(x, axis="compression"), 0.049, 0.051),
     Case(
@@ -2078,7 +2085,7 @@ PRELOAD_MAPS = [
         lambda x: maps.loss_factor_determined(x, loss_factor=0.1), 0.49, 0.51,
     ),
     Case(
-        "repeatability_known", lambda x: maps.repeatability_known(int(x), stated=False), 2, 0
+        "repeatability_known", lambda x: maps.repeatability_known(int(x), is_stated=False), 2, 0
     ),
 ]  # fmt: skip
 DRAWS = [
@@ -2716,7 +2723,7 @@ def test_what_another_condition_makes_harmless_is_a_note() -> None:
         unknown = identification.arms_identified(2, 0.3, unknown=(1.0,), in_band=in_band)
         assert unknown.grade == grade
     for leads, grade in ((1.249, "note"), (1.251, "limit")):
-        assert indentation.parameters_determined("g", 2.0, leads=leads).grade == grade
+        assert indentation.parameters_determined("g", 2.0, leading_factor=leads).grade == grade
     # a loss that scatters about zero is no breach, and one beyond three deviations is
     lines = np.geomspace(0.1, 30, 32)
     scatter = np.where(np.arange(32) % 2, 0.01, -0.01)
@@ -2813,8 +2820,8 @@ def test_undecidable_check_neither_passes_nor_fails() -> None:
     spring = GeneralizedMaxwell(1.0)
     unknown = make_comparison(measured_damping=None)
     for check in (
-        preparation.contact_found(Touch(0.0, 1e-3), DEPTH, provided=True),
-        preparation.contact_found(Touch(0.0, 0.0), DEPTH, provided=False),
+        preparation.contact_found(Touch(0.0, 1e-3), DEPTH, is_given=True),
+        preparation.contact_found(Touch(0.0, 0.0), DEPTH, is_given=False),
         preparation.overshoot_small(RECORD, ramp_count=2),
         preparation.force_resolved(RECORD.force),
         preparation.strain_small(RECORD),
@@ -2846,7 +2853,7 @@ def test_undecidable_check_neither_passes_nor_fails() -> None:
         impact.coherence(make_measured_frf(coherence=None), 75),
         impact.high_frequency_mass_agrees(None, 1.0),
         curves.instrument_stiff(sweep()),
-        modal.modes_explain_lines([shape(9.0)], certain=False),
+        modal.modes_explain_lines([shape(9.0)], is_known=False),
         modal.points_share_modes([shape(1.0)]),
     ):
         assert check.passed is None, check
@@ -2875,8 +2882,8 @@ def test_where_the_peaks_agree_the_hammer_has_tested_the_extrapolation() -> None
 
 
 def test_a_contradiction_too_small_to_matter_is_none() -> None:
-    assert identification.hammer_agrees_with_relaxation_test(1, 1e9, missed=0.99e-4).passed
-    assert identification.hammer_agrees_with_relaxation_test(1, 1e9, missed=1.01e-4).failed
+    assert identification.hammer_agrees_with_relaxation_test(1, 1e9, residual_ratio=0.99e-4).passed
+    assert identification.hammer_agrees_with_relaxation_test(1, 1e9, residual_ratio=1.01e-4).failed
 
 
 def test_what_the_method_bears_is_excused() -> None:

@@ -82,6 +82,21 @@ def test_every_file_that_is_not_entered_has_a_reason():
     assert len(rows) <= MOST_FILES_NOT_ENTERED
 
 
+def test_no_file_holds_the_marks_of_a_merge() -> None:
+    """Neither tools for Python nor a browser complain of them in a page."""
+    root, folders = Path(__file__).parents[1], ("src", "docs", "tests", "examples", "benchmarks")
+    suffixes = {".py", ".pyi", ".html", ".js", ".css", ".md", ".toml", ".sh", ".txt", ".ipynb"}
+    marks = tuple(7 * letter + " " for letter in "<>|")
+    marked = [
+        path.relative_to(root).as_posix()
+        for folder in folders
+        for path in sorted((root / folder).rglob("*"))
+        if path.suffix in suffixes and path.is_file()
+        if any(line.startswith(marks) for line in path.read_text("utf-8", "replace").split("\n"))
+    ]
+    assert marked == []
+
+
 def test_tree_page_states_the_sizes_of_its_packages():
     counts, stated = count_package_tokens(), read_tree_sizes()
     wrong = {

@@ -169,7 +169,7 @@ def test_a_descent_follows_a_valley_that_bends():
         return Rows(-np.array([300.0 * (y - x * x), 1.0 - x]), np.empty((2, 0)), lambda _: J)
 
     optimum = require_optimum(
-        Problem(model, [Parameter(-3.0, 3.0)] * 2), [np.array([-1.2, 1.0])], most=200
+        Problem(model, [Parameter(-3.0, 3.0)] * 2), [np.array([-1.2, 1.0])], max_steps=200
     )
     assert optimum.theta == pytest.approx(np.ones(2), abs=1e-9)
     assert optimum.stationary

@@ -26,8 +26,8 @@ def test_bic_is_its_formula() -> None:
 
 
 def test_a_gain_below_the_floor_is_no_gain() -> None:
-    few = bic(1e-20, effective=1000.0, parameters=3, floor=1e-16)
-    many = bic(1e-26, effective=1000.0, parameters=5, floor=1e-16)
+    few = bic(1e-20, effective=1000.0, parameters=3, rounding_sse=1e-16)
+    many = bic(1e-26, effective=1000.0, parameters=5, rounding_sse=1e-16)
     assert few < many
     assert bic(1e-26, effective=1000.0, parameters=5) < bic(1e-20, effective=1000.0, parameters=3)
 
@@ -81,10 +81,10 @@ def test_what_bic_rejects_decisively_is_not_chosen() -> None:
 
 def test_a_choice_at_the_end_of_what_was_tried_is_capped() -> None:
     scores = ([0, 1, 2], [9.0, 5.0, 1.0], [True, True, True])
-    assert select_model_order(*scores, exhausted=False).capped
+    assert select_model_order(*scores, is_exhausted=False).capped
     assert not select_model_order(*scores).capped
     assert not select_model_order(
-        [0, 1, 2], [9.0, 1.0, 5.0], [True, True, True], exhausted=False
+        [0, 1, 2], [9.0, 1.0, 5.0], [True, True, True], is_exhausted=False
     ).capped
 
 

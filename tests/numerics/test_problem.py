@@ -97,7 +97,7 @@ def test_valleys_do_not_repeat_a_visited_valley() -> None:
 
     problem = Problem(model, [Parameter(-50.0, 80.0, 10.0)])
     starts = [np.array([item]) for item in (-9.0, 39.0, 8.0)]
-    optimums = problem.valleys(starts, same=0.1)
+    optimums = problem.valleys(starts, same_distance=0.1)
     np.testing.assert_allclose([optimum.theta[0] for optimum in optimums], [0.0, 30.0], atol=1e-8)
     # within `is_same_unit` of the first it is left
     assert 1e-4 < abs(theta[-1]) < 0.1
@@ -313,7 +313,7 @@ def test_estimate_gives_no_error_at_zero_unless_requested() -> None:
     best = require_optimum(decay(y), [np.zeros(1)])
     assert best.beta[0] == 0
     assert estimate(best).standard_error[1] == 0
-    bound = estimate(best, resting=np.array([True, False]))
+    bound = estimate(best, is_bounded=np.array([True, False]))
     assert bound.standard_error[1] > 0
 
 
@@ -427,7 +427,7 @@ def test_the_score_prefers_what_is_there(sd: float) -> None:
         y = 2 + np.exp(-TIME / 0.3) + (truth == 2) * np.exp(-TIME / 4)
         y = y + sd * np.random.default_rng(14).standard_normal(len(y))
         armss = [arms(n, y) for n in (1, 2, 3)]
-        scores = [score(item, len(y), floor=100 * item.nothing) for item in armss]
+        scores = [score(item, len(y), rounding_sse=100 * item.nothing) for item in armss]
         assert int(np.argmin(scores)) + 1 == truth
 
 

@@ -178,7 +178,7 @@ def test_solve_orders_omits_no_order_with_gain(seed: int, sd: float) -> None:
     for residual in every[len(some) - 1 :]:
         assert some[-2].sse - residual.sse < 20.0 * some[-2].sse / spare
     # the orders beyond are there for the asking, from one start each
-    solutions = solve_orders([block], 6, negligible=20.0, every=True)
+    solutions = solve_orders([block], 6, negligible=20.0, every_order=True)
     assert [s.sse for s in solutions[: len(some)]] == [s.sse for s in some]
     assert all(b.sse < a.sse for a, b in pairwise(solutions))
     # it is not stopped for nothing, nor late
@@ -237,11 +237,11 @@ def test_solve_near_the_optimum_returns_the_same_optimum(seed: int) -> None:
     force = decay([0.2, 0.5, 9.0], [1.0, 0.9, 0.6]) + noise(seed, 3e-2)
     block = hold_block(TIME, force)
     solution = solve([block], 3, negligible=20.0)
-    neighbour = solve([block], 3, near=solution.log_tau + 0.05, negligible=20.0)
+    neighbour = solve([block], 3, near_log_tau=solution.log_tau + 0.05, negligible=20.0)
     np.testing.assert_allclose(neighbour.log_tau, solution.log_tau, atol=1e-7)
     assert neighbour.evaluations < solution.evaluations
     # where more arms gain more than that, what is near is one start of many
-    few = solve([block], 2, near=np.log([0.3, 9.0]), negligible=20.0)
+    few = solve([block], 2, near_log_tau=np.log([0.3, 9.0]), negligible=20.0)
     assert few.sse > 1.01 * solution.sse
     assert few.log_tau.tolist() == solve([block], 2, negligible=20.0).log_tau.tolist()
 
@@ -249,7 +249,7 @@ def test_solve_near_the_optimum_returns_the_same_optimum(seed: int) -> None:
 def test_descend_for_the_sse_ends_sooner_with_the_same_value() -> None:
     stack = Stack([hold_block(TIME, decay([0.2, 1.1, 9.0], [1.0, 0.4, 0.6]) + noise(1))])
     start = np.log([0.1, 2.0, 5.0])
-    whole, flat = descend(stack, start), descend(stack, start, flat=1e-6)
+    whole, flat = descend(stack, start), descend(stack, start, cost_tolerance=1e-6)
     assert whole is not None
     assert flat is not None
     assert flat.evaluations < whole.evaluations

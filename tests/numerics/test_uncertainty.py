@@ -201,7 +201,7 @@ def test_covariance_is_robust_to_a_nearly_undetermined_parameter() -> None:
     jacobian = np.column_stack((np.ones_like(time), time, decays))
     steps = np.cumsum(np.random.default_rng(1).standard_normal((5, len(time))), axis=1)
     noise = Noise(len(time), np.array([2.0, 0.5]), 1.5, 1.5)
-    covariance = sandwich([jacobian], [noise], others=[lambda columns: steps @ columns])
+    covariance = sandwich([jacobian], [noise], other_columns=[lambda columns: steps @ columns])
     orthonormal, triangle = np.linalg.qr(jacobian)
     shifted, variant = orthonormal[1:].T @ orthonormal[:-1], steps @ orthonormal
     middle = 2.0 * np.eye(7) + 0.5 * (shifted + shifted.T) + variant.T @ variant

@@ -68,7 +68,9 @@ def test_with_offset_drift_and_a_delay_in_each_record(cold, expected):
         def prior_sd(self, model: GeneralizedMaxwell) -> np.ndarray:
             return np.array([*super().prior_sd(model)[:2], 0.5e-3])
 
-        def rows(self, model: GeneralizedMaxwell, *, several: bool = False) -> PlannedRows:
+        def rows(
+            self, model: GeneralizedMaxwell, *, has_several_tests: bool = False
+        ) -> PlannedRows:
             return super().rows(model)  # of a seal that keeps its temperature
 
     bench = Half(8e-3, 1.0, 40.0, 1000.0, 5e-3, "full", 1.0, Machine())
@@ -90,7 +92,9 @@ def test_the_errors_that_joint_fits_of_another_program_gave(solid, celsius, slop
         def prior_sd(self, model: GeneralizedMaxwell) -> np.ndarray:
             return np.array([5e-3 / np.sqrt(500), 1e-9, 1e-3])
 
-        def rows(self, model: GeneralizedMaxwell, *, several: bool = False) -> PlannedRows:
+        def rows(
+            self, model: GeneralizedMaxwell, *, has_several_tests: bool = False
+        ) -> PlannedRows:
             return super().rows(model)  # of a seal that keeps its temperature
 
     bench = StatedBench(8e-3, 1.0, 40.0, 1000.0, 5e-3, "full", 0.5, Machine())

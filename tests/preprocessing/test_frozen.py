@@ -24,14 +24,14 @@ def read(noise: float, count: float, seed: int = 0) -> np.ndarray:
 )
 def test_frozen_runs_accepts_converter_noise(ratio: float, count: float, seed: int):
     values = read(ratio * count, count, seed % 2**32)
-    assert len(find_stuck_runs(values, since=TIME)) == 0
+    assert len(find_stuck_runs(values, time_since_ramp=TIME)) == 0
 
 
 @pytest.mark.parametrize("tau", [0.02, 0.2, 2.0, 20.0])
 def test_frozen_runs_accepts_a_noiseless_simulation_at_rest(tau):
     values = 1.0 + 0.3 * np.exp(-TIME / tau)
-    assert len(find_stuck_runs(values, since=TIME)) == 0
-    assert len(find_stuck_runs(np.ones(8000), since=TIME)) == 0
+    assert len(find_stuck_runs(values, time_since_ramp=TIME)) == 0
+    assert len(find_stuck_runs(np.ones(8000), time_since_ramp=TIME)) == 0
 
 
 @given(
@@ -44,7 +44,7 @@ def test_frozen_runs_detects_a_freeze_with_its_ends(noise, count, first, length)
     values = read(1e-3 * noise, count)
     last = min(first + length, len(values)) - 1
     values[first : last + 1] = values[first]
-    index_array = find_stuck_runs(values, since=TIME)
+    index_array = find_stuck_runs(values, time_since_ramp=TIME)
     assert len(index_array) == 1
     # a neighbour may happen to read the same
     assert np.abs(index_array[0] - (first, last)).max() <= 5
@@ -53,7 +53,7 @@ def test_frozen_runs_detects_a_freeze_with_its_ends(noise, count, first, length)
 def test_frozen_runs_detects_a_noiseless_channel_that_stops():
     values = read(0.0, 0.0)
     values[3000:] = values[3000]
-    np.testing.assert_array_equal(find_stuck_runs(values, since=TIME), [[3000, 7999]])
+    np.testing.assert_array_equal(find_stuck_runs(values, time_since_ramp=TIME), [[3000, 7999]])
 
 
 def test_a_leap_after_equal_readings_is_a_fault_only_at_rest():
@@ -62,7 +62,7 @@ def test_a_leap_after_equal_readings_is_a_fault_only_at_rest():
     values[20:60] = values[20]
     assert find_stuck_runs(values).tolist() == [[20, 59]]
     driven = np.zeros(len(values), dtype=bool)
-    assert len(find_stuck_runs(values, resting=driven)) == 0
+    assert len(find_stuck_runs(values, is_at_rest=driven)) == 0
 
 
 @pytest.mark.parametrize("rate", [10, 20, 50, 250])

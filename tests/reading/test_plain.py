@@ -96,7 +96,7 @@ def outcome(
 ) -> tuple:  # fmt: skip
     """Everything that is read, to the bit, or the sentence why not."""
     try:
-        got = load_rows(lambda: iter([text]), dialect, indexes, heading, sure=sure)
+        got = load_rows(lambda: iter([text]), dialect, indexes, heading, is_decimal_certain=sure)
     except ReadError as error:
         return (str(error),)
     # whatever the sign of what is no number

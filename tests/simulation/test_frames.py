@@ -23,7 +23,7 @@ def test_a_line_in_space_has_101_set_points_and_the_last_is_exact():
 @given(angle=st.floats(0, 1.5), towards=st.floats(-3, 3), force=st.floats(0.01, 70))
 def test_the_lateral_force_tells_the_angle(angle: float, towards: float, force: float):
     # R4: atan(F_lat / F_z)
-    x, y, z = tilt_motion([force], angle, towards=towards)[:, 0]
+    x, y, z = tilt_motion([force], angle, azimuth=towards)[:, 0]
     assert np.hypot(np.hypot(x, y), z) == pytest.approx(force)
     assert np.arctan2(np.hypot(x, y), z) == pytest.approx(angle, abs=1e-12)
 

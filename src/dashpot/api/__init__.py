@@ -153,10 +153,10 @@ def refuse_unknown_option(
         return
     from difflib import get_close_matches  # where a word was misspelt
 
-    near = FORMER_KEYWORDS.get(unknown[0]) or get_close_matches(unknown[0], expected, 1)
-    hint = f"Did you mean {near[0]}=? " if near else ""
-    takes = f"It takes {', '.join(expected)}" if expected else "It takes no options"
-    raise error(f"{unknown[0]}= does not suit {subject}. {hint}{takes}")
+    suggestions = FORMER_KEYWORDS.get(unknown[0]) or get_close_matches(unknown[0], expected, 1)
+    hint = f"Did you mean {suggestions[0]}=? " if suggestions else ""
+    accepted_text = f"It takes {', '.join(expected)}" if expected else "It takes no options"
+    raise error(f"{unknown[0]}= does not suit {subject}. {hint}{accepted_text}")
 
 
 def call_with_options(

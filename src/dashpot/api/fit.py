@@ -90,11 +90,11 @@ def fit(*records: Any, **options: Any) -> Any:
     mass = options.get("mass")
     masses = len(mass) if isinstance(mass, list | tuple) else int(mass is not None)
     given_options = [name for name, value in options.items() if value is not None and value != ()]
-    meant = route(kinds, masses=masses, selected=find_selected_fit(given_options))
-    row = FITS.get(meant)
+    handler = route(kinds, masses=masses, selected=find_selected_fit(given_options))
+    row = FITS.get(handler)
     word = row.records if row is not None else ""
     fitted = load_object(word or KINDS[next(iter(kinds.values()))].fits)
-    subject = row.title if row and word else meant
+    subject = row.title if row and word else handler
     return call_with_options(
         fitted, list(records), options=options, subject=subject, error=FitError
     )
@@ -111,12 +111,12 @@ def identify_record_kinds(records: Sequence[Any]) -> Mapping[str, str]:
     if not records:
         raise DataError("there is nothing to fit. Give a record: dp.fit(dp.read(FILE))")
     entries: dict[str, str] = {}
-    for place, record in enumerate(records, 1):
+    for number, record in enumerate(records, 1):
         if isinstance(record, list | tuple):
             raise DataError(
                 "records are given one by one, not as a list: dp.fit(one, two), or dp.fit(*them)"
             )
-        entries[_name(record, place, entries)] = kind_of(record)
+        entries[_name(record, number, entries)] = kind_of(record)
     return entries
 
 
@@ -150,11 +150,11 @@ def kind_of(record: object) -> str:
     return row.name
 
 
-def _name(record: Any, place: int, entries: Mapping[str, str]) -> str:
+def _name(record: Any, number: int, entries: Mapping[str, str]) -> str:
     source = getattr(record, "source", None)
     group = source[0] if isinstance(source, tuple) and source else source
-    name = getattr(group, "file", "") or f"record {place}"
-    return name if name not in entries else f"{name} ({place})"
+    name = getattr(group, "file", "") or f"record {number}"
+    return name if name not in entries else f"{name} ({number})"
 
 
 VIBRATION_RECORDS = (ImpactTest, ShakenTest, FRF, FRFSet)
@@ -226,8 +226,8 @@ def fit_jointly(
     kilograms, hertz = convert_to_si(block, "mass"), si_range(band, "frequency")
     bench = machine and machine.on_bench
     tests = [prepare_ramp_hold(record, bench) for record in records if kind_of(record) in BENCH]
-    struck = [record for record in records if isinstance(record, VIBRATION_RECORDS)]
-    frf = frf_of(struck, mass=kilograms, band=hertz, hammer=hammer)
+    hammer_records = [record for record in records if isinstance(record, VIBRATION_RECORDS)]
+    frf = frf_of(hammer_records, mass=kilograms, band=hertz, hammer=hammer)
     result = identify_solid(
         frf,
         BlockOnSeals(
@@ -244,7 +244,7 @@ def fit_jointly(
         hammer=hammer,
         arms=arms,
         family=model,
-        known=prior or KnownSolid(),
+        known_solid=prior or KnownSolid(),
         rig=(rig or HammerRig()).with_machine(machine),
     )
     return replace(result.fit, evidence=replace(result.fit.evidence, checks=result.checks))

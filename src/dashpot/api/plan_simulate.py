@@ -163,13 +163,13 @@ def simulate(
             raise DataError('the mass under the hammer is not known for this seal: mass="104g"')
         options["mass"] = convert_to_si(options["mass"], "mass")
     rig: Any = getattr(simulation, instrument)()
-    stated = {
+    given_values = {
         "rate": convert_to_si(rate, "frequency"),
         "record": convert_to_si(options.pop("record", None), "time"),
     }
     rig = replace(
         rig.noise_free() if noise_free else rig,
-        **{name: item for name, item in stated.items() if item is not None},
+        **{name: item for name, item in given_values.items() if item is not None},
     )
     climate = None
     if temperature is not None:
@@ -186,7 +186,7 @@ _TESTS: dict[str, tuple[str, dict[str, str]]] = {
         "Hammer", {"mass": "mass", "seals": "seals", "hits": "hits", "hit_length": "record"}
     ),
 }  # fmt: skip
-"""What is simulated: its instrument, and the words of it as the simulation has them."""
+"""Instrument of each simulated test, and the names of its options in the simulation."""
 
 
 def _get_seal_model(seal: str | Fit | Solid) -> tuple[Any, TemperatureLaw, float | None]:

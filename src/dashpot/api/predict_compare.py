@@ -95,12 +95,12 @@ def _find_prediction(solid: Any, options: Iterable[str]) -> Callable[..., Any]:
     if row is not None and row.predict:
         function: Callable[..., Any] = load_object(row.predict)
         return function
-    special = find_handler("predict", solid)
-    if special is None and isinstance(solid, Fit):
+    predict_special = find_handler("predict", solid)
+    if predict_special is None and isinstance(solid, Fit):
         by_option = (find_handler("predict with option", option) for option in options)
-        special = next(filter(None, by_option), None)
-    if special is not None:
-        predict: Callable[..., Any] = special
+        predict_special = next(filter(None, by_option), None)
+    if predict_special is not None:
+        predict: Callable[..., Any] = predict_special
         return predict
     if isinstance(solid, Fit):
         return _predict_under_mass
@@ -152,16 +152,16 @@ def _predict_under_mass(
     machine: Machine | None = None,
 ) -> Prediction:
     part = PartChoices(**shape_words(shape)) if shape is not None else None
-    stated = (level,) if isinstance(level, str | float | int) else tuple(level)
+    level_list = (level,) if isinstance(level, str | float | int) else tuple(level)
     levels = tuple(f"{item!r}{'m/s^2' if base else 'N'}" if not isinstance(item, str) else item
-                   for item in stated)  # fmt: skip
+                   for item in level_list)  # fmt: skip
     choices = LevelChoices(levels=levels, height=convert_to_si(height, "length"))
     if sweep is not None and not levels:
         raise DataError("sweep= is what a level does to the part: add level=")
-    swept = None
+    fitted_sweep = None
     if sweep is not None:
         fit_sweep = find_handler("predict with sweep", sweep)
-        swept = fit_sweep(sweep, choices, unit=fit.unit, part=part)
+        fitted_sweep = fit_sweep(sweep, choices, unit=fit.unit, part=part)
     return prediction(
         fit,
         _prepare_tests(record, machine),
@@ -179,7 +179,7 @@ def _predict_under_mass(
         temperature=convert_to_si(temperature, "temperature"),
         part=part,
         at_level=choices,
-        swept=swept,
+        swept=fitted_sweep,
         base_psd=base if isinstance(base, str) else None,
     )
 
@@ -216,9 +216,9 @@ def compare(first: Any, other: Any, /, **options: Any) -> Any:
     >>> dp.compare(fit, hits, mass="114.8g", seals=2).verdict.use
     'do not use'
     """
-    special = find_handler("compare", first)
-    if special is not None and type(first) is type(other):
-        return call_with_options(special, first, other, options=options, subject="two lots")
+    compare_special = find_handler("compare", first)
+    if compare_special is not None and type(first) is type(other):
+        return call_with_options(compare_special, first, other, options=options, subject="two lots")
     if isinstance(first, FRF) and isinstance(other, FRF):
         return call_with_options(_compare_frfs, first, other, options=options, subject="two FRFs")
     measured = isinstance(other, ImpactTest | FRF) or (
@@ -327,14 +327,18 @@ def report(
     from dashpot.workflow.study import characterise
 
     tests = [record for record in records if isinstance(record, RelaxationTest)]
-    struck = [record for record in records if not isinstance(record, RelaxationTest)]
+    hammer_records = [record for record in records if not isinstance(record, RelaxationTest)]
     if not tests:
         raise DataError("a report is of a relaxation test. Give one: dp.report(test, hits)")
     kilograms, hertz = convert_to_si(mass, "mass"), si_range(band, "frequency")
     measured = impact = None
-    if struck:
-        measured = frf_of(struck, mass=kilograms, band=hertz, hammer=hammer)
-        impact = struck[0] if isinstance(struck[0], ImpactTest) and len(struck) == 1 else None
+    if hammer_records:
+        measured = frf_of(hammer_records, mass=kilograms, band=hertz, hammer=hammer)
+        impact = (
+            hammer_records[0]
+            if isinstance(hammer_records[0], ImpactTest) and len(hammer_records) == 1
+            else None
+        )
     study = characterise(
         tests[0],
         measured,

@@ -87,7 +87,7 @@ _CONVERTERS: Mapping[str, Callable[[Any], Any]] = {
     "rate": lambda rate: convert_to_si(rate, "frequency"),
     "window_decay": lambda decay: convert_to_si(decay, "time"),
 }
-"""What is said under the names that the reading options have, and what they take of it."""
+"""Converters of the keywords that are named as the reading options."""
 
 
 @refuse_wrong_options
@@ -165,18 +165,22 @@ def _options(keywords: Mapping[str, Any], kind: str | None) -> ReadOptions:
                 f"{name}={example}"
             )
     columns = {role: _column(role, item) for role, item in (keywords.get("columns") or {}).items()}
-    stated: dict[str, Any] = {**columns, **(keywords.get("part") or {})}
-    stated |= {_TEXT.get(name, name): value for name, value in (keywords.get("text") or {}).items()}
-    stated |= {
-        name: taken(keywords[name]) for name, taken in _CONVERTERS.items() if name in keywords
+    given_options: dict[str, Any] = {**columns, **(keywords.get("part") or {})}
+    given_options |= {
+        _TEXT.get(name, name): value for name, value in (keywords.get("text") or {}).items()
+    }
+    given_options |= {
+        name: convert_option(keywords[name])
+        for name, convert_option in _CONVERTERS.items()
+        if name in keywords
     }
     fields = ReadOptions.__dataclass_fields__
-    strange = next((name for name in stated if name not in fields), None)
-    if strange is not None:
+    unknown = next((name for name in given_options if name not in fields), None)
+    if unknown is not None:
         raise DataError(
-            f"'{strange}' is no role and no key of a file. Known are {', '.join(fields)}"
+            f"'{unknown}' is no role and no key of a file. Known are {', '.join(fields)}"
         )
-    options = ReadOptions(**stated | {"kind": kind})
+    options = ReadOptions(**given_options | {"kind": kind})
     return (
         options.with_defaults(load_profile(keywords["profile"]))
         if "profile" in keywords
@@ -184,11 +188,11 @@ def _options(keywords: Mapping[str, Any], kind: str | None) -> ReadOptions:
     )
 
 
-def _column(role: str, stated: Any) -> str | tuple[str, ...]:
+def _column(role: str, name_or_number: Any) -> str | tuple[str, ...]:
     """The name or number of a role's column as text; of accelerations there may be several."""
-    if not isinstance(stated, str | int):
-        return tuple(map(str, stated))
-    return (str(stated),) if role == "acceleration" else str(stated)
+    if not isinstance(name_or_number, str | int):
+        return tuple(map(str, name_or_number))
+    return (str(name_or_number),) if role == "acceleration" else str(name_or_number)
 
 
 def _record(path: Place, kind: str, options: ReadOptions, keywords: Mapping[str, Any]) -> Any:
@@ -208,9 +212,9 @@ def _record(path: Place, kind: str, options: ReadOptions, keywords: Mapping[str,
                     f'kind="{owner.name}" if it is one after all'
                 )
     arguments: dict[str, Any] = {"options": options}
-    special = _SPECIAL.get(kind) or find_handler("read record", kind)
-    if special is not None:
-        return special(path, arguments, keywords)
+    read_special = _SPECIAL.get(kind) or find_handler("read record", kind)
+    if read_special is not None:
+        return read_special(path, arguments, keywords)
     if "specimen" in keywords:
         arguments["specimen"] = keywords["specimen"]
     return load_object(KINDS[kind].reader)(path, **arguments)
@@ -233,12 +237,12 @@ _SPECIAL = {"impact": _impact, "transmissibility": _transmissibility}
 def _several(paths: Sequence[Path], options: ReadOptions, keywords: Mapping[str, Any]) -> Any:
     """Files that are one record: hits of one hammer test, or points of one structure."""
     kinds = {path: recognise(path, options).kind for path in paths}
-    have = set(kinds.values())
-    if have == {"impact"}:
+    kind_set = set(kinds.values())
+    if kind_set == {"impact"}:
         if options.base_acceleration is not None:
             return find_handler("read several", "shaken base")(paths, options=options)
         return load_object(KINDS["impact"].reader)(paths, options=options)
-    read_set = find_handler("read several", next(iter(have))) if len(have) == 1 else None
+    read_set = find_handler("read several", next(iter(kind_set))) if len(kind_set) == 1 else None
     if read_set is not None:
         return read_set(paths, options=options)
     if len(paths) == 1:

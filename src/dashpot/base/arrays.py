@@ -31,10 +31,10 @@ BoolArray: TypeAlias = npt.NDArray[np.bool_]
 IndexArray: TypeAlias = npt.NDArray[np.intp]
 
 MIN_SI_MAGNITUDE, MAX_SI_MAGNITUDE = 1e-30, 1e30
-"""Between these lies, in SI units, the largest magnitude of whatever is measured."""
+"""Smallest and largest magnitude of any measured array, in SI units."""
 
 MOST_SAMPLES = 2e7
-"""Of a record that is planned or simulated: a day at 200 Hz, a minute at 300 kHz."""
+"""Largest length of a planned or simulated record: a day at 200 Hz, a minute at 300 kHz."""
 
 
 class EqualByValue:
@@ -148,14 +148,14 @@ def hold_measured(result: object, *names: str, minimum: int = 1) -> None:
         As for :func:`validate_measured`, :func:`same_length` and :func:`increasing`.
     """
     options = {name: getattr(result, name) for name in names if getattr(result, name) is not None}
-    held = {
+    arrays = {
         name: validate_measured(name, values, minimum=minimum) for name, values in options.items()
     }
-    for name, values in held.items():
+    for name, values in arrays.items():
         object.__setattr__(result, name, values)
-    same_length(**held)
-    if "time" in held:
-        increasing("time", held["time"])
+    same_length(**arrays)
+    if "time" in arrays:
+        increasing("time", arrays["time"])
 
 
 def sample_count(duration: float, rate: float) -> int:
@@ -175,12 +175,12 @@ def sample_count(duration: float, rate: float) -> int:
     return round(count)
 
 
-def same_length(**named: FloatArray | ComplexArray | None) -> int:
+def same_length(**arrays: FloatArray | ComplexArray | None) -> int:
     """Return the common length of the named arrays; None is passed over."""
-    sizes = {name: len(values) for name, values in named.items() if values is not None}
+    sizes = {name: len(values) for name, values in arrays.items() if values is not None}
     if len(set(sizes.values())) > 1:
-        listed = ", ".join(f"{name} has {size}" for name, size in sizes.items())
-        raise DataError(f"every array must have one value per sample, but {listed}")
+        lengths_text = ", ".join(f"{name} has {size}" for name, size in sizes.items())
+        raise DataError(f"every array must have one value per sample, but {lengths_text}")
     return next(iter(sizes.values()))
 
 
@@ -206,8 +206,8 @@ def compute_single_dft(values: FloatArray, turn: float) -> complex:
     """Return the sum of values[i] exp(j turn i), from two short tables."""
     fine, coarse = _tables(len(values), turn)
     rows = len(values) // len(fine)
-    whole, rest = values[: rows * len(fine)].reshape(rows, -1), values[rows * len(fine) :]
-    sums = whole @ np.stack((fine.real, fine.imag), axis=1)
+    head, rest = values[: rows * len(fine)].reshape(rows, -1), values[rows * len(fine) :]
+    sums = head @ np.stack((fine.real, fine.imag), axis=1)
     result = coarse[:rows] @ (sums[:, 0] + 1j * sums[:, 1])
     return complex(result + np.exp(1j * turn * rows * len(fine)) * (fine[: len(rest)] @ rest))
 
@@ -238,8 +238,8 @@ def median(values: FloatArray) -> float:
     eighth of the time of importing NumPy itself; nothing else of a fit needs it.
     """
     low, high = (len(values) - 1) // 2, len(values) // 2
-    parted = np.partition(values, (low, high))
-    return 0.5 * float(parted[low] + parted[high])
+    partitioned = np.partition(values, (low, high))
+    return 0.5 * float(partitioned[low] + partitioned[high])
 
 
 def interpolate_quantile(values: FloatArray, part: float) -> FloatArray:
@@ -247,10 +247,10 @@ def interpolate_quantile(values: FloatArray, part: float) -> FloatArray:
 
     That imports ``numpy.ma``, as ``numpy.median`` does.
     """
-    place = part * (len(values) - 1)
-    ends = math.floor(place), math.ceil(place)
-    first, second = np.partition(values, ends, axis=0)[[*ends]]
-    step, t = second - first, place % 1
+    position = part * (len(values) - 1)
+    neighbours = math.floor(position), math.ceil(position)
+    first, second = np.partition(values, neighbours, axis=0)[[*neighbours]]
+    step, t = second - first, position % 1
     return np.asarray(second - step * (1 - t) if t >= 0.5 else first + step * t)
 
 
@@ -268,44 +268,44 @@ def distinct(values: npt.NDArray[Scalar]) -> npt.NDArray[Scalar]:
 
 def block_means(values: FloatArray, count: int) -> FloatArray:
     """Means over each `count` neighbours along the last axis; a rest at the end is dropped."""
-    whole = values.shape[-1] // count * count
-    parts = values[..., :whole].reshape(*values.shape[:-1], -1, count)
+    whole_length = values.shape[-1] // count * count
+    parts = values[..., :whole_length].reshape(*values.shape[:-1], -1, count)
     # a product is several times as fast as many short sums
     return np.asarray(parts @ np.full(count, 1.0 / count))
 
 
-def find_fast_length(least: int) -> int:
+def find_fast_length(minimum: int) -> int:
     """Return the smallest 2^i 3^j 5^k >= least.
 
     `scipy.fft.next_fast_len` says the same, at the price of an import that outlasts the first fit.
     """
-    best = 1 << max(least - 1, 0).bit_length()
+    best = 1 << max(minimum - 1, 0).bit_length()
     five = 1
     while five < best:
-        three = five
-        while three < best:
-            rest = -(-least // three)
-            best = min(best, three << (rest - 1).bit_length())
-            three *= 3
+        product = five
+        while product < best:
+            rest = -(-minimum // product)
+            best = min(best, product << (rest - 1).bit_length())
+            product *= 3
         five *= 5
     return best
 
 
-def slow_periodogram(values: FloatArray, most: float) -> tuple[FloatArray, FloatArray]:
-    """Cycles per record up to `most` or the next, and the periodogram without the mean there."""
+def slow_periodogram(values: FloatArray, max_cycles: float) -> tuple[FloatArray, FloatArray]:
+    """Return cycles per record, up to about `max_cycles`, and the periodogram without the mean."""
     n = len(values)
     size = find_fast_length(n)
-    spectrum = np.fft.rfft(values - values.mean(), size)[: int(most * size / n) + 2]
+    spectrum = np.fft.rfft(values - values.mean(), size)[: int(max_cycles * size / n) + 2]
     return np.arange(len(spectrum)) * n / size, np.abs(spectrum) ** 2 / n
 
 
-def find_true_runs(true: BoolArray) -> IndexArray:
+def find_true_runs(mask: BoolArray) -> IndexArray:
     """Return the first and the last index of every run of True, shape (m, 2).
 
     >>> find_true_runs(np.array([True, True, False, True])).tolist()
     [[0, 1], [3, 3]]
     """
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], true, [False]))))
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False]))))
     return np.asarray(edges.reshape(-1, 2) - (0, 1))
 
 
@@ -328,8 +328,8 @@ def _private(values: npt.ArrayLike, dtype: np.dtype[Any] | None) -> npt.NDArray[
     array = np.asarray(values, dtype=dtype)
     inner: Any = array
     while isinstance(inner, np.ndarray) and not inner.flags.writeable:
-        whole, inner = inner, inner.base
-    if isinstance(inner, np.ndarray) or not array.flags.c_contiguous or array.size < whole.size / 4:
+        owner, inner = inner, inner.base
+    if isinstance(inner, np.ndarray) or not array.flags.c_contiguous or array.size < owner.size / 4:
         array = np.array(array)
         array.setflags(write=False)
     return array
@@ -348,10 +348,10 @@ def _validate_array(
         raise DataError(f"{name} needs at least {minimum} samples, found {len(array)}")
     finite = np.isfinite(array)
     if not finite.all():
-        bad = np.flatnonzero(~finite)
+        bad_indices = np.flatnonzero(~finite)
         raise DataError(
-            f"{name}[{int(bad[0])}] is {array[bad[0]]}; every sample must be finite "
-            f"({bad.size} of {len(array)} are not)"
+            f"{name}[{int(bad_indices[0])}] is {array[bad_indices[0]]}; every sample must be "
+            f"finite ({bad_indices.size} of {len(array)} are not)"
         )
     return array
 
@@ -361,7 +361,7 @@ def _validate_array(
 
 SI = "SI"
 Dimensions: TypeAlias = Dimension | tuple[Dimension, ...]
-"""What an array can be of: one, or one of several, as a modulus is of a material or of a part."""
+"""Dimension of an array: one, or one of several, as for the modulus of a material or a part."""
 
 
 def make_units_field() -> Any:
@@ -435,10 +435,10 @@ def _unit(result: Any, name: str, word: str, value: Dimensions) -> Unit:
     units = (find_unit(word, text) for text in _several(value))
     unit = next((unit for unit in units if unit is not None), None)
     if unit is None:
-        wanted = " or ".join(_several(value))
+        expected = " or ".join(_several(value))
         example = " or ".join(dict.fromkeys(map(get_default_unit, _several(value))))
         raise DataError(
-            f"{_get_type_label(result)}: '{word}' is no unit of {wanted}, and {name} is one. "
+            f"{_get_type_label(result)}: '{word}' is no unit of {expected}, and {name} is one. "
             f"Write for example {example}"
         )
     return unit
@@ -450,7 +450,7 @@ def convert_field_to_si(result: Any, name: str, unit: Unit) -> None:
     object.__setattr__(result, name, from_unit(values, unit))
 
 
-def resolve_unit(value: Any, stated: Mapping[str, Dimension], *names: str) -> None:
+def resolve_unit(value: Any, given_units: Mapping[str, Dimension], *names: str) -> None:
     """Set the stated unit of a value that may be of a part or of a material.
 
     Raises
@@ -458,9 +458,9 @@ def resolve_unit(value: Any, stated: Mapping[str, Dimension], *names: str) -> No
     DataError
         If one of the arrays was said to be of a part, another of a material.
     """
-    if not stated:
+    if not given_units:
         return
-    lines = {si_unit(stated[name]).word for name in names if name in stated}
+    lines = {si_unit(given_units[name]).word for name in names if name in given_units}
     if len(lines) > 1:
         raise DataError(
             f"{type(value).__name__}: {' and '.join(names)} are in units of {' and '.join(lines)}. "

@@ -123,7 +123,7 @@ class Check(Serialisable):
 
     @property
     def message_with_remedy(self) -> str:
-        """What was found, and what to do about it."""
+        """Finding of the check, and its remedy."""
         return paragraph(self.message, self.remedy.words if self.remedy else "")
 
     @property
@@ -177,17 +177,17 @@ class Verdict(Serialisable):
 
 def format_check_tally(checks: Iterable[Check]) -> str:
     """Return how many of some checks passed and failed, in a sentence; empty if none was judged."""
-    judged = [check for check in dict.fromkeys(checks) if check.passed is not None]
-    passed = sum(bool(check.passed) for check in judged)
-    notes = sum(check.failed and check.grade == "note" for check in judged)
-    failed = len(judged) - passed - notes
-    if not judged:
+    checks_with_result = [check for check in dict.fromkeys(checks) if check.passed is not None]
+    passed_count = sum(bool(check.passed) for check in checks_with_result)
+    notes = sum(check.failed and check.grade == "note" for check in checks_with_result)
+    failed = len(checks_with_result) - passed_count - notes
+    if not checks_with_result:
         return ""
-    if passed == len(judged) > 1:
-        return f"All {passed} checks passed."
-    noun = f" check{'s' * ((passed or failed) > 1)}"
-    parts = [f"{passed}{noun} passed"] if passed else []
-    parts += [f"{failed}{'' if passed else noun} failed"] if failed else []
+    if passed_count == len(checks_with_result) > 1:
+        return f"All {passed_count} checks passed."
+    noun = f" check{'s' * ((passed_count or failed) > 1)}"
+    parts = [f"{passed_count}{noun} passed"] if passed_count else []
+    parts += [f"{failed}{'' if passed_count else noun} failed"] if failed else []
     parts += [f"{notes} note{'s' * (notes > 1)}"] if notes else []
     return f"{', '.join(parts)}."
 
@@ -204,17 +204,17 @@ def verdict(checks: Iterable[Check], *, headline: str = "") -> Verdict:
     """
     all_checks = tuple(checks)
     failed = [check for check in all_checks if check.failed]
-    stops = tuple(check for check in failed if check.grade == "stop")
+    stop_checks = tuple(check for check in failed if check.grade == "stop")
     limits = tuple(check for check in failed if check.grade == "limit")
-    failed_checks = stops + limits
+    failed_checks = stop_checks + limits
     if not failed_checks:
         lines = [*sentences(sentence(headline)), format_check_tally(all_checks)]
         return Verdict("use", clip_sentences(MAX_WORDS - 1, [line for line in lines if line]))
-    use: Use = "do not use" if stops else "use with care"
+    use: Use = "do not use" if stop_checks else "use with care"
     other_count = len(failed_checks) - 1
     other_text = f"{other_count} more check{'s' * (other_count > 1)} failed." if other_count else ""
     message = format_short_message(failed_checks[0], MAX_MESSAGE_WORDS, other_text)
-    if stops or re.search(r"\d", message):
+    if stop_checks or re.search(r"\d", message):
         return Verdict(use, message, failed_checks)
     # the number is shown to a reader who may use it
     first_sentence = sentences(sentence(headline))[:1]
@@ -234,8 +234,8 @@ def format_short_message(
     """
     remedy = sentences(check.remedy.words) if check.remedy else []
     short = clip_sentences(max_words, sentences(sentence(check.message)), (*remedy[:1], closing))
-    full = clip_sentences(max_words, sentences(sentence(check.message)), (*remedy, closing))
-    return full if len(full.split()) <= max_words else short
+    clipped = clip_sentences(max_words, sentences(sentence(check.message)), (*remedy, closing))
+    return clipped if len(clipped.split()) <= max_words else short
 
 
 class HasChecks:

@@ -16,18 +16,20 @@ from dashpot.base.plain_text import escape_terminal_text
 
 
 @contextmanager
-def open_exclusive_lock(path: Path, what: str) -> Iterator[None]:
+def open_exclusive_lock(path: Path, description: str) -> Iterator[None]:
     """Hold the lock on `path`, which is made if it is missing, and stays.
 
     Raises
     ------
     DataError
-        If another process holds it; `what` it is then using.
+        If another process holds it; `description` it is then using.
     """
     descriptor = os.open(path, os.O_CREAT | os.O_RDWR, 0o666)
     try:
         if not lock(descriptor):
-            raise DataError(f"{what} is in use by another dashpot; try again when it is done")
+            raise DataError(
+                f"{description} is in use by another dashpot; try again when it is done"
+            )
         yield
     finally:
         os.close(descriptor)  # and the lock with it
@@ -64,12 +66,12 @@ if sys.platform == "win32":
     def _take(descriptor: int) -> None:
         import msvcrt
 
-        place = os.lseek(descriptor, 0, os.SEEK_CUR)
+        position = os.lseek(descriptor, 0, os.SEEK_CUR)
         os.lseek(descriptor, _FAR, os.SEEK_SET)
         try:
             msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
         finally:
-            os.lseek(descriptor, place, os.SEEK_SET)
+            os.lseek(descriptor, position, os.SEEK_SET)
 
     def _shares(descriptor: int) -> bool:
         # a file that is open elsewhere cannot be replaced there
@@ -98,7 +100,7 @@ else:
 
 
 PART = ".part"
-"""How the name of a file ends that is not yet whole."""
+"""Suffix of a file that is still being written."""
 
 
 def validate_path(path: str | Path) -> Path:
@@ -135,17 +137,17 @@ def write_atomic(path: str | Path, content: bytes) -> None:
         If the folder is missing or cannot be written to, or the disk is full; what stood at
         `path` then stands there still.
     """
-    place = Path(os.path.realpath(validate_path(path)))
-    mode = place.stat().st_mode if place.exists() else None
+    target = Path(os.path.realpath(validate_path(path)))
+    mode = target.stat().st_mode if target.exists() else None
     if mode is not None and not stat.S_ISREG(mode):
-        place.write_bytes(content)
+        target.write_bytes(content)
         return
-    if mode is not None and is_locked(place):
+    if mode is not None and is_locked(target):
         raise DataError(
             f"{escape_terminal_text(str(path))} is being written by another dashpot; wait until it "
             "ends, or give another name"
         )
-    parallel_path = place.with_name(f".{os.urandom(8).hex()}{PART}")
+    parallel_path = target.with_name(f".{os.urandom(8).hex()}{PART}")
     try:
         with parallel_path.open("xb") as file:
             file.write(content)
@@ -153,7 +155,7 @@ def write_atomic(path: str | Path, content: bytes) -> None:
             os.fsync(file.fileno())
         if mode is not None:
             parallel_path.chmod(stat.S_IMODE(mode))
-        parallel_path.replace(place)
+        parallel_path.replace(target)
     except BaseException as error:
         parallel_path.unlink(missing_ok=True)
         if isinstance(error, OSError) and error.filename is None:

@@ -98,8 +98,8 @@ def interval(low: float, high: float) -> str:
         return f"above {round_to_error(low)}"
     if math.isinf(low):
         return f"below {round_to_error(high)}"
-    half = (high - low) / 4
-    return f"{round_to_error(low, half)} to {round_to_error(high, half)}"
+    half_width = (high - low) / 4
+    return f"{round_to_error(low, half_width)} to {round_to_error(high, half_width)}"
 
 
 def format_interval(value: float, low: float, high: float, error: float) -> str:
@@ -109,14 +109,14 @@ def format_interval(value: float, low: float, high: float, error: float) -> str:
     """
     if value < 0:
         return " to ".join(round_to_error(end, error or None, digits=2) for end in (low, high))
-    below, above = low < value / 10 or value == 0, high > 10 * value > 0
-    if below and above:
+    far_below, far_above = low < value / 10 or value == 0, high > 10 * value > 0
+    if far_below and far_above:
         return "not identified"
-    sure = error if 0 < error < value else None
-    ends = [round_to_error(end, sure, digits=2) for end in (low, high)]
-    if above:
-        return f"above {ends[0]}"
-    return f"below {ends[1]}" if below else f"{ends[0]} to {ends[1]}"
+    error_for_rounding = error if 0 < error < value else None
+    end_texts = [round_to_error(end, error_for_rounding, digits=2) for end in (low, high)]
+    if far_above:
+        return f"above {end_texts[0]}"
+    return f"below {end_texts[1]}" if far_below else f"{end_texts[0]} to {end_texts[1]}"
 
 
 def percent(ratio: float, *, digits: int = 2) -> str:
@@ -187,18 +187,18 @@ def json_number(value: float) -> float | str:
     return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
 
 
-def format_count(number: int, what: str) -> str:
-    """So many of a thing, as a sentence says it.
+def format_count(number: int, noun: str) -> str:
+    """Return a count with its noun, as a sentence says it.
 
     >>> format_count(1, "arm"), format_count(4, "Maxwell arm"), format_count(9, "arm")
     ('one arm', 'four Maxwell arms', '9 arms')
     """
     words = ("no", "one", "two", "three", "four", "five", "six")
-    return f"{words[number] if number < len(words) else number} {what}{'' if number == 1 else 's'}"
+    return f"{words[number] if number < len(words) else number} {noun}{'' if number == 1 else 's'}"
 
 
 def seals(number: float) -> str:
-    """On how many seals a mass rests.
+    """Return the number of seals as text.
 
     >>> seals(2.0), seals(1), seals(1.5)
     ('2 seals', '1 seal', '1.5 seals')
@@ -251,11 +251,11 @@ def format_typographic(sentence: str) -> str:
     >>> format_typographic("k_inf moves by -2.5e-09 +- 3e-10 m; widen the band (--band), or wait")
     'k∞ moves by −2.5·10⁻⁹ ± 3·10⁻¹⁰ m; widen the band, or wait'
     """
-    printed = _PARAMETER.sub(lambda match: symbol(match[0]), _COMMAND.sub("", sentence))
-    printed = re.sub(r"(?<=[0-9] )um\b", "µm", printed)
-    printed = printed.replace("+-", "±").replace(" degC", " °C")
-    printed = _NEGATIVE.sub(MINUS, _POWER.sub(_format_match, printed))
-    return _UNIT.sub("\N{NO-BREAK SPACE}", printed)
+    typeset = _PARAMETER.sub(lambda match: symbol(match[0]), _COMMAND.sub("", sentence))
+    typeset = re.sub(r"(?<=[0-9] )um\b", "µm", typeset)
+    typeset = typeset.replace("+-", "±").replace(" degC", " °C")
+    typeset = _NEGATIVE.sub(MINUS, _POWER.sub(_format_match, typeset))
+    return _UNIT.sub("\N{NO-BREAK SPACE}", typeset)
 
 
 def shorter(text: str) -> str:

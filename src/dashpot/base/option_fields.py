@@ -127,8 +127,8 @@ def flags_of(cls: type) -> str:
     >>> flags_of(TimeLimits)
     '--time-limits'
     """
-    *others, last = dict.fromkeys(map(flag_of, iterate_option_fields(cls)))
-    return f"{', '.join(others)} and {last}" if others else last
+    *other_flags, last = dict.fromkeys(map(flag_of, iterate_option_fields(cls)))
+    return f"{', '.join(other_flags)} and {last}" if other_flags else last
 
 
 # What a page asks of a test beside its files: a field each, and what was answered in it.
@@ -163,9 +163,9 @@ class FormField(NamedTuple):
     form: Form = "number"
     before: str = ""
 
-    def read(self, typed: str) -> str:
+    def read(self, text: str) -> str:
         """Return the typed text, with points for decimal commas."""
-        return typed.strip() if self.form == "sizes" else typed.strip().replace(",", ".")
+        return text.strip() if self.form == "sizes" else text.strip().replace(",", ".")
 
     def words(self, text: str) -> tuple[str, ...]:
         """Return the entries of a field as values of its option: none of an empty text."""

@@ -14,7 +14,7 @@ from dashpot.base.lazy import compile_on_use
 _CONTROL = "\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff"
 _OBEYED = compile_on_use(f"[{_CONTROL}]")
 _FORMULA_SIGN = r"[=+@|%\-\uff1d\uff0b\uff0d\uff20]"
-"""What a spreadsheet takes for the beginning of a formula, as wide letters, too."""
+"""Characters that start a formula in a spreadsheet, wide letters included."""
 _CELL = compile_on_use(rf"""(?<=[,;])( ?"?)(?={_FORMULA_SIGN})""")
 _COLOUR = compile_on_use(f"(\x1b\\[(?:[012]|[39][0-7])(?:;(?:[012]|[39][0-7]))*m)|[{_CONTROL}]")
 
@@ -73,7 +73,7 @@ _WORD = compile_on_use(r"(?!tau\b)(?:a|[a-z]{2,})(?=[\s,;:?!'-]|\.(?:\s|$)|$)")
 _NAMES = compile_on_use(
     r"Maxwell|Poisson|Zener|Ogden|Mooney|Neo|Hertz|Prony|Arrhenius|Table|Cpk|Hz"
 )
-"""What is written with a capital within a sentence, too."""
+"""Words that keep their capital within a sentence."""
 
 
 def sentence(text: str) -> str:
@@ -123,10 +123,12 @@ def count_words(text: str) -> int:
     return len(text.split())
 
 
-def clip_sentences(most: int, lines: Sequence[str], after: Iterable[str] = ()) -> str:
-    """Return as many sentences of `lines` as leave space for all of `after`, but one at least."""
-    end = [name for name in after if name]
+def clip_sentences(
+    max_words: int, lines: Sequence[str], closing_sentences: Iterable[str] = ()
+) -> str:
+    """Return the sentences of `lines` that fit before `closing_sentences`, but one at least."""
+    end = [name for name in closing_sentences if name]
     retained = list(lines)
-    while len(retained) > 1 and count_words(" ".join((*retained, *end))) > most:
+    while len(retained) > 1 and count_words(" ".join((*retained, *end))) > max_words:
         retained.pop()
     return " ".join((*retained, *end))

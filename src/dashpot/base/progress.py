@@ -9,11 +9,11 @@ from contextvars import ContextVar
 _listener: ContextVar[Callable[[str], None] | None] = ContextVar("listener", default=None)
 
 
-def send_progress(what: str) -> None:
+def send_progress(message: str) -> None:
     """Report the current step of a long computation, such as ``"fitting the relaxation test"``."""
     listener = _listener.get()
     if listener is not None:
-        listener(what)
+        listener(message)
 
 
 @contextmanager

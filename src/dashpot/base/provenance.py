@@ -10,7 +10,7 @@ from dashpot.base import dataclass
 from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 
 SIMULATED = "simulated"
-"""What a table says of a file that simulation made."""
+"""Word in a table for a file that simulation made."""
 
 
 class Caution(str):
@@ -24,10 +24,10 @@ class Caution(str):
 
     sentence: str
 
-    def __new__(cls, note: str, told: str = "") -> Self:
+    def __new__(cls, note: str, displayed_text: str = "") -> Self:
         """Return the note; by default both texts are the same."""
         caution = super().__new__(cls, note)
-        caution.sentence = told or str(note)
+        caution.sentence = displayed_text or str(note)
         return caution
 
 
@@ -121,7 +121,7 @@ class Prepared(Protocol):
 
     @property
     def steps(self) -> tuple[Step, ...]:
-        """All of it, in its order."""
+        """All processing steps, in their order."""
         ...
 
 

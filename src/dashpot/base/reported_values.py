@@ -13,14 +13,14 @@ from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import convert_to_unit, get_display_unit
 
 FIXED, UNKNOWN = "held", "not identified"
-"""What stands in place of an error of 0, and of one without limit."""
+"""Texts for an error of 0, and for one without limit."""
 _WORD = compile_on_use(r"_(?=[a-z]{4})")
 NORMAL = 1.96
 """Standard errors to either end of a 95 % interval."""
 INTERVAL_LEVELS = (0.025, 0.975)
 """Probabilities at the ends of a 95 % interval of draws."""
 AT_MOST = "at most"
-"""What stands before the upper limit of a number that nothing bounds from below."""
+"""Text before the upper limit of a number that has no lower limit."""
 ASYMMETRY_LIMIT = 0.1
 """An interval whose one end is that much nearer to the value than the other."""
 END_AT_VALUE_SHARE = 1e-2
@@ -117,10 +117,12 @@ class ReportedValue(Serialisable):
         """
         if error is None or math.isnan(error) or (of_log and math.isinf(error)):
             return cls(name, value, unit=unit, read=read, words=words)
-        half = times * error if math.isfinite(error) else math.nan
+        half_width = times * error if math.isfinite(error) else math.nan
         if not of_log:
-            return cls(name, value, value - half, value + half, unit, error, read, words)
-        factor = math.exp(min(half, 50.0))
+            return cls(
+                name, value, value - half_width, value + half_width, unit, error, read, words
+            )
+        factor = math.exp(min(half_width, 50.0))
         return cls(name, value, value / factor, value * factor, unit, value * error, read, words)
 
     @property
@@ -193,14 +195,14 @@ class ReportedValue(Serialisable):
         if self.is_lower_bound:
             return TableCells(self.label, "", "", f"at least {round_to_error(low)}", self.word)
         if self.is_at_most:
-            text, most = round_to_error(value, self.size), round_to_error(high, self.size)
-            return TableCells(self.label, text, "", f"{AT_MOST} {most}", self.word)
+            text, high_text = round_to_error(value, self.size), round_to_error(high, self.size)
+            return TableCells(self.label, text, "", f"{AT_MOST} {high_text}", self.word)
         error = "" if self.error is None else _error(self.size)
-        between = ""
+        interval_text = ""
         if self.has_interval and error not in (FIXED, UNKNOWN):
-            between = format_interval(value, low, high, self.size)
+            interval_text = format_interval(value, low, high, self.size)
         text = round_to_error(value, self.size, digits=4)
-        return TableCells(self.label, text, error, between, self.word)
+        return TableCells(self.label, text, error, interval_text, self.word)
 
     @property
     def cell_texts(self) -> tuple[str, str, str]:
@@ -208,21 +210,21 @@ class ReportedValue(Serialisable):
         value, low, high = map(self.to_display_unit, (self.value, self.low, self.high))
         if self.is_lower_bound:
             return "unknown", round_to_error(low), "no limit"
-        below, above = value - low, high - value
-        near, far = sorted((below, above))
-        if math.isfinite(far) and near <= END_AT_VALUE_SHARE * far:
+        error_below, error_above = value - low, high - value
+        smaller_error, larger_error = sorted((error_below, error_above))
+        if math.isfinite(larger_error) and smaller_error <= END_AT_VALUE_SHARE * larger_error:
             # an end that is the value itself says nothing of its digits
             return round_to_error(value), round_to_error(low), round_to_error(high)
         # of a lopsided interval each end has the digits of its own distance
-        if min(below, above) > ASYMMETRY_LIMIT * max(below, above):
-            below = above = (high - low) / 2
+        if min(error_below, error_above) > ASYMMETRY_LIMIT * max(error_below, error_above):
+            error_below = error_above = (high - low) / 2
         else:
-            below, above = below or above, above or below
-        reference = min(filter(math.isfinite, (below, above)), default=None)
+            error_below, error_above = error_below or error_above, error_above or error_below
+        reference = min(filter(math.isfinite, (error_below, error_above)), default=None)
         return (
             round_to_error(value, reference),
-            round_to_error(low, below) if math.isfinite(low) else "unknown",
-            round_to_error(high, above) if math.isfinite(high) else "no limit",
+            round_to_error(low, error_below) if math.isfinite(low) else "unknown",
+            round_to_error(high, error_above) if math.isfinite(high) else "no limit",
         )
 
     @property
@@ -248,8 +250,8 @@ class HasReportedValues(HasChecks):
         return self.found
 
     def __getitem__(self, name: str) -> ReportedValue:
-        """One of the numbers found, by its name."""
-        return next(fact for fact in self.found if fact.name == name)
+        """Return a reported value by its name."""
+        return next(reported_value for reported_value in self.found if reported_value.name == name)
 
 
 def _error(size: float) -> str:

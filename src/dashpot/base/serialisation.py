@@ -104,11 +104,11 @@ def _list_keys(class_: Any) -> tuple[Key, ...]:
     ]
     if EVERY_FIELD not in keys:
         return tuple(keys)
-    named = {".".join(key.path) for key in keys if not key.flatten}
+    key_names = {".".join(key.path) for key in keys if not key.flatten}
     names = [field.name for field in fields(class_) if FIXED_VALUE not in field.metadata]
-    others = [Key(name) for name in names if name not in named]
+    other_keys = [Key(name) for name in names if name not in key_names]
     index = keys.index(EVERY_FIELD)
-    return (*keys[:index], *others, *keys[index + 1 :])
+    return (*keys[:index], *other_keys, *keys[index + 1 :])
 
 
 def decode_fields(class_: Any, document: Mapping[str, Any]) -> dict[str, Any]:

@@ -59,11 +59,14 @@ def _central(angle: float, dof: float) -> float:
 
 
 def _log_constant(dof: float) -> float:
-    half = 0.5 * dof
+    half_dof = 0.5 * dof
     # lgamma loses digits in the difference of two large numbers; Stirling does not
     ratio = (
-        lgamma(half + 0.5) - lgamma(half)
-        if half < 100.0
-        else 0.5 * log(half) - 1.0 / (8.0 * half) + 1.0 / (192.0 * half**3) - 1.0 / (640 * half**5)
+        lgamma(half_dof + 0.5) - lgamma(half_dof)
+        if half_dof < 100.0
+        else 0.5 * log(half_dof)
+        - 1.0 / (8.0 * half_dof)
+        + 1.0 / (192.0 * half_dof**3)
+        - 1.0 / (640 * half_dof**5)
     )
     return log(2.0) - 0.5 * log(pi) + ratio

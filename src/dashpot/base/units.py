@@ -95,7 +95,7 @@ def _table() -> dict[str, Unit]:
 
 
 MIN_SI_VALUE, MAX_SI_VALUE = 1e-15, 1e15
-"""Between these lies, in SI units, every quantity that a user can mean, if it is not 0."""
+"""Smallest and largest quantity that a user can mean, in SI units, if it is not 0."""
 
 TABLE = MappingProxyType(_table())
 """Every unit word known, keyed ``"dimension:word"``."""
@@ -210,23 +210,23 @@ def find_unit(word: str, dimension: Dimension | None = None) -> Unit | None:
     (Unit(word='um', dimension='length', factor=1e-06, offset=0.0), 'N', None)
     """
     text = " ".join(word.replace("μ", "µ").split())
-    lowered = text.lower()
+    lower_case = text.lower()
     spellings = (
         text,
         text.replace("µ", "u"),
-        _ALIASES.get(lowered, ""),
-        _ALIASES.get(lowered.replace(" ", ""), ""),
-        _ALIASES.get(lowered.replace(" ", "_"), ""),
+        _ALIASES.get(lower_case, ""),
+        _ALIASES.get(lower_case.replace(" ", ""), ""),
+        _ALIASES.get(lower_case.replace(" ", "_"), ""),
         text.rstrip("."),
-        _ALIASES.get(lowered.rstrip("."), ""),
+        _ALIASES.get(lower_case.rstrip("."), ""),
     )
     for spelling in spellings:
         for unit in _WORDS.get(spelling, ()):
             if dimension in (None, unit.dimension):
                 return unit
     # a wrong case is forgiven where only one unit can be meant: "HZ", "n", "Sec", not "MN"
-    folded = text.replace("µ", "u").lower().rstrip(".")
-    matches = [u for u in _FOLDED.get(folded, ()) if dimension in (None, u.dimension)]
+    ascii_text = text.replace("µ", "u").lower().rstrip(".")
+    matches = [u for u in _FOLDED.get(ascii_text, ()) if dimension in (None, u.dimension)]
     return matches[0] if len(matches) == 1 else None
 
 
@@ -301,7 +301,7 @@ _DISPLAY_UNITS = MappingProxyType({
 
 
 _FINE = MappingProxyType({"N": "mN", "N/s": "mN/s", "s": "ms"})
-"""That of what is small of its kind: a tare, a drift, a delay."""
+"""Display units of small quantities: a tare, a drift, a delay."""
 
 
 def parse_quantity(text: str, dimension: Dimension) -> float:
@@ -373,20 +373,20 @@ def get_default_unit(dimension: Dimension) -> str:
     return _DEFAULT_UNITS.get(dimension, _filter_units(dimension)[0].word)
 
 
-def get_display_unit(unit: str, *, fine: bool = False) -> str:
-    """Return the unit in which people read what is in a unit of SI; `fine`, what is small there.
+def get_display_unit(unit: str, *, prefers_small: bool = False) -> str:
+    """Return the unit in which people read an SI unit, a smaller one if `prefers_small`.
 
     >>> get_display_unit("N/m"), get_display_unit("N s/m"), get_display_unit(
-    ...     "Hz"), get_display_unit(""), get_display_unit("s", fine=True)
+    ...     "Hz"), get_display_unit(""), get_display_unit("s", prefers_small=True)
     ('N/mm', 'N*s/mm', 'Hz', '', 'ms')
     >>> get_display_unit("N/m per 100 mm")
     'N/mm per 100 mm'
     """
-    word, per, what = unit.partition(" per ")
+    word, per, divisor = unit.partition(" per ")
     resolved_unit = find_unit(word)
     unit_word = word if resolved_unit is None else resolved_unit.word
     display_unit = _DISPLAY_UNITS.get(unit_word, word)
-    return (_FINE.get(unit_word, display_unit) if fine else display_unit) + per + what
+    return (_FINE.get(unit_word, display_unit) if prefers_small else display_unit) + per + divisor
 
 
 def column(name: str, unit: str) -> str:

@@ -19,7 +19,7 @@ def require_positive(
     unit: str = "",
     expected: str = "a number > 0",
     optional: bool = False,
-    **named: float | None,
+    **values: float | None,
 ) -> None:
     """Refuse the first of the named numbers that is not finite and > 0.
 
@@ -33,24 +33,26 @@ def require_positive(
         What is asked for.
     optional : bool
         None is passed over.
-    named : float
+    values : float
 
     >>> require_positive("axis ", rate=0.0, unit=" Hz")
     Traceback (most recent call last):
     dashpot.base.errors.DataError: axis rate = 0.0 Hz; expected a number > 0
     """
-    for name, value in named.items():
-        provided: Any = value
-        if not (optional and provided is None) and not (math.isfinite(provided) and provided > 0):
-            raise DataError(f"{owner}{name} = {provided!r}{unit}; expected {expected}")
+    for name, value in values.items():
+        given_value: Any = value
+        if not (optional and given_value is None) and not (
+            math.isfinite(given_value) and given_value > 0
+        ):
+            raise DataError(f"{owner}{name} = {given_value!r}{unit}; expected {expected}")
 
 
 def require_nonnegative(
-    owner: str = "", /, *, expected: str = "a number >= 0", **named: Any
+    owner: str = "", /, *, expected: str = "a number >= 0", **values: Any
 ) -> None:
     """Refuse the first number that is not finite and >= 0, as :func:`require_positive` does."""
     require_positive(
-        owner, expected=expected, **{name: value for name, value in named.items() if value != 0}
+        owner, expected=expected, **{name: value for name, value in values.items() if value != 0}
     )
 
 
@@ -119,8 +121,8 @@ class PlausibleRange(NamedTuple):
         """
         if self.absurd(size):
             low, high = (format_quantity_short(value, self.unit) for value in self.hard)
-            begun = text or f"{self.what} is {format_quantity_short(size, self.unit)}"
-            raise DataError(f"{begun}; expected {low} to {high}. {remedy}")
+            subject = text or f"{self.what} is {format_quantity_short(size, self.unit)}"
+            raise DataError(f"{subject}; expected {low} to {high}. {remedy}")
 
 
 SIZES = MappingProxyType(

@@ -22,13 +22,13 @@ _PROFILE = b"# dashpot reading profile"
 _RECORD = compile_on_use(rb"\bdashpot \d+\.\d+\.[\w.+]+: (?:a virtual|simulated) ")
 
 
-def byline(what: str) -> str:
+def byline(title: str) -> str:
     """Return one line which states that dashpot made a file, and its title.
 
     >>> byline("frequency response function").startswith("dashpot ")
     True
     """
-    return f"dashpot {__version__}: {what}"
+    return f"dashpot {__version__}: {title}"
 
 
 def software() -> dict[str, str]:

@@ -125,14 +125,14 @@ class EndOfHold(Serialisable):
     def widen_to_contain(self, solid: Solid) -> EndOfHold:
         """Return the limits, widened to contain the values of a fit."""
         (low, high), stiffness = self.k_end, self.compute_stiffness(solid)
-        missed = max(low - stiffness, stiffness - high, 0.0)
+        overshoot = max(low - stiffness, stiffness - high, 0.0)
         return replace(
             self,
             k_end=_widen_to_contain(self.k_end, stiffness),
             k_3end=_widen_to_contain(self.k_3end, self.compute_stiffness(solid, 3)),
             k_10end=_widen_to_contain(self.k_10end, self.compute_stiffness(solid, 10)),
             k_inf=(0.0, max(self.k_inf[1], solid.k_inf)),
-            distance_outside=max(self.distance_outside, missed / max(high - low, 1e-300)),
+            distance_outside=max(self.distance_outside, overshoot / max(high - low, 1e-300)),
         )
 
     @property
@@ -143,8 +143,8 @@ class EndOfHold(Serialisable):
     def widen(self, part: float) -> EndOfHold:
         """Return the limits, each moved outwards by a part of itself."""
 
-        def wider(ends: tuple[float, float]) -> tuple[float, float]:
-            low, high = ends
+        def wider(limits: tuple[float, float]) -> tuple[float, float]:
+            low, high = limits
             return max(low * (1 - part), 0.0), high * (1 + part)
 
         return replace(
@@ -163,10 +163,10 @@ class EndOfHold(Serialisable):
     def format_with_remedy(self, unit: str) -> str:
         """Return the limits at the end of the test and a remedy, as text; `unit` of stiffness."""
         subject = self._subject(unit)
-        after = {
+        when_text = {
             "hold": "after the hold", "sweep": "below the sweep", "frf": "below the band",
         }.get(self.test_kind, "later on")  # fmt: skip
-        return f"{subject} {after}. {self._limits(unit, 'it')}. {self.remedy}"
+        return f"{subject} {when_text}. {self._limits(unit, 'it')}. {self.remedy}"
 
     def format_limits(self, unit: str) -> str:
         """Return the limits at the end of the test, in two sentences."""
@@ -180,10 +180,10 @@ class EndOfHold(Serialisable):
             later = [convert_to_unit(end, word) for end in self.k_10end]
             text = f", at {self._format_end(10)} {interval(*later)} {word}"
             width = later[1] - later[0]
-        most = round_to_error(convert_to_unit(self.k_inf[1], word), width / 2)
+        upper_text = round_to_error(convert_to_unit(self.k_inf[1], word), width / 2)
         return (
             f"At {self._format_end(1)} {subject} is {interval(low, high)} {word}{text}. It may "
-            f"fall further, to at most {most} {word}"
+            f"fall further, to at most {upper_text} {word}"
         )
 
     def _format_end(self, times: float) -> str:
@@ -214,22 +214,24 @@ class EndOfHold(Serialisable):
         low, high = self.k_end
         if not low + high > 0:
             return ""
-        half = (high - low) / (high + low)
-        return naming(self.end_time, half, self.if_machine_named * half)
+        relative_half_width = (high - low) / (high + low)
+        return naming(
+            self.end_time, relative_half_width, self.if_machine_named * relative_half_width
+        )
 
     def fact(self, solid: Solid, unit: str) -> ReportedValue:
         """Return the stiffness of a solid at the end of the test, between these limits."""
         at = self._format_end(1) if self.is_frequency else duration(self.end_time)
-        what = "K'" if self.is_frequency else {"creep": "1/J"}.get(self.test_kind, "k")
+        symbol = "K'" if self.is_frequency else {"creep": "1/J"}.get(self.test_kind, "k")
         return ReportedValue(
-            "k_end", self.compute_stiffness(solid), *self.k_end, unit, words=f"{what}({at})"
+            "k_end", self.compute_stiffness(solid), *self.k_end, unit, words=f"{symbol}({at})"
         )
 
     def __mul__(self, count: float) -> EndOfHold:
         """Return the limits of so many parts in parallel."""
 
-        def scale_ends(ends: tuple[float, float]) -> tuple[float, float]:
-            return count * ends[0], count * ends[1]
+        def scale_ends(pair: tuple[float, float]) -> tuple[float, float]:
+            return count * pair[0], count * pair[1]
 
         return replace(
             self,
@@ -241,10 +243,10 @@ class EndOfHold(Serialisable):
         )
 
 
-def _widen_to_contain(reach: tuple[float, float], value: float) -> tuple[float, float]:
+def _widen_to_contain(limits: tuple[float, float], value: float) -> tuple[float, float]:
     """Return limits that hold a value, where there are any."""
-    low, high = reach
-    return reach if math.isnan(low) else (min(low, value), max(high, value))
+    low, high = limits
+    return limits if math.isnan(low) else (min(low, value), max(high, value))
 
 
 class StiffnessLimits(TypedDict):
@@ -336,17 +338,17 @@ class FRFBounds(FrozenArrays, Serialisable):
         if self.peak_frequency is None:
             return "No model that the relaxation test allows has a resonance."
         low, high = self.peak_frequency
-        most = "Hz and above" if math.isinf(high) else f"to {round_to_error(high, digits=3)} Hz"
-        where = (
+        end_text = "Hz and above" if math.isinf(high) else f"to {round_to_error(high, digits=3)} Hz"
+        sentence = (
             "The relaxation test alone limits the resonance of a linear seal to "
-            f"{round_to_error(low, digits=3)} {most}"
+            f"{round_to_error(low, digits=3)} {end_text}"
         )
         if self.peak_height is None:
-            return f"{where}."
+            return f"{sentence}."
         low, high = self.peak_height
         unit = " 1/kg" if self.kind is Kind.ACCELERANCE else " m/m"
-        most = f"{unit} and above" if math.isinf(high) else f" to {round_to_error(high)}{unit}"
-        return f"{where}, and the peak to {round_to_error(low)}{most}."
+        end_text = f"{unit} and above" if math.isinf(high) else f" to {round_to_error(high)}{unit}"
+        return f"{sentence}, and the peak to {round_to_error(low)}{end_text}."
 
 
 # Errors of stiffness and loss factor at some frequencies.

@@ -24,12 +24,15 @@ _MAX_LISTED = 3
 )
 def numbers_unambiguous(cautions: tuple[str, ...]) -> Finding:
     """Nothing in the files makes their numbers ambiguous."""
-    shown = list(dict.fromkeys(cautions))
-    more = len(shown) - _MAX_LISTED
-    sentences = [*shown[:_MAX_LISTED], *([f"{more} more such notes"] if more > 0 else [])]
+    unique_cautions = list(dict.fromkeys(cautions))
+    unlisted_count = len(unique_cautions) - _MAX_LISTED
+    sentences = [
+        *unique_cautions[:_MAX_LISTED],
+        *([f"{unlisted_count} more such notes"] if unlisted_count > 0 else []),
+    ]
     return Finding(
         "No file says that its numbers may be others than those read",
-        float(len(shown)),
+        float(len(unique_cautions)),
         failure=". ".join(sentence.rstrip(".") for sentence in sentences),
         remedy=Remedy("Correct the file, or state the units of its columns.", "units"),
     )
@@ -38,9 +41,11 @@ def numbers_unambiguous(cautions: tuple[str, ...]) -> Finding:
 def caution_checks(sources: Iterable[Source]) -> tuple[Check, ...]:
     """Return what the notes of readers hold against their numbers; nothing where none does."""
     files = [source for source in dict.fromkeys(sources) if source.cautions]
-    several = len({file.file for file in files}) > 1
+    has_several_files = len({file.file for file in files}) > 1
     sentences = [
-        f"{file.file}: {note}" if several else note for file in files for note in file.cautions
+        f"{file.file}: {note}" if has_several_files else note
+        for file in files
+        for note in file.cautions
     ]
     return (numbers_unambiguous(tuple(sentences)),) if sentences else ()
 

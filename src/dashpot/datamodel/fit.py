@@ -378,9 +378,9 @@ class Fit(EqualByValue, Plottable, Serialisable):
         end = self.evidence.end_of_hold
         if end is None:
             return 0.0, formal[1]
-        most = replace(self.estimate, dof=max(self.estimate.dof, 1.0))
-        reach = most.quantile(level) / most.quantile(0.95)
-        return 0.0, self.model.k_inf + reach * (end.k_inf[1] - self.model.k_inf)
+        estimate = replace(self.estimate, dof=max(self.estimate.dof, 1.0))
+        widening = estimate.quantile(level) / estimate.quantile(0.95)
+        return 0.0, self.model.k_inf + widening * (end.k_inf[1] - self.model.k_inf)
 
     def _compute_solid_intervals(self, level: float = 0.95) -> dict[str, Interval]:
         """Confidence intervals at `level` of the solid's own parameters by their names, SI units.
@@ -405,13 +405,16 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def _arm_values(self) -> tuple[ReportedValue, ...]:
-        """The same of the arms: those that stand for a fractional solid, not its own four."""
+        """Return the values of the arms, for a fractional solid those of its approximation."""
         return self._bound_k_inf(self._arm_estimate.list_values(self.model, self.unit))
 
-    def _bound_k_inf(self, facts: tuple[ReportedValue, ...]) -> tuple[ReportedValue, ...]:
+    def _bound_k_inf(self, reported_values: tuple[ReportedValue, ...]) -> tuple[ReportedValue, ...]:
         """Return the values, k_inf with its upper limit."""
         return tuple(
-            self._bound_k_inf_from_above(fact) if fact.name == "k_inf" else fact for fact in facts
+            self._bound_k_inf_from_above(reported_value)
+            if reported_value.name == "k_inf"
+            else reported_value
+            for reported_value in reported_values
         )
 
     def _bound_k_inf_from_above(self, fitted: ReportedValue) -> ReportedValue:
@@ -443,7 +446,9 @@ class Fit(EqualByValue, Plottable, Serialisable):
         return {
             "family": self.family,
             **{field.name: getattr(self.solid, field.name) for field in fields(self.solid)},  # type: ignore[arg-type]
-            "standard_error": {fact.name: fact.error for fact in self.facts},
+            "standard_error": {
+                reported_value.name: reported_value.error for reported_value in self.facts
+            },
             "interval_95": self._compute_solid_intervals(level=0.95),
         }
 
@@ -476,7 +481,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def stiffness_limits(self) -> StiffnessLimits | None:
-        r"""Between which limits tests leave k_inf, k(T) and k(3 T), in `unit`.
+        r"""Limits of k_inf, k(T) and k(3 T) by the tests, in `unit`.
 
         T is the time that the seal was held, from the end of the ramp,
         :math:`k(t) = k_\infty + \sum_j k_j e^{-t/\tau_j}`, and the limits are those over every

@@ -307,7 +307,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
 
     @property
     def read(self) -> str:
-        """The same as people read it: of an accelerance 1/kg."""
+        """Unit in which people read the values: 1/kg for an accelerance."""
         return "1/kg" if self.quantity is Kind.ACCELERANCE else self.unit
 
     def to(self, kind: Kind | str, *, mass: float | None = None) -> FRF:
@@ -369,7 +369,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         return self.to(Kind.ACCELERANCE)._scale_value(-mass, relative).to(kind)
 
     def _scale_value(self, factor: float, kind: Kind) -> FRF:
-        """So many times as large, and of another kind."""
+        """Return the FRF scaled by a factor, as another kind."""
         sd = None if self.sd is None else abs(factor) * self.sd
         return replace(self, value=factor * self.value, quantity=kind, sd=sd)
 
@@ -408,8 +408,8 @@ class FRF(EqualByValue, Plottable, Serialisable):
         keep = (self.frequency > ZERO) & (np.abs(self.value) > 0)
         sd = self.line_scatter
         if sd is not None:
-            quiet = keep & (sd < NOISY_LINE * np.abs(self.value))
-            keep = quiet if np.count_nonzero(quiet) >= FEWEST else keep
+            low_noise = keep & (sd < NOISY_LINE * np.abs(self.value))
+            keep = low_noise if np.count_nonzero(low_noise) >= FEWEST else keep
         return np.asarray(keep)
 
     def only(self, keep: BoolArray) -> FRF:

@@ -106,7 +106,7 @@ The table of a machine that nobody has described; what `Machine` names takes its
 
 @dataclass(frozen=True)
 class MachineCalibration(Serialisable):
-    """What blank tests measured of a machine, and is taken off its records.
+    """Errors of a machine as measured by blank tests; they are subtracted from its records.
 
     Attributes
     ----------
@@ -205,7 +205,7 @@ class Machine(Serialisable):
 
     @property
     def on_bench(self) -> Machine:
-        """What is known of the machine of a relaxation test, and nothing of a hammer's rig."""
+        """Machine of a relaxation test, without the rig of the hammer."""
         return self if self.cable is None else replace(self, cable=None)
 
     def refuse_unused(self, *names: str, subject: str) -> None:
@@ -295,11 +295,9 @@ class Machine(Serialisable):
             return 0.0, drift_sd
         if self.drift_conflict(slope, final, duration, noise) > 1:
             return 0.0, math.hypot(drift_sd, mean)
-        baseline_variance = (
-            error**2 + (DEFAULT_UNCERTAINTIES["drift changes"].size * final / duration) ** 2
-        )
-        sd = 1 / math.sqrt(1 / baseline_variance + 1 / drift_sd**2)
-        return mean * sd**2 / baseline_variance, sd
+        variance = error**2 + (DEFAULT_UNCERTAINTIES["drift changes"].size * final / duration) ** 2
+        sd = 1 / math.sqrt(1 / variance + 1 / drift_sd**2)
+        return mean * sd**2 / variance, sd
 
     def drift_conflict(
         self, slope: tuple[float, float], final: float, duration: float, noise: float | None = None
@@ -315,8 +313,8 @@ class Machine(Serialisable):
         if not math.isfinite(error):
             return 0.0
         changes = DEFAULT_UNCERTAINTIES["drift changes"].size * final / duration
-        spread = math.hypot(error, changes, self.drift_sd(final, duration, noise))
-        return abs(mean) / (3 * spread) if spread > 0 else 0.0
+        difference_sd = math.hypot(error, changes, self.drift_sd(final, duration, noise))
+        return abs(mean) / (3 * difference_sd) if difference_sd > 0 else 0.0
 
     def __post_init__(self) -> None:
         si_fields(self)

@@ -144,7 +144,7 @@ class Nuisance:
     @property
     def fact(self) -> ReportedValue:
         """Reported value, as every table shows it."""
-        unit, read = self.unit, get_display_unit(self.unit, fine=True)
+        unit, read = self.unit, get_display_unit(self.unit, prefers_small=True)
         return ReportedValue.from_error(
             self.name, self.value, self.standard_error, unit=unit, read=read
         )
@@ -226,7 +226,7 @@ class ParameterEstimate(EqualByValue):
         )
 
     def scale(self, by: FloatArray) -> ParameterEstimate:
-        """Of parameters so many times as large each, shape (p,)."""
+        """Return the estimate with each parameter multiplied by a factor, shape (p,)."""
         products = np.outer(by, by)
         return replace(
             self,
@@ -237,7 +237,7 @@ class ParameterEstimate(EqualByValue):
         )
 
     def convert_to_arms(self, solid: FractionalZener) -> ParameterEstimate:
-        """What is known of a fractional solid, as of the arms that stand for it: to first order."""
+        """Return the estimate of the arms that approximate a fractional solid, to first order."""
         gradient = solid.arm_gradient()
         rows = [self.parameters.index(name) for name in ELEMENT]
 
@@ -299,21 +299,21 @@ class ParameterEstimate(EqualByValue):
             If `level` is not between 0 and 1.
         """
         units = {"k": unit, "tau": "s", "b": "N s/m" if unit == "N/m" else f"{unit} s"}
-        ends = self.confidence_limits(solid, level)
-        facts = [
+        intervals = self.confidence_limits(solid, level)
+        reported_values = [
             ReportedValue(
-                row.name, float(row.value), *ends[row.name],
+                row.name, float(row.value), *intervals[row.name],
                 units.get(row.name.partition("_")[0], ""), row.standard_error,
             )
             for row in self._rows(solid)
         ]  # fmt: skip
-        provided = 0.0 if isinstance(solid, FractionalZener) else solid.maxwell.b
-        if provided > 0:
+        fixed_b = 0.0 if isinstance(solid, FractionalZener) else solid.maxwell.b
+        if fixed_b > 0:
             error = self._error("b") if "b" in self.parameters else None
-            reach = nan if error is None else self.quantile(level) * error
-            low, high = max(provided - reach, 0.0), provided + reach
-            facts.append(ReportedValue("b", provided, low, high, units["b"], error))
-        return tuple(facts)
+            half_width = nan if error is None else self.quantile(level) * error
+            low, high = max(fixed_b - half_width, 0.0), fixed_b + half_width
+            reported_values.append(ReportedValue("b", fixed_b, low, high, units["b"], error))
+        return tuple(reported_values)
 
     def standard_errors(self, solid: Solid) -> StandardErrors:
         """Return standard errors of k_inf, and of k, tau and b = k tau of each arm of `solid`."""
@@ -362,17 +362,17 @@ class ParameterEstimate(EqualByValue):
         for row in self._rows(solid):
             profile = profiles.get(f"ln_{row.name}" if row.log else row.name)
             if profile is None:
-                reach = quantile * row.error if isfinite(row.error) else inf
+                half_width = quantile * row.error if isfinite(row.error) else inf
                 at = float(np.log(row.value)) if row.log else row.value
-                low, high = at - reach, at + reach
+                low, high = at - half_width, at + half_width
             else:
                 low, high = profile_interval(profile, deviance_limit=quantile**2)
                 difference = row.error**2 - noise[row.name] ** 2 if isfinite(row.error) else 0.0
                 if difference > 0:
                     at, extra = profile.best, quantile * sqrt(difference)
                     low, high = at - hypot(at - low, extra), at + hypot(high - at, extra)
-            ends = (_exp(low), _exp(high)) if row.log else (max(low, 0.0), min(high, row.most))
-            entries[row.name] = ends
+            limits = (_exp(low), _exp(high)) if row.log else (max(low, 0.0), min(high, row.most))
+            entries[row.name] = limits
         return entries
 
     def quantile(self, level: float) -> float:
@@ -403,11 +403,11 @@ class ParameterEstimate(EqualByValue):
         for name, slope in ((f"k_{arm}", 1.0 / model.k[arm - 1]), (f"ln_tau_{arm}", 1.0)):
             if name in self.parameters:
                 gradient[self.parameters.index(name)] = slope
-        used = gradient != 0.0
-        block = self.covariance[np.ix_(used, used)]
+        has_effect = gradient != 0.0
+        block = self.covariance[np.ix_(has_effect, has_effect)]
         if not np.all(np.isfinite(block)):
             return inf
-        return sqrt(max(float(gradient[used] @ block @ gradient[used]), 0.0))
+        return sqrt(max(float(gradient[has_effect] @ block @ gradient[has_effect]), 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -457,8 +457,8 @@ def _split_by_kind(group: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     """Reported values of k_inf, and of k, tau and b of every arm."""
     entries: dict[str, Any] = {"k_inf": None, "k": (), "tau": (), "b": ()}
     for name, item in group:
-        kind, _, place = name.partition("_")
-        if place.isdecimal():
+        kind, _, index_text = name.partition("_")
+        if index_text.isdecimal():
             entries[kind] = (*entries[kind], item)
         else:
             entries[name] = item
@@ -482,8 +482,8 @@ def profile_interval(profile: Profile, *, deviance_limit: float) -> Interval:
 
 
 def _crossing(value: FloatArray, root: FloatArray, limit: float, open_end: float) -> float:
-    within = np.flatnonzero(root < limit)
-    i = int(within[-1]) + 1 if within.size else 0
+    indices_below = np.flatnonzero(root < limit)
+    i = int(indices_below[-1]) + 1 if indices_below.size else 0
     if i == len(root):
         return open_end
     if i == 0:

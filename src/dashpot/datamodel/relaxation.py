@@ -105,11 +105,11 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
 
         A fit does so by itself; the arguments replace what it finds.
         """
-        ready: RampHold = load_function("preprocessing.prepare", "prepare")(
+        ramp_hold: RampHold = load_function("preprocessing.prepare", "prepare")(
             self, onset=onset, ramp_end=ramp_end, hold_end=hold_end, contact=contact, cycle=cycle,
             sign=sign, filter=filter, drift=drift, force_range=force_range, machine=machine,
         )  # fmt: skip
-        return ready
+        return ramp_hold
 
     @property
     def _table_columns(self) -> Series:
@@ -332,8 +332,8 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     @cached_property
     def start(self) -> int:
         """The first sample of the stand before the loading that is fitted."""
-        begin = self.loading_start
-        return 0 if begin is None else int(np.searchsorted(self.time, begin))
+        start = self.loading_start
+        return 0 if start is None else int(np.searchsorted(self.time, start))
 
     @cached_property
     def baseline_samples(self) -> slice:
@@ -346,10 +346,10 @@ class RampHold(EqualByValue, Plottable, Serialisable):
             return slice(0, int(np.searchsorted(self.time, self.onset)))
         if self.plate is not None:
             stop = int(np.searchsorted(self.time, self.onset))
-            pressed = np.flatnonzero(
+            loaded_indices = np.flatnonzero(
                 self.plate[:stop] >= self.displacement[:stop] - self._contact_clearance
             )
-            first = int(pressed[-1]) + 1 if pressed.size else 0
+            first = int(loaded_indices[-1]) + 1 if loaded_indices.size else 0
             # the last of them feel the face already
             stop = first + 9 * (stop - first) // 10
             if stop - first >= FEWEST_UNLOADED:
@@ -440,15 +440,15 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         early = slice(
             hold.start, int(np.searchsorted(self.time, self.ramp_end + SETTLING * self.ramp_time))
         )
-        near = max(
+        tolerance = max(
             SETTLED_DISTANCE * self.depth,
             0.5 * self.displacement_quantum,
             5 * self.displacement_noise,
         )
-        off = np.flatnonzero(np.abs(self.displacement[early] - self.depth) > near)
+        unsettled = np.flatnonzero(np.abs(self.displacement[early] - self.depth) > tolerance)
         # what is left of the swing dies away in as long again
-        late = 2 * (int(off[-1]) + 1) if off.size else 0
-        return slice(min(hold.start + late, early.stop), hold.stop)
+        first_settled = 2 * (int(unsettled[-1]) + 1) if unsettled.size else 0
+        return slice(min(hold.start + first_settled, early.stop), hold.stop)
 
 
 # samples of one speed that are a stretch, and of its ends those that a ramp does not fill
@@ -473,9 +473,9 @@ def quantum(values: FloatArray) -> float:
         return 0.0
     step = float(gaps.min())
     counts = np.round(gaps / step)
-    off = np.abs(gaps / step - counts) / counts
+    count_errors = np.abs(gaps / step - counts) / counts
     step = float(gaps.sum() / counts.sum())
-    return 0.0 if np.mean(off < 0.02) < 0.98 or _evenly_climbed(values, step) else step
+    return 0.0 if np.mean(count_errors < 0.02) < 0.98 or _evenly_climbed(values, step) else step
 
 
 def _evenly_climbed(values: FloatArray, step: float) -> bool:
@@ -502,11 +502,11 @@ def _keeps_its_speeds(counts: FloatArray) -> bool:
     starts = np.concatenate(([0], edges))
     lengths = np.diff(np.append(starts, len(counts)))
     speeds = counts[starts]
-    moves, long = np.abs(speeds) > 0.5, lengths >= STRETCH
-    if lengths[moves & ~long].sum() > PARTIAL * np.count_nonzero(moves & long):
+    is_moving, is_long = np.abs(speeds) > 0.5, lengths >= STRETCH
+    if lengths[is_moving & ~is_long].sum() > PARTIAL * np.count_nonzero(is_moving & is_long):
         return False
-    slips = ~long[1:-1] & (np.abs(speeds[2:] - speeds[:-2]) < 0.1)
-    return not slips.any()
+    is_pause = ~is_long[1:-1] & (np.abs(speeds[2:] - speeds[:-2]) < 0.1)
+    return not is_pause.any()
 
 
 # Motion of the plate, recorded or planned.

@@ -17,7 +17,7 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 
 ShearStiffness: TypeAlias = float | Solid
-"""Of the stiffness normal to the line at the same place, or one of its own, N/m per m."""
+"""Factor on the normal stiffness at the same place, or a stiffness of its own, N/m per m."""
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,7 @@ class SealSection:
         )
 
     def path(self, compression: npt.ArrayLike) -> FloatArray:
-        """What the solid is pressed by, m, where the seal is: less where it is softer at first.
+        """Return the displacement, m, that loads the solid; less where the law starts softer.
 
         The force of a history of compressions is that of the solid under this one.
         """
@@ -218,10 +218,10 @@ class SealSection:
         DataError
             If the seal is not linear, or rubs, and its compression is not stated.
         """
-        pieces, pressed = stations.length * stations.factor, stations.compression
+        pieces, depths = stations.length * stations.factor, stations.compression
         share = pieces
-        if pressed is not None:
-            share, pieces = share * self.factor(pressed), np.where(pressed < 0, 0.0, pieces)
+        if depths is not None:
+            share, pieces = (share * self.factor(depths), np.where(depths < 0, 0.0, pieces))
         elif self.law is not None and self.law.kind != "linear":
             raise DataError(
                 "the seal is not linear and how far it is pressed along the line is not stated; "
@@ -231,8 +231,8 @@ class SealSection:
         for name, direction in (("across", stations.across), ("along", stations.tangent)):
             solid, rubs = getattr(self.shear, name), None
             if self.friction is not None:
-                stuck = getattr(self.friction, name) * self.solid.k_inf * share
-                rubs = (stuck, self._slip(stations))
+                slip_force = getattr(self.friction, name) * self.solid.k_inf * share
+                rubs = (slip_force, self._slip(stations))
             if isinstance(solid, Solid):
                 directions.append(LineDirection(solid, pieces, direction, rubs))
             else:
@@ -246,8 +246,8 @@ class SealSection:
                 "friction of a seal line follows from the force by which it is pressed, and its "
                 "compression is not stated; give its compression, or gap and height"
             )
-        pressed = self.force(stations.compression)
-        return np.asarray(self.friction.mu * pressed * stations.length * stations.factor)
+        force = self.force(stations.compression)
+        return np.asarray(self.friction.mu * force * stations.length * stations.factor)
 
 
 @dataclass(frozen=True, eq=False)

@@ -108,10 +108,10 @@ class TemperatureShifts(EqualByValue, Serialisable):
             object.__setattr__(self, name, frozen(values.reshape(rows, rows)))
         cross = np.asarray(self.cross, dtype=float).reshape(-1, 2 * len(self.shifts) + 1)
         object.__setattr__(self, "cross", frozen(cross))
-        rising = [shift.temperature for shift in self.shifts]
-        if rising != sorted(set(rising)) or self.law.reference not in rising:
+        temperatures = [shift.temperature for shift in self.shifts]
+        if temperatures != sorted(set(temperatures)) or self.law.reference not in temperatures:
             raise DataError(
-                f"shifts at {rising} K; expected rising temperatures with the reference of "
+                f"shifts at {temperatures} K; expected rising temperatures with the reference of "
                 f"{self.law.reference:g} K among them"
             )
 
@@ -122,7 +122,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
 
     @property
     def constants(self) -> tuple[ReportedValue, ...]:
-        """Those of the law with their errors."""
+        """Constants of the shift law with their errors."""
         errors = self.law_covariance.diagonal() ** 0.5
         return tuple(
             ReportedValue(name, getattr(self.law, name), unit=unit, error=float(error), words=words)
@@ -180,7 +180,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         return _LN10 * se, float(np.interp(temperature, at, errors))
 
     def _compute_bend_limit(self, temperature: float) -> float:
-        """How far free shifts may bend between two tests, decades: half way by 3 % of the step."""
+        """Return the largest bend of free shifts between two tests: 3 % of the step, decades."""
         at = np.array([shift.temperature for shift in self.shifts])
         if not isinstance(self.law, FreeShifts) or not at[0] < temperature < at[-1]:
             return 0.0
@@ -202,44 +202,44 @@ class TemperatureShifts(EqualByValue, Serialisable):
         """
         log_a, b_t = float(np.log(self.law.a_t(temperature))), self.b_t(temperature)
         values = {f"k_{j}": k for j, k in enumerate(solid.k, start=1)} | {"k_inf": solid.k_inf}
-        far = {
+        distances = {
             f"ln_tau_{j}": d for j, d in enumerate(decades(np.log(np.asarray(solid.tau))), start=1)
         }
-        by = np.zeros((len(names), len(names) + 3))
+        slopes = np.zeros((len(names), len(names) + 3))
         for row, name in enumerate(names):
-            if name in far:
-                stretched = 1 + log_a * self.slope / _LN10
-                by[row, row] = stretched
-                by[row, -3:] = 1 + self.slope * far[name], 0.0, log_a * far[name]
+            if name in distances:
+                slope_factor = 1 + log_a * self.slope / _LN10
+                slopes[row, row] = slope_factor
+                slopes[row, -3:] = (1 + self.slope * distances[name], 0.0, log_a * distances[name])
             elif name == "b":
                 a_b = float(np.exp(log_a)) * b_t
-                by[row, row] = a_b
-                by[row, -3:-1] = a_b * solid.b
+                slopes[row, row] = a_b
+                slopes[row, -3:-1] = a_b * solid.b
             else:
-                by[row, row] = b_t
-                by[row, -2] = b_t * values.get(name, 0.0)
-        return propagate_covariance(by, self._with_shifts(temperature, covariance))
+                slopes[row, row] = b_t
+                slopes[row, -2] = b_t * values.get(name, 0.0)
+        return propagate_covariance(slopes, self._with_shifts(temperature, covariance))
 
     def _with_shifts(self, temperature: float, covariance: FloatArray) -> FloatArray:
         """Return covariance of a solid's parameters, of ln a_T, ln b_T at T, and of the slope."""
         size, count = len(covariance), len(self.shifts)
         of_a, of_b = self.error(temperature)
-        whole = np.zeros((size + 3, size + 3))
-        whole[:size, :size] = covariance
-        whole[size, size], whole[size + 1, size + 1] = of_a**2, of_b**2
+        full_covariance = np.zeros((size + 3, size + 3))
+        full_covariance[:size, :size] = covariance
+        full_covariance[size, size], full_covariance[size + 1, size + 1] = of_a**2, of_b**2
         if len(self.cross) == size + 1:
             at = [shift.temperature for shift in self.shifts]
-            near = np.array([np.interp(temperature, at, values) for values in np.eye(count)])
+            weights = np.array([np.interp(temperature, at, values) for values in np.eye(count)])
             other = np.column_stack(
                 (
-                    self.cross[:, :count] @ near * _LN10,
-                    self.cross[:, count:-1] @ near,
+                    self.cross[:, :count] @ weights * _LN10,
+                    self.cross[:, count:-1] @ weights,
                     self.cross[:, -1],
                 )
             )
-            whole[:size, size:], whole[size:, :size] = other[:-1], other[:-1].T
-            whole[-1, size:], whole[size:, -1] = other[-1], other[-1]
-        return whole
+            full_covariance[:size, size:], full_covariance[size:, :size] = other[:-1], other[:-1].T
+            full_covariance[-1, size:], full_covariance[size:, -1] = other[-1], other[-1]
+        return full_covariance
 
     def rates(self, temperature: float) -> tuple[float, float]:
         """Slopes of ln a_T and of ln b_T over T between the tests about T, 1/K."""
@@ -261,32 +261,32 @@ class TemperatureShifts(EqualByValue, Serialisable):
             Where the law says nothing.
         """
         at = [shift.temperature for shift in self.shifts]
-        away, b_t = float(self.law.log10_a_t(temperature)), self.b_t(temperature)
-        scale = 1 / (1 + self.slope * away)
-        every = np.array(sorted({*at, temperature}))
-        near = np.array([np.interp(temperature, at, values) for values in np.eye(len(at))])
-        turn = np.array([np.interp(every, at, values) for values in np.eye(len(at))]).T - near
-        turn[every == temperature] = 0.0
-        both = np.kron(np.diag([scale, 1.0]), turn)
-        covariance = propagate_covariance(both, self.covariance)
+        log_a_t, b_t = float(self.law.log10_a_t(temperature)), self.b_t(temperature)
+        scale = 1 / (1 + self.slope * log_a_t)
+        grid = np.array(sorted({*at, temperature}))
+        weights = np.array([np.interp(temperature, at, values) for values in np.eye(len(at))])
+        change = np.array([np.interp(grid, at, values) for values in np.eye(len(at))]).T - weights
+        change[grid == temperature] = 0.0
+        jacobian = np.kron(np.diag([scale, 1.0]), change)
+        covariance = propagate_covariance(jacobian, self.covariance)
         # what the shift there may be off by, all others are
-        others = np.append(every != temperature, np.zeros(len(every))) * scale
+        is_other_temperature = np.append(grid != temperature, np.zeros(len(grid))) * scale
         covariance = covariance + self._compute_bend_limit(temperature) ** 2 * np.outer(
-            others, others
+            is_other_temperature, is_other_temperature
         )
         error = np.sqrt(np.maximum(np.diag(covariance), 0.0)).reshape(2, -1)
         shifts = tuple(
             Shift(
                 kelvin,
-                0.0 if kelvin == temperature else scale * (self._log10_at(kelvin) - away),
+                0.0 if kelvin == temperature else scale * (self._log10_at(kelvin) - log_a_t),
                 float(error[0, i]),
                 self.b_t(kelvin) / b_t,
                 float(error[1, i]) * self.b_t(kelvin) / b_t,
             )
-            for i, kelvin in enumerate(every.tolist())
+            for i, kelvin in enumerate(grid.tolist())
         )
-        law, by = self._law_from(temperature, shifts, scale)
-        cross = np.zeros((1, 2 * len(every) + 1))
+        law, jacobian_of_law = self._law_from(temperature, shifts, scale)
+        cross = np.zeros((1, 2 * len(grid) + 1))
         if len(self.cross):
             cross[-1, -1] = self.cross[-1, -1]
         return replace(
@@ -294,15 +294,15 @@ class TemperatureShifts(EqualByValue, Serialisable):
             law=law,
             shifts=shifts,
             covariance=covariance,
-            law_covariance=by @ self.law_covariance @ by.T,
+            law_covariance=jacobian_of_law @ self.law_covariance @ jacobian_of_law.T,
             cross=cross,
         )
 
     def _log10_at(self, temperature: float) -> float:
         """Return the shift found at a tested temperature, K, or the law's at another."""
-        near = self.find_nearest(temperature)
-        if near.temperature == temperature:
-            return near.log10_a_t
+        nearest_shift = self.find_nearest(temperature)
+        if nearest_shift.temperature == temperature:
+            return nearest_shift.log10_a_t
         return float(self.law.log10_a_t(temperature))
 
     def _law_from(
@@ -311,20 +311,20 @@ class TemperatureShifts(EqualByValue, Serialisable):
         """Return the same law from another temperature, and the derivatives of its constants."""
         law = self.law
         if isinstance(law, WLF):
-            there = law.change_reference(temperature)
+            law_there = law.change_reference(temperature)
             # C_1' = C_1 C_2 / C_2', and C_2' moves with C_2
-            by = np.array(
+            jacobian = np.array(
                 [
-                    [scale * law.c2 / there.c2, scale * (law.c1 - there.c1) / there.c2],
+                    [scale * law.c2 / law_there.c2, scale * (law.c1 - law_there.c1) / law_there.c2],
                     [0.0, 1.0],
                 ]
             )
-            return replace(there, c1=scale * there.c1), by
+            return replace(law_there, c1=scale * law_there.c1), jacobian
         if isinstance(law, Arrhenius):
             return Arrhenius(scale * law.energy, temperature), np.array([[scale]])
-        every = tuple(shift.temperature for shift in shifts)
+        temperatures = tuple(shift.temperature for shift in shifts)
         values = tuple(shift.log10_a_t for shift in shifts)
-        return FreeShifts(every, values, temperature), np.zeros((0, 0))
+        return FreeShifts(temperatures, values, temperature), np.zeros((0, 0))
 
     def find_nearest(self, temperature: float) -> Shift:
         """Return the tested temperature nearest to T, K."""
@@ -372,9 +372,9 @@ def propagate_covariance(turn: FloatArray, covariance: FloatArray) -> FloatArray
     """Covariance of `turn` times what has this one; where it is infinite, so is what it reaches."""
     unknown = np.isinf(np.diag(covariance))
     values = np.asarray(turn @ np.where(np.isfinite(covariance), covariance, 0.0) @ turn.T)
-    reached = (turn[:, unknown] != 0).any(axis=1)
-    values[reached], values[:, reached] = 0.0, 0.0
-    values[reached, reached] = np.inf
+    is_affected = (turn[:, unknown] != 0).any(axis=1)
+    values[is_affected], values[:, is_affected] = 0.0, 0.0
+    values[is_affected, is_affected] = np.inf
     return values
 
 

@@ -65,8 +65,8 @@ class Specimen:
 
     def with_defaults(self, other: Specimen) -> Specimen:
         """Return this specimen, completed by the fields of another."""
-        stated = {field.name: getattr(self, field.name) for field in fields(self)}
-        return replace(other, **{name: value for name, value in stated.items() if value})
+        given_fields = {field.name: getattr(self, field.name) for field in fields(self)}
+        return replace(other, **{name: value for name, value in given_fields.items() if value})
 
     def __post_init__(self) -> None:
         si_fields(self)
@@ -96,13 +96,14 @@ def tested_at(name: str, *temperatures: float) -> None:
     """
     for kelvin in temperatures:
         if not _COLDEST <= kelvin <= _HOTTEST:
-            below = ", below absolute zero" if kelvin < 0 else ""
+            absolute_zero_note = ", below absolute zero" if kelvin < 0 else ""
             raise DataError(
-                f"{name} = {kelvin:g} K, or {format_quantity(kelvin, 'degC', 'g')}{below}; "
-                f"expected one that rubber is tested at, {_COLDEST:g} to {_HOTTEST:g} K, or "
+                f"{name} = {kelvin:g} K, or "
+                f"{format_quantity(kelvin, 'degC', 'g')}{absolute_zero_note}; expected one that "
+                f"rubber is tested at, {_COLDEST:g} to {_HOTTEST:g} K, or "
                 f"{convert_to_unit(_COLDEST, 'degC'):.0f} to "
-                f"{format_quantity(_HOTTEST, 'degC', '.0f')}: is the "
-                "unit degC or K, the sign right?"
+                f"{format_quantity(_HOTTEST, 'degC', '.0f')}: is the unit degC or K, the sign "
+                "right?"
             )
 
 

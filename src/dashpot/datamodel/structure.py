@@ -86,7 +86,7 @@ class FRFSet(EqualByValue):
         return self.frfs[0].quantity.over_base
 
     def per_force(self, *, mass: float) -> FRFSet:
-        """The same as motions per force, for a mass, kg, on the base; what is so already stays.
+        """Return the FRFs as motions per force, for a mass, kg, on the base, if they are not yet.
 
         Poles and damping are those of any mass.
         """

@@ -167,9 +167,9 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
         object.__setattr__(self, "acceleration", frozen(acceleration))
         object.__setattr__(self, "channels", tuple(names))
         object.__setattr__(self, "starts", starts)
-        first, *others = self.records()
+        first, *other_records = self.records()
         _uniform(time[first])
-        for record in others:
+        for record in other_records:
             _uniform(time[record])
             rate, samples = _rate(time[record]), len(time[record])
             if not same_rate(self.rate, rate, min(samples, len(time[first]))):

@@ -62,9 +62,9 @@ def __getattr__(name: str) -> Callable[..., DeckText]:
 
 def _format_unsupported_option(name: str, *, alternative: bool) -> str:
     """Return the option of an argument that a target lacks, and which other targets have it."""
-    others = [text for text in TARGETS if name in signature(TARGETS[text]).parameters]
-    more = f". Those of {', '.join(others)} do" if others and alternative else ""
-    return option_of(name) + more
+    other_targets = [text for text in TARGETS if name in signature(TARGETS[text]).parameters]
+    hint = f". Those of {', '.join(other_targets)} do" if other_targets and alternative else ""
+    return option_of(name) + hint
 
 
 def uses_argument(target: str, argument: str) -> bool:

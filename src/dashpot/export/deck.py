@@ -91,16 +91,18 @@ class NonlinearElements:
     @property
     def span(self) -> float:
         """Distance of the two nodes, deck units, large against the amplitude."""
-        most = (self.amplitudes[1] or _UNTESTED_AMPLITUDE) / self.units.length
-        return float(10.0 ** np.ceil(np.log10(_NODE_DISTANCE_RATIO * most)))
+        max_compression = (self.amplitudes[1] or _UNTESTED_AMPLITUDE) / self.units.length
+        return float(10.0 ** np.ceil(np.log10(_NODE_DISTANCE_RATIO * max_compression)))
 
     @property
     def node_spacing_remarks(self) -> list[str]:
         """Header lines on the distance of the two nodes, where elements rotate with them."""
-        far = f"{text(self.span)} {self.units.words[0]}"
-        return [
-            f"keep the two nodes {far} apart: if they are near, a press turns the elements round"
-        ]
+        span_text = f"{text(self.span)} {self.units.words[0]}"
+        remark = (
+            f"keep the two nodes {span_text} apart: if they are near, a press turns the "
+            "elements round"
+        )
+        return [remark]
 
     def compute_curve(
         self, points: int = _CUBIC_POINTS, *, k: float = 0.0
@@ -110,14 +112,14 @@ class NonlinearElements:
         At :math:`x_i \propto (i/n)^{2/3}`, where linear interpolation has the same error of force
         in each interval.
         """
-        ends = (np.arange(points + 1) / points) ** (2 / 3)
-        x = _CUBIC_RANGE * self.amplitudes[1] / self.units.length * ends
+        compressions = (np.arange(points + 1) / points) ** (2 / 3)
+        x = _CUBIC_RANGE * self.amplitudes[1] / self.units.length * compressions
         return list(zip(x.tolist(), (k * x + self.k3 * x**3).tolist(), strict=True))
 
     def compute_symmetric_curve(self) -> list[tuple[float, float]]:
         """Return the same curve from compression to tension."""
-        half = self.compute_curve()
-        return [(-x, -F) for x, F in half[:0:-1]] + half
+        positive_half = self.compute_curve()
+        return [(-x, -F) for x, F in positive_half[:0:-1]] + positive_half
 
     @property
     def header_lines(self) -> list[str]:
@@ -149,9 +151,9 @@ class NonlinearElements:
         supported = CARRIERS.get(target, ())
         if not self.parts or form in supported:
             return
-        many = len(self.sliders)
-        name = f"{many} slider{'s' * (many != 1)}" if many else ""
-        name += " and " * bool(many and self.k3) + "a cubic spring" * bool(self.k3)
+        slider_count = len(self.sliders)
+        name = f"{slider_count} slider{'s' * (slider_count != 1)}" if slider_count else ""
+        name += " and " * bool(slider_count and self.k3) + "a cubic spring" * bool(self.k3)
         other = (
             f"take --form {supported[0]} (Python: form='{supported[0]}')"
             if supported
@@ -197,7 +199,7 @@ class NonlinearFit(Protocol):
 
 
 Exportable: TypeAlias = Solid | Fit | NonlinearFit
-"""What can be exported: a model alone, or a fit, whose deck states files and steps."""
+"""Value that can be exported: a model alone, or a fit, whose deck states files and steps."""
 
 NOT_VERIFIED = "not solver-verified: no solver of this kind runs in dashpot's tests"
 
@@ -338,7 +340,7 @@ class Deck:
         *,
         solid: Solid | None = None,
         damping: Damping = "loss_factor",
-        printed: Callable[[float], str] = text,
+        format_number: Callable[[float], str] = text,
     ) -> Table:
         """Return the frequency table of the model, or of another, SI, with the printed digits."""
         return tabulate(
@@ -347,7 +349,7 @@ class Deck:
             tolerance=tolerance,
             damping=damping,
             edges=self.band or (),
-            rounded=lambda value: float(printed(value)),
+            rounded=lambda value: float(format_number(value)),
         )
 
     # -- what it says of itself -----------------------------------------------------------------
@@ -405,8 +407,8 @@ class Deck:
         with a `nominal` frequency, Hz, whose stiffness the deck holds.
         `function` is how the target takes a line of others' words.
         """
-        informed = self._check_valid_band(table, nominal)
-        verdict = self._verdict(informed)
+        band_checks = self._check_valid_band(table, nominal)
+        verdict = self._verdict(band_checks)
         header = [
             byline(title),
             *(() if verdict is None else (f"{verdict.use.upper()}: {verdict.message}",)),
@@ -414,12 +416,12 @@ class Deck:
             verified,
             *remarks,
             *(() if table is None else (table.sentence,)),
-            *(f"EXTRAPOLATED: {check.message}" for check in informed if check.failed),
+            *(f"EXTRAPOLATED: {check.message}" for check in band_checks if check.failed),
         ]
         lines = [*(f"{comment} {function(line)}" for line in header), *body, ""]
         deck_text = DeckText("\n".join(lines))
         deck_text.verdict, deck_text.overrides = verdict, self.overrides
-        deck_text.checks = (*self.checks, *informed)
+        deck_text.checks = (*self.checks, *band_checks)
         return deck_text
 
     def _check_valid_band(self, table: Table | None, nominal: float | None) -> tuple[Check, ...]:
@@ -435,11 +437,11 @@ class Deck:
             )
         return tuple(checks)
 
-    def _verdict(self, informed: tuple[Check, ...]) -> Verdict | None:
+    def _verdict(self, band_checks: tuple[Check, ...]) -> Verdict | None:
         if self.fit is None:
             return None
         # the fit's own checks are counted, as its text counts them
-        failed = tuple(check for check in informed if check.failed)
+        failed = tuple(check for check in band_checks if check.failed)
         return verdict((*self.fit.checks, *failed), headline=self.fit._headline)
 
     def _format_header_lines(self) -> list[str]:
@@ -449,7 +451,7 @@ class Deck:
         if self.material:
             stiffness, damping = stress, f"{stress} {time}"
         kelvin, metres = specimen.temperature, specimen.length
-        long = "not stated" if metres is None else f"{metres / units.length:.6g} {length}"
+        length_text = "not stated" if metres is None else f"{metres / units.length:.6g} {length}"
         words = f"{length}, {mass}, {time}, {force}, {stress}"
         parallel = f", b = {text(self.b)} {damping}" if self.b > 0 else ""
         described = [
@@ -477,7 +479,7 @@ class Deck:
                 if kelvin is None
                 else f"{kelvin:.6g} K ({format_quantity(kelvin, 'degC')})"
             ),
-            *([] if self.material else [f"contact length: {long}"]),
+            *([] if self.material else [f"contact length: {length_text}"]),
             *format_temperature_lines("deck header", self.temperatures),
             *self._elastic_law(),
             *self._pedigree(),
@@ -495,11 +497,11 @@ class Deck:
         fit = self.linear_fit
         if fit is None or fit.model.k_inf != self.model.k_inf:
             return []
-        fact = list_arm_values(fit)[0]
-        if not fact.is_at_most:
+        reported_value = list_arm_values(fit)[0]
+        if not reported_value.is_at_most:
             return []
-        most = f"{self._stiffness(fact.high):.4g} {unit}"
-        return [f"  k_inf is at most {most}; no test bounds it from below"]
+        upper_text = f"{self._stiffness(reported_value.high):.4g} {unit}"
+        return [f"  k_inf is at most {upper_text}; no test bounds it from below"]
 
     def _elastic_law(self) -> list[str]:
         """Return the header lines on a nonlinear elastic law."""
@@ -507,7 +509,7 @@ class Deck:
         if law is None or law.kind == "linear":
             return []
         tangents = zip(law.knots, law.tangent(law.knots), strict=True)
-        listed = ", ".join(
+        stiffness_texts = ", ".join(
             f"{self.units.stiffness(float(k)):.4g} {self.units.stiffness_word} at "
             f"{x / self.units.length:.4g} {self.units.words[0]}"
             for x, k in tangents
@@ -516,7 +518,7 @@ class Deck:
             "  the stiffnesses above are the secant at the deepest; small vibration about a "
             "compression feels the tangent there (dashpot export --compression)"
         )
-        return [f"elastic law: not straight; its tangent k_inf is {listed}", meaning]
+        return [f"elastic law: not straight; its tangent k_inf is {stiffness_texts}", meaning]
 
     def _pedigree(self) -> list[str]:
         """Return the header lines on the fit and its files."""

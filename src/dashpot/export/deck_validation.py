@@ -30,7 +30,7 @@ PROBLEMS = MappingProxyType(
         "prony_sum": "the relative moduli sum to 1: nothing would carry a static load",
     }
 )
-"""What a deck is refused for; each can be overridden by name and then leaves a mark."""
+"""Reasons to refuse a deck; each can be overridden by name and then leaves a mark."""
 
 _REMEDIES = {
     "temperature": "give --temperature 23degC (Python: Specimen(temperature=...), K)",
@@ -55,9 +55,9 @@ class Target(Protocol):
         specimen: Specimen | None = None,
         allow: Collection[str] = (),
         form: str = "",
-        **own: Any,
+        **solver_options: Any,
     ) -> DeckText:
-        """Return the deck; `own` are the solver's own options."""
+        """Return the deck; `solver_options` are the solver's own options."""
         ...
 
 
@@ -67,17 +67,17 @@ def option_of(argument: str) -> str:
 
 
 def target(
-    *forms: str, line: tuple[str, ...] = (), **only: tuple[str, ...]
+    *forms: str, line: tuple[str, ...] = (), **requirements: tuple[str, ...]
 ) -> Callable[[Callable[..., DeckText]], Target]:
     """Make what writes the cards of an opened deck a target of its name, as a decorator.
 
     The target takes the solid and all that :func:`open_deck` asks for in place of the deck. Its
-    first form is the default; of a seal line, the first of those that hold a `line`. `only` has the
-    forms that read an argument which others would leave unread.
+    first form is the default; of a seal line, the first of those that hold a `line`. `requirements`
+    has the forms that read an argument which others would leave unread.
     """
 
     def enter(cards: Callable[..., DeckText]) -> Target:
-        name, (_, *own) = cards.__name__, signature(cards).parameters.values()
+        name, (_, *solver_parameters) = cards.__name__, signature(cards).parameters.values()
 
         def write(
             solid: Exportable,
@@ -94,29 +94,34 @@ def target(
                     f"{name} decks hold a seal line in the form {' or '.join(line)}; found the "
                     f"form {form}: add --form {line[0]} (Python: form='{line[0]}')"
                 )
-            for argument, able in only.items():
-                if parameters.get(argument) is not None and form in forms and form not in able:
+            for argument, reading_forms in requirements.items():
+                if (
+                    parameters.get(argument) is not None
+                    and form in forms
+                    and form not in reading_forms
+                ):
                     option = option_of(argument)
                     raise ExportError(
                         f"{name} decks of the form {form} read no {option}: leave it out, or add "
-                        f"--form {able[0]} (Python: {argument}, form='{able[0]}')"
+                        f"--form {reading_forms[0]} (Python: {argument}, form='{reading_forms[0]}')"
                     )
             deck = open_deck(solid, name, form, forms, units=units, specimen=specimen, allow=allow)
             band = deck.default_band
             if (
                 band
-                and form in only.get("frequency_range", ())
+                and form in requirements.get("frequency_range", ())
                 and not parameters.get("frequency_range")
             ):
                 parameters["frequency_range"] = band
-                if "nominal" in only and parameters.get("nominal") is None:
+                if "nominal" in requirements and parameters.get("nominal") is None:
                     parameters["nominal"] = min(NOMINAL, band[1])
             return cards(deck, **parameters)
 
         request = signature(write)
         common = list(request.parameters.values())[:-1]
-        update_wrapper(write, cards).__signature__ = request.replace(parameters=[*common, *own])  # type: ignore[attr-defined]
-        write.only = only  # type: ignore[attr-defined]
+        parameters = [*common, *solver_parameters]
+        update_wrapper(write, cards).__signature__ = request.replace(parameters=parameters)  # type: ignore[attr-defined]
+        write.only = requirements  # type: ignore[attr-defined]
         return write
 
     return enter
@@ -213,7 +218,7 @@ def _apply_temperature(fit: Fit, specimen: Specimen | None) -> Fit:
 def list_allowed_problems(
     problems: Mapping[str, tuple[str, str]],
     allow: Collection[str],
-    what: str,
+    subject: str,
     *,
     units: str | None,
     missing: Sequence[str] = (),
@@ -226,17 +231,20 @@ def list_allowed_problems(
         If anything is not allowed, no unit system was chosen, or more is `missing`, each in a
         sentence: all at once.
     """
-    refused = {name: both for name, both in problems.items() if not {name, "all"} & set(allow)}
+    refused_problems = {
+        name: texts for name, texts in problems.items() if not {name, "all"} & set(allow)
+    }
     requested = [*([NO_UNITS] if units is None else []), *missing]
-    if refused:
+    if refused_problems:
         text = "; ".join(
-            f"{message} ({remedy})" for message, remedy in (problems[name] for name in refused)
+            f"{message} ({remedy})"
+            for message, remedy in (problems[name] for name in refused_problems)
         )
-        names = ", ".join(f"'{name}'" for name in refused)
+        names = ", ".join(f"'{name}'" for name in refused_problems)
         requested += [
             text,
             (
-                f"To write the {what} all the same, with a mark in its header, allow {names}: "
+                f"To write the {subject} all the same, with a mark in its header, allow {names}: "
                 "--allow NAME for each, or --allow all"
             ),
         ]

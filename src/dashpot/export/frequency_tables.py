@@ -14,7 +14,7 @@ from dashpot.base.errors import ExportError
 from dashpot.solids.maxwell import Solid
 
 Damping: TypeAlias = Literal["loss_factor", "damping"]
-"""What stands beside the storage stiffness: K''/K', or the viscous equivalent K''/omega."""
+"""Second column beside the storage stiffness: K''/K', or the viscous equivalent K''/omega."""
 
 _MAX_POINTS = 5000
 _CHECKED_FRACTIONS = (np.arange(16) + 0.5) / 16  # where each interval is checked
@@ -102,10 +102,10 @@ def tabulate(
     interval = 0.1  # in ln f
     for stop in end_points:
         while points[-1] < stop:
-            following, interval = interpolation.find_next_point(
+            next_point, interval = interpolation.find_next_point(
                 points[-1], stop, interval, tolerance
             )
-            points.append(following)
+            points.append(next_point)
             if len(points) > _MAX_POINTS:
                 raise ExportError(
                     f"tolerance = {tolerance:g} needs more than {_MAX_POINTS} points between "
@@ -127,22 +127,22 @@ class _LinearInterpolation:
         """Return storage stiffness and damping at `f`, Hz, as printed."""
         omega = 2 * np.pi * f
         K = self.solid.complex_stiffness(omega=omega)
-        damped = K.imag / (K.real if self.damping == "loss_factor" else omega)
+        second_column = K.imag / (K.real if self.damping == "loss_factor" else omega)
         return (
             np.array([self.rounded(v) for v in K.real]),
-            np.array([self.rounded(v) for v in damped]),
+            np.array([self.rounded(v) for v in second_column]),
         )
 
     def error(self, f: FloatArray) -> float:
         """Return largest relative error of any FRF, of lines with points at `f`."""
-        storage, damped = self.values(f)
+        storage, second_column = self.values(f)
         inner = f[:-1, None] + np.diff(f)[:, None] * _CHECKED_FRACTIONS
-        between = np.concatenate((f, inner.ravel()))
-        omega = 2 * np.pi * between
+        grid = np.concatenate((f, inner.ravel()))
+        omega = 2 * np.pi * grid
         K = self.solid.complex_stiffness(omega=omega)
         if not K.imag.any():
             return 0.0  # a spring: both of its lines are level
-        real, second = np.interp(between, f, storage), np.interp(between, f, damped)
+        real, second = (np.interp(grid, f, storage), np.interp(grid, f, second_column))
         imaginary = second * (real if self.damping == "loss_factor" else omega)
         with np.errstate(divide="ignore"):
             return float((np.abs(real + 1j * imaginary - K) / np.abs(imaginary)).max())
@@ -152,13 +152,13 @@ class _LinearInterpolation:
     ) -> tuple[float, float]:
         """Return the next point and how far away it is in ln f: the error grows with its square."""
         for trial in range(60):
-            following = min(stop, self.rounded(start * float(np.exp(interval))))
-            if not following > start:
+            next_point = min(stop, self.rounded(start * float(np.exp(interval))))
+            if not next_point > start:
                 break
-            value = self.error(np.array([start, following]))
-            wasteful = value < 0.8 * tolerance and following < stop and trial < 30
+            value = self.error(np.array([start, next_point]))
+            wasteful = value < 0.8 * tolerance and next_point < stop and trial < 30
             if value <= tolerance and not wasteful:
-                return following, interval
+                return next_point, interval
             factor = np.sqrt(0.9 * tolerance / max(value, 1e-300))
             interval *= float(np.clip(factor, 0.1, 4.0 if trial < 30 else 0.5))
         raise ExportError(
@@ -170,7 +170,7 @@ class _LinearInterpolation:
 def round_band_inwards(band: tuple[float, float]) -> tuple[float, float]:
     """Return the band to four digits, no wider than it is."""
     low, high = (
-        float(Decimal(end).normalize(Context(prec=4, rounding=way)))
-        for end, way in zip(band, (ROUND_CEILING, ROUND_FLOOR), strict=True)
+        float(Decimal(end).normalize(Context(prec=4, rounding=rounding)))
+        for end, rounding in zip(band, (ROUND_CEILING, ROUND_FLOOR), strict=True)
     )
     return low, high

@@ -16,7 +16,7 @@ from dashpot.solids.maxwell import Solid
 DIRECTION_NAMES = ("normal to the line", "across it", "along it")
 """The springs of a station, in the order of every deck: components 1, 2 and 3."""
 _DIGITS = 12
-"""Of a direction: frames that differ by rounding are one."""
+"""Digits of a direction: frames that differ by rounding are one."""
 _X = (1.0, 0.0, 0.0)
 
 
@@ -66,16 +66,18 @@ class SpringRow:
     def frames(self) -> dict[tuple[tuple[float, ...], ...], int]:
         """Every frame in which something acts along more than the x axis, and its rank."""
         entries = dict.fromkeys(station.frame for station in self.stations)
-        turned = [frame for frame in entries if self.ways > 1 or not np.allclose(frame[0], _X)]
-        return {frame: rank for rank, frame in enumerate(turned)}
+        rotated_frames = [
+            frame for frame in entries if self.ways > 1 or not np.allclose(frame[0], _X)
+        ]
+        return {frame: rank for rank, frame in enumerate(rotated_frames)}
 
     @cached_property
     def ways(self) -> int:
-        """How many of them a station may have: 1 where nothing is held sideways, else 3."""
+        """Number of directions of a station: 1 without lateral stiffness, else 3."""
         return 3 if any(any(station.shares[1:]) for station in self.stations) else 1
 
     def nodes(self, station: int, first_id: int) -> tuple[int, int]:
-        """Of a station: that of the body or frame, and that of the door; they coincide."""
+        """Return the two coincident nodes of a station: on the body or frame, and on the door."""
         return first_id + 2 * station, first_id + 2 * station + 1
 
     def format_node_numbering(self, first_id: int) -> str:
@@ -89,7 +91,9 @@ class SpringRow:
     def springs(self, shares: tuple[float, ...]) -> list[tuple[int, Solid]]:
         """Return the springs of a station, each by its way, 0 to 2, and what it is, SI."""
         rows = zip(self.solids, shares, strict=True)
-        return [(way, solid * share) for way, (solid, share) in enumerate(rows) if share > 0]
+        return [
+            (direction, solid * share) for direction, (solid, share) in enumerate(rows) if share > 0
+        ]
 
 
 def row_of(deck: Deck, line: Stations | None, shear: Shear | None = None) -> SpringRow:
@@ -112,14 +116,17 @@ def row_of(deck: Deck, line: Stations | None, shear: Shear | None = None) -> Spr
     # what is not pressed as stated is as it was tested: its secant
     law = None if line.compression is None else deck.elastic_law
     per_metre = SealSection(deck.solid, None if law is None else law * (1 / metres), shear=shear)
-    ways = per_metre.ways(line)
+    directions = per_metre.ways(line)
     # of the solid in the header where it is that, else of a metre
     items = [isinstance(value, Solid) for value in (0.0, shear.across, shear.along)]
-    shares = [way.share / (1.0 if item else metres) for way, item in zip(ways, items, strict=True)]
-    carried = ways[0].share > 0
+    shares = [
+        direction.share / (1.0 if item else metres)
+        for direction, item in zip(directions, items, strict=True)
+    ]
+    carried = directions[0].share > 0
     if not carried.any():
         raise ExportError("no station of the seal line touches: its compression is below 0 m")
-    solids = [way.solid for way in ways]
+    solids = [direction.solid for direction in directions]
     return SpringRow(
         (solids[0], solids[1], solids[2]),
         tuple(_stations(deck, line, shares, carried, turns=not shear.holds)),
@@ -130,7 +137,7 @@ def row_of(deck: Deck, line: Stations | None, shear: Shear | None = None) -> Spr
 def _stations(
     deck: Deck, line: Stations, shares: list[FloatArray], carried: BoolArray, *, turns: bool
 ) -> list[LineStation]:
-    """Those that touch; where nothing acts sideways the frame turns about its normal at will."""
+    """Return the stations that touch; the frame may turn freely about a normal without shear."""
     normal = line.normal
     across, along = line.across, line.tangent
     if turns:
@@ -143,27 +150,28 @@ def _stations(
         # shares that differ by rounding are one
         a, b, c = (float(f"{share[i]:.9g}") for share in shares)
         frame = tuple(tuple(row) for row in frames[i].tolist())
-        place = tuple((line.place[i] / deck.units.length).tolist())
-        stations.append(LineStation(place, frame, (a, b, c)))
+        position = tuple((line.place[i] / deck.units.length).tolist())
+        stations.append(LineStation(position, frame, (a, b, c)))
     return stations
 
 
 def _remarks(deck: Deck, line: Stations, shares: FloatArray, shear: Shear) -> list[str]:
     unit, word = deck.units.length, deck.units.words[0]
-    least, most = float(f"{shares.min():.9g}"), float(f"{shares.max():.9g}")
-    name = f"{least:.6g}" if least == most else f"{least:.6g} to {most:.6g}"
-    touch = (
+    lowest, highest = float(f"{shares.min():.9g}"), float(f"{shares.max():.9g}")
+    name = f"{lowest:.6g}" if lowest == highest else f"{lowest:.6g} to {highest:.6g}"
+    description = (
         f"seal line: {line.length.sum() / unit:.6g} {word}, {len(shares)} elements, "
         f"{line.length.mean() / unit:.6g} {word} apart on average, each with {name} of the "
         "stiffness above"
     )
     remaining = len(line.length) - len(shares)
     if remaining:
-        touch += f"; {remaining} more do not touch and are left out"
+        description += f"; {remaining} more do not touch and are left out"
     sideways = [
-        f"{way}: {'a stiffness of its own' if isinstance(value, Solid) else f'{value:g} of it'}"
-        for way, value in zip(DIRECTION_NAMES[1:], (shear.across, shear.along), strict=True)
+        f"{direction}: "
+        f"{'a stiffness of its own' if isinstance(value, Solid) else f'{value:g} of it'}"
+        for direction, value in zip(DIRECTION_NAMES[1:], (shear.across, shear.along), strict=True)
         if value != 0
     ]
-    nothing = "no shear is given: the line holds nothing sideways"
-    return [touch, "; ".join(sideways) if sideways else nothing]
+    no_shear_text = "no shear is given: the line holds nothing sideways"
+    return [description, "; ".join(sideways) if sideways else no_shear_text]

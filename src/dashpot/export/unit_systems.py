@@ -101,7 +101,7 @@ UNIT_SYSTEMS = MappingProxyType(
 
 _UNITS_ASKED = f"add --unit-system, one of {', '.join(UNIT_SYSTEMS)}"
 NO_UNITS = f"no unit system is given; {_UNITS_ASKED}"
-"""What is said, with all else that is missing, where none was chosen."""
+"""Message, with all else that is missing, if no unit system was chosen."""
 
 
 def unit_system(name: str | None) -> UnitSystem:
@@ -114,10 +114,10 @@ def unit_system(name: str | None) -> UnitSystem:
     """
     if name is None:
         return UNIT_SYSTEMS["SI"]
-    folded = {word.lower(): system for word, system in UNIT_SYSTEMS.items()}
-    if name.lower() not in folded:
+    systems_by_name = {word.lower(): system for word, system in UNIT_SYSTEMS.items()}
+    if name.lower() not in systems_by_name:
         raise ExportError(f"'{name}' is no unit system; {_UNITS_ASKED}")
-    return folded[name.lower()]
+    return systems_by_name[name.lower()]
 
 
 def text(value: float) -> str:
@@ -147,10 +147,10 @@ def format_fixed_width(value: float, width: int) -> str:
     for digits in range(min(17, width), 0, -1):
         rounded = f"{value:.{digits - 1}E}"
         mantissa, _, power = rounded.partition("E")
-        plain = f"{value:.{max(digits - 1 - int(power), 0)}f}" if abs(int(power)) < 17 else ""
+        fixed_point = f"{value:.{max(digits - 1 - int(power), 0)}f}" if abs(int(power)) < 17 else ""
         for candidate in (
-            _ensure_decimal_point(plain),
-            re.sub(r"^(-?)0(?=\.)", r"\1", _ensure_decimal_point(plain)),
+            _ensure_decimal_point(fixed_point),
+            re.sub(r"^(-?)0(?=\.)", r"\1", _ensure_decimal_point(fixed_point)),
             f"{_ensure_decimal_point(mantissa)}E{int(power)}",
         ):
             if candidate and len(candidate) <= width and float(candidate) == float(rounded):

@@ -161,14 +161,14 @@ class AdmissibleSpectra:
         self.scale = np.where(self.shown, norm, 1.0)
         columns = np.where(self.shown, rows[:, 1:] / self.scale, 0.0)
         text = np.linalg.norm(columns, axis=1) > ROUNDING
-        aside, self.target = float(rows[~text, 0] @ rows[~text, 0]), rows[text, 0].copy()
+        residual_sse, self.target = float(rows[~text, 0] @ rows[~text, 0]), rows[text, 0].copy()
         # a column is asked for as a row: laid out so, none is copied for it
         self.columns = np.asfortranarray(columns[text][:, self.shown])
         self.best = np.zeros(len(norm))
         self._ball = NonnegativeConfidenceRegion(self.columns, self.target)
         self.best[self.shown] = self._ball.least((start * self.scale)[self.shown])
         self.least = self.compute_misfit(self.best)
-        self.total = self.least + aside
+        self.total = self.least + residual_sse
         return self.total
 
     def reduce_grid(self, decades: float) -> AdmissibleSpectra:
@@ -181,9 +181,9 @@ class AdmissibleSpectra:
         keep: BoolArray = np.any(np.array(self.met) > 0, axis=0)
         keep[:2] = keep[-1] = True
         last = -np.inf
-        for row, place in enumerate(np.log10(self.tau).tolist(), start=2):
-            if place - last >= decades:
-                keep[row], last = True, place
+        for row, log_tau in enumerate(np.log10(self.tau).tolist(), start=2):
+            if log_tau - last >= decades:
+                keep[row], last = True, log_tau
         spectra = copy(self)
         spectra.tau, spectra.scale = self.tau[keep[2:]], self.scale[keep]
         spectra.columns = np.asfortranarray(self.columns[:, keep[self.shown]])
@@ -192,14 +192,14 @@ class AdmissibleSpectra:
         spectra.met = deque((values[keep] for values in self.met), maxlen=REMEMBERED)
         return spectra
 
-    def validate_misfit(self, misfit: float, floor: float) -> None:
+    def validate_misfit(self, misfit: float, fixed_misfit: float) -> None:
         """Refuse a set whose best spectrum is far worse than the fit, which is one of them.
 
         Parameters
         ----------
         misfit : float
             Sum of squares that the fit leaves of every sample.
-        floor : float
+        fixed_misfit : float
             What of it no spectrum can remove, and the rows do not hold.
 
         Raises
@@ -207,7 +207,7 @@ class AdmissibleSpectra:
         FitError
             If rounding has spoilt the rows.
         """
-        times = (self.total + floor) / max(misfit, 1e-300)
+        times = (self.total + fixed_misfit) / max(misfit, 1e-300)
         if times > FAR:
             raise FitError(
                 f"the best spectrum leaves {times:.3g} times what the fit does, though the fit is "
@@ -253,13 +253,15 @@ class AdmissibleSpectra:
 
     def find_extreme_spectrum(self, v: FloatArray) -> FloatArray:
         """Return the spectrum of the largest v . k, N/m, shape (m,)."""
-        aim, on = v / self.scale, self.shown
-        start = self.met[int((np.array(self.met) @ aim).argmax())]
-        values = np.zeros(len(aim))
-        values[on] = self._ball.find_farthest_point(aim[on], self.least + self.limit, start[on])
+        target_row, on = v / self.scale, self.shown
+        start = self.met[int((np.array(self.met) @ target_row).argmax())]
+        values = np.zeros(len(target_row))
+        values[on] = self._ball.find_farthest_point(
+            target_row[on], self.least + self.limit, start[on]
+        )
         self.met.append(values)
         stiffness = values / self.scale
-        return stiffness if on.all() else np.where(~on & (aim > 0), np.inf, stiffness)
+        return stiffness if on.all() else np.where(~on & (target_row > 0), np.inf, stiffness)
 
     def limit_functional(self, v: FloatArray) -> tuple[float, float]:
         """Return smallest and largest v . k that the tests do not reject."""
@@ -267,24 +269,26 @@ class AdmissibleSpectra:
             v, self.find_extreme_spectrum(v)
         )
 
-    def ratio_reach(self, above: FloatArray, below: FloatArray) -> tuple[float, float]:
+    def ratio_reach(self, numerator: FloatArray, denominator: FloatArray) -> tuple[float, float]:
         """Smallest and largest (above . k) / (below . k), below . k > 0 (Dinkelbach 1967)."""
-        return -self._largest_ratio(-above, below), self._largest_ratio(above, below)
+        return -self._largest_ratio(-numerator, denominator), self._largest_ratio(
+            numerator, denominator
+        )
 
-    def _largest_ratio(self, above: FloatArray, below: FloatArray) -> float:
-        if (above[~self.shown] > 0).any():
+    def _largest_ratio(self, numerator: FloatArray, denominator: FloatArray) -> float:
+        if (numerator[~self.shown] > 0).any():
             return np.inf
-        a, b = above / self.scale, below / self.scale
+        a, b = numerator / self.scale, denominator / self.scale
         values = [float(a @ s) / float(b @ s) for s in self.met if float(b @ s) > 0]
         if not values:  # the record knows of no stiffness at all, and so of no ratio
-            return np.inf if (above > 0).any() else 0.0
+            return np.inf if (numerator > 0).any() else 0.0
         ratio = max(values)
         for _ in range(STEPS):
-            result = self.find_extreme_spectrum(above - ratio * below)
-            if not float(below @ result) > 0:
+            result = self.find_extreme_spectrum(numerator - ratio * denominator)
+            if not float(denominator @ result) > 0:
                 break
-            gain = float(above @ result) - ratio * float(below @ result)
-            larger = float(above @ result) / float(below @ result)
+            gain = float(numerator @ result) - ratio * float(denominator @ result)
+            larger = float(numerator @ result) / float(denominator @ result)
             if gain <= CLOSE * abs(larger - ratio) or larger <= ratio:
                 break
             ratio = larger
@@ -312,8 +316,8 @@ def _spread(count: int) -> IndexArray:
 
 def _merge_grids(first: FloatArray, second: FloatArray) -> FloatArray:
     """Return the points of both grids; `numpy.union1d` says the same and imports masked arrays."""
-    both = np.sort(np.concatenate((first, second)))
-    return np.asarray(both[np.append(True, np.diff(both) > 0)])
+    merged = np.sort(np.concatenate((first, second)))
+    return np.asarray(merged[np.append(True, np.diff(merged) > 0)])
 
 
 def _refine_grid(log_tau: FloatArray, active: BoolArray) -> FloatArray:
@@ -383,13 +387,13 @@ def compute_end_limits(
     """
     if spectra is None:
         spectra = spectra_of_holds(relaxations, time=time, model=model, dof=dof, level=level)
-    falling = spectra.slope_at(time)
+    slope_limit = spectra.slope_at(time)
     end = EndOfHold(
         end_time=time,
         k_end=compute_nonnegative_limits(spectra, spectra.relaxed_to(time)),
         k_3end=compute_nonnegative_limits(spectra, spectra.relaxed_to(3 * time)),
         k_inf=(0.0, compute_upper_limit(spectra, spectra.relaxed_to(np.inf))),
-        slope_limit=compute_upper_limit(spectra, falling),
+        slope_limit=compute_upper_limit(spectra, slope_limit),
         if_machine_named=_compute_named_rig_share(relaxations, spectra, time),
     )
     return end.widen_to_contain(model)
@@ -398,21 +402,21 @@ def compute_end_limits(
 def _compute_named_rig_share(
     relaxations: Sequence[RelaxationData], spectra: AdmissibleSpectra, time: float
 ) -> float:
-    """What is left of the width of k(T) if give, settling and drift were named; nan if they are.
+    """Return the share of the width of k(T) without compliance, settling and drift; else nan.
 
     About the best spectrum, whose arms are free: to first order.
     """
     if not any(data.unmeasured_effects for data in relaxations):
         return float("nan")
     tau = spectra.tau[spectra.best[2:] > 0]
-    goal = np.append(1.0, np.exp(-time / tau))
+    target_row = np.append(1.0, np.exp(-time / tau))
 
     def variance(data: Sequence[RelaxationData]) -> float:
         rows = [relaxation_data.rows(np.log(tau), slopes=False) for relaxation_data in data]
         matrix = np.vstack([np.column_stack((row.spring, row.arms)) for row in rows])
         scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
-        along = np.linalg.lstsq((matrix / scale).T, goal / scale, rcond=1e-9)[0]
-        return float(along @ along)
+        coefficients = np.linalg.lstsq((matrix / scale).T, target_row / scale, rcond=1e-9)[0]
+        return float(coefficients @ coefficients)
 
     return float(np.sqrt(variance([relaxation.on_a_named_rig for relaxation in relaxations])
                          / variance(relaxations)))  # fmt: skip
@@ -450,19 +454,21 @@ def compute_distance_range(
     """Nearest and farthest distance of the convex set of (K', K'') from (inertia, 0), outer."""
     stiffness_set = StiffnessSet(spectra, omega, inertia)
     while True:
-        nearest, inside = stiffness_set.find_hull_point()
+        nearest_point, is_inside = stiffness_set.find_hull_point()
         corner = max(stiffness_set.corners(), key=abs)
         if len(stiffness_set) >= MOST_DIRECTIONS:
             break
         gap_near = (
-            0.0 if inside else 1 - stiffness_set.nearest_distance_bound / max(abs(nearest), 1e-300)
+            0.0
+            if is_inside
+            else 1 - stiffness_set.nearest_distance_bound / max(abs(nearest_point), 1e-300)
         )
         # a set that is one point, where the point is, has no farther one
         gap_far = 1 - stiffness_set.far / abs(corner) if corner else 0.0
         if max(gap_near, gap_far) <= REGION_TOLERANCE:
             break
-        stiffness_set.add_direction(-nearest if gap_near > gap_far else corner)
-    return 0.0 if inside else stiffness_set.nearest_distance_bound, abs(corner)
+        stiffness_set.add_direction(-nearest_point if gap_near > gap_far else corner)
+    return 0.0 if is_inside else stiffness_set.nearest_distance_bound, abs(corner)
 
 
 def compute_transmissibility_range(
@@ -481,17 +487,17 @@ def compute_transmissibility_range(
     while True:
         outer = [_find_extreme_ratio(stiffness_set.corners(), base, sign) for sign in (1, -1)]
         inner = [_find_extreme_ratio(stiffness_set.points, base, sign) for sign in (1, -1)]
-        (most, _), (least, _) = outer
+        (largest, _), (smallest, _) = outer
         # where nothing limits a ratio nothing more can be felt
         gaps = [
-            0.0 if inner[0][0] == most else 1 - inner[0][0] / most,
-            0.0 if inner[1][0] == least else 1 - least / inner[1][0],
+            0.0 if inner[0][0] == largest else 1 - inner[0][0] / largest,
+            0.0 if inner[1][0] == smallest else 1 - smallest / inner[1][0],
         ]
-        worse = int(np.argmax(gaps))
-        if gaps[worse] <= REGION_TOLERANCE or len(stiffness_set) >= MOST_DIRECTIONS:
-            return least, most
-        sign, disc = ((1, most > 1), (-1, least < 1))[worse]
-        at = (inner if disc else outer)[worse][1]
+        worst_index = int(np.argmax(gaps))
+        if gaps[worst_index] <= REGION_TOLERANCE or len(stiffness_set) >= MOST_DIRECTIONS:
+            return smallest, largest
+        sign, disc = ((1, largest > 1), (-1, smallest < 1))[worst_index]
+        at = (inner if disc else outer)[worst_index][1]
         stiffness_set.add_direction(complex(*(sign * _find_steepest_direction(at, base))))
 
 
@@ -524,15 +530,15 @@ class StiffnessSet:
             # as good as without end, and still a point
             end = AS_GOOD_AS_INFINITE * self._inertia / np.hypot(storage, loss)
             spectrum = np.where(open_ended, end, spectrum)
-        farthest = complex(*(self._columns @ spectrum).tolist())
+        farthest_point = complex(*(self._columns @ spectrum).tolist())
         at = bisect(self._angles, angle := phase(unit))
         self._angles.insert(at, angle)
         self._directions.insert(at, unit)
-        self.points.insert(at, farthest - self._inertia)
+        self.points.insert(at, farthest_point - self._inertia)
 
     @property
     def _supports(self) -> list[float]:
-        """How far the set reaches in each direction."""
+        """Return the largest extent of the set in each direction."""
         return [_dot(*pair) for pair in zip(self._directions, self.points, strict=True)]
 
     @property
@@ -549,10 +555,10 @@ class StiffnessSet:
         """The nearest point of the hull of all points met, and whether the origin is in it."""
         angles = sorted(map(phase, self.points))
         widest = max(b - a for a, b in pairwise((*angles, angles[0] + 2 * pi)))
-        nearest = min(
+        nearest_point = min(
             starmap(_find_nearest_point, pairwise((*self.points, self.points[0]))), key=abs
         )
-        return nearest, widest < pi or nearest == 0
+        return nearest_point, widest < pi or nearest_point == 0
 
     def corners(self) -> list[complex]:
         """Corners of the polygon that the support lines enclose, in their order."""
@@ -570,10 +576,10 @@ def _dot(first: complex, second: complex) -> float:
 
 def _find_nearest_point(start: complex, end: complex) -> complex:
     """Return the point nearest to the origin of the way from one to another."""
-    along = end - start
-    length = _dot(along, along)
-    part = -_dot(start, along) / length if length > 0 else 0.0
-    return start + min(max(part, 0.0), 1.0) * along
+    edge = end - start
+    length = _dot(edge, edge)
+    part = -_dot(start, edge) / length if length > 0 else 0.0
+    return start + min(max(part, 0.0), 1.0) * edge
 
 
 def _find_extreme_ratio(
@@ -581,21 +587,21 @@ def _find_extreme_ratio(
 ) -> tuple[float, FloatArray]:
     """Return the highest (sign 1) or lowest ratio |d + offset| / |d| over a polygon, and where."""
     start = np.array(corners).view(float).reshape(-1, 2)
-    along = np.roll(start, -1, axis=0) - start
+    edges = np.roll(start, -1, axis=0) - start
     base = start + np.array([offset, 0.0])
     pole = start if sign > 0 else base
-    if _contains_origin(pole, along):
+    if _contains_origin(pole, edges):
         return (np.inf if sign > 0 else 0.0), start[0]
     # d over each edge is a + s v: the ratio's square is one of quadratics in s
-    v2 = np.vecdot(along, along)
-    n0, n1 = np.vecdot(base, base), 2 * np.vecdot(base, along)
-    d0, d1 = np.vecdot(start, start), 2 * np.vecdot(start, along)
+    v2 = np.vecdot(edges, edges)
+    n0, n1 = np.vecdot(base, base), 2 * np.vecdot(base, edges)
+    d0, d1 = np.vecdot(start, start), 2 * np.vecdot(start, edges)
     a, b, c = v2 * (d1 - n1), v2 * (d0 - n0), n1 * d0 - n0 * d1
     with np.errstate(divide="ignore", invalid="ignore"):
-        half = -(b + np.copysign(np.sqrt(b * b - a * c), b))
-        steps = np.array([half / a, c / half, np.zeros_like(a)])
+        half_sum = -(b + np.copysign(np.sqrt(b * b - a * c), b))
+        steps = np.array([half_sum / a, c / half_sum, np.zeros_like(a)])
     steps = np.clip(np.nan_to_num(steps, nan=0.0, posinf=0.0, neginf=0.0), 0.0, 1.0)
-    points = (start + steps[..., None] * along).reshape(-1, 2)
+    points = (start + steps[..., None] * edges).reshape(-1, 2)
     with np.errstate(divide="ignore"):
         ratio = np.linalg.norm(points + np.array([offset, 0.0]), axis=1) / np.linalg.norm(
             points, axis=1
@@ -604,9 +610,9 @@ def _find_extreme_ratio(
     return float(ratio[best]), points[best]
 
 
-def _contains_origin(start: FloatArray, along: FloatArray) -> bool:
+def _contains_origin(start: FloatArray, edges: FloatArray) -> bool:
     """Return whether the origin lies within a convex polygon, its corners turning to the left."""
-    residual = along[:, 1] * start[:, 0] - along[:, 0] * start[:, 1]
+    residual = edges[:, 1] * start[:, 0] - edges[:, 0] * start[:, 1]
     return bool((residual >= 0).all() and (residual > 0).any())
 
 

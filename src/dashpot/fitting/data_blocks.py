@@ -52,7 +52,7 @@ class FitSetup(NamedTuple):
 
     @property
     def terms(self) -> tuple[str, ...]:
-        """Those that have a column from the beginning; eq. 5 has no motion to come late."""
+        """Return the terms that have a column from the beginning; eq. 5 has no delay."""
         return tuple(name for name in self.nuisance if name != "delay")
 
 
@@ -121,26 +121,26 @@ def compress_tests(tests: Sequence[RampHold], design: FitSetup) -> tuple[DataBlo
 
 
 def build_delay_blocks(
-    tests: Sequence[RampHold], design: FitSetup, near: FloatArray | None = None
+    tests: Sequence[RampHold], design: FitSetup, log_tau_start: FloatArray | None = None
 ) -> tuple[DataBlock, ...]:
     r"""Return the blocks of :func:`compress_tests` with the column of a force that comes late.
 
     .. math:: -\dot F = \sum_j (k_j/\tau_j)\,q_j - k_g\,\dot x, \qquad k_g = k_\infty + \sum_j k_j
 
     The slope of the force needs no more than a first solution with two arms, or the one that is
-    `near` these ln tau.
+    `log_tau_start` these ln tau.
     """
     blocks = compress_tests(tests, design)
     if design.method == "hold" or "delay" not in design.nuisance:
         return blocks
     stack = Stack(blocks)
-    spare = (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups))
+    degrees_left = (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups))
     rows = [*blocks, *build_prior_rows(tests, blocks, design)]
-    rough_arms = _ROUGH if near is None else len(near)
+    rough_arms = _ROUGH if log_tau_start is None else len(log_tau_start)
     rough = solve(
         rows,
-        max(min(rough_arms, spare), 0),
-        log_tau_start=near,
+        max(min(rough_arms, degrees_left), 0),
+        log_tau_start=log_tau_start,
         negligible=bic_penalty_per_arm(rows),
     )
     return tuple(
@@ -171,16 +171,17 @@ def build_prior_rows(
     hold = design.method == "hold"
     if not (design.terms if hold else design.nuisance):
         return ()
-    provided = spreads or [*map(estimate_hold_noise, tests)]
+    noise_sds = spreads or [*map(estimate_hold_noise, tests)]
     terms = [build_nuisance_terms(test, for_limits=hold) for test in tests]
     if hold:
         terms = [
             replace(term, drift_start=term.drift_start + float(test.ramp_end - test.time[0]))
             for term, test in zip(terms, tests, strict=True)
         ]
-    every = zip(terms, blocks, provided, strict=True)
+    terms_and_blocks = zip(terms, blocks, noise_sds, strict=True)
     return tuple(
-        nuisance_terms.build_rows(block, spread) for nuisance_terms, block, spread in every
+        nuisance_terms.build_rows(block, noise_sd)
+        for nuisance_terms, block, noise_sd in terms_and_blocks
     )
 
 
@@ -244,9 +245,9 @@ def motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
 
     A seal that the record finds in contact is at rest there: the force of that rest is offset.
     """
-    used = slice(0, test.hold.stop)
+    samples = slice(0, test.hold.stop)
     x, _ = denoise_displacement(test)
-    return regularise_clock(test.time[used] - test.time[0]), x - x[0], test.force[used]
+    return (regularise_clock(test.time[samples] - test.time[0]), x - x[0], test.force[samples])
 
 
 def regularise_clock(time: FloatArray) -> FloatArray:
@@ -332,13 +333,14 @@ class FitData:
 
 
 def data_of(
-    records: Sequence[RampHold], design: FitSetup, near: FloatArray | None = None
+    records: Sequence[RampHold], design: FitSetup, log_tau_start: FloatArray | None = None
 ) -> FitData:
     """Return the tests as data, with what is known of load cell and clocks.
 
-    Whose solid has relaxation times `near` some is not searched for: they are given as ln tau.
+    Whose solid has relaxation times `log_tau_start` some is not searched for: they are given as ln
+    tau.
     """
-    blocks = build_delay_blocks(records, design, near)
+    blocks = build_delay_blocks(records, design, log_tau_start)
     return FitData(
         blocks,
         [block.exact for block in blocks],
@@ -385,26 +387,30 @@ def fit_all_orders(
     *,
     auto: bool = True,
     thorough: bool = False,
-    only: bool = False,
-    near: FloatArray | None = None,
+    only_max_arms: bool = False,
+    log_tau_start: FloatArray | None = None,
 ) -> InitialFit:
     """Solve up to `max_arms` arms, with priors that weigh as the noise does that is left.
 
     Where ``auto`` chooses the number, records in time need no more arms than one beyond those
-    that could gain what BIC asks for one. ``only`` leaves out all but the last, which with `near`
-    is the one next to these ln tau.
+    that could gain what BIC asks for one. ``only_max_arms`` leaves out all but the last, which with
+    `log_tau_start` is the one next to these ln tau.
     """
     data = data.weight_priors()
 
     def solve_once() -> Sequence[Solution]:
-        least = bic_penalty_per_arm(data.rows) if data.in_time else 0.0
-        if only:
+        negligible = bic_penalty_per_arm(data.rows) if data.in_time else 0.0
+        if only_max_arms:
             solution = solve(
-                data.rows, max_arms, log_tau_start=near, negligible=least, thorough=thorough
+                data.rows,
+                max_arms,
+                log_tau_start=log_tau_start,
+                negligible=negligible,
+                thorough=thorough,
             )
             return (solution,)
         return solve_orders(
-            data.rows, max_arms, negligible=least, every=not auto, thorough=thorough
+            data.rows, max_arms, negligible=negligible, every_order=not auto, thorough=thorough
         )
 
     solutions = solve_once()

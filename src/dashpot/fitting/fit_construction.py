@@ -101,10 +101,13 @@ def build_fit(
         As `Fit` holds them.
     """
     evidence = replace(evidence, checks=_with_cautions(evidence.checks, provenance))
-    shown = {Status.FEWER_ARMS: estimate.has_fewer_arms, Status.TAU_AT_BOUND: estimate.at_bound}
+    conditions = {
+        Status.FEWER_ARMS: estimate.has_fewer_arms,
+        Status.TAU_AT_BOUND: estimate.at_bound,
+    }
     fit = Fit(
         solid=estimate.solid,
-        status=select_fit_status(evidence.checks, shown),
+        status=select_fit_status(evidence.checks, conditions),
         estimate=estimate.estimate,
         evidence=evidence,
         provenance=provenance,
@@ -182,11 +185,11 @@ def nuisances(
     """
     units = {"offset": unit, "drift": f"{unit}/s", "delay": "s", "warming": "K"}
     labels = [name for name in names if name.partition("@")[0] in units]
-    several = len({name.partition("@")[2] for name in labels}) > 1
+    has_several_records = len({name.partition("@")[2] for name in labels}) > 1
     terms = []
     for name in labels:
         kind, _, test = name.partition("@")
-        title = f"{kind} of test {int(test) + 1}" if several else kind
+        title = f"{kind} of test {int(test) + 1}" if has_several_records else kind
         before = None if prior_sds is None else prior_sds.get(name)
         terms.append(Nuisance(title, value(name), error(name), units[kind], before))
     return tuple(terms)
@@ -194,8 +197,8 @@ def nuisances(
 
 def provenance_of(method: str, tests: Sequence[RampHold], *steps: Step) -> Provenance:
     """Return where the fit of relaxation tests comes from; its piece is the deepest's."""
-    deepest = max(tests, key=lambda test: test.depth)
-    return Provenance(method, sources_of(tests), (*steps_of(tests), *steps), deepest.specimen)
+    deepest_test = max(tests, key=lambda test: test.depth)
+    return Provenance(method, sources_of(tests), (*steps_of(tests), *steps), deepest_test.specimen)
 
 
 # Checks of every fit of relaxation tests.
@@ -318,7 +321,7 @@ def _check_arms(
             window.span,
             window.source,
             end_names=window.end_names,
-            within=True,
+            is_closed=True,
             remedy=Remedy("Use fewer arms, hold longer, or sample faster.", "arms"),
         ),
     )

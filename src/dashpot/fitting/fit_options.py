@@ -73,7 +73,7 @@ class FitOptions(SolidOptions):
 
     @property
     def choices(self) -> dict[str, Any]:
-        """What differs from the usual, by the names of those arguments."""
+        """Options that differ from the defaults, by name."""
         return {
             name: item for name, item in vars(self).items() if item != getattr(FitOptions, name)
         }
@@ -118,18 +118,18 @@ def require_maxwell_family(family: str) -> None:
         )
 
 
-def refuse_shifts(subject: str, asked: FitOptions) -> None:
+def refuse_shifts(subject: str, fit_options: FitOptions) -> None:
     """Refuse what is asked of shifts where one temperature, or none, leaves nothing to shift."""
     options = {
-        "--reference": asked.reference is not None,
-        "--shift": asked.shift_law != "auto",
-        "--vertical": asked.vertical != "free",
+        "--reference": fit_options.reference is not None,
+        "--shift": fit_options.shift_law != "auto",
+        "--vertical": fit_options.vertical != "free",
     }
-    named = [flag for flag, option in options.items() if option]
-    if named:
+    given_flags = [flag for flag, option in options.items() if option]
+    if given_flags:
         raise FitError(
             f"{subject} of one temperature as far as is known, and shifted to no other: leave out "
-            f"{' and '.join(named)}, or fit tests at several temperatures and give those "
+            f"{' and '.join(given_flags)}, or fit tests at several temperatures and give those "
             "(--temperature 23degC --temperature 0degC)"
         )
 

@@ -45,7 +45,7 @@ def ramp_holds(tests: Tests) -> tuple[RampHold, ...]:
     return tuple(_prepare_test(test) for test in tests)
 
 
-def depths_of(test: RelaxationTest, **how: Any) -> tuple[RampHold, ...]:
+def depths_of(test: RelaxationTest, **options: Any) -> tuple[RampHold, ...]:
     """Return the loadings of one record that hold, one to a depth, each as a record of its own.
 
     Of several to one depth the one with the longest hold. What a later one remembers of those
@@ -54,23 +54,25 @@ def depths_of(test: RelaxationTest, **how: Any) -> tuple[RampHold, ...]:
     Parameters
     ----------
     test : RelaxationTest
-    how
+    options
         As :func:`~dashpot.preprocessing.prepare.prepare` takes it, without a cycle.
     """
-    chosen = prepare(test, **how)
-    parameters = next(dict(step.parameters) for step in chosen.steps if step.name == "segments")
+    chosen_record = prepare(test, **options)
+    parameters = next(
+        dict(step.parameters) for step in chosen_record.steps if step.name == "segments"
+    )
     cycle_count = int(parameters["cycle"].partition(" of ")[2])
-    every = (
-        [prepare(test, **how, cycle=number) for number in range(1, cycle_count + 1)]
+    cycle_records = (
+        [prepare(test, **options, cycle=number) for number in range(1, cycle_count + 1)]
         if cycle_count > 1
         else []
     )
     records: list[RampHold] = []
-    for ramp_hold in sorted(every, key=lambda record: -record.hold_time):
+    for ramp_hold in sorted(cycle_records, key=lambda record: -record.hold_time):
         if all(abs(ramp_hold.depth / other.depth - 1) > SAME_DEPTH for other in records):
             records.append(ramp_hold)
     if len(records) < 2:
-        return (chosen,)
+        return (chosen_record,)
     return tuple(
         map(_isolate_loading, sorted(records, key=lambda record: record.time[record.start]))
     )
@@ -84,15 +86,15 @@ def _isolate_loading(record: RampHold) -> RampHold:
     """
     if record.loading_start is None:
         return record
-    met = int(np.searchsorted(record.time, record.onset))
+    contact_index = int(np.searchsorted(record.time, record.onset))
     last = record.last_loading
     if last.plate is None:
-        ratio = float(record.force[max(met - 1, 0)]) / float(record.force.max())
+        ratio = float(record.force[max(contact_index - 1, 0)]) / float(record.force.max())
     else:
-        face = float(record.displacement[max(met - 1, 0)])
+        face = float(record.displacement[max(contact_index - 1, 0)])
         ratio = face / record.depth
-        way = np.maximum(last.plate - face, 0.0) / (1 - ratio)
-        last = replace(last, displacement=way, plate=None)
+        compression = np.maximum(last.plate - face, 0.0) / (1 - ratio)
+        last = replace(last, displacement=compression, plate=None)
     return replace(last, checks=(*record.checks, earlier_loading_negligible(ratio)))
 
 
@@ -174,9 +176,10 @@ def find_reference_index(temperatures: FloatArray, target: float | None) -> int:
     """
     magnitude = np.abs(temperatures - (STANDARD_TEMPERATURE if target is None else target))
     if target is not None and magnitude.min() > SAME_TEMPERATURE:
-        listed = ", ".join(celsius(float(value)) for value in temperatures)
+        temperatures_text = ", ".join(celsius(float(value)) for value in temperatures)
         raise FitError(
-            f"no test is of the reference temperature {celsius(target)}; expected one of {listed}"
+            f"no test is of the reference temperature {celsius(target)}; expected one of "
+            f"{temperatures_text}"
         )
     return int(np.argmin(magnitude))
 
@@ -266,10 +269,10 @@ def noise_correlation(ramp_hold: RampHold, other: RampHold) -> float:
         return 0.0
     first, second = (_clipped_spectrum(part) for part in residuals)
     products = np.array([first * second.conj(), np.abs(first) ** 2, np.abs(second) ** 2])
-    cross, pair, others = np.fft.irfft(products)
-    power = float(np.sqrt(pair[0] * others[0]))
-    near = np.concatenate((cross[: _LAGS + 1], cross[-_LAGS:]))
-    return float(near.max()) / power if power > 0 else 0.0
+    cross, pair, other_pairs = np.fft.irfft(products)
+    power = float(np.sqrt(pair[0] * other_pairs[0]))
+    near_zero_lag = np.concatenate((cross[: _LAGS + 1], cross[-_LAGS:]))
+    return float(near_zero_lag.max()) / power if power > 0 else 0.0
 
 
 def _compute_means_off_course(record: RampHold, edges: FloatArray) -> FloatArray:
@@ -286,8 +289,8 @@ def _clipped_spectrum(values: FloatArray) -> ComplexArray:
     # tapered, so that a line of hum stays within a few lines
     spectrum = np.fft.rfft(values * np.hanning(len(values)))
     size = np.abs(spectrum)
-    most = _CLIPPED * median(size)
-    return np.asarray(spectrum * np.minimum(1.0, most / np.maximum(size, 1e-300)))
+    ceiling = _CLIPPED * median(size)
+    return np.asarray(spectrum * np.minimum(1.0, ceiling / np.maximum(size, 1e-300)))
 
 
 def end_stiffnesses(records: Sequence[RampHold]) -> tuple[EndStiffness, ...]:
@@ -303,17 +306,19 @@ def end_stiffnesses(records: Sequence[RampHold]) -> tuple[EndStiffness, ...]:
 
 
 def _end_stiffness(record: RampHold, at: float) -> EndStiffness:
-    since = record.time - record.ramp_end
-    last = (since >= 0.95 * at) & (since <= at)
-    last[int(np.searchsorted(since, at)) - 1] = True
+    time_since_ramp = record.time - record.ramp_end
+    last = (time_since_ramp >= 0.95 * at) & (time_since_ramp <= at)
+    last[int(np.searchsorted(time_since_ramp, at)) - 1] = True
     cell_priors = build_load_cell_priors(record)
-    later = record.ramp_end + 0.975 * at - record.time[0] - cell_priors.offset_time
+    time_to_end = record.ramp_end + 0.975 * at - record.time[0] - cell_priors.offset_time
     force = (
-        float(record.force[last].mean()) - cell_priors.offset.mean - cell_priors.drift.mean * later
+        float(record.force[last].mean())
+        - cell_priors.offset.mean
+        - cell_priors.drift.mean * time_to_end
     )
     relative_error = (
         cell_priors.offset.sd,
-        cell_priors.drift.sd * later,
+        cell_priors.drift.sd * time_to_end,
         record.force_noise / np.sqrt(last.sum()),
     )
     depth = float(np.hypot(record.depth_error, record.contact_error / record.depth))

@@ -72,14 +72,14 @@ class ThermalShift(NamedTuple):
         return shifted_log_tau(log_tau, self.log_a, self.slope)
 
     def compute_shift_columns(self, model: GeneralizedMaxwell, slopes: FloatArray) -> FloatArray:
-        """What a doubtful shift and slope add to a force: columns times their standard deviation.
+        """Return the columns of an uncertain shift and slope, times their standard deviation.
 
         `model` is the solid at this temperature, `slopes` the derivatives of its arms' columns.
         """
         k = np.asarray(model.k)
-        far = decades(np.log(np.asarray(model.tau)) - self.log_a)
+        distances = decades(np.log(np.asarray(model.tau)) - self.log_a)
         return np.column_stack(
-            (slopes @ (k * self.shift_sd), slopes @ (k * self.log_a * far * self.slope_sd))
+            (slopes @ (k * self.shift_sd), slopes @ (k * self.log_a * distances * self.slope_sd))
         )
 
 
@@ -102,10 +102,10 @@ class UnmeasuredEffects(NamedTuple):
 
     def but(self, *names: str) -> UnmeasuredEffects:
         """Return the terms without these."""
-        retained = [name not in names for name in self.names]
+        is_retained = [name not in names for name in self.names]
         remaining = tuple(name for name in self.names if name not in names)
         return UnmeasuredEffects(
-            remaining, self.log_tau, self.fixed[:, retained], self.arms[:, retained]
+            remaining, self.log_tau, self.fixed[:, is_retained], self.arms[:, is_retained]
         )
 
     def columns(self, fixed: FloatArray, arms: FloatArray) -> FloatArray:
@@ -203,11 +203,14 @@ class RelaxationData:
         """The certain block in rows of unit noise; `index` shows private columns of tests apart."""
         names = (n if n in SOLID else f"{n}@{index}" for n in self.certain.fixed_names)
         block = self.certain.scale_rows(self.weight, tuple(names))
-        where = self.thermal_shift
-        if where is None:
+        thermal_shift = self.thermal_shift
+        if thermal_shift is None:
             return block
         return block.map_relaxation_times(
-            where.log_tau, float(np.exp(where.log_b)), stretch=where.stretch, window=self.window
+            thermal_shift.log_tau,
+            float(np.exp(thermal_shift.log_b)),
+            stretch=thermal_shift.stretch,
+            window=self.window,
         )
 
     def rows(
@@ -215,45 +218,47 @@ class RelaxationData:
         log_tau: FloatArray,
         *,
         slopes: bool = True,
-        borne: Mapping[str, Prior] = MappingProxyType({}),
+        extra_priors: Mapping[str, Prior] = MappingProxyType({}),
     ) -> RelaxationRows:
         """Everything that depends on the solid, whitened for all that the rig adds.
 
-        But for what is `borne`, by the kinds of its columns: a column each, times its standard
-        deviation.
+        But for what is `extra_priors`, by the kinds of its columns: a column each, times its
+        standard deviation.
         """
         count, kinds = len(log_tau), [get_column_kind(name) for name in self.block.fixed_names]
         shortest = np.log(DASHPOT * self.block.window[0])
         shift = self.thermal_shift or ThermalShift()
         doubtful = shift.shift_sd > 0
         effects, span = self.unmeasured_effects, slice(count, count + self.model.arms)
-        others = np.zeros(0) if effects is None else effects.log_tau
+        effect_log_tau = np.zeros(0) if effects is None else effects.log_tau
         evaluation = self.block.evaluate(
-            np.concatenate((shift.log_tau(log_tau), np.log(self.model.tau), others, [shortest])),
+            np.concatenate(
+                (shift.log_tau(log_tau), np.log(self.model.tau), effect_log_tau, [shortest])
+            ),
             slopes or doubtful,
         )
         spring = evaluation.fixed[:, kinds.index("k_inf")]
-        fast = evaluation.arms[:, -1] / np.exp(shortest)
-        of_answer = _build_delay_columns(self.model, spring, fast, evaluation.arms[:, span])
-        doubts, mean = self.terms.build_prior_columns(evaluation.fixed, self.block.fixed_names)
+        fast_column = evaluation.arms[:, -1] / np.exp(shortest)
+        of_answer = _build_delay_columns(self.model, spring, fast_column, evaluation.arms[:, span])
+        columns, mean = self.terms.build_prior_columns(evaluation.fixed, self.block.fixed_names)
         if effects is not None:
-            doubts = np.hstack(
-                (doubts, effects.columns(evaluation.fixed, evaluation.arms[:, span.stop : -1]))
+            columns = np.hstack(
+                (columns, effects.columns(evaluation.fixed, evaluation.arms[:, span.stop : -1]))
             )
         of_shift = (
             shift.compute_shift_columns(self.model, evaluation.d_arms[:, span])
             if doubtful
-            else doubts[:, :0]
+            else columns[:, :0]
         )
         b_t = float(np.exp(shift.log_b))
-        sentences = {*SOLID, *self.terms.priors, *borne}
+        sentences = {*SOLID, *self.terms.priors, *extra_priors}
         free = [kind not in sentences for kind in kinds]
-        differences = replace(self.terms, priors=borne).build_prior_columns(
+        differences = replace(self.terms, priors=extra_priors).build_prior_columns(
             evaluation.fixed, self.block.fixed_names
         )[0]
-        every = np.column_stack((doubts, of_shift, of_answer * (self.delay, self.size)))
-        white = marginal(evaluation.fixed[:, free], self.weight * every)
-        dashpot = evaluation.fixed[:, kinds.index("b")] if "b" in kinds else fast
+        all_columns = np.column_stack((columns, of_shift, of_answer * (self.delay, self.size)))
+        white = marginal(evaluation.fixed[:, free], self.weight * all_columns)
+        dashpot = evaluation.fixed[:, kinds.index("b")] if "b" in kinds else fast_column
         return RelaxationRows(
             target=white(self.weight * (evaluation.target - mean)),
             spring=white(self.weight * b_t * spring),
@@ -264,7 +269,7 @@ class RelaxationData:
         )
 
     def compute_rig_gradient(self, solid: Solid) -> FloatArray:
-        r"""By how much each uncertainty of the rig pulls at a solid, J'c, shape (p + 1, d).
+        r"""Return the gradient of each uncertainty of the rig on a solid, J'c, shape (p + 1, d).
 
         Of data that are claimed, each doubt with a column c; J is free of what the fit knew of
         offset, drift, delay and motion. The solid's parameters are k_inf, every k, every ln tau, or
@@ -279,17 +284,17 @@ class RelaxationData:
             "memory",
             *(("warming",) if self.thermal_shift is None else ()),
         )
-        borne = {kind: priors.pop(kind) for kind in kinds if kind in priors}
+        rig_priors = {kind: priors.pop(kind) for kind in kinds if kind in priors}
         if "drift" in priors:
-            borne["drift"], priors["drift"] = (
+            rig_priors["drift"], priors["drift"] = (
                 priors["drift"].compute_remainder(fitted_drift),
                 fitted_drift,
             )
         values, arms = np.unique(
             np.clip(np.log(model.tau), *np.log(self.window)), return_inverse=True
         )
-        quiet = replace(self, terms=replace(self.terms, priors=priors))
-        rows = quiet.rows(values, borne=borne)
+        without_rig = replace(self, terms=replace(self.terms, priors=priors))
+        rows = without_rig.rows(values, extra_priors=rig_priors)
         columns = np.column_stack((rows.spring, rows.arms[:, arms], rows.slopes[:, arms] * model.k))
         if isinstance(solid, FractionalZener):
             columns = columns @ solid.arm_gradient()

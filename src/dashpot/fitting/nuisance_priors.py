@@ -86,12 +86,12 @@ class NuisanceTerms:
     drift_start: float = 0.0
     least_error: float = 0.0
 
-    def add_terms(self, **more: Prior) -> NuisanceTerms:
+    def add_terms(self, **further_priors: Prior) -> NuisanceTerms:
         """Return the terms and further ones."""
-        return replace(self, priors={**self.priors, **more})
+        return replace(self, priors={**self.priors, **further_priors})
 
-    def build_rows(self, block: DataBlock, spread: float) -> DataBlock:
-        """Return the rows of the priors for a block whose independent rows have this `spread`."""
+    def build_rows(self, block: DataBlock, noise_sd: float) -> DataBlock:
+        """Return the rows of the priors for a block whose independent rows have this `noise_sd`."""
         names = tuple(name for name in block.fixed_names if get_column_kind(name) in self.priors)
         kinds = [get_column_kind(name) for name in names]
         rows = np.eye(len(names))
@@ -99,8 +99,8 @@ class NuisanceTerms:
             rows[kinds.index("offset"), kinds.index("drift")] = -self.drift_start
         mean, sd = np.array([self.priors[kind] for kind in kinds]).reshape(-1, 2).T
         # tighter priors only worsen the conditioning
-        least_sd = max(self.least_error, _MIN_SD_RATIO * spread)
-        row_sd = max(spread, self.least_error)
+        least_sd = max(self.least_error, _MIN_SD_RATIO * noise_sd)
+        row_sd = max(noise_sd, self.least_error)
         return prior_block(block, names, rows, mean, np.maximum(sd, least_sd), unit=row_sd)
 
     def build_prior_columns(
@@ -217,10 +217,10 @@ def build_nuisance_terms(record: RampHold, *, for_limits: bool = False) -> Nuisa
     With `for_limits` the drift has the wider prior of limits.
     """
     cell_priors = build_load_cell_priors(record)
-    least = ROUNDING * float(np.abs(record.force).max())
+    min_error = ROUNDING * float(np.abs(record.force).max())
     drift = cell_priors.limit_drift if for_limits else cell_priors.drift
     all_priors = {"offset": cell_priors.offset, "drift": drift, "delay": cell_priors.delay}
-    return NuisanceTerms(all_priors, -cell_priors.offset_time, least)
+    return NuisanceTerms(all_priors, -cell_priors.offset_time, min_error)
 
 
 @cache_on_record
@@ -231,9 +231,9 @@ def estimate_hold_noise(record: RampHold) -> float:
     priors are weighted against slow noise, of which the scatter of neighbours may be a
     twentieth.
     """
-    since, force = record.time[record.hold] - record.ramp_end, record.force[record.hold]
+    time_since_ramp, force = record.time[record.hold] - record.ramp_end, record.force[record.hold]
     group_size = max(len(force) // _HOLD_MEANS, 1)
-    time, means = block_means(since, group_size), block_means(force, group_size)
+    time, means = block_means(time_since_ramp, group_size), block_means(force, group_size)
     if len(means) < 4 * _HOLD_ARMS:
         return record.force_noise
     noise = _compute_hold_noise(time, means)
@@ -278,8 +278,8 @@ def estimate_channel_zero(time: FloatArray, values: FloatArray, noise: float) ->
 def _find_first_motion(record: RampHold) -> int:
     """Return the first sample at which the plate may move: a fiftieth of the ramp before seen."""
     first_moved = int(np.argmax(record.displacement > 0))
-    earlier = record.loading_start is not None
-    visible_onset = record.onset if earlier else min(float(record.time[first_moved]), record.onset)
+    is_known = record.loading_start is not None
+    visible_onset = record.onset if is_known else min(float(record.time[first_moved]), record.onset)
     return int(np.searchsorted(record.time, visible_onset - _UNSEEN_RAMP_PART * record.ramp_time))
 
 
@@ -317,11 +317,11 @@ class TwoChannels(Protocol):
 
     @property
     def machine(self) -> Machine:
-        """What is known of the machine that made it."""
+        """Machine of the record."""
 
     @property
     def step(self) -> float:
-        """Between two samples, s."""
+        """Time step, s."""
 
 
 def build_delay_prior(record: TwoChannels) -> Prior:
@@ -379,12 +379,12 @@ def _compute_reading_error(record: RampHold, noise: float) -> float:
     The scatter of neighbours does not contain slow noise: behind a filter of 10 Hz, at 1 kHz,
     they differ by a thousandth of it. The scatter of readings far apart does.
     """
-    since, force = record.time[record.hold] - record.ramp_end, record.force[record.hold]
+    time_since_ramp, force = record.time[record.hold] - record.ramp_end, record.force[record.hold]
     stride = max(len(force) // _HOLD_MEANS, 1)
-    since, force = since[::stride], force[::stride]
+    time_since_ramp, force = time_since_ramp[::stride], force[::stride]
     if len(force) < 4 * _HOLD_ARMS:
         return noise
-    slow_noise = float(np.sqrt(_compute_hold_noise(since, force).autocovariance[0]))
+    slow_noise = float(np.sqrt(_compute_hold_noise(time_since_ramp, force).autocovariance[0]))
     noise_limit = (1 + _CHANCE_FACTOR / float(np.sqrt(len(force)))) * noise
     return (
         slow_noise

@@ -107,14 +107,19 @@ def score_in_noise_metric(
     refitted += [refitted[-1]] * (len(solutions) - len(refitted))
     effective = sum(noise.effective for noise in noises)
     size = [_parameters(solution) for solution in solutions]
-    falls = [before.sse - after.sse for before, after in pairwise(refitted)]
+    sse_falls = [before.sse - with_arm.sse for before, with_arm in pairwise(refitted)]
     significant = [
         True,
-        *(is_significant_fall(f, b - a) for f, (a, b) in zip(falls, pairwise(size), strict=True)),
+        *(
+            is_significant_fall(f, b - a)
+            for f, (a, b) in zip(sse_falls, pairwise(size), strict=True)
+        ),
     ]
     return tuple(
-        Score(solution, bic_of_deviance(best.sse, effective=effective, parameters=count), clear)
-        for solution, best, count, clear in zip(solutions, refitted, size, significant, strict=True)
+        Score(solution, bic_of_deviance(best.sse, effective=effective, parameters=count), is_clear)
+        for solution, best, count, is_clear in zip(
+            solutions, refitted, size, significant, strict=True
+        )
     )
 
 
@@ -182,16 +187,16 @@ class SelectedModel:
 
     def rows_named(self, spring: str, arm: str, time: str, dashpot: str | None) -> dict[str, int]:
         """Rows of the covariance: spring, every arm that is there by its two names, and dashpot."""
-        there = np.flatnonzero(self.solution.arms.ravel() > 0) + 1
-        named = {spring: spring}
-        named |= {f"{arm}_{j}": f"k_{row}" for j, row in enumerate(there, start=1)}
-        named |= {f"{time}_{j}": f"ln_tau_{row}" for j, row in enumerate(there, start=1)}
-        named |= {} if dashpot is None else {dashpot: dashpot}
-        return {name: self.estimate.names.index(row) for name, row in named.items()}
+        alive_rows = np.flatnonzero(self.solution.arms.ravel() > 0) + 1
+        row_by_name = {spring: spring}
+        row_by_name |= {f"{arm}_{j}": f"k_{row}" for j, row in enumerate(alive_rows, start=1)}
+        row_by_name |= {f"{time}_{j}": f"ln_tau_{row}" for j, row in enumerate(alive_rows, start=1)}
+        row_by_name |= {} if dashpot is None else {dashpot: dashpot}
+        return {name: self.estimate.names.index(row) for name, row in row_by_name.items()}
 
     @cached_property
     def covariance(self) -> FloatArray:
-        """Of the model's parameters: k_inf, every k, every ln tau, and b."""
+        """Covariance of the model's parameters: k_inf, every k, every ln tau, and b."""
         rows = list(self._rows.values())
         return self.estimate.covariance[np.ix_(rows, rows)]
 
@@ -212,9 +217,9 @@ class SelectedModel:
         arms = {f"k_{j}": k for j, k in enumerate(solution.arms.ravel().tolist(), start=1)}
         return {"k_inf": solution.coefficient("k_inf"), **arms}
 
-    def add_depth_error(self, doubts: Sequence[float]) -> SelectedModel:
+    def add_depth_error(self, depth_errors: Sequence[float]) -> SelectedModel:
         """Return the model with the error of each depth by the step of the encoder."""
-        return replace(self, estimate=self.estimate.add_depth_error(doubts, self.stiffnesses))
+        return replace(self, estimate=self.estimate.add_depth_error(depth_errors, self.stiffnesses))
 
     @property
     def orders(self) -> tuple[OrderScore, ...]:
@@ -237,7 +242,7 @@ class SelectedModel:
 
     @cached_property
     def certificate(self) -> Certificate:
-        """How far the optimum can be from the best positive spectrum."""
+        """Distance of the optimum from the best positive spectrum."""
         return compute_certificate(self.data.rows, self.solution)
 
     @cached_property
@@ -248,21 +253,21 @@ class SelectedModel:
         must gain.
         """
         solution = self.solution
-        least = solution.samples * rounding_rms(self.data.peak) ** 2
+        rounding_sse = solution.samples * rounding_rms(self.data.peak) ** 2
         if (
             self.requested_arms is None
             or solution.order < self.requested_arms
-            or solution.sse <= least
+            or solution.sse <= rounding_sse
         ):
             return None
         gain = -solution.samples * float(np.log1p(-min(self.certificate.gap, ALL)))
         if gain < 2 * float(np.log(solution.samples)):
             return None
-        more = select_order(self.data, FitOptions(max_arms=solution.order + EXTRA_ARMS))
-        supported = more.solution.order
+        larger_selection = select_order(self.data, FitOptions(max_arms=solution.order + EXTRA_ARMS))
+        supported = larger_selection.solution.order
         if supported <= solution.order:
             return None
-        return Shortage(solution.order, supported, self.estimate.rms, more.estimate.rms)
+        return Shortage(solution.order, supported, self.estimate.rms, larger_selection.estimate.rms)
 
     def check_arm_count(self, unit: str) -> tuple[Check, ...]:
         """Whether the arms that were asked for are enough, residuals in `unit`; and the samples."""
@@ -276,8 +281,8 @@ class SelectedModel:
     def convergence_check(self) -> Check:
         """Whether no step would change more than rounding, or a bound holds the point."""
         solution = self.solution
-        near = solution.converged or solution.relative_offset < _STATIONARY
-        return optimum_found(stationary=bool(near or solution.at_bound.any()))
+        is_stationary = solution.converged or solution.relative_offset < _STATIONARY
+        return optimum_found(stationary=bool(is_stationary or solution.at_bound.any()))
 
     @property
     def residual(self) -> Residual:
@@ -325,8 +330,8 @@ class SelectedModel:
         )
         if rig_sensitivity is not None:
             estimate = estimate.with_rig(rig_sensitivity)
-        fewer = self.requested_arms is not None and self.solution.order < self.requested_arms
-        return SolidEstimate(self.solid, estimate, fewer, bool(self.solution.at_bound.any()))
+        lacks_arms = self.requested_arms is not None and self.solution.order < self.requested_arms
+        return SolidEstimate(self.solid, estimate, lacks_arms, bool(self.solution.at_bound.any()))
 
 
 def validate_arm_count(arms: object, max_arms: object) -> int:
@@ -361,15 +366,17 @@ def select_order(
     first : First, optional
         What :func:`weighed` found, where it is known already.
     """
-    auto, most = options.arms == "auto", validate_arm_count(options.arms, options.max_arms)
+    auto, max_arms = options.arms == "auto", validate_arm_count(options.arms, options.max_arms)
     if auto:
-        most = min(most, max_determinable_arms(data.blocks))
-    first = first or fit_all_orders(data, most, auto=auto, thorough=options.thorough)
+        max_arms = min(max_arms, max_determinable_arms(data.blocks))
+    first = first or fit_all_orders(data, max_arms, auto=auto, thorough=options.thorough)
     data, noises = first.data, first.noises
     samples, peak, in_time = data.samples, data.peak, data.in_time
-    scores = _score_orders(first.solutions[: most + 1], data, noises)
-    exhausted = len(scores) - 1 < most or not in_time
-    choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE_BIC if in_time else np.inf)
+    scores = _score_orders(first.solutions[: max_arms + 1], data, noises)
+    is_exhausted = len(scores) - 1 < max_arms or not in_time
+    choice = _choice(
+        scores, is_exhausted=is_exhausted, decisive=DECISIVE_BIC if in_time else np.inf
+    )
 
     @lru_cache(maxsize=1)  # the order that the rules support is, as a rule, the one chosen
     def solve_whole_order(order: int) -> Jacobian:
@@ -392,19 +399,21 @@ def select_order(
         if anew is not None:
             scores = anew
             choice = _choice(
-                scores, exhausted=exhausted, decisive=DECISIVE_BIC, in_noise_metric=True
+                scores, is_exhausted=is_exhausted, decisive=DECISIVE_BIC, in_noise_metric=True
             )
-    taken = choice.arms if auto else min(most, len(scores) - 1)
+    arm_count = choice.arms if auto else min(max_arms, len(scores) - 1)
     estimate = estimate_covariance(
-        scores[taken].solution,
+        scores[arm_count].solution,
         samples,
         peak=peak,
         priors=data.priors,
         encoders=data.encoders,
-        jacobian=solve_whole_order(taken),
-        series=first.get_residuals(scores[taken].solution),
+        jacobian=solve_whole_order(arm_count),
+        series=first.get_residuals(scores[arm_count].solution),
     )
-    return SelectedModel(data, estimate, scores, choice if auto else None, None if auto else most)
+    return SelectedModel(
+        data, estimate, scores, choice if auto else None, None if auto else max_arms
+    )
 
 
 # -- orders ---------------------------------------------------------------------------------------
@@ -436,21 +445,21 @@ def _noise_gain(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> flo
 
 
 def _choice(
-    scores: Sequence[Score], *, exhausted: bool, decisive: float, in_noise_metric: bool = False
+    scores: Sequence[Score], *, is_exhausted: bool, decisive: float, in_noise_metric: bool = False
 ) -> OrderChoice:
     return select_model_order(
         range(len(scores)),
         [score.bic for score in scores],
         [score.significant for score in scores],
-        exhausted=exhausted,
+        is_exhausted=is_exhausted,
         in_noise_metric=in_noise_metric,
         decisive=decisive,
     )
 
 
 def _is_whole_number(number: object) -> bool:
-    whole = isinstance(number, int | np.integer) and not isinstance(number, bool)
-    return whole and number >= 0  # type: ignore[operator]
+    is_integer = isinstance(number, int | np.integer) and not isinstance(number, bool)
+    return is_integer and number >= 0  # type: ignore[operator]
 
 
 # -- parts of a fit -------------------------------------------------------------------------------

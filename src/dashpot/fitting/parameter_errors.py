@@ -83,10 +83,10 @@ class Encoder(NamedTuple):
     @classmethod
     def from_record(cls, record: RampHold) -> Encoder:
         """Return the encoder of a prepared record, up to the end of its hold."""
-        used = slice(0, record.hold.stop)
+        used_samples = slice(0, record.hold.stop)
         return cls(
-            record.time[used],
-            record.travel[used],
+            record.time[used_samples],
+            record.travel[used_samples],
             record.encoder_step,
             record.onset,
             record.contact_error,
@@ -123,10 +123,8 @@ def _compute_contact_row(
     """Return the row of an error of the contact: a step of motion at contact."""
     if encoder.contact_error == 0.0:
         return np.zeros((0, columns.shape[1]))
-    first_sample = max(int(np.searchsorted(encoder.time, encoder.onset)), first_row)
-    change = (
-        kernel(encoder.time[first_sample:] - encoder.onset) @ columns[first_sample - first_row :]
-    )
+    start = max(int(np.searchsorted(encoder.time, encoder.onset)), first_row)
+    change = kernel(encoder.time[start:] - encoder.onset) @ columns[start - first_row :]
     return encoder.contact_error * change[None]
 
 
@@ -135,14 +133,14 @@ def _compute_step_rows(
 ) -> FloatArray:
     time, readings = encoder.time, encoder.readings
     starts = np.concatenate(([0], np.flatnonzero(np.diff(readings)) + 1))
-    ends = np.concatenate((starts[1:], [len(readings)]))
-    is_rest = ends - starts > _LEAST_REST * len(readings)
+    stops = np.concatenate((starts[1:], [len(readings)]))
+    is_rest = stops - starts > _LEAST_REST * len(readings)
     is_rest[0] = True  # all motion is measured from the first reading
     pulses = [
         _compute_pulse_row(columns, first_row, time, kernel, (int(a), int(b)))
-        for a, b in zip(starts[is_rest], ends[is_rest], strict=True)
+        for a, b in zip(starts[is_rest], stops[is_rest], strict=True)
     ]
-    is_recorded = ends > first_row
+    is_recorded = stops > first_row
     k_0 = kernel.k_inf + float(kernel.k.sum())
     short_runs = np.add.reduceat(columns, np.maximum(starts[is_recorded] - first_row, 0), axis=0)[
         ~is_rest[is_recorded]
@@ -329,7 +327,7 @@ def estimate_covariance(
     gains = [
         *map(information.compute_record_gain, range(len(every_jacobian)), [*noises, *prior_noises])
     ]
-    covariance = information.covariance(np.sum(gains, axis=0), others=error_rows)
+    covariance = information.covariance(np.sum(gains, axis=0), other_columns=error_rows)
     residuals = tuple(residual_series.values for residual_series in series)
     return SolutionEstimate(
         jacobian.names, covariance, residuals, noises, solution, information.turn,
@@ -404,15 +402,17 @@ def score_solution(
     priors : sequence of DataBlock
         Priors of nuisance parameters.
     """
-    floor = max(solution.samples * rounding_rms(peak) ** 2, Stack(blocks).rounding_floor)
+    rounding_sse = max(solution.samples * rounding_rms(peak) ** 2, Stack(blocks).rounding_floor)
     parameters = len(solution.fixed) + solution.arms.size + solution.order
-    criterion = bic(solution.sse, effective=effective, parameters=parameters, floor=floor)
+    criterion = bic(
+        solution.sse, effective=effective, parameters=parameters, rounding_sse=rounding_sse
+    )
     if not solution.order:
         return Score(solution, criterion, True)
     information = directions([full_jacobian([*blocks, *priors], solution).matrix])
 
     def is_significant(independent: float) -> bool:
-        variance = (solution.sse + floor) / max(independent - parameters, 1.0)
+        variance = (solution.sse + rounding_sse) / max(independent - parameters, 1.0)
         return _are_arms_significant(solution, information.covariance(variance * information.gram))
 
     # the sandwich lies between full weight of every sample and the weight by the slowest

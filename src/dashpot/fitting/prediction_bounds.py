@@ -99,14 +99,14 @@ def off_by_error(fit: Fit) -> tuple[Solid, ...]:
     )
 
 
-def _build_solid(fit: Fit, values: FloatArray, there: FloatArray) -> Solid:
+def _build_solid(fit: Fit, values: FloatArray, sampled_values: FloatArray) -> Solid:
     if fit.estimate.parameters == ELEMENT:
-        k_inf, k_0 = np.maximum(there[:2], _LEAST_PART * values[:2])
-        alpha = float(np.clip(there[3], 0.05, 1.0))
-        return FractionalZener(float(k_0), float(k_inf), float(np.exp(there[2])), alpha)
+        k_inf, k_0 = np.maximum(sampled_values[:2], _LEAST_PART * values[:2])
+        alpha = float(np.clip(sampled_values[3], 0.05, 1.0))
+        return FractionalZener(float(k_0), float(k_inf), float(np.exp(sampled_values[2])), alpha)
     arms = fit.model.arms
-    k = np.maximum(there[: 1 + arms], _LEAST_PART * values[: 1 + arms]).tolist()
-    tau = np.exp(there[1 + arms : 1 + 2 * arms])
+    k = np.maximum(sampled_values[: 1 + arms], _LEAST_PART * values[: 1 + arms]).tolist()
+    tau = np.exp(sampled_values[1 + arms : 1 + 2 * arms])
     order = np.argsort(tau)
     return GeneralizedMaxwell(
         k[0], tuple(k[1 + i] for i in order), tuple(tau[order].tolist()), fit.model.b
@@ -144,12 +144,14 @@ def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -
     K = _draw_stiffnesses(fit, 2 * np.pi * f)
     stiffness = fit.solid.complex_stiffness(omega=2 * np.pi * f)
     # a draw that bears nothing has no loss factor
-    borne = np.where(K == 0, stiffness, K)
+    stiffness_used = np.where(K == 0, stiffness, K)
     return StiffnessBounds(
         f,
         _quantiles(K.real, stiffness.real, level),
         _quantiles(K.imag, stiffness.imag, level),
-        _quantiles(borne.imag / borne.real, stiffness.imag / stiffness.real, level),
+        _quantiles(
+            stiffness_used.imag / stiffness_used.real, stiffness.imag / stiffness.real, level
+        ),
         f"{100 * level:g} % of the solids that the fit's own standard errors allow; arms that the "
         "fit does not have are not in it",
     )
@@ -248,18 +250,18 @@ def frf_band(
 
     def limits(at: FloatArray) -> FloatArray:
         omega = 2 * np.pi * at
-        reach = np.transpose([predicted.reach(spectra, item) for item in omega])
+        stiffness_ranges = np.transpose([predicted.reach(spectra, item) for item in omega])
         return _widen_to_contain(
-            reach, predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega)
+            stiffness_ranges, predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega)
         )
 
     unmeasured = limits(f)
     peak = _resonance(spectra, mass / seals, 2 * np.pi * resonance)
     height = None
     if peak is not None and np.isfinite(peak[1]):
-        there = limits(np.linspace(*peak, PEAK_LINES))
-        about = (f > peak[0] / LINE_FACTOR) & (f < peak[1] * LINE_FACTOR)
-        low, high = np.concatenate((there, unmeasured[:, about]), axis=1).max(axis=1)
+        band_at_peak = limits(np.linspace(*peak, PEAK_LINES))
+        is_near_peak = (f > peak[0] / LINE_FACTOR) & (f < peak[1] * LINE_FACTOR)
+        low, high = np.concatenate((band_at_peak, unmeasured[:, is_near_peak]), axis=1).max(axis=1)
         height = (float(low), float(high))
     return FRFBounds(
         frequency=f,
@@ -276,7 +278,7 @@ def frf_band(
 
 
 def formal_frf_band(
-    fit: Fit, on: MassOnSeals, *, frequency: npt.ArrayLike, kind: Kind
+    fit: Fit, load: MassOnSeals, *, frequency: npt.ArrayLike, kind: Kind
 ) -> FloatArray:
     """Return lowest and highest magnitude that the standard errors allow at 95 %, shape (2, n).
 
@@ -284,7 +286,7 @@ def formal_frf_band(
     are not in it.
     """
     omega = 2 * np.pi * _frequencies(frequency)
-    return _formal(fit, omega, PredictedFRF(on, kind), level=0.95)[1]
+    return _formal(fit, omega, PredictedFRF(load, kind), level=0.95)[1]
 
 
 @dataclass(frozen=True)
@@ -300,19 +302,20 @@ class PredictedFRF:
 
     @property
     def _excited_mass(self) -> float:
-        """What the base's acceleration pulls at, kg, or a force of 1 N at the mass."""
+        """Return the mass, kg, that the base accelerates; 1 for a force at the mass."""
         over_base = self.kind is Kind.RELATIVE_TRANSMISSIBILITY
         return self.on.mass + self.on.coupled if over_base else 1.0
 
     def magnitude(self, stiffness: ComplexArray, omega: FloatArray) -> FloatArray:
         """Magnitude of the response on seals of one such stiffness each, shape (..., n)."""
-        away = np.abs(self.on.seals * stiffness - self.on.mass * omega**2)
+        dynamic_stiffness = np.abs(self.on.seals * stiffness - self.on.mass * omega**2)
         with np.errstate(divide="ignore"):
             if self.kind is Kind.TRANSMISSIBILITY:
                 return np.asarray(
-                    np.abs(self.on.seals * stiffness + self.on.coupled * omega**2) / away
+                    np.abs(self.on.seals * stiffness + self.on.coupled * omega**2)
+                    / dynamic_stiffness
                 )
-            return np.asarray(self._excited_mass * omega**2 / away)
+            return np.asarray(self._excited_mass * omega**2 / dynamic_stiffness)
 
     def reach(self, spectra: AdmissibleSpectra, omega: float) -> tuple[float, float]:
         """Return lowest and highest magnitude over all spectra that the tests do not reject."""
@@ -326,10 +329,10 @@ class PredictedFRF:
             return compute_transmissibility_range(
                 spectra, omega, self.on.mass * ratio, self.on.coupled * ratio
             )
-        near, far = compute_distance_range(spectra, omega, self.on.mass * ratio)
+        nearest, farthest = compute_distance_range(spectra, omega, self.on.mass * ratio)
         ratio = ratio * self._excited_mass
         # where a spectrum without loss may resonate, nothing limits the response
-        return ratio / far, ratio / near if near > 0 else np.inf
+        return ratio / farthest, ratio / nearest if nearest > 0 else np.inf
 
 
 def _formal(
@@ -443,12 +446,12 @@ def _resonance(
     low, high = value / SEARCH_FACTOR, value * SEARCH_FACTOR
     if excess(1, low) < 0 or excess(-1, high) > 0:
         return None
-    ends = [_crossing(partial(excess, sign), low, high) for sign in (-1, 1)]
-    return ends[0] / (2 * np.pi), ends[1] / (2 * np.pi)
+    resonance_limits = [_crossing(partial(excess, sign), low, high) for sign in (-1, 1)]
+    return resonance_limits[0] / (2 * np.pi), resonance_limits[1] / (2 * np.pi)
 
 
 def _crossing(excess: Callable[[float], float], low: float, high: float) -> float:
-    """Where a falling function passes zero: `low` if it begins below, inf if it ends above."""
+    """Return the zero of a falling function: `low` if it begins below, inf if it ends above."""
     at_low, at_high = excess(low), excess(high)
     if at_low <= 0:
         return low

@@ -162,9 +162,9 @@ def _compute_filter_changes(
 
 def _solve_parameters(record: RampHold, arms: int, method: Method) -> dict[str, float]:
     """Return every parameter of the model with so many arms by its name."""
-    obstacle = eq5_obstacle(record) if method == "hold" else None
-    if obstacle is not None:
-        raise FitError(obstacle)
+    refusal = eq5_obstacle(record) if method == "hold" else None
+    if refusal is not None:
+        raise FitError(refusal)
     model = solid_of(
         solve(
             compress_tests([record], FitSetup(method, NUISANCE if method == "full" else ())), arms
@@ -335,10 +335,10 @@ def _refuse_method(records: Sequence[RampHold], method: str) -> None:
     if method == "full":
         return
     for number, record in enumerate(records, start=1):
-        obstacle = eq5_obstacle(record)
-        if obstacle is not None:
+        refusal = eq5_obstacle(record)
+        if refusal is not None:
             test_label = f"test {number} of {len(records)}: " if len(records) > 1 else ""
-            raise FitError(test_label + obstacle)
+            raise FitError(test_label + refusal)
 
 
 def _refuse_history(records: Sequence[RampHold]) -> None:
@@ -355,9 +355,9 @@ def _record_law_option(fit: Fit, law: RampLawOption) -> Fit:
     """Return a fit whose last step names the requested elastic law, if any."""
     if law == "auto" or not fit.steps or fit.steps[-1].name != "fit":
         return fit
-    *earlier, last = fit.steps
+    *earlier_steps, last = fit.steps
     step = replace(last, parameters=(*last.parameters, ("elastic", law)))
-    return replace(fit, provenance=replace(fit.provenance, steps=(*earlier, step)))
+    return replace(fit, provenance=replace(fit.provenance, steps=(*earlier_steps, step)))
 
 
 def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: FitOptions) -> Fit:
@@ -370,12 +370,10 @@ def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: 
         motion, linearity = select_delayed_motion(motion, options)
         initial_fit, fractional_fit = linearity.initial_fit, linearity.fractional_fit
         # a ramp after earlier loadings responds to those as well: it determines no nonlinear law
-        keeps_linear_law = linearity.is_linear or any(
+        is_linear = linearity.is_linear or any(
             record.loading_start is not None for record in records
         )
-        ramp_law = (
-            None if keeps_linear_law else _select_elastic_law(records, options.law, options.count)
-        )
+        ramp_law = None if is_linear else _select_elastic_law(records, options.law, options.count)
         if ramp_law is not None and not ramp_law.is_linear:
             fit = _fit_hold_then_ramp(records, ramp_law, options.count)
             return (
@@ -384,7 +382,7 @@ def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: 
                 else with_linear_fractional(fit, ramp_law.residuals, fractional_fit)
             )
     if options.point is not None:
-        initial_fit = initial_fit or fit_all_orders(motion.data, options.point, only=True)
+        initial_fit = initial_fit or fit_all_orders(motion.data, options.point, only_max_arms=True)
         return build_point_fit(motion, initial_fit, setup, options.point)
     selected = select_order(motion.data, options, first=initial_fit)
     family_selection = chosen_family(selected, options.family, fractional_fit)
@@ -588,13 +586,13 @@ def _check_load_cells(
         for i, record in enumerate(records):
             if f"{kind}@{i}" in names:
                 cell_priors = build_load_cell_priors(record)
-                departure = get_coefficient(f"{kind}@{i}")
+                deviation = get_coefficient(f"{kind}@{i}")
                 if kind == "offset" and f"drift@{i}" in names:
                     # at the time at which it is known: the fit states that at the first sample
-                    departure += cell_priors.offset_time * get_coefficient(f"drift@{i}")
+                    deviation += cell_priors.offset_time * get_coefficient(f"drift@{i}")
                 results.append(
                     (
-                        departure,
+                        deviation,
                         *getattr(cell_priors, kind),
                         getattr(compute_significant_drift(record), kind),
                     )

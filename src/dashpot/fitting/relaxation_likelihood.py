@@ -126,24 +126,24 @@ def build_relaxation_data(
     magnitude = np.hypot(magnitude, between_samples(test, time, x, magnitude))
     if law is not None:
         x, magnitude = law.path(x), magnitude * law.factor(x)
-    doubts = {
-        name: (model.force(time, 1.0 * there), sd)
-        for name, (there, sd) in _doubts(test, time).items()
+    effects = {
+        name: (model.force(time, 1.0 * changed_motion), sd)
+        for name, (changed_motion, sd) in _doubts(test, time).items()
     }
     if for_limits:
         at = select_motion_samples(test, time)
         for name, (column, sd) in compute_unmeasured_effects(test, time[at], x[at], model).items():
-            doubts[name] = np.interp(time, time[at], column), sd
+            effects[name] = np.interp(time, time[at], column), sd
     if shift is not None:
         by_a, by_b = warms
-        doubts["warming"] = compute_warming(time, x, model, by_a=by_a, by_b=by_b), 0.0
+        effects["warming"] = compute_warming(time, x, model, by_a=by_a, by_b=by_b), 0.0
     delay = _find_fitted_delay(single_fit or fit)
     if delay:
-        doubts |= _build_delay_columns(test, model, time, x, delay=delay)
-    columns = {name: column for name, (column, _) in doubts.items()}
-    certain = block_of(test, terms=_CELL, law=law, tau_range=_reach(test, 1.0))
-    residual = _compute_arm_residual(solid, certain)
-    power = max(noise_power(residual), certain.rounding_floor)
+        effects |= _build_delay_columns(test, model, time, x, delay=delay)
+    columns = {name: column for name, (column, _) in effects.items()}
+    data_block = block_of(test, terms=_CELL, law=law, tau_range=_reach(test, 1.0))
+    residual = _compute_arm_residual(solid, data_block)
+    power = max(noise_power(residual), data_block.rounding_floor)
     trusted = 1 / np.sqrt(1 + (model.k_0 * magnitude) ** 2 / power)
     relaxation_data = _weight_block(
         test,
@@ -155,12 +155,12 @@ def build_relaxation_data(
             weights=trusted,
             tau_range=_reach(test, shift.a_t if shift else 1.0),
         ),
-        certain,
+        data_block,
         model,
         residual,
         size=float(np.hypot(_compute_law_deviation(law), set_of(test, model))),
         rms=fit.estimate.residual.rms,
-        doubts={get_column_kind(name): sd for name, (_, sd) in doubts.items()},
+        effect_sds={get_column_kind(name): sd for name, (_, sd) in effects.items()},
         for_limits=for_limits,
     )
     relaxation_data = replace(relaxation_data, delay=0.0) if delay else relaxation_data
@@ -183,14 +183,14 @@ def _build_delay_columns(
 
     They are of the size that was found: the chord is exact there, where the tangent is not.
     """
-    slow = _slower(model, SLOW_ARM * test.step)
-    displacement = slow.force(time, np.interp(time - delay, time, x, left=0.0))
+    slow_model = _slower(model, SLOW_ARM * test.step)
+    displacement = slow_model.force(time, np.interp(time - delay, time, x, left=0.0))
     # what has lagged once may lag by that, whatever was thought possible
     sd = max(build_delay_prior(test).sd, delay)
-    entries = {"delay": ((displacement - slow.force(time, x)) / delay, sd)}
+    entries = {"delay": ((displacement - slow_model.force(time, x)) / delay, sd)}
     if delay > 0:
         low_passed = x - arm_response(time, x, delay)
-        entries["filter"] = slow.force(time, low_passed) - displacement, FILTERED
+        entries["filter"] = slow_model.force(time, low_passed) - displacement, FILTERED
     return entries
 
 
@@ -203,9 +203,9 @@ def _find_fitted_delay(fit: Fit) -> float:
 
 def _slower(solid: GeneralizedMaxwell, tau: float) -> GeneralizedMaxwell:
     """Return the arms of a solid that are no faster than this, s."""
-    slow = [j for j, value in enumerate(solid.tau) if value >= tau]
+    slow_arms = [j for j, value in enumerate(solid.tau) if value >= tau]
     return GeneralizedMaxwell(
-        solid.k_inf, tuple(solid.k[j] for j in slow), tuple(solid.tau[j] for j in slow)
+        solid.k_inf, tuple(solid.k[j] for j in slow_arms), tuple(solid.tau[j] for j in slow_arms)
     )
 
 
@@ -240,7 +240,7 @@ def _shift_to_reference(
     shifted_fit = replace(fit.at_temperature(shift.temperature), temperatures=None)
     rates, at_reference = shifts.rates(shift.temperature), shift.temperature == shifts.reference
     slope_sd = float(np.sqrt(shifts.cross[-1, -1])) if len(shifts.cross) else 0.0
-    where = ThermalShift(
+    thermal_shift = ThermalShift(
         shift.log10_a_t * LN_10,
         float(np.log(shift.b_t)),
         # arms that shift apart by no more than chance are laid out together, and doubted
@@ -249,7 +249,12 @@ def _shift_to_reference(
         0.0 if at_reference else _FREE * slope_sd,
     )
     return build_relaxation_data(
-        test, shifted_fit, single_fit=single_fit, for_limits=for_limits, shift=where, warms=rates
+        test,
+        shifted_fit,
+        single_fit=single_fit,
+        for_limits=for_limits,
+        shift=thermal_shift,
+        warms=rates,
     )
 
 
@@ -263,7 +268,7 @@ def build_hold_data(
 ) -> RelaxationData:
     """The hold after an ideal ramp, whose depth scales the force, by way of its elastic law."""
     block = block_of(test, method="hold", terms=_CELL, law=law)
-    since = float(test.ramp_end - test.time[0])
+    reference_time = float(test.ramp_end - test.time[0])
     depth = test.depth if law is None else float(law.path(test.depth))
     time = test.time[: test.hold.stop] - test.time[0]
     ramp = depth * np.clip((time - (test.onset - test.time[0])) / test.ramp_time, 0.0, 1.0)
@@ -273,7 +278,7 @@ def build_hold_data(
         block,
         model,
         residual,
-        since=since,
+        reference_time=reference_time,
         for_limits=for_limits,
         size=float(np.hypot(test.depth_error, set_of(test, model))),
     )
@@ -284,14 +289,16 @@ def build_hold_data(
     return (
         relaxation_data
         if not for_limits
-        else _add_rig_columns(relaxation_data, test, (time, ramp), since=since, start=start)
+        else _add_rig_columns(
+            relaxation_data, test, (time, ramp), reference_time=reference_time, start=start
+        )
     )
 
 
 def fitted_data(
     test: RampHold, block: DataBlock, model: GeneralizedMaxwell, residual: FloatArray
 ) -> RelaxationData:
-    """As :func:`build_relaxation_data`, from the block of a recorded motion that a fit has at hand.
+    """Return the data of :func:`build_relaxation_data` from a block of recorded motion.
 
     What the encoder leaves unknown of the depth scales the force; what it leaves unknown of the
     ramp's corners is not in it, so it serves no question about fast arms.
@@ -313,26 +320,26 @@ def _add_rig_columns(
     changes: tuple[FloatArray, FloatArray],
     *,
     start: float,
-    since: float = 0.0,
+    reference_time: float = 0.0,
 ) -> RelaxationData:
     """The data with what its rig may add, as sums of its own columns: right to some per cent.
 
     The motion that is answered is `changes`, s and m; the rows begin at `start`, s, and their drift
-    counts from `since`, s, all from the first sample on.
+    counts from `reference_time`, s, all from the first sample on.
     """
     time, x = (part[select_motion_samples(test, changes[0])] for part in changes)
     adds = compute_unmeasured_effects(test, time, x, data.model)
     tau = np.geomspace(max(test.ramp_time / 100, test.step), 10 * test.hold_time, MIXED)
-    shapes = {"k_inf": x, "offset": np.ones(len(time)), "drift": time - since}
+    shapes = {"k_inf": x, "offset": np.ones(len(time)), "drift": time - reference_time}
     kinds = [get_column_kind(name) for name in data.block.fixed_names]
-    there = [kind in shapes for kind in kinds]
+    has_column = [kind in shapes for kind in kinds]
     columns = [shapes[kind] for kind in kinds if kind in shapes]
     basis = np.column_stack((*columns, arm_response(time, x, tau)))[time >= start]
     scale = np.linalg.norm(basis, axis=0)
-    wanted = np.column_stack([sd * column[time >= start] for column, sd in adds.values()])
-    weights = np.linalg.lstsq(basis / scale, wanted, rcond=1e-9)[0] / scale[:, None]
-    fixed = np.zeros((len(kinds), wanted.shape[1]))
-    fixed[there] = weights[: len(columns)]
+    rig_columns = np.column_stack([sd * column[time >= start] for column, sd in adds.values()])
+    weights = np.linalg.lstsq(basis / scale, rig_columns, rcond=1e-9)[0] / scale[:, None]
+    fixed = np.zeros((len(kinds), rig_columns.shape[1]))
+    fixed[has_column] = weights[: len(columns)]
     return replace(
         data,
         unmeasured_effects=UnmeasuredEffects(
@@ -352,9 +359,9 @@ def noise_power(residual: FloatArray) -> float:
     medium = _without_lines(power[(cycles >= SLOWEST_NOISE) & (cycles <= FASTEST_NOISE)])
     if not len(medium):
         return float(np.mean(residual**2))
-    slow = power[(cycles >= SLOWEST_NOISE / 3) & (cycles <= 2 * SLOWEST_NOISE)]
+    powers = power[(cycles >= SLOWEST_NOISE / 3) & (cycles <= 2 * SLOWEST_NOISE)]
     level = float(medium.mean())
-    return max(level, float(slow.mean())) if slow.mean() > SLOW_NOISE_RATIO * level else level
+    return max(level, float(powers.mean())) if powers.mean() > SLOW_NOISE_RATIO * level else level
 
 
 def _without_lines(power: FloatArray) -> FloatArray:
@@ -364,30 +371,30 @@ def _without_lines(power: FloatArray) -> FloatArray:
 def _weight_block(
     test: RampHold,
     block: DataBlock,
-    certain: DataBlock,
+    data_block: DataBlock,
     model: GeneralizedMaxwell,
     residual: FloatArray,
     *,
-    doubts: Mapping[str, float] = MappingProxyType({}),
+    effect_sds: Mapping[str, float] = MappingProxyType({}),
     size: float = 0.0,
-    since: float = 0.0,
+    reference_time: float = 0.0,
     rms: float = 0.0,
     for_limits: bool = True,
 ) -> RelaxationData:
     terms = build_nuisance_terms(test, for_limits=for_limits)
-    power = max(noise_power(residual), certain.rounding_floor)
+    power = max(noise_power(residual), data_block.rounding_floor)
     remainder = max(float(np.mean(residual**2)), rms**2, power)
     return RelaxationData(
         block=block,
         weight=1 / float(np.sqrt(power)),
-        kappa=power / max(float(np.mean(residual**2)), certain.rounding_floor / len(residual)),
-        terms=replace(terms, drift_start=since + terms.drift_start).add_terms(
-            **{name: Prior(0.0, sd) for name, sd in doubts.items()}
+        kappa=power / max(float(np.mean(residual**2)), data_block.rounding_floor / len(residual)),
+        terms=replace(terms, drift_start=reference_time + terms.drift_start).add_terms(
+            **{name: Prior(0.0, sd) for name, sd in effect_sds.items()}
         ),
         model=_slower(model, SLOW_ARM * test.step),
         delay=terms.priors["delay"].sd,
         size=size,
-        certain=certain,
+        certain=data_block,
         misfit=len(residual) * remainder / power,
         drift=build_load_cell_priors(test).drift,
     )
@@ -414,11 +421,11 @@ def _doubts(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, floa
     if test.contact_error > 0:
         entries["contact"] = clock >= test.onset, test.contact_error
     if count > 0:
-        (_, leaves), *between, (reaches, _) = _few_rests(test, clock)
+        (_, leaves), *middle_rests, (return_time, _) = _few_rests(test, clock)
         # motion counts from the first reading: an error of it begins where it is left
         entries["rest@first"] = clock >= leaves, float(count)
-        entries["rest@last"] = clock >= reaches, float(count)
-        for i, (start, stop) in enumerate(between):
+        entries["rest@last"] = clock >= return_time, float(count)
+        for i, (start, stop) in enumerate(middle_rests):
             entries[f"rest@{i}"] = (clock >= start) & (clock < stop), float(count)
     return entries
 
@@ -426,7 +433,7 @@ def _doubts(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, floa
 def compute_unmeasured_effects(
     test: RampHold, time: FloatArray, x: FloatArray, model: GeneralizedMaxwell
 ) -> dict[str, tuple[FloatArray, float]]:
-    """What a rig may add to the force that no record shows, in N a unit, and its sd in units.
+    """Return forces that the rig may add without a trace, N per unit, and their SD in units.
 
     The machine gives under the force; its crosshead settles after its stop, where no reading moves;
     what the cell carries before the ramp may be a seal that was pressed already; the seal warms;
@@ -486,14 +493,16 @@ def set_of(test: RampHold, model: GeneralizedMaxwell) -> float:
 def select_motion_samples(test: RampHold, time: FloatArray) -> IndexArray:
     """Return some hundred samples of a motion, and some of what relaxes after it."""
     corner = test.ramp_end - test.time[0]
-    even = int(np.searchsorted(time, corner + test.ramp_time))
+    ramp_stop = int(np.searchsorted(time, corner + test.ramp_time))
     late_samples = np.searchsorted(time, corner + np.geomspace(test.ramp_time, time[-1], LAID_OUT))
-    early = np.arange(test.start, even, max((even - test.start) // (3 * LAID_OUT), 1))
+    early = np.arange(test.start, ramp_stop, max((ramp_stop - test.start) // (3 * LAID_OUT), 1))
     # of earlier loadings the solid remembers the way, whose corners count
-    past = np.arange(0, test.start, max(test.start // MAX_HISTORY_SAMPLES, 1))
-    chosen = np.concatenate((past, early, np.minimum(late_samples, len(time) - 1), [len(time) - 1]))
-    chosen.sort()
-    return np.asarray(chosen[np.append(True, np.diff(chosen) > 0)])
+    history_samples = np.arange(0, test.start, max(test.start // MAX_HISTORY_SAMPLES, 1))
+    indices = np.concatenate(
+        (history_samples, early, np.minimum(late_samples, len(time) - 1), [len(time) - 1])
+    )
+    indices.sort()
+    return np.asarray(indices[np.append(True, np.diff(indices) > 0)])
 
 
 def _few_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:

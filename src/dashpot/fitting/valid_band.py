@@ -60,13 +60,13 @@ def find_loss_factor_band(
         if not known_runs:
             return band, _build_band_error(all_errors)
     first, last = max(known_runs, key=lambda run: frequencies[run[1]] / frequencies[run[0]])
-    ends = []
-    for inside, outside in ((first, first - 1), (last, last + 1)):
-        end = float(frequencies[inside])
+    band_ends = []
+    for inside_index, outside in ((first, first - 1), (last, last + 1)):
+        end = float(frequencies[inside_index])
         if 0 <= outside < len(frequencies):
             end = _find_band_end(errors, all_errors, end, float(frequencies[outside]))
-        ends.append(end)
-    low, high = ends
+        band_ends.append(end)
+    low, high = band_ends
     return (low, high), _build_band_error({f: e for f, e in all_errors.items() if low <= f <= high})
 
 
@@ -290,15 +290,15 @@ class HeldTest(Protocol):
 
     @property
     def time(self) -> FloatArray:
-        """Of every sample, s."""
+        """Time of every sample, s."""
 
     @property
     def ramp_time(self) -> float:
-        """How long the ramp takes, s."""
+        """Duration of the ramp, s."""
 
     @property
     def hold_time(self) -> float:
-        """How long the hold lasts, s."""
+        """Duration of the hold, s."""
 
 
 def find_informed_band(
@@ -355,8 +355,8 @@ def compute_posterior_spread(
     omega_tau = omega[:, None] * tau
     loss = omega_tau / (1.0 + omega_tau * omega_tau)
     # for millions of samples the variance may be negative by rounding
-    spread = np.maximum(((loss @ posterior) * loss).sum(axis=1), 0.0)
-    remainder = np.sqrt(spread / (loss * loss).sum(axis=1))
+    variance = np.maximum(((loss @ posterior) * loss).sum(axis=1), 0.0)
+    remainder = np.sqrt(variance / (loss * loss).sum(axis=1))
     return omega / (2.0 * np.pi), remainder
 
 

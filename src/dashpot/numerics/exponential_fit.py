@@ -89,8 +89,8 @@ class ArmInsertion:
     def as_good_near(self, log_tau: FloatArray, *, negligible: float) -> bool:
         """Go to the optimum next to `log_tau` if no spectrum gains `negligible` noise variances."""
         local = descend(self.stack, log_tau)
-        wanted = self._get_nonnegative_mask(len(log_tau))
-        if local is None or (local.point.beta[wanted] <= 0).any():
+        nonnegative_mask = self._get_nonnegative_mask(len(log_tau))
+        if local is None or (local.point.beta[nonnegative_mask] <= 0).any():
             return False
         self.best.append(local)
         if not self._leaves_less_than(negligible):
@@ -109,21 +109,21 @@ class ArmInsertion:
         if local is None:
             return None
         point = local.point
-        spare = self.stack.samples - len(point.beta) - arms
+        dof = self.stack.samples - len(point.beta) - arms
         if (
             not local.converged
             or point.sse <= 100 * self.stack.nothing
-            or spare < 10
+            or dof < 10
             or (point.beta[self.stack.get_nonnegative_mask(arms, signed=False)] <= 0).any()
             or not is_inside_window(point.log_tau, self.stack.bounds)
         ):
             return None
-        noise = (self.stack.floor + point.sse) / spare
+        noise = (self.stack.floor + point.sse) / dof
         try:
-            spread = np.diagonal(np.linalg.inv(point.curvature)) * noise
+            variances = np.diagonal(np.linalg.inv(point.curvature)) * noise
         except np.linalg.LinAlgError:  # an arm of which nothing is known
             return None
-        if not (spread < MAX_LN_TAU_SD**2).all():
+        if not (variances < MAX_LN_TAU_SD**2).all():
             return None
         if arms not in GRID_SEARCH and point.sse - self.grid.residual_sse > FAR_DEVIANCE * noise:
             return None
@@ -167,12 +167,12 @@ class ArmInsertion:
             self._starts_found[arms] = start
         return self._starts_found[arms]
 
-    def extend(self, arms: int, *, negligible: float = 0.0, every: bool = True) -> None:
+    def extend(self, arms: int, *, negligible: float = 0.0, every_order: bool = True) -> None:
         """Add orders up to `arms`, or until none is better.
 
         Where no positive spectrum whatever would lower the SSE by `negligible` noise variances
-        any more, one start is enough for a further order; unless `every` one is wanted, the first
-        such order is the last.
+        any more, one start is enough for a further order; unless `every_order` one is wanted, the
+        first such order is the last.
         """
         if not self.best:
             self.best.append(LocalOptimum(_without_arms(self.stack, signed=self.signed), 1, True))
@@ -185,11 +185,11 @@ class ArmInsertion:
                 optimum = self._best_with(count, starts=self._insert_arm(count=1))
             else:
                 optimum = self._find_certain_optimum(count) or self._best_with(count)
-            worth = last.sse - 1e-10 * (self.stack.floor + last.sse) - self.stack.nothing
-            if optimum is None or optimum.point.sse >= worth:
+            attainable_gain = last.sse - 1e-10 * (self.stack.floor + last.sse) - self.stack.nothing
+            if optimum is None or optimum.point.sse >= attainable_gain:
                 return
             self.best.append(optimum)
-            if gains_little and not every:
+            if gains_little and not every_order:
                 return
 
     def _leaves_less_than(self, negligible: float) -> bool:
@@ -197,18 +197,23 @@ class ArmInsertion:
         if self.signed or self.thorough or negligible <= 0:
             return False
         last = self.best[-1].point
-        spare = max(self.stack.samples - len(last.beta) - len(last.log_tau), 1)
-        least = negligible * (self.stack.floor + last.sse) / spare
-        return bool(last.sse - self.grid.residual_sse < least and last.sse - self._any() < least)
+        dof = max(self.stack.samples - len(last.beta) - len(last.log_tau), 1)
+        variance_limit = negligible * (self.stack.floor + last.sse) / dof
+        return bool(
+            last.sse - self.grid.residual_sse < variance_limit
+            and last.sse - self._any() < variance_limit
+        )
 
     def _any(self) -> float:
         """Return the SSE of the best positive spectrum on the grid and beside the last arms."""
         point = self.best[-1].point
-        together = np.concatenate((point.log_tau, self.grid.log_tau))
-        near = np.arange(len(together)) < len(point.log_tau)
+        log_tau = np.concatenate((point.log_tau, self.grid.log_tau))
+        is_current_arm = np.arange(len(log_tau)) < len(point.log_tau)
         fixed = point.beta[: len(self.stack.names)]
         is_free = ~(self.stack.get_nonnegative_mask(0, signed=False) & (fixed == 0))
-        return Grid(self.stack, log_tau=together, is_free=is_free, near=near).residual_sse
+        return Grid(
+            self.stack, log_tau=log_tau, is_free=is_free, likely_positive=is_current_arm
+        ).residual_sse
 
     def _best_with(
         self, arms: int, *, starts: list[FloatArray] | None = None
@@ -219,13 +224,16 @@ class ArmInsertion:
             allowed = self._optima(self._starts(arms), self._attempt(arms), restricted)
         else:
             allowed = self._descend_restricted(starts, restricted)
-        full = [local for local in allowed if _carries(local.point, self.stack)]
-        if not full:
+        full_optima = [local for local in allowed if _carries(local.point, self.stack)]
+        if not full_optima:
             return None
-        winner = min(full, key=lambda local: local.point.sse)
+        winner = min(full_optima, key=lambda local: local.point.sse)
         bound = (winner.point.beta[restricted] == 0).any()
         polished = self._descend(
-            winner.point.log_tau, (), restricted=restricted if bound else None, finished=FINISHED
+            winner.point.log_tau,
+            (),
+            restricted=restricted if bound else None,
+            step_tolerance=FINISHED,
         )
         if polished is None or not _carries(polished.point, self.stack):
             return winner
@@ -260,7 +268,7 @@ class ArmInsertion:
         """Return the optima without a coefficient below zero that the starts lead to."""
         optima = [] if first is None else [first]
         for start in starts:
-            rivals = [np.sort(rival.point.log_tau) for rival in optima]
+            rivals = [np.sort(optimum.point.log_tau) for optimum in optima]
             local = self._descend(start, rivals, expected_positive=restricted)
             if local is not None:
                 optima.append(local)
@@ -269,8 +277,8 @@ class ArmInsertion:
         feasible = np.array(signs, dtype=bool)
         allowed = list(compress(optima, feasible))
         # what is better but not allowed is pushed back to where it is
-        better = ~feasible & (sse < sse[feasible].min(initial=np.inf))
-        pushed = [local.point.log_tau for local in compress(optima, better)]
+        is_better = ~feasible & (sse < sse[feasible].min(initial=np.inf))
+        pushed = [local.point.log_tau for local in compress(optima, is_better)]
         return allowed + self._descend_restricted(
             [*pushed, *([] if allowed else starts[-2:])], restricted
         )
@@ -293,7 +301,7 @@ class ArmInsertion:
         *,
         restricted: BoolArray | None = None,
         expected_positive: BoolArray | None = None,
-        finished: float = COARSE_TOLERANCE,
+        step_tolerance: float = COARSE_TOLERANCE,
     ) -> LocalOptimum[StackTrial] | None:
         return descend(
             self.stack,
@@ -301,8 +309,8 @@ class ArmInsertion:
             restricted=restricted,
             expected_positive=expected_positive,
             rivals=rivals,
-            finished=finished,
-            flat=0.0 if finished == FINISHED else FLAT_DEVIANCE,
+            step_tolerance=step_tolerance,
+            cost_tolerance=0.0 if step_tolerance == FINISHED else FLAT_DEVIANCE,
         )
 
 
@@ -317,8 +325,8 @@ def _without_arms(stack: Stack, *, signed: bool) -> StackTrial:
     nothing = np.zeros(0)
     if not stack.names:
         target = stack.evaluate(nothing, derivative=False).target
-        none = np.zeros((0, 0))
-        return StackTrial(nothing, nothing, float(target @ target), nothing, none, none)
+        no_arms = np.zeros((0, 0))
+        return StackTrial(nothing, nothing, float(target @ target), nothing, no_arms, no_arms)
     restricted = None if signed else stack.get_nonnegative_mask(0, signed=False)
     point = point_at(stack, nothing, restricted=restricted)
     if point.sse == np.inf:
@@ -430,7 +438,7 @@ def solve(
     arms: int,
     *,
     log_tau_start: FloatArray | None = None,
-    near: FloatArray | None = None,
+    near_log_tau: FloatArray | None = None,
     negligible: float = 0.0,
     thorough: bool = False,
     signed: bool = False,
@@ -446,7 +454,7 @@ def solve(
         How many relaxation times, >= 0.
     log_tau_start : array, shape (arms,), optional
         One start of your own; without it the engine finds the starts.
-    near : array, shape (arms,), optional
+    near_log_tau : array, shape (arms,), optional
         Where an optimum may be: next to it no other start is tried, if no positive spectrum with
         any number of arms would gain `negligible` noise variances on what is there.
     negligible : float
@@ -472,7 +480,11 @@ def solve(
     if log_tau_start is not None:
         return _from_start(stack, np.asarray(log_tau_start, dtype=float), arms, signed=signed)
     chain = ArmInsertion(stack, thorough=thorough, signed=signed, seed=seed)
-    if near is not None and arms and chain.as_good_near(near, negligible=negligible):
+    if (
+        near_log_tau is not None
+        and arms
+        and chain.as_good_near(near_log_tau, negligible=negligible)
+    ):
         return _make_solution(chain, -1, requested=arms)
     if chain.leap(arms):
         return _make_solution(chain, -1, requested=arms)
@@ -485,7 +497,7 @@ def solve_orders(
     max_arms: int,
     *,
     negligible: float = 0.0,
-    every: bool = False,
+    every_order: bool = False,
     thorough: bool = False,
 ) -> tuple[Solution, ...]:
     """Return the optimum for none, 1, 2, ... `max_arms` exponentials, from one chain.
@@ -493,10 +505,10 @@ def solve_orders(
     The tuple ends where a further arm with k > 0 no longer lowers the SSE. With `negligible` it
     also ends one order after the first that is within so many noise variances of the best
     positive spectrum with any number of arms, so that no order left out could gain more; unless
-    `every` one is wanted, which is then found from a single start.
+    `every_order` one is wanted, which is then found from a single start.
     """
     chain = ArmInsertion(_validate_blocks(blocks, max_arms), thorough=thorough)
-    chain.extend(max_arms, negligible=negligible, every=every)
+    chain.extend(max_arms, negligible=negligible, every_order=every_order)
     return tuple(_make_solution(chain, n, requested=n) for n in range(chain.largest_order + 1))
 
 
@@ -531,8 +543,8 @@ def full_jacobian(blocks: Sequence[DataBlock], solution: Solution) -> Jacobian:
         first = rows.stop
     names = list(solution.fixed_names)
     for group in solution.groups:
-        kind, at, where = group.partition("@")
-        names += [f"{kind}_{j}{at}{where}" for j in range(1, solution.order + 1)]
+        kind, at, test_index = group.partition("@")
+        names += [f"{kind}_{j}{at}{test_index}" for j in range(1, solution.order + 1)]
     names += [f"ln_tau_{j}" for j in range(1, solution.order + 1)]
     return Jacobian(tuple(names), matrix.T, target - solution.beta @ matrix[:by_tau])
 
@@ -584,8 +596,8 @@ def _resolve_exactly(
     if stack.floor + local.point.sse > RESOLVED * (stack.floor + stack.energy):
         return stack, local
     exact = Stack([block.exact for block in stack.blocks])
-    resting = local.point.beta == 0
-    if not len(local.point.log_tau) or resting.any():
+    is_zero = local.point.beta == 0
+    if not len(local.point.log_tau) or is_zero.any():
         return stack, local
     finer = descend(exact, local.point.log_tau)
     return (stack, local) if finer is None else (exact, finer)
@@ -666,48 +678,53 @@ def certificate(blocks: Sequence[DataBlock], solution: Solution) -> OptimalityCe
     # k_inf resting at zero is no free direction: its column then is not swept out
     is_free = ~(stack.get_nonnegative_mask(0, signed=False) & (solution.fixed == 0))
     grid, support = np.linspace(*stack.bounds, CERTIFICATE_GRID), solution.log_tau
-    best, remainder, dual_gradient, place = np.inf, 0.0, -np.inf, 0.0
+    best, remainder, dual_gradient, best_log_tau = np.inf, 0.0, -np.inf, 0.0
     for round_ in range(CERTIFICATE_ROUNDS):
-        together = np.concatenate((solution.log_tau, grid))
-        near = np.append(np.ones(solution.order, bool), np.isin(grid, support))
-        offered = Grid(stack, log_tau=together, is_free=is_free, near=near)
+        log_tau = np.concatenate((solution.log_tau, grid))
+        is_support = np.append(np.ones(solution.order, bool), np.isin(grid, support))
+        offered = Grid(stack, log_tau=log_tau, is_free=is_free, likely_positive=is_support)
         if round_ == 0:
             length = offered.length.reshape(groups, -1)[:, : solution.order]
-            values = np.zeros((groups, len(together)))
+            values = np.zeros((groups, len(log_tau)))
             values[:, : solution.order] = solution.arms * np.where(np.isfinite(length), length, 0.0)
             residual = offered.aim - offered.columns @ values.ravel()
             remainder = float(residual @ residual)
-            towards = (offered.columns.T @ residual).reshape(groups, -1).max(axis=0)
-            dual_gradient, place = float(towards.max()), float(together[np.argmax(towards)])
+            group_gradient = (offered.columns.T @ residual).reshape(groups, -1).max(axis=0)
+            dual_gradient, best_log_tau = (
+                float(group_gradient.max()),
+                float(log_tau[np.argmax(group_gradient)]),
+            )
         best = min(best, offered.residual_sse)
         weight = offered.spectrum.sum(axis=0)
-        support = together[weight > 0]
+        support = log_tau[weight > 0]
         grid = _make_refined_grid(support, round_, stack.bounds)
     sse = stack.floor + remainder
     # of a gap that is seen a few digits will do
-    flat = 1e-3 * max(CERTAIN, (remainder - best) / sse if sse > 0 else 0.0)
-    best = min(best, _compute_merged_sse(stack, together, weight, flat))
+    cost_tolerance = 1e-3 * max(CERTAIN, (remainder - best) / sse if sse > 0 else 0.0)
+    best = min(best, _compute_merged_sse(stack, log_tau, weight, cost_tolerance))
     gap = 0.0 if remainder <= stack.nothing else max(0.0, remainder - best) / sse
     optimal = gap <= CERTAIN
     return OptimalityCertificate(
         optimal=optimal,
         gap=float(gap),
         dual_gradient=float(dual_gradient / np.sqrt(sse)) if sse > 0 else 0.0,
-        tau=None if optimal else float(np.exp(place)),
+        tau=None if optimal else float(np.exp(best_log_tau)),
     )
 
 
 def _make_refined_grid(support: FloatArray, round_: int, bounds: tuple[float, float]) -> FloatArray:
     """Return the support of a spectrum, and a finer grid around each of its points."""
     step = (bounds[1] - bounds[0]) / CERTIFICATE_GRID / 8.0**round_
-    near = support[:, None] + step * np.arange(-8, 9) / 8
-    return np.array(sorted({*np.clip(near, *bounds).flat, *bounds}))
+    fine_log_tau = support[:, None] + step * np.arange(-8, 9) / 8
+    return np.array(sorted({*np.clip(fine_log_tau, *bounds).flat, *bounds}))
 
 
-def _compute_merged_sse(stack: Stack, grid: FloatArray, weight: FloatArray, flat: float) -> float:
+def _compute_merged_sse(
+    stack: Stack, grid: FloatArray, weight: FloatArray, cost_tolerance: float
+) -> float:
     """SSE after the spectrum's arms, neighbours merged, have moved off the grid together.
 
-    To `flat`, a part of it.
+    To `cost_tolerance`, a part of it.
     """
     order = np.flatnonzero(weight > 0)
     order = order[np.argsort(grid[order], kind="stable")]
@@ -716,5 +733,5 @@ def _compute_merged_sse(stack: Stack, grid: FloatArray, weight: FloatArray, flat
     runs = np.split(order, np.flatnonzero(np.diff(grid[order]) > ONE_ARM) + 1)
     start = np.array([weight[run] @ grid[run] / weight[run].sum() for run in runs])
     restricted = stack.get_nonnegative_mask(len(start), signed=False)
-    local = descend(stack, start, restricted=restricted, flat=flat)
+    local = descend(stack, start, restricted=restricted, cost_tolerance=cost_tolerance)
     return np.inf if local is None else local.point.sse

@@ -40,23 +40,23 @@ def find_root_by_newton(
     start: _Unknown,
     *,
     size: float,
-    most: int = 60,
+    max_steps: int = 60,
 ) -> _Unknown | None:
     """Newton's descent, its steps halved where they do not help; None short of an answer.
 
     `step` is the step, to be taken off, of an unknown and its residual; `size` that of what is
-    balanced, `most` the steps at most.
+    balanced, `max_steps` the steps at most.
     """
     x, r = start, residual(start)
-    for _ in range(most):
+    for _ in range(max_steps):
         if np.abs(r).max() <= 1e-12 * size:
             return x
-        full, share = step(x, r), 1.0
-        there = x - full
-        remainder = residual(there)
+        full_step, share = step(x, r), 1.0
+        trial = x - full_step
+        remainder = residual(trial)
         while share > 1e-4 and np.abs(remainder).max() >= np.abs(r).max():
             share /= 2
-            there = x - share * full
-            remainder = residual(there)
-        x, r = there, remainder
+            trial = x - share * full_step
+            remainder = residual(trial)
+        x, r = trial, remainder
     return x if np.abs(r).max() <= 1e-9 * size else None

@@ -105,10 +105,12 @@ def is_step_acceptable(new: Any, old: Any, change: Any, rounding: Any) -> Any:
     return (new < old) | ((change < TAIL) & (new <= old * (1 + 1e-8) + rounding))
 
 
-def has_converged(change: Any, last: Any, fall: Any, sse: Any) -> Any:
-    """At the rate of the last undamped steps next to nothing is left, of theta and of the SSE."""
+def has_converged(change: Any, last: Any, expected_fall: Any, sse: Any) -> Any:
+    """Return whether the last undamped steps leave next to no change of theta and of the SSE."""
     return (
-        (change <= LINEAR) & (change * change <= THETA_TOLERANCE * last) & (fall <= UNCHANGED * sse)
+        (change <= LINEAR)
+        & (change * change <= THETA_TOLERANCE * last)
+        & (expected_fall <= UNCHANGED * sse)
     )
 
 
@@ -117,16 +119,16 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     start: FloatArray,
     *,
     expected_positive: BoolArray | None = None,
-    met: Callable[[FloatArray], bool] | None = None,
-    finished: float = FINISHED,
-    flat: float = 0.0,
+    is_known_optimum: Callable[[FloatArray], bool] | None = None,
+    step_tolerance: float = FINISHED,
+    cost_tolerance: float = 0.0,
     damping: float = 1e-3,
     limit: int = 60,
 ) -> LocalOptimum[T] | None:
     r"""Levenberg-Marquardt with steps of at most 1.5 in every parameter, inside the bounds.
 
     Far away a step must lower the SSE; within 1e-5 the SSE is flat to its last digits, so the
-    undamped step itself decides: the descent ends when it falls below `finished`, or when, at
+    undamped step itself decides: the descent ends when it falls below `step_tolerance`, or when, at
     the rate of the last steps, next to nothing is left of it, or when a step that promised no more
     than rounding is refused. Where the residual is large J'J is
     a poor Hessian and such steps only creep; what the gradients say it lacks is then learned
@@ -137,34 +139,35 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     one more from where it ends leads below the start (the watchdog of R. M. Chamberlain and others,
     *Math. Programming Study* 16, 1982).
 
-    With `flat` it ends where a step promises to lower the SSE by less than that part of it. A
-    descent on which coefficients that are `expected_positive` have long been negative, such as two
-    arms that merge with ever larger coefficients of opposite sign, ends there.
+    With `cost_tolerance` it ends where a step promises to lower the SSE by less than that part of
+    it. A descent on which coefficients that are `expected_positive` have long been negative, such
+    as two arms that merge with ever larger coefficients of opposite sign, ends there.
 
-    Returns None when it has `met` what is known already, or where the start cannot be evaluated.
+    Returns None when it has `is_known_optimum` what is known already, or where the start cannot be
+    evaluated.
     """
-    at, low, high, floor, rounding = objective
+    at, low, high, fixed_cost, rounding = objective
     bounds = low.tolist(), high.tolist()
     current = at(np.minimum(np.maximum(start, low), high), None)
     if current.sse == np.inf:
         return None
-    lacking: FloatArray | None = None
-    last, wrong, refused, wary = np.inf, 0, np.inf, False
+    hessian_correction: FloatArray | None = None
+    last, wrong, refused_change, is_cautious = np.inf, 0, np.inf, False
     for count in range(2, limit + 2):
-        trial = _trial(current, lacking, damping, bounds)
+        trial = _trial(current, hessian_correction, damping, bounds)
         step = trial - current.theta
         change = max(map(abs, step.tolist()), default=0.0)
         # much the step that was refused
-        while TAIL < STEP_REDUCTION * refused < change:
+        while TAIL < STEP_REDUCTION * refused_change < change:
             damping *= 10
-            trial = _trial(current, lacking, damping, bounds)
+            trial = _trial(current, hessian_correction, damping, bounds)
             step = trial - current.theta
             change = max(map(abs, step.tolist()), default=0.0)
-        refused = np.inf
-        fall, sse = abs(float(current.gradient @ step)), floor + current.sse
-        if change <= finished or (fall < flat * sse and damping <= DAMPED):
+        refused_change = np.inf
+        expected_fall, sse = abs(float(current.gradient @ step)), fixed_cost + current.sse
+        if change <= step_tolerance or (expected_fall < cost_tolerance * sse and damping <= DAMPED):
             return LocalOptimum(current, count, True)
-        if damping < LINEAR and has_converged(change, last, fall, sse):
+        if damping < LINEAR and has_converged(change, last, expected_fall, sse):
             return LocalOptimum(current.ahead(step), count, True)
         new = at(trial, current)
         if current.sse < new.sse < np.inf and change >= TAIL:
@@ -175,10 +178,12 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
                 change = max(map(abs, step.tolist()))
         if is_step_acceptable(new.sse, current.sse, change, rounding):
             promised = -float(step @ (2 * current.gradient + current.curvature @ step))
-            short = wary and current.sse - new.sse < GAINED * promised
-            sure = change < TAIL or _foretold(lacking, current, new, step)
-            lacking = (
-                _update_hessian_correction(lacking, current, new, change, last) if sure else None
+            short = is_cautious and current.sse - new.sse < GAINED * promised
+            is_reliable = change < TAIL or _foretold(hessian_correction, current, new, step)
+            hessian_correction = (
+                _update_hessian_correction(hessian_correction, current, new, change, last)
+                if is_reliable
+                else None
             )
             last, current = change, new
             wrong = (
@@ -186,59 +191,63 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
                 if expected_positive is not None and (current.beta[expected_positive] < 0).any()
                 else 0
             )
-            damping *= (1.0 if short else EASED if wary else 0.1) * (change >= TAIL)
-        elif (change < TAIL and damping == 0.0) or fall <= UNCHANGED * sse:
+            damping *= (1.0 if short else EASED if is_cautious else 0.1) * (change >= TAIL)
+        elif (change < TAIL and damping == 0.0) or expected_fall <= UNCHANGED * sse:
             return LocalOptimum(current, count, True)
         else:
-            damping, refused, wary = 10 * max(damping, 1e-6), change, True
+            damping, refused_change, is_cautious = 10 * max(damping, 1e-6), change, True
         if current.sse <= rounding or damping > 1e9 or wrong > MAX_WRONG_SIGN_STEPS:
             return LocalOptimum(current, count, current.sse <= rounding)
-        if met is not None and met(current.theta):
+        if is_known_optimum is not None and is_known_optimum(current.theta):
             return None
     return LocalOptimum(current, limit, False)
 
 
-def _foretold(lacking: FloatArray | None, old: Trial, new: Trial, step: FloatArray) -> bool:
+def _foretold(
+    hessian_correction: FloatArray | None, old: Trial, new: Trial, step: FloatArray
+) -> bool:
     """Whether what was learned of the Hessian foretells by how much a step lowers the SSE."""
-    if lacking is None:
+    if hessian_correction is None:
         return True
-    fall = -float(step @ (2 * old.gradient + (old.curvature + lacking) @ step))
-    return bool(abs(old.sse - new.sse - fall) <= MAX_PREDICTION_ERROR * fall)
+    predicted_fall = -float(step @ (2 * old.gradient + (old.curvature + hessian_correction) @ step))
+    return bool(abs(old.sse - new.sse - predicted_fall) <= MAX_PREDICTION_ERROR * predicted_fall)
 
 
 def _update_hessian_correction(
-    lacking: FloatArray | None, old: Trial, new: Trial, length: float, last: float
+    hessian_correction: FloatArray | None, old: Trial, new: Trial, length: float, last: float
 ) -> FloatArray | None:
-    """What the Hessian holds beyond J'J, corrected so that it explains a step that creeps."""
+    """Return the corrected part of the Hessian beyond J'J, which explains a slow step."""
     if not (ROUNDING < length < NEAR_OPTIMUM and length > SLOW_RATE * last):
-        return lacking
+        return hessian_correction
     change = new.theta - old.theta
-    missed = new.gradient - old.gradient - new.curvature @ change
-    if lacking is not None:
-        missed = missed - lacking @ change
-    along = float(missed @ change)
-    if along * along <= 1e-16 * float((missed @ missed) * (change @ change)):
-        return lacking
-    update = np.outer(missed, missed) / along
-    return update if lacking is None else lacking + update
+    gradient_error = new.gradient - old.gradient - new.curvature @ change
+    if hessian_correction is not None:
+        gradient_error = gradient_error - hessian_correction @ change
+    curvature_along = float(gradient_error @ change)
+    if curvature_along * curvature_along <= 1e-16 * float(
+        (gradient_error @ gradient_error) * (change @ change)
+    ):
+        return hessian_correction
+    update = np.outer(gradient_error, gradient_error) / curvature_along
+    return update if hessian_correction is None else hessian_correction + update
 
 
 def _trial(
     point: Trial,
-    lacking: FloatArray | None,
+    hessian_correction: FloatArray | None,
     damping: float,
     bounds: tuple[list[float], list[float]],
 ) -> FloatArray:
-    """Where the damped step ends; held is what presses against a bound or carries nothing."""
+    """Return the end of the damped step; parameters at a bound or without effect are held."""
     gradient, curvature, at = point.gradient, point.curvature, point.theta
     scale = curvature.diagonal()
     # an estimate that would turn the step uphill is no Hessian
-    if lacking is not None:
-        hessian = curvature + lacking
+    if hessian_correction is not None:
+        hessian = curvature + hessian_correction
         if np.linalg.eigvalsh(hessian)[0] > 1e-3 * scale.min():
             curvature = hessian
     ridge = max(damping, 1e-15) * np.maximum(scale, FADED * scale.max(initial=0.0))
-    if _is_within_bounds(at, bounds, least=False) and all(scale.tolist()):
+    if _is_within_bounds(at, bounds, allow_ends=False) and all(scale.tolist()):
         step = _solve_damped_step(curvature, gradient, ridge)
     else:
         low, high = map(np.array, bounds)
@@ -250,15 +259,15 @@ def _trial(
     longest = max(map(abs, step.tolist()), default=0.0)
     step = step if longest <= LONGEST_STEP else np.clip(step, -LONGEST_STEP, LONGEST_STEP)
     trial = at + step
-    return trial if _is_within_bounds(trial, bounds, least=True) else np.clip(trial, *bounds)
+    return trial if _is_within_bounds(trial, bounds, allow_ends=True) else np.clip(trial, *bounds)
 
 
 def _is_within_bounds(
-    at: FloatArray, bounds: tuple[list[float], list[float]], *, least: bool
+    at: FloatArray, bounds: tuple[list[float], list[float]], *, allow_ends: bool
 ) -> bool:
-    """Return whether no parameter sits at an end of its range or, at `least`, beyond one."""
+    """Return whether no parameter sits at an end of its range or, at `allow_ends`, beyond one."""
     pairs = zip(bounds[0], at.tolist(), bounds[1], strict=True)
-    if least:
+    if allow_ends:
         return all(low <= value <= high for low, value, high in pairs)
     return all(low < value < high for low, value, high in pairs)
 
@@ -366,67 +375,83 @@ class Problem:
         low, high, scale, _ = np.array(self.parameters, dtype=float).reshape(-1, 4).T
         return low, high, scale
 
-    def solve_linear(self, theta: FloatArray, near: BoolArray | None = None) -> Optimum:
-        """The best beta at a theta; `near` it only these coefficients are likely above zero."""
+    def solve_linear(self, theta: FloatArray, likely_positive: BoolArray | None = None) -> Optimum:
+        """Return the best beta at a theta; `likely_positive` marks those likely above zero."""
         rows = self.model(theta)
-        beta, span = solve_linear(rows.A, rows.y, self.positive, near)
+        beta, span = solve_linear(rows.A, rows.y, self.positive, likely_positive)
         return Optimum(self, np.asarray(theta, dtype=float), beta, rows, span)
 
     def solve(
         self,
         starts: Sequence[FloatArray] = (),
         *,
-        most: int = 100,
+        max_steps: int = 100,
         rough: int = 0,
-        finished: float = FINISHED,
-        flat: float = 0.0,
+        step_tolerance: float = FINISHED,
+        cost_tolerance: float = 0.0,
     ) -> Optimum | None:
         """Return the best of the descents from some starts; None if the model is nowhere there.
 
         Parameters
         ----------
         starts : sequence of array, shape (p,)
-        most : int
+        max_steps : int
             Steps of a descent.
         rough : int
             If given, those that are clearly worse after so many steps are not followed.
-        finished : float
+        step_tolerance : float
             Step, in sizes of a parameter, that ends a descent.
-        flat : float
+        cost_tolerance : float
             Part of the cost that a step promises to lower it by, and ends a descent.
         """
         if not self.parameters:
             return self.solve_linear(np.zeros(0))
-        optima = self.valleys(starts, most=rough or most, finished=finished, flat=flat)
+        optima = self.valleys(
+            starts,
+            max_steps=rough or max_steps,
+            step_tolerance=step_tolerance,
+            cost_tolerance=cost_tolerance,
+        )
         best = min(optima, key=lambda optimum: optimum.cost, default=None)
         if best is None or not rough:
             return best
-        near = [optimum.theta for optimum in optima if optimum.cost <= _WORSE_FACTOR * best.cost]
-        return self.solve(near, most=most, finished=finished, flat=flat)
+        close_starts = [
+            optimum.theta for optimum in optima if optimum.cost <= _WORSE_FACTOR * best.cost
+        ]
+        return self.solve(
+            close_starts,
+            max_steps=max_steps,
+            step_tolerance=step_tolerance,
+            cost_tolerance=cost_tolerance,
+        )
 
     def valleys(
         self,
         starts: Sequence[FloatArray],
         *,
-        same: float = 0.0,
-        most: int = 100,
-        finished: float = FINISHED,
-        flat: float = 0.0,
+        same_distance: float = 0.0,
+        max_steps: int = 100,
+        step_tolerance: float = FINISHED,
+        cost_tolerance: float = 0.0,
     ) -> list[Optimum]:
         """Return where descents from some starts end, as :meth:`solve` asks of them.
 
-        One that comes nearer than `same`, in sizes of the parameters, to the end of another is not
-        followed.
+        One that comes nearer than `same_distance`, in sizes of the parameters, to the end of
+        another is not followed.
         """
         optima: list[Optimum] = []
         scale = self.bounds[2]
 
         def is_repeat_optimum(theta: FloatArray) -> bool:
-            return any(np.abs(theta - optimum.theta / scale).max() < same for optimum in optima)
+            return any(
+                np.abs(theta - optimum.theta / scale).max() < same_distance for optimum in optima
+            )
 
         for start in starts:
             if (
-                ended := self._run_descent(start, is_repeat_optimum, most, finished, flat)
+                ended := self._run_descent(
+                    start, is_repeat_optimum, max_steps, step_tolerance, cost_tolerance
+                )
             ) is not None:
                 optima.append(replace(ended.point.optimum, stationary=ended.converged))
         return optima
@@ -446,12 +471,12 @@ class Problem:
     def _run_descent(
         self,
         start: FloatArray,
-        met: Callable[[FloatArray], bool],
-        most: int,
-        finished: float,
-        flat: float,
+        is_known_optimum: Callable[[FloatArray], bool],
+        max_steps: int,
+        step_tolerance: float,
+        cost_tolerance: float,
     ) -> LocalOptimum[_AtTheta] | None:
-        """Where a descent from one start ends, in sizes of the parameters; None if met before."""
+        """Return the optimum of a descent from one start, in scaled parameters; None if known."""
         low, high, scale = self.bounds
         low, high = low / scale, high / scale
         first = self._evaluate_trial(np.clip(np.asarray(start) / scale, low, high), None)
@@ -459,15 +484,24 @@ class Problem:
             lambda theta, last: first if last is None else self._evaluate_trial(theta, last),
             low, high, rounding=first.rounding,
         )  # fmt: skip
-        return descend(objective, first.theta, met=met, limit=most, finished=finished, flat=flat)
+        return descend(
+            objective,
+            first.theta,
+            is_known_optimum=is_known_optimum,
+            limit=max_steps,
+            step_tolerance=step_tolerance,
+            cost_tolerance=cost_tolerance,
+        )
 
     def _evaluate_trial(self, theta: FloatArray, last: _AtTheta | None) -> _AtTheta:
         """The best beta at a theta in sizes; where the model says nothing it is infinitely bad."""
         scale = self.bounds[2]
-        near = None if last is None else last.beta > 0
-        meant = theta * scale
+        likely_positive = None if last is None else last.beta > 0
+        unscaled = theta * scale
         try:
-            optimum = self.solve_linear(meant if self.gauge is None else self.gauge(meant), near)
+            optimum = self.solve_linear(
+                unscaled if self.gauge is None else self.gauge(unscaled), likely_positive
+            )
         except DataError:
             return _AtTheta(theta, scale, None)
         return _AtTheta(optimum.theta / scale, scale, optimum)
@@ -483,7 +517,7 @@ class _AtTheta:
 
     @property
     def optimum(self) -> Optimum:
-        """It must be somewhere."""
+        """Optimum; it must exist."""
         if self.found is None:
             raise FitError("the model says nothing of the record there")
         return self.found
@@ -531,12 +565,12 @@ class Optimum:
 
     @cached_property
     def all_residuals(self) -> FloatArray:
-        """What is left of every row, priors too: y less the model."""
+        """Residual of every row, priors included: y less the model."""
         return np.asarray(self.rows.y - self.rows.A @ self.beta)
 
     @property
     def residual(self) -> FloatArray:
-        """What is left of the data, shape (n,)."""
+        """Residual of the data, shape (n,)."""
         return self.all_residuals[: len(self.all_residuals) - self.problem.priors]
 
     @cached_property
@@ -556,9 +590,9 @@ class Optimum:
 
     @property
     def free(self) -> BoolArray:
-        """Which of theta and beta may move: a coefficient that rests at zero does not."""
-        still = (self.beta == 0) & self.problem.positive
-        return np.concatenate((np.ones(len(self.theta), dtype=bool), ~still))
+        """Mask of theta and beta that may change: a coefficient at zero may not."""
+        is_zero = (self.beta == 0) & self.problem.positive
+        return np.concatenate((np.ones(len(self.theta), dtype=bool), ~is_zero))
 
     @property
     def values(self) -> FloatArray:
@@ -593,12 +627,12 @@ class Optimum:
 
     @cached_property
     def curvature(self) -> FloatArray:
-        """Of Gauss and Newton, shape (p, p)."""
+        """Gauss-Newton curvature, shape (p, p)."""
         return np.asarray(self.projected_jacobian.T @ self.projected_jacobian)
 
     @property
     def steps(self) -> list[tuple[float, float]]:
-        """How far down and up theta, in its range, and beta move for a difference."""
+        """Steps down and up of theta and beta for differences, within their range."""
         results = []
         for value, parameter in zip(self.theta.tolist(), self.problem.parameters, strict=True):
             h = parameter.step * parameter.scale
@@ -612,19 +646,19 @@ class Optimum:
         if self.rows.slope is not None and len(self.theta):
             return np.asarray(self.rows.slope(self.beta))
         slopes = np.empty((len(self.all_residuals), len(self.theta)))
-        for i, (down, up) in enumerate(self.steps[: len(self.theta)]):
+        for i, (step_down, up) in enumerate(self.steps[: len(self.theta)]):
             if central:
-                slopes[:, i] = (self._evaluate_shifted(i, up) - self._evaluate_shifted(i, down)) / (
-                    up - down
-                )
+                slopes[:, i] = (
+                    self._evaluate_shifted(i, up) - self._evaluate_shifted(i, step_down)
+                ) / (up - step_down)
             else:
-                far = up if up > -down else down
-                slopes[:, i] = (self._evaluate_shifted(i, far) + self.all_residuals) / far
+                change = up if up > -step_down else step_down
+                slopes[:, i] = (self._evaluate_shifted(i, change) + self.all_residuals) / change
         return slopes
 
-    def _evaluate_shifted(self, i: int, far: float) -> FloatArray:
+    def _evaluate_shifted(self, i: int, step: float) -> FloatArray:
         values = self.values
-        values[i] += far
+        values[i] += step
         return self.evaluate_model(values)
 
 
@@ -632,10 +666,10 @@ def require_optimum(
     problem: Problem,
     starts: Sequence[FloatArray] = (),
     *,
-    most: int = 100,
+    max_steps: int = 100,
     rough: int = 0,
-    finished: float = FINISHED,
-    flat: float = 0.0,
+    step_tolerance: float = FINISHED,
+    cost_tolerance: float = 0.0,
 ) -> Optimum:
     """Return the optimum, as :meth:`Problem.solve`; it must be there.
 
@@ -644,7 +678,13 @@ def require_optimum(
     FitError
         If the model says nothing of the record from any start.
     """
-    optimum = problem.solve(starts, most=most, rough=rough, finished=finished, flat=flat)
+    optimum = problem.solve(
+        starts,
+        max_steps=max_steps,
+        rough=rough,
+        step_tolerance=step_tolerance,
+        cost_tolerance=cost_tolerance,
+    )
     if optimum is None:
         raise FitError("the model says nothing of the record from any start")
     return optimum

@@ -36,7 +36,7 @@ class StackRows(NamedTuple):
 
     @property
     def target(self) -> FloatArray:
-        """What is to be explained, y (n,)."""
+        """Target y (n,)."""
         return np.asarray(self.columns[-1])
 
     @property
@@ -46,7 +46,7 @@ class StackRows(NamedTuple):
 
     @property
     def slope(self) -> FloatArray:
-        """Its derivative by ln tau where arms are, (n, a)."""
+        """Derivative of the columns by ln tau, (n, a)."""
         return self.columns[self.width : -1].T
 
 
@@ -95,17 +95,17 @@ class Stack:
 
     def get_nonnegative_mask(self, arms: int, *, signed: bool) -> BoolArray:
         """Return which linear parameters must not be negative, shape (p,)."""
-        every = np.ones(len(self.names) + arms * len(self.groups), dtype=bool)
-        every[: len(self.names)] = stiffnesses(self.names)
-        return every & (not signed)
+        nonnegative_mask = np.ones(len(self.names) + arms * len(self.groups), dtype=bool)
+        nonnegative_mask[: len(self.names)] = stiffnesses(self.names)
+        return nonnegative_mask & (not signed)
 
     def evaluate(self, log_tau: FloatArray, *, derivative: bool = True) -> StackRows:
         """Return the stacked design matrix, slopes if asked for, and target."""
         parts = [block.evaluate(log_tau, derivative) for block in self.blocks]
         arms, q = len(log_tau), len(self.names)
-        every = arms * len(self.groups)
-        slopes = every if derivative else 0
-        columns = np.zeros((q + every + slopes + 1, sum(len(part.target) for part in parts)))
+        column_count = arms * len(self.groups)
+        slopes = column_count if derivative else 0
+        columns = np.zeros((q + column_count + slopes + 1, sum(len(part.target) for part in parts)))
         first = 0
         for (indices, group), part in zip(self._places, parts, strict=True):
             rows = slice(first, first + len(part.target))
@@ -113,10 +113,10 @@ class Stack:
             columns[indices, rows] = part.fixed.T
             columns[at : at + arms, rows] = part.arms.T
             if derivative:
-                columns[at + every : at + every + arms, rows] = part.d_arms.T
+                columns[at + column_count : at + column_count + arms, rows] = part.d_arms.T
             columns[-1, rows] = part.target
             first = rows.stop
-        return StackRows(columns, q + every)
+        return StackRows(columns, q + column_count)
 
     @cached_property
     def _places(self) -> list[tuple[list[int], int]]:
@@ -144,14 +144,14 @@ class StackTrial(NamedTuple):
 
     @property
     def theta(self) -> FloatArray:
-        """What a descent moves."""
+        """Parameters of the descent."""
         return self.log_tau
 
     @classmethod
     def from_factor(
         cls, log_tau: FloatArray, factor: FloatArray, fixed: int, active: BoolArray | None = None
     ) -> StackTrial:
-        r"""From the triangular factor of the `active` columns, the slopes and the target.
+        r"""Return the trial from the triangular factor of the `active` columns, slopes and target.
 
         With Phi = QR, r = (I - QQ')y and beta = R^{-1}Q'y, the derivative of r by ln tau_j is
 
@@ -173,32 +173,36 @@ class StackTrial(NamedTuple):
         p = fixed + (slopes - fixed) // 2 if active is None else int(active.sum())
         inverse = np.asarray(np.linalg.inv(factor[..., :p, :p]), dtype=float)
         beta = (inverse @ factor[..., :p, -1:])[..., 0]
-        along = inverse @ factor[..., :p, p:-1]
-        towards = inverse
+        coefficients = inverse @ factor[..., :p, p:-1]
+        inverse_rows = inverse
         if active is not None:
-            beta, along, towards = (_spread(active, values) for values in (beta, along, inverse))
+            beta, coefficients, inverse_rows = (
+                _spread(active, values) for values in (beta, coefficients, inverse)
+            )
         residual, outside = factor[..., p:, -1], factor[..., p:, p:-1]
         k = beta[..., fixed:]
         outward = (residual[..., None, :] @ outside)[..., 0, :]
-        inside = towards[..., fixed:, :] * outward[..., None]
+        projected = inverse_rows[..., fixed:, :] * outward[..., None]
         scale = k[..., None, :]
-        outside, along = outside * scale, along * scale
+        outside, coefficients = outside * scale, coefficients * scale
         gradient = -k * outward
         if k.shape[-1] > arms:
             gradient = gradient.reshape(-1, arms).sum(axis=0)
-            inside = inside.reshape(-1, arms, p).sum(axis=0)
+            projected = projected.reshape(-1, arms, p).sum(axis=0)
             outside = outside.reshape(len(outside), -1, arms).sum(axis=1)
-            along = along.reshape(len(along), -1, arms).sum(axis=1)
-        turned = inside.swapaxes(-1, -2)
-        curvature = outside.swapaxes(-1, -2) @ outside + inside @ turned
+            coefficients = coefficients.reshape(len(coefficients), -1, arms).sum(axis=1)
+        transposed = projected.swapaxes(-1, -2)
+        curvature = outside.swapaxes(-1, -2) @ outside + projected @ transposed
         # a Python number is compared faster
         sse = np.vecdot(residual, residual) if residual.ndim > 1 else float(residual @ residual)
-        return cls(log_tau, beta, sse, gradient, curvature, towards @ turned - along)
+        return cls(
+            log_tau, beta, sse, gradient, curvature, inverse_rows @ transposed - coefficients
+        )
 
     def ahead(self, step: FloatArray) -> StackTrial:
         """Return the point a short step away, where beta is linear and the SSE is flat."""
-        turned = (self.turn @ step[..., None])[..., 0]
-        return self._replace(log_tau=self.log_tau + step, beta=self.beta + turned)
+        rotated_step = (self.turn @ step[..., None])[..., 0]
+        return self._replace(log_tau=self.log_tau + step, beta=self.beta + rotated_step)
 
     def take(self, index: IndexArray | BoolArray) -> StackTrial:
         """Copies of some records."""
@@ -249,9 +253,9 @@ def _nowhere(log_tau: FloatArray, p: int) -> StackTrial:
 
 def _spread(active: BoolArray, values: FloatArray) -> FloatArray:
     """Return values of the active columns in their places among all, zero elsewhere."""
-    out = np.zeros((len(active), *values.shape[1:]))
-    out[active] = values
-    return out
+    scattered = np.zeros((len(active), *values.shape[1:]))
+    scattered[active] = values
+    return scattered
 
 
 def descend(
@@ -261,8 +265,8 @@ def descend(
     restricted: BoolArray | None = None,
     expected_positive: BoolArray | None = None,
     rivals: Sequence[FloatArray] = (),
-    finished: float = FINISHED,
-    flat: float = 0.0,
+    step_tolerance: float = FINISHED,
+    cost_tolerance: float = 0.0,
     damping: float = 1e-3,
 ) -> LocalOptimum[StackTrial] | None:
     """As :func:`dashpot.numerics.least_squares.descend`, in ln tau, inside the
@@ -280,9 +284,9 @@ def descend(
         objective,
         np.sort(start),
         expected_positive=expected_positive,
-        met=(lambda log_tau: _is_near_rival(log_tau, rivals)) if rivals else None,
-        finished=finished,
-        flat=flat,
+        is_known_optimum=(lambda log_tau: _is_near_rival(log_tau, rivals)) if rivals else None,
+        step_tolerance=step_tolerance,
+        cost_tolerance=cost_tolerance,
         damping=damping,
     )
 
@@ -394,7 +398,7 @@ class Grid:
         Of the :class:`ColumnGrid`; columns of shape (n, G m).
     moment : array, shape (G m,)
         Inner products of columns with the target.
-    near : array, shape (m,), or None
+    likely_positive : array, shape (m,), or None
         Where the best spectrum is likely to have weight.
     """
 
@@ -405,18 +409,18 @@ class Grid:
         *,
         log_tau: FloatArray | None = None,
         is_free: BoolArray | None = None,
-        near: BoolArray | None = None,
+        likely_positive: BoolArray | None = None,
     ) -> None:
         if log_tau is None:
-            lattice, target = _KEPT_LATTICES.get_grid(stack, size)
+            cached, target = _KEPT_LATTICES.get_grid(stack, size)
         else:
-            lattice, target = ColumnGrid.from_stack(stack, log_tau, is_free)
-        self.stack, self.near = stack, near
+            cached, target = ColumnGrid.from_stack(stack, log_tau, is_free)
+        self.stack, self.near = stack, likely_positive
         self.groups = len(stack.groups)
-        self.log_tau, self.length, self.gram = lattice.log_tau, lattice.length, lattice.gram
-        self.columns = lattice.rows.T
-        self.moment = lattice.rows @ target
-        self.target, self.basis = target, lattice.basis
+        self.log_tau, self.length, self.gram = (cached.log_tau, cached.length, cached.gram)
+        self.columns = cached.rows.T
+        self.moment = cached.rows @ target
+        self.target, self.basis = target, cached.basis
 
     @cached_property
     def aim(self) -> FloatArray:
@@ -426,8 +430,8 @@ class Grid:
     @cached_property
     def spectrum(self) -> FloatArray:
         """Best non-negative spectrum on the grid, in unit columns, shape (G, m)."""
-        near = None if self.near is None else np.tile(self.near, self.groups)
-        values = nonnegative(self.gram, self.moment, near)
+        likely_positive = None if self.near is None else np.tile(self.near, self.groups)
+        values = nonnegative(self.gram, self.moment, likely_positive)
         return np.asarray(values.reshape(self.groups, -1))
 
     @cached_property
@@ -437,7 +441,7 @@ class Grid:
         return float(rest @ rest)
 
     def dual_gradient(self, point: StackTrial, *, signed: bool) -> FloatArray:
-        r"""How much of the residual one more arm at each grid point would remove, shape (m,).
+        r"""Return the gain of one more arm at each grid point, shape (m,).
 
         :math:`D(\tau) = \hat\varphi_\perp' r`, with the columns of the point swept out of
         phi; negative where only a negative coefficient would help. Groups add as squares.
@@ -445,8 +449,8 @@ class Grid:
         if len(point.log_tau):
             columns, residual, phi = self._compute_shared_rows(point)
             basis = np.linalg.qr(phi)[0]
-            along = basis.T @ columns
-            remainder = np.sqrt(np.maximum(1.0 - (along * along).sum(axis=0), 0.0))
+            coefficients = basis.T @ columns
+            remainder = np.sqrt(np.maximum(1.0 - (coefficients * coefficients).sum(axis=0), 0.0))
             dual_gradient = (columns.T @ residual) / np.where(remainder > 1e-4, remainder, np.inf)
         else:
             dual_gradient = self.moment
@@ -468,12 +472,12 @@ class Grid:
             rows = self.stack.evaluate(point.log_tau, derivative=False)
             return self.columns, rows.target - rows.phi @ point.beta, rows.phi
         arms, q = len(point.log_tau), len(self.stack.names)
-        both = np.concatenate((point.log_tau, self.log_tau))
-        rows = self.stack.evaluate(both, derivative=False)
-        every = rows.phi[:, q:].reshape(len(rows.target), self.groups, -1)
+        log_tau = np.concatenate((point.log_tau, self.log_tau))
+        rows = self.stack.evaluate(log_tau, derivative=False)
+        arm_columns = rows.phi[:, q:].reshape(len(rows.target), self.groups, -1)
         fixed = rows.phi[:, :q]
-        phi = np.concatenate((fixed, every[:, :, :arms].reshape(len(fixed), -1)), axis=1)
-        grid = every[:, :, arms:].reshape(len(fixed), -1)
+        phi = np.concatenate((fixed, arm_columns[:, :, :arms].reshape(len(fixed), -1)), axis=1)
+        grid = arm_columns[:, :, arms:].reshape(len(fixed), -1)
         basis = np.linalg.qr(fixed)[0]
         columns = (grid - basis @ (basis.T @ grid)) / self.length
         return columns, rows.target - phi @ point.beta, phi
@@ -494,12 +498,15 @@ def find_best_pair(grid: Grid) -> FloatArray | None:
     """
     cosine, m = grid.gram, grid.moment
     determinant = 1.0 - cosine * cosine
-    leads = m[:, None] - cosine * m
+    residual_gain = m[:, None] - cosine * m
     # neighbours that agree to five digits cannot be distinguished from one
-    positive = leads > 0
+    positive = residual_gain > 0
     allowed = positive & positive.T & (determinant > 1e-10)
     gain = np.divide(
-        m[:, None] * leads + m * leads.T, determinant, out=np.zeros_like(cosine), where=allowed
+        m[:, None] * residual_gain + m * residual_gain.T,
+        determinant,
+        out=np.zeros_like(cosine),
+        where=allowed,
     )
     best = int(np.argmax(gain))
     if gain.flat[best] <= 0:
@@ -510,18 +517,18 @@ def find_best_pair(grid: Grid) -> FloatArray | None:
 
 
 def _vertex(gain: FloatArray, i: int, j: int) -> FloatArray:
-    """Where the parabola through a largest value and its eight neighbours has its maximum."""
-    nowhere = np.zeros(2)
+    """Return the maximum of the parabola through a largest value and its eight neighbours."""
+    no_shift = np.zeros(2)
     if not 0 < i < j - 2 < len(gain) - 3:
-        return nowhere
+        return no_shift
     (a, b, c), (d, e, f), (g, h, k) = gain[i - 1 : i + 2, j - 1 : j + 2].tolist()
-    down, across, mixed = b - 2 * e + h, d - 2 * e + f, (a - c - g + k) / 4
-    determinant = down * across - mixed * mixed
-    if min(a, b, c, d, f, g, h, k) <= 0 or down >= 0 or determinant <= 0:
-        return nowhere
+    curvature_down, curvature_across, mixed = b - 2 * e + h, d - 2 * e + f, (a - c - g + k) / 4
+    determinant = curvature_down * curvature_across - mixed * mixed
+    if min(a, b, c, d, f, g, h, k) <= 0 or curvature_down >= 0 or determinant <= 0:
+        return no_shift
     by_row, by_column = (h - b) / 2, (f - d) / 2
-    row = (mixed * by_column - across * by_row) / determinant
-    column = (mixed * by_row - down * by_column) / determinant
+    row = (mixed * by_column - curvature_across * by_row) / determinant
+    column = (mixed * by_row - curvature_down * by_column) / determinant
     return np.array([max(-1.0, min(1.0, row)), max(-1.0, min(1.0, column))])
 
 
@@ -556,8 +563,8 @@ def _triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
     determinant = 1 - c23 * c23 + c12 * minor12 + c13 * minor13
     allowed = (np.minimum(np.minimum(beta1, beta2), beta3) > 0) & (determinant > 1e-10)
     explained = beta1 * m1 + beta2 * m2 + beta3 * m3
-    nothing = np.zeros_like(m1)
-    return np.asarray(np.divide(explained, determinant, out=nothing, where=allowed))
+    no_gain = np.zeros_like(m1)
+    return np.asarray(np.divide(explained, determinant, out=no_gain, where=allowed))
 
 
 @lru_cache(maxsize=2)
@@ -588,28 +595,28 @@ def peaks_of(grid: Grid) -> tuple[FloatArray, FloatArray]:
         return np.zeros(0), np.zeros(0)
     runs = np.split(support, np.flatnonzero(np.diff(support) > 1) + 1)
     mass = np.array([weight[run].sum() for run in runs])
-    place = np.array([weight[run] @ grid.log_tau[run] for run in runs]) / mass
+    log_tau_peaks = np.array([weight[run] @ grid.log_tau[run] for run in runs]) / mass
     keep = np.sort(np.argsort(-mass, kind="stable")[:MOST_PEAKS])
-    return place[keep], mass[keep]
+    return log_tau_peaks[keep], mass[keep]
 
 
 def make_partition_starts(
-    grid: Grid, place: FloatArray, mass: FloatArray, arms: int, count: int = 2
+    grid: Grid, log_tau: FloatArray, mass: FloatArray, arms: int, count: int = 2
 ) -> list[FloatArray]:
     """Starts from the peaks: contiguous groups merged, or some peaks alone; best by one LSQ."""
-    m = len(place)
+    m = len(log_tau)
     if m < arms:
         return []
     candidates: dict[tuple[int, ...], FloatArray] = {}
-    weighed = np.concatenate(([0.0], np.cumsum(mass * place)))
+    weighted_sums = np.concatenate(([0.0], np.cumsum(mass * log_tau)))
     total = np.concatenate(([0.0], np.cumsum(mass)))
     step = grid.log_tau[1] - grid.log_tau[0]
     for cuts in combinations(range(1, m), arms - 1):
         edge = np.array((0, *cuts, m))
-        start = np.diff(weighed[edge]) / np.diff(total[edge])
+        start = np.diff(weighted_sums[edge]) / np.diff(total[edge])
         candidates.setdefault(tuple(np.rint((start - grid.log_tau[0]) / step).astype(int)), start)
-    for chosen in combinations(range(m), arms):
-        start = place[list(chosen)]
+    for indices in combinations(range(m), arms):
+        start = log_tau[list(indices)]
         candidates.setdefault(tuple(np.rint((start - grid.log_tau[0]) / step).astype(int)), start)
     distinct = [key for key in candidates if len(set(key)) == arms]
     if not distinct:

@@ -34,7 +34,7 @@ def solve_linear(
     A: FloatArray,
     y: FloatArray,
     positive: bool | BoolArray = False,
-    near: BoolArray | None = None,
+    likely_positive: BoolArray | None = None,
 ) -> tuple[FloatArray, Callable[[], FloatArray]]:
     r"""Return the beta that minimises |y - A beta|, and a basis of the columns that carry weight.
 
@@ -50,7 +50,7 @@ def solve_linear(
     y : array, shape (n,)
     positive : bool or array, shape (q,)
         Which coefficients must not be negative.
-    near : array, shape (q,), optional
+    likely_positive : array, shape (q,), optional
         Which coefficients are likely above zero: of many it spares most solves.
 
     Returns
@@ -61,35 +61,45 @@ def solve_linear(
     """
     size = np.sqrt(np.einsum("ij,ij->j", A, A))
     size[size == 0] = 1.0
-    unit, must = A / size, np.zeros(A.shape[1], dtype=bool) | positive
-    if int(must.sum()) > MANY_COLUMNS:
-        beta = _solve_mixed_sign(unit, y, must, near)
-        carries = (beta > 0) | ~must
+    unit, is_nonnegative = A / size, np.zeros(A.shape[1], dtype=bool) | positive
+    if int(is_nonnegative.sum()) > MANY_COLUMNS:
+        beta = _solve_mixed_sign(unit, y, is_nonnegative, likely_positive)
+        carries = (beta > 0) | ~is_nonnegative
         return beta / size, lambda: _solve_unit_columns(unit[:, carries], y)[1]
-    used, beta, sought = np.ones(len(must), dtype=bool), np.zeros(len(must)), False
+    is_used, beta, has_searched = (
+        np.ones(len(is_nonnegative), dtype=bool),
+        np.zeros(len(is_nonnegative)),
+        False,
+    )
     while True:
         beta[:] = 0.0
-        beta[used], basis = _solve_unit_columns(unit[:, used], y)
-        wrong = (beta < 0) & must
+        beta[is_used], basis = _solve_unit_columns(unit[:, is_used], y)
+        wrong = (beta < 0) & is_nonnegative
         if not wrong.any():
             break
-        used = used & ~wrong if sought else nonnegative_columns(unit, y, must)
-        sought = True
+        is_used = is_used & ~wrong if has_searched else nonnegative_columns(unit, y, is_nonnegative)
+        has_searched = True
     return beta / size, lambda: basis
 
 
 def _solve_mixed_sign(
-    unit: FloatArray, y: FloatArray, must: BoolArray, near: BoolArray | None
+    unit: FloatArray, y: FloatArray, is_nonnegative: BoolArray, likely_positive: BoolArray | None
 ) -> FloatArray:
     """Return the beta of many columns that must not be negative, the free ones taken off."""
-    if must.all():
-        return nonnegative(unit.T @ unit, unit.T @ y, near)
-    Q, factor = np.linalg.qr(unit[:, ~must])
-    A, beta = unit[:, must], np.zeros(len(must))
-    aside, along = Q.T @ A, Q.T @ y
-    A, residual = A - Q @ aside, y - Q @ along
-    beta[must] = nonnegative(A.T @ A, A.T @ residual, None if near is None else near[must])
-    beta[~must] = np.linalg.lstsq(factor, along - aside @ beta[must], rcond=DEPENDENT_COLUMN)[0]
+    if is_nonnegative.all():
+        return nonnegative(unit.T @ unit, unit.T @ y, likely_positive)
+    Q, factor = np.linalg.qr(unit[:, ~is_nonnegative])
+    A, beta = unit[:, is_nonnegative], np.zeros(len(is_nonnegative))
+    columns_in_free, target_in_free = Q.T @ A, Q.T @ y
+    A, residual = A - Q @ columns_in_free, y - Q @ target_in_free
+    beta[is_nonnegative] = nonnegative(
+        A.T @ A,
+        A.T @ residual,
+        None if likely_positive is None else likely_positive[is_nonnegative],
+    )
+    beta[~is_nonnegative] = np.linalg.lstsq(
+        factor, target_in_free - columns_in_free @ beta[is_nonnegative], rcond=DEPENDENT_COLUMN
+    )[0]
     return beta
 
 
@@ -99,14 +109,16 @@ def _solve_unit_columns(A: FloatArray, y: FloatArray) -> tuple[FloatArray, Float
     is_dependent = np.ones(A.shape[1], dtype=bool)
     is_dependent[: len(factor)] = np.abs(factor.diagonal()) <= DEPENDENT_COLUMN
     if not is_dependent.any():
-        along = basis.T @ y
-        return np.linalg.solve(factor, along) if len(along) else along, basis
+        coefficients = basis.T @ y
+        return np.linalg.solve(factor, coefficients) if len(coefficients) else coefficients, basis
     beta = np.zeros(A.shape[1])
     beta[~is_dependent], basis = _solve_unit_columns(A[:, ~is_dependent], y)
     return beta, basis
 
 
-def nonnegative(gram: FloatArray, moment: FloatArray, near: BoolArray | None = None) -> FloatArray:
+def nonnegative(
+    gram: FloatArray, moment: FloatArray, likely_positive: BoolArray | None = None
+) -> FloatArray:
     """Return the x >= 0 that minimises x'Gx/2 - m'x, shape (n,).
 
     On the normal equations: for starts, certificates and tables, not for final digits.
@@ -117,43 +129,45 @@ def nonnegative(gram: FloatArray, moment: FloatArray, near: BoolArray | None = N
         A'A, columns of A of comparable norm.
     moment : array, shape (n,)
         A'y.
-    near : array, shape (n,), optional
+    likely_positive : array, shape (n,), optional
         Which coefficients are likely above zero: it spares most solves.
     """
     count = len(moment)
-    ridged = gram + 1e-14 * float(np.trace(gram)) / max(count, 1) * np.eye(count)
-    nothing = ZERO_SLOPE * float(np.abs(moment).max(initial=0.0))
+    regularised = gram + 1e-14 * float(np.trace(gram)) / max(count, 1) * np.eye(count)
+    zero_slope = ZERO_SLOPE * float(np.abs(moment).max(initial=0.0))
 
     def solve_free_coefficients(free: BoolArray) -> FloatArray:
         """Return the minimum over the free coefficients, of either sign, the others zero."""
         index = np.flatnonzero(free)
         x = np.zeros(count)
-        x[index] = np.linalg.solve(ridged[index[:, None], index], moment[index])
+        x[index] = np.linalg.solve(regularised[index[:, None], index], moment[index])
         return x
 
-    free: BoolArray = moment > 0 if near is None else near.copy()
-    for _ in range(ITERATIONS if near is None else 0):
+    free: BoolArray = moment > 0 if likely_positive is None else likely_positive.copy()
+    for _ in range(ITERATIONS if likely_positive is None else 0):
         x = solve_free_coefficients(free)
-        wrong = np.where(free, x < 0, moment - gram @ x > nothing)
-        if not wrong.any():
+        is_wrong = np.where(free, x < 0, moment - gram @ x > zero_slope)
+        if not is_wrong.any():
             return x
-        free = free ^ wrong
+        free = free ^ is_wrong
     x = solve_free_coefficients(free)
     while (x[free] <= 0).any():
         free = free & (x > 0)
         x = solve_free_coefficients(free)
     for _ in range(3 * count):
         slope = np.where(free, -np.inf, moment - gram @ x)
-        enter = int(np.argmax(slope))
-        if slope[enter] <= nothing:
+        entering = int(np.argmax(slope))
+        if slope[entering] <= zero_slope:
             break
-        free[enter] = True
+        free[entering] = True
         trial = solve_free_coefficients(free)
-        while (fall := free & (trial <= 0)).any():
+        while (is_falling := free & (trial <= 0)).any():
             # walk towards the trial until the first coefficient reaches zero
-            share = float((x[fall] / np.maximum(x[fall] - trial[fall], 1e-300)).min())
+            share = float(
+                (x[is_falling] / np.maximum(x[is_falling] - trial[is_falling], 1e-300)).min()
+            )
             x = x + share * (trial - x)
-            leaving = fall & (x <= 1e-14 * np.abs(x).max(initial=0.0))
+            leaving = is_falling & (x <= 1e-14 * np.abs(x).max(initial=0.0))
             x[leaving] = 0.0
             free &= ~leaving
             trial = solve_free_coefficients(free)
@@ -252,13 +266,13 @@ class ActiveSet(NamedTuple):
     least: float
 
     def find_farthest_point(
-        self, aim: FloatArray | None, squared: float
+        self, objective: FloatArray | None, squared: float
     ) -> tuple[FloatArray, float, FloatArray]:
         """Return its farthest point, the multiplier (inf without an aim), and what is left of y."""
-        if aim is None or not len(self.active):
-            free = 0.0 if aim is None else np.inf
+        if objective is None or not len(self.active):
+            free = 0.0 if objective is None else np.inf
             return np.asarray(self.inverse @ self.along), free, self.rest
-        h = aim[self.active] @ self.inverse
+        h = objective[self.active] @ self.inverse
         power = float(h @ h)
         if power == 0.0:
             return np.asarray(self.inverse @ self.along), np.inf, self.rest
@@ -298,12 +312,14 @@ class NonnegativeConfidenceRegion:
             None, 0.0, np.zeros(len(self._rows)) if start is None else start
         )
 
-    def find_farthest_point(self, aim: FloatArray, squared: float, start: FloatArray) -> FloatArray:
+    def find_farthest_point(
+        self, objective: FloatArray, squared: float, start: FloatArray
+    ) -> FloatArray:
         """Return the s >= 0 with |A s - y|^2 <= `squared` that maximises c's, shape (m,).
 
         Parameters
         ----------
-        aim : array, shape (m,)
+        objective : array, shape (m,)
             c; only its direction counts.
         squared : float
             The square of the ball's radius.
@@ -315,22 +331,22 @@ class NonnegativeConfidenceRegion:
         FitError
             If there are fewer rows than the answer has terms, or no finite one.
         """
-        length = sqrt(aim @ aim)
+        length = sqrt(objective @ objective)
         if length == 0.0:
             return start
         with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused
-            return self._search_active_sets(aim / length, squared, start)
+            return self._search_active_sets(objective / length, squared, start)
 
     def _search_active_sets(
-        self, aim: FloatArray | None, squared: float, start: FloatArray
+        self, objective: FloatArray | None, squared: float, start: FloatArray
     ) -> FloatArray:
         s, barred = start.copy(), list[int]()
         face, entered = self._get_face(np.flatnonzero(s > 0)), -1
         for _ in range(MAX_WALKS * len(self._rows)):
             active = face.active
-            goal, multiplier, residual = face.find_farthest_point(aim, squared)
-            if len(active) and goal.min() <= 0:
-                s[active], mask = _as_far_as_allowed(s[active], goal)
+            farthest_point, multiplier, residual = face.find_farthest_point(objective, squared)
+            if len(active) and farthest_point.min() <= 0:
+                s[active], mask = _as_far_as_allowed(s[active], farthest_point)
                 # rounding let it enter: it would leave at once for ever
                 if entered >= 0 and s[entered] == 0.0:
                     barred.append(entered)
@@ -338,8 +354,8 @@ class NonnegativeConfidenceRegion:
                     active[mask], partial(self._remove_columns, face, mask)
                 )
                 continue
-            s[active] = goal
-            gain = self._gain(residual, aim, multiplier)
+            s[active] = farthest_point
+            gain = self._gain(residual, objective, multiplier)
             gain[active] = gain[barred] = -np.inf
             entered = int(gain.argmax())
             if not gain[entered] > self._nothing:
@@ -348,8 +364,10 @@ class NonnegativeConfidenceRegion:
                 raise FitError(
                     "the record has too few samples to say what it leaves open; record more"
                 )
-            more = np.concatenate((active, [entered]))
-            face = self._get_cached_face(more, partial(self._append_column, face, more))
+            extended_set = np.concatenate((active, [entered]))
+            face = self._get_cached_face(
+                extended_set, partial(self._append_column, face, extended_set)
+            )
         if not isfinite(s.sum()):
             raise FitError(
                 "the data bound nothing: they do not follow the motion that they are fitted "
@@ -357,12 +375,14 @@ class NonnegativeConfidenceRegion:
             )
         return s
 
-    def _gain(self, residual: FloatArray, aim: FloatArray | None, multiplier: float) -> FloatArray:
+    def _gain(
+        self, residual: FloatArray, objective: FloatArray | None, multiplier: float
+    ) -> FloatArray:
         """Return what each column would add; any of the aim is a gain to a face that has none."""
-        if aim is not None and isinf(multiplier):
-            return aim.copy()
+        if objective is not None and isinf(multiplier):
+            return objective.copy()
         gain = np.asarray(self._rows @ residual)
-        return gain if aim is None else gain + multiplier * aim
+        return gain if objective is None else gain + multiplier * objective
 
     def _get_cached_face(self, active: IndexArray, factored: Callable[[], ActiveSet]) -> ActiveSet:
         """Return the face of these columns, factored where it was not met before."""
@@ -384,10 +404,10 @@ class NonnegativeConfidenceRegion:
         return self._face(active, np.ascontiguousarray(basis.T), factor)
 
     def _face(self, active: IndexArray, basis: FloatArray, factor: FloatArray) -> ActiveSet:
-        along: FloatArray = basis @ self._target
-        rest: FloatArray = self._target - along @ basis
+        coefficients: FloatArray = basis @ self._target
+        rest: FloatArray = self._target - coefficients @ basis
         inverse = np.asarray(np.linalg.inv(factor))
-        return ActiveSet(active, basis, factor, inverse, along, rest, float(rest @ rest))
+        return ActiveSet(active, basis, factor, inverse, coefficients, rest, float(rest @ rest))
 
     def _remove_columns(self, face: ActiveSet, mask: BoolArray) -> ActiveSet:
         """Return a face with fewer columns."""
@@ -398,20 +418,20 @@ class NonnegativeConfidenceRegion:
             mirror = mirror / sqrt(mirror @ mirror)
             mirror[-1] += 1.0 if mirror[-1] > 0 else -1.0
             mirror *= sqrt(2.0 / (mirror @ mirror))
-            turned = factor - np.multiply.outer(mirror, mirror @ factor)
-            if turned[-1] @ turned[-1] <= DEPENDENCE_TOLERANCE:
+            reflected = factor - np.multiply.outer(mirror, mirror @ factor)
+            if reflected[-1] @ reflected[-1] <= DEPENDENCE_TOLERANCE:
                 basis = face.basis - np.multiply.outer(mirror, mirror @ face.basis)
-                return self._face(active, basis[:-1], turned[:-1])
+                return self._face(active, basis[:-1], reflected[:-1])
         turn, factor = np.linalg.qr(factor)
         return self._face(active, turn.T @ face.basis, factor)
 
     def _append_column(self, face: ActiveSet, active: IndexArray) -> ActiveSet:
         """Return a face with one column more, the last."""
         column, count = self._rows[active[-1]], len(face.active)
-        once = face.basis @ column
-        new = column - once @ face.basis
-        again = face.basis @ new
-        new -= again @ face.basis
+        first_projection = face.basis @ column
+        new = column - first_projection @ face.basis
+        second_projection = face.basis @ new
+        new -= second_projection @ face.basis
         length = sqrt(new @ new)
         if not length > DEPENDENT_DIRECTION:
             return self._build_face(active)
@@ -419,19 +439,23 @@ class NonnegativeConfidenceRegion:
         basis = np.empty((count + 1, len(new)))
         basis[:-1], basis[-1] = face.basis, new
         factor, inverse = np.zeros((2, count + 1, count + 1))
-        factor[:-1, :-1], factor[:-1, -1], factor[-1, -1] = face.factor, once + again, length
+        factor[:-1, :-1], factor[:-1, -1], factor[-1, -1] = (
+            face.factor,
+            first_projection + second_projection,
+            length,
+        )
         inverse[:-1, :-1], inverse[-1, -1] = face.inverse, 1 / length
         inverse[:-1, -1] = face.inverse @ factor[:-1, -1] / -length
-        along = float(new @ face.rest)
-        rest = face.rest - along * new
-        more = np.concatenate((face.along, [along]))
-        return ActiveSet(active, basis, factor, inverse, more, rest, float(rest @ rest))
+        coefficient = float(new @ face.rest)
+        rest = face.rest - coefficient * new
+        extended = np.concatenate((face.along, [coefficient]))
+        return ActiveSet(active, basis, factor, inverse, extended, rest, float(rest @ rest))
 
 
-def _as_far_as_allowed(s: FloatArray, goal: FloatArray) -> tuple[FloatArray, BoolArray]:
-    """Return the point on the way to `goal` where a first coefficient vanishes, and the others."""
-    way = zip(s.tolist(), goal.tolist(), strict=True)  # so few are faster one by one
-    shares = [(old / (old - new) if old > 0 else 0.0) if new <= 0 else np.inf for old, new in way]
-    least = min(shares)
-    mask = np.array(shares) > least
-    return np.where(mask, s + least * (goal - s), 0.0), mask
+def _as_far_as_allowed(s: FloatArray, target_point: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Return the point towards `target_point` where a coefficient first vanishes, and the rest."""
+    pairs = zip(s.tolist(), target_point.tolist(), strict=True)  # so few are faster one by one
+    shares = [(old / (old - new) if old > 0 else 0.0) if new <= 0 else np.inf for old, new in pairs]
+    smallest_share = min(shares)
+    mask = np.array(shares) > smallest_share
+    return np.where(mask, s + smallest_share * (target_point - s), 0.0), mask

@@ -23,31 +23,32 @@ def loss_factor_determined(sd: float, at: float, target_sd: float, *, remedy: st
 @criterion("frequency, Hz", source="within 1/(2 pi hold) to 1/(pi ramp)")
 def inside_valid_band(at: float, band: tuple[float, float]) -> Finding:
     """The frequency of interest lies in the valid band of the ramp and hold."""
-    inside = band[0] <= at <= band[1]
+    is_inside = band[0] <= at <= band[1]
     return Finding(
         f"The valid band of this ramp and hold is {band[0]:.2g} to {band[1]:.2g} Hz; "
-        f"{at:g} Hz lies {'inside' if inside else 'outside'}",
+        f"{at:g} Hz lies {'inside' if is_inside else 'outside'}",
         at,
         remedy="Ramp faster, or add a hammer test.",
         limit=band[1] if at > band[1] else band[0],
-        always_fails=not inside,
+        always_fails=not is_inside,
     )
 
 
 @criterion("record, s", ">=", source="6 time constants, and 5 lines in the half-power band")
-def record_long_enough(need: RecordNeed) -> Finding:
+def record_long_enough(record_need: RecordNeed) -> Finding:
     """The planned record contains the decay and resolves the peak."""
     return Finding(
-        f"A record of {need.record:g} s gives a peak wrong by up to "
-        f"{100 * (need.peak_error or 0.0):+.0f} %. Six time constants last {need.for_decay:.3g} s; "
-        f"five lines in the half-power band need {need.for_lines:.3g} s",
-        need.record,
+        f"A record of {record_need.record:g} s gives a peak wrong by up to "
+        f"{100 * (record_need.peak_error or 0.0):+.0f} %. Six time constants last "
+        f"{record_need.for_decay:.3g} s; five lines in the half-power band need "
+        f"{record_need.for_lines:.3g} s",
+        record_need.record,
         remedy=Remedy(
-            f"Record each hit for {max(need.for_decay, need.for_lines):.3g} s.",
+            f"Record each hit for {max(record_need.for_decay, record_need.for_lines):.3g} s.",
             "hit-length",
-            f"{max(need.for_decay, need.for_lines):.3g}s",
+            f"{max(record_need.for_decay, record_need.for_lines):.3g}s",
         ),
-        limit=max(need.for_decay, need.for_lines),
+        limit=max(record_need.for_decay, record_need.for_lines),
     )
 
 

@@ -186,15 +186,15 @@ class ExpectedArm:
 
 def expected_arms(model: GeneralizedMaxwell, bench: Bench) -> tuple[ExpectedArm, ...]:
     """Return the expected errors of each arm of a model."""
-    planned, named = (
+    planned, named_half_widths = (
         _compute_arm_half_widths(model, planned_test)
         for planned_test in (bench, _name_machine(bench, *_NAMED_EFFECTS, "sync"))
     )
-    least = np.minimum(planned, named)
+    smaller_half_widths = np.minimum(planned, named_half_widths)
     return tuple(
         ExpectedArm(k, tau, *as_planned, *if_named)
         for k, tau, as_planned, if_named in zip(
-            model.k, model.tau, planned.tolist(), least.tolist(), strict=True
+            model.k, model.tau, planned.tolist(), smaller_half_widths.tolist(), strict=True
         )
     )
 
@@ -204,13 +204,13 @@ def _compute_arm_half_widths(model: GeneralizedMaxwell, bench: Bench) -> FloatAr
     n = model.arms
     arms = slice(1, 1 + 2 * n)
     errors = _compute_errors(*bench.rows(model))[arms]
-    inverse_k, identity = np.diag(1 / np.asarray(model.k)), np.eye(n)
+    inv_k, identity = np.diag(1 / np.asarray(model.k)), np.eye(n)
     zeros = np.zeros((n, n))
     transformation = np.vstack(
         (
-            np.hstack((inverse_k, zeros)),
+            np.hstack((inv_k, zeros)),
             np.hstack((zeros, identity)),
-            np.hstack((inverse_k, identity)),
+            np.hstack((inv_k, identity)),
         )
     )
     return np.asarray(NORMAL * np.linalg.norm(transformation @ errors, axis=1).reshape(3, n).T)
@@ -220,8 +220,8 @@ def _name_machine(bench: Bench, *names: str) -> Bench:
     """Return the test after a baseline of 10 s, with named effects of its machine stated as 0."""
     machine = bench.machine or Machine()
     entries = {name: getattr(machine, name) or 0.0 for name in names}
-    named = replace(machine, **entries)  # type: ignore[arg-type]  # numbers alone
-    return replace(bench, baseline=max(bench.baseline, NAMED_BASELINE), machine=named)
+    named_machine = replace(machine, **entries)  # type: ignore[arg-type]  # numbers alone
+    return replace(bench, baseline=max(bench.baseline, NAMED_BASELINE), machine=named_machine)
 
 
 # -- the end of the hold ---------------------------------------------------------------------------
@@ -267,12 +267,13 @@ def expected_end(model: GeneralizedMaxwell, bench: Bench) -> ExpectedEnd:
     Unmeasured effects of machine and climate are columns of J, each with a prior row of 1.
     """
     bench = replace(bench, method="full", machine=bench.machine or Machine())
-    named = _name_machine(bench, *_NAMED_EFFECTS)
+    named_bench = _name_machine(bench, *_NAMED_EFFECTS)
     value = float(model.relaxation(bench.hold_time))
-    half, least = (
-        _compute_end_half_width(model, planned_test) / value for planned_test in (bench, named)
+    half_width, named_half_width = (
+        _compute_end_half_width(model, planned_test) / value
+        for planned_test in (bench, named_bench)
     )
-    return ExpectedEnd(bench.hold_time, value, half, min(least, half))
+    return ExpectedEnd(bench.hold_time, value, half_width, min(named_half_width, half_width))
 
 
 def _compute_end_half_width(model: GeneralizedMaxwell, bench: Bench) -> float:

@@ -51,7 +51,7 @@ def list_advice(
     expected: ExpectedError,
     alternatives: Sequence[ExpectedError],
     checks: Sequence[Check],
-    need: RecordNeed,
+    length_need: RecordNeed,
     tip: Pulse | None,
     *,
     at: float,
@@ -66,17 +66,18 @@ def list_advice(
     advice = _format_cold_advice(expected, alternatives, at=at, test_temperature=test_temperature)
     if expected.loss_factor_sd > target_sd:
         advice.append(_format_ramp_advice(expected, alternatives, at=at, target_sd=target_sd))
-    if need.record is None:
+    if length_need.record is None:
         advice.append(
-            f"Record each hit for {compute_record_length(need):.3g} s{without_arm}. Six time "
-            f"constants last {need.for_decay:.3g} s; five lines in the half-power band need "
-            f"{need.for_lines:.3g} s. With an exponential window a shorter record is enough."
+            f"Record each hit for {compute_record_length(length_need):.3g} s{without_arm}. Six "
+            f"time constants last {length_need.for_decay:.3g} s; five lines in the half-power "
+            f"band need {length_need.for_lines:.3g} s. With an exponential window a shorter record "
+            "is enough."
         )
     failed = {check.name for check in checks if check.failed}
     if "record_long_enough" in failed:
         advice.append(
-            f"Record each hit for {compute_record_length(need):.3g} s{without_arm} instead of "
-            f"{need.record:g} s, or use an exponential window."
+            f"Record each hit for {compute_record_length(length_need):.3g} s{without_arm} instead "
+            f"of {length_need.record:g} s, or use an exponential window."
         )
     if tip is not None and "tip_excites" in failed:
         advice.append(
@@ -89,9 +90,9 @@ def list_advice(
     return tuple(advice)
 
 
-def compute_record_length(need: RecordNeed) -> float:
+def compute_record_length(length_need: RecordNeed) -> float:
     """Return the length of record that a hit needs, s."""
-    return max(need.for_decay, need.for_lines)
+    return max(length_need.for_decay, length_need.for_lines)
 
 
 def _format_cold_advice(
@@ -110,12 +111,12 @@ def _format_cold_advice(
     temperatures = format_temperatures(expected.repeated)
     before = format_relative_sd(without_repeats.loss_factor_sd)
     if expected.loss_factor_sd > LEAST_GAIN * without_repeats.loss_factor_sd:
-        colder = "" if min(expected.repeated) < test_temperature else " Test in the cold instead."
-        after = f"{format_relative_sd(expected.loss_factor_sd)} instead of {before}"
+        hint = "" if min(expected.repeated) < test_temperature else " Test in the cold instead."
+        sd_after = f"{format_relative_sd(expected.loss_factor_sd)} instead of {before}"
         return [
             (
                 f"A repeat at {temperatures} hardly improves the loss factor at {at:g} Hz: "
-                f"{after}.{colder}"
+                f"{sd_after}.{hint}"
             )
         ]
     message = (
@@ -125,15 +126,15 @@ def _format_cold_advice(
     )
     advice = [message]
     if len(expected.repeated) == 1:
-        third = 5 * round(
+        temperature_third = 5 * round(
             sum(
                 convert_to_unit(value, "degC") for value in (test_temperature, expected.repeated[0])
             )
             / 10
         )
         advice.append(
-            f"Test at a third temperature, such as {third:g} degC, too. Two temperatures cannot "
-            "show arms that shift apart."
+            f"Test at a third temperature, such as {temperature_third:g} degC, too. Two "
+            "temperatures cannot show arms that shift apart."
         )
     return advice
 
@@ -142,8 +143,8 @@ def _format_ramp_advice(
     expected: ExpectedError, alternatives: Sequence[ExpectedError], *, at: float, target_sd: float
 ) -> str:
     changes = [
-        f"{how} ({format_relative_sd(best.loss_factor_sd)})"
-        for how, best in _list_changes(expected, alternatives, target_sd)
+        f"{change} ({format_relative_sd(best.loss_factor_sd)})"
+        for change, best in _list_changes(expected, alternatives, target_sd)
     ]
     no_faster_ramp = (
         ""
@@ -161,10 +162,12 @@ def format_remedy(
     expected: ExpectedError, alternatives: Sequence[ExpectedError], *, target_sd: float
 ) -> str:
     """Return the changes that give the wanted loss factor, in one or two sentences."""
-    *faster, hammer = (how for how, _ in _list_changes(expected, alternatives, target_sd))
-    if not faster:
+    *faster_ramps, hammer = (
+        change for change, _ in _list_changes(expected, alternatives, target_sd)
+    )
+    if not faster_ramps:
         return sentence(hammer)
-    return f"{sentence(', or '.join(faster))} Alternatively, {hammer}."
+    return f"{sentence(', or '.join(faster_ramps))} Alternatively, {hammer}."
 
 
 def _list_changes(
@@ -175,7 +178,7 @@ def _list_changes(
         _find_faster_ramp(expected, alternatives, target_sd),
         _find_colder_repeat(expected, alternatives, target_sd),
     ]
-    pairs = [(how, best) for how, best in changes if best is not None]
+    pairs = [(change, best) for change, best in changes if best is not None]
     return [*pairs, ("add a hammer test and fit both together", joint)]
 
 
@@ -187,27 +190,27 @@ def _find_faster_ramp(
     expected: ExpectedError, alternatives: Sequence[ExpectedError], target_sd: float
 ) -> Change:
     """Return the slowest ramp that is fast enough, or the other method."""
-    good = [
+    good_plans = [
         e
         for e in alternatives
         if e.loss_factor_sd <= target_sd and e.method != "joint" and not e.repeated
     ]
-    if not good:
+    if not good_plans:
         return "", None
-    best = max(good, key=lambda e: e.ramp_time)
-    how = f"ramp in {duration(best.ramp_time)}" if best.ramp_time < expected.ramp_time else ""
+    best = max(good_plans, key=lambda e: e.ramp_time)
+    change = f"ramp in {duration(best.ramp_time)}" if best.ramp_time < expected.ramp_time else ""
     fit = "fit ramp and hold together" if best.method != expected.method else ""
-    return " and ".join(part for part in (how, fit) if part), best
+    return " and ".join(part for part in (change, fit) if part), best
 
 
 def _find_colder_repeat(
     expected: ExpectedError, alternatives: Sequence[ExpectedError], target_sd: float
 ) -> Change:
     """Return a repeat in the cold, if none is planned and it is enough."""
-    good = [e for e in alternatives if e.repeated and e.loss_factor_sd <= target_sd]
-    if expected.repeated or not good:
+    good_plans = [e for e in alternatives if e.repeated and e.loss_factor_sd <= target_sd]
+    if expected.repeated or not good_plans:
         return "", None
-    return f"repeat it at {format_temperatures(good[0].repeated)}", good[0]
+    return f"repeat it at {format_temperatures(good_plans[0].repeated)}", good_plans[0]
 
 
 def format_temperatures(temperatures: Sequence[float]) -> str:
@@ -216,8 +219,8 @@ def format_temperatures(temperatures: Sequence[float]) -> str:
     >>> format_temperatures((273.15,)), format_temperatures((283.15, 273.15, 253.15))
     ('0 degC', '10, 0 and -20 degC')
     """
-    *others, last = (f"{convert_to_unit(kelvin, 'degC'):.4g}" for kelvin in temperatures)
-    return f"{', '.join(others)}{' and ' * bool(others)}{last} degC"
+    *other_texts, last = (f"{convert_to_unit(kelvin, 'degC'):.4g}" for kelvin in temperatures)
+    return f"{', '.join(other_texts)}{' and ' * bool(other_texts)}{last} degC"
 
 
 def _compute_longest_pulse(at: float) -> float:
@@ -324,8 +327,10 @@ class Plan(HasChecks, Serialisable):
         head = f"{'arm, s':<10}{''.join(f'{title:>12}' for title in titles)}"
         rows = []
         for arm in self.arms:
-            group = [getattr(arm, f"{when}_{name}") for when in ("half", "named") for name in names]
-            cells = (f"{format_percent(half, 'unknown'):>12}" for half in group)
+            group = [
+                getattr(arm, f"{prefix}_{name}") for prefix in ("half", "named") for name in names
+            ]
+            cells = (f"{format_percent(half_width, 'unknown'):>12}" for half_width in group)
             rows.append(f"{arm.tau:<10.3g}{''.join(cells)}")
         return [title, head, *rows, starred]
 
@@ -401,12 +406,12 @@ def plan(
         ),
         expected_error(model, replace(bench, method="full"), at, index, rows),
     )
-    need = record_need(total, mass, hammer.record)
+    length_need = record_need(total, mass, hammer.record)
     tip = None if hammer.pulse is None else half_sine(hammer.pulse, at)
     band = _compute_frequency_range(bench, repeats)
     remedy = format_remedy(expected, alternatives, target_sd=target_sd)
     answered_checks = _run_checks(
-        expected, band, need, tip, at=at, target_sd=target_sd, remedy=remedy
+        expected, band, length_need, tip, at=at, target_sd=target_sd, remedy=remedy
     )
     without_arm = (
         ""
@@ -414,7 +419,7 @@ def plan(
         else _format_record_without_arm(hammer.seals * seal.model, hammer.mass, at)
     )
     advice = list_advice(
-        expected, alternatives, answered_checks, need, tip, at=at, target_sd=target_sd,
+        expected, alternatives, answered_checks, length_need, tip, at=at, target_sd=target_sd,
         test_temperature=test_temperature, without_arm=without_arm,
     )  # fmt: skip
     advise = find_handler("plan advice", "machine")
@@ -422,7 +427,7 @@ def plan(
         advice += advise(model, bench, at, index)
     return Plan(
         at=at, model=model, arm=arm, expected=expected, alternatives=alternatives, band=band,
-        record=need, end=expected_end(model, bench), pulse=tip, checks=answered_checks,
+        record=length_need, end=expected_end(model, bench), pulse=tip, checks=answered_checks,
         advice=advice, temperature=test_temperature, repeats=repeats,
         arms=expected_arms(seal.model, bench),
     )  # fmt: skip
@@ -433,14 +438,17 @@ def _build_alternatives(
 ) -> list[tuple[Bench, Sequence[Repeat]]]:
     """Return the alternatives to a planned test, each with its repeats."""
     other = replace(bench, method="hold" if bench.method == "full" else "full")
-    faster = [
+    faster_benches = [
         replace(bench, method="full", ramp_time=bench.ramp_time * part)
         for part in RAMP_TIME_RATIOS
         if bench.ramp_time * part * bench.rate >= 5
     ]
-    ramps = [(planned_test, ()) for planned_test in (other, *faster)]
+    ramps = [(planned_test, ()) for planned_test in (other, *faster_benches)]
     if not repeats:
-        return [*ramps, *((bench, place) for place in _list_cold_repeats(test_temperature, law))]
+        return [
+            *ramps,
+            *((bench, repeats) for repeats in _list_cold_repeats(test_temperature, law)),
+        ]
     single = [(bench, (repeat,)) for repeat in repeats] if len(repeats) > 1 else []
     return [(bench, ()), *single, (other, repeats), *ramps]
 
@@ -464,8 +472,8 @@ def _compute_frequency_range(bench: Bench, repeats: Sequence[Repeat]) -> tuple[f
 
 def _format_record_without_arm(seal: GeneralizedMaxwell, mass: float | None, at: float) -> str:
     """Return the length of record for a seal without the assumed arm, as text."""
-    need = record_need(seal, mass_for_peak(seal, at) if mass is None else mass, None)
-    return f" ({compute_record_length(need):.3g} s if no arm of the seal adds damping there)"
+    length_need = record_need(seal, mass_for_peak(seal, at) if mass is None else mass, None)
+    return f" ({compute_record_length(length_need):.3g} s if no arm of the seal adds damping there)"
 
 
 def _compute_hammer_lines(at: float, record: float | None) -> FloatArray:
@@ -482,7 +490,7 @@ def _compute_hammer_lines(at: float, record: float | None) -> FloatArray:
 def _run_checks(
     expected: ExpectedError,
     band: tuple[float, float],
-    need: RecordNeed,
+    length_need: RecordNeed,
     tip: Pulse | None,
     *,
     at: float,
@@ -493,8 +501,8 @@ def _run_checks(
         checks.loss_factor_determined(expected.loss_factor_sd, at, target_sd, remedy=remedy),
         checks.inside_valid_band(at, band),
     ]
-    if need.record is not None and need.peak_error is not None:
-        new_checks.append(checks.record_long_enough(need))
+    if length_need.record is not None and length_need.peak_error is not None:
+        new_checks.append(checks.record_long_enough(length_need))
     if tip is not None:
         new_checks.append(checks.tip_excites(tip, at))
     return tuple(new_checks)

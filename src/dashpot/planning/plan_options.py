@@ -89,5 +89,5 @@ class HammerPlan:
 
     @property
     def relative_sd(self) -> float:
-        r"""Of real and imaginary part of each line: :math:`\sqrt{(1-\gamma^2)/(2n\gamma^2)}`."""
+        r"""Relative error of real and imaginary part: :math:`\sqrt{(1-\gamma^2)/(2n\gamma^2)}`."""
         return math.sqrt((1 - self.coherence) / (2 * self.hits * self.coherence))

@@ -152,18 +152,18 @@ class Bench(PlannedRamp):
         return offset, fitted_drift_sd, free_drift_sd
 
     @lru_cache(maxsize=4)  # noqa: B019  a plan asks for the same test several times
-    def rows(self, model: GeneralizedMaxwell, *, several: bool = False) -> PlannedRows:
+    def rows(self, model: GeneralizedMaxwell, *, has_several_tests: bool = False) -> PlannedRows:
         """Return the design matrix of the test with its priors, and its unmeasured effects.
 
-        A fit of `several` temperatures estimates the warming of the seal, and its errors leave out
-        earlier presses.
+        A fit of `has_several_tests` temperatures estimates the warming of the seal, and its errors
+        leave out earlier presses.
         """
         time, counts = self._group_samples()
         columns, prior_rows = self.sensitivity(model, time), np.zeros((0, 0))
         unmeasured = self.unmeasured_effects(model, time, columns[:, 1 : 1 + model.arms])
         if self.machine is not None:
             sd = self.prior_sd(model)
-            if several:
+            if has_several_tests:
                 columns = np.hstack((columns, unmeasured[:, :1]))
                 sd = np.append(sd, _CHAMBER_WARMING_SD)
                 unmeasured = unmeasured[:, 2:]
@@ -189,11 +189,11 @@ class Bench(PlannedRamp):
         if self.machine is None:
             return np.zeros((len(time), 0))
         machine, first_node = self.machine, self.ramp_time * 1e-3
-        since = np.concatenate((
+        time_since_ramp = np.concatenate((
             np.linspace(-self.ramp_time, 0.0, _NODE_COUNT),
             np.geomspace(min(first_node, self.hold_time / 2), self.hold_time, _NODE_COUNT),
         ))  # fmt: skip
-        nodes = since + self.ramp_time
+        nodes = time_since_ramp + self.ramp_time
         x = self.depth * np.minimum(nodes / self.ramp_time, 1.0)
         warming = compute_warming(nodes, x, model, since=-min(self.baseline, self.ramp_time))
         terms = {"warming": (warming, DEFAULT_UNCERTAINTIES["warming"].size)}
@@ -202,7 +202,13 @@ class Bench(PlannedRamp):
         memory, sd = build_earlier_press(machine, model, times, depth=self.depth)
         terms["memory"] = memory[:-1] - memory[-1], sd
         terms |= build_machine_terms(
-            machine, model, nodes, x, since=since, ramp_time=self.ramp_time, depth=self.depth
+            machine,
+            model,
+            nodes,
+            x,
+            since=time_since_ramp,
+            ramp_time=self.ramp_time,
+            depth=self.depth,
         )
         columns = [np.interp(time, nodes, values)[:, None] * sd for values, sd in terms.values()]
         _, fitted_drift_sd, free_drift_sd = self._compute_offset_and_drift_sd(model)

@@ -70,9 +70,9 @@ class _Canvas:
         from matplotlib.patches import Rectangle
 
         box = frame.box
-        for hair in frame.hairs:
-            points = np.array([(hair.x0, hair.y0), (hair.x1, hair.y1)])
-            self.line(points + np.array((x, y)), Pen(hair.colour, hair.width), None)
+        for axis_line in frame.hairs:
+            points = np.array([(axis_line.x0, axis_line.y0), (axis_line.x1, axis_line.y1)])
+            self.line(points + np.array((x, y)), Pen(axis_line.colour, axis_line.width), None)
         corner = (x + box.x, y + box.y)
         clip = Rectangle(corner, box.width, box.height, transform=self.ax.transData)
         for mark in frame.inner:
@@ -81,7 +81,7 @@ class _Canvas:
             self.word(word, x, y)
 
     def inner(self, mark: Polyline | Fill | Markers, corner: FloatArray, clip: Any) -> None:
-        """What is inside the axes, cut at them."""
+        """Draw a mark inside the axes, clipped at them."""
         if isinstance(mark, Polyline):
             for part in mark.parts:
                 self.line(part + corner, mark.pen, clip)
@@ -106,13 +106,19 @@ class _Canvas:
         """A tinted area; a hatched one has lines over it."""
         from matplotlib.patches import Polygon
 
-        away = colour == "away"
+        is_unresolved = colour == "away"
         looks: list[dict[str, Any]] = [{"facecolor": (LIGHT[colour], tint)}]
         if hatched:
-            ink = (LIGHT["ref" if away else colour], 0.55)
-            looks.append({"fill": False, "edgecolor": ink, "hatch": "\\\\" * 2 if away else "////"})
-        for look in looks:
-            polygon = self.ax.add_patch(Polygon(points, linewidth=0, **look))
+            colour_and_alpha = (LIGHT["ref" if is_unresolved else colour], 0.55)
+            looks.append(
+                {
+                    "fill": False,
+                    "edgecolor": colour_and_alpha,
+                    "hatch": "\\\\" * 2 if is_unresolved else "////",
+                }
+            )
+        for look_style in looks:
+            polygon = self.ax.add_patch(Polygon(points, linewidth=0, **look_style))
             polygon.set_clip_path(clip)
 
     def dots(
@@ -131,9 +137,9 @@ class _Canvas:
         from matplotlib.patheffects import withStroke
 
         anchors = {"start": "left", "middle": "center", "end": "right"}
-        shown = "".join(c if self._has(c) else "□" for c in word.text)
+        drawn_text = "".join(c if self._has(c) else "□" for c in word.text)
         self.ax.text(
-            x + word.x, y + word.y, shown, color=LIGHT[word.colour], fontsize=PT * word.size,
+            x + word.x, y + word.y, drawn_text, color=LIGHT[word.colour], fontsize=PT * word.size,
             fontweight="bold" if word.bold else "normal", ha=anchors[word.anchor], va="baseline",
             family=self.fonts, parse_math=False,
             path_effects=[withStroke(linewidth=2.2, foreground="white")] if word.halo else None,
@@ -203,10 +209,10 @@ def render_figure(
         return f"<!-- {byline('figure')} -->\n{to_svg(picture)}\n".encode()
     from matplotlib import rc_context
 
-    by: dict[str, str | None] = {"Software": byline("figure")}
+    metadata: dict[str, str | None] = {"Software": byline("figure")}
     if kind == "pdf":
-        by = {"Creator": byline("figure"), "CreationDate": None}
+        metadata = {"Creator": byline("figure"), "CreationDate": None}
     buffer = io.BytesIO()
     with rc_context({"pdf.fonttype": 42}):
-        to_figure(picture).savefig(buffer, format=kind, dpi=dpi, metadata=by)
+        to_figure(picture).savefig(buffer, format=kind, dpi=dpi, metadata=metadata)
     return buffer.getvalue()

@@ -92,12 +92,12 @@ def smooth(frf: FRF) -> tuple[FloatArray, ComplexArray]:
     parts = np.where(np.maximum(size[:-1], size[1:]) > 0.2 * size.max(), 24, 2)
     parts = np.where(np.diff(frf.frequency) < _CLOSE_LINES * frf.frequency[1:], 1, parts)
     start = np.repeat(np.arange(len(parts)), parts)
-    within = np.arange(len(start)) - np.repeat(np.cumsum(parts) - parts, parts)
-    place = np.append(start + within / np.repeat(parts, parts), len(parts))
+    part_index = np.arange(len(start)) - np.repeat(np.cumsum(parts) - parts, parts)
+    positions = np.append(start + part_index / np.repeat(parts, parts), len(parts))
     lines = np.arange(len(size))
     inverse = 1 / frf.value
-    real, imag = (np.interp(place, lines, part) for part in (inverse.real, inverse.imag))
-    return np.interp(place, lines, frf.frequency), np.asarray(1 / (real + 1j * imag))
+    real, imag = (np.interp(positions, lines, part) for part in (inverse.real, inverse.imag))
+    return np.interp(positions, lines, frf.frequency), np.asarray(1 / (real + 1j * imag))
 
 
 def half_power(value: ComplexArray) -> list[int]:
@@ -106,10 +106,12 @@ def half_power(value: ComplexArray) -> list[int]:
     peak = int(np.argmax(size))
     target = size[peak] / np.sqrt(2)
     indices = []
-    for side in (np.arange(peak, -1, -1), np.arange(peak, len(size))):
-        below = np.flatnonzero(size[side] < target)
-        if below.size:
-            pair = side[max(below[0] - 1, 1) : below[0] + 1]  # never the peak itself
+    for side_indices in (np.arange(peak, -1, -1), np.arange(peak, len(size))):
+        indices_below = np.flatnonzero(size[side_indices] < target)
+        if indices_below.size:
+            pair = side_indices[
+                max(indices_below[0] - 1, 1) : indices_below[0] + 1
+            ]  # never the peak itself
             indices.append(int(pair[np.argmin(np.abs(size[pair] - target))]))
     return sorted(indices)
 
@@ -155,10 +157,10 @@ class PredictionBand:
     limits: FloatArray
     label: str = INTERVAL
     pen: Pen | None = None
-    """Of the curve that it is of; by default the one that is predicted."""
+    """Pen of the curve; by default the predicted one."""
 
     def convert_to_kind(self, kind: Kind) -> FloatArray:
-        """The same limits for another kind of FRF; those over a base that moves are their own."""
+        """Return the limits for another kind of FRF; those over a moving base are their own."""
         omega = 2 * np.pi * self.frequency
         if kind is Kind.ACCELERANCE or kind.over_base:
             return self.limits
@@ -180,7 +182,7 @@ def make_prediction_bands(bounds: FRFBounds | None) -> tuple[PredictionBand, ...
 
 def frf(
     measured: FRF,
-    *others: FRF,
+    *other_frfs: FRF,
     labels: Sequence[str] = (),
     band: FRFBounds | None = None,
     interval: tuple[FloatArray, FloatArray] | None = None,
@@ -198,7 +200,7 @@ def frf(
     measured : FRF
         Sets the kind and the range of frequencies. One that no hits were averaged to is taken
         for a prediction.
-    *others : FRF
+    *other_frfs : FRF
         Drawn over it, converted to its kind.
     labels : sequence of str
         One per FRF.
@@ -217,12 +219,12 @@ def frf(
     stamp : str
         What the figure says of its origin; by default the files of the first FRF.
     """
-    same = [measured, *(other.to(measured.quantity) for other in others)]
-    names = [*labels, *[""] * (len(same) - len(labels))]
-    pens = _pens(measured, len(others), ordered=ordered)
+    same_kind = [measured, *(other.to(measured.quantity) for other in other_frfs)]
+    names = [*labels, *[""] * (len(same_kind) - len(labels))]
+    pens = _pens(measured, len(other_frfs), ordered=ordered)
     curves = [
         Curve(frf, name, pens[i % len(pens)])
-        for i, (frf, name) in enumerate(zip(same, names, strict=True))
+        for i, (frf, name) in enumerate(zip(same_kind, names, strict=True))
     ]
     curves[0] = replace(curves[0], peak=_peak_inside(measured))
     value = () if interval is None else (PredictionBand(*interval),)
@@ -330,7 +332,7 @@ def resonance(
 
 def nyquist(
     measured: FRF,
-    *others: FRF,
+    *other_frfs: FRF,
     labels: Sequence[str] = (),
     failed: bool = False,
     stamp: str = "",
@@ -339,7 +341,7 @@ def nyquist(
 
     Parameters
     ----------
-    measured, *others : FRF
+    measured, *other_frfs : FRF
     labels : sequence of str
         One per FRF.
     failed : bool
@@ -349,27 +351,27 @@ def nyquist(
     """
     pens = (*PENS[:2], joint_pen(failed=failed)[0], *PENS[3:])
     unit, scale = DISPLAY_UNITS[measured.quantity]
-    same = [measured, *(other.to(measured.quantity) for other in others)]
+    same_kind = [measured, *(other.to(measured.quantity) for other in other_frfs)]
     marks: list[Mark] = []
     ranges = []
     # the first one, which was measured, over all others
-    for frf, pen, name in reversed(list(zip(same, pens, [*labels, *[""] * 5], strict=False))):
+    for frf, pen, name in reversed(list(zip(same_kind, pens, [*labels, *[""] * 5], strict=False))):
         f, value = smooth(frf)
         value = scale * value
-        ends = half_power(value)
-        at = " and ".join(f"{f[i]:.2f}" for i in ends)
+        points = half_power(value)
+        at = " and ".join(f"{f[i]:.2f}" for i in points)
         label = f"{name} (○ {at} Hz)" if name and at else name
         ranges.append(value)
         if frf.averages > 0:
             marks.append(Dots(value.real, value.imag, pen.colour, label, size=3))
         else:
             marks.append(Line(value.real, value.imag, pen, label))
-        marks.append(Dots(value[ends].real, value[ends].imag, pen.colour, size=8, hollow=True))
-    every = np.concatenate(ranges)
-    what = measured.quantity.value.replace("_", " ")
+        marks.append(Dots(value[points].real, value[points].imag, pen.colour, size=8, hollow=True))
+    values = np.concatenate(ranges)
+    kind = measured.quantity.value.replace("_", " ")
     panel = Panel(
-        Scale(f"real part of {what}, {unit}", compute_padded_limits(every.real, margin=0.08)),
-        Scale(f"imaginary part of {what}, {unit}", compute_padded_limits(every.imag, margin=0.08)),
+        Scale(f"real part of {kind}, {unit}", compute_padded_limits(values.real, margin=0.08)),
+        Scale(f"imaginary part of {kind}, {unit}", compute_padded_limits(values.imag, margin=0.08)),
         (Rule(0.0, REF, across=True), Rule(0.0, REF), *marks),
         height=300,
         square=True,
@@ -396,9 +398,9 @@ def resonance_curves(
         curves = [Curve(predicted, "predicted", PREDICTED, _peak_of(predicted))]
     else:
         curves = curves_of(comparison, joint, failed=failed)
-        ends = comparison.measured.frequency[0], comparison.measured.frequency[-1]
+        frequency_range = comparison.measured.frequency[0], comparison.measured.frequency[-1]
         at, top = _peak_of(predicted)
-        if not ends[0] < at < ends[1]:
+        if not frequency_range[0] < at < frequency_range[1]:
             curves[1] = replace(curves[1], frf=predicted, peak=(at, top))
     if rival is not None:
         curves.append(Curve(rival, "other family from relaxation", SIMPLER[0], _peak_of(rival)))
@@ -406,7 +408,7 @@ def resonance_curves(
 
 
 def about_peaks(curves: Sequence[Curve]) -> tuple[float, float]:
-    """From where to where every peak is in sight, Hz, as far as there are lines."""
+    """Return the frequency range about every peak, Hz, as far as there are lines."""
     peaks = [curve.peak[0] for curve in curves if curve.peak is not None]
     first = min(curve.frf.frequency[curve.frf.frequency > 0][0] for curve in curves)
     last = max(curve.frf.frequency[-1] for curve in curves)
@@ -430,15 +432,15 @@ def curves_of(
     return curves
 
 
-def _pens(first: FRF, others: int, *, ordered: bool) -> tuple[Pen, ...]:
-    """Of a measurement or a prediction, and of what stands over it."""
+def _pens(first: FRF, other_count: int, *, ordered: bool) -> tuple[Pen, ...]:
+    """Return the pens of a measurement or a prediction, and of the other curves."""
     pens = PENS if first.averages else (PREDICTED, *PENS[2:], MEASURED)
-    return (pens[0], *(Pen(colour, 2.0) for colour in sequential(others))) if ordered else pens
+    return (pens[0], *(Pen(colour, 2.0) for colour in sequential(other_count))) if ordered else pens
 
 
 def magnitude_panel(
     curves: Sequence[Curve],
-    spread: Sequence[PredictionBand] = (),
+    prediction_bands: Sequence[PredictionBand] = (),
     *,
     view: tuple[float, float] | None = None,
     height: float = 240.0,
@@ -449,21 +451,21 @@ def magnitude_panel(
     unit, scale = DISPLAY_UNITS[kind]
     f = curves[0].frf.frequency
     view = view or (max(float(f[0]), 1e-3 * float(f[-1])), float(f[-1]))
-    drawn = {id(curve): smooth(curve.frf) for curve in curves}
+    smoothed = {id(curve): smooth(curve.frf) for curve in curves}
     predicted = next((curve for curve in curves if curve.pen is PREDICTED), None)
     sizes = [
-        scale * np.abs(value[(at >= view[0]) & (at <= view[1])]) for at, value in drawn.values()
+        scale * np.abs(value[(at >= view[0]) & (at <= view[1])]) for at, value in smoothed.values()
     ]
-    every = np.concatenate(sizes)
+    all_sizes = np.concatenate(sizes)
     # neither a few vanishing lines nor a resonance without damping can stretch the axis
-    highest = min(float(every.max()), HIGHEST * float(np.median(every)))
-    limits = [0.6 * max(float(np.percentile(every, 1)), highest / HIGHEST), 1.9 * highest]
+    highest = min(float(all_sizes.max()), HIGHEST * float(np.median(all_sizes)))
+    limits = [0.6 * max(float(np.percentile(all_sizes, 1)), highest / HIGHEST), 1.9 * highest]
     marks: list[Mark] = []
-    for limit in spread:
-        of = next((curve for curve in curves if curve.pen is limit.pen), predicted)
-        area = _area(limit, kind, scale, None if of is None else drawn[id(of)])
-        inside = (area.x >= view[0]) & (area.x <= view[1])
-        top = float(np.max(area.high[inside], initial=0.0))
+    for limit in prediction_bands:
+        own_curve = next((curve for curve in curves if curve.pen is limit.pen), predicted)
+        area = _area(limit, kind, scale, None if own_curve is None else smoothed[id(own_curve)])
+        in_view = (area.x >= view[0]) & (area.x <= view[1])
+        top = float(np.max(area.high[in_view], initial=0.0))
         limits[1] = max(limits[1], min(1.3 * top, 12 * limits[1]))
         # a resonance without damping has no highest magnitude
         marks.append(replace(area, low=np.maximum(area.low, 0.1 * limits[0]),
@@ -472,7 +474,7 @@ def magnitude_panel(
         if item.frf.sd is not None:
             marks.append(_scatter(item, scale))
     for item in _sort_by_layer(curves):
-        at, value = drawn[id(item)]
+        at, value = smoothed[id(item)]
         pen = replace(item.pen, width=UNDER) if item.pen is JOINT else item.pen
         marks.append(Line(at, scale * np.abs(value), pen, item.label))
     if tagged:
@@ -496,13 +498,13 @@ def phase_panel(curves: Sequence[Curve], view: tuple[float, float]) -> Panel:
 
 
 def _sort_by_layer(curves: Sequence[Curve]) -> list[Curve]:
-    """In the order of drawing: broad ones first, then what failed, what was measured over all."""
-    over = {JOINT: 0, REJECTED: 2, MEASURED: 3}
-    return sorted(curves, key=lambda curve: over.get(curve.pen, 1))
+    """Return the curves in the order of drawing: broad ones, failed ones, measured ones last."""
+    layers = {JOINT: 0, REJECTED: 2, MEASURED: 3}
+    return sorted(curves, key=lambda curve: layers.get(curve.pen, 1))
 
 
-def _bode(curves: Sequence[Curve], spread: Sequence[PredictionBand]) -> tuple[Panel, ...]:
-    upper = magnitude_panel(curves, spread, tagged=True)
+def _bode(curves: Sequence[Curve], prediction_bands: Sequence[PredictionBand]) -> tuple[Panel, ...]:
+    upper = magnitude_panel(curves, prediction_bands, tagged=True)
     if len(curves) == 1:
         upper = replace(upper, marks=(*upper.marks, *_half_power(curves[0])))
     strip = [upper, phase_panel(curves, upper.x.limits)]
@@ -527,8 +529,8 @@ def _area(
     f, (low, high) = band.frequency, scale * band.convert_to_kind(kind)
     if curve is not None:
         at, value = curve
-        inside = (at >= f[0]) & (at <= f[-1])
-        lines = np.union1d(f, at[inside])
+        in_range = (at >= f[0]) & (at <= f[-1])
+        lines = np.union1d(f, at[in_range])
         with np.errstate(divide="ignore"):
             logs = [np.interp(lines, f, np.nan_to_num(np.log(edge), posinf=700, neginf=-700))
                     for edge in (low, high)]  # fmt: skip
@@ -565,9 +567,9 @@ def _peaks(curves: Sequence[Curve], unit: str) -> list[Tag]:
             f"{item.label.partition(' from')[0]} {round_to_error(hz, digits=4)} Hz, "
             f"{round_to_error(height)}"
         )
-        ink = inks.get(item.pen.colour, item.pen.colour)
+        ink_colour = inks.get(item.pen.colour, item.pen.colour)
         tags.append(
-            Tag(hz, height, f"{text} {unit}", ink, dots.get(item.pen, ""),
+            Tag(hz, height, f"{text} {unit}", ink_colour, dots.get(item.pen, ""),
                 bold=item.pen is MEASURED)
         )  # fmt: skip
     return tags
@@ -583,11 +585,11 @@ def _half_power(curve: Curve) -> list[Mark]:
         return []
     peak = find_peak(curve.frf)
     width, height = 2 * peak.damping_ratio * peak.frequency, peak.height / math.sqrt(2)
-    ends = peak.frequency + np.array([-0.5, 0.5]) * width
+    half_power_ends = peak.frequency + np.array([-0.5, 0.5]) * width
     # its damping is the mode's, which is fitted to all lines
     text = f"{round_to_error(width, digits=2)} Hz wide at −3 dB"
-    return [Line(ends, np.full(2, height), Pen("fit", 2.0)),
-            Tag(float(ends[1]), height, text, "fit")]  # fmt: skip
+    return [Line(half_power_ends, np.full(2, height), Pen("fit", 2.0)),
+            Tag(float(half_power_ends[1]), height, text, "fit")]  # fmt: skip
 
 
 def _peak_of(frf: FRF) -> tuple[float, float]:

@@ -48,10 +48,10 @@ MARGIN, BETWEEN = 12.0, 20.0
 """About a file's drawing, and between its strips, px."""
 
 LEADING = 14.0
-"""Between the lines of one tag, px."""
+"""Line spacing of a tag, px."""
 
 SWATCH = 34.0
-"""From a sample in the key to its words, px."""
+"""Distance from a sample in the key to its words, px."""
 
 
 class Box(NamedTuple):
@@ -166,20 +166,20 @@ def lay_out(strip: tuple[Panel, ...], width: float) -> StripLayout:
     """Return the places of a strip `width` px wide."""
     ticks = [[] if panel.drawing else _upright(panel) for panel in strip]
     widest = max((text_width(word) for tick in ticks for _, word in tick), default=0.0)
-    left = 0.0 if all(panel.drawing for panel in strip) else GAP + widest
-    inner_width = width - left - RIGHT
+    left_margin = 0.0 if all(panel.drawing for panel in strip) else GAP + widest
+    inner_width = width - left_margin - RIGHT
     frames, y = [], 0.0
     for i, panel in enumerate(strip):
         last = i == len(strip) - 1
-        named = y + (ROW + 4) * bool(panel.title)
+        names_height = y + (ROW + 4) * bool(panel.title)
         has_y_label = not (panel.drawing or panel.without_y_label)
-        above = 4 + ROW * (has_y_label + _rows_above(panel, inner_width))
-        box = Box(left, named + above, inner_width, panel.height)
-        shown, at = panel, ticks[i]
+        top_margin = 4 + ROW * (has_y_label + _rows_above(panel, inner_width))
+        box = Box(left_margin, names_height + top_margin, inner_width, panel.height)
+        shown_panel, at = panel, ticks[i]
         if panel.square:
-            shown = _equalise_scales(panel, inner_width)
-            at = [] if panel.drawing else _upright(shown)
-        frames.append(_frame(shown, box, at, with_name=last))
+            shown_panel = _equalise_scales(panel, inner_width)
+            at = [] if panel.drawing else _upright(shown_panel)
+        frames.append(_frame(shown_panel, box, at, with_name=last))
         y = box.y + box.height + (_beneath(panel) if last else 10)
     return StripLayout(width, y, tuple(frames))
 
@@ -202,20 +202,21 @@ def arrange_sheet(picture: Picture) -> Sheet:
     """Return the places of everything that leaves as a file: strips in rows, key, stamp."""
     y, strips = MARGIN, []
     for columns, panel_groups in picture.strip_rows:
-        wide = (picture.width - 2 * MARGIN - BETWEEN * (columns - 1)) / columns
-        row = [lay_out(group, wide) for group in panel_groups]
+        strip_width = (picture.width - 2 * MARGIN - BETWEEN * (columns - 1)) / columns
+        row = [lay_out(group, strip_width) for group in panel_groups]
         strips += [
-            PlacedStrip(MARGIN + i * (wide + BETWEEN), y, layout) for i, layout in enumerate(row)
+            PlacedStrip(MARGIN + i * (strip_width + BETWEEN), y, layout)
+            for i, layout in enumerate(row)
         ]
         y += max(layout.height for layout in row)
     x, y, key, words = MARGIN, y + ROW, [], []
     for mark in picture.key:
-        reach = SWATCH + text_width(mark.label) + 16
-        if x + reach > picture.width and x > MARGIN:
+        key_width = SWATCH + text_width(mark.label) + 16
+        if x + key_width > picture.width and x > MARGIN:
             x, y = MARGIN, y + ROW + 2
         key.append((x, y, mark))
         words.append(Word(x + SWATCH, y, mark.label))
-        x += reach
+        x += key_width
     if picture.stamp:
         y += (ROW + 6) * bool(key)
         for i, line in enumerate(_broken(picture.stamp, picture.width - 2 * MARGIN)):
@@ -230,8 +231,8 @@ def _equalise_scales(panel: Panel, width: float) -> Panel:
     unit = max((x1 - x0) / width, (y1 - y0) / panel.height)
 
     def widen_limits(low: float, high: float, length: float) -> tuple[float, float]:
-        middle, half = (low + high) / 2, unit * length / 2
-        return middle - half, middle + half
+        middle, half_range = (low + high) / 2, unit * length / 2
+        return middle - half_range, middle + half_range
 
     return replace(
         panel,
@@ -240,46 +241,48 @@ def _equalise_scales(panel: Panel, width: float) -> Panel:
     )
 
 
-def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, with_name: bool) -> Frame:
+def _frame(
+    panel: Panel, box: Box, vertical_numbers: list[tuple[float, str]], *, with_name: bool
+) -> Frame:
     """One panel; `with_name` adds numbers and a label to the horizontal axis."""
-    hairs: list[AxisLine] = []
+    axis_lines: list[AxisLine] = []
     ticks: list[Word] = []
     words = _make_panel_words(panel, box)
     if not panel.drawing:
         numbered = _make_horizontal_numbers(panel.x, box)
-        hairs, ticks = _axes(panel, box, upright, numbered)
+        axis_lines, ticks = _axes(panel, box, vertical_numbers, numbered)
         if with_name:
             ticks += numbered
-            below = box.y + box.height + 34
-            words.append(Word(box.x + box.width / 2, below, panel.x.label, anchor="middle"))
+            label_y = box.y + box.height + 34
+            words.append(Word(box.x + box.width / 2, label_y, panel.x.label, anchor="middle"))
     inner = tuple(item for mark in panel.marks for item in _inner(mark, panel, box))
     tags = [mark for mark in panel.marks if isinstance(mark, Tag)]
     return Frame(
         panel,
         box,
         inner,
-        tuple(hairs),
+        tuple(axis_lines),
         tuple(ticks),
         (*words, *_place_tags(tags, panel, box, inner)),
     )
 
 
 def _axes(
-    panel: Panel, box: Box, upright: list[tuple[float, str]], numbered: list[Word]
+    panel: Panel, box: Box, vertical_numbers: list[tuple[float, str]], numbered: list[Word]
 ) -> tuple[list[AxisLine], list[Word]]:
     """Return the lines of both axes, and the numbers of the upright one."""
     bottom, right = box.y + box.height, box.x + box.width
-    heights = [bottom - box.height * float(place(panel.y, value)) for value, _ in upright]
-    hairs = [AxisLine(box.x, y, right, y, "line") for y in heights]
-    hairs.append(AxisLine(box.x, bottom, right, bottom, "edge"))
-    hairs += [AxisLine(word.x, bottom, word.x, bottom + 5, "edge") for word in numbered]
+    heights = [bottom - box.height * float(place(panel.y, value)) for value, _ in vertical_numbers]
+    axis_lines = [AxisLine(box.x, y, right, y, "line") for y in heights]
+    axis_lines.append(AxisLine(box.x, bottom, right, bottom, "edge"))
+    axis_lines += [AxisLine(word.x, bottom, word.x, bottom + 5, "edge") for word in numbered]
     small = box.x + box.width * place(panel.x, compute_minor_ticks(panel.x))
-    hairs += [AxisLine(x, bottom, x, bottom + 3, "edge") for x in small]
+    axis_lines += [AxisLine(x, bottom, x, bottom + 3, "edge") for x in small]
     ticks = [
         Word(box.x - 6, y + 4, word, anchor="end")
-        for y, (_, word) in zip(heights, upright, strict=True)
+        for y, (_, word) in zip(heights, vertical_numbers, strict=True)
     ]
-    return hairs, ticks
+    return axis_lines, ticks
 
 
 def _wrap_note(panel: Panel, width: float) -> list[str]:
@@ -292,8 +295,8 @@ def _rows_above(panel: Panel, width: float) -> int:
     lines = _wrap_note(panel, width)
     if panel.without_y_label or panel.drawing:
         return len(lines) if panel.drawing else 0
-    wide = text_width(panel.y.label) + text_width(panel.note) + RIGHT
-    return 0 if not lines or wide <= width + 4 else len(lines)
+    needed_width = text_width(panel.y.label) + text_width(panel.note) + RIGHT
+    return 0 if not lines or needed_width <= width + 4 else len(lines)
 
 
 def _broken(text: str, width: float) -> list[str]:
@@ -316,37 +319,41 @@ def _make_panel_words(panel: Panel, box: Box) -> list[Word]:
     )
     for i, line in enumerate(panel.below.split("\n") if panel.below else ()):
         at = box.x + box.width / 2, box.y + box.height + ROW * (i + 1)
-        leads = i == 0 and "\n" in panel.below
-        words.append(Word(*at, line, "ink" if leads else "soft", leads, "middle"))
+        has_heading = i == 0 and "\n" in panel.below
+        words.append(Word(*at, line, "ink" if has_heading else "soft", has_heading, "middle"))
     rows = _rows_above(panel, box.width)
     if panel.title:
-        above = -6 if panel.drawing and not panel.note else -8 - ROW * (rows or 1)
+        title_y = -6 if panel.drawing and not panel.note else -8 - ROW * (rows or 1)
         if rows and not panel.drawing:
-            above -= ROW
-        words.append(Word(0, box.y + above, panel.title, "ink", bold=True, size=BOLD_TEXT))
+            title_y -= ROW
+        words.append(Word(0, box.y + title_y, panel.title, "ink", bold=True, size=BOLD_TEXT))
     lines = _wrap_note(panel, box.width)
-    over = ROW * (len(lines) if rows and not panel.drawing else len(lines) - 1)
+    title_height = ROW * (len(lines) if rows and not panel.drawing else len(lines) - 1)
     for i, line in enumerate(lines):
-        words.append(Word(box.x + box.width, box.y - 6 - over + ROW * i, line, anchor="end"))
+        words.append(
+            Word(box.x + box.width, box.y - 6 - title_height + ROW * i, line, anchor="end")
+        )
     return words
 
 
 def _make_horizontal_numbers(scale: Scale, box: Box) -> list[Word]:
     """Return the numbers below the horizontal axis."""
     at = numbers(scale, box.width, 46)
-    places = box.x + box.width * place(scale, at)
+    positions = box.x + box.width * place(scale, at)
     return [
         Word(x, box.y + box.height + 18, word, anchor="middle")
-        for x, word in zip(places, format_ticks(scale, at), strict=True)
+        for x, word in zip(positions, format_ticks(scale, at), strict=True)
     ]
 
 
 def _points(panel: Panel, box: Box, x: FloatArray, y: FloatArray) -> FloatArray:
     """Data to px from the upper left corner of the axes, shape (n, 2); far ones brought near."""
-    across = box.width * place(panel.x, x)
-    down = box.height * (1 - place(panel.y, y))
-    far = 4 * (box.width + box.height)
-    return np.column_stack([np.clip(across, -far, far), np.clip(down, -far, far)])
+    horizontal = box.width * place(panel.x, x)
+    vertical = box.height * (1 - place(panel.y, y))
+    far_limit = 4 * (box.width + box.height)
+    return np.column_stack(
+        [np.clip(horizontal, -far_limit, far_limit), np.clip(vertical, -far_limit, far_limit)]
+    )
 
 
 def _clip_to_axis(panel: Panel, x: FloatArray, *rows: FloatArray) -> tuple[FloatArray, ...]:
@@ -355,8 +362,8 @@ def _clip_to_axis(panel: Panel, x: FloatArray, *rows: FloatArray) -> tuple[Float
     if len(x) < 2 or not np.all(np.diff(x) > 0):
         return (x, *rows)
     start, stop = np.searchsorted(x, low) - 1, np.searchsorted(x, high, "right") + 1
-    seen = slice(max(int(start), 0), int(stop))
-    return (x[seen], *(row[seen] for row in rows))
+    visible = slice(max(int(start), 0), int(stop))
+    return (x[visible], *(row[visible] for row in rows))
 
 
 def _parts(points: FloatArray) -> tuple[FloatArray, ...]:
@@ -373,13 +380,13 @@ def simplify_line(points: FloatArray) -> FloatArray:
         i = np.arange(first, len(points) - 1, 2)
         if not len(i):
             break
-        chord, off = points[i + 1] - points[i - 1], points[i] - points[i - 1]
+        chord, offset = points[i + 1] - points[i - 1], points[i] - points[i - 1]
         size = np.hypot(*chord.T)
-        cross = np.abs(chord[:, 0] * off[:, 1] - chord[:, 1] * off[:, 0])
+        cross = np.abs(chord[:, 0] * offset[:, 1] - chord[:, 1] * offset[:, 0])
         # between its neighbours, not beyond them: a spike has a short chord
-        along = (chord * off).sum(axis=1)
-        on = (cross <= STRAIGHT_TOLERANCE * size) & (along >= 0) & (along <= size**2)
-        points = np.delete(points, i[on], axis=0)
+        inner = (chord * offset).sum(axis=1)
+        straight = (cross <= STRAIGHT_TOLERANCE * size) & (inner >= 0) & (inner <= size**2)
+        points = np.delete(points, i[straight], axis=0)
     return points
 
 
@@ -430,17 +437,17 @@ def _dots(mark: Dots, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]
 
 def _area(mark: Area, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
     x, *edges = _clip_to_axis(panel, mark.x, mark.low, mark.high)
-    places = [_points(panel, box, x, edge) for edge in edges]
-    values = np.isfinite(places).all(axis=(0, 2))
-    low, high = (simplify_line(edge[values]) for edge in places)
+    edge_points = [_points(panel, box, x, edge) for edge in edges]
+    values = np.isfinite(edge_points).all(axis=(0, 2))
+    low, high = (simplify_line(edge[values]) for edge in edge_points)
     ring = np.concatenate([low, high[::-1]])
     tint = TINT_OF_HATCH if mark.hatched else mark.tint
     shapes: list[Polyline | Fill | Markers] = [Fill((ring,), mark.colour, tint, mark.hatched)]
     if mark.label:
-        thin = Pen(mark.colour, 0.8 if mark.hatched else 0.4)
+        thin_pen = Pen(mark.colour, 0.8 if mark.hatched else 0.4)
         shapes += [
-            Polyline((edge,), thin, mark.label, which)
-            for edge, which in ((low, "low"), (high, "high"))
+            Polyline((edge,), thin_pen, mark.label, edge_name)
+            for edge, edge_name in ((low, "low"), (high, "high"))
         ]
     return shapes
 
@@ -452,30 +459,30 @@ def _place_tags(
     tags: list[Tag], panel: Panel, box: Box, inner: tuple[Polyline | Fill | Markers, ...]
 ) -> list[Word]:
     """Words beside their points, inside the axes, clear of each other, and best of all else."""
-    drawn = _strokes(inner, box) if tags else np.zeros((0, 2))
-    places = [_points(panel, box, *_get_tag_position(tag))[0] + (box.x, box.y) for tag in tags]
-    boxes = [Box(x - 5, y - 5, 10, 10) for tag, (x, y) in zip(tags, places, strict=True)
+    drawn_points = _strokes(inner, box) if tags else np.zeros((0, 2))
+    tag_points = [_points(panel, box, *_get_tag_position(tag))[0] + (box.x, box.y) for tag in tags]
+    boxes = [Box(x - 5, y - 5, 10, 10) for tag, (x, y) in zip(tags, tag_points, strict=True)
              if not tag.end]  # fmt: skip
     # what reaches beyond the sheet stands further in, upon its own curve
-    most = box.x + box.width + RIGHT + 2
-    made = [
-        Word(min(x + 6, most - text_width(tag.text, bold=tag.bold)), y, tag.text, tag.colour,
+    right_limit = box.x + box.width + RIGHT + 2
+    placed_words = [
+        Word(min(x + 6, right_limit - text_width(tag.text, bold=tag.bold)), y, tag.text, tag.colour,
              tag.bold, halo=True)
-        for tag, x, y in _place_end_names(tags, places)
+        for tag, x, y in _place_end_names(tags, tag_points)
     ]  # fmt: skip
-    boxes += map(_get_word_box, made)
-    for tag, (x, y) in zip(tags, places, strict=True):
+    boxes += map(_get_word_box, placed_words)
+    for tag, (x, y) in zip(tags, tag_points, strict=True):
         if tag.end:
             continue
-        near: list[_Spot] = [
+        near_spots: list[_Spot] = [
             (x + 10, y + 4, "start"), (x - 10, y + 4, "end"), (x + 10, y - 10, "start"),
             (x - 10, y - 10, "end"), (x, y - 12, "middle"), (x + 14, y + 21, "start"),
             (x - 14, y + 21, "end"),
         ]  # fmt: skip
         if not tag.dot:
             # beneath the words of the point that it shares
-            near = [*near[5:7], *near]
-        far: list[_Spot] = [
+            near_spots = [*near_spots[5:7], *near_spots]
+        far_spots: list[_Spot] = [
             (box.x + box.width - 4, y - 10, "end"), (box.x + 4, y - 10, "start"),
             (box.x + box.width - 4, y + 21, "end"), (box.x + 4, y + 21, "start"),
         ]  # fmt: skip
@@ -483,24 +490,24 @@ def _place_tags(
             _place_tag_lines(
                 tag,
                 lines,
-                near,
-                far,
-                _Surroundings(box, boxes, drawn, _get_hatched_rings(inner, box)),
+                near_spots,
+                far_spots,
+                _Surroundings(box, boxes, drawn_points, _get_hatched_rings(inner, box)),
             )
             for lines in dict.fromkeys(((tag.text,), tuple(_halves(tag.text))))
         ]
         # in two lines only where one is too long, or more runs through it
         words, _ = min(layout, key=lambda pair: pair[1])
         boxes += map(_get_word_box, words)
-        made += words
-    return made
+        placed_words += words
+    return placed_words
 
 
 _Spot: TypeAlias = tuple[float, float, Anchor]
 
 
 class _Surroundings(NamedTuple):
-    """What words keep clear of: the ends of the axes, other words, curves, and what is hatched."""
+    """Obstacles for words: the ends of the axes, other words, curves and hatched areas."""
 
     box: Box
     boxes: list[Box]
@@ -521,8 +528,8 @@ def _halves(text: str) -> list[str]:
 def _place_tag_lines(
     tag: Tag,
     lines: tuple[str, ...],
-    near: list[_Spot],
-    far: list[_Spot],
+    near_spots: list[_Spot],
+    far_spots: list[_Spot],
     surroundings: _Surroundings,
 ) -> tuple[list[Word], tuple[float, int]]:
     """Return the words of a tag in lines at the best of its places, and how bad that is."""
@@ -530,7 +537,7 @@ def _place_tag_lines(
     def words(spot: _Spot) -> list[Word]:
         # what stands above its point ends there
         x, y, anchor = spot
-        y -= LEADING * (len(lines) - 1) * (y < near[0][1])
+        y -= LEADING * (len(lines) - 1) * (y < near_spots[0][1])
         return [
             Word(x, y + LEADING * i, line, tag.colour, tag.bold, anchor, halo=True)
             for i, line in enumerate(lines)
@@ -549,20 +556,20 @@ def _place_tag_lines(
             for word in placed_words
         )
 
-    free = [group for group in map(words, near) if is_clear(group)]
+    free = [group for group in map(words, near_spots) if is_clear(group)]
     if free:
         best = min(free, key=count_crossings)
         return best, (0.0, count_crossings(best))
-    away = next((group for group in map(words, far) if is_clear(group)), None)
-    if away is not None:
-        return away, (0.5, count_crossings(away))
+    far_words = next((group for group in map(words, far_spots) if is_clear(group)), None)
+    if far_words is not None:
+        return far_words, (0.5, count_crossings(far_words))
     # where nothing is clear of the others, what stays inside is read
-    out = [
+    overhangs = [
         max(_compute_overhang(_get_word_box(word), surroundings.box) for word in words(spot))
-        for spot in near
+        for spot in near_spots
     ]
-    least = min(out)
-    return words(near[out.index(least)]), (1.0 + least, 0)
+    smallest_overhang = min(overhangs)
+    return words(near_spots[overhangs.index(smallest_overhang)]), (1.0 + smallest_overhang, 0)
 
 
 def _strokes(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> FloatArray:
@@ -575,9 +582,9 @@ def _strokes(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> FloatArr
     ]
     arrays = [np.zeros((0, 2))]
     for part in parts:
-        walked = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(part, axis=0).T))])
-        at = np.arange(0.0, walked[-1], 5.0)
-        arrays.append(np.column_stack([np.interp(at, walked, part[:, i]) for i in (0, 1)]))
+        path_length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(part, axis=0).T))])
+        at = np.arange(0.0, path_length[-1], 5.0)
+        arrays.append(np.column_stack([np.interp(at, path_length, part[:, i]) for i in (0, 1)]))
     return np.asarray(np.concatenate(arrays) + np.array([box.x, box.y]))
 
 
@@ -590,8 +597,8 @@ def _get_hatched_rings(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -
 def _count_crossed_points(box: Box, points: FloatArray) -> int:
     """Return how much of what is drawn runs through some words."""
     x, y = points.T
-    across = (x > box.x) & (x < box.x + box.width)
-    return int(np.count_nonzero(across & (y > box.y + 2) & (y < box.y + box.height - 2)))
+    is_across = (x > box.x) & (x < box.x + box.width)
+    return int(np.count_nonzero(is_across & (y > box.y + 2) & (y < box.y + box.height - 2)))
 
 
 def _count_points_inside(box: Box, rings: list[FloatArray]) -> int:
@@ -607,29 +614,33 @@ def _count_points_inside(box: Box, rings: list[FloatArray]) -> int:
     return count
 
 
-def _place_end_names(tags: list[Tag], places: list[FloatArray]) -> list[tuple[Tag, float, float]]:
+def _place_end_names(
+    tags: list[Tag], tag_points: list[FloatArray]
+) -> list[tuple[Tag, float, float]]:
     """Return the names at the ends of curves from the top down, none upon another.
 
     Those that are too near to stand where their curves end keep their order, about their middle.
     """
-    ends = [
-        (tag, float(x), float(y) + 4) for tag, (x, y) in zip(tags, places, strict=True) if tag.end
+    curve_ends = [
+        (tag, float(x), float(y) + 4)
+        for tag, (x, y) in zip(tags, tag_points, strict=True)
+        if tag.end
     ]
     crowds: list[list[tuple[Tag, float, float, float]]] = []
-    for tag, x, y in sorted(ends, key=lambda pair: pair[2]):
-        wide = text_width(tag.text, bold=tag.bold)
-        for crowd in crowds:
-            last, at, _, lowest = crowd[-1]
-            parallel = x > at + text_width(last.text, bold=last.bold) or at > x + wide
+    for tag, x, y in sorted(curve_ends, key=lambda pair: pair[2]):
+        word_width = text_width(tag.text, bold=tag.bold)
+        for group in crowds:
+            last, at, _, lowest = group[-1]
+            parallel = x > at + text_width(last.text, bold=last.bold) or at > x + word_width
             if not parallel and y < lowest + ROW - 1:
-                crowd.append((tag, x, y, lowest + ROW - 1))
+                group.append((tag, x, y, lowest + ROW - 1))
                 break
         else:
             crowds.append([(tag, x, y, y)])
     pairs = []
-    for crowd in crowds:
-        shift = sum(value - y for _, _, y, value in crowd) / len(crowd)
-        pairs += [(tag, x, value - shift) for tag, x, _, value in crowd]
+    for group in crowds:
+        shift = sum(value - y for _, _, y, value in group) / len(group)
+        pairs += [(tag, x, value - shift) for tag, x, _, value in group]
     return pairs
 
 
@@ -639,14 +650,14 @@ def _is_free_box(available_box: Box, box: Box, boxes: list[Box]) -> bool:
         box.x - 2 <= available_box.x
         and available_box.x + available_box.width <= box.x + box.width + RIGHT
     )
-    above = box.y - 4 <= available_box.y <= box.y + box.height - ROW
-    return parallel and above and not any(_meet(available_box, other) for other in boxes)
+    is_above = box.y - 4 <= available_box.y <= box.y + box.height - ROW
+    return parallel and is_above and not any(_meet(available_box, other) for other in boxes)
 
 
 def _get_word_box(word: Word) -> Box:
-    wide = text_width(word.text, bold=word.bold)
-    left = word.x - {"start": 0.0, "middle": 0.5, "end": 1.0}[word.anchor] * wide
-    return Box(left, word.y - 12, wide, ROW)
+    word_width = text_width(word.text, bold=word.bold)
+    left_edge = word.x - {"start": 0.0, "middle": 0.5, "end": 1.0}[word.anchor] * word_width
+    return Box(left_edge, word.y - 12, word_width, ROW)
 
 
 def _compute_overhang(available_box: Box, box: Box) -> float:

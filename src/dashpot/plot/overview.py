@@ -21,39 +21,39 @@ class Story(Protocol):
 
     @property
     def prepared(self) -> RampHold:
-        """As in a study."""
+        """Prepared record of the study."""
 
     @property
     def fit(self) -> Fit:
-        """As in a study."""
+        """Fit of the study."""
 
     @property
     def alternatives(self) -> tuple[Fit, ...]:
-        """As in a study."""
+        """Alternative fits of the study."""
 
     @property
     def seals(self) -> float:
-        """As in a study."""
+        """Number of seals of the study."""
 
     @property
     def mass(self) -> float | None:
-        """As in a study."""
+        """Mass of the study."""
 
     @property
     def comparison(self) -> Comparison | None:
-        """As in a study."""
+        """Comparison of the study."""
 
     @property
     def joint(self) -> Fit | None:
-        """As in a study."""
+        """Joint fit of the study."""
 
     @property
     def joint_comparison(self) -> Comparison | None:
-        """As in a study."""
+        """Comparison of the joint fit of the study."""
 
     @property
     def frf_band(self) -> FRFBounds | None:
-        """As in a study."""
+        """FRF limits of the study."""
 
 
 def hero(study: Story) -> Picture:
@@ -62,17 +62,17 @@ def hero(study: Story) -> Picture:
     Without a comparison, the fits alone.
     """
     test, c = study.prepared, study.comparison
-    shown = relaxation.make_plotted_fits(study.fit, study.alternatives, test)
+    plotted_fits = relaxation.make_plotted_fits(study.fit, study.alternatives, test)
     word, factor = unit_of(test.displacement, "m")
     title = (
         f"Relaxation test: {factor * test.depth:.3g} {word} in {test.ramp_time:.3g} s, "
         f"held {test.hold_time:.3g} s"
     )
-    chosen = next(plotted_fit for plotted_fit in shown if plotted_fit.fit is study.fit)
+    chosen_fit = next(plotted_fit for plotted_fit in plotted_fits if plotted_fit.fit is study.fit)
     strips = [
         (
-            relaxation.force_panel(shown, test, title=title),
-            relaxation.residual_panel(chosen, test),
+            relaxation.force_panel(plotted_fits, test, title=title),
+            relaxation.residual_panel(chosen_fit, test),
         )
     ]
     sources = list(study.fit.source)

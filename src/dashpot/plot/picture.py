@@ -206,7 +206,7 @@ class Panel:
 
 
 def _count_strips_across(row: tuple[tuple[Panel, ...], ...], columns: int) -> int:
-    """How many strips of a row of its own stand beside each other where others are so many."""
+    """Return the number of strips side by side in a row of its own."""
     if all(panel.drawing for strip in row for panel in strip):
         return columns if columns > 1 else min(len(row), _DRAWINGS)
     if columns > 1:
@@ -249,8 +249,11 @@ class Picture:
         pairs, at = [], 0
         for count in self.rows or (len(self.strips),):
             row = self.strips[at : at + count]
-            full = _count_strips_across(row, columns) if self.rows else columns
-            pairs += [(full, row[i : i + full]) for i in range(0, len(row), full)]
+            strips_across = _count_strips_across(row, columns) if self.rows else columns
+            pairs += [
+                (strips_across, row[i : i + strips_across])
+                for i in range(0, len(row), strips_across)
+            ]
             at += count
         return tuple(pairs)
 
@@ -280,14 +283,14 @@ class Picture:
         What a tag names at its line stands in no key; a tag of another panel names no line.
         """
         entries: dict[str, Keyed] = {}
-        named: set[str] = set()
+        named_labels: set[str] = set()
         for panel in self.panels:
             tags = {mark.text for mark in panel.marks if isinstance(mark, Tag)}
             keyed = [mark for mark in panel.marks if not isinstance(mark, Tag) and mark.label]
-            named |= {mark.label for mark in keyed if mark.label in tags}
+            named_labels |= {mark.label for mark in keyed if mark.label in tags}
             for mark in keyed:
                 entries.setdefault(mark.label, mark)
-        for label in named:
+        for label in named_labels:
             del entries[label]
         return tuple(sorted(entries.values(), key=lambda mark: mark.label != "measured"))
 

@@ -36,8 +36,8 @@ def downsample_to_extremes(
     label, starts = _assign_bins(x, bins, log)
     low = _first_equal(y, np.minimum.reduceat(y, starts), label)
     high = _first_equal(y, np.maximum.reduceat(y, starts), label)
-    retained = np.union1d(low, high)
-    return x[retained], y[retained]
+    kept_indices = np.union1d(low, high)
+    return x[kept_indices], y[kept_indices]
 
 
 def downsample_to_means(
@@ -66,8 +66,8 @@ def _assign_bins(x: FloatArray, bins: int, log: bool) -> tuple[IndexArray, Index
     return np.cumsum(is_new_bin) - 1, np.flatnonzero(is_new_bin)
 
 
-def _first_equal(y: FloatArray, extreme: FloatArray, label: IndexArray) -> IndexArray:
-    hits = np.flatnonzero(y == extreme[label])
+def _first_equal(y: FloatArray, extremes: FloatArray, label: IndexArray) -> IndexArray:
+    hits = np.flatnonzero(y == extremes[label])
     _, first = np.unique(label[hits], return_index=True)
     return hits[first]
 
@@ -99,13 +99,13 @@ def stamp(
     """
     files = list(dict.fromkeys(source.file for source in sources))
     simulated = any(source.simulated for source in sources)
-    named = ", ".join(files) if len(files) <= MAX_NAMED else f"{files[0]} and {len(files) - 1} more"
-    sentences = ["SIMULATED"] * (simulated or _is_simulated(specimen)) + [named]
+    names = ", ".join(files) if len(files) <= MAX_NAMED else f"{files[0]} and {len(files) - 1} more"
+    sentences = ["SIMULATED"] * (simulated or _is_simulated(specimen)) + [names]
     if specimen is not None:
         sentences += [specimen.name, f"lot {specimen.lot}" * bool(specimen.lot), specimen.date]
     if mass is not None:
-        on = "" if seals is None else f" on {number_format.seals(seals)}"
-        sentences.append(f"{format_with_error(mass, 'g', digits=4)}{on}")
+        seals_text = "" if seals is None else f" on {number_format.seals(seals)}"
+        sentences.append(f"{format_with_error(mass, 'g', digits=4)}{seals_text}")
     return "  ·  ".join(part for part in sentences if part)
 
 
@@ -115,17 +115,17 @@ def _is_simulated(specimen: Specimen | None) -> bool:
 
 
 def format_test_stamp(test: RampHold | RelaxationTest) -> str:
-    """Of one test of a specimen."""
+    """Return the stamp of one test of a specimen."""
     return stamp(sources_of([test]), test.specimen)
 
 
 def format_fit_stamp(fit: Fit) -> str:
-    """Of a fit."""
+    """Return the stamp of a fit."""
     return stamp(fit.source, fit.specimen)
 
 
 def format_frf_stamp(frf: FRF) -> str:
-    """Of a measured FRF."""
+    """Return the stamp of a measured FRF."""
     return stamp(frf.source)
 
 
@@ -139,8 +139,8 @@ def unit_of(values: FloatArray, unit: Literal["N", "m"]) -> tuple[str, float]:
         "N": ("N", "mN", "µN", "nN", "pN"),
         "m": ("mm", "µm", "nm"),
     }[unit]
-    large = (word for word in choices if convert_to_unit(size, word) >= 0.1)
-    word = next(large, choices[0] if size == 0 else choices[-1])
+    suitable_units = (word for word in choices if convert_to_unit(size, word) >= 0.1)
+    word = next(suitable_units, choices[0] if size == 0 else choices[-1])
     return word, convert_to_unit(1.0, word)
 
 
@@ -161,21 +161,21 @@ def compute_padded_limits(*arrays: FloatArray, margin: float = 0.06) -> tuple[fl
 
 def compute_padded_log_limits(*arrays: FloatArray, margin: float = 1.25) -> tuple[float, float]:
     """Return limits of a logarithmic axis that hold every array, less what is not above zero."""
-    above = np.concatenate([np.asarray(a).ravel() for a in arrays])
-    above = above[np.isfinite(above) & (above > 0)]
-    return float(above.min()) / margin, float(above.max()) * margin
+    positive_values = np.concatenate([np.asarray(a).ravel() for a in arrays])
+    positive_values = positive_values[np.isfinite(positive_values) & (positive_values > 0)]
+    return float(positive_values.min()) / margin, float(positive_values.max()) * margin
 
 
 def split_at_band(
     values: tuple[float, float], x: FloatArray, y: FloatArray, label: str, *, text: str
 ) -> tuple[Line, Line]:
     """Return a curve, solid inside the `values` band and dashed outside it."""
-    within = (x >= values[0]) & (x <= values[1])
+    in_band = (x >= values[0]) & (x <= values[1])
     # the dashes reach the solid part: less its first and last line
-    deep = within & np.roll(within, 1) & np.roll(within, -1)
+    is_inner = in_band & np.roll(in_band, 1) & np.roll(in_band, -1)
     return (
-        Line(x, np.where(deep, np.nan, y), PREDICTED, text),
-        Line(x, np.where(within, y, np.nan), FIT, label),
+        Line(x, np.where(is_inner, np.nan, y), PREDICTED, text),
+        Line(x, np.where(in_band, y, np.nan), FIT, label),
     )
 
 

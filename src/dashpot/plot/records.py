@@ -55,11 +55,11 @@ class PlottedHit(NamedTuple):
 
     @property
     def pen(self) -> Pen:
-        """Of all its curves."""
+        """Pen of all its curves."""
         return ACCEPTED if self.is_accepted else REJECTED
 
     def last(self, size: FloatArray, share: float) -> float:
-        """When `size` last exceeds a share of its peak, s after the hit."""
+        """Return the time at which `size` last exceeds a share of its peak, s after the hit."""
         return float(self.time[np.flatnonzero(size > share * np.max(size))[-1]])
 
 
@@ -115,9 +115,11 @@ def _pulses(plotted_hits: Sequence[PlottedHit]) -> Panel:
     end = max(hit.last(hit.block.force, 0.1) for hit in plotted_hits) + 0.6 * width
     lines = []
     for plotted_hit in plotted_hits:
-        near = (plotted_hit.time > -0.6 * width) & (plotted_hit.time < end)
+        near_pulse = (plotted_hit.time > -0.6 * width) & (plotted_hit.time < end)
         x, y = downsample_to_extremes(
-            convert_to_unit(plotted_hit.time[near], "ms"), plotted_hit.block.force[near], bins=250
+            convert_to_unit(plotted_hit.time[near_pulse], "ms"),
+            plotted_hit.block.force[near_pulse],
+            bins=250,
         )
         lines.append(Line(x, y, plotted_hit.pen, _key(plotted_hit)))
     accepted = sum(hit.is_accepted for hit in plotted_hits)
@@ -134,8 +136,8 @@ def _spectra(plotted_hits: Sequence[PlottedHit]) -> Panel:
         frequency, level = force_spectrum(hit.block)
         lines.append((frequency, level, hit.pen))
         if hit.is_accepted:
-            below = np.flatnonzero(level < -USABLE_DB)
-            ends.append(float(frequency[below[0]] if below.size else frequency[-1]))
+            indices_below = np.flatnonzero(level < -USABLE_DB)
+            ends.append(float(frequency[indices_below[0]] if indices_below.size else frequency[-1]))
     top = min(2.2 * min(ends), 0.5 * plotted_hits[0].block.rate) if ends else lines[0][0][-1]
     marks: list[Mark] = [Rule(-USABLE_DB, REF, across=True)]
     note = ""
@@ -143,8 +145,10 @@ def _spectra(plotted_hits: Sequence[PlottedHit]) -> Panel:
         marks.append(Span(0.0, min(ends), "fit", "band that every accepted hit excites"))
         note = f"usable to {min(ends):.0f} Hz (−{USABLE_DB:.0f} dB)"
     for frequency, level, pen in lines:
-        seen = frequency <= top
-        marks.append(Line(*downsample_to_extremes(frequency[seen], level[seen], bins=200), pen))
+        is_visible = frequency <= top
+        marks.append(
+            Line(*downsample_to_extremes(frequency[is_visible], level[is_visible], bins=200), pen)
+        )
     axes = Scale("frequency, Hz", (0.0, float(top))), Scale("force, dB re 0 Hz", (-50.0, 5.0))
     return Panel(*axes, tuple(marks), title="Force spectra", height=150, note=note)
 
@@ -161,19 +165,19 @@ def _answers(impact: ImpactTest, plotted_hits: Sequence[PlottedHit]) -> list[Pan
     decay = f"below 1 % after {end:.2g} s"
     if end > 0.98 * record:
         decay = f"above 1 % at the end, {record:.3g} s"
-    shown = 1.25 * end
+    end_time = 1.25 * end
     panels = []
     for i in range(channels):
         lines = []
         for plotted_hit in plotted_hits:
-            inside = plotted_hit.time <= shown
+            in_range = plotted_hit.time <= end_time
             x, y = downsample_to_extremes(
-                plotted_hit.time[inside], plotted_hit.block.acceleration[i, inside], bins=bins
+                plotted_hit.time[in_range], plotted_hit.block.acceleration[i, in_range], bins=bins
             )
             lines.append(Line(x, y, plotted_hit.pen, _key(plotted_hit)))
         start = float(min(line.x[0] for line in lines))
         span = max(float(np.max(np.abs(line.y))) for line in lines) * 1.08
-        last = min(shown, float(max(line.x[-1] for line in lines)))
+        last = min(end_time, float(max(line.x[-1] for line in lines)))
         axes = (
             Scale("time after the hit, s", (start, last)),
             Scale("acceleration, m/s²", (-span, span)),
@@ -218,22 +222,22 @@ def columns(
     """
     values = np.zeros((0, 0)) if values is None else values
     filled = np.flatnonzero(np.isfinite(values).any(axis=0)).tolist()
-    along = next((i for i in filled if roles[i] in RUNNING_ROLES), None)
-    shown = [i for i in filled if i != along][:MOST_COLUMNS]
-    if not shown:
+    running_column = next((i for i in filled if roles[i] in RUNNING_ROLES), None)
+    shown_columns = [i for i in filled if i != running_column][:MOST_COLUMNS]
+    if not shown_columns:
         raise DataError("the file has no column of numbers to draw")
     x, word = np.arange(1.0, len(values) + 1), "row of those drawn"
-    if along is not None:
-        x, word = values[:, along], names[along]
-    across = Scale(word, compute_padded_limits(x, margin=0.0))
+    if running_column is not None:
+        x, word = values[:, running_column], names[running_column]
+    horizontal = Scale(word, compute_padded_limits(x, margin=0.0))
     panels = tuple(
         Panel(
-            across,
+            horizontal,
             Scale(names[i], compute_padded_limits(values[:, i])),
             (Line(x, values[:, i], MEASURED),),
             title=roles[i] or "",
             height=90,
         )
-        for i in shown
+        for i in shown_columns
     )
     return Picture("columns", "The columns of the file, as they stand.", (panels,), stamp=stamp)

@@ -40,7 +40,7 @@ from dashpot.registry import find_handler
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 DATA = Pen("measured", 1.2)
-"""Of a record; the fits are drawn over it."""
+"""Pen of a record; the fits are drawn over it."""
 
 SINCE, SINCE_RAMP = "time since first contact, s", "time since ramp end, s"
 
@@ -60,14 +60,14 @@ def segments(prepared: RampHold, *, stamp: str = "") -> Picture:
     t, c, end = prepared.time - prepared.onset, prepared.ramp_time, _end(prepared)
     ramp = (max(t[0], -0.6 * c), min(t[-1], 2.0 * c))
     hold = (0.5 * c, max(t[-1], end))
-    held, hertz = prepared.hold_time, f"{to_length * prepared.depth:.3g} {length}"
-    titles = (f"Ramp, {c:.3g} s", f"Hold, {held:.3g} s at {hertz}")
+    hold_time, hertz = prepared.hold_time, f"{to_length * prepared.depth:.3g} {length}"
+    titles = (f"Ramp, {c:.3g} s", f"Hold, {hold_time:.3g} s at {hertz}")
     strips = []
     for limits, log, title in zip((ramp, hold), (False, True), titles, strict=True):
-        inside = (t >= limits[0]) & (t <= limits[1])
+        in_range = (t >= limits[0]) & (t <= limits[1])
         strip: list[Panel] = []
         for values, label in rows:
-            x, y = downsample_to_extremes(t[inside], values[inside], bins=400, log=log)
+            x, y = downsample_to_extremes(t[in_range], values[in_range], bins=400, log=log)
             marks: list[Mark] = [*_segments(prepared, limits)]
             marks.append(Line(x, y, MEASURED, "measured"))
             axes = (Scale(SINCE, limits, log), Scale(label, compute_padded_limits(y)))
@@ -98,15 +98,16 @@ def fit(
     stamp : str
         What the figure says of its origin; by default the fit's files, specimen and date.
     """
-    shown = make_plotted_fits(fit, alternatives, prepared)
+    plotted_fits = make_plotted_fits(fit, alternatives, prepared)
     # the chosen one first
     residuals = [residual_panel(item, prepared)
-                 for item in sorted(shown, key=lambda item: item.fit is not fit)]  # fmt: skip
+                 for item in sorted(plotted_fits,
+                 key=lambda item: item.fit is not fit)]  # fmt: skip
     caption = (
         "Measured force and fitted models, and their residuals: a good fit leaves noise without "
         "systematic shape."
     )
-    strip = (force_panel(shown, prepared), *residuals)
+    strip = (force_panel(plotted_fits, prepared), *residuals)
     return Picture("fit", caption, (strip,), 1, stamp or format_fit_stamp(fit))
 
 
@@ -120,7 +121,7 @@ class PlottedFit(NamedTuple):
 
     @property
     def label(self) -> str:
-        """What the key calls it."""
+        """Label in the key."""
         name = get_model_label(self.fit)
         return f"fit, {name}" if self.pen is FIT else name
 
@@ -129,19 +130,19 @@ class PlottedFit(NamedTuple):
     ) -> tuple[FloatArray, FloatArray]:
         """Time from first contact and residual, N, over what a log axis shows, or from `start`."""
         start = _log_start(prepared) if start is None else start
-        inside = (self.time >= start) & (self.time <= _end(prepared))
-        measured = np.interp(self.time[inside], prepared.time - prepared.onset, prepared.force)
-        return self.time[inside], measured - self.force[inside]
+        in_fit = (self.time >= start) & (self.time <= _end(prepared))
+        measured = np.interp(self.time[in_fit], prepared.time - prepared.onset, prepared.force)
+        return self.time[in_fit], measured - self.force[in_fit]
 
 
 def make_plotted_fits(
-    chosen: Fit, alternatives: Sequence[Fit], prepared: RampHold
+    chosen_fit: Fit, alternatives: Sequence[Fit], prepared: RampHold
 ) -> list[PlottedFit]:
     """Return the curves of all fits that are shown."""
     return [
-        PlottedFit(fit, FIT if fit is chosen else SIMPLER[fit.model.arms % 2],
+        PlottedFit(fit, FIT if fit is chosen_fit else SIMPLER[fit.model.arms % 2],
                *fitted_force(fit, prepared))
-        for fit in fits_to_show(chosen, alternatives)
+        for fit in fits_to_show(chosen_fit, alternatives)
     ]  # fmt: skip
 
 
@@ -152,21 +153,26 @@ def fits_to_show(fit: Fit, alternatives: Sequence[Fit]) -> list[Fit]:
 
 
 def force_panel(
-    shown: Sequence[PlottedFit], prepared: RampHold, *, title: str = "", height: float = 210.0
+    plotted_fits: Sequence[PlottedFit],
+    prepared: RampHold,
+    *,
+    title: str = "",
+    height: float = 210.0,
 ) -> Panel:
     """Return force with the fitted curves over it, on log time."""
     start, end = _log_start(prepared), _end(prepared)
     unit, scale = unit_of(prepared.force, "N")
 
     def line(t: FloatArray, force: FloatArray, pen: Pen, label: str) -> Line:
-        drawn = (t >= start) & (t <= end)
-        return Line(*downsample_to_extremes(t[drawn], scale * force[drawn], bins=350, log=True),
+        is_drawn = (t >= start) & (t <= end)
+        return Line(*downsample_to_extremes(t[is_drawn], scale * force[is_drawn], bins=350,
+        log=True),
                     pen, label)  # fmt: skip
 
     data = line(prepared.time - prepared.onset, prepared.force, DATA, "measured")
     # the chosen one over the others
     curves = [line(item.time, item.force, item.pen, item.label)
-              for item in sorted(shown, key=lambda item: item.pen is FIT)]  # fmt: skip
+              for item in sorted(plotted_fits, key=lambda item: item.pen is FIT)]  # fmt: skip
     marks: list[Mark] = [*_segments(prepared, (start, end)), data, *curves]
     axes = (
         Scale(SINCE, (start, end), log=True),
@@ -176,42 +182,44 @@ def force_panel(
 
 
 def residual_panel(
-    plotted_fit: PlottedFit, prepared: RampHold, *, since: float = 0.0, axis: Scale | None = None
+    curve: PlottedFit,
+    prepared: RampHold,
+    *,
+    time_origin: float = 0.0,
+    axis: Scale | None = None,
 ) -> Panel:
     """Measured less fitted force against log time, and the noise it should be.
 
     Time counts from so many s after first contact; by default from it.
     """
-    begin = None if axis is None else since + axis.limits[0]
-    when, residual = plotted_fit.residual(prepared, begin)
-    when = when - since
+    start = None if axis is None else time_origin + axis.limits[0]
+    time, residual = curve.residual(prepared, start)
+    time = time - time_origin
     unit, scale = unit_of(residual, "N")
-    drawn = scale * residual
-    x, mean = downsample_to_means(when, drawn, log=True)
-    low, high = _ranges(when, drawn, x)
+    drawn_residual = scale * residual
+    x, mean = downsample_to_means(time, drawn_residual, log=True)
+    low, high = _ranges(time, drawn_residual, x)
     noise = scale * prepared.force_noise
-    marks: list[Mark] = [Area(x, low, high, plotted_fit.pen.colour, "residual: range of samples")]
+    marks: list[Mark] = [Area(x, low, high, curve.pen.colour, "residual: range of samples")]
     if noise > 0:
         pair = Rule(noise, REF, "noise, one SD", across=True), Rule(-noise, REF, across=True)
         marks += pair
-    marks.append(Line(x, mean, Pen(plotted_fit.pen.colour, 1.4), "residual: mean"))
+    marks.append(Line(x, mean, Pen(curve.pen.colour, 1.4), "residual: mean"))
     # of a fit to several tests the residual has no unit
-    of_force = plotted_fit.fit.method in get_choice_values(Method)
-    size = (
-        plotted_fit.fit.estimate.residual.rms if of_force else float(np.sqrt(np.mean(residual**2)))
-    )
+    of_force = curve.fit.method in get_choice_values(Method)
+    size = curve.fit.estimate.residual.rms if of_force else float(np.sqrt(np.mean(residual**2)))
     word, factor = unit_of(np.array([size]), "N")
-    label = f"residual of {get_model_label(plotted_fit.fit)}, {unit}"
+    label = f"residual of {get_model_label(curve.fit)}, {unit}"
     rms = f"rms {round_to_error(factor * size)} {word}"
-    across = axis or Scale(SINCE, (_log_start(prepared), _end(prepared)), log=True)
-    upright = Scale(label, compute_padded_limits(low, high, margin=0.08))
-    return Panel(across, upright, tuple(marks), height=90, note=rms)
+    horizontal = axis or Scale(SINCE, (_log_start(prepared), _end(prepared)), log=True)
+    vertical = Scale(label, compute_padded_limits(low, high, margin=0.08))
+    return Panel(horizontal, vertical, tuple(marks), height=90, note=rms)
 
 
-def _ranges(when: FloatArray, values: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _ranges(time: FloatArray, values: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the lowest and the highest value nearest to each of some times."""
-    edges = np.searchsorted(when, np.sqrt(at[1:] * at[:-1]))
-    starts = np.concatenate(([int(np.searchsorted(when, 0.0, "right"))], edges))
+    edges = np.searchsorted(time, np.sqrt(at[1:] * at[:-1]))
+    starts = np.concatenate(([int(np.searchsorted(time, 0.0, "right"))], edges))
     return np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
 
 
@@ -226,20 +234,20 @@ def fitted_force(fit: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     fit = _shift_to_temperature(fit, prepared)
     solid = _select_depth_solid(fit, prepared.depth)
     if fit.method == "hold":
-        used = prepared.hold
-        time, begun = prepared.time[used], prepared.ramp_end
+        fitted_samples = prepared.hold
+        time, start_time = prepared.time[fitted_samples], prepared.ramp_end
         force = solid.maxwell.ramp_hold_force(
             time - prepared.onset, depth=prepared.depth, ramp_time=prepared.ramp_time
         )
     else:
-        used = slice(0, prepared.hold.stop)
-        time, (x, _) = prepared.time[used], denoise_displacement(prepared)
-        law, begun = fit.elastic_law, time[0]
+        fitted_samples = slice(0, prepared.hold.stop)
+        time, (x, _) = prepared.time[fitted_samples], denoise_displacement(prepared)
+        law, start_time = fit.elastic_law, time[0]
         path = x - x[0] if law is None or law.kind == "linear" else law.path(x - x[0])
         force = solid.force(time, path)
     terms = {
         "offset": np.ones(len(time)),
-        "drift": time - begun,
+        "drift": time - start_time,
         "delay": -np.gradient(force, time),
     }
     entries = {term.name: term.value for term in fit.estimate.nuisance if term.name in terms}
@@ -254,7 +262,7 @@ def fitted_force(fit: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     elif allowed:
         # of several tests it is not known which this is
         design = np.column_stack([terms[name] for name in sorted(allowed)])
-        size, *_ = np.linalg.lstsq(design, prepared.force[used] - force, rcond=None)
+        size, *_ = np.linalg.lstsq(design, prepared.force[fitted_samples] - force, rcond=None)
         force = force + design @ size
     return time - prepared.onset, force
 
@@ -271,14 +279,16 @@ def _select_depth_solid(fit: Fit, depth: float) -> Solid:
     """Return the solid at this depth, where every test of the fit has stiffnesses of its own."""
     if not fit.evidence.stiffness_by_depth:
         return fit.solid
-    near = min(fit.evidence.stiffness_by_depth, key=lambda at: abs(at.depth - depth))
-    there = [(k, tau) for k, tau in zip(near.k, fit.model.tau, strict=False) if k > 0]
-    k, tau = zip(*there, strict=True) if there else ((), ())
-    return GeneralizedMaxwell(max(near.k_inf, 0.0), k, tau)
+    nearest_depth = min(fit.evidence.stiffness_by_depth, key=lambda at: abs(at.depth - depth))
+    active_arms = [
+        (k, tau) for k, tau in zip(nearest_depth.k, fit.model.tau, strict=False) if k > 0
+    ]
+    k, tau = zip(*active_arms, strict=True) if active_arms else ((), ())
+    return GeneralizedMaxwell(max(nearest_depth.k_inf, 0.0), k, tau)
 
 
 def _end(prepared: RampHold) -> float:
-    """When the hold ends, s after first contact."""
+    """Return the end of the hold, s after first contact."""
     return prepared.hold_end - prepared.onset
 
 
@@ -296,9 +306,11 @@ def _log_start(prepared: RampHold) -> float:
 
 
 def compute_time_step(prepared: RampHold) -> float:
-    """Between two samples of the ramp: sampling may slow down during the hold."""
-    near = (prepared.time >= prepared.onset) & (prepared.time <= prepared.ramp_end)
-    return float(np.median(np.diff(prepared.time[near] if near.sum() > 1 else prepared.time)))
+    """Return the time step on the ramp; sampling may slow down during the hold."""
+    near_ramp = (prepared.time >= prepared.onset) & (prepared.time <= prepared.ramp_end)
+    return float(
+        np.median(np.diff(prepared.time[near_ramp] if near_ramp.sum() > 1 else prepared.time))
+    )
 
 
 # Choice of the figure by the data of the fit.
@@ -316,11 +328,11 @@ def bench(found: Fit, records: Sequence[Any], *, alternatives: Sequence[Fit] = (
         Of one ramp and hold: fits of other numbers of arms, drawn with it.
     """
     first = records[0]
-    draw, shown = find_handler("fit figure", first), first
+    draw, shown_records = find_handler("fit figure", first), first
     if draw is None and found.temperatures is not None:
         draw = find_handler("fit figure", found.temperatures)
-        shown = [record for record in records if isinstance(record, RampHold)]
+        shown_records = [record for record in records if isinstance(record, RampHold)]
     if draw is None:
         return fit(found, first, alternatives=alternatives)
-    drawn: Picture = draw(found, shown)
-    return drawn
+    picture: Picture = draw(found, shown_records)
+    return picture

@@ -149,7 +149,7 @@ def build_plotted_quantities(
 ) -> tuple[PlottedQuantity, PlottedQuantity, PlottedQuantity]:
     """Return storage stiffness, damping and loss factor with their errors."""
     m, omega = measured, 2 * np.pi * measured.frequency
-    none = np.zeros(len(omega))
+    zeros = np.zeros(len(omega))
 
     def compute_factor_error(loss: FloatArray, storage: FloatArray) -> FloatArray:
         return np.asarray(np.abs(m.loss_factor) * np.hypot(loss / m.loss, storage / m.storage))
@@ -161,14 +161,14 @@ def build_plotted_quantities(
     return (
         PlottedQuantity("storage", storage, random, phase, mass, m.storage_band),
         PlottedQuantity(
-            "damping", m.damping, m.loss_random / omega, m.loss_phase / omega, none, m.loss_band
+            "damping", m.damping, m.loss_random / omega, m.loss_phase / omega, zeros, m.loss_band
         ),
         PlottedQuantity(
             "loss_factor",
             m.loss_factor,
             compute_factor_error(m.loss_random, m.storage_random),
             compute_factor_error(m.loss_phase, m.storage_phase),
-            compute_factor_error(none, m.storage_mass),
+            compute_factor_error(zeros, m.storage_mass),
             m.loss_band,
         ),
     )
@@ -218,13 +218,13 @@ def _span(measured: DynamicStiffness) -> tuple[float, float]:
 def _view(plotted: PlottedQuantity, f: FloatArray) -> tuple[float, float]:
     """Return limits that show the usable part with its errors, not the excesses beside it."""
     usable = (f >= plotted.good[0]) & (f <= plotted.good[1])
-    near = usable if usable.any() else np.ones(len(f), dtype=bool)
+    shown_lines = usable if usable.any() else np.ones(len(f), dtype=bool)
     error = plotted.nested_errors[0]
-    low = float(np.min((plotted.value - error)[near]))
-    high = float(np.max((plotted.value + error)[near]))
+    low = float(np.min((plotted.value - error)[shown_lines]))
+    high = float(np.max((plotted.value + error)[shown_lines]))
     if plotted.name != "storage" and not plotted.good[1] > 2 * plotted.good[0]:
         # a lightly damped part is usable at its peak only: leave space for what is not
-        middle = float(np.median(plotted.value[near]))
+        middle = float(np.median(plotted.value[shown_lines]))
         low, high = min(low, -0.5 * abs(middle)), max(high, middle + 1.5 * abs(middle))
     margin = 0.1 * (high - low)
     return low - margin, high + margin
@@ -256,8 +256,8 @@ def spectrum(fit: Fit, *, joint: Fit | None = None, stamp: str = "") -> Picture:
     """
     words = _words(fit)
     low, high = (1 / (2 * np.pi * f) for f in reversed(fit.band))
-    shown = [*fit.model.tau, *(joint.model.tau if joint else ())]
-    limits = (min([low, *shown]) / 4, max([high, *shown]) * 4)
+    shown_taus = [*fit.model.tau, *(joint.model.tau if joint else ())]
+    limits = (min([low, *shown_taus]) / 4, max([high, *shown_taus]) * 4)
     k_inf = words.scale * fit.model.k_inf
     marks: list[Mark] = [
         Span(limits[0], low, "away", "unresolved range", hatched=True, tint=1.0),
@@ -292,7 +292,7 @@ def elastic_law(fit: Fit, *, compression: float | None = None, stamp: str = "") 
         raise DataError("the fit has no elastic law: it is not of a relaxation test")
     x = np.linspace(0.0, law.depth, 201)
     knots, at = np.asarray(law.knots), convert_to_unit(x, "mm")
-    straight = np.full(len(x), law.stiffness)
+    constant_stiffness = np.full(len(x), law.stiffness)
     tangent, error = (
         convert_to_unit(values, "N/mm")
         for values in (law.tangent(x), 2 * law.stiffness * law.factor_se(x))
@@ -300,8 +300,8 @@ def elastic_law(fit: Fit, *, compression: float | None = None, stamp: str = "") 
     secant = f"secant at {format_quantity(law.depth, 'mm', '.3g')}"
     rest: tuple[Mark, ...] = ()
     if compression is not None:
-        where = f"the mass rests at {format_quantity(compression, 'mm', '.3g')}"
-        rest = (Rule(convert_to_unit(compression, "mm"), RESONANCE, where),)
+        rest_text = f"the mass rests at {format_quantity(compression, 'mm', '.3g')}"
+        rest = (Rule(convert_to_unit(compression, "mm"), RESONANCE, rest_text),)
     force = (
         *rest,
         Line(at, law.stiffness * x, SECANT, secant),
@@ -310,18 +310,18 @@ def elastic_law(fit: Fit, *, compression: float | None = None, stamp: str = "") 
     stiffness = (
         *rest,
         Area(at, tangent - error, tangent + error, "fit", "± 2 standard errors"),
-        Line(at, convert_to_unit(straight, "N/mm"), SECANT, secant),
+        Line(at, convert_to_unit(constant_stiffness, "N/mm"), SECANT, secant),
         Line(at, tangent, FIT, "elastic law"),
         Dots(
             convert_to_unit(knots, "mm"), convert_to_unit(law.tangent(knots), "N/mm"), "fit", size=5
         ),
     )
-    below = Scale("compression, mm", (0.0, float(at[-1])))
+    horizontal = Scale("compression, mm", (0.0, float(at[-1])))
     highest = float(np.max([law.force(x), law.stiffness * x]))
     steepest = compute_padded_limits(tangent, tangent + error, margin=0.0)[1]
     panels = (
-        Panel(below, Scale("relaxed force, N", (0.0, 1.08 * highest)), force),
-        Panel(below, Scale("tangent stiffness k∞, N/mm", (0.0, 1.08 * steepest)), stiffness),
+        Panel(horizontal, Scale("relaxed force, N", (0.0, 1.08 * highest)), force),
+        Panel(horizontal, Scale("tangent stiffness k∞, N/mm", (0.0, 1.08 * steepest)), stiffness),
     )
     caption = (
         "Elastic law from the ramp: relaxed force and tangent stiffness against compression. "
@@ -369,10 +369,14 @@ def stiffness(
         factor = 1.0 if name == "loss_factor" else words.scale
         curve = factor * getattr(fit.solid, name)(frequency=f)
         marks: list[Mark] = []
-        for bounds, what in ((unresolved_bounds, BOUND), (parameters, INTERVAL)):
+        for bounds, band_label in ((unresolved_bounds, BOUND), (parameters, INTERVAL)):
             if bounds is not None:
                 edges = factor * getattr(bounds, name)
-                marks.append(Area(bounds.frequency, edges[0], edges[1], "fit", what, what == BOUND))
+                marks.append(
+                    Area(
+                        bounds.frequency, edges[0], edges[1], "fit", band_label, band_label == BOUND
+                    )
+                )
         if joint is not None:
             value = factor * getattr(joint.solid, name)(frequency=f)
             marks.append(Line(f, value, *joint_pen(failed=joint.verdict.use == "do not use")))
@@ -410,7 +414,7 @@ def _scale(name: str, label: str, curve: FloatArray, marks: list[Mark]) -> Scale
 
 
 class _Words(NamedTuple):
-    """What a fit is called on an axis, and the factor from SI to the unit said there."""
+    """Words for a fit on an axis, and the factor from SI to the unit of the axis."""
 
     scale: float
     arm: str
@@ -447,15 +451,15 @@ def _stems(fit: Fit, pen: Pen, label: str) -> list[Mark]:
     bounds = fit.intervals(level=0.95)
     window = [1 / (2 * np.pi * f) for f in reversed(fit.band)]
     # an open end is drawn to the edge of what could matter
-    ends = [
+    interval_ends = [
         ((t, t), (scale * max(a, 0.0), scale * min(b, k_0)))
         for t, (a, b) in zip(tau, bounds["k"], strict=True)
     ]
-    ends += [
+    interval_ends += [
         ((max(a, window[0] / 10), min(b, window[1] * 10)), (height, height))
         for height, (a, b) in zip(k, bounds["tau"], strict=True)
     ]
-    x, y = (np.array([v for pair in ends for v in (*pair[i], np.nan)]) for i in (0, 1))
+    x, y = (np.array([v for pair in interval_ends for v in (*pair[i], np.nan)]) for i in (0, 1))
     return [Line(x, y, Pen(pen.colour, 1.2), ""), *marks]
 
 
@@ -482,14 +486,16 @@ def _sweep(data: StiffnessSweep, name: str, factor: float) -> Dots:
 
 
 def _points(measured: DynamicStiffness | None, name: str) -> list[Dots]:
-    """What the FRF says in thirds of an octave, where that is good, with one standard deviation."""
+    """Return the FRF in thirds of an octave where it is good, with one standard deviation."""
     if measured is None:
         return []
     lines = {quantity.name: quantity for quantity in build_plotted_quantities(measured)}
     line = lines["damping" if name == "loss" else name]
     f, plotted = average_octave_bands(measured.frequency, line, per_octave=3)
-    good = (f >= plotted.good[0]) & (f <= plotted.good[1])
+    is_good = (f >= plotted.good[0]) & (f <= plotted.good[1])
     factor = convert_to_unit(2 * np.pi * f, "N/mm") if name == "loss" else np.ones(len(f))
     value, error = factor * plotted.value, factor * plotted.nested_errors[0]
-    points = Dots(f[good], value[good], "measured", "directly from the FRF", error=error[good])
-    return [points] * bool(good.any())  # an FRF may be good nowhere
+    points = Dots(
+        f[is_good], value[is_good], "measured", "directly from the FRF", error=error[is_good]
+    )
+    return [points] * bool(is_good.any())  # an FRF may be good nowhere

@@ -53,7 +53,7 @@ def sequential(count: int) -> tuple[str, ...]:
 
 
 LIGHT = {name: light for name, (light, _) in COLOURS.items()}
-"""Of whatever is printed or leaves as a file."""
+"""Colours of printed figures and figure files."""
 
 SANS = '-apple-system, "Segoe UI", Roboto, Arial, "Liberation Sans", system-ui, sans-serif'
 SMALL_TEXT, BOLD_TEXT = 12.0, 13.0

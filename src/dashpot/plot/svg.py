@@ -36,11 +36,12 @@ FINE = 20
 
 def strip(panels: tuple[Panel, ...], *, name: str, width: float, kind: str = "wide") -> str:
     """One strip of panels as an ``svg`` of a page, of class `kind`; ids begin with `name`."""
-    laid = lay_out(panels, width)
-    size = f"{laid.width:.0f} {laid.height:.0f}"
+    sheet = lay_out(panels, width)
+    size = f"{sheet.width:.0f} {sheet.height:.0f}"
     return (
         f'<svg class="{kind}" viewBox="0 0 {size}" aria-hidden="true">'
-        f"{_patterns(laid.frames, name)}{''.join(_frame(item, name) for item in laid.frames)}</svg>"
+        f"{_patterns(sheet.frames, name)}"
+        f"{''.join(_frame(item, name) for item in sheet.frames)}</svg>"
     )
 
 
@@ -96,14 +97,14 @@ def _hair(line: AxisLine) -> str:
 
 
 def _word(word: Word) -> str:
-    more = f' text-anchor="{word.anchor}"' if word.anchor != "start" else ""
-    more += ' font-weight="700"' if word.bold else ""
+    attributes = f' text-anchor="{word.anchor}"' if word.anchor != "start" else ""
+    attributes += ' font-weight="700"' if word.bold else ""
     if word.halo:
-        more += ' class="tag"'
-        more += ' paint-order="stroke" stroke="var(--panel)" stroke-width="3"'
+        attributes += ' class="tag"'
+        attributes += ' paint-order="stroke" stroke="var(--panel)" stroke-width="3"'
     return (
         f'<text x="{word.x:.1f}" y="{word.y:.1f}" font-size="{word.size:g}" '
-        f'fill="var(--{word.colour})"{more}>{_text(word.text)}</text>'
+        f'fill="var(--{word.colour})"{attributes}>{_text(word.text)}</text>'
     )
 
 
@@ -140,8 +141,8 @@ def _path(parts: Iterable[FloatArray], *, closed: bool = False) -> str:
 
 def _pen(pen: Pen) -> str:
     dashes = f' stroke-dasharray="{" ".join(f"{d:g}" for d in pen.dashes)}"' if pen.dashes else ""
-    thin = "" if pen.opacity == 1 else f' stroke-opacity="{pen.opacity:g}"'
-    return f'stroke="var(--{pen.colour})" stroke-width="{pen.width:g}"{dashes}{thin}'
+    opacity_attribute = "" if pen.opacity == 1 else f' stroke-opacity="{pen.opacity:g}"'
+    return f'stroke="var(--{pen.colour})" stroke-width="{pen.width:g}"{dashes}{opacity_attribute}'
 
 
 STEADY = 'vector-effect="non-scaling-stroke"'
@@ -156,9 +157,9 @@ def _inner(mark: Polyline | Fill | Markers, name: str) -> str:
         return f'<path{read} d="{_path(mark.parts)}" fill="none" {_pen(mark.pen)} {STEADY}/>'
     if isinstance(mark, Fill):
         d = _path(mark.parts, closed=True)
-        plain = f'<path d="{d}" fill="var(--{mark.colour})" fill-opacity="{mark.tint:g}"/>'
+        plain_path = f'<path d="{d}" fill="var(--{mark.colour})" fill-opacity="{mark.tint:g}"/>'
         lines = f'<path d="{d}" fill="url(#{name}-{mark.colour})"/>' if mark.hatched else ""
-        return plain + lines
+        return plain_path + lines
     units = np.rint(FINE * mark.centres).astype(np.int64)
     d = "".join(f"M{x} {y}h0" for x, y in units.tolist())
     read = f' data-name="{_text(mark.name)}"' if mark.name else ""
@@ -173,26 +174,28 @@ def _inner(mark: Polyline | Fill | Markers, name: str) -> str:
     return filled + round_(max(mark.size - 3.5, 1), "panel") if mark.hollow else filled
 
 
-def _hatch(key: str, colour: str, *, fine: int) -> str:
+def _hatch(key: str, colour: str, *, spacing: int) -> str:
     """Return lines at 45 degrees; those out of reach lean the other way."""
     lean = -45 if colour == "away" else 45
-    ink = "ref" if colour == "away" else colour
-    step = 7 * fine
+    ink_name = "ref" if colour == "away" else colour
+    step = 7 * spacing
     return (
         f'<pattern id="{key}" width="{step}" height="{step}" patternUnits="userSpaceOnUse" '
-        f'patternTransform="rotate({lean})"><path d="M0 0V{step}" stroke="var(--{ink})" '
-        f'stroke-opacity=".55" stroke-width="{2 * fine}"/></pattern>'
+        f'patternTransform="rotate({lean})"><path d="M0 0V{step}" stroke="var(--{ink_name})" '
+        f'stroke-opacity=".55" stroke-width="{2 * spacing}"/></pattern>'
     )
 
 
 def _patterns(frames: Iterable[Frame], name: str) -> str:
-    used = {
+    used_colours = {
         mark.colour
         for frame in frames
         for mark in frame.inner
         if isinstance(mark, Fill) and mark.hatched
     }
-    patterns = "".join(_hatch(f"{name}-{colour}", colour, fine=FINE) for colour in sorted(used))
+    patterns = "".join(
+        _hatch(f"{name}-{colour}", colour, spacing=FINE) for colour in sorted(used_colours)
+    )
     return f"<defs>{patterns}</defs>" if patterns else ""
 
 
@@ -212,6 +215,6 @@ def _sample(mark: Keyed, name: str) -> str:
         return tint
     key = f"{name}-key"
     return (
-        f"<defs>{_hatch(key, mark.colour, fine=1)}</defs>{tint}"
+        f"<defs>{_hatch(key, mark.colour, spacing=1)}</defs>{tint}"
         f'<path d="M0 1H28V11H0z" fill="url(#{key})" stroke="var(--{mark.colour})"/>'
     )

@@ -31,8 +31,8 @@ def place(scale: Scale, values: FloatArray | Sequence[float] | float) -> FloatAr
     return (v - low) / (high - low)
 
 
-def numbers(scale: Scale, length: float, difference: float) -> tuple[float, ...]:
-    """Return values that bear a number: as many round ones as stand `difference` px on `length` px.
+def numbers(scale: Scale, length: float, spacing: float) -> tuple[float, ...]:
+    """Return values that bear a number: as many round ones as stand `spacing` px on `length` px.
 
     Of an axis that has fewer than three so, a logarithmic one fewer than five, closer ones if they
     are short: two numbers say little of it.
@@ -40,7 +40,7 @@ def numbers(scale: Scale, length: float, difference: float) -> tuple[float, ...]
     if scale.ticks:
         return scale.ticks
     values, closer = (
-        _numbers(scale, length, value) for value in (difference, CLOSE_SPACING * difference)
+        _numbers(scale, length, value) for value in (spacing, CLOSE_SPACING * spacing)
     )
     if len(closer) <= len(values) or len(values) >= (FEW_TICKS if scale.log else PAIR):
         return values
@@ -54,30 +54,30 @@ def numbers(scale: Scale, length: float, difference: float) -> tuple[float, ...]
 def _numbers(scale: Scale, length: float, difference: float) -> tuple[float, ...]:
     if scale.log:
         return _round_ones(scale, length, difference)
-    even = _even(scale.limits, max(int(length / difference), 2))
-    return tuple(value for value in even if value == round(value)) if scale.whole else even
+    ticks = _even(scale.limits, max(int(length / difference), 2))
+    return tuple(value for value in ticks if value == round(value)) if scale.whole else ticks
 
 
 def _round_ones(scale: Scale, length: float, difference: float) -> tuple[float, ...]:
     best: tuple[float, ...] = ()
     for decade in (*_decades(scale.limits), _even(scale.limits, max(int(length / difference), 2))):
-        near = len(decade) > 1 and np.diff(length * place(scale, decade)).min() < difference
-        if near and len(best) > 1:
+        is_close = len(decade) > 1 and np.diff(length * place(scale, decade)).min() < difference
+        if is_close and len(best) > 1:
             break
         # two numbers at least, if need be the outer ones
-        best = (decade[0], decade[-1]) if near else max(best, decade, key=len)
+        best = (decade[0], decade[-1]) if is_close else max(best, decade, key=len)
     return best
 
 
-def _even(limits: tuple[float, float], most: int) -> tuple[float, ...]:
+def _even(limits: tuple[float, float], max_count: int) -> tuple[float, ...]:
     low, high = limits
-    raw = (high - low) / most
+    raw = (high - low) / max_count
     power = 10.0 ** math.floor(math.log10(raw))
-    wider = [m * power for m in (0.5, 1, 2, 2.5, 5, 10)]
-    at = next(i for i, step in enumerate(wider) if step >= raw * 0.999)
+    candidate_steps = [m * power for m in (0.5, 1, 2, 2.5, 5, 10)]
+    at = next(i for i, step in enumerate(candidate_steps) if step >= raw * 0.999)
     values: tuple[float, ...] = ()
     # one number alone says no scale
-    for step in wider[at::-1]:
+    for step in candidate_steps[at::-1]:
         first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
         values = tuple(i * step for i in range(first, last + 1))
         if len(values) > 1:
@@ -88,16 +88,16 @@ def _even(limits: tuple[float, float], most: int) -> tuple[float, ...]:
 def _decades(limits: tuple[float, float]) -> list[tuple[float, ...]]:
     first, last = (math.floor(math.log10(end)) for end in limits)
     # a very wide axis bears every second decade, every third...
-    sets = [((1,), every) for every in (12, 6, 4, 3, 2)] + [(subs, 1) for subs in SUBS]
+    sets = [((1,), interval) for interval in (12, 6, 4, 3, 2)] + [(subs, 1) for subs in SUBS]
     return [
         tuple(
             v
             for d in range(first, last + 1)
-            if d % every == 0
+            if d % interval == 0
             for m in subs
             if limits[0] * (1 - 1e-9) <= (v := float(f"{m}e{d}")) <= limits[1] * (1 + 1e-9)
         )
-        for subs, every in sets
+        for subs, interval in sets
     ]
 
 
@@ -115,8 +115,8 @@ def format_ticks(scale: Scale, values: Sequence[float]) -> list[str]:
     if scale.tick_names:
         return list(scale.tick_names)
     if scale.log:
-        plain = all(PLAIN[0] <= v <= PLAIN[1] for v in values)
-        return [f"{v:.6g}" if plain else _power(v) for v in values]
+        use_plain = all(PLAIN[0] <= v <= PLAIN[1] for v in values)
+        return [f"{v:.6g}" if use_plain else _power(v) for v in values]
     if not values:
         return []
     size, step = max(abs(v) for v in values), min(np.diff(values), default=1.0)

@@ -73,15 +73,15 @@ class ClockedTest(Protocol):
 
     @property
     def time(self) -> FloatArray:
-        """Of every sample, s."""
+        """Time of every sample, s."""
 
     @property
     def onset(self) -> float:
-        """When the ramp begins, s."""
+        """Start of the ramp, s."""
 
     @property
     def ramp_time(self) -> float:
-        """How long it takes, s; 0 of a step."""
+        """Duration of the ramp, s; 0 for a step."""
 
     @property
     def hold(self) -> slice:
@@ -94,10 +94,10 @@ class ClockedTest(Protocol):
 @criterion("K apart", "|x| <=", MAX_MISREAD, "simulation: no other check shows an error of 1 K")
 def temperature_as_stated(specimen: Specimen) -> Finding:
     """The given temperature agrees with the one in the file."""
-    provided, stated = specimen.temperature or 0.0, specimen.stated_temperature or 0.0
+    measured, stated = (specimen.temperature or 0.0, specimen.stated_temperature or 0.0)
     return Finding(
-        f"The file says {celsius(stated)}, and {celsius(provided)} was given",
-        provided - stated,
+        f"The file says {celsius(stated)}, and {celsius(measured)} was given",
+        measured - stated,
         "Shifts and predictions use the one given",
         Remedy("Check which is right.", "temperature"),
     )
@@ -116,7 +116,7 @@ def temperature_held(specimen: Specimen) -> Finding:
 
 
 def check_temperature(specimen: Specimen) -> list[Check]:
-    """What the file says of the temperature, as far as it says anything."""
+    """Return the checks of the temperature that the file states."""
     all_checks = []
     if specimen.stated_temperature is not None:
         all_checks.append(temperature_as_stated(specimen))
@@ -145,9 +145,9 @@ def baseline_recorded(before: Baseline) -> Finding:
 
 
 @criterion("its error / depth", "<=", 0.01, "our choice: it enters every stiffness")
-def contact_found(touch: Touch, depth: float, *, provided: bool) -> Finding:
+def contact_found(touch: Touch, depth: float, *, is_given: bool) -> Finding:
     """The position of first contact is known well enough."""
-    if provided:
+    if is_given:
         return Finding(
             f"Contact was given, {format_quantity(touch.gap, 'mm', '.3g')} after the start of the "
             "motion"
@@ -173,9 +173,9 @@ def contact_found(touch: Touch, depth: float, *, provided: bool) -> Finding:
     grade="note",
     other_grade=f"limit beyond {LARGE_PRELOAD}; stop beyond {LATE_START} of a plate that moves",
 )
-def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Finding:
+def preload_absent(carried: float, loading_rise: float, *, moving: bool = False) -> Finding:
     """The force before the ramp is close to zero."""
-    share = abs(carried) / rise
+    share = abs(carried) / loading_rise
     message = "There is no preload before the ramp"
     if carried:
         message = (
@@ -197,24 +197,24 @@ def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Find
 
 
 @criterion("its change in the hold / its rise in the ramp", "<=", 1.1, LAW, grade="stop")
-def ramp_recorded(rise: float, change: float) -> Finding:
+def ramp_recorded(loading_rise: float, change: float) -> Finding:
     """The record begins before its ramp."""
     return Finding(
         "The ramp raises the force that relaxes",
-        abs(change) / max(abs(rise), 1e-300),
+        abs(change) / max(abs(loading_rise), 1e-300),
         failure=f"The record begins within its ramp, or after it. The force changes by "
-        f"{format_quantity(rise, 'mN', '.3g')} in the ramp and by "
+        f"{format_quantity(loading_rise, 'mN', '.3g')} in the ramp and by "
         f"{format_quantity(change, 'mN', '.3g')} in the "
         "hold; no part relaxes more than it was loaded",
         remedy="Start recording a second before the ramp.",
     )
 
 
-def refuse_late_start(where: str, rise: float, change: float) -> None:
+def refuse_late_start(location: str, loading_rise: float, change: float) -> None:
     """Raise DataError if the record begins after its ramp: nothing in a fit of it would be true."""
-    check = ramp_recorded(rise, change)
+    check = ramp_recorded(loading_rise, change)
     if check.failed:
-        raise DataError(f"{where}: {decapitalise_sentence(check.message_with_remedy)}")
+        raise DataError(f"{location}: {decapitalise_sentence(check.message_with_remedy)}")
 
 
 @criterion(
@@ -242,11 +242,12 @@ def single_loading(
         if not requested:
             message += ", because its hold is the longest"
     if before:
-        many = len(before)
+        loading_count = len(before)
         message += (
-            f". {many} move{'s' * (many != 1)} towards the seal before it, from "
-            f"{before[0].start:.5g} to {before[-1].end:.5g} s, {'are' if many > 1 else 'is'} "
-            "followed from the first sample on as what the seal remembers, and not fitted"
+            f". {loading_count} move{'s' * (loading_count != 1)} towards the seal before it, from "
+            f"{before[0].start:.5g} to {before[-1].end:.5g} s, "
+            f"{'are' if loading_count > 1 else 'is'} followed from the first sample on as what the "
+            "seal remembers, and not fitted"
         )
     if cycle.ramp_count > 1:
         message += (
@@ -259,40 +260,44 @@ def single_loading(
 @criterion(
     "their misfit / their force", "<=", MAX_PAST_MISFIT, "simulation: conditioned seals that soften"
 )
-def history_explained(past: EarlierLoadings, *, broken: bool, pressed: bool = False) -> Finding:
+def history_explained(
+    earlier_loadings: EarlierLoadings, *, broken: bool, was_pressed: bool = False
+) -> Finding:
     """The model also fits the loadings before the one that is fitted."""
     message = (
         f"The solid of the last loading gives the force of the earlier ones to "
-        f"{100 * past.misfit:.2g} %"
+        f"{100 * earlier_loadings.misfit:.2g} %"
     )
-    if not past.converged:
+    if not earlier_loadings.converged:
         message += ". How its face recovers was not found"
     if broken:
         message += ". Rows are missing while the plate moved"
-    if pressed:
+    if was_pressed:
         message = "The record begins with the seal pressed, before the loading that is fitted"
     return Finding(
         message,
-        past.misfit,
+        earlier_loadings.misfit,
         "The seal softened, was set, or moved otherwise, so what it remembers is not known",
         "Let it rest before the test, or condition it more often.",
-        always_fails=broken or pressed or not past.converged,
+        always_fails=broken or was_pressed or not earlier_loadings.converged,
     )
 
 
 @criterion(
     "surface less expected position / depth", "|x| <=", MAX_FACE_OFF, "simulation: a set that stays"
 )
-def face_recovered(seen: float, expected: float, *, error: float, depth: float) -> Finding:
+def face_recovered(
+    measured_position: float, expected: float, *, error: float, depth: float
+) -> Finding:
     """The plate meets the seal again where the model expects its recovered surface.
 
     Compressions there, m, with the standard error of the one that is seen.
     """
-    off = max(abs(seen - expected) - 3 * error, 0.0)
+    excess_distance = max(abs(measured_position - expected) - 3 * error, 0.0)
     return Finding(
-        f"The plate meets the seal again {format_quantity(seen, 'mm', '.3g')} from first contact, "
-        f"where its face is expected at {format_quantity(expected, 'mm', '.3g')}",
-        float(np.copysign(off, seen - expected)) / depth,
+        f"The plate meets the seal again {format_quantity(measured_position, 'mm', '.3g')} from "
+        f"first contact, where its face is expected at {format_quantity(expected, 'mm', '.3g')}",
+        float(np.copysign(excess_distance, measured_position - expected)) / depth,
         "The seal was set, or recovers otherwise than it relaxes",
         "Let it rest before the test.",
     )
@@ -318,22 +323,24 @@ def earlier_loading_negligible(value: float) -> Finding:
 
 
 def history_checks(
-    record: RampHold, past: EarlierLoadings, met: Touch, *, pressed: bool
+    record: RampHold, earlier_loadings: EarlierLoadings, first_contact: Touch, *, was_pressed: bool
 ) -> list[Check]:
     """Return the checks of what came before the loading that is fitted."""
     stop, corner = record.start, int(np.searchsorted(record.time, record.ramp_end))
     pauses, change = np.diff(record.time[: stop + 1]), np.diff(record.displacement[: stop + 1])
-    jumped = np.abs(change) > MAX_PAST_JUMP * record.depth
-    broken = bool(np.any(jumped & (pauses > 5 * median(np.diff(record.time)))))
-    all_checks = [history_explained(past, broken=broken, pressed=pressed)]
+    is_jump = np.abs(change) > MAX_PAST_JUMP * record.depth
+    broken = bool(np.any(is_jump & (pauses > 5 * median(np.diff(record.time)))))
+    all_checks = [history_explained(earlier_loadings, broken=broken, was_pressed=was_pressed)]
     plate, face = record.plate, record.displacement[stop:corner]
-    if plate is not None and met.gap > 0:
-        away = np.flatnonzero(plate[stop:corner] < face)
-        if away.size:
-            seen = float(np.interp(record.onset, record.time, plate))
-            expected = float(face[away[-1]])
-            error = met.standard_error
-            all_checks.append(face_recovered(seen, expected, error=error, depth=record.depth))
+    if plate is not None and first_contact.gap > 0:
+        indices_without_contact = np.flatnonzero(plate[stop:corner] < face)
+        if indices_without_contact.size:
+            plate_position = float(np.interp(record.onset, record.time, plate))
+            expected = float(face[indices_without_contact[-1]])
+            error = first_contact.standard_error
+            all_checks.append(
+                face_recovered(plate_position, expected, error=error, depth=record.depth)
+            )
     return all_checks
 
 
@@ -383,57 +390,59 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
     That is from onset to the end of the hold; for an even clock over the whole of `time`, by
     default that of the record.
     """
-    used = test.time[int(np.searchsorted(test.time, test.onset)) : test.hold.stop]
-    if len(used) <= NEIGHBOUR_STEPS:
+    used_time = test.time[int(np.searchsorted(test.time, test.onset)) : test.hold.stop]
+    if len(used_time) <= NEIGHBOUR_STEPS:
         return Finding("The record is too short to judge its clock")
-    pauses = np.diff(used)
+    pauses = np.diff(used_time)
     # a load that is a step has no ramp
-    least = test.ramp_time or NEIGHBOUR_STEPS * median(pauses)
-    jump = _leap_of(test.time if time is None else time, test.onset, least)
+    shortest = test.ramp_time or NEIGHBOUR_STEPS * median(pauses)
+    jump = _leap_of(test.time if time is None else time, test.onset, shortest)
     if jump is not None:
         return jump
-    since = np.maximum(used[:-1] - test.onset, least)
-    worst = int(np.argmax(pauses / since))
-    longest, rest = float(pauses[worst]), float(used[-1] - used[0] - pauses[worst])
-    near = np.delete(
+    time_since_onset = np.maximum(used_time[:-1] - test.onset, shortest)
+    worst = int(np.argmax(pauses / time_since_onset))
+    longest, rest = float(pauses[worst]), float(used_time[-1] - used_time[0] - pauses[worst])
+    nearby_pauses = np.delete(
         pauses[max(worst - NEIGHBOUR_STEPS, 0) : worst + NEIGHBOUR_STEPS + 1],
         min(worst, NEIGHBOUR_STEPS),
     )
     return Finding(
-        f"The longest relative pause is {longest:.3g} s, {since[worst]:.3g} s after onset",
-        float(longest / since[worst]),
+        f"The longest relative pause is {longest:.3g} s, {time_since_onset[worst]:.3g} s after "
+        "onset",
+        float(longest / time_since_onset[worst]),
         JUMPED,
         Remedy(
             "Cut the record before the pause, or correct its clock.", "time-limits", "hold-end=..."
         ),
         # two leaps side by side do not excuse each other
-        always_passes=longest <= 3 * float(np.sort(near)[-NEIGHBOUR_STEPS // 2])
+        always_passes=longest <= 3 * float(np.sort(nearby_pauses)[-NEIGHBOUR_STEPS // 2])
         or longest <= 0.05 * rest,
         grade="stop" if longest > rest else None,
     )
 
 
-def _leap_of(time: FloatArray, onset: float, least: float) -> Finding | None:
+def _leap_of(time: FloatArray, onset: float, shortest: float) -> Finding | None:
     """The leap of an even clock that is longest for its place, if any is long."""
     leaps = find_clock_jumps(time)
     if not leaps or not has_few_pauses(time):
         return None
-    shares = [jump.step / max(abs(time[jump.at] - onset), least) for jump in leaps]
+    shares = [jump.step / max(abs(time[jump.at] - onset), shortest) for jump in leaps]
     worst = int(np.argmax(shares))
     if shares[worst] <= MAX_LEAP:
         return None
-    leap, since = leaps[worst], float(time[leaps[worst].at] - onset)
-    before = since < 0
+    longest_leap, leap_time = leaps[worst], float(time[leaps[worst].at] - onset)
+    before = leap_time < 0
     return Finding(
-        f"The clock goes on by {leap.step:.3g} s where its steps are {leap.expected_step:.3g} s, "
-        f"{abs(since):.3g} s {'before' if before else 'after'} onset",
+        f"The clock goes on by {longest_leap.step:.3g} s where its steps are "
+        f"{longest_leap.expected_step:.3g} s, {abs(leap_time):.3g} s "
+        f"{'before' if before else 'after'} onset",
         shares[worst],
         "The clock jumped, or the record was interrupted" if before else JUMPED,
         Remedy("Leave out the rows before it, or correct its clock.")
         if before
         else Remedy("Cut the record there, or correct its clock.", "time-limits", "hold-end=..."),
         limit=MAX_LEAP,
-        grade="stop" if not before and 2 * leap.step > time[-1] - onset else None,
+        grade="stop" if not before and 2 * longest_leap.step > time[-1] - onset else None,
     )
 
 
@@ -476,30 +485,41 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
     if len(f) < FEWEST:
         return Finding("The hold has too few samples to show whether a channel stands still")
     step = np.abs(x[BEFORE:] - x[:-BEFORE])
-    moves = step > max(MOVED_SHARE * test.depth, 6 * test.displacement_noise)
-    resting = ~np.concatenate((moves, np.zeros(BEFORE, dtype=bool)))
-    resting[BEFORE:] &= ~moves
-    resting &= time > test.ramp_end + SETTLING * test.ramp_time
+    is_moving = step > max(MOVED_SHARE * test.depth, 6 * test.displacement_noise)
+    is_at_rest = ~np.concatenate((is_moving, np.zeros(BEFORE, dtype=bool)))
+    is_at_rest[BEFORE:] &= ~is_moving
+    is_at_rest &= time > test.ramp_end + SETTLING * test.ramp_time
     before, ramp = np.searchsorted(test.time, (test.onset, test.ramp_end)).tolist()
     # a part that is pressed falls, on either side of zero; a plate that moves on loads it again
-    turn = 1.0 if (f - f.mean()) @ test.force[hold] >= 0 else -1.0
-    since = time - test.ramp_end if not moves[resting.argmax() :].any() else None
-    besides = force[:before], force[before:ramp]
-    stuck = find_stuck_runs(turn * f, resting=resting, since=since, besides=besides)
-    still = find_stuck_runs(x, resting=np.zeros(len(x), dtype=bool))
+    sign = 1.0 if (f - f.mean()) @ test.force[hold] >= 0 else -1.0
+    time_since_ramp = time - test.ramp_end if not is_moving[is_at_rest.argmax() :].any() else None
+    other_forces = force[:before], force[before:ramp]
+    stuck_runs = find_stuck_runs(
+        sign * f,
+        is_at_rest=is_at_rest,
+        time_since_ramp=time_since_ramp,
+        other_stretches=other_forces,
+    )
+    still_runs = find_stuck_runs(x, is_at_rest=np.zeros(len(x), dtype=bool))
     # a plate that soon rests for good may well show no more noise
-    still = still[(still[:, 1] < len(x) - 1) | (still[:, 0] > BRAKED_SHARE * len(x))]
-    of_force, of_plate = (float(np.sum(np.diff(values) + 1)) / len(f) for values in (stuck, still))
-    channel, runs_of_it = ("force", stuck) if of_force >= of_plate else ("displacement", still)
+    still_runs = still_runs[
+        (still_runs[:, 1] < len(x) - 1) | (still_runs[:, 0] > BRAKED_SHARE * len(x))
+    ]
+    of_force, of_plate = (
+        float(np.sum(np.diff(values) + 1)) / len(f) for values in (stuck_runs, still_runs)
+    )
+    channel, runs_of_it = (
+        ("force", stuck_runs) if of_force >= of_plate else ("displacement", still_runs)
+    )
     share = max(of_force, of_plate)
     if not len(runs_of_it):
         return Finding("No channel repeats one value while it should scatter or change", 0.0)
     first, last = runs_of_it[np.argmax(np.diff(runs_of_it)[:, 0])]
     count = len(runs_of_it)
-    others = f", and {count - 1} more times" if count > 1 else ""
+    others_text = f", and {count - 1} more times" if count > 1 else ""
     return Finding(
         f"The {channel} has one and the same value for {last - first + 1} samples, from "
-        f"{time[first]:.4g} to {time[last]:.4g} s{others}",
+        f"{time[first]:.4g} to {time[last]:.4g} s{others_text}",
         share,
         f"Its other samples rule that out: the channel was not read for "
         f"{100 * share:.2g} % of the hold",
@@ -528,21 +548,21 @@ def motion_resolved(test: RampHold) -> Finding:
     time, force = test.time[: len(x)], test.force[: len(x)]
     if len(x) < 4 * CORNERS:
         return Finding("The ramp has too few samples to show how its motion bends between them")
-    missed = bends(ramp, time, x, residual)
-    pressed = x > 0.2 * test.depth
-    stiffness = float(((force[pressed] - test.preload) / x[pressed]).max(initial=0.0))
-    worst = but_corners(np.abs(missed)) * stiffness
+    motion_errors = bends(ramp, time, x, residual)
+    is_compressed = x > 0.2 * test.depth
+    stiffness = float(((force[is_compressed] - test.preload) / x[is_compressed]).max(initial=0.0))
+    worst = but_corners(np.abs(motion_errors)) * stiffness
     value = worst / max(test.force_noise, 1e-3 * float(force.max()))
-    needed = np.sqrt(value / MAX_UNRESOLVED) / median(np.diff(time))
+    needed_rate = np.sqrt(value / MAX_UNRESOLVED) / median(np.diff(time))
     # a motor bends to and fro all along the ramp, a servo swings a few times
-    seen = missed[np.abs(missed) * stiffness * value > LOST_FORCE * worst]
-    steps_on = value > LOST_FORCE and np.count_nonzero(np.diff(np.sign(seen))) >= TO_AND_FRO
+    seen_errors = motion_errors[np.abs(motion_errors) * stiffness * value > LOST_FORCE * worst]
+    steps_on = value > LOST_FORCE and np.count_nonzero(np.diff(np.sign(seen_errors))) >= TO_AND_FRO
     return Finding(
         "Between two samples the displacement departs from a straight line by a force of "
         f"{format_quantity(worst, 'mN', '.2g')}",
         value,
         f"That is {value:.2g} times the noise at many samples. Fast arms follow what is missed",
-        f"Sample at {round_to_error(needed, digits=2)} Hz or faster.",
+        f"Sample at {round_to_error(needed_rate, digits=2)} Hz or faster.",
         always_fails=bool(steps_on),
         grade="limit" if value > GROSSLY else None,
     )
@@ -555,9 +575,9 @@ def motion_measured(test: RampHold) -> Finding:
     part, middle = max(len(force) // 20, 1), len(force) // 2
     if change:
         return Finding("The displacement of the hold is measured, not commanded", float(change))
-    fall = float(force[middle : middle + part].mean() - force[-part:].mean())
+    force_fall = float(force[middle : middle + part].mean() - force[-part:].mean())
     creep = 1e-3 * abs(float(force[-part:].mean()))
-    share = f" ({100 * creep / fall:.2g} % of its fall)" if fall > creep else ""
+    share = f" ({100 * creep / force_fall:.2g} % of its fall)" if force_fall > creep else ""
     step = f", or its step of {format_quantity(test.encoder_step, 'um', '.3g')} hides the change"
     return Finding(
         "The displacement does not change in the hold: it is the commanded one"
@@ -611,8 +631,8 @@ def check_machine(
         Greatest force over displacement, N/m: the share of the machine grows with it.
     remedy : Remedy or str
     """
-    named = has_machine_column(sources, ("displacement",))
-    return [machine_deflection_small(stiffness, remedy)] if named else []
+    is_named = has_machine_column(sources, ("displacement",))
+    return [machine_deflection_small(stiffness, remedy)] if is_named else []
 
 
 @criterion(
@@ -626,15 +646,15 @@ def columns_plausible(test: RampHold) -> Finding:
     """In the hold the displacement rests and the force decays, not the reverse."""
     x, f = test.displacement[test.hold], test.force[test.hold]
     tenth = max(len(x) // 10, 1)
-    sank = float(x[:tenth].mean() - x[-tenth:].mean()) / test.depth
-    eased = float(f[:tenth].mean() - f[-tenth:].mean()) / max(float(np.abs(f).max()), 1e-300)
+    displacement_fall = float(x[:tenth].mean() - x[-tenth:].mean()) / test.depth
+    force_fall = float(f[:tenth].mean() - f[-tenth:].mean()) / max(float(np.abs(f).max()), 1e-300)
     return Finding(
         "The displacement rests while the force decays",
-        sank,
+        displacement_fall,
         failure=f"Force and displacement look swapped. In the hold the displacement sinks by "
-        f"{100 * sank:.2g} % while the force rests",
+        f"{100 * displacement_fall:.2g} % while the force rests",
         remedy=Remedy("Name the columns.", "column", "force=NAME"),
-        always_passes=abs(eased) >= 0.1 * sank,
+        always_passes=abs(force_fall) >= 0.1 * displacement_fall,
     )
 
 
@@ -660,12 +680,12 @@ def check_records(
 
     `solids` are those that were fitted, one to a test: what such a solid explains is no fault.
     """
-    still = [hold_is_still(test, method=method) for test in tests]
+    stillness_checks = [hold_is_still(test, method=method) for test in tests]
     pairs = zip(tests, solids or [None] * len(tests), strict=True)
     relaxes = [force_relaxes(test, solid) for test, solid in pairs]
-    before, after, last = zip(*map(_as_recorded, tests), strict=True)
+    before, later_checks, last = zip(*map(_as_recorded, tests), strict=True)
     columns = (
-        *zip(*before, strict=True), still, *zip(*after, strict=True), relaxes,
+        *zip(*before, strict=True), stillness_checks, *zip(*later_checks, strict=True), relaxes,
         *zip(*last, strict=True),
     )  # fmt: skip
     return tuple(map(select_gravest_check, columns))
@@ -676,8 +696,8 @@ def _as_recorded(test: RampHold) -> tuple[tuple[Check, ...], tuple[Check, ...], 
     """The checks of one record whatever is fitted: before its hold, behind it, and of its depth."""
     last = test.last_loading
     before = force_not_clipped(last), force_resolved(last.reading), depth_resolved(test)
-    after = hold_outlasts_ramp(test), ramp_sampled(test)
-    return before, after, (strain_small(test),)
+    later_checks = hold_outlasts_ramp(test), ramp_sampled(test)
+    return before, later_checks, (strain_small(test),)
 
 
 @criterion(
@@ -691,12 +711,12 @@ def force_not_clipped(test: RampHold) -> Finding:
     """The force is not clipped at its peak."""
     top, count, first, last = _flat_top(test.reading)
     change = float(np.ptp(test.displacement[first : last + 1]))
-    long = last - first >= FLAT_SAMPLES - 1
+    is_long = last - first >= FLAT_SAMPLES - 1
     # of most records no more need be known
-    step = quantum(test.reading) if long else 0.0
+    step = quantum(test.reading) if is_long else 0.0
     # over so far the force climbs by three quanta even at half its mean rate
     climb = 6 * step * test.depth / max(float(np.ptp(test.force)), 1e-300)
-    far = max(0.02 * test.depth, climb, 4 * test.displacement_noise)
+    distance_limit = max(0.02 * test.depth, climb, 4 * test.displacement_noise)
     too_even = last - first >= 9 and 0 < step < 2 * test.force_noise
     return Finding(
         f"The force peaks at {top:.4g} N without a flat top",
@@ -705,7 +725,7 @@ def force_not_clipped(test: RampHold) -> Finding:
         f"compression grows by {100 * change / test.depth:.0f} % of the depth, so every stiffness "
         "is too low",
         remedy="Use a larger range of the sensor, or press less deep.",
-        always_passes=not (long and (change > far or too_even)),
+        always_passes=not (is_long and (change > distance_limit or too_even)),
     )
 
 
@@ -716,12 +736,12 @@ def force_not_clipped(test: RampHold) -> Finding:
     "our choice: a decay is then visible",
     grade="stop",
 )
-def force_resolved(force: FloatArray, rise: float | None = None) -> Finding:
+def force_resolved(force: FloatArray, loading_rise: float | None = None) -> Finding:
     """The force is many times the resolution of the load cell."""
     step = quantum(force)
     if step == 0.0:
         return Finding("The force shows no quantisation")
-    quanta = (float(np.ptp(force)) if rise is None else rise) / step
+    quanta = (float(np.ptp(force)) if loading_rise is None else loading_rise) / step
     return Finding(
         f"The peak force is {quanta:.0f} steps of the sensor's resolution "
         f"({format_quantity(step, 'mN', '.3g')}); at least {MIN_QUANTA:.0f} are needed",
@@ -731,30 +751,31 @@ def force_resolved(force: FloatArray, rise: float | None = None) -> Finding:
     )
 
 
-def refuse_unresolved(where: str, rise: float, force: FloatArray) -> None:
+def refuse_unresolved(location: str, loading_rise: float, force: FloatArray) -> None:
     """Raise DataError if the force, as recorded, rises by a few steps of the sensor only."""
-    if force_resolved(force, rise).failed:
+    if force_resolved(force, loading_rise).failed:
         step = quantum(force)
         raise DataError(
-            f"{where}: not fitted. The force rises by {format_quantity(rise, 'mN', '.3g')}, "
-            f"{rise / step:.0f} steps of the sensor's {format_quantity(step, 'mN', '.3g')}; at "
-            "least "
-            f"{MIN_QUANTA:.0f} are needed. Press deeper, take a longer specimen, or use a smaller "
-            "sensor."
+            f"{location}: not fitted. The force rises by "
+            f"{format_quantity(loading_rise, 'mN', '.3g')}, {loading_rise / step:.0f} steps of the "
+            f"sensor's {format_quantity(step, 'mN', '.3g')}; at least {MIN_QUANTA:.0f} are needed. "
+            "Press deeper, take a longer specimen, or use a smaller sensor."
         )
 
 
-def refuse_saturated(where: str, test: RampHold) -> None:
+def refuse_saturated(location: str, test: RampHold) -> None:
     """Raise DataError if the force has a flat top: a fit through it is wrong everywhere."""
     test = test.last_loading
     if not force_not_clipped(test).failed:
         return
-    plausible = columns_plausible(test)
-    if plausible.failed:
-        raise DataError(f"{where}: {decapitalise_sentence(plausible.message_with_remedy)}")
+    plausibility_check = columns_plausible(test)
+    if plausibility_check.failed:
+        raise DataError(
+            f"{location}: {decapitalise_sentence(plausibility_check.message_with_remedy)}"
+        )
     top, _, first, last = _flat_top(test.force)
     raise DataError(
-        f"{where}: not fitted. The force is clipped at {top:.4g} N above the tare from "
+        f"{location}: not fitted. The force is clipped at {top:.4g} N above the tare from "
         f"{test.time[first]:.3g} to {test.time[last]:.3g} s ({last - first + 1} samples). A fit "
         "through it would be wrong. Choose a larger load-cell range or a smaller compression, and "
         "repeat the test."
@@ -795,16 +816,16 @@ def depth_resolved(test: RampHold) -> Finding:
 def hold_is_still(test: RampHold, *, method: str) -> Finding:
     """The plate rests during the hold, or the fit follows its motion."""
     creep = test.hold_creep
-    full = method == "full"
+    is_full = method == "full"
     message = f"The displacement changes by {100 * creep:.2g} % of the depth during the hold"
-    if full and not abs(creep) <= MAX_CREEP:
+    if is_full and not abs(creep) <= MAX_CREEP:
         message += ". The fit uses the recorded motion, so the result is valid"
     return Finding(
         message,
         abs(creep),
         f"The fit of the hold alone (eq. 5) allows {100 * MAX_CREEP:.0f} %",
         Remedy("Fit ramp and hold together.", "method", "full"),
-        always_passes=full,
+        always_passes=is_full,
     )
 
 
@@ -825,8 +846,8 @@ def hold_outlasts_ramp(test: RampHold) -> Finding:
 @criterion("samples in the ramp", ">=", MIN_RAMP_SAMPLES)
 def ramp_sampled(test: RampHold) -> Finding:
     """The ramp has enough samples to show a fast arm."""
-    inside = (test.time >= test.onset) & (test.time <= test.ramp_end)
-    count = int(np.count_nonzero(inside))
+    in_ramp = (test.time >= test.onset) & (test.time <= test.ramp_end)
+    count = int(np.count_nonzero(in_ramp))
     return Finding(
         f"The ramp of {test.ramp_time:.3g} s has {count} samples; at least "
         f"{MIN_RAMP_SAMPLES:.0f} are needed",

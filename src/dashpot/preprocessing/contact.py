@@ -72,7 +72,7 @@ def subtract_tare(
     baseline: Baseline,
     *,
     drift: float | str | None,
-    where: str,
+    location: str,
 ) -> tuple[FloatArray, Step]:
     """Take off the tare, and the drift if it was asked for.
 
@@ -83,9 +83,9 @@ def subtract_tare(
     """
     if drift == "baseline" and not baseline.long_enough:
         raise DataError(
-            f"{where}: drift='baseline' was asked for, but {baseline.samples} samples lie before "
-            f"contact; expected at least {MIN_BASELINE:.0f}: record a baseline, or give the drift "
-            "in N/s"
+            f"{location}: drift='baseline' was asked for, but {baseline.samples} samples lie "
+            f"before contact; expected at least {MIN_BASELINE:.0f}: record a baseline, or give the "
+            "drift in N/s"
         )
     rate = baseline.slope if drift == "baseline" else float(drift or 0.0)
     tare = baseline.level if baseline.long_enough else 0.0
@@ -149,12 +149,12 @@ def find_contact(displacement: FloatArray, force: FloatArray, *, noise: float) -
     """
     x, f = displacement, force
     peak = float(f.max())
-    quiet = np.flatnonzero(f <= 5 * noise)
-    if not quiet.size or quiet[-1] + 1 >= len(f) or peak <= 10 * noise:
+    quiet_indices = np.flatnonzero(f <= 5 * noise)
+    if not quiet_indices.size or quiet_indices[-1] + 1 >= len(f) or peak <= 10 * noise:
         return None
-    first = int(quiet[-1]) + 1
-    far = np.flatnonzero(f >= max(20 * noise, 0.1 * peak))
-    stop = int(far[0]) + 1 if far.size else len(f)
+    first = int(quiet_indices[-1]) + 1
+    loaded_indices = np.flatnonzero(f >= max(20 * noise, 0.1 * peak))
+    stop = int(loaded_indices[0]) + 1 if loaded_indices.size else len(f)
     stop = min(max(stop, first + 4), len(f))
     # as much air as contact: enough to hold the tare, not so much as to feel its waves
     span = max(x[stop - 1] - x[first], 1e-300)
@@ -168,16 +168,16 @@ def find_contact(displacement: FloatArray, force: FloatArray, *, noise: float) -
 
 def _search_contact(x: FloatArray, f: FloatArray, first: int) -> Contact:
     # the samples of one reading are one row: while the plate rests, nearly all of them
-    reading, which, count = np.unique(x, return_inverse=True, return_counts=True)
-    mean = np.bincount(which, f) / count
-    within = float(np.square(f - mean[which]).sum())
+    reading, reading_index, count = np.unique(x, return_inverse=True, return_counts=True)
+    mean = np.bincount(reading_index, f) / count
+    within_sse = float(np.square(f - mean[reading_index]).sum())
     low, high = float(reading[0]), float(reading[-1])
     best = low
     for _ in range(3):
         trials = np.linspace(low, high, 41)
-        few = np.array_split(trials, min(1 + len(reading) // AT_ONCE, len(trials)))
+        trial_groups = np.array_split(trials, min(1 + len(reading) // AT_ONCE, len(trials)))
         sums = np.concatenate(
-            [_compute_misfits(reading, mean, count, values, within) for values in few]
+            [_compute_misfits(reading, mean, count, values, within_sse) for values in trial_groups]
         )
         i = int(np.argmin(sums))
         best = float(trials[i])
@@ -187,13 +187,13 @@ def _search_contact(x: FloatArray, f: FloatArray, first: int) -> Contact:
 
 def _build_contact_columns(x: FloatArray, contact: FloatArray) -> FloatArray:
     """Return what is fitted to the force, shape (trials, n, 3)."""
-    pressed = np.maximum(x - contact[:, None], 0.0)
-    part = pressed / np.maximum(pressed.max(axis=1, keepdims=True), 1e-300)
+    compression = np.maximum(x - contact[:, None], 0.0)
+    part = compression / np.maximum(compression.max(axis=1, keepdims=True), 1e-300)
     return np.stack((np.ones_like(part), part, part**2), axis=2)
 
 
 def _compute_misfits(
-    reading: FloatArray, mean: FloatArray, count: IndexArray, contact: FloatArray, within: float
+    reading: FloatArray, mean: FloatArray, count: IndexArray, contact: FloatArray, within_sse: float
 ) -> FloatArray:
     """Return the sum of squares for each trial contact, by singular values of all at once."""
     weight = np.sqrt(count)
@@ -207,7 +207,7 @@ def _compute_misfits(
         axis=1,
     )
     # a force that falls at first contact is no contact
-    return np.asarray((np.sum(r**2, axis=1) + within) * np.where(linear_part >= 0, 1.0, 4.0))
+    return np.asarray((np.sum(r**2, axis=1) + within_sse) * np.where(linear_part >= 0, 1.0, 4.0))
 
 
 def _estimate_contact_error(x: FloatArray, f: FloatArray, contact: float) -> float:
@@ -219,10 +219,10 @@ def _estimate_contact_error(x: FloatArray, f: FloatArray, contact: float) -> flo
     (columns,) = _build_contact_columns(x, np.array([contact]))
     solution = np.linalg.lstsq(columns, f, rcond=1e-10)[0]
     r = f - columns @ solution
-    pressed = columns[:, 1]
-    slope = -(solution[1] + 2 * solution[2] * pressed) * (pressed > 0)
-    retained = columns if solution[1] > 0.2 * solution[1:].sum() else columns[:, [0, 2]]
-    jacobian = np.column_stack((retained, slope))
+    compression = columns[:, 1]
+    slope = -(solution[1] + 2 * solution[2] * compression) * (compression > 0)
+    used_columns = columns if solution[1] > 0.2 * solution[1:].sum() else columns[:, [0, 2]]
+    jacobian = np.column_stack((used_columns, slope))
     variance = float(r @ r) / max(len(x) - jacobian.shape[1], 1)
     scale = float(np.maximum(x - contact, 0.0).max())
     return scale * float(np.sqrt(white(jacobian, variance)[-1, -1]))
@@ -312,7 +312,7 @@ class DelayEstimate(NamedTuple):
 
 def estimate_contact_delay(
     time: FloatArray,
-    pressed: FloatArray,
+    compression: FloatArray,
     force: FloatArray,
     *,
     corners: tuple[float, float],
@@ -322,7 +322,7 @@ def estimate_contact_delay(
 
     Parameters
     ----------
-    time, pressed, force : array, shape (n,)
+    time, compression, force : array, shape (n,)
         From the rest before a ramp to `SPAN_AFTER_RAMP` of it later: s, the compression from the
         trial contact, m, and N.
     corners : (float, float)
@@ -341,32 +341,32 @@ def estimate_contact_delay(
     ramp, step = corners[1] - corners[0], median(np.diff(time[rows]))
     fastest = max(FASTEST_ARM * ramp, SAMPLES_PER_ARM * step)
     tau = np.geomspace(fastest, max(SLOWEST_ARM * ramp, 2 * fastest), DELAY_ARMS)
-    responses = [pressed, *arm_response(time, pressed, tau).T]
+    responses = [compression, *arm_response(time, compression, tau).T]
     target, is_nonnegative = force[rows], np.append(False, np.ones(len(responses), dtype=bool))
-    best, worse_count = DelayEstimate(0.0, np.inf), 0
+    best, failures = DelayEstimate(0.0, np.inf), 0
     for delay in np.linspace(0.0, MOST_DELAY_SD * delay_sd, DELAYS_TRIED).tolist():
         columns = [np.interp(time[rows] - delay, time, response) for response in responses]
         design = np.column_stack((np.ones(len(rows)), *columns))
         residual = target - design @ solve_linear(design, target, is_nonnegative)[0]
         misfit = len(rows) * float(np.log(max(float(residual @ residual), 1e-300)))
         trial = DelayEstimate(delay, misfit + (delay / delay_sd) ** 2)
-        best, worse_count = (
-            (trial, 0) if trial.deviance < best.deviance else (best, worse_count + 1)
-        )
-        if worse_count == WORSE_IN_A_ROW:
+        best, failures = (trial, 0) if trial.deviance < best.deviance else (best, failures + 1)
+        if failures == WORSE_IN_A_ROW:
             break
     return best
 
 
-def _select_delay_rows(time: FloatArray, corners: tuple[float, float], near: float) -> IndexArray:
+def _select_delay_rows(
+    time: FloatArray, corners: tuple[float, float], near_time: float
+) -> IndexArray:
     """Return rows of a fit of the delay: near the corners of the ramp, and fewer elsewhere."""
-    begin, end = corners
-    chosen = []
+    ramp_start, end = corners
+    chosen_rows = []
     for low, high in (
-        (begin - near, begin + 3 * near),
-        (begin, time[-1]),
-        (end - near, end + near),
+        (ramp_start - near_time, ramp_start + 3 * near_time),
+        (ramp_start, time[-1]),
+        (end - near_time, end + near_time),
     ):
         first, stop = np.searchsorted(time, (low, high))
-        chosen.append(np.arange(first, stop, max(1, (stop - first) // CORNER_ROWS)))
-    return distinct(np.concatenate(chosen))
+        chosen_rows.append(np.arange(first, stop, max(1, (stop - first) // CORNER_ROWS)))
+    return distinct(np.concatenate(chosen_rows))

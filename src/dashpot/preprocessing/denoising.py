@@ -66,11 +66,11 @@ def denoise_displacement(test: RampHold) -> tuple[FloatArray, FloatArray]:
         may be left of counts and noise; 0 at rest on a count, whose own error lasts, and where
         noise is averaged away.
     """
-    used = slice(0, test.hold.stop)
-    time, travel = test.time[used], test.travel[used]
+    used_samples = slice(0, test.hold.stop)
+    time, travel = test.time[used_samples], test.travel[used_samples]
     x, residual = _remove_counts(test, time, travel)
     if test.machine_deflection is not None:
-        x = x - test.machine_deflection[used]
+        x = x - test.machine_deflection[used_samples]
     if test.machine.force_filter:
         # at rest before the record, as the force is
         displacement = x - x[0]
@@ -81,7 +81,7 @@ def denoise_displacement(test: RampHold) -> tuple[FloatArray, FloatArray]:
 def between_samples(
     test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray
 ) -> FloatArray:
-    r"""What a straight line between samples misses of a motion, as white noise, m, shape (n,).
+    r"""Return the interpolation error of a motion as white noise, m, shape (n,).
 
     A bend misses :math:`m = h^2 \ddot x/8`, always to its hollow side: samples that bend alike
     share the error, :math:`2\sqrt{|m_i| \sum_j |m_j|}`. Counted up to a ramp after the ramp, and
@@ -93,16 +93,16 @@ def between_samples(
     time, x, residual : array, shape (n,)
         s, and what :func:`denoise_displacement` returns, m.
     """
-    missed = bends(test, time, x, residual)
-    missed[time > test.ramp_end + test.ramp_time] = 0.0
+    motion_errors = bends(test, time, x, residual)
+    motion_errors[time > test.ramp_end + test.ramp_time] = 0.0
     # rows before are not fitted
-    missed[: max(test.start - 1, 0)] = 0.0
-    size, peak = np.abs(missed), float(np.abs(test.force).max())
+    motion_errors[: max(test.start - 1, 0)] = 0.0
+    size, peak = np.abs(motion_errors), float(np.abs(test.force).max())
     noise = max(test.force_noise, 1e-3 * peak)
     if len(x) < 4 * CORNERS or peak / test.depth * but_corners(size) <= LOST_FORCE * noise:
         return np.zeros(len(x))
-    side = np.sign(missed)
-    run = np.cumsum(np.append(True, side[1:] != side[:-1])) - 1
+    signs = np.sign(motion_errors)
+    run = np.cumsum(np.append(True, signs[1:] != signs[:-1])) - 1
     return np.asarray(SHARED_ERROR_SAMPLES * np.sqrt(size * np.bincount(run, weights=size)[run]))
 
 
@@ -112,22 +112,22 @@ def bends(test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray)
     Less what counts and noise bend; parameters as for :func:`between_samples`.
     """
     steps = np.diff(time)
-    missed = np.zeros(len(x))
-    missed[1:-1] = np.diff(np.diff(x) / steps) * np.maximum(steps[1:], steps[:-1]) / 8
+    motion_errors = np.zeros(len(x))
+    motion_errors[1:-1] = np.diff(np.diff(x) / steps) * np.maximum(steps[1:], steps[:-1]) / 8
     if test.encoder_step:
-        least = np.full(len(x), BENT_BY_COUNTS * test.encoder_step)
+        tolerance = np.full(len(x), BENT_BY_COUNTS * test.encoder_step)
     else:
         # of three readings; nor is a mean as good as the truth where the next is over more
         around = np.pad(residual, 1, mode="edge")
         around = np.maximum(np.maximum(around[2:], around[:-2]), residual)
-        least = BENT_BY_NOISE * np.maximum(around, NARROW * test.displacement_noise)
-    excess = np.maximum(np.abs(missed) - np.maximum(least, 1e-9 * test.depth), 0.0)
-    return np.asarray(np.sign(missed) * excess)
+        tolerance = BENT_BY_NOISE * np.maximum(around, NARROW * test.displacement_noise)
+    excess = np.maximum(np.abs(motion_errors) - np.maximum(tolerance, 1e-9 * test.depth), 0.0)
+    return np.asarray(np.sign(motion_errors) * excess)
 
 
-def but_corners(missed: FloatArray) -> float:
+def but_corners(motion_errors: FloatArray) -> float:
     """Return the largest of what is missed but for a few sharp corners."""
-    return float(np.partition(missed, -CORNERS)[-CORNERS])
+    return float(np.partition(motion_errors, -CORNERS)[-CORNERS])
 
 
 def _remove_counts(
@@ -161,13 +161,13 @@ def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> 
     half_way = 0.5 * (displacement[change] + displacement[change + 1])
     # readings before the first change, between changes, and after the last one
     level = displacement[np.append(change, change[-1] + 1)]
-    start, stop, before, after = _stays(at)
-    long = stop - start > REST_FACTOR * np.maximum(before, after)
+    start, stop, before, stay_after = _stays(at)
+    is_long = stop - start > REST_FACTOR * np.maximum(before, stay_after)
     # the motion leaves and reaches a rest as slowly as it crossed the neighbouring count
-    ends = np.concatenate(((start + before / 2)[long], (stop - after / 2)[long]))
-    inner = np.isfinite(ends)
-    knots = np.concatenate((at, ends[inner]))
-    values = np.concatenate((half_way, np.tile(level[long], 2)[inner]))
+    rest_ends = np.concatenate(((start + before / 2)[is_long], (stop - stay_after / 2)[is_long]))
+    inner = np.isfinite(rest_ends)
+    knots = np.concatenate((at, rest_ends[inner]))
+    values = np.concatenate((half_way, np.tile(level[is_long], 2)[inner]))
     order = np.argsort(knots, kind="stable")
     knots, values = knots[order], values[order]
     interpolated = np.interp(time, knots, values, left=displacement[0], right=displacement[-1])
@@ -180,17 +180,17 @@ def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> 
 
 
 def _restore_steps(time: FloatArray, x: FloatArray, change: IndexArray) -> FloatArray:
-    r"""Where every reading is a new one, without what a line from half way to half way flattens.
+    r"""Return the new readings at their samples, without the flattening by interpolation.
 
     There :math:`y_i = (x_{i-1} + 2 x_i + x_{i+1})/4` is off by :math:`h^2 \ddot x/4`, always to the
     hollow side; doing the same to y shows by how much, 2 y - S y (Tukey's twicing).
     """
     anew = np.zeros(len(x) - 1, dtype=bool)
     anew[change] = True
-    every = np.zeros(len(x), dtype=bool)
-    every[2:-2] = anew[:-3] & anew[1:-2] & anew[2:-1] & anew[3:]
+    is_step = np.zeros(len(x), dtype=bool)
+    is_step[2:-2] = anew[:-3] & anew[1:-2] & anew[2:-1] & anew[3:]
     half_way = np.interp(time, 0.5 * (time[1:] + time[:-1]), 0.5 * (x[1:] + x[:-1]))
-    return np.where(every, 2 * x - half_way, x)
+    return np.where(is_step, 2 * x - half_way, x)
 
 
 def rests(
@@ -203,9 +203,9 @@ def rests(
     change = np.flatnonzero(np.diff(_without_flicker(displacement, count)))
     if len(change) < 2:
         return ((-np.inf, np.inf),)
-    start, stop, before, after = _stays(0.5 * (time[change] + time[change + 1]))
-    long = stop - start > REST_FACTOR * np.maximum(before, after)
-    return tuple(zip(start[long].tolist(), stop[long].tolist(), strict=True))
+    start, stop, before, stay_after = _stays(0.5 * (time[change] + time[change + 1]))
+    is_long = stop - start > REST_FACTOR * np.maximum(before, stay_after)
+    return tuple(zip(start[is_long].tolist(), stop[is_long].tolist(), strict=True))
 
 
 def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: float) -> FloatArray:
@@ -222,28 +222,28 @@ def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: floa
     change = np.flatnonzero(np.diff(_without_flicker(displacement, step)))
     if len(change) < 2:
         return np.zeros(len(time))
-    start, stop, before, after = _stays(0.5 * (time[change] + time[change + 1]))
-    climbed = np.sign(displacement[change + 1] - displacement[change]) * step
+    start, stop, before, stay_after = _stays(0.5 * (time[change] + time[change + 1]))
+    signed_steps = np.sign(displacement[change + 1] - displacement[change]) * step
     # velocity over the readings before and after each one; those at rest do not count
-    speed = np.divide(climbed[:-1], np.diff(0.5 * (time[change] + time[change + 1])))
-    turned = np.zeros(len(start))
-    turned[2:-2] = np.abs(speed[2:] - speed[:-2])
-    stay = np.where(np.isfinite(stop - start), stop - start, 0.0)
-    missed = np.minimum(step / 2, stay * turned)
-    alike = 2 * np.maximum(stay / float(np.mean(np.diff(time))), BEAT_SAMPLES)
-    residual = np.hypot(LEFT_OF_A_COUNT * step, missed) * np.sqrt(alike)
-    residual[stop - start > REST_FACTOR * np.maximum(before, after)] = 0.0
+    speed = np.divide(signed_steps[:-1], np.diff(0.5 * (time[change] + time[change + 1])))
+    turns_per_stay = np.zeros(len(start))
+    turns_per_stay[2:-2] = np.abs(speed[2:] - speed[:-2])
+    stay_times = np.where(np.isfinite(stop - start), stop - start, 0.0)
+    count_errors = np.minimum(step / 2, stay_times * turns_per_stay)
+    equal_samples = 2 * np.maximum(stay_times / float(np.mean(np.diff(time))), BEAT_SAMPLES)
+    residual = np.hypot(LEFT_OF_A_COUNT * step, count_errors) * np.sqrt(equal_samples)
+    residual[stop - start > REST_FACTOR * np.maximum(before, stay_after)] = 0.0
     reading = np.searchsorted(change, np.arange(len(time)))
     return np.asarray(residual[reading])
 
 
 def _stays(at: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Begin and end of every reading, and how long the ones before and after it stay."""
-    stay = np.diff(at)
+    stay_times = np.diff(at)
     start, stop = np.append(-np.inf, at), np.append(at, np.inf)
-    before = np.concatenate((stay[:1], stay[:1], stay))
-    after = np.concatenate((stay, stay[-1:], stay[-1:]))
-    return start, stop, before, after
+    before = np.concatenate((stay_times[:1], stay_times[:1], stay_times))
+    stay_after = np.concatenate((stay_times, stay_times[-1:], stay_times[-1:]))
+    return start, stop, before, stay_after
 
 
 def _without_flicker(values: FloatArray, count: float) -> FloatArray:
@@ -276,9 +276,9 @@ def denoise_values(values: FloatArray, noise: float) -> tuple[FloatArray, FloatA
     open_still, widened = np.ones(n, dtype=bool), np.zeros(n, dtype=np.uint8)
 
     def widen(window: slice, sums: FloatArray, count: FloatArray | int) -> None:
-        mean, reach = values[-1] + sums / count, MAX_MEAN_DISTANCE * (noise / np.sqrt(count))
-        np.maximum(low[window], mean - reach, out=low[window])
-        np.minimum(high[window], mean + reach, out=high[window])
+        mean, max_distance = values[-1] + sums / count, MAX_MEAN_DISTANCE * (noise / np.sqrt(count))
+        np.maximum(low[window], mean - max_distance, out=low[window])
+        np.minimum(high[window], mean + max_distance, out=high[window])
         open_still[window] &= low[window] <= high[window]
         widened[window] += open_still[window]
 
@@ -288,15 +288,15 @@ def denoise_values(values: FloatArray, noise: float) -> tuple[FloatArray, FloatA
         if i < stop:
             sums = total[i + width + 1 : stop + width + 1] - total[i - width : stop - width]
             widen(slice(i, stop), sums, 2 * width + 1)
-    at, half = np.arange(n), np.asarray(HALF_WIDTHS)[widened - 1]
+    at, half_width = np.arange(n), np.asarray(HALF_WIDTHS)[widened - 1]
     # nearer to an end than the widest window, the last one is as wide as the samples allow
-    near = min(HALF_WIDTHS[-1], n)
-    for ends in (slice(0, near), slice(max(near, n - near), n)):
-        here = at[ends]
-        w = np.minimum(here, n - 1 - here)
-        widen(ends, total[here + w + 1] - total[here - w], 2 * w + 1)
-        half[ends] = np.where(open_still[ends], w, half[ends])
-    counts = 2 * half + 1
+    edge_count = min(HALF_WIDTHS[-1], n)
+    for edge in (slice(0, edge_count), slice(max(edge_count, n - edge_count), n)):
+        edge_indices = at[edge]
+        w = np.minimum(edge_indices, n - 1 - edge_indices)
+        widen(edge, total[edge_indices + w + 1] - total[edge_indices - w], 2 * w + 1)
+        half_width[edge] = np.where(open_still[edge], w, half_width[edge])
+    counts = 2 * half_width + 1
     # taken once, of the window that each sample ended with
-    best = values[-1] + (total[at + half + 1] - total[at - half]) / counts
+    best = values[-1] + (total[at + half_width + 1] - total[at - half_width]) / counts
     return best, noise / np.sqrt(counts)

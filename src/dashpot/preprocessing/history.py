@@ -64,8 +64,10 @@ def is_bonded(
 
     Force and compression of the loadings before the last, N and m; the force is 0 in air.
     """
-    least = max(PULLED_PART * peak, PULLED * noise)
-    return bool(np.any((median_of_three(force) < -least) & (compression < RETURN_SHARE * depth)))
+    force_limit = max(PULLED_PART * peak, PULLED * noise)
+    return bool(
+        np.any((median_of_three(force) < -force_limit) & (compression < RETURN_SHARE * depth))
+    )
 
 
 def follow_history(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
@@ -81,17 +83,17 @@ def follow_history(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
         solid, _ = _solid_of(record, MOST_ARMS[0])
         return record, EarlierLoadings(_misfit(record, solid), solid.arms, converged=True)
     first = replace(record, displacement=_first_face(record, plate))
-    tried: list[tuple[float, RampHold, EarlierLoadings]] = []
+    candidates: list[tuple[float, RampHold, EarlierLoadings]] = []
     for arms in MOST_ARMS:
         # a fast arm can stand for a wrong face: fewer arms then leave less
-        remainder, ramp_hold, past = _fit_alternately(first, plate, arms)
+        remainder, ramp_hold, earlier_loadings = _fit_alternately(first, plate, arms)
         noise = max(record.force_noise, ROUNDING * float(record.force.max()))
         excess = max(remainder / noise - AS_NOISE, 0.0)
-        tried.append((excess + past.misfit, ramp_hold, past))
-        if tried[-1][0] <= EXPLAINED:
+        candidates.append((excess + earlier_loadings.misfit, ramp_hold, earlier_loadings))
+        if candidates[-1][0] <= EXPLAINED:
             break
-    _, record, past = min(tried, key=lambda pair: pair[0])
-    return record, past
+    _, record, earlier_loadings = min(candidates, key=lambda pair: pair[0])
+    return record, earlier_loadings
 
 
 def _fit_alternately(
@@ -117,12 +119,12 @@ def _fit_alternately(
 
 
 def _first_face(record: RampHold, plate: FloatArray) -> FloatArray:
-    """Where the force shows that the plate presses, that of the plate; straight between, m."""
+    """Return the face of the seal, m: the plate where in contact, else interpolated."""
     force, t = median_of_three(record.force), record.time
-    least = max(PRESSED * record.force_noise, PRESSED_PART * float(force.max()))
-    pressed = (force > least) & (plate > 0)
-    first = int(np.argmax(pressed))
-    face = np.interp(t, t[pressed], plate[pressed])
+    force_limit = max(PRESSED * record.force_noise, PRESSED_PART * float(force.max()))
+    is_compressed = (force > force_limit) & (plate > 0)
+    first = int(np.argmax(is_compressed))
+    face = np.interp(t, t[is_compressed], plate[is_compressed])
     face[:first] = np.maximum(plate[:first], 0.0)
     return np.maximum(face, plate)
 
@@ -132,40 +134,38 @@ def _solid_of(record: RampHold, arms: int) -> tuple[GeneralizedMaxwell, float]:
     from dashpot.numerics.design_matrices.recorded_motion import recorded_block
     from dashpot.numerics.exponential_fit import solve_orders
 
-    used = slice(0, record.hold.stop)
+    used_samples = slice(0, record.hold.stop)
     x, _ = denoise_displacement(record)
-    time = record.time[used] - record.time[0]
+    time = record.time[used_samples] - record.time[0]
     first = int(np.searchsorted(record.time, record.onset))
     # the force is tared: an offset would take what slow arms do
-    block = recorded_block(time, x - x[0], record.force[used], window=slice(first, None))
+    block = recorded_block(time, x - x[0], record.force[used_samples], window=slice(first, None))
     solution = solve_orders([block], arms, negligible=float(2 * np.log(block.samples)))[-1]
     k = solution.arms[0] if solution.order else np.zeros(0)
-    stiff = k > 0
+    is_active = k > 0
     solid = GeneralizedMaxwell(
         max(solution.coefficient("k_inf"), 1e-9 * float(k.sum() + 1e-300)),
-        tuple(k[stiff].tolist()),
-        tuple(np.asarray(solution.tau)[stiff].tolist()),
+        tuple(k[is_active].tolist()),
+        tuple(np.asarray(solution.tau)[is_active].tolist()),
     )
     return solid, float(np.sqrt(solution.sse / block.samples))
 
 
 def _misfit(record: RampHold, solid: GeneralizedMaxwell) -> float:
-    """By how much the earlier loadings differ from a solid, of their own force."""
+    """Return the relative misfit of a solid to the forces of earlier loadings."""
     stop = record.start
     x = denoise_displacement(record)[0][:stop]
     time, force = record.time[:stop] - record.time[0], record.force[:stop]
     if stop < 8:
         return 0.0
     answer = solid.force(time, x - x[0])
-    least = PRESSED_PART * float(record.force.max())
+    force_limit = PRESSED_PART * float(record.force.max())
     worst = 0.0
-    for a, b in find_true_runs(answer > max(least, PRESSED * record.force_noise)).tolist():
+    for a, b in find_true_runs(answer > max(force_limit, PRESSED * record.force_noise)).tolist():
         size = float(np.sqrt(np.mean(answer[a : b + 1] ** 2)))
         if b - a < 4 or size < 0.05 * float(record.force.max()):
             continue
         # scatter is no misfit
-        remainder = (
-            float(np.mean((force[a : b + 1] - answer[a : b + 1]) ** 2)) - record.force_noise**2
-        )
-        worst = max(worst, float(np.sqrt(max(remainder, 0.0))) / size)
+        excess = float(np.mean((force[a : b + 1] - answer[a : b + 1]) ** 2)) - record.force_noise**2
+        worst = max(worst, float(np.sqrt(max(excess, 0.0))) / size)
     return worst

@@ -54,7 +54,7 @@ class IdealRamp(NamedTuple):
     last: int
 
     def time_of(self, displacement: float) -> float:
-        """When the line passes `displacement`, s."""
+        """Return the time at which the line passes `displacement`, s."""
         return self.at + (displacement - self.level) / self.speed
 
 
@@ -75,11 +75,11 @@ def ideal_ramp(
     low, high = origin + 0.2 * (level - origin), origin + 0.8 * (level - origin)
     first = _last_below(x, low)
     last = first + int(np.argmax(x[first:] >= high))
-    inside = slice(first + 1, last)
+    ramp_samples = slice(first + 1, last)
     if last - first - 1 >= 3:
-        tm, xm = float(t[inside].mean()), float(x[inside].mean())
-        change = t[inside] - tm
-        speed = float(change @ (x[inside] - xm) / (change @ change))
+        tm, xm = float(t[ramp_samples].mean()), float(x[ramp_samples].mean())
+        change = t[ramp_samples] - tm
+        speed = float(change @ (x[ramp_samples] - xm) / (change @ change))
         return IdealRamp(speed, tm, xm, start + first + 1, start + last - 1)
     t_low = _crossing(t, x, first, low)
     t_high = max(_crossing(t, x, last - 1, high), np.nextafter(t_low, np.inf))
@@ -89,14 +89,14 @@ def ideal_ramp(
 def _last_below(x: FloatArray, level: float) -> int:
     """Return the last sample below `level` before the record first stands at its highest."""
     top = int(np.argmax(x))
-    below = np.flatnonzero(x[:top] < level)
-    return int(below[-1]) if below.size else 0
+    indices_below = np.flatnonzero(x[:top] < level)
+    return int(indices_below[-1]) if indices_below.size else 0
 
 
 def _crossing(t: FloatArray, x: FloatArray, i: int, level: float) -> float:
     """Return where the straight line from sample `i` to the next passes `level`."""
-    rise = x[i + 1] - x[i]
-    part = (level - x[i]) / rise if rise > 0 else 0.0
+    step = x[i + 1] - x[i]
+    part = (level - x[i]) / step if step > 0 else 0.0
     return float(t[i] + min(max(part, 0.0), 1.0) * (t[i + 1] - t[i]))
 
 
@@ -142,7 +142,7 @@ class PlateMotion:
 def find_motion(
     test: RelaxationTest,
     *,
-    where: str,
+    location: str,
     sign: int | None,
     number: int | None,
 ) -> PlateMotion:
@@ -152,7 +152,7 @@ def find_motion(
     ----------
     test : RelaxationTest
         As recorded; the force only shows whether the columns are swapped.
-    where : str
+    location : str
         Name of the record, for errors.
     sign : {1, -1} or None
         None turns the displacement so that the first ramp rises.
@@ -165,22 +165,22 @@ def find_motion(
         If nothing is held.
     """
     if sign is None:
-        turn, segments = _find_rising_sign(test)
+        sign_found, segments = _find_rising_sign(test)
     else:
         x = sign * test.displacement
-        turn, segments = sign, find_segments(test.time, x, _resolution(test))
-    time, x, force = test.time, turn * test.displacement, test.force
+        sign_found, segments = sign, find_segments(test.time, x, _resolution(test))
+    time, x, force = test.time, sign_found * test.displacement, test.force
     if is_creep_test(time, x, force, segments):
         raise DataError(
-            f"{where}: this is a creep test, because the force is held while the displacement goes "
-            "on. Use dashpot fit (Python: fit of a CreepTest)"
+            f"{location}: this is a creep test, because the force is held while the displacement "
+            "goes on. Use dashpot fit (Python: fit of a CreepTest)"
         )
     if not find_cycles(segments):
         if begins_in_hold(x, force):
-            raise DataError(f"{where}: the displacement hardly moves, {_BEGINS_LATE}")
-        raise DataError(explain_missing_hold(segments, where, _advice(time, x, force)))
-    index, cycles = choose_cycle(segments, number, where=where)
-    return replace(_select_cycle(test, turn, cycles, index), segments=segments)
+            raise DataError(f"{location}: the displacement hardly moves, {_BEGINS_LATE}")
+        raise DataError(explain_missing_hold(segments, location, _advice(time, x, force)))
+    index, cycles = choose_cycle(segments, number, location=location)
+    return replace(_select_cycle(test, sign_found, cycles, index), segments=segments)
 
 
 @cache_on_record
@@ -217,10 +217,10 @@ def build_motion_from_times(
             f"{corner - first} samples lie in the ramp and {last - corner} in the hold that were "
             "given; expected at least 1 and 3"
         )
-    rise = median(displacement[corner : last + 1]) - float(displacement[first])
-    turn = sign or (1 if rise > 0 else -1)
+    displacement_rise = median(displacement[corner : last + 1]) - float(displacement[first])
+    turn = sign or (1 if displacement_rise > 0 else -1)
     x = turn * displacement
-    if turn * rise <= 0:
+    if turn * displacement_rise <= 0:
         raise DataError("the displacement does not rise between the onset and the hold given")
     level = median(x[corner : last + 1])
     rest, segments = None, find_segments(time, x, _resolution(test))
@@ -243,14 +243,14 @@ def follow_contact(
 ) -> PlateMotion:
     """Return the motion without the ramps that end in air, before `contact` less `tolerance`, m."""
     segments = motion.cycle.segments
-    flown = [
+    lifted_segments = [
         i
         for i, segment in enumerate(segments[:-2])
         if segment.kind == "load" and segment.level <= contact + tolerance
     ]
-    if not flown or segments[flown[-1] + 1].kind != "hold":
+    if not lifted_segments or segments[lifted_segments[-1] + 1].kind != "hold":
         return motion
-    first = flown[-1] + 2
+    first = lifted_segments[-1] + 2
     cycle = RampHoldCycle(segments[first - 1], segments[first:])
     cycles = (*motion.cycles[: motion.index], cycle, *motion.cycles[motion.index + 1 :])
     plate_motion = _select_cycle(test, motion.sign, cycles, motion.index)
@@ -258,7 +258,7 @@ def follow_contact(
 
 
 def find_first_press(
-    test: RelaxationTest, motion: PlateMotion, force: FloatArray, *, least: float
+    test: RelaxationTest, motion: PlateMotion, force: FloatArray, *, min_rise: float
 ) -> PlateMotion | None:
     """Return the motion of the first loading that raised the force, if it is before that used.
 
@@ -269,12 +269,12 @@ def find_first_press(
         Of the loading that is used.
     force : array, shape (n,)
         N, rising with compression.
-    least : float
+    min_rise : float
         A force that rises by less was of no seal, N.
     """
     before = [part for part in motion.segments if part.last <= motion.start]
     for i, part in enumerate(before):
-        if part.kind != "load" or not _rises(force[part.first : part.last + 1], least):
+        if part.kind != "load" or not _rises(force[part.first : part.last + 1], min_rise):
             continue
         rest = before[i - 1] if i and before[i - 1].kind == "hold" else None
         # it turns there: whatever follows is not asked about
@@ -294,42 +294,48 @@ def list_earlier_presses(motion: PlateMotion) -> tuple[MotionSegment, ...]:
 
 def begins_with_release(motion: PlateMotion) -> bool:
     """Return whether the record begins with a plate that goes back: the seal was pressed before."""
-    moves = [part for part in motion.segments if part.kind != "hold"]
-    first = moves[0] if moves else None
+    moving_segments = [part for part in motion.segments if part.kind != "hold"]
+    first = moving_segments[0] if moving_segments else None
     return first is not None and first.kind == "unload" and first.last <= motion.start
 
 
-def _rises(force: FloatArray, least: float) -> bool:
-    smooth = median_of_three(force)
-    return bool(smooth.max() - smooth[: max(len(smooth) // 20, 1)].mean() > least)
+def _rises(force: FloatArray, min_rise: float) -> bool:
+    smooth_force = median_of_three(force)
+    return bool(
+        smooth_force.max() - smooth_force[: max(len(smooth_force) // 20, 1)].mean() > min_rise
+    )
 
 
 def _select_cycle(
-    test: RelaxationTest, turn: int, cycles: tuple[RampHoldCycle, ...], index: int
+    test: RelaxationTest, sign: int, cycles: tuple[RampHoldCycle, ...], index: int
 ) -> PlateMotion:
-    time, x = test.time, turn * test.displacement
+    time, x = test.time, sign * test.displacement
     cycle, resolution = cycles[index], _resolution(test)
     ramp = cycle.ramp
     rest = _resting(x, cycle.rest, ramp)
     level = _find_hold(time, x, cycle)
     start = cycle.rest.first if cycle.rest is not None else ramp.first
     line = ideal_ramp(time, x, ramp, origin=rest, level=level)
-    still = np.flatnonzero(np.abs(x[start : line.first] - rest) <= resolution)
-    departure = start + int(still[-1]) if cycle.rest is not None and still.size else ramp.first
+    still_indices = np.flatnonzero(np.abs(x[start : line.first] - rest) <= resolution)
+    departure_index = (
+        start + int(still_indices[-1])
+        if cycle.rest is not None and still_indices.size
+        else ramp.first
+    )
     return PlateMotion(
-        sign=turn, cycles=cycles, index=index, line=line, rest=rest, level=level, start=start,
-        departure=departure, stop=_last_held(x, cycle.hold, resolution),
+        sign=sign, cycles=cycles, index=index, line=line, rest=rest, level=level, start=start,
+        departure=departure_index, stop=_last_held(x, cycle.hold, resolution),
     )  # fmt: skip
 
 
 def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
     """Return what may be wrong with a displacement that is never held."""
-    moves = any(part.kind != "hold" for part in find_segments(time, x))
+    has_motion = any(part.kind != "hold" for part in find_segments(time, x))
     if find_cycles(find_segments(time, -x)):
         return "with the other sign it would ramp and rest. Leave out sign, or give the other"
-    if not moves and relaxes(force):
+    if not has_motion and relaxes(force):
         return _BEGINS_LATE
-    if moves and any(is_force_held(time, turn * force) for turn in (1, -1)):
+    if has_motion and any(is_force_held(time, sign * force) for sign in (1, -1)):
         return "the force column ramps and rests instead. Check whether the two are swapped"
     return "expected a ramp and then a hold. Check the columns and the units"
 
@@ -337,28 +343,28 @@ def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
 def _resting(x: FloatArray, rest: MotionSegment | None, ramp: MotionSegment) -> float:
     if rest is None:
         return float(x[ramp.first])
-    late = rest.first + (rest.last - rest.first) // 2
-    return median(x[late : rest.last + 1])
+    second_half = rest.first + (rest.last - rest.first) // 2
+    return median(x[second_half : rest.last + 1])
 
 
 def _find_hold(time: FloatArray, x: FloatArray, cycle: RampHoldCycle) -> float:
-    """Where the plate is held after its first ramp, once it has settled and before it creeps."""
+    """Return the position of the plate in the hold, after it settled and before it creeps."""
     ramp, hold = cycle.segments[0], cycle.segments[1]
     if hold.kind != "hold":
         return ramp.level
-    since = time[hold.first : hold.last + 1] - ramp.end
-    late = max(0.6 * ramp.duration, 0.02 * hold.duration)
-    settled = (since >= 0.1 * ramp.duration) & (since <= late)
+    time_since_ramp = time[hold.first : hold.last + 1] - ramp.end
+    latest = max(0.6 * ramp.duration, 0.02 * hold.duration)
+    is_settled = (time_since_ramp >= 0.1 * ramp.duration) & (time_since_ramp <= latest)
     values = x[hold.first : hold.last + 1]
-    return median(values[settled] if np.count_nonzero(settled) >= 5 else values[1:7])
+    return median(values[is_settled] if np.count_nonzero(is_settled) >= 5 else values[1:7])
 
 
 def _last_held(x: FloatArray, hold: MotionSegment, resolution: float) -> int:
     """Return the last sample before the plate leaves the hold."""
     if hold.last == len(x) - 1:
         return hold.last
-    late = x[hold.first + 3 * (hold.last - hold.first) // 4 : hold.last + 1]
-    level = median(late)
-    half = (hold.first + hold.last) // 2
-    still = np.abs(x[half : hold.last + 1] - level) <= max(resolution, 2e-3 * abs(np.ptp(x)))
-    return half + int(np.flatnonzero(still)[-1])
+    last_quarter = x[hold.first + 3 * (hold.last - hold.first) // 4 : hold.last + 1]
+    level = median(last_quarter)
+    middle = (hold.first + hold.last) // 2
+    is_still = np.abs(x[middle : hold.last + 1] - level) <= max(resolution, 2e-3 * abs(np.ptp(x)))
+    return middle + int(np.flatnonzero(is_still)[-1])

@@ -126,15 +126,15 @@ def prepare(
     onset = convert_to_si(onset, "time")
     ramp_end = convert_to_si(ramp_end, "time")
     hold_end, force_range = convert_to_si(hold_end, "time"), convert_to_si(force_range, "force")
-    where = test.source.file if test.source is not None else "the record"
+    location = test.source.file if test.source is not None else "the record"
     parsed_filter = None if filter is None else parse_filter(filter)
     machine = machine or Machine()
     test = _calibrate_record(test, machine.calibration)
     _refuse_options(sign=sign, drift=drift, force_range=force_range)
-    motion = _find_plate_motion(test, where, sign, cycle, (onset, ramp_end, hold_end))
+    motion = _find_plate_motion(test, location, sign, cycle, (onset, ramp_end, hold_end))
     despiked_force = without_spikes(test.time, test.force)
     if motion.departure - motion.start < MIN_BASELINE:
-        checks.refuse_late_start(where, *_compute_force_changes(despiked_force, motion))
+        checks.refuse_late_start(location, *_compute_force_changes(despiked_force, motion))
     force_sign = _determine_force_sign(despiked_force, motion) if sign is None else sign
     x, force = motion.sign * test.displacement, force_sign * test.force
     despiked_force = force_sign * despiked_force
@@ -147,45 +147,57 @@ def prepare(
     find_contact = partial(
         _find_contact, test.time, x, despiked_force, provided_contact=contact, delay_sd=delay_sd
     )
-    baseline, touch = find_contact(motion, least_gap=least_gap)
-    contact_motion = follow_contact(test, motion, touch.displacement, tolerance=least_gap)
+    baseline, first_contact = find_contact(motion, least_gap=least_gap)
+    contact_motion = follow_contact(test, motion, first_contact.displacement, tolerance=least_gap)
     if contact_motion is not motion:
         # the plate was first moved through air: the ramp that touches the seal is the first
         motion = contact_motion
         least_gap = _compute_least_gap(encoder_step, motion)
-        baseline, touch = find_contact(motion, least_gap=least_gap)
-    earlier = _find_earlier_loading(
-        test, x, despiked_force, motion, (baseline, touch), find_contact=find_contact
+        baseline, first_contact = find_contact(motion, least_gap=least_gap)
+    earlier_loading = _find_earlier_loading(
+        test, x, despiked_force, motion, (baseline, first_contact), find_contact=find_contact
     )
-    if earlier is not None:
-        baseline, touch = earlier.baseline, earlier.last_touch
-    force, tare_step = subtract_tare(test.time, force, baseline, drift=drift, where=where)
-    times = _determine_phase_times(motion, touch, test.time, step, (onset, ramp_end, hold_end))
+    if earlier_loading is not None:
+        baseline, first_contact = earlier_loading.baseline, earlier_loading.last_touch
+    force, tare_step = subtract_tare(test.time, force, baseline, drift=drift, location=location)
+    times = _determine_phase_times(
+        motion, first_contact, test.time, step, (onset, ramp_end, hold_end)
+    )
     record = _build_record(
-        test, x, force, motion, touch, times=times, encoder_step=encoder_step, earlier=earlier
+        test,
+        x,
+        force,
+        motion,
+        first_contact,
+        times=times,
+        encoder_step=encoder_step,
+        earlier_loading=earlier_loading,
     )
     # frees the memory of a long record before its spectrum is computed
     del despiked_force, find_contact, x, force
     record = _subtract_hum(record)
     rise = _compute_force_rise(
-        record, baseline, where, may_pull=earlier is not None and earlier.is_bonded
+        record,
+        baseline,
+        location,
+        may_pull=earlier_loading is not None and earlier_loading.is_bonded,
     )
     # a force that is the same whenever the plate is away is the offset of the load cell
-    preload = _compute_preload(record, baseline, touch, rise)
-    if earlier is not None:
-        touch = earlier.touch
+    preload = _compute_preload(record, baseline, first_contact, rise)
+    if earlier_loading is not None:
+        first_contact = earlier_loading.touch
     machine.refuse_unused(
         "sync", "drift", "compliance", "creep", "force_filter", "rest", subject="a ramp and hold"
     )
     record = _subtract_machine_deflection(record, preload, machine)
     history = None
-    if earlier is not None:
+    if earlier_loading is not None:
         record, history = follow_history(record)
-    checks.refuse_unresolved(where, rise, test.force)
-    checks.refuse_saturated(where, record)
+    checks.refuse_unresolved(location, rise, test.force)
+    checks.refuse_saturated(location, record)
     SIZES["ramp"].refuse(
         record.ramp_time,
-        f"{where}: the ramp takes {format_quantity_short(record.ramp_time, 's')}",
+        f"{location}: the ramp takes {format_quantity_short(record.ramp_time, 's')}",
         remedy="Check the unit of time: --units time=ms (Python: units='ms, mm, N').",
     )
     loading = record.last_loading
@@ -201,9 +213,9 @@ def prepare(
                 before=list_earlier_presses(motion),
             ),
             checks.baseline_recorded(baseline),
-            checks.contact_found(touch, record.depth, provided=contact is not None),
+            checks.contact_found(first_contact, record.depth, is_given=contact is not None),
             checks.preload_absent(
-                preload, rise, moving=earlier is None and motion.cycle.rest is None
+                preload, rise, moving=earlier_loading is None and motion.cycle.rest is None
             ),
             checks.overshoot_small(loading, ramp_count=motion.cycle.ramp_count),
             checks.samples_unbroken(loading),
@@ -221,13 +233,13 @@ def prepare(
         ]
     )
     if with_checks:
-        all_checks += _check_history(record, motion, earlier, history)
+        all_checks += _check_history(record, motion, earlier_loading, history)
     if with_checks and force_range is not None:
         all_checks.append(checks.load_cell_range_used(rise, force_range))
     steps = [
         _make_orientation_step(motion.sign, force_sign),
         _make_segments_step(motion, record),
-        _make_contact_step(touch),
+        _make_contact_step(first_contact),
         tare_step,
     ]
     steps += [
@@ -253,16 +265,20 @@ def _check_machine(loading: RampHold) -> list[Check]:
 def _check_history(
     record: RampHold,
     motion: PlateMotion,
-    earlier: _EarlierLoading | None,
+    earlier_loading: _EarlierLoading | None,
     history: EarlierLoadings | None,
 ) -> list[Check]:
     """Return the checks of the loadings before the fitted one, if there are any."""
     begins_loaded = begins_with_release(motion)
-    if history is not None and earlier is not None:
-        return checks.history_checks(record, history, earlier.last_touch, pressed=begins_loaded)
+    if history is not None and earlier_loading is not None:
+        return checks.history_checks(
+            record, history, earlier_loading.last_touch, was_pressed=begins_loaded
+        )
     no_history = EarlierLoadings(0.0, 0, converged=True)
     return (
-        [checks.history_explained(no_history, broken=False, pressed=True)] if begins_loaded else []
+        [checks.history_explained(no_history, broken=False, was_pressed=True)]
+        if begins_loaded
+        else []
     )
 
 
@@ -300,14 +316,14 @@ def _find_earlier_loading(
     find_contact: Callable[..., tuple[Baseline, Touch]],
 ) -> _EarlierLoading | None:
     """Return contact and baseline of earlier loadings; None if none pressed the seal."""
-    last_baseline, touch = last_contact
+    last_baseline, last_touch = last_contact
     if not list_earlier_presses(motion):
         return None
     peak = float(np.ptp(force[motion.start : motion.stop + 1]))
     hold_samples = slice(motion.cycle.hold.first, motion.stop + 1)
     noise = scatter(test.time[hold_samples], force[hold_samples])
     least_force = max(8 * noise, LEAST_FORCE_RISE * peak)
-    first_motion = find_first_press(test, motion, force, least=least_force)
+    first_motion = find_first_press(test, motion, force, min_rise=least_force)
     if first_motion is None:
         return None
     # from the depth of the fitted loading, as a shallow press would allow too small a gap
@@ -331,10 +347,10 @@ def _find_earlier_loading(
     if pulls_back:
         return _EarlierLoading(first_touch, Touch(motion.rest, 0.0), baseline, True, first_sample)
     # lifted off, the force is zero before the last loading; on the seal before the first
-    is_lifted = touch.gap > 0 and last_baseline.long_enough
+    is_lifted = last_touch.gap > 0 and last_baseline.long_enough
     return _EarlierLoading(
         first_touch,
-        touch,
+        last_touch,
         last_baseline if is_lifted or not baseline.long_enough else baseline,
         False,
         first_sample,
@@ -354,7 +370,7 @@ def _refuse_options(
 
 def _find_plate_motion(
     test: RelaxationTest,
-    where: str,
+    location: str,
     sign: int | None,
     cycle: int | None,
     times: tuple[float | None, float | None, float | None],
@@ -377,7 +393,7 @@ def _find_plate_motion(
             test.force[:sample_count],
             units="SI",
         )
-    return find_motion(test, where=where, sign=sign, number=cycle)
+    return find_motion(test, location=location, sign=sign, number=cycle)
 
 
 def _select_times(time: FloatArray, motion: PlateMotion, hold_end: float | None) -> FloatArray:
@@ -392,17 +408,17 @@ def _compute_force_changes(force: FloatArray, motion: PlateMotion) -> tuple[floa
     ramp_force = force[motion.start : motion.cycle.hold.first + 1]
     hold_force = force[: motion.stop + 1]
     first = median(force[motion.start : motion.departure + 1])
-    extreme = float(ramp_force[np.argmax(np.abs(ramp_force - first))])
+    extreme_force = float(ramp_force[np.argmax(np.abs(ramp_force - first))])
     last = median(hold_force[-max((motion.stop - motion.cycle.hold.first) // 10, 1) :])
-    return extreme - first, last - extreme
+    return extreme_force - first, last - extreme_force
 
 
 def _determine_force_sign(force: FloatArray, motion: PlateMotion) -> int:
     """Return 1 if the force rises as the plate presses, else -1."""
     rest_force = median(force[motion.start : motion.departure + 1][-50:])
     loaded_force = force[motion.line.last : motion.stop + 1]
-    extreme = loaded_force[np.argmax(np.abs(loaded_force - rest_force))]
-    return 1 if extreme >= rest_force else -1
+    extreme_force = loaded_force[np.argmax(np.abs(loaded_force - rest_force))]
+    return 1 if extreme_force >= rest_force else -1
 
 
 def _find_contact(
@@ -425,14 +441,14 @@ def _find_contact(
                 f"contact = {provided_contact:g} m lies at or beyond the held displacement, "
                 f"{motion.sign * motion.cycle.hold.level:g} m; expected it before"
             )
-        touch = Touch(contact_displacement, contact_displacement - motion.rest)
+        first_contact = Touch(contact_displacement, contact_displacement - motion.rest)
     else:
         peak = motion.line.last + int(np.argmax(force[motion.line.last : motion.stop + 1]))
         loading_samples = slice(motion.start, peak + 1)
         level, noise = baseline.level, baseline.noise
         # a drift is no contact; it is followed no further than half a baseline beyond its end
-        since = np.minimum(time - baseline.middle, baseline.duration)
-        steady_force = force - baseline.slope * since
+        time_from_middle = np.minimum(time - baseline.middle, baseline.duration)
+        steady_force = force - baseline.slope * time_from_middle
         if not baseline.long_enough:
             level = median(force[loading_samples][:5])
             noise = scatter(time[loading_samples], force[loading_samples])
@@ -448,17 +464,17 @@ def _find_contact(
                 rested=motion.cycle.rest is not None,
             )
 
-        touch = _correct_delayed_contact(
+        first_contact = _correct_delayed_contact(
             time, x, steady_force, motion, find_touch, delay_sd=delay_sd
         )
-    if touch.gap > 0:
+    if first_contact.gap > 0:
         # the first half of the air gap is surely without contact
-        approach = x[motion.start : motion.stop + 1] > motion.rest + 0.5 * touch.gap
+        approach = x[motion.start : motion.stop + 1] > motion.rest + 0.5 * first_contact.gap
         quiet_samples = slice(
             motion.start, max(motion.start + int(np.argmax(approach)), rest_samples.stop)
         )
         baseline = estimate_baseline(time[quiet_samples], force[quiet_samples])
-    return baseline, touch
+    return baseline, first_contact
 
 
 def _correct_delayed_contact(
@@ -471,9 +487,9 @@ def _correct_delayed_contact(
     delay_sd: float,
 ) -> Touch:
     """Return first contact behind air, corrected for a delay of the force."""
-    touch = find_touch(x)
-    if not touch.gap > 0:
-        return touch
+    first_contact = find_touch(x)
+    if not first_contact.gap > 0:
+        return first_contact
     ramp_corners = motion.line.time_of(motion.rest), motion.line.time_of(motion.level)
     stop = int(
         np.searchsorted(
@@ -484,23 +500,23 @@ def _correct_delayed_contact(
     selected = slice(motion.start, stop, max(1, (stop - motion.start) // MAX_DELAY_SAMPLES))
 
     def estimate_delay(contact: float) -> DelayEstimate:
-        pressed = np.maximum(x[selected] - contact, 0.0)
+        compression = np.maximum(x[selected] - contact, 0.0)
         return estimate_contact_delay(
-            time[selected], pressed, force[selected], corners=ramp_corners, delay_sd=delay_sd
+            time[selected], compression, force[selected], corners=ramp_corners, delay_sd=delay_sd
         )
 
-    best_touch, delay_estimate = touch, estimate_delay(touch.displacement)
-    if touch.gap <= MOST_DELAY_SD * delay_sd * motion.line.speed:
+    best_touch, delay_estimate = first_contact, estimate_delay(first_contact.displacement)
+    if first_contact.gap <= MOST_DELAY_SD * delay_sd * motion.line.speed:
         rest_estimate = estimate_delay(motion.rest)
         if rest_estimate.deviance < delay_estimate.deviance - LEAST_DEVIANCE_GAIN:
             best_touch, delay_estimate = Touch(motion.rest, 0.0), rest_estimate
     for _ in range(MAX_ITERATIONS if delay_estimate.delay else 0):
         # the displacement at the time at which the force of each sample arose
-        touch = find_touch(np.interp(time - delay_estimate.delay, time, x))
-        new_estimate = estimate_delay(touch.displacement)
+        first_contact = find_touch(np.interp(time - delay_estimate.delay, time, x))
+        new_estimate = estimate_delay(first_contact.displacement)
         if new_estimate.deviance > delay_estimate.deviance - LEAST_DEVIANCE_GAIN:
             break
-        best_touch, delay_estimate = touch, new_estimate
+        best_touch, delay_estimate = first_contact, new_estimate
     return best_touch
 
 
@@ -511,7 +527,7 @@ def _compute_least_gap(encoder_step: float, motion: PlateMotion) -> float:
 
 def _determine_phase_times(
     motion: PlateMotion,
-    touch: Touch,
+    first_contact: Touch,
     time: FloatArray,
     step: float,
     provided_times: tuple[float | None, float | None, float | None],
@@ -520,7 +536,8 @@ def _determine_phase_times(
     last_time = float(time[motion.stop])
     if onset is None:
         onset = max(
-            _snap_to_sample(motion.line.time_of(touch.displacement), time, step), float(time[0])
+            _snap_to_sample(motion.line.time_of(first_contact.displacement), time, step),
+            float(time[0]),
         )
     if ramp_end is None:
         ramp_end = _snap_to_sample(motion.line.time_of(motion.level), time, step)
@@ -538,11 +555,11 @@ def _build_record(
     x: FloatArray,
     force: FloatArray,
     motion: PlateMotion,
-    touch: Touch,
+    first_contact: Touch,
     *,
     times: tuple[float, float, float],
     encoder_step: float,
-    earlier: _EarlierLoading | None = None,
+    earlier_loading: _EarlierLoading | None = None,
 ) -> RampHold:
     """Return the record of the loading, or of all up to it, with compression from contact."""
     onset, ramp_end, hold_end = times
@@ -551,16 +568,16 @@ def _build_record(
             f"onset {onset:.6g} s, ramp end {ramp_end:.6g} s and hold end {hold_end:.6g} s are out "
             "of order; expected them in this order"
         )
-    if earlier is None:
+    if earlier_loading is None:
         span = slice(motion.start, motion.stop + 1)
-        compression = np.maximum(x - touch.displacement, 0.0)
+        compression = np.maximum(x - first_contact.displacement, 0.0)
         # before the plate moves, the encoder shows scatter only
-        if touch.gap >= 0:
+        if first_contact.gap >= 0:
             compression[: motion.departure + 1] = 0.0
     else:
-        span, touch = slice(0, motion.stop + 1), earlier.touch
-        compression = x - touch.displacement
-        compression[: earlier.first_sample] = 0.0
+        span, first_contact = slice(0, motion.stop + 1), earlier_loading.touch
+        compression = x - first_contact.displacement
+        compression[: earlier_loading.first_sample] = 0.0
     time = test.time
     hold_samples = slice(
         int(np.searchsorted(time, max(ramp_end, motion.cycle.hold.start))), motion.stop + 1
@@ -585,13 +602,13 @@ def _build_record(
         displacement_noise=max(
             scatter(time[settled_samples], x[settled_samples]), encoder_step / 12**0.5
         ),
-        contact_error=touch.standard_error,
+        contact_error=first_contact.standard_error,
         specimen=test.specimen,
         source=test.source,
-        gap=max(touch.gap, 0.0),
-        loading_start=None if earlier is None else float(time[motion.start]),
+        gap=max(first_contact.gap, 0.0),
+        loading_start=None if earlier_loading is None else float(time[motion.start]),
         plate=None
-        if earlier is None or earlier.is_bonded
+        if earlier_loading is None or earlier_loading.is_bonded
         else set_readonly(compression.copy())[span],
     )
 
@@ -646,7 +663,7 @@ def _time_average(time: FloatArray, values: FloatArray) -> float:
 
 
 def _compute_force_rise(
-    record: RampHold, baseline: Baseline, where: str, *, may_pull: bool = False
+    record: RampHold, baseline: Baseline, location: str, *, may_pull: bool = False
 ) -> float:
     """Return the peak of the force over its baseline, N, on one side of zero."""
     loaded_force = record.force[np.searchsorted(record.time, record.onset) :]
@@ -655,28 +672,30 @@ def _compute_force_rise(
     peak, minimum = float(loaded_force.max()) - base_force, float(loaded_force.min()) - base_force
     if peak <= 8 * record.force_noise:
         raise DataError(
-            f"{where}: the force does not rise while the plate presses (by "
+            f"{location}: the force does not rise while the plate presses (by "
             f"{format_quantity(peak, 'mN', '.3g')}, with a scatter of "
             f"{format_quantity(record.force_noise, 'mN', '.3g')}); check the force column, its "
             "unit and the sign"
         )
     if baseline.long_enough and not may_pull and minimum < -max(8 * record.force_noise, 0.1 * peak):
         raise DataError(
-            f"{where}: the force has mixed signs: between onset and hold end it rises to "
+            f"{location}: the force has mixed signs: between onset and hold end it rises to "
             f"{peak:.4g} N above its baseline and falls to {-minimum:.4g} N below it; a pressed "
             "seal only pushes. Check the tare, the sign and the columns, or cut the file before it"
         )
     return peak
 
 
-def _compute_preload(record: RampHold, baseline: Baseline, touch: Touch, rise: float) -> float:
+def _compute_preload(
+    record: RampHold, baseline: Baseline, first_contact: Touch, force_rise: float
+) -> float:
     """Return the force at the start, in contact, N; 0 behind an air gap."""
-    if touch.gap > 0:
+    if first_contact.gap > 0:
         return 0.0
     if baseline.long_enough:
-        return baseline.level if abs(baseline.level) > checks.MAX_PRELOAD * rise else 0.0
+        return baseline.level if abs(baseline.level) > checks.MAX_PRELOAD * force_rise else 0.0
     first_force = float(record.force[0])
-    return first_force if abs(first_force) > max(5 * record.force_noise, 0.01 * rise) else 0.0
+    return first_force if abs(first_force) > max(5 * record.force_noise, 0.01 * force_rise) else 0.0
 
 
 def _calibrate_record(
@@ -751,15 +770,13 @@ def _make_machine_steps(machine: Machine) -> tuple[Step, ...]:
         ("force_filter_hz", machine.force_filter,
          "first-order low-pass of the force at {:.4g} Hz, also applied to the fitted motion"),
     )  # fmt: skip
-    known_effects = [(name, value, words) for name, value, words in effects if value is not None]
-    if not known_effects:
+    items = [(name, value, words) for name, value, words in effects if value is not None]
+    if not items:
         return ()
-    message = "; ".join(words.format(value) for _, value, words in known_effects)
+    message = "; ".join(words.format(value) for _, value, words in items)
     if machine.calibration:
         message = f"{machine.calibration.source}: {message}"
-    return (
-        Step("machine", tuple((name, repr(value)) for name, value, _ in known_effects), message),
-    )
+    return (Step("machine", tuple((name, repr(value)) for name, value, _ in items), message),)
 
 
 def _make_orientation_step(displacement: int, force: int) -> Step:
@@ -781,13 +798,14 @@ def _make_segments_step(motion: PlateMotion, record: RampHold) -> Step:
     return Step("segments", (("cycle", f"{motion.index + 1} of {len(motion.cycles)}"),), message)
 
 
-def _make_contact_step(touch: Touch) -> Step:
+def _make_contact_step(first_contact: Touch) -> Step:
     message = (
-        f"an air gap of {format_quantity(touch.gap, 'mm')} is subtracted from the displacement"
-        if touch.gap > 0
+        f"an air gap of {format_quantity(first_contact.gap, 'mm')} is subtracted from the "
+        "displacement"
+        if first_contact.gap > 0
         else "contact where the motion begins"
     )
-    return Step("contact", (("displacement_m", repr(touch.displacement)),), message)
+    return Step("contact", (("displacement_m", repr(first_contact.displacement)),), message)
 
 
 def _make_ramp_step(record: RampHold, motion: PlateMotion) -> Step:

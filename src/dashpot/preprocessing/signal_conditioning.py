@@ -60,7 +60,7 @@ class Filter:
         return self.kind != "median"
 
     def __str__(self) -> str:
-        """As the user writes it."""
+        """Return the filter as the user writes it."""
         if self.kind == "median":
             return f"median:{self.window}"
         return f"{self.kind}:{self.cutoff:g}Hz" + (":causal" if self.causal else "")
@@ -86,8 +86,8 @@ class Filter:
             sections = signal.tf2sos(*signal.iirnotch(self.cutoff, 10.0, fs=rate))
         if not self.causal:
             return np.asarray(signal.sosfiltfilt(sections, values))
-        settled = signal.sosfilt_zi(sections) * values[0]
-        return np.asarray(signal.sosfilt(sections, values, zi=settled)[0])
+        filter_state = signal.sosfilt_zi(sections) * values[0]
+        return np.asarray(signal.sosfilt(sections, values, zi=filter_state)[0])
 
 
 def parse_filter(text: str) -> Filter:
@@ -153,12 +153,12 @@ def _cutoff(text: str, value: str) -> float:
 
 def _even_rate(time: FloatArray, by: Filter) -> float:
     steps = np.diff(time)
-    usual = median(steps)
-    worst = int(np.argmax(np.abs(steps - usual)))
-    if abs(steps[worst] - usual) > 0.2 * usual:
+    usual_step = median(steps)
+    worst = int(np.argmax(np.abs(steps - usual_step)))
+    if abs(steps[worst] - usual_step) > 0.2 * usual_step:
         raise DataError(
             f"{by} needs even sampling, but the step after t = {time[worst]:.6g} s is "
-            f"{steps[worst]:.4g} s where {usual:.4g} s is usual; fit the raw record, or use a "
+            f"{steps[worst]:.4g} s where {usual_step:.4g} s is usual; fit the raw record, or use a "
             "median"
         )
     rate = (len(time) - 1) / (time[-1] - time[0])
@@ -194,10 +194,10 @@ def decimate(record: RampHold) -> RampHold:
     time, force = block_means(record.time, count), block_means(record.force, count)
     displacement = record.displacement[count // 2 : count * len(time) : count]
     noise = record.displacement_noise
-    late = slice(int(np.searchsorted(time, record.ramp_end + record.hold_time / 10)), None)
+    late_samples = slice(int(np.searchsorted(time, record.ramp_end + record.hold_time / 10)), None)
     if not record.encoder_step > 0:
         displacement = block_means(record.displacement, count)
-        noise = scatter(time[late], displacement[late])
+        noise = scatter(time[late_samples], displacement[late_samples])
     message = (
         f"averaged each {count} of {len(record.time)} samples, force and displacement alike: "
         "more than a fit needs, and any linear solid answers a mean with a mean"
@@ -208,7 +208,7 @@ def decimate(record: RampHold) -> RampHold:
         displacement=displacement,
         force=force,
         hold_end=min(record.hold_end, float(time[-1])),
-        force_noise=scatter(time[late], force[late]),
+        force_noise=scatter(time[late_samples], force[late_samples]),
         displacement_noise=noise,
         machine_deflection=None
         if record.machine_deflection is None
@@ -219,10 +219,10 @@ def decimate(record: RampHold) -> RampHold:
 
 
 def _count_neighbours(record: RampHold) -> int:
-    """How many samples become one, an odd number; one where averaging is no help or no mean."""
+    """Return how many samples to average, an odd number; 1 where averaging does not help."""
     step = float(record.time[-1] - record.time[0]) / (len(record.time) - 1)
-    most = int(record.ramp_time / step / FEWEST_ON_THE_RAMP)
-    count = min(len(record.time) // ENOUGH_SAMPLES, most)
+    max_neighbours = int(record.ramp_time / step / FEWEST_ON_THE_RAMP)
+    count = min(len(record.time) // ENOUGH_SAMPLES, max_neighbours)
     in_counts_of_force = record.machine_deflection is not None and record.encoder_step > 0
     if count < 2 or in_counts_of_force or not is_evenly_sampled(record.time):
         return 1
@@ -342,8 +342,8 @@ def white_noise(time: FloatArray, values: FloatArray) -> float:
 
 def _remove_trend(time: FloatArray, values: FloatArray) -> FloatArray:
     """Return a channel less the straight line between its ends, which leaks most."""
-    ends = [values[:20].mean(), values[-20:].mean()]
-    return np.asarray(values - np.interp(time, time[[0, -1]], ends))
+    end_means = [values[:20].mean(), values[-20:].mean()]
+    return np.asarray(values - np.interp(time, time[[0, -1]], end_means))
 
 
 def _plate_amplitude(
@@ -367,12 +367,12 @@ def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:
     """Return what was taken off, as a step of the preparation; nothing if nothing was."""
     if not lines:
         return ()
-    listed = ", ".join(
+    lines_text = ", ".join(
         f"{format_quantity(line.amplitude, 'mN', '.3g')} at {line.frequency:.5g} Hz"
         for line in lines
     )
     parameters = tuple((f"{line.frequency:.6g} Hz", f"{line.amplitude:.6g} N") for line in lines)
-    return (Step("hum", parameters, f"hum taken off the force: {listed}"),)
+    return (Step("hum", parameters, f"hum taken off the force: {lines_text}"),)
 
 
 def _find_strongest_line(power: FloatArray, first: int) -> int | None:
@@ -383,25 +383,27 @@ def _find_strongest_line(power: FloatArray, first: int) -> int | None:
     ordered = np.sort(power[: blocks * _NEIGHBOURS].reshape(blocks, _NEIGHBOURS), axis=1)
     level = ordered[:, _NEIGHBOURS // 2]
     # the median of the power of white noise is ln 2 of its mean
-    about = np.interp(
+    local_level = np.interp(
         np.arange(len(power)), _NEIGHBOURS * (np.arange(blocks) + 0.5), level / np.log(2)
     )
-    above = power / np.maximum(about, 1e-300)
-    above[:first] = 0.0
-    above[-2:] = 0.0
-    at = int(np.argmax(above))
-    return at if above[at] > _STANDS_OUT else None
+    power_ratio = power / np.maximum(local_level, 1e-300)
+    power_ratio[:first] = 0.0
+    power_ratio[-2:] = 0.0
+    at = int(np.argmax(power_ratio))
+    return at if power_ratio[at] > _STANDS_OUT else None
 
 
 def _refine_frequency(rest: FloatArray, step: float, frequency: float) -> float:
     """Return the frequency at which both halves have the same phase."""
-    half = len(rest) // 2
-    taper = _hann(half)
+    half_length = len(rest) // 2
+    taper = _hann(half_length)
     for _ in range(3):
-        first = _transform(taper * rest[:half], step, frequency)
-        second = _transform(taper * rest[half : 2 * half], step, frequency)
-        turn = np.angle(second * np.conj(first) * np.exp(-2j * np.pi * frequency * half * step))
-        frequency += float(turn) / (2 * np.pi * half * step)
+        first = _transform(taper * rest[:half_length], step, frequency)
+        second = _transform(taper * rest[half_length : 2 * half_length], step, frequency)
+        phase_advance = np.angle(
+            second * np.conj(first) * np.exp(-2j * np.pi * frequency * half_length * step)
+        )
+        frequency += float(phase_advance) / (2 * np.pi * half_length * step)
     return float(frequency)
 
 

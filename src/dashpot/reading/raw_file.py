@@ -125,7 +125,7 @@ class RawFile:
 
     @cached_property
     def patience(self) -> TimeBudget:
-        """What reading it may cost in this process."""
+        """Time budget to read it in this process."""
         return TimeBudget(self.size)
 
     @cached_property
@@ -144,8 +144,8 @@ def add_name_to_errors(name: str) -> Iterator[None]:
         yield
     except (ReadError, DataError) as error:
         text = str(error)
-        mark = " " if text.startswith("is not a test") else ": "
-        raise ReadError(f"{name}{mark}{text}") from None
+        separator = " " if text.startswith("is not a test") else ": "
+        raise ReadError(f"{name}{separator}{text}") from None
 
 
 def looks_like_json(head: bytes) -> bool:
@@ -183,23 +183,29 @@ def missing(path: str | Path) -> str:
     """Say that a file or folder is not there, and what is that may be meant."""
     from difflib import get_close_matches  # few need it, and it costs time to import
 
-    place = Path(path)
-    above = next((parent for parent in reversed(place.parents) if not parent.is_dir()), None)
-    if above is not None:
-        return f"{place}: there is no folder {above}. Check the path."
+    missing_path = Path(path)
+    missing_parent = next(
+        (parent for parent in reversed(missing_path.parents) if not parent.is_dir()), None
+    )
+    if missing_parent is not None:
+        return f"{missing_path}: there is no folder {missing_parent}. Check the path."
     try:
-        with os.scandir(place.parent) as result:
+        with os.scandir(missing_path.parent) as result:
             extras = [entry.name for entry in islice(result, _BESIDE) if entry.name[:1] != "."]
     except OSError:
         extras = []
-    folded = {name.casefold(): name for name in extras}
-    near = get_close_matches(place.name.casefold(), folded, 1)
-    meant = (
-        f"Did you mean {escape_terminal_text(str(place.with_name(folded[near[0]])))}?"
-        if near
+    names_by_lower_case = {name.casefold(): name for name in extras}
+    close_names = get_close_matches(missing_path.name.casefold(), names_by_lower_case, 1)
+    suggestion = (
+        "Did you mean "
+        f"{escape_terminal_text(str(missing_path.with_name(names_by_lower_case[close_names[0]])))}?"
+        if close_names
         else ""
     )
-    return f"{place}: there is no such file or folder. {meant or 'Give one that is there.'}"
+    return (
+        f"{missing_path}: there is no such file or folder. "
+        f"{suggestion or 'Give one that is there.'}"
+    )
 
 
 def _open_path(path: Path) -> RawFile:
@@ -208,8 +214,8 @@ def _open_path(path: Path) -> RawFile:
     if stat.S_ISFIFO(mode):  # it has no path to be opened again
         return RawFile(name, None, _fifo(path, (status.st_dev, status.st_ino)))
     if not stat.S_ISREG(mode):
-        what = "folder" if stat.S_ISDIR(mode) else "socket" if stat.S_ISSOCK(mode) else "device"
-        raise ReadError(f"{path} is a {what}; give the file to read")
+        noun = "folder" if stat.S_ISDIR(mode) else "socket" if stat.S_ISSOCK(mode) else "device"
+        raise ReadError(f"{path} is a {noun}; give the file to read")
     _keep_what_is_freed()
     with path.open("rb") as stream:
         return RawFile(name, path, b"" if status.st_size >= _MAX_IN_MEMORY else stream.read())
@@ -227,13 +233,13 @@ def _keep_what_is_freed() -> None:
 
 @lru_cache(maxsize=1)
 def _stdin(stream: BinaryIO) -> bytes:
-    """What stdin holds; kept, for a pipe can be read only once and a file is looked at twice."""
+    """Return the bytes of stdin; kept, for a pipe can be read only once."""
     return _read_pipe(stream, "stdin")
 
 
 @lru_cache(maxsize=8)
 def _fifo(path: Path, _one: tuple[int, int]) -> bytes:
-    """What another pipe holds, kept as long as that one is there; its writer may never come."""
+    """Return the bytes of a pipe, kept while it exists; its writer may never come."""
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     os.set_blocking(descriptor, True)
     with os.fdopen(descriptor, "rb") as stream:
@@ -269,7 +275,7 @@ def _next_block(stream: BinaryIO, name: str) -> bytes:
     return block
 
 
-def extra(module: str, package: str, what: str) -> Any:
+def extra(module: str, package: str, subject: str) -> Any:
     """Return an optional package's module, imported when a file needs it.
 
     Raises
@@ -281,4 +287,6 @@ def extra(module: str, package: str, what: str) -> Any:
         return import_module(module)
     except ImportError:
         advice = find_handler("install command", "extra")("io")
-        raise ReadError(f"{what} need the package {package}; install it with: {advice}") from None
+        raise ReadError(
+            f"{subject} need the package {package}; install it with: {advice}"
+        ) from None

@@ -49,14 +49,18 @@ def _unit_words(units: Sequence[tuple[str, str]]) -> list[str]:
     return [f"{name}={unit}" for name, unit in units]
 
 
-def _mark_words(mark: str) -> list[str]:
-    return [{"\t": "tab", " ": "space"}.get(mark, mark)]
+def _mark_words(delimiter: str) -> list[str]:
+    return [{"\t": "tab", " ": "space"}.get(delimiter, delimiter)]
 
 
-def _column(message: str, **how: Any) -> Any:
+def _column(message: str, **field_options: Any) -> Any:
     """Return the field that names the column of a role: ``--column ROLE=NAME``."""
     return option(
-        () if "multiple" in how else None, message, under="column", section="columns", **how
+        () if "multiple" in field_options else None,
+        message,
+        under="column",
+        section="columns",
+        **field_options,
     )
 
 
@@ -254,9 +258,9 @@ class ReadOptions:
         ('hammer', 'F')
         """
         options = replace(self, own=()) if self.own else self
-        for glob, more in self.own:
+        for glob, own_options in self.own:
             if Path(path).match(glob) or str(path) == glob:
-                options = more.with_defaults(options)
+                options = own_options.with_defaults(options)
         return options
 
     @property
@@ -274,19 +278,19 @@ class ReadOptions:
     def with_defaults(self, profile: ReadOptions) -> ReadOptions:
         """These options, and the profile's wherever these say nothing."""
         default = ReadOptions()
-        stated = {
+        given_fields = {
             field.name: getattr(self, field.name)
             for field in fields(self)
             if getattr(self, field.name) != getattr(default, field.name)
         }
-        stated["units"] = {**dict(profile.units), **dict(self.units)}
-        stated["own"] = (*profile.own, *self.own)
-        return replace(profile, **stated)
+        given_fields["units"] = {**dict(profile.units), **dict(self.units)}
+        given_fields["own"] = (*profile.own, *self.own)
+        return replace(profile, **given_fields)
 
     def select_fields(self, names: Sequence[str]) -> ReadOptions:
         """These fields of what is for all files, all else as if it had not been said."""
-        retained = {name: getattr(self, name) for name in names if name != "own"}
-        return ReadOptions(**retained, own=self.own)
+        selected_fields = {name: getattr(self, name) for name in names if name != "own"}
+        return ReadOptions(**selected_fields, own=self.own)
 
     def drop_fields(self, names: Sequence[str]) -> ReadOptions:
         """Return all but these fields."""
@@ -317,7 +321,7 @@ _HEAD: Mapping[str, tuple[Dimension, str]] = {
 }  # fmt: skip
 """Quantities at the head of a profile: their dimension and SI unit."""
 PROFILE = frozenset({*_HEAD, "units", *filter(None, _SECTIONS)})
-"""What stands in a profile: its tables, and the quantities at its head."""
+"""Keys of a profile: its tables, and the quantities at its head."""
 _ASKED = {field.name: field.metadata for field in iterate_option_fields(ReadOptions)}
 _ALSO = {"hammer": "force", "complex_modulus": "magnitude", "loss_angle": "phase"}
 """Roles whose unit may be given by another's name."""
@@ -339,10 +343,10 @@ def flag(name: str) -> str:
 def _validate_encoding(word: str) -> None:
     """Raise where an encoding does not turn bytes into text, as zlib and punycode do not."""
     try:
-        reads = "a;1,5".encode(word).decode(word) == "a;1,5"
+        is_ascii_like = "a;1,5".encode(word).decode(word) == "a;1,5"
     except (LookupError, ValueError):
-        reads = False
-    if not reads or codecs.lookup(word).name in _NO_TEXT:
+        is_ascii_like = False
+    if not is_ascii_like or codecs.lookup(word).name in _NO_TEXT:
         raise DataError(
             f"encoding '{word}' is unknown; give --text-format encoding=utf-8, utf-16, cp1252, "
             "cp1250 or gb18030"
@@ -350,18 +354,18 @@ def _validate_encoding(word: str) -> None:
 
 
 def _delimiter(word: str | None) -> str | None:
-    mark = word and DELIMITERS.get(word.lower(), word)
-    if mark is not None and len(mark) != 1 and mark != "fixed":
+    delimiter = word and DELIMITERS.get(word.lower(), word)
+    if delimiter is not None and len(delimiter) != 1 and delimiter != "fixed":
         words = ", ".join(DELIMITERS)
         raise DataError(f"delimiter '{word}'; expected one character or {words}")
-    return mark
+    return delimiter
 
 
 def _decimal(word: str | None) -> str | None:
-    mark = word and _DECIMALS.get(word.lower(), word)
-    if mark not in {".", ",", None}:
+    decimal_mark = word and _DECIMALS.get(word.lower(), word)
+    if decimal_mark not in {".", ",", None}:
         raise DataError(f"decimal mark '{word}'; expected '.' or ','")
-    return mark
+    return decimal_mark
 
 
 def dump_profile(options: ReadOptions) -> str:
@@ -381,14 +385,14 @@ def dump_profile(options: ReadOptions) -> str:
     default = ReadOptions()
     lines = ["# dashpot reading profile"]
     for section, names in sorted(_SECTIONS.items()):
-        stated = [
+        toml_lines = [
             line
             for name in names
             if getattr(options, name) != getattr(default, name)
             for line in _lines(name, getattr(options, name))
         ]
         head = ["", f"[{section}]"] if section else []
-        lines += [*head, *stated] if stated else []
+        lines += [*head, *toml_lines] if toml_lines else []
     return "\n".join(lines) + "\n"
 
 
@@ -424,21 +428,21 @@ def load_profile(path: str | Path) -> ReadOptions:
 
 
 def _from_toml(content: dict[str, Any]) -> ReadOptions:
-    stated: dict[str, Any] = {}
+    read_options: dict[str, Any] = {}
     for section, entries in content.items():
         if section in _HEAD:
-            provided = isinstance(entries, str)
-            stated[section] = (
-                parse_quantity(entries, _HEAD[section][0]) if provided else float(entries)
+            is_text = isinstance(entries, str)
+            read_options[section] = (
+                parse_quantity(entries, _HEAD[section][0]) if is_text else float(entries)
             )
         elif section == "units":
-            stated["units"] = {str(name): str(unit) for name, unit in entries.items()}
+            read_options["units"] = {str(name): str(unit) for name, unit in entries.items()}
         elif section in _SECTIONS:
-            stated |= {name: _option(section, name, value) for name, value in entries.items()}
+            read_options |= {name: _option(section, name, value) for name, value in entries.items()}
         else:
             text = ", ".join(sorted(PROFILE))
             raise DataError(f"'{section}' is unknown in a profile; known are {text}")
-    return ReadOptions(**stated)
+    return ReadOptions(**read_options)
 
 
 def _option(section: str, name: str, value: Any) -> Any:

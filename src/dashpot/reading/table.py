@@ -13,7 +13,7 @@ if TYPE_CHECKING:  # a child that reads workbooks needs no numbers, and is there
 
 Content: TypeAlias = Literal["number", "clock", "text", "blank"]
 SEGMENT = "--file-part segment=NUMBER"
-"""What answers which of several FRFs in a file is meant."""
+"""Option that selects one of several FRFs in a file."""
 
 
 @dataclass(frozen=True)
@@ -113,9 +113,9 @@ class FileTable:
     notes: tuple[str, ...] = ()
     simulated: bool = False
     doubts: tuple[Question, ...] = ()
-    """What must be answered before the numbers can be trusted."""
+    """Questions to answer before the numbers can be trusted."""
     hints: tuple[str, ...] = ()
-    """What the file says about a sampling rate, for when it has no time."""
+    """Hints of the file at a sampling rate, if it has no time."""
     large: bool = False
     """Whether columns are read when they are asked for, as all of them may not fit in memory."""
 

@@ -89,8 +89,8 @@ class Section:
             )
         for name in self.entries:
             if name not in self.known_names:
-                listed = ", ".join(self.known_names)
-                raise ReadError(f"{self.where}: '{name}' is unknown; known are {listed}")
+                names_text = ", ".join(self.known_names)
+                raise ReadError(f"{self.where}: '{name}' is unknown; known are {names_text}")
 
     def __contains__(self, name: str) -> bool:
         return name in self.entries
@@ -136,8 +136,8 @@ class Section:
         value = self.entries.get(name)
         if value is None:
             return None
-        plain = isinstance(value, list) and len(value) == 3
-        if not plain or not all(_is_number(item) for item in value) or not any(value):
+        is_vector = isinstance(value, list) and len(value) == 3
+        if not is_vector or not all(_is_number(item) for item in value) or not any(value):
             raise ReadError(
                 f"{self.where}: {name} = {value!r}; expected a direction, three numbers such as "
                 "[0, 0, 1]"

@@ -59,8 +59,8 @@ def write_relaxation(
     head = ["time [s]", "displacement [mm]", "force [N]"]
     columns = [test.time, convert_to_unit(test.displacement, "mm"), test.force]
     source = () if test.source is None else (test.source,)
-    above = [*_add_simulated_stamp(source, comments), *describe_temperature(test.specimen)]
-    return save_text(format_table(above, head, columns), path)
+    comment_lines = [*_add_simulated_stamp(source, comments), *describe_temperature(test.specimen)]
+    return save_text(format_table(comment_lines, head, columns), path)
 
 
 def write_trajectory(
@@ -106,9 +106,9 @@ def write_impact(
     ]
     parts = []
     for number, record in enumerate(test.records()):
-        above = [f"record: {number + 1}"] if number else _add_simulated_stamp(test.source, comments)
+        notes = [f"record: {number + 1}"] if number else _add_simulated_stamp(test.source, comments)
         columns = [test.time[record], test.force[record], *test.acceleration[:, record]]
-        parts.append(format_table(above, head, columns))
+        parts.append(format_table(notes, head, columns))
     return save_text("".join(parts), path)
 
 
@@ -119,7 +119,7 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
     averages; the columns are frequency, real and imaginary part, magnitude, phase, and the
     coherence and standard deviation where the FRF has them.
     """
-    above = [
+    comment_lines = [
         byline("frequency response function"),
         *_add_simulated_stamp(frf.source, comments),
         f"kind: {frf.quantity.value}",
@@ -130,7 +130,7 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
         *(f"made from: sha256 {origin}" for origin in sorted(find_origins(frf.source))),
     ]
     unit = frf.unit
-    named: list[tuple[str, FloatArray]] = [
+    named_columns: list[tuple[str, FloatArray]] = [
         ("frequency [Hz]", frf.frequency),
         (f"real [{unit}]", frf.value.real),
         (f"imaginary [{unit}]", frf.value.imag),
@@ -138,10 +138,12 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
         ("phase [deg]", np.degrees(np.angle(frf.value))),
     ]
     if frf.coherence is not None:
-        named.append(("coherence [1]", frf.coherence))
+        named_columns.append(("coherence [1]", frf.coherence))
     if frf.sd is not None:
-        named.append((f"sd [{unit}]", frf.sd))
-    text = format_table(above, [name for name, _ in named], [values for _, values in named])
+        named_columns.append((f"sd [{unit}]", frf.sd))
+    text = format_table(
+        comment_lines, [name for name, _ in named_columns], [values for _, values in named_columns]
+    )
     return save_text(text, path)
 
 
@@ -152,9 +154,9 @@ def _format_channel_name(name: str) -> str:
 
 def _add_simulated_stamp(sources: Iterable[Source], comments: Sequence[str]) -> list[str]:
     """Return the comments, under the stamp of what was simulated unless one carries it already."""
-    stamp = "simulated" if any(source.simulated for source in sources) else ""
-    stated = any(stamp in comment.casefold() for comment in comments)
-    return [*([] if stated or not stamp else [stamp]), *comments]
+    origin_word = "simulated" if any(source.simulated for source in sources) else ""
+    is_stated = any(origin_word in comment.casefold() for comment in comments)
+    return [*([] if is_stated or not origin_word else [origin_word]), *comments]
 
 
 def describe_temperature(specimen: Specimen) -> list[str]:
@@ -162,9 +164,11 @@ def describe_temperature(specimen: Specimen) -> list[str]:
     return [] if specimen.temperature is None else [temperature_line(specimen.temperature)]
 
 
-def format_table(above: Sequence[str], head: Sequence[str], columns: Sequence[FloatArray]) -> str:
+def format_table(
+    comment_lines: Sequence[str], head: Sequence[str], columns: Sequence[FloatArray]
+) -> str:
     """Return comments, names and columns as the text of a table."""
-    lines = [f"# {format_csv_comment(line)}" for line in above]
+    lines = [f"# {format_csv_comment(line)}" for line in comment_lines]
     lines.append(",".join(head))
     # repr is the shortest text that reads back as the same number
     cells = [map(repr, np.asarray(column, dtype=float).tolist()) for column in columns]

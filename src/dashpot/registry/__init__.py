@@ -157,7 +157,7 @@ for _extension in EXTENSIONS:
 FIGURES = {
     name: figure for kind in KINDS.values() for name, figure in kind.classes.items()
 } | _HANDLERS.get("figure", {})
-"""What draws each record and result."""
+"""Figure of each record and result."""
 
 _PAGES = {
     name: page for kind in KINDS.values() for name, page in kind.pages.items()

@@ -43,7 +43,7 @@ _PLUGGED: Mapping[str, tuple[Any, str, str, str]] = {
     "kinds": (KindOfTest, "fits", rf"{_MODULE}:\w+", "package.module:function"),
     "solver_inputs": (SolverInput, "module", _MODULE, "package.module"),
 }
-"""What a row of plain data may hold: the field of each beside its name, and its pattern."""
+"""Fields of a row of plain data, with their patterns."""
 
 
 @dataclass(frozen=True)
@@ -73,12 +73,12 @@ class Plugin(Serialisable):
 
     @property
     def full_label(self) -> str:
-        """Its name and who brings it, as a reader is named: ``"labkit (labkit 0.1.0)"``."""
+        """Name with the package that brings it, as for a reader: ``"labkit (labkit 0.1.0)"``."""
         return f"{self.name} ({self.package_version})"
 
     @property
     def label(self) -> str:
-        """How an error names it."""
+        """Name in an error message."""
         return f"the plug-in '{self.name}' of {self.package_version}"
 
     def load(self) -> Any:
@@ -145,23 +145,23 @@ def read_plugins() -> Installed:
         return Installed(())
     from importlib.metadata import distributions  # it costs more than all that the scan does
 
-    found: dict[tuple[str, str], tuple[Plugin, ...]] = {}
-    refused = []
+    plugins_by_key: dict[tuple[str, str], tuple[Plugin, ...]] = {}
+    refusals = []
     for distribution in distributions():
         for entry in distribution.entry_points.select(group=ENTRY_POINTS):
             package, version = distribution.name, distribution.version
-            if (package, entry.name) in found:
+            if (package, entry.name) in plugins_by_key:
                 continue  # the first on the path is the one that is imported
-            found[package, entry.name] = ()
+            plugins_by_key[package, entry.name] = ()
             try:
                 row = _read_row(entry.value)
             except (ValueError, OSError, ImportError) as error:
-                refused.append(
+                refusals.append(
                     f"{package} {version} is not used: {format_plain_line(str(error))}. "
                     f"Ask who maintains {package}"
                 )
                 continue
-            found[package, entry.name] = (
+            plugins_by_key[package, entry.name] = (
                 *(Plugin("formats", i.name, i.module, package, version) for i in row.formats),
                 *(Plugin("kinds", i.name, i.fits, package, version) for i in row.kinds),
                 *(
@@ -169,9 +169,9 @@ def read_plugins() -> Installed:
                     for i in row.solver_inputs
                 ),
             )
-    plugins = [plugin for plugins in found.values() for plugin in plugins]
+    plugins = [plugin for plugins in plugins_by_key.values() for plugin in plugins]
     plugins.sort(key=lambda plugin: (plugin.group, plugin.name, plugin.package))
-    return Installed(tuple(plugins), tuple(refused) or None)
+    return Installed(tuple(plugins), tuple(refusals) or None)
 
 
 def _read_row(package: str) -> Extension:
@@ -248,8 +248,8 @@ def _list_plugins(group: Group) -> list[Plugin]:
 def format_plugin_names(group: Group) -> str:
     """Return the names of a group, and what is refused, as the end of an error's sentence."""
     names = ", ".join(plugin.name for plugin in _list_plugins(group))
-    refused = "".join(f" {sentence}." for sentence in read_plugins().refused or ())
-    return (f" By plug-ins: {names}." if names else "") + refused
+    refusals_text = "".join(f" {sentence}." for sentence in read_plugins().refused or ())
+    return (f" By plug-ins: {names}." if names else "") + refusals_text
 
 
 def require_plugin(group: Group, name: str) -> Plugin:
@@ -262,9 +262,11 @@ def require_plugin(group: Group, name: str) -> Plugin:
     """
     plugin = find_plugin(group, name)
     if plugin is None:
-        off = os.environ.get(SWITCH) == NO_PLUGINS
+        is_switched_off = os.environ.get(SWITCH) == NO_PLUGINS
         text = format_plugin_names(group) or (
-            " Plug-ins are off here." if off else " To see them: dashpot inspect --plugins."
+            " Plug-ins are off here."
+            if is_switched_off
+            else " To see them: dashpot inspect --plugins."
         )
         raise ReadError(f"no plug-in brings the {group[:-1]} '{escape_terminal_text(name)}'.{text}")
     return plugin

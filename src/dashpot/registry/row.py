@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 Place: TypeAlias = Literal[
     "", "test", "hammer", "response", "base", "bench", "level", "judged", "part"
 ]
-"""Where the app takes a kind."""
+"""Place of a kind in the app."""
 
 _NONE: Mapping[str, Any] = MappingProxyType({})
 

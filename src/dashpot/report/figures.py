@@ -20,7 +20,7 @@ LOW = 172.0
 """Height of the first figure where the numbers must stand beneath it on one screen or sheet, px."""
 
 _GUTTER, _FEW = 24.0, 2
-"""Between strips, px; small multiples that stand beside each other on a phone."""
+"""Gap between strips, px; number of small multiples side by side on a phone."""
 
 LEAD, HALF = 728.0, 590.0
 """Widths of the figure on the first screen, and of one that stands beside words, px."""
@@ -73,45 +73,45 @@ def render_figure(
     columns = min(picture.columns, len(picture.strips))
     number = width or min(picture.width, (PAGE - 24 * (columns - 1)) / columns)
 
-    full = tuple(count for count, row in picture.strip_rows for _ in row)
+    panel_counts = tuple(count for count, row in picture.strip_rows for _ in row)
 
-    def strips(value: float, kind: str, most: float = math.inf) -> tuple[str, ...]:
-        across = PHONE if kind == "narrow" else value * columns + _GUTTER * (columns - 1)
+    def strips(value: float, kind: str, max_height: float = math.inf) -> tuple[str, ...]:
+        total_width = PHONE if kind == "narrow" else value * columns + _GUTTER * (columns - 1)
         names = []
-        for i, (panels, count) in enumerate(zip(picture.strips, full, strict=True)):
+        for i, (panels, count) in enumerate(zip(picture.strips, panel_counts, strict=True)):
             index = count if kind == "wide" else min(count, _FEW) if count > _FEW else 1
-            ratio = (across - _GUTTER * (index - 1)) / index if picture.rows else value
-            shown = _scale_to_height(panels, most)
-            names.append(strip(shown, name=f"{name}-{kind}-{i}", width=ratio, kind=kind))
+            ratio = (total_width - _GUTTER * (index - 1)) / index if picture.rows else value
+            scaled_panels = _scale_to_height(panels, max_height)
+            names.append(strip(scaled_panels, name=f"{name}-{kind}-{i}", width=ratio, kind=kind))
         return tuple(names)
 
     key = tuple(
         (swatch(mark, name=f"{name}-key{i}"), mark.label) for i, mark in enumerate(picture.key)
     )
     on_paper = min(columns, 3)
-    most, sheet = low or math.inf, (PAPER - 24 * (on_paper - 1)) / on_paper
+    max_height, sheet = low or math.inf, (PAPER - 24 * (on_paper - 1)) / on_paper
     small = (PHONE - 16 * (phone - 1)) / phone
-    paper = strips(sheet, "paper", most) if low or columns > 2 else ()
-    versions = strips(number, "wide"), strips(small, "narrow", most), paper
-    rows = full if picture.rows else ()
+    paper = strips(sheet, "paper", max_height) if low or columns > 2 else ()
+    versions = strips(number, "wide"), strips(small, "narrow", max_height), paper
+    rows = panel_counts if picture.rows else ()
     return RenderedFigure(name, picture.caption, picture.stamp, *versions, key, columns, rows)
 
 
-def _scale_to_height(panels: tuple[Panel, ...], most: float) -> tuple[Panel, ...]:
+def _scale_to_height(panels: tuple[Panel, ...], max_height: float) -> tuple[Panel, ...]:
     """Panels no higher than that together, px."""
-    share = min(1.0, most / sum(panel.height for panel in panels))
+    share = min(1.0, max_height / sum(panel.height for panel in panels))
     return tuple(replace(panel, height=share * panel.height) for panel in panels)
 
 
 def figures_of(study: Study) -> dict[str, RenderedFigure]:
     """Return every figure that this study can fill, by name; "lead" is that of the first screen."""
-    every = (*_make_relaxation_pictures(study), *_make_vibration_pictures(study))
+    all_pictures = (*_make_relaxation_pictures(study), *_make_vibration_pictures(study))
     figures = {
         picture.name: render_figure(
             replace(picture, stamp=stamp(study)),
             width=HALF if picture.name in BESIDE_WORDS else None,
         )
-        for picture in every
+        for picture in all_pictures
     }
     return figures | {"lead": render_figure(replace(lead(study), name="lead"), width=LEAD, low=LOW)}
 
@@ -184,11 +184,11 @@ def _make_vibration_pictures(study: Study) -> Iterator[plot.Picture]:
         yield plot.comparison(
             c, joint=joint, failed=_has_failed_joint_fit(study), band=study.frf_band
         )
-        after = () if joint is None else (joint.predicted,)
+        after_fit = () if joint is None else (joint.predicted,)
         name = joint_pen(failed=_has_failed_joint_fit(study))[1]
         labels = ("measured", "predicted", name)
         yield plot.nyquist(
-            c.measured, c.predicted, *after, labels=labels, failed=_has_failed_joint_fit(study)
+            c.measured, c.predicted, *after_fit, labels=labels, failed=_has_failed_joint_fit(study)
         )
     elif study.measured is not None:
         yield plot.frf(study.measured, labels=("measured",))

@@ -40,13 +40,13 @@ from dashpot.workflow.study import Study
 NOT_GIVEN, NBSP = "not given", "\N{NO-BREAK SPACE}"
 
 GRADE_MARKS = {"stop": "bad", "limit": "care", "note": "note"}
-"""How a failed check of each grade looks."""
+"""Class of a failed check by its grade."""
 
 ORDER = ("good", "note", "care", "bad")
 
 
 class Light(NamedTuple):
-    """One of the three lights of the first screen: its mark and a short text."""
+    """One of the three indicators of the first screen: its mark and a short text."""
 
     name: str
     mark: str
@@ -69,12 +69,12 @@ def header(study: Study) -> tuple[tuple[str, str], ...]:
     """Return the header: specimen, files, operator, date and conditions."""
     specimen = study.prepared.specimen
     length = "" if specimen.length is None else f"{format_with_error(specimen.length, 'mm')} long"
-    what = ", ".join(part for part in (specimen.name, length) if part)
+    specimen_text = ", ".join(part for part in (specimen.name, length) if part)
     kelvin = specimen.temperature
     mass = "" if study.mass is None else format_with_error(study.mass, "g", digits=4)
     inferred = " (found from the FRF)" if study.mass_inferred else ""
     rows = (
-        ("Specimen", what),
+        ("Specimen", specimen_text),
         ("Lot", specimen.lot),
         ("Operator", specimen.operator),
         ("Date", specimen.date),
@@ -91,8 +91,8 @@ def header(study: Study) -> tuple[tuple[str, str], ...]:
 
 def mark_of(checks: Iterable[Check]) -> str:
     """Return the mark of the gravest check that failed: bad, care, note; good if none did."""
-    marks = [GRADE_MARKS[check.grade] for check in checks if check.failed]
-    return max(marks, key=ORDER.index, default="good")
+    grade_marks = [GRADE_MARKS[check.grade] for check in checks if check.failed]
+    return max(grade_marks, key=ORDER.index, default="good")
 
 
 def tally(checks: Iterable[Check], verdict_checks: Collection[Check]) -> tuple[str, str]:
@@ -100,16 +100,16 @@ def tally(checks: Iterable[Check], verdict_checks: Collection[Check]) -> tuple[s
 
     What the verdict does not weigh, for the joint fit has mended it, is a note.
     """
-    judged = [check for check in checks if check.passed is not None]
-    if not judged:
+    checks_with_result = [check for check in checks if check.passed is not None]
+    if not checks_with_result:
         return "note", "not applicable"
-    failed = [check for check in judged if check.failed]
+    failed = [check for check in checks_with_result if check.failed]
     notes = sum(check.grade == "note" for check in failed)
-    text = f"{len(judged) - len(failed)} of {len(judged)}"
+    text = f"{len(checks_with_result) - len(failed)} of {len(checks_with_result)}"
     if notes and notes == len(failed):
         text += f", {format_count(notes, 'note')}"
-    mark = mark_of(check for check in judged if check in verdict_checks)
-    return ("note" if failed and mark == "good" else mark), text
+    class_name = mark_of(check for check in checks_with_result if check in verdict_checks)
+    return ("note" if failed and class_name == "good" else class_name), text
 
 
 def make_study_indicators(
@@ -149,23 +149,31 @@ def _make_stiffness_light(
     checks = [check for check in comparison.checks if check.name == "stiffness_agrees"]
     if recommendation.joint and study.joint is not None:
         checks += [check for check in study.joint.checks if check.name in _STIFFNESS_CHECKS]
-    mark = mark_of(checks)
-    seen = _compare_storage_at_peak(study, recommendation)
-    if seen is None:
+    class_name = mark_of(checks)
+    storage_comparison = _compare_storage_at_peak(study, recommendation)
+    if storage_comparison is None:
         text = f"{percent(comparison.frequency_error)} in frequency"
     else:
-        off = max(seen.off, default=0.0)
-        worst = "bad" if off > 2 * STORAGE_LIMIT else "care" if off > 0 else "good"
-        mark = max(mark, worst, key=ORDER.index)
-        model, hammer, *ends = (
+        excess = max(storage_comparison.off, default=0.0)
+        worst = "bad" if excess > 2 * STORAGE_LIMIT else "care" if excess > 0 else "good"
+        class_name = max(class_name, worst, key=ORDER.index)
+        model, hammer, *limit_texts = (
             round_to_error(convert_to_unit(value, "N/mm"), digits=3)
-            for value in (seen.model, seen.hammer, *seen.test)
+            for value in (
+                storage_comparison.model,
+                storage_comparison.hammer,
+                *storage_comparison.test,
+            )
         )
         other = (
-            f"test {' to '.join(ends)}" if max(seen.off[1:], default=0.0) else f"hammer {hammer}"
+            f"test {' to '.join(limit_texts)}"
+            if max(storage_comparison.off[1:], default=0.0)
+            else f"hammer {hammer}"
         )
         text = f"K\N{PRIME}{NBSP}{model}, {other}{NBSP}N/mm"
-    return Light("Stiffness", mark, f"{'agrees' if mark in _PASSED_MARKS else 'misses'}, {text}")
+    return Light(
+        "Stiffness", class_name, f"{'agrees' if class_name in _PASSED_MARKS else 'misses'}, {text}"
+    )
 
 
 _STIFFNESS_CHECKS = {"tests_agree", "stiffness_plausible", "mass_plausible"}
@@ -198,23 +206,27 @@ def _compare_storage_at_peak(study: Study, recommendation: Recommendation) -> _S
     model = (
         get_hammer_stiffness_factor(solid) * factor * float(solid.solid.storage(frequency=hertz))
     )
-    near = STORAGE_LIMIT * abs(hammer)
-    off = [_compute_excess(model, hammer - max(error, near), hammer + max(error, near))]
+    tolerance = STORAGE_LIMIT * abs(hammer)
+    excesses = [
+        _compute_excess(model, hammer - max(error, tolerance), hammer + max(error, tolerance))
+    ]
     test: tuple[float, ...] = ()
-    wide = study.unmeasured
+    bounds = study.unmeasured
     if (
         recommendation.joint
-        and wide is not None
-        and wide.frequency[0] <= hertz <= wide.frequency[-1]
+        and bounds is not None
+        and bounds.frequency[0] <= hertz <= bounds.frequency[-1]
     ):
-        rests = 1.0 if study.static_equilibrium is None else study.static_equilibrium.point.factor
-        test = low, high = tuple(
-            rests * float(np.interp(np.log(hertz), np.log(wide.frequency), edge))
-            for edge in wide.storage
+        rest_factor = (
+            1.0 if study.static_equilibrium is None else study.static_equilibrium.point.factor
         )
-        off.append(_compute_excess(hammer, low - error, high + error))
-        off.append(_compute_excess(model, low - error, high + error))
-    return _StorageAtPeak(model, hammer, tuple(off), test)
+        test = low, high = tuple(
+            rest_factor * float(np.interp(np.log(hertz), np.log(bounds.frequency), edge))
+            for edge in bounds.storage
+        )
+        excesses.append(_compute_excess(hammer, low - error, high + error))
+        excesses.append(_compute_excess(model, low - error, high + error))
+    return _StorageAtPeak(model, hammer, tuple(excesses), test)
 
 
 def _compute_excess(value: float, low: float, high: float) -> float:
@@ -224,15 +236,15 @@ def _compute_excess(value: float, low: float, high: float) -> float:
 
 def test_light(checks: Iterable[Check]) -> Light:
     """Return the light of a test by its checks."""
-    mark = mark_of(checks)
+    class_name = mark_of(checks)
     message = {"good": "valid", "note": "valid, with notes", "care": "limited", "bad": "not valid"}
-    return Light("Test", mark, message[mark])
+    return Light("Test", class_name, message[class_name])
 
 
 def _make_light(name: str, comparison: Comparison, requested: set[str], difference: str) -> Light:
-    mark = mark_of(check for check in comparison.checks if check.name in requested)
-    text = "agrees" if mark in {"good", "note"} else "misses"
-    return Light(name, mark, f"{text}, {difference}")
+    class_name = mark_of(check for check in comparison.checks if check.name in requested)
+    text = "agrees" if class_name in {"good", "note"} else "misses"
+    return Light(name, class_name, f"{text}, {difference}")
 
 
 # -- numbers --------------------------------------------------------------------------------------
@@ -289,14 +301,14 @@ def _format_row(value: RecommendedValue) -> Row:
 
 
 def _format_name(value: RecommendedValue) -> str:
-    where = "" if value.at is None else f"{round_to_error(value.at)}{NBSP}Hz"
+    frequency_text = "" if value.at is None else f"{round_to_error(value.at)}{NBSP}Hz"
     return {
         "frequency": "Peak frequency",
         "damping": "Damping ratio",
         "peak": "Peak height",
         "end of hold": f"Stiffness at end of hold, {_format_hold_time(value.at or 0.0)}",
-        "dynamic stiffness": f"Dynamic stiffness, {where}",
-        "loss factor": f"Loss factor, {where}",
+        "dynamic stiffness": f"Dynamic stiffness, {frequency_text}",
+        "loss factor": f"Loss factor, {frequency_text}",
     }[value.quantity]
 
 
@@ -315,21 +327,24 @@ def files(
     if study.joint is not None:
         fits["joint.json"] = (study.joint, "the joint model")
     name = "joint.json" if recommendation.joint else "fit.json"
-    solid, about = fits.pop(name)
+    solid, description = fits.pop(name)
     label = "Download this model" if recommendation.recommended else "Download anyway"
     attached = [
         _attach_json(
-            name, label, about if recommendation.recommended else f"DO NOT USE: {about}", solid
+            name,
+            label,
+            description if recommendation.recommended else f"DO NOT USE: {description}",
+            solid,
         )
     ]
     attached += page_frame.attach_decks(made_decks, name)
     if study.comparison is not None:
         lines = _format_frf_csv(study.comparison, study.joint_comparison)
-        about = "measured and predicted accelerance, line by line"
-        attached.append(attachment("frf.csv", "frf.csv", about, "text/csv", lines))
+        description = "measured and predicted accelerance, line by line"
+        attached.append(attachment("frf.csv", "frf.csv", description, "text/csv", lines))
     return (
         *attached,
-        *(_attach_json(name, name, about, fit) for name, (fit, about) in fits.items()),
+        *(_attach_json(name, name, description, fit) for name, (fit, description) in fits.items()),
     )
 
 
@@ -353,9 +368,9 @@ def about_decks(recommendation: Recommendation, made_decks: Sequence[AttachedDec
     )
 
 
-def _attach_json(name: str, label: str, about: str, result: object) -> Attachment:
-    about += ", SI units, full precision"
-    return attachment(name, label, about, "application/json", to_json(result))
+def _attach_json(name: str, label: str, description: str, result: object) -> Attachment:
+    description += ", SI units, full precision"
+    return attachment(name, label, description, "application/json", to_json(result))
 
 
 def _format_frf_csv(c: Comparison, joint: Comparison | None) -> str:
@@ -415,7 +430,9 @@ def _describe_model(recommendation: Recommendation) -> str:
 
 def _format_k_inf(fit: Fit) -> str:
     """Return k_inf with its upper limit, as text."""
-    cells = next(fact for fact in fit.facts if fact.name == "k_inf").cells
+    cells = next(
+        reported_value for reported_value in fit.facts if reported_value.name == "k_inf"
+    ).cells
     return ", ".join(filter(None, (cells.with_unit, cells.interval)))
 
 
@@ -537,7 +554,7 @@ SUBJECTS = {
 }  # fmt: skip
 
 MOST_WORDS = 100
-"""Of the checks on the first screen: what stands on one page of paper with all the rest."""
+"""Words of the checks on the first screen, which fit one printed page."""
 
 
 class DecisiveCheck(NamedTuple):

@@ -102,9 +102,9 @@ def digest(text: str) -> str:
 
 _SYSTEM = "mm-t-s"
 _SOLVERS = {"nastran": "Nastran", "abaqus": "Abaqus"}
-"""Of the decks that a page holds, and how a link calls them."""
+"""Decks of a page, and the text of their links."""
 _UNSTATED = {"temperature": "temperature", "length": "contact length"}
-"""What a deck should say of its specimen, and does without, marked."""
+"""Data of the specimen that a deck should state; it is marked without."""
 
 
 class DeckSource(Protocol):
@@ -157,9 +157,9 @@ class Attachment(NamedTuple):
     link: str
 
 
-def attachment(name: str, label: str, about: str, kind: str, text: str) -> Attachment:
+def attachment(name: str, label: str, description: str, kind: str, text: str) -> Attachment:
     """Return a text as a file inside the page."""
-    return Attachment(name, label, about, encode_data_uri(kind, text))
+    return Attachment(name, label, description, encode_data_uri(kind, text))
 
 
 class AttachedDeck(NamedTuple):
@@ -181,8 +181,8 @@ class AttachedDeck(NamedTuple):
 def find_terms(result: Fit | NonlinearFit) -> DeckTerms:
     """Return the options of a fit's decks: those of a part, or of a material."""
     material = isinstance(result, Fit) and result.unit == "Pa"
-    wanted = ["temperature"] if material else list(_UNSTATED)
-    unstated = tuple(name for name in wanted if getattr(result.specimen, name) is None)
+    conditions_wanted = ["temperature"] if material else list(_UNSTATED)
+    unstated = tuple(name for name in conditions_wanted if getattr(result.specimen, name) is None)
     return DeckTerms(result.band, {"form": "prony"} if material else {}, unstated)
 
 
@@ -205,14 +205,14 @@ def decks(source: DeckSource, compression: float | None = None) -> tuple[Attache
     """
     if source.verdict.use == "do not use":
         return ()
-    stated: dict[str, Any] = {}
+    given_terms: dict[str, Any] = {}
     options = ["--unit-system", _SYSTEM]
     if compression is not None:
         depth = f"{round(convert_to_unit(compression, 'mm'), 4)}mm"
-        stated["compression"] = depth
+        given_terms["compression"] = depth
         options += ["--compression", depth]
     terms = _terms_of(source)
-    stated |= terms.choices
+    given_terms |= terms.choices
     options += [word for name, value in terms.choices.items() for word in (f"--{name}", value)]
     of_band: dict[str, Any] = {}
     if terms.band and not terms.choices:
@@ -222,11 +222,15 @@ def decks(source: DeckSource, compression: float | None = None) -> tuple[Attache
     for target in _SOLVERS:
         band = of_band if uses_argument(target, "frequency_range") else {}
         try:
-            text = deck_for(target, source, units=_SYSTEM, allow=terms.unstated, **stated, **band)
+            text = deck_for(
+                target, source, units=_SYSTEM, allow=terms.unstated, **given_terms, **band
+            )
         except ExportError:
             continue
-        ends = [word for low, high in band.values() for word in ("--band", f"{low!r}:{high!r}Hz")]
-        attached.append(AttachedDeck(target, text, ("--to", target, *options, *ends)))
+        band_words = [
+            word for low, high in band.values() for word in ("--band", f"{low!r}:{high!r}Hz")
+        ]
+        attached.append(AttachedDeck(target, text, ("--to", target, *options, *band_words)))
     return tuple(attached)
 
 

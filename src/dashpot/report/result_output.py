@@ -39,7 +39,7 @@ _TABLES: dict[type, Callable[..., str]] = {
     ImpactTest: write_impact,
     RelaxationTest: write_relaxation,
 }
-"""What is written as a table that every tool here reads back."""
+"""Writers of tables that every tool here reads back."""
 
 
 def save(result: Any, path: str | Path) -> Path:
@@ -146,12 +146,15 @@ def _(result: FRFComparison) -> Picture:
 def _(result: Inspection) -> Picture:
     names = [f"{column.name or column.number} [{column.unit or '?'}]" for column in result.columns]
     roles = [column.role for column in result.columns]
-    stamp = f"{result.file}{', SIMULATED' * result.simulated}"
-    return plot.columns(names, roles, result.course, stamp=stamp)
+    stamp_text = f"{result.file}{', SIMULATED' * result.simulated}"
+    return plot.columns(names, roles, result.course, stamp=stamp_text)
 
 
 def draw_prediction(
-    prediction: Prediction, *levels: FRF, labels: Sequence[str] = ("predicted",), **how: Any
+    prediction: Prediction,
+    *levels: FRF,
+    labels: Sequence[str] = ("predicted",),
+    **figure_options: Any,
 ) -> Picture:
     """Return the picture of a prediction, and of FRFs at levels."""
     fit, rig = prediction.fit, {"mass": prediction.mass, "seals": prediction.seals}
@@ -163,7 +166,7 @@ def draw_prediction(
         interval=prediction.interval,
         informed=fit.band,
         stamp=plot.stamp(fit.source, fit.specimen, **rig),
-        **how,
+        **figure_options,
     )
 
 

@@ -113,50 +113,59 @@ class KindPage:
     name: str = ""
 
 
-def make_indicators(checks: Iterable[Check], first: Topic, *others: Topic) -> tuple[Light, ...]:
+def make_indicators(
+    checks: Iterable[Check], first: Topic, *other_topics: Topic
+) -> tuple[Light, ...]:
     """One light for each part of what was asked, as bad as the worst of its checks.
 
     What no part names stands behind the first, which is left out beside others where nothing of
     it was judged.
     """
-    every = tuple(dict.fromkeys(checks))
-    alternative = {name for other in others for name in other.checks}
-    local_checks = [check for check in every if check.name not in alternative]
-    behind = [
+    unique_checks = tuple(dict.fromkeys(checks))
+    alternative = {name for other in other_topics for name in other.checks}
+    local_checks = [check for check in unique_checks if check.name not in alternative]
+    checks_by_topic = [
         local_checks,
-        *([check for check in every if check.name in part.checks] for part in others),
+        *([check for check in unique_checks if check.name in part.checks] for part in other_topics),
     ]
-    lit = tuple(map(_light, (first, *others), behind))
-    return lit[1:] if others and all(check.passed is None for check in local_checks) else lit
+    lit = tuple(map(_light, (first, *other_topics), checks_by_topic))
+    return lit[1:] if other_topics and all(check.passed is None for check in local_checks) else lit
 
 
-def _light(part: Topic, behind: Sequence[Check]) -> Light:
-    mark, count = tally(behind, behind)
-    text = part.message if mark in {"good", "note"} else part.fails
-    return Light(part.name, mark, text or format_check_tally(behind).rstrip(".") or count)
+def _light(part: Topic, topic_checks: Sequence[Check]) -> Light:
+    class_name, count = tally(topic_checks, topic_checks)
+    text = part.message if class_name in {"good", "note"} else part.fails
+    return Light(
+        part.name, class_name, text or format_check_tally(topic_checks).rstrip(".") or count
+    )
 
 
-def row(fact: ReportedValue, name: str = "") -> Row:
+def row(reported_value: ReportedValue, name: str = "") -> Row:
     """Return a number as the table has it: value, from, to, unit."""
-    certain = fact.has_interval and fact.error != 0
-    cells = fact.cells
-    value, low, high = fact.cell_texts if certain else (cells.value, "", "")
-    low = UNKNOWN if not fact.has_interval and cells.error == UNKNOWN else low
-    if math.isnan(fact.value):
-        value = "" if fact.is_upper_bound else value
-    return Row(name or fact.symbol, value, low, high, fact.word, "", is_limit=False)
+    has_range = reported_value.has_interval and reported_value.error != 0
+    cells = reported_value.cells
+    value, low, high = reported_value.cell_texts if has_range else (cells.value, "", "")
+    low = UNKNOWN if not reported_value.has_interval and cells.error == UNKNOWN else low
+    if math.isnan(reported_value.value):
+        value = "" if reported_value.is_upper_bound else value
+    return Row(
+        name or reported_value.symbol, value, low, high, reported_value.word, "", is_limit=False
+    )
 
 
-def group(title: str, facts: Iterable[ReportedValue]) -> Group:
+def group(title: str, reported_values: Iterable[ReportedValue]) -> Group:
     """Facts under one heading."""
-    return Group(title, tuple(map(row, facts)))
+    return Group(title, tuple(map(row, reported_values)))
 
 
-def group_by_record(facts: Iterable[ReportedValue]) -> Iterable[Group]:
+def group_by_record(all_values: Iterable[ReportedValue]) -> Iterable[Group]:
     """Facts of the whole, then those of each record, whose names begin with it."""
-    for place, reported_values in groupby(facts, lambda fact: fact.symbol.rpartition(": ")[0]):
+    for record_name, reported_values in groupby(
+        all_values, lambda reported_value: reported_value.symbol.rpartition(": ")[0]
+    ):
         yield Group(
-            place, tuple(row(value, value.symbol.rpartition(": ")[2]) for value in reported_values)
+            record_name,
+            tuple(row(value, value.symbol.rpartition(": ")[2]) for value in reported_values),
         )
 
 
@@ -203,8 +212,8 @@ def kind_page(verdict: Any) -> KindPage:
     if value is not None:
         page: KindPage = value(verdict)
         return page if page.name else replace(page, name=_get_schema_name(verdict.schema))
-    facts = verdict.facts if isinstance(verdict, HasVerdict) else ()
-    if not facts:
+    reported_values = verdict.facts if isinstance(verdict, HasVerdict) else ()
+    if not reported_values:
         raise TypeError(f"a {type(verdict).__name__} has no page")
     picture = verdict.plot()
     return KindPage(
@@ -214,7 +223,7 @@ def kind_page(verdict: Any) -> KindPage:
         figure_title="Measured and fitted",
         picture=picture,
         table_title="What was found",
-        groups=tuple(group_by_record(facts)),
+        groups=tuple(group_by_record(reported_values)),
         sources=sources_behind(verdict),
         name=picture.name,
     )
@@ -262,12 +271,12 @@ def build_page_contents(
     text = text_of(saved)
     sentence = "every number" if saved is result else "the fit, for other commands"
     files = [attachment(document, f"Download {document}", sentence, "application/json", text)]
-    behind = saved if find_handler("deck terms", saved) else None
-    decks = () if behind is None else page_frame.decks(behind)
+    saved_result = saved if find_handler("deck terms", saved) else None
+    decks = () if saved_result is None else page_frame.decks(saved_result)
     files += page_frame.attach_decks(decks, document)
     if saved is not result:
-        whole = text_of(result)
-        files.append(attachment(_ALL, _ALL, "every number", "application/json", whole))
+        result_text = text_of(result)
+        files.append(attachment(_ALL, _ALL, "every number", "application/json", result_text))
     return {
         **judgement(page.name, result.verdict, result.checks, page.sources),
         "title": ", ".join(names) or page.subject,
@@ -280,7 +289,9 @@ def build_page_contents(
         },
         "folds": folds,
         "files": files,
-        "about_decks": "" if behind is None else page_frame.format_deck_note(behind, decks),
+        "about_decks": ""
+        if saved_result is None
+        else page_frame.format_deck_note(saved_result, decks),
     }
 
 
@@ -288,15 +299,15 @@ def judgement(
     name: str, verdict: Verdict, checks: Sequence[Check], sources: Sequence[Source]
 ) -> dict[str, Any]:
     """Return the common contents of a judged result's page: verdict, checks, files behind it."""
-    every = tuple(dict.fromkeys(checks))
-    also = [check for check in every if check.failed and check not in verdict.failed_checks]
+    unique_checks = tuple(dict.fromkeys(checks))
+    also = [check for check in unique_checks if check.failed and check not in verdict.failed_checks]
     return {
         **frame(),
         "verdict": verdict,
         "colour": VERDICT_COLOURS[verdict.use],
         "weighty": (*verdict.failed_checks, *also),
-        "tally": tally(every, every),
-        "checks": tables.checks([(name, every)], every),
+        "tally": tally(unique_checks, unique_checks),
+        "checks": tables.checks([(name, unique_checks)], unique_checks),
         "sources": sources,
         "simulated": list(dict.fromkeys(source.file for source in sources if source.simulated)),
     }

@@ -62,10 +62,10 @@ def mode_rows(mode: Any) -> Iterator[Row]:
 def modes_page(modes: Modes) -> KindPage:
     """Return the page of hits or FRFs."""
     frf, first = modes.frf, next(iter(modes), None)
-    used = f"{frf.averages} of {len(frf.hits)} used" if frf.hits else format_count(1, "FRF")
+    used_text = f"{frf.averages} of {len(frf.hits)} used" if frf.hits else format_count(1, "FRF")
     top = f"to {round_to_error(float(frf.frequency[-1]), digits=3)}{NBSP}Hz"
     topics = (
-        Topic("Hits" if frf.hits else "FRF", message=used),
+        Topic("Hits" if frf.hits else "FRF", message=used_text),
         Topic("Resonance", _RESONANCE,
              "" if first is None else f"{round_to_error(first.frequency, digits=4)}{NBSP}Hz"),
         Topic("Band", {"coherence", "hammer_excites", "high_frequency_mass_agrees",
@@ -77,12 +77,12 @@ def modes_page(modes: Modes) -> KindPage:
          "accepted" if hit.accepted else f"rejected: {'; '.join(hit.reasons)}")
         for hit in frf.hits
     )  # fmt: skip
-    marks = tuple("" if hit.accepted else "bad" for hit in frf.hits)
+    row_classes = tuple("" if hit.accepted else "bad" for hit in frf.hits)
     head = ("hit", "time, s", "peak, N", "pulse width, ms", "verdict")
-    fold = CollapsibleSection("Every hit", used, TextTable(head, hits, marks))
+    hits_section = CollapsibleSection("Every hit", used_text, TextTable(head, hits, row_classes))
     return KindPage(
         subject="hammer test" if frf.hits else "measured FRF",
-        summary_line=(("Hits", used), ("Averages", str(frf.averages)),
+        summary_line=(("Hits", used_text), ("Averages", str(frf.averages)),
                ("Lines", str(len(frf.frequency))),
                ("Resolution", f"{frf.frequency[1] - frf.frequency[0]:.3g} Hz"),
                ("Quantity", frf.quantity.value.replace("_", " "))),
@@ -93,7 +93,7 @@ def modes_page(modes: Modes) -> KindPage:
         groups=tuple(Group(f"Mode {i}", tuple(mode_rows(mode)))
                      for i, mode in enumerate(list(modes)[:4], start=1)),
         sources=tuple(dict.fromkeys(frf.source)),
-        folds=(fold,) if hits else (),
+        folds=(hits_section,) if hits else (),
         name="modes",
     )  # fmt: skip
 
@@ -109,16 +109,16 @@ def prediction_page(prediction: Prediction) -> KindPage:
     )
     peak: list[Row] = []
     bounds = prediction.limits
-    for name, value, ends, unit in (
+    for name, value, limits, unit in (
         ("Largest at" if prediction.at_edge else "Peak frequency", hz,
          None if bounds is None else bounds.peak_frequency, "Hz"),
         ("Height", height, None if bounds is None else bounds.peak_height, ""),
     ):  # fmt: skip
-        low, high = ends or (math.nan, math.nan)
+        low, high = limits or (math.nan, math.nan)
         final_row = row(ReportedValue(name, value, low, high, unit))
         peak.append(
             final_row._replace(
-                unit=final_row.unit or prediction.frf.read, is_limit=ends is not None
+                unit=final_row.unit or prediction.frf.read, is_limit=limits is not None
             )
         )
     return KindPage(
@@ -147,7 +147,9 @@ def agreement_page(agreement: FRFComparison) -> KindPage:
     c = agreement.comparison
     rows = tuple(Row(name, predicted, "", "", "", measured, is_limit=False)
                  for name, predicted, measured, _ in c.rows)  # fmt: skip
-    differ = tuple((name, predicted, measured, off) for name, predicted, measured, off in c.rows)
+    differ = tuple(
+        (name, predicted, measured, difference) for name, predicted, measured, difference in c.rows
+    )
     weight = f"{format_with_error(agreement.mass, 'g', digits=4)} on {seals(agreement.seals)}"
     return KindPage(
         subject=f"prediction against the hammer, {weight}",
@@ -177,7 +179,7 @@ _LINES, _BAND_FACTOR, _BOUNDED = 41, 4.0, 3
 """Lines of a bound, how far beyond the band it is drawn, and of how many tests at most."""
 
 _FEW_ARMS = 6
-"""Of more the single arms stand in a fold: they mean little, and the screen is full."""
+"""Largest number of arms that are listed; more stand in a fold."""
 
 OF_REST = frozenset({
     "k_end_determined", "k_inf_positive", "k_inf_plausible", "plateau_determined",
@@ -224,17 +226,19 @@ def solid_page(fit: Fit) -> KindPage:
 def identified_page(result: Identified) -> KindPage:
     """Return the page of a joint or hammer fit."""
     page = _make_solid_page(result, result.fit)
-    both = "relaxation" in result.fit.method or len(page.sources) > 1
+    has_both_tests = "relaxation" in result.fit.method or len(page.sources) > 1
     modes = Group(
         "Measured", tuple(r for mode in result.vibration.modes for r in mode_rows(mode.mode))
     ) if result.vibration else None  # fmt: skip
     return replace(
         page,
-        subject="joint model of relaxation and hammer test" if both else "the model under a hammer",
+        subject="joint model of relaxation and hammer test"
+        if has_both_tests
+        else "the model under a hammer",
         groups=(*page.groups, *((modes,) if modes else ())),
         sources=tuple(dict.fromkeys((*page.sources, *result.direct.stiffness.source)))
         if hasattr(result.direct.stiffness, "source") else page.sources,
-        name="joint" if both else "fit",
+        name="joint" if has_both_tests else "fit",
     )  # fmt: skip
 
 
@@ -244,9 +248,9 @@ def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
     name = "The material" if material else "One seal"
     high = round_to_error(fit.band[1], digits=2)
     at_end = fit.evidence.end_of_hold
-    fact = at_end.fact(fit.model, fit.unit) if at_end else next(iter(fit.facts), None)
-    stiff = "" if fact is None else f"{fact.cells.value} {fact.word}"
-    topics = [Topic("Stiffness", OF_REST, stiff),
+    value = at_end.fact(fit.model, fit.unit) if at_end else next(iter(fit.facts), None)
+    stiffness_text = "" if value is None else f"{value.cells.value} {value.word}"
+    topics = [Topic("Stiffness", OF_REST, stiffness_text),
              Topic("Damping", OF_LOSS, f"known to {high}{NBSP}Hz")]  # fmt: skip
     if part is not None:
         topics = [
@@ -310,8 +314,8 @@ def _format_test_name(fit: Fit) -> str:
     test_name = {"dynamic": "dynamic sweep", "creep": "creep test"}.get(
         fit.method, "relaxation test"
     )
-    several = len(fit.source)
-    return test_name if several < 2 else f"{several} files, {test_name}s"
+    test_count = len(fit.source)
+    return test_name if test_count < 2 else f"{test_count} files, {test_name}s"
 
 
 def _format_model_name(fit: Fit) -> str:
@@ -326,25 +330,33 @@ def _make_condition_cells(fit: Fit) -> Iterator[tuple[str, str]]:
 
 def make_solid_groups(fit: Fit) -> Iterator[Group]:
     """Stiffness at the end and at rest, stiffness and loss within the band, arms, shifts."""
-    facts = {reported_value.name: reported_value for reported_value in list_known_values(fit)}
+    reported_values = {
+        reported_value.name: reported_value for reported_value in list_known_values(fit)
+    }
     first: list[Row] = []
     if fit.evidence.end_of_hold is not None:
-        fact = fit.evidence.end_of_hold.fact(fit.model, fit.unit)
+        reported_value = fit.evidence.end_of_hold.fact(fit.model, fit.unit)
         seconds = duration(fit.evidence.end_of_hold.end_time).replace(".0 ", NBSP)
         first.append(
-            row(fact, f"After {seconds}") if fit.estimate.residual.unit == "N" else row(fact)
+            row(reported_value, f"After {seconds}")
+            if fit.estimate.residual.unit == "N"
+            else row(reported_value)
         )
-        facts.pop(fact.name, None)
-    if "k_inf" in facts:
-        rest = facts.pop("k_inf")
+        reported_values.pop(reported_value.name, None)
+    if "k_inf" in reported_values:
+        rest = reported_values.pop("k_inf")
         first.append(row(rest, "Below the band" if rest.words else "At rest, k∞"))
     yield Group("Stiffness" if fit.unit != "Pa" else "Modulus", tuple(first))
     yield Group("Inside the valid band", tuple(_make_band_rows(fit)))
-    others = [reported_value for name, reported_value in facts.items() if not name.startswith("b_")]
+    other_values = [
+        reported_value
+        for name, reported_value in reported_values.items()
+        if not name.startswith("b_")
+    ]
     if fit.model.arms <= _FEW_ARMS or fit.family == "fractional":
-        yield group("Arms: k, τ", others) if others else Group("", ())
+        yield group("Arms: k, τ", other_values) if other_values else Group("", ())
     elif not fit.estimate.parameters:
-        yield group("Spectrum", others)
+        yield group("Spectrum", other_values)
     part = _make_part(fit)
     if part is not None:
         yield from part.groups
@@ -363,8 +375,8 @@ def _make_band_rows(fit: Fit) -> Iterator[Row]:
         ("Loss factor", "loss_factor", ""),
     ):
         value = float(getattr(fit.solid, name)(frequency=at))
-        least, most = (math.nan,) * 2 if band is None else getattr(band, name)[:, 0].tolist()
-        yield row(ReportedValue(f"{words} at {at:g}{NBSP}Hz", value, least, most, unit))
+        lower, upper = (math.nan,) * 2 if band is None else getattr(band, name)[:, 0].tolist()
+        yield row(ReportedValue(f"{words} at {at:g}{NBSP}Hz", value, lower, upper, unit))
 
 
 def _make_solid_sections(fit: Fit) -> Iterator[CollapsibleSection]:
@@ -388,6 +400,8 @@ def _make_solid_sections(fit: Fit) -> Iterator[CollapsibleSection]:
         )
 
 
-def _fact_table(facts: Sequence[ReportedValue]) -> TextTable:
-    rows = tuple((fact.symbol, *fact.cells[1:]) for fact in facts)
+def _fact_table(reported_values: Sequence[ReportedValue]) -> TextTable:
+    rows = tuple(
+        (reported_value.symbol, *reported_value.cells[1:]) for reported_value in reported_values
+    )
     return TextTable(("", "value", "± SE", "95 % interval", "unit"), rows)

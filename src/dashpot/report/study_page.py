@@ -77,5 +77,9 @@ def _build_contents(study: Study) -> dict[str, Any]:
 def _collect_steps(study: Study) -> list[Step]:
     """Return every step since the raw files, each once, in order."""
     groups = [study.fit.steps or study.prepared.steps]
-    groups += [later.steps for later in (study.measured, study.joint) if later is not None]
+    groups += [
+        later_result.steps
+        for later_result in (study.measured, study.joint)
+        if later_result is not None
+    ]
     return list(dict.fromkeys(step for steps in groups for step in steps))

@@ -59,13 +59,13 @@ class TextTable:
         return self.marks[row] if row < len(self.marks) else ""
 
 
-def select_rows(count: int, most: int) -> range:
-    """Return the indices of evenly spaced rows of `count`, at most `most` of them.
+def select_rows(count: int, max_rows: int) -> range:
+    """Return the indices of evenly spaced rows of `count`, at most `max_rows` of them.
 
     >>> select_rows(100, 60), select_rows(60, 60)
     (range(0, 100, 2), range(0, 60))
     """
-    return range(0, count, max(-(-count // most), 1))
+    return range(0, count, max(-(-count // max_rows), 1))
 
 
 def describe_rows(indices: range, singular: str) -> str:
@@ -125,8 +125,8 @@ def checks(
         )
         for stage, check in ordered
     )
-    marks = tuple(_mark(check, verdict_checks) for _, check in ordered)
-    return TextTable(("", "stage", "question", "answer"), rows, marks)
+    row_classes = tuple(_mark(check, verdict_checks) for _, check in ordered)
+    return TextTable(("", "stage", "question", "answer"), rows, row_classes)
 
 
 def _gravity(check: Check, verdict_checks: Collection[Check]) -> int:
@@ -155,7 +155,7 @@ def test_facts(prepared: RampHold) -> TextTable:
     """Return the facts of the test."""
     steps = np.diff(prepared.time)
     rate = 1 / float(np.median(steps))
-    even = float(np.ptp(steps)) < 0.01 / rate
+    is_even = float(np.ptp(steps)) < 0.01 / rate
     specimen = prepared.specimen
     rows = [
         ("compression", format_cell(prepared.depth, "mm", digits=4), "mm"),
@@ -163,7 +163,7 @@ def test_facts(prepared: RampHold) -> TextTable:
         ("speed", format_cell(prepared.depth / prepared.ramp_time, "mm/s"), "mm/s"),
         ("hold", round_to_error(prepared.hold_time), "s"),
         ("samples", f"{len(prepared.time)}", ""),
-        ("sampling" if even else "sampling, uneven, median", round_to_error(rate), "Hz"),
+        ("sampling" if is_even else "sampling, uneven, median", round_to_error(rate), "Hz"),
         (
             "force noise (standard deviation)",
             format_cell(prepared.force_noise, "mN", digits=2),
@@ -188,13 +188,13 @@ def coefficients(fit: Fit | None, length: float | None) -> TextTable | None:
     if fit is None:
         return None
     rows = []
-    for fact in list_known_values(fit):
-        cells = fact.cells
-        row = (fact.symbol, cells.with_error, cells.interval, cells.unit)
+    for item in list_known_values(fit):
+        cells = item.cells
+        row = (item.symbol, cells.with_error, cells.interval, cells.unit)
         name = ""
-        if length is not None and fact.unit not in ("s", ""):
+        if length is not None and item.unit not in ("s", ""):
             scale = 0.1 / length
-            value = round_to_error(fact.to_display_unit(fact.value) * scale, fact.size * scale)
+            value = round_to_error(item.to_display_unit(item.value) * scale, item.size * scale)
             name = f"{value} {cells.unit}"
         rows.append(row if length is None else (*row, name))
     head = ("", "value ± standard error", "95 % interval", "unit", "per 100 mm")
@@ -212,36 +212,36 @@ def orders(study: Study) -> TextTable:
         )
         for order in fit.evidence.orders
     }
-    shown = {
+    models_by_arms = {
         order.arms: (order.model, math.sqrt(order.sse / fit.estimate.residual.n))
         for order in fit.evidence.orders
     }
     value = (fit,) if fit.family == "maxwell" else ()
-    shown |= {
+    models_by_arms |= {
         alternative.model.arms: (alternative.model, alternative.estimate.residual.rms)
         for alternative in (*study.alternatives, *value)
     }
-    rows, marks = [], []
-    for arms in sorted(shown):
-        model, rms = shown[arms]
-        chosen = arms == fit.model.arms and bool(value)
-        listed = ", ".join(
+    rows, row_classes = [], []
+    for arms in sorted(models_by_arms):
+        model, rms = models_by_arms[arms]
+        is_chosen = arms == fit.model.arms and bool(value)
+        arms_text = ", ".join(
             f"{format_cell(k, 'N/mm')} at {round_to_error(tau)} s"
             for k, tau in zip(model.k, model.tau, strict=True)
         )
         rows.append((
-            f"{arms}{' (chosen)' * chosen}",
+            f"{arms}{' (chosen)' * is_chosen}",
             format_cell(model.k_inf, "N/mm", digits=4),
-            listed or "none",
+            arms_text or "none",
             format_cell(rms, "mN"),
             *scores.get(arms, ("", "")),
         ))  # fmt: skip
-        marks.append("chosen" * chosen)
+        row_classes.append("chosen" * is_chosen)
     head = ("arms N", "k∞, N/mm", "arms: k, N/mm at τ", "residual rms, mN", "BIC − best",
             "every arm significant")  # fmt: skip
     # a ramp that no linear solid follows is fitted hold first, and its orders are not compared
     columns = len(head) if scores else 4
-    return TextTable(head[:columns], tuple(row[:columns] for row in rows), tuple(marks))
+    return TextTable(head[:columns], tuple(row[:columns] for row in rows), tuple(row_classes))
 
 
 def two_routes(study: Study) -> TextTable | None:
@@ -249,16 +249,21 @@ def two_routes(study: Study) -> TextTable | None:
     fit, hold = study.fit, study.hold_fit
     if hold is None or fit.model.arms != hold.model.arms:
         return None
-    there = {fact.name: fact for fact in list_known_values(hold)}
+    values_of_hold = {
+        reported_value.name: reported_value for reported_value in list_known_values(hold)
+    }
     rows = tuple(
         (
-            f"{fact.symbol}, {fact.word}",
-            fact.cells.with_error,
-            there[fact.name].cells.with_error,
-            percent(there[fact.name].value / fact.value - 1),
+            f"{reported_value.symbol}, {reported_value.word}",
+            reported_value.cells.with_error,
+            values_of_hold[reported_value.name].cells.with_error,
+            percent(values_of_hold[reported_value.name].value / reported_value.value - 1),
         )
-        for fact in list_known_values(fit)
-        if fact.name in there and fact.error is not None and fact.value and fact.name[0] != "b"
+        for reported_value in list_known_values(fit)
+        if reported_value.name in values_of_hold
+        and reported_value.error is not None
+        and reported_value.value
+        and reported_value.name[0] != "b"
     )
     return TextTable(("", "full history", "hold only, eq. (5)", "difference"), rows)
 
@@ -267,17 +272,20 @@ def nuisances(fit: Fit | None) -> TextTable | None:
     """Return the table of nuisance parameters."""
     if fit is None or not list_reported_nuisances(fit):
         return None
-    facts = (term.fact for term in list_reported_nuisances(fit))
-    rows = tuple((fact.symbol, fact.cells.with_error, fact.word or "–") for fact in facts)
+    reported_values = (term.fact for term in list_reported_nuisances(fit))
+    rows = tuple(
+        (reported_value.symbol, reported_value.cells.with_error, reported_value.word or "–")
+        for reported_value in reported_values
+    )
     return TextTable(VALUE, rows)
 
 
 def make_frequency_table(study: Study) -> TextTable:
     """Stiffness and loss factor of one seal at some frequencies, and whether they are known."""
     (low, high), bounds = study.fit.band, study.unmeasured
-    marked = () if study.comparison is None else (study.comparison.measured_hz,)
-    rows, marks = [], []
-    for f in sorted({low, float(np.sqrt(low * high)), high, 1.0, 50.0, *marked}):
+    marked_frequencies = () if study.comparison is None else (study.comparison.measured_hz,)
+    rows, row_classes = [], []
+    for f in sorted({low, float(np.sqrt(low * high)), high, 1.0, 50.0, *marked_frequencies}):
         stiffness = complex(study.fit.solid.complex_stiffness(omega=2 * np.pi * f))
         factor = max(f / high, low / f)
         value = factor < 1.0001
@@ -292,11 +300,11 @@ def make_frequency_table(study: Study) -> TextTable:
             cells.append(_range_at(bounds, bounds.loss_factor, f))
         cells.append("identified" if value else f"extrapolated ×{round_to_error(factor, digits=2)}")
         rows.append(tuple(cells))
-        marks.append("" if value else "doubt")
+        row_classes.append("" if value else "doubt")
     head = ["frequency, Hz", "storage K′, N/mm", "loss K″, N/mm", "loss factor"]
     if bounds is not None:
         head += ["limits of K′, N/mm", "limits of loss factor"]
-    return TextTable((*head, "this test"), tuple(rows), tuple(marks))
+    return TextTable((*head, "this test"), tuple(rows), tuple(row_classes))
 
 
 def _range_at(band: StiffnessBounds, limits: FloatArray, f: float) -> str:
@@ -343,7 +351,7 @@ def peaks(study: Study) -> TextTable | None:
 def _make_prediction_columns(c: Comparison) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return what a solid predicts of each row of the table of peaks, and how far that is off."""
     damping = "none" if c.predicted_damping is None else round_to_error(100 * c.predicted_damping)
-    off = "" if c.damping_ratio_error is None else percent(c.damping_ratio_error)
+    damping_text = "" if c.damping_ratio_error is None else percent(c.damping_ratio_error)
     return (
         (
             round_to_error(c.predicted_hz, digits=4),
@@ -352,7 +360,7 @@ def _make_prediction_columns(c: Comparison) -> tuple[tuple[str, ...], tuple[str,
             round_to_error(c.frac),
             round_to_error(c.rms_db),
         ),
-        (percent(c.frequency_error), decibels(c.ratio_db), off, "", ""),
+        (percent(c.frequency_error), decibels(c.ratio_db), damping_text, "", ""),
     )
 
 
@@ -370,7 +378,7 @@ def resonance(study: Study) -> TextTable | None:
     c, measured = study.comparison, study.measured
     if c is None or measured is None or study.mass is None:
         return None
-    ways = {
+    methods = {
         "rational": "rational-fraction fit of the poles",
         "circle": "circle fit",
         "half-power": "half-power width",
@@ -378,14 +386,15 @@ def resonance(study: Study) -> TextTable | None:
         "peak": "peak picking",
     }
     rows = [
-        (f"measured: {message}", *_mode_cells(measured, way, c)) for way, message in ways.items()
+        (f"measured: {message}", *_mode_cells(measured, method, c))
+        for method, message in methods.items()
     ]
-    rests = study.static_equilibrium
-    compression = rests.point.compression if rests is not None and rests.point.given else None
+    rest = study.static_equilibrium
+    compression = rest.point.compression if rest is not None and rest.point.given else None
     for message, fit, mass in _solids(study, study.mass):
         point = operating_point(fit, MassOnSeals(mass, study.seals, compression))
-        on = study.seals * get_hammer_stiffness_factor(fit) * point.solid(fit)
-        for mode in model_modes(on, mass)[:1]:
+        seals_solid = study.seals * get_hammer_stiffness_factor(fit) * point.solid(fit)
+        for mode in model_modes(seals_solid, mass)[:1]:
             rows.append((f"{message}: exact pole", round_to_error(mode.frequency, digits=5),
                          round_to_error(100 * mode.damping_ratio)))  # fmt: skip
     return TextTable(("", "natural frequency, Hz", "damping ratio, %"), tuple(rows))
@@ -401,16 +410,16 @@ def _solids(study: Study, mass: float) -> Iterator[tuple[str, Fit, float]]:
         yield "joint model", study.joint, get_fitted_mass(study.joint) or mass
 
 
-def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
+def _mode_cells(measured: FRF, method: str, c: Comparison) -> tuple[str, str]:
     try:
-        modes = measured.modes(method=way, band=c.band)
+        modes = measured.modes(method=method, band=c.band)
     except DashpotError as refused:
         return "refused", format_typographic(str(refused))
     if not modes:
         return "none found", ""
     # rocking and other modes beside it are not what the prediction is of
     mode = min(modes, key=lambda mode: abs(mode.frequency - c.measured_hz))
-    frequency, ratio, _ = (fact.cells.with_error for fact in mode.facts)
+    frequency, ratio, _ = (reported_value.cells.with_error for reported_value in mode.facts)
     return frequency, ratio
 
 
@@ -418,16 +427,16 @@ def arms_tested(comparison: Comparison | None) -> TextTable | None:
     """Return which arms carried the loss at the measured peak, and which the test resolved."""
     if comparison is None or not comparison.arms:
         return None
-    rows, marks = [], []
+    rows, row_classes = [], []
     for arm in comparison.arms:
         tested, resolved = arm.loss_share > 0.1, arm.seen_by_relaxation
         share = f"{100 * arm.loss_share:.1f}"
         cells = ("yes" if tested else "hardly", "yes" if resolved else "no")
         rows.append((duration(arm.tau), share, *cells))
-        marks.append("bad" if tested and not resolved else "")
+        row_classes.append("bad" if tested and not resolved else "")
     head = ("τ of the arm", "share of the loss at the peak, %", "tested by this FRF",
             "resolved by the relaxation test")  # fmt: skip
-    return TextTable(head, tuple(rows), tuple(marks))
+    return TextTable(head, tuple(rows), tuple(row_classes))
 
 
 def hits(frf: FRF | None) -> TextTable | None:
@@ -470,7 +479,7 @@ def make_change_table(joint: Fit | None) -> TextTable | None:
     if joint is None or not joint.evidence.parameter_changes:
         return None
     rows = tuple(_make_change_row(change) for change in joint.evidence.parameter_changes)
-    marks = tuple("doubt" if row[-1] == "new" else "" for row in rows)
+    row_classes = tuple("doubt" if row[-1] == "new" else "" for row in rows)
     head = (
         "",
         "relaxation alone, ± SE of noise",
@@ -478,13 +487,16 @@ def make_change_table(joint: Fit | None) -> TextTable | None:
         "change",
         "in SE of relaxation alone",
     )
-    return TextTable(head, rows, marks)
+    return TextTable(head, rows, row_classes)
 
 
 def _make_change_row(m: ParameterChange) -> tuple[str, ...]:
-    was, now = m.was, m.now
-    name, after = ", ".join(filter(None, (now.symbol, now.word))), now.cells.with_limit
-    if was is None:
-        return name, "", after, "", "new"
-    change = percent(now.value / was.value - 1) if was.value else ""
-    return name, was.cells.with_limit, after, change, format_signed_difference(m.shift)
+    before, value_after = m.was, m.now
+    name, after_text = (
+        ", ".join(filter(None, (value_after.symbol, value_after.word))),
+        value_after.cells.with_limit,
+    )
+    if before is None:
+        return name, "", after_text, "", "new"
+    change = percent(value_after.value / before.value - 1) if before.value else ""
+    return (name, before.cells.with_limit, after_text, change, format_signed_difference(m.shift))

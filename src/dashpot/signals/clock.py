@@ -37,8 +37,8 @@ def find_clock_jumps(time: FloatArray) -> list[ClockJump]:
     steps = np.diff(time)
     if len(steps) < 2 * NEIGHBOUR_STEPS or not steps.max() > JUMP_RATIO * steps.min():
         return []
-    least = np.minimum(np.append(np.inf, steps[:-1]), np.append(steps[1:], np.inf))
-    longest = np.flatnonzero(steps > JUMP_RATIO * least)[:_MOST_STEPS]
+    smaller_neighbour = np.minimum(np.append(np.inf, steps[:-1]), np.append(steps[1:], np.inf))
+    longest = np.flatnonzero(steps > JUMP_RATIO * smaller_neighbour)[:_MOST_STEPS]
     leaps = (
         ClockJump(i, float(steps[i]), _compute_neighbour_step(steps, i)) for i in longest.tolist()
     )
@@ -62,10 +62,10 @@ def find_rate_change(time: FloatArray) -> ClockJump | None:
     ]
     at = int(change.argmax()) + _LEAST_STEPS_OF_A_RATE
     before = median(steps[at - _LEAST_STEPS_OF_A_RATE : at])
-    after = median(steps[at : at + _LEAST_STEPS_OF_A_RATE])
+    median_after = median(steps[at : at + _LEAST_STEPS_OF_A_RATE])
     # steps that grow by and by do so everywhere
-    sudden = change[at - _LEAST_STEPS_OF_A_RATE] > 0.5 * abs(np.log(after / before)) > 0
-    return ClockJump(at, after, before) if sudden else None
+    sudden = change[at - _LEAST_STEPS_OF_A_RATE] > 0.5 * abs(np.log(median_after / before)) > 0
+    return ClockJump(at, median_after, before) if sudden else None
 
 
 def has_few_pauses(time: FloatArray) -> bool:
@@ -78,15 +78,15 @@ def has_few_pauses(time: FloatArray) -> bool:
         return False
     around = np.lib.stride_tricks.sliding_window_view(steps, 2 * NEIGHBOUR_STEPS + 1)
     around = around[:: max(1, len(around) // _MOST_STEPS)]
-    usual = np.partition(around, NEIGHBOUR_STEPS, axis=1)[:, NEIGHBOUR_STEPS]
-    is_pause = around[:, NEIGHBOUR_STEPS] > _PAUSE_RATIO * usual
+    usual_step = np.partition(around, NEIGHBOUR_STEPS, axis=1)[:, NEIGHBOUR_STEPS]
+    is_pause = around[:, NEIGHBOUR_STEPS] > _PAUSE_RATIO * usual_step
     return bool(np.mean(is_pause) <= _MOST_PAUSES)
 
 
 def _compute_neighbour_step(steps: FloatArray, i: int) -> float:
     """The larger of the usual steps before and after one, s; at an end that of its one side."""
     sides = steps[max(i - NEIGHBOUR_STEPS, 0) : i], steps[i + 1 : i + 1 + NEIGHBOUR_STEPS]
-    return max(median(side) for side in sides if len(side))
+    return max(median(side_values) for side_values in sides if len(side_values))
 
 
 # steps of a clock that differ by less than this part are even but for rounding

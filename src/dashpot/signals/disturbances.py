@@ -55,8 +55,8 @@ def build_machine_terms(
         entries["give"] = solid.force(time, force / peak), give
     creep = machine.creep_sd(depth)
     if creep > 0 and settles:
-        way = np.log1p(np.maximum(since, 0.0) / ramp_time)
-        entries["settling"] = solid.force(time, way), creep
+        log_time = np.log1p(np.maximum(since, 0.0) / ramp_time)
+        entries["settling"] = solid.force(time, log_time), creep
     return entries
 
 
@@ -83,12 +83,12 @@ def compute_set_sd(
 
     A set goes as what the solid remembers does.
     """
-    usual = float(
+    usual_stiffness = float(
         _compute_residual_stiffness(solid, DEFAULT_UNCERTAINTIES["rest after it"].size).sum()
     )
     ratio = (
-        float(_compute_residual_stiffness(solid, machine.min_rest_time).sum()) / usual
-        if usual > 0
+        float(_compute_residual_stiffness(solid, machine.min_rest_time).sum()) / usual_stiffness
+        if usual_stiffness > 0
         else 0.0
     )
     return min(gap / 2, DEFAULT_UNCERTAINTIES["set"].size * depth * ratio)
@@ -114,14 +114,14 @@ def build_folded_mains(time: FloatArray, *, step: float) -> tuple[FloatArray, ..
     step : float
         From one sample to the next, s.
     """
-    whole = float(time[-1])
-    if not step > 0 or not whole > 0:
+    duration = float(time[-1])
+    if not step > 0 or not duration > 0:
         return ()
     aliases = [abs(mains - round(mains * step) / step) for mains in MAINS if mains * step > 0.5]
-    if not aliases or min(aliases) > MAINS_OFF + 1 / whole:
+    if not aliases or min(aliases) > MAINS_OFF + 1 / duration:
         return ()
-    turns = [2 * np.pi * part * time / whole for part in (0.5, 1.0)]
-    return tuple(np.asarray(line(turn)) for turn in turns for line in (np.cos, np.sin))
+    turns = [2 * np.pi * part * time / duration for part in (0.5, 1.0)]
+    return tuple(np.asarray(line(phase)) for phase in turns for line in (np.cos, np.sin))
 
 
 def compute_warming(
@@ -148,9 +148,11 @@ def compute_warming(
     since : float
         From when on it warms evenly, s: until then it has the temperature that is meant.
     """
-    rise = _RISE * np.maximum(time - since, 0.0) / (time[-1] - since)
+    temperature_rise = _RISE * np.maximum(time - since, 0.0) / (time[-1] - since)
     # time counts for more as the seal gets faster
-    pace = np.exp(-by_a * rise)
-    reduced = np.concatenate(([0.0], np.cumsum(np.diff(time) * (pace[1:] + pace[:-1]) / 2)))
-    change = np.exp(by_b * rise) * solid.force(reduced, x) - solid.force(time, x)
+    time_factor = np.exp(-by_a * temperature_rise)
+    reduced = np.concatenate(
+        ([0.0], np.cumsum(np.diff(time) * (time_factor[1:] + time_factor[:-1]) / 2))
+    )
+    change = np.exp(by_b * temperature_rise) * solid.force(reduced, x) - solid.force(time, x)
     return np.asarray(change / _RISE)

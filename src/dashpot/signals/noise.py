@@ -25,8 +25,8 @@ def scatter(time: FloatArray, values: FloatArray) -> float:
         return 0.0
     squares = _misses(time, values, len(values) // _MAX_SAMPLES or 1) ** 2
     count = max(3, int(0.98 * len(squares)))
-    retained = np.partition(squares, count - 1)[:count]
-    return float(np.sqrt(retained.mean())) / (0.935 if count < len(squares) else 1.0)
+    smallest_squares = np.partition(squares, count - 1)[:count]
+    return float(np.sqrt(smallest_squares.mean())) / (0.935 if count < len(squares) else 1.0)
 
 
 def estimate_robust_scatter(time: FloatArray, values: FloatArray) -> float:
@@ -38,22 +38,22 @@ def estimate_robust_scatter(time: FloatArray, values: FloatArray) -> float:
 
 def _misses(time: FloatArray, values: FloatArray, count: int = 1) -> FloatArray:
     """Return residuals of samples from the line between their neighbours, of variance sigma^2."""
-    before, middle, after = (slice(i, len(values) - 2 + i, count) for i in range(3))
-    w = (time[after] - time[middle]) / (time[after] - time[before])
-    r = values[middle] - w * values[before] - (1 - w) * values[after]
+    before, middle, right = (slice(i, len(values) - 2 + i, count) for i in range(3))
+    w = (time[right] - time[middle]) / (time[right] - time[before])
+    r = values[middle] - w * values[before] - (1 - w) * values[right]
     return np.asarray(r / np.sqrt(1 + w**2 + (1 - w) ** 2))
 
 
 def spikes(time: FloatArray, values: FloatArray) -> BoolArray:
     """True where one sample stands apart while its two neighbours agree."""
     magnitude = np.abs(values - median_of_three(values))
-    agreed = np.zeros(len(values), dtype=bool)
+    is_confirmed = np.zeros(len(values), dtype=bool)
     limit = 0.02 * float(np.ptp(values))
     if not (magnitude > limit).any():  # of most records no more need be known
-        return agreed
+        return is_confirmed
     limit = max(10 * scatter(time, values), limit)
-    agreed[1:-1] = np.abs(values[2:] - values[:-2]) < 0.3 * magnitude[1:-1]
-    return np.asarray(agreed & (magnitude > limit))
+    is_confirmed[1:-1] = np.abs(values[2:] - values[:-2]) < 0.3 * magnitude[1:-1]
+    return np.asarray(is_confirmed & (magnitude > limit))
 
 
 def without_spikes(time: FloatArray, values: FloatArray) -> FloatArray:

@@ -137,9 +137,9 @@ def _find_corners(time: FloatArray, x: FloatArray, tolerance: float) -> list[int
         if b - a < 2:
             continue
         remaining -= b - a
-        farthest, distance = _find_farthest_sample(time[a : b + 1], x[a : b + 1])
+        farthest_index, distance = _find_farthest_sample(time[a : b + 1], x[a : b + 1])
         if distance > tolerance:
-            corner = a + farthest if remaining > 0 or b - a < _SHORT_SPAN else (a + b) // 2
+            corner = a + farthest_index if remaining > 0 or b - a < _SHORT_SPAN else (a + b) // 2
             corners.add(corner)
             stack += [(a, corner), (corner, b)]
     return sorted(corners)
@@ -149,16 +149,17 @@ def _find_farthest_sample(time: FloatArray, x: FloatArray) -> tuple[int, float]:
     """Return the sample of a span farthest from the line between its ends, and its distance."""
     if len(x) < _LOOP_SPAN and time[-1] > time[0]:  # a loop costs less than the calls of NumPy
         (t, *_, end), (low, *_, high) = times, values = time.tolist(), x.tolist()
-        rise, span = high - low, end - t
-        distances = [
-            abs(v - (low + rise * (u - t) / span)) for u, v in zip(times, values, strict=True)
+        rise_of_line, span = high - low, end - t
+        line_distances = [
+            abs(v - (low + rise_of_line * (u - t) / span))
+            for u, v in zip(times, values, strict=True)
         ]
-        largest = max(distances)
-        return distances.index(largest), largest
+        largest = max(line_distances)
+        return line_distances.index(largest), largest
     line = x[0] + (x[-1] - x[0]) * (time - time[0]) / (time[-1] - time[0])
     distance = np.abs(x - line)
-    farthest = int(np.argmax(distance))
-    return farthest, float(distance[farthest])
+    farthest_index = int(np.argmax(distance))
+    return farthest_index, float(distance[farthest_index])
 
 
 def _classify_sides(time: FloatArray, x: FloatArray, travel: float) -> list[_Kind]:
@@ -169,8 +170,8 @@ def _classify_sides(time: FloatArray, x: FloatArray, travel: float) -> list[_Kin
     fastest = speed[is_long].max() if is_long.any() else speed.max()
     is_moving = (speed > 0.02 * fastest) | (np.abs(steps) > 0.25 * travel)
     return [
-        "hold" if not moves else "load" if step > 0 else "unload"
-        for moves, step in zip(is_moving, steps, strict=True)
+        "hold" if not is_move else "load" if step > 0 else "unload"
+        for is_move, step in zip(is_moving, steps, strict=True)
     ]
 
 
@@ -196,9 +197,9 @@ def _merge_small_moves(
     )
     bridged = list(sides)
     for i in range(1, len(sides) - 1):
-        (before, start, _), (kind, first, last), (after, _, end) = sides[i - 1 : i + 2]
+        (before, start, _), (kind, first, last), (kind_after, _, end) = sides[i - 1 : i + 2]
         is_brief = time[last] - time[first] < 0.05 * (time[end] - time[start])
-        if kind == "hold" and is_brief and before == after:
+        if kind == "hold" and is_brief and before == kind_after:
             bridged[i] = (before, first, last)
     return _merge_neighbours(bridged)
 
@@ -208,8 +209,12 @@ def _merge_steps(sides: list[_Side], time: FloatArray) -> list[_Side]:
     longest = max((time[b] - time[a] for kind, a, b in sides if kind == "hold"), default=0.0)
     merged = list(sides)
     for i in range(1, len(sides) - 1):
-        before, (kind, first, last), after = sides[i - 1][0], sides[i], sides[i + 1][0]
-        if kind == "hold" and time[last] - time[first] <= _LEAST_STOP * longest and before == after:
+        before, (kind, first, last), kind_after = sides[i - 1][0], sides[i], sides[i + 1][0]
+        if (
+            kind == "hold"
+            and time[last] - time[first] <= _LEAST_STOP * longest
+            and before == kind_after
+        ):
             merged[i] = (before, first, last)
     return merged
 
@@ -285,15 +290,15 @@ def find_cycles(segments: tuple[MotionSegment, ...]) -> tuple[RampHoldCycle, ...
                 rest = segment if segment.kind == "hold" else None
             continue
         loading.append(segment)
-        begin, top = loading[0].origin, max(top, segment.level)
-        if segment.kind == "unload" and segment.level <= begin + 0.1 * (top - begin):
+        start, top = loading[0].origin, max(top, segment.level)
+        if segment.kind == "unload" and segment.level <= start + 0.1 * (top - start):
             cycles += _close_loading(rest, loading)
             loading, rest = [], None
     return tuple(cycles + _close_loading(rest, loading))
 
 
 def choose_cycle(
-    segments: tuple[MotionSegment, ...], number: int | None, *, where: str
+    segments: tuple[MotionSegment, ...], number: int | None, *, location: str
 ) -> tuple[int, tuple[RampHoldCycle, ...]]:
     """Return the index of the loading to be used, and all of them; there is at least one.
 
@@ -302,7 +307,7 @@ def choose_cycle(
     segments : tuple of MotionSegment
     number : int or None
         Counted from 1; None takes the longest hold.
-    where : str
+    location : str
         Name of the record, for the error.
 
     Raises
@@ -315,7 +320,8 @@ def choose_cycle(
         return int(np.argmax([cycle.hold.duration for cycle in cycles])), cycles
     if not 1 <= number <= len(cycles):
         raise DataError(
-            f"{where}: cycle {number} was asked for, but the record holds {format_cycles(cycles)}"
+            f"{location}: cycle {number} was asked for, but the record holds "
+            f"{format_cycles(cycles)}"
         )
     return number - 1, cycles
 
@@ -329,22 +335,22 @@ def format_cycles(cycles: tuple[RampHoldCycle, ...]) -> str:
     return f"{count} ({'; '.join(parts)})"
 
 
-def explain_missing_hold(segments: tuple[MotionSegment, ...], where: str, advice: str) -> str:
+def explain_missing_hold(segments: tuple[MotionSegment, ...], name: str, advice: str) -> str:
     """Return the message for a record without a ramp and a hold."""
     loading = classify_loading(segments)
     if loading == "still":
-        return f"{where}: the displacement never moves by more than its scatter. {sentence(advice)}"
-    shown = ", ".join(_format_segment(segment) for segment in segments[:4])
-    more = f", and {len(segments) - 4} more" if len(segments) > 4 else ""
+        return f"{name}: the displacement never moves by more than its scatter. {sentence(advice)}"
+    segments_text = ", ".join(_format_segment(segment) for segment in segments[:4])
+    more_text = f", and {len(segments) - 4} more" if len(segments) > 4 else ""
     names = {"cld": "a triangle, a ramp up and down", "cyclic": "a cyclic (fatigue) run"}
     if loading in names:
         return (
-            f"{where}: there is no hold, but {names[loading]} ({shown}{more}). Relaxation times "
-            "need a ramp and then a hold. For force and hysteresis use dashpot fit"
+            f"{name}: there is no hold, but {names[loading]} ({segments_text}{more_text}). "
+            "Relaxation times need a ramp and then a hold. For force and hysteresis use dashpot fit"
         )
     return (
-        f"{where}: no hold after a ramp was found. The displacement shows {shown}{more}. "
-        f"{sentence(advice)}"
+        f"{name}: no hold after a ramp was found. The displacement shows "
+        f"{segments_text}{more_text}. {sentence(advice)}"
     )
 
 
@@ -355,11 +361,11 @@ def classify_loading(segments: tuple[MotionSegment, ...]) -> Loading:
     """Return the loading of a displacement: ramp and hold, triangle, cycles, none, other."""
     if find_cycles(segments):
         return "relaxation"
-    moves = [segment.kind for segment in segments if segment.kind != "hold"]
-    if not moves:
+    moving_kinds = [segment.kind for segment in segments if segment.kind != "hold"]
+    if not moving_kinds:
         return "still"
-    if {"load", "unload"} == set(moves):
-        return "cld" if len(moves) == 2 else "cyclic" if len(moves) > 3 else "other"
+    if {"load", "unload"} == set(moving_kinds):
+        return "cld" if len(moving_kinds) == 2 else "cyclic" if len(moving_kinds) > 3 else "other"
     return "other"
 
 
@@ -369,10 +375,8 @@ def _close_loading(
     """Return a loading up to its last hold, if it has one."""
     for stop in range(len(segments), 1, -1):
         hold, before = segments[stop - 1], segments[stop - 2]
-        is_long_enough = (
-            hold.last - hold.first >= 3 and hold.duration >= _LEAST_HOLD * before.duration
-        )
-        if hold.kind == "hold" and is_long_enough:
+        is_long = hold.last - hold.first >= 3 and hold.duration >= _LEAST_HOLD * before.duration
+        if hold.kind == "hold" and is_long:
             return [RampHoldCycle(rest, tuple(segments[:stop]))]
     return []
 
@@ -456,10 +460,10 @@ def find_rising_sign(
 
 def is_at_one_speed(time: FloatArray, x: FloatArray, segments: Sequence[MotionSegment]) -> bool:
     """Return whether a compression goes in and back at one speed, and is never held."""
-    moves = [move for move in segments if move.kind != "hold"]
-    to_and_fro = {move.kind for move in moves} == {"load", "unload"}
+    moves = [segment for segment in segments if segment.kind != "hold"]
+    to_and_fro = {segment.kind for segment in moves} == {"load", "unload"}
     has_hold = bool(find_cycles(tuple(segments)))
-    return to_and_fro and not has_hold and all(_is_straight(time, x, move) for move in moves)
+    return to_and_fro and not has_hold and all(_is_straight(time, x, segment) for segment in moves)
 
 
 def _is_straight(time: FloatArray, x: FloatArray, move: MotionSegment) -> bool:
@@ -469,8 +473,8 @@ def _is_straight(time: FloatArray, x: FloatArray, move: MotionSegment) -> bool:
 
 
 def _begins_with_unloading(segments: Sequence[MotionSegment]) -> bool:
-    moves = [segment.kind for segment in segments if segment.kind != "hold"]
-    return moves[:1] == ["unload"]
+    moving_kinds = [segment.kind for segment in segments if segment.kind != "hold"]
+    return moving_kinds[:1] == ["unload"]
 
 
 def is_force_held(time: FloatArray, force: FloatArray) -> bool:
@@ -482,8 +486,8 @@ def is_force_held(time: FloatArray, force: FloatArray) -> bool:
 
 def _is_constant_over_hold(values: FloatArray, cycle: RampHoldCycle) -> bool:
     """Return whether a signal is constant over the hold of a cycle."""
-    rise = cycle.hold.level - cycle.ramp.origin
-    return abs(_compute_change_over_hold(values, cycle.hold)) < MOST_HELD_CHANGE * rise
+    travel = cycle.hold.level - cycle.ramp.origin
+    return abs(_compute_change_over_hold(values, cycle.hold)) < MOST_HELD_CHANGE * travel
 
 
 def _compute_change_over_hold(values: FloatArray, hold: MotionSegment) -> float:

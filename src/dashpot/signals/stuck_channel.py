@@ -55,10 +55,10 @@ ROUNDING, CHANGED = 1e-13, 1e-11
 def find_stuck_runs(
     values: FloatArray,
     *,
-    resting: BoolArray | None = None,
+    is_at_rest: BoolArray | None = None,
     leaps: bool = True,
-    since: FloatArray | None = None,
-    besides: Sequence[FloatArray] = (),
+    time_since_ramp: FloatArray | None = None,
+    other_stretches: Sequence[FloatArray] = (),
 ) -> IndexArray:
     """Return first and last sample of every run of equal readings that is a fault, shape (n, 2).
 
@@ -66,48 +66,51 @@ def find_stuck_runs(
     ----------
     values : array, shape (m,)
         The readings as they stand in the file.
-    resting : array of bool, shape (m,), optional
+    is_at_rest : array of bool, shape (m,), optional
         Where nothing drives the channel to leap or stop: only there do these two rules hold.
     leaps : bool
         Whether a leap is a fault; not of a signal that sets in by itself, as of a blow.
-    since : array, shape (m,), optional
+    time_since_ramp : array, shape (m,), optional
         Of a channel that falls as it relaxes: time since it was loaded, s.
-    besides : sequence of array
+    other_stretches : sequence of array
         Other stretches of the channel: noise that each of them shows, this one has, too.
     """
-    none = np.zeros((0, 2), dtype=np.intp)
+    no_runs = np.zeros((0, 2), dtype=np.intp)
     size = float(np.abs(values).max(initial=0.0))
     if len(values) < FEWEST or size == 0.0:
-        return none
+        return no_runs
     starts = np.concatenate(([0], np.flatnonzero(np.abs(np.diff(values)) > ROUNDING * size) + 1))
-    ends = np.append(starts[1:], len(values))
-    long = np.flatnonzero(ends - starts >= SHORTEST)
-    if not len(long):
-        return none
+    stops = np.append(starts[1:], len(values))
+    long_runs = np.flatnonzero(stops - starts >= SHORTEST)
+    if not len(long_runs):
+        return no_runs
     levels, count = values[starts], quantum(values)
-    least = max(count, CHANGED * size)
-    shortest = _shortest_fault(levels, count, least, len(values))
-    if besides:
-        shown = [
-            _shortest_fault(_changes(row), count, least, len(values), turns=False)
-            for row in besides
+    noise_level = max(count, CHANGED * size)
+    shortest = _shortest_fault(levels, count, noise_level, len(values))
+    if other_stretches:
+        shortest_of_others = [
+            _shortest_fault(_changes(row), count, noise_level, len(values), turns=False)
+            for row in other_stretches
             if len(row) >= FEWEST
         ]
-        if len(shown) == len(besides):
-            shortest = min(shortest, max(shown))
-    free = np.ones(len(values), dtype=bool) if resting is None else resting
-    usual = median(np.abs(np.diff(levels))) if len(levels) > 1 else 0.0
-    leap = max(LEAP_COUNTS * count, USUAL_STEPS * usual)
+        if len(shortest_of_others) == len(other_stretches):
+            shortest = min(shortest, max(shortest_of_others))
+    free = np.ones(len(values), dtype=bool) if is_at_rest is None else is_at_rest
+    usual_change = median(np.abs(np.diff(levels))) if len(levels) > 1 else 0.0
+    leap = max(LEAP_COUNTS * count, USUAL_STEPS * usual_change)
 
     def is_fault(run: slice) -> bool:
         return (
             run.stop - run.start >= shortest
             or (leaps and _leaps(values, run, free, leap))
-            or _stops(values, run, free, least)
-            or (since is not None and _ends_too_soon(values, run, since, least))
+            or _stops(values, run, free, noise_level)
+            or (
+                time_since_ramp is not None
+                and _ends_too_soon(values, run, time_since_ramp, noise_level)
+            )
         )
 
-    runs = [slice(int(starts[i]), int(ends[i])) for i in long]
+    runs = [slice(int(starts[i]), int(stops[i])) for i in long_runs]
     results = [(run.start, run.stop - 1) for run in runs if is_fault(run)]
     return np.array(results, dtype=np.intp).reshape(-1, 2)
 
@@ -119,40 +122,43 @@ def _changes(values: FloatArray) -> FloatArray:
 
 
 def _shortest_fault(
-    levels: FloatArray, count: float, least: float, samples: int, *, turns: bool = True
+    levels: FloatArray, count: float, noise_level: float, samples: int, *, turns: bool = True
 ) -> float:
     """Return how many equal readings the noise of the others rules out; infinity if they show none.
 
     Without `turns` readings need not turn back, but their steps: a ramp climbs by more than noise.
     """
     steps = np.diff(levels)
-    bends = np.diff(steps)
-    noisy = np.abs(bends) > THREE_LEVELS * least
+    second_differences = np.diff(steps)
+    noisy = np.abs(second_differences) > THREE_LEVELS * noise_level
     # the crests of a wave turn back, too, but bend one way
-    noisy[1:] &= bends[:-1] * bends[1:] < 0
+    noisy[1:] &= second_differences[:-1] * second_differences[1:] < 0
     if turns:
         noisy &= steps[:-1] * steps[1:] < 0
-    bends = np.abs(bends)
+    second_differences = np.abs(second_differences)
     share = float(np.mean(noisy)) if len(noisy) else 0.0
     if np.count_nonzero(noisy) < FEWEST_TURNS or share < TURNS[0][0]:
         return np.inf
     if count == 0.0:
         return SHORTEST
-    scatter = max(counts for least, counts in TURNS if share >= least)
+    scatter = max(counts for min_share, counts in TURNS if share >= min_share)
     if share >= TURNS[-1][0]:
         # readings that repeat are left out, so what is left scatters by more
-        scatter = max(scatter, 0.7 * 1.4826 * median(bends) / sqrt(6.0) / count)
-    same = erf(1 / (2 * sqrt(2.0) * scatter))
-    return max(SHORTEST, ceil(1 + log(CHANCE / samples) / log(same)))
+        scatter = max(scatter, 0.7 * 1.4826 * median(second_differences) / sqrt(6.0) / count)
+    same_reading_chance = erf(1 / (2 * sqrt(2.0) * scatter))
+    return max(SHORTEST, ceil(1 + log(CHANCE / samples) / log(same_reading_chance)))
 
 
-def _leaps(values: FloatArray, run: slice, free: BoolArray, least: float) -> bool:
+def _leaps(values: FloatArray, run: slice, free: BoolArray, min_leap: float) -> bool:
     """Return whether a channel goes on from another value than it stood at, and stays there."""
-    after = values[run.stop : run.stop + AFTER]
-    if len(after) < AFTER or not free[max(run.start - 1, 0) : run.stop + AFTER].all():
+    values_after = values[run.stop : run.stop + AFTER]
+    if len(values_after) < AFTER or not free[max(run.start - 1, 0) : run.stop + AFTER].all():
         return False
-    leap, stays = abs(after[0] - values[run.start]), abs(median(after) - values[run.start])
-    return bool(min(leap, stays) > least > 0.0)
+    leap, lasting_leap = (
+        abs(values_after[0] - values[run.start]),
+        abs(median(values_after) - values[run.start]),
+    )
+    return bool(min(leap, lasting_leap) > min_leap > 0.0)
 
 
 def _stops(values: FloatArray, run: slice, free: BoolArray, count: float) -> bool:
@@ -165,14 +171,16 @@ def _stops(values: FloatArray, run: slice, free: BoolArray, count: float) -> boo
     return bool(one_way and abs(values[start] - values[first]) > CHANGE * count)
 
 
-def _ends_too_soon(values: FloatArray, run: slice, since: FloatArray, count: float) -> bool:
+def _ends_too_soon(
+    values: FloatArray, run: slice, time_since_ramp: FloatArray, count: float
+) -> bool:
     """Return whether a channel that falls stands still long before its slowest arm has relaxed."""
     start = run.start
-    if not 0 < since[start] < since[run.stop - 1] / 2:
+    if not 0 < time_since_ramp[start] < time_since_ramp[run.stop - 1] / 2:
         return False
-    loaded = int(np.searchsorted(since, 0.0))
-    half = int(np.searchsorted(since, since[start] / 2))
-    if half - loaded < BEFORE:
+    load_index = int(np.searchsorted(time_since_ramp, 0.0))
+    half_index = int(np.searchsorted(time_since_ramp, time_since_ramp[start] / 2))
+    if half_index - load_index < BEFORE:
         return False
-    whole, late = (float(values[i] - values[start]) / count for i in (loaded, half))
-    return bool(late > ROOTS * sqrt(max(whole, 0.0)) + MORE)
+    slope, late_slope = (float(values[i] - values[start]) / count for i in (load_index, half_index))
+    return bool(late_slope > ROOTS * sqrt(max(slope, 0.0)) + MORE)

@@ -44,8 +44,8 @@ def truth_json(truth: Truth, *, instrument: object = None) -> str:
 
 def _to_plain_value(value: Any) -> Any:
     if is_dataclass(value):
-        named = {field.name: getattr(value, field.name) for field in fields(value)}
-        return {k: _to_plain_value(v) for k, v in named.items() if not isinstance(v, np.ndarray)}
+        entries = {field.name: getattr(value, field.name) for field in fields(value)}
+        return {k: _to_plain_value(v) for k, v in entries.items() if not isinstance(v, np.ndarray)}
     if isinstance(value, tuple | list):
         return [_to_plain_value(item) for item in value]
     if isinstance(value, complex):

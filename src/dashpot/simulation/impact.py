@@ -29,9 +29,9 @@ class HalfSine:
 
     def force(self, time: FloatArray) -> FloatArray:
         """Return the push at `time`."""
-        inside = (time >= self.start) & (time <= self.start + self.duration)
+        in_pulse = (time >= self.start) & (time <= self.start + self.duration)
         phase = np.pi * (time - self.start) / self.duration
-        return np.asarray(np.where(inside, self.peak * np.sin(phase), 0.0))
+        return np.asarray(np.where(in_pulse, self.peak * np.sin(phase), 0.0))
 
 
 @dataclass(frozen=True)
@@ -112,8 +112,8 @@ class Oscillator:
             turns = pole.imag > 0
             p, r = (pole, 2 * residue) if turns else (pole.real, residue.real)
             free = np.exp(p * (time - time[0]))
-            begun = 0.0 if rest is None else rest[i] if turns else rest[i].real
-            z = begun * free
+            start_value = 0.0 if rest is None else rest[i] if turns else rest[i].real
+            z = start_value * free
             for pulse in pulses:
                 z += _mode_under(pulse, p, time, free)
             state[i] = z[-1]
@@ -135,11 +135,11 @@ def _mode_under(
         omega * np.exp(pole * s) - omega * np.cos(omega * s) - pole * np.sin(omega * s)
     )
     parting = scale * omega * (np.exp(pole * pulse.duration) + 1)
-    after = slice(during.stop, None)
-    if len(time[after]):
+    time_after = slice(during.stop, None)
+    if len(time[time_after]):
         # the decay from the pulse's end is the common decay, shifted
-        first = time[after][0]
-        z[after] = parting * np.exp(pole * (first - stop)) * free[: len(time) - during.stop]
+        first = time[time_after][0]
+        z[time_after] = parting * np.exp(pole * (first - stop)) * free[: len(time) - during.stop]
     return z
 
 
@@ -388,18 +388,22 @@ def _motion(
         if i in rig.double_hits:
             train += (replace(pulse, start=pulse.start + 0.06, peak=0.4 * pulse.peak),)
         turns = tuple(replace(push, peak=push.peak * offset) for push in train)
-        heave, up = bounce.acceleration(time, train, lifted)
+        vertical, up = bounce.acceleration(time, train, lifted)
         pitch, turn = rock.acceleration(time, turns, tilted)
         if rig.continuous:
             lifted, tilted = up, turn
         force = sum((push.force(time) for push in train), np.zeros(len(time)))
-        swing = rig.accelerometer * pitch
-        for part, signal in zip(parts, (force, heave + swing, heave - swing), strict=True):
+        pitch_acceleration = rig.accelerometer * pitch
+        for part, signal in zip(
+            parts,
+            (force, vertical + pitch_acceleration, vertical - pitch_acceleration),
+            strict=True,
+        ):
             part.append(signal[:-1])
-    joined = [[np.concatenate(part)] if rig.continuous else part for part in parts]
+    joined_parts = [[np.concatenate(part)] if rig.continuous else part for part in parts]
     return [
         np.concatenate([_decimate(_apply_highpass(x, rig) if channel else x) for x in records])
-        for channel, records in enumerate(joined)
+        for channel, records in enumerate(joined_parts)
     ]
 
 
@@ -413,8 +417,8 @@ def _apply_highpass(signal: FloatArray, rig: Hammer) -> FloatArray:
 
 def _decimate(signal: FloatArray) -> FloatArray:
     """Band-limit to 0.45 of the new rate (linear phase, no delay) and keep every fourth sample."""
-    half = 16 * _OVERSAMPLING
-    n = np.arange(-half, half + 1)
+    half_length = 16 * _OVERSAMPLING
+    n = np.arange(-half_length, half_length + 1)
     taps = np.sinc(0.9 * n / _OVERSAMPLING) * np.kaiser(len(n), 8.0)
     return np.asarray(np.convolve(signal, taps / taps.sum(), mode="same")[::_OVERSAMPLING])
 

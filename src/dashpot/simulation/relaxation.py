@@ -101,18 +101,18 @@ def simulate_motion(
     """
     rig = Rig() if rig is None else rig
     model, specimen = prepare_specimen(model, rig, climate)
-    since = motion.time - motion.time[0]
-    sample_count(since[-1], max(rig.axis.rate, rig.rate))
-    clock = np.arange(round(since[-1] * rig.axis.rate) + 1) / rig.axis.rate
-    sent = np.searchsorted(since, clock + 1e-9, side="right")
-    reference = motion.displacement[np.minimum(sent, len(since) - 1)]
+    elapsed = motion.time - motion.time[0]
+    sample_count(elapsed[-1], max(rig.axis.rate, rig.rate))
+    clock = np.arange(round(elapsed[-1] * rig.axis.rate) + 1) / rig.axis.rate
+    sent = np.searchsorted(elapsed, clock + 1e-9, side="right")
+    reference = motion.displacement[np.minimum(sent, len(elapsed) - 1)]
     test, position, force = _simulate_record(
         model,
         clock,
         rig.axis.follow(reference),
         rig=rig,
         seed=seed,
-        end=float(since[-1]),
+        end=float(elapsed[-1]),
         glued=False,
         specimen=specimen,
     )
@@ -136,16 +136,16 @@ def _simulate_record(
     """Return the record of a true motion at the control instants, and the truth at its samples."""
     random = np.random.default_rng(seed)
     # the motion is laid on a grid at least as fine as the record
-    fine = max(1, int(np.ceil(rig.rate / rig.axis.rate)))
-    if fine > 1:
-        dense = np.arange((len(clock) - 1) * fine + 1) / (rig.axis.rate * fine)
+    oversampling = max(1, int(np.ceil(rig.rate / rig.axis.rate)))
+    if oversampling > 1:
+        dense = np.arange((len(clock) - 1) * oversampling + 1) / (rig.axis.rate * oversampling)
         motion, clock = _interpolate_motion(dense, clock, motion), dense
-    pressed = rig.compression(motion)
-    answer = model.force(clock, pressed)
+    compression = rig.compression(motion)
+    answer = model.force(clock, compression)
     if not glued:
         answer = np.maximum(answer, 0.0)
     if rig.softening:
-        answer *= soften_motion(pressed, rig.softening)
+        answer *= soften_motion(compression, rig.softening)
     time = np.arange(int(np.floor(end * rig.rate * (1 + 1e-12))) + 1) / rig.rate
     position, force = np.interp(time, clock, motion), np.interp(time, clock, answer)
     measured = position + rig.position_noise * random.standard_normal(len(time))
@@ -165,23 +165,25 @@ def soften_motion(compression: FloatArray, share: float) -> FloatArray:
     :math:`1 - s (1 - e^{-(n-1)/1.5})` in cycle n. A cycle ends where a seal that was pressed by
     half of the most so far is let go to a twentieth of it.
     """
-    most = np.maximum.accumulate(compression)
-    down = np.flatnonzero(compression < _RELEASED * most)
-    deep = np.flatnonzero(compression > _PRESSED * most)
-    done, at = np.zeros(len(compression)), 0
-    while (begun := deep[deep >= at]).size and (ended := down[down > begun[0]]).size:
+    max_so_far = np.maximum.accumulate(compression)
+    released_indices = np.flatnonzero(compression < _RELEASED * max_so_far)
+    pressed_indices = np.flatnonzero(compression > _PRESSED * max_so_far)
+    softened, at = np.zeros(len(compression)), 0
+    while (next_pressed := pressed_indices[pressed_indices >= at]).size and (
+        ended := released_indices[released_indices > next_pressed[0]]
+    ).size:
         at = int(ended[0])
-        done[at:] += 1
-    return np.asarray(1 + share * np.expm1(-done / _CYCLES))
+        softened[at:] += 1
+    return np.asarray(1 + share * np.expm1(-softened / _CYCLES))
 
 
 def _staircase(clock: FloatArray, path: tuple[tuple[float, float], ...], rig: Rig) -> FloatArray:
     """Return the set-point in force at every control instant."""
-    points, last, begun = [np.zeros(1)], 0.0, 0.0
+    points, last, step_start = [np.zeros(1)], 0.0, 0.0
     for at, position in path:
-        leg = setpoints(last, position, duration=at - begun, interval=rig.setpoint_interval)
+        leg = setpoints(last, position, duration=at - step_start, interval=rig.setpoint_interval)
         points.append(leg[1:])
-        last, begun = position, at
+        last, step_start = position, at
     # a set-point is sent at the start of its interval: the staircase leads the straight line
     sent = np.concatenate(points)
     count = np.floor((clock - rig.baseline) / rig.setpoint_interval + 1e-9).astype(int) + 1

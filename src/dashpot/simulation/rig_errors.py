@@ -92,8 +92,8 @@ class Rig:
             value = getattr(self, name)
             if not value > 0:
                 raise DataError(f"rig {name} = {value!r}; expected a number > 0")
-        least = ("baseline", "encoder", "gap", "tilt", "noise", "position_noise", "quantum")
-        require_nonnegative("rig ", **select_fields(self, *least))
+        nonnegative = ("baseline", "encoder", "gap", "tilt", "noise", "position_noise", "quantum")
+        require_nonnegative("rig ", **select_fields(self, *nonnegative))
         if not 0 <= self.softening < 1:
             raise DataError(
                 f"rig softening = {self.softening!r}; expected a share from 0 to below 1"

@@ -67,10 +67,10 @@ class Axis:
     limit: float = 20.0
 
     def __post_init__(self) -> None:
-        above = ("frequency", "damping", "rate", "drag", "filter_time", "limit")
-        require_positive("axis ", **select_fields(self, *above))
-        others = ("friction", "integral", "integral_zone", "standstill")
-        require_nonnegative("axis ", **select_fields(self, *others))
+        positive_names = ("frequency", "damping", "rate", "drag", "filter_time", "limit")
+        require_positive("axis ", **select_fields(self, *positive_names))
+        nonnegative_names = ("friction", "integral", "integral_zone", "standstill")
+        require_nonnegative("axis ", **select_fields(self, *nonnegative_names))
         if self.frequency > self.rate / 20:
             raise DataError(
                 f"a loop of {self.frequency:g} Hz needs a control rate of at least "
@@ -93,29 +93,29 @@ class Axis:
         a = exp(-self.drag * step)
         g = (1 - a) / self.drag
         w = (step - g) / self.drag
-        smooth = 1 - exp(-step / self.filter_time)
+        filter_factor = 1 - exp(-step / self.filter_time)
         x = target[0]
         v = integral = rate = 0.0
         last = x
         path = []
-        for wanted in target:
+        for target_position in target:
             path.append(x)
-            error = wanted - x
-            rate += smooth * ((x - last) / step - rate)
+            error = target_position - x
+            rate += filter_factor * ((x - last) / step - rate)
             last = x
             drive = kp * error + integral - kd * rate
             limited = min(max(drive, -self.limit), self.limit)
-            near = abs(error) < self.integral_zone or abs(rate) < self.standstill
-            if limited == drive and near:
+            is_near_target = abs(error) < self.integral_zone or abs(rate) < self.standstill
+            if limited == drive and is_near_target:
                 integral += self.integral * error * step
             if v == 0.0 and abs(limited) <= self.friction:
                 continue
             direction = v if v != 0.0 else limited
             push = limited - (self.friction if direction > 0 else -self.friction)
-            faster = a * v + g * push
+            next_speed = a * v + g * push
             x += g * v + w * push
             # dry friction stops a motion; it never turns it round
-            v = 0.0 if self.friction > 0 and v * faster < 0 else faster
+            v = 0.0 if self.friction > 0 and v * next_speed < 0 else next_speed
         return np.array(path)
 
 
@@ -194,10 +194,10 @@ def planned_trajectory(
     step = convert_to_si(interval, "time")
     if not (np.isfinite(step) and step > 0):
         raise DataError(f"a set-point each {step!r} s; expected a time > 0, such as 10ms")
-    stated = {"rest": baseline, "ramp": ramp_time, "hold": hold_time}
+    durations = {"rest": baseline, "ramp": ramp_time, "hold": hold_time}
     counts = {
         name: _count_setpoints(name, convert_to_si(value, "time"), step)
-        for name, value in stated.items()
+        for name, value in durations.items()
     }
     if not counts["ramp"]:
         raise DataError("the ramp takes no time; a controller needs one set-point in it at least")
@@ -205,13 +205,13 @@ def planned_trajectory(
     line = setpoints((0, 0, 0), stop, duration=counts["ramp"] * step, interval=step)
     rest, hold_positions = np.zeros((counts["rest"], 3)), np.tile(stop, (counts["hold"], 1))
     share = np.arange(counts["ramp"] + 1) / counts["ramp"]
-    pressed = convert_to_si(depth, "length") * np.concatenate(
+    compression = convert_to_si(depth, "length") * np.concatenate(
         [rest[:, 0], share, np.ones(counts["hold"])]
     )
     points = np.vstack([rest, line, hold_positions])
     # a count times a decimal interval is not that decimal
     time = np.round(np.arange(len(points)) * step, 12)
-    return Trajectory(time, pressed, points)
+    return Trajectory(time, compression, points)
 
 
 def _count_setpoints(name: str, duration: float, step: float) -> int:

@@ -94,21 +94,21 @@ class ElasticLaw(Serialisable):
     def path(self, x: npt.ArrayLike) -> FloatArray:
         """The compression of a linear seal with the same force, m: the force over `stiffness`."""
         x = np.asarray(x, dtype=float)
-        knots, ratio, bend, below = self._stretches
-        within = np.minimum(np.maximum(x, 0.0), knots[-1])
-        i = knots[1:-1].searchsorted(within, side="right")
-        step = within - knots[i]
-        inside = below[i] + step * (ratio[i] + bend[i] * step)
-        excess = np.where(x < 0.0, ratio[0], ratio[-1]) * (x - within)
-        return np.asarray(inside + excess)
+        knots, ratio, bends, force_at_knots = self._stretches
+        clipped = np.minimum(np.maximum(x, 0.0), knots[-1])
+        i = knots[1:-1].searchsorted(clipped, side="right")
+        step = clipped - knots[i]
+        force_inside = force_at_knots[i] + step * (ratio[i] + bends[i] * step)
+        excess = np.where(x < 0.0, ratio[0], ratio[-1]) * (x - clipped)
+        return np.asarray(force_inside + excess)
 
     @cached_property
     def _stretches(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Knots and t there, half the slope of t from each to the next, and the path at each."""
         knots, ratio = np.asarray(self.knots), np.asarray(self.ratio)
-        wide = np.diff(knots)
-        below = np.concatenate(([0.0], np.cumsum(wide * (ratio[1:] + ratio[:-1]) / 2)))
-        return knots, ratio, 0.5 * np.diff(ratio) / wide, below
+        widths = np.diff(knots)
+        force_at_knots = np.concatenate(([0.0], np.cumsum(widths * (ratio[1:] + ratio[:-1]) / 2)))
+        return knots, ratio, 0.5 * np.diff(ratio) / widths, force_at_knots
 
     def secant(self, x: npt.ArrayLike) -> FloatArray:
         """Secant stiffness F_e/x, N/m; at x = 0 its limit."""
@@ -137,8 +137,8 @@ class ElasticLaw(Serialisable):
         friction and a toe depart by more of their tangent.
         """
         u = np.linspace(0.0, 1.0, 41)
-        whole = float(self.path(self.depth))
-        gap = float(np.max(np.abs(self.path(u * self.depth) / whole - u)))
+        force_at_depth = float(self.path(self.depth))
+        gap = float(np.max(np.abs(self.path(u * self.depth) / force_at_depth - u)))
         deviation = abs(float(self.factor(self.depth)) - 1)
         return deviation <= GENTLE_TOLERANCE and gap <= min(
             STRAIGHT_TOLERANCE, SMOOTH * deviation + PATH_TOLERANCE
@@ -158,21 +158,21 @@ class ElasticLaw(Serialisable):
             If no compression carries the force.
         """
         target = force / self.stiffness if self.stiffness > 0 else np.inf
-        deepest, last = float(self.path(self.depth)), self.ratio[-1]
-        if not 0 <= target < np.inf or (target > deepest and last <= 0):
+        max_force, last = float(self.path(self.depth)), self.ratio[-1]
+        if not 0 <= target < np.inf or (target > max_force and last <= 0):
             raise DataError(
                 f"no compression carries {force:.4g} N: at {format_quantity(self.depth, 'mm')} the "
-                f"relaxed force is {self.stiffness * deepest:.4g} N, its tangent "
+                f"relaxed force is {self.stiffness * max_force:.4g} N, its tangent "
                 f"{self.stiffness * last:.4g} N/m"
             )
-        if target > deepest:
-            return self.depth + (target - deepest) / last
-        below = self.path(self.knots)
-        i = max(int(np.searchsorted(below, target)) - 1, 0)
-        rest, first = target - float(below[i]), self.ratio[i]
-        bend = 2 * (self.ratio[i + 1] - first) / (self.knots[i + 1] - self.knots[i])
+        if target > max_force:
+            return self.depth + (target - max_force) / last
+        force_at_knots = self.path(self.knots)
+        i = max(int(np.searchsorted(force_at_knots, target)) - 1, 0)
+        rest, first = target - float(force_at_knots[i]), self.ratio[i]
+        curvature = 2 * (self.ratio[i + 1] - first) / (self.knots[i + 1] - self.knots[i])
         # the smaller root of first * step + bend / 4 * step**2 = rest, without cancellation
-        root = first + float(np.sqrt(max(first**2 + bend * rest, 0.0)))
+        root = first + float(np.sqrt(max(first**2 + curvature * rest, 0.0)))
         return self.knots[i] + (2 * rest / root if root > 0 else 0.0)
 
     def rests(self, force: float) -> tuple[float, ...]:
@@ -180,7 +180,7 @@ class ElasticLaw(Serialisable):
         return (self.compression(force),)
 
     def __mul__(self, count: float) -> ElasticLaw:
-        """So many in parallel."""
+        """Return the law of `count` seals in parallel."""
         return replace(self, stiffness=count * self.stiffness)
 
     __rmul__ = __mul__
@@ -225,10 +225,10 @@ def require_plausible_compression(
         name = f"it was tested to {format_quantity(law.depth, 'mm', '.3g')}"
     else:
         return
-    pressed, requested = "the compression given presses", "check its unit"
+    subject, requested = "the compression given presses", "check its unit"
     if carried is not None:
-        pressed = f"a mass of {carried:.4g} kg on each presses"
+        subject = f"a mass of {carried:.4g} kg on each presses"
         requested = "check the mass and its unit (is it g?), and the number of seals"
     raise DataError(
-        f"{pressed} the seal by {format_quantity(compression, 'mm')}, but {name}: {requested}"
+        f"{subject} the seal by {format_quantity(compression, 'mm')}, but {name}: {requested}"
     )

@@ -63,11 +63,11 @@ def density_at(u: FloatArray, alpha: float) -> Weights:
     """Return w(u), its derivative by ln tau, which is that by -u, and by alpha."""
     s, c = sin(alpha * pi), cos(alpha * pi)
     e = np.exp(-alpha * np.abs(u))
-    below = 1 + 2 * c * e + e * e
-    value = s / pi * e / below
-    rising = (1 - e * e) / below
-    by_alpha = pi * c / s - np.abs(u) * rising + 2 * pi * s * e / below
-    return Weights(value, alpha * np.sign(u) * rising * value, by_alpha * value)
+    denominator = 1 + 2 * c * e + e * e
+    value = s / pi * e / denominator
+    weight = (1 - e * e) / denominator
+    by_alpha = pi * c / s - np.abs(u) * weight + 2 * pi * s * e / denominator
+    return Weights(value, alpha * np.sign(u) * weight * value, by_alpha * value)
 
 
 def weights_at(u: FloatArray, alpha: float) -> Weights:
@@ -94,38 +94,42 @@ def _with_ends(weights: Weights, u: FloatArray, density: FloatArray, alpha: floa
     return weights
 
 
-def _even(reach: float, alpha: float, step: float) -> tuple[FloatArray, Weights]:
+def _even(max_distance: float, alpha: float, step: float) -> tuple[FloatArray, Weights]:
     """Arms at even distances, as far as they weigh anything."""
-    count = int(np.ceil(reach / step))
+    count = int(np.ceil(max_distance / step))
     u = step * np.arange(-count, count + 1.0)
     return u, weights_at(u, alpha)
 
 
-def _build_graded_arms(reach: float, alpha: float, nodes: int) -> tuple[FloatArray, Weights]:
+def _build_graded_arms(max_distance: float, alpha: float, nodes: int) -> tuple[FloatArray, Weights]:
     """Arms at Gauss nodes of panels, as narrow at the peak of w as it is."""
     edges = [0.0, pi * (1 - alpha) / alpha]
-    while edges[-1] < reach:
+    while edges[-1] < max_distance:
         edges.append(edges[-1] + min(edges[-1], _PANEL))
-    side = np.array(edges[1:])
-    cuts = np.concatenate((-side[::-1], [0.0], side))
+    right_edges = np.array(edges[1:])
+    cuts = np.concatenate((-right_edges[::-1], [0.0], right_edges))
     x, weight = np.polynomial.legendre.leggauss(nodes)
-    half = np.diff(cuts)[:, None] / 2
-    u = (cuts[:-1, None] + half * (1 + x)).ravel()
-    scale = (half * weight).ravel()
+    half_widths = np.diff(cuts)[:, None] / 2
+    u = (cuts[:-1, None] + half_widths * (1 + x)).ravel()
+    scale = (half_widths * weight).ravel()
     weights = Weights(*(scale * part for part in density_at(u, alpha)))
-    ends = density_at(cuts[[0, -1]], alpha).value
-    return u, _with_ends(weights, cuts[[0, -1]], ends, alpha)
+    end_densities = density_at(cuts[[0, -1]], alpha).value
+    return u, _with_ends(weights, cuts[[0, -1]], end_densities, alpha)
 
 
 def _select_arms(
     u: FloatArray, weights: Weights, low: float, high: float
 ) -> tuple[FloatArray, Weights]:
     """The arms between two ends, the first and the last with the weight of all beyond them."""
-    inside = np.flatnonzero((u >= low) & (u <= high))
-    first, last = (inside[0], inside[-1]) if inside.size else [int(np.argmin(np.abs(u - low)))] * 2
-    ends = [0, *range(first + 1, last + 1)]
+    inside_indices = np.flatnonzero((u >= low) & (u <= high))
+    first, last = (
+        (inside_indices[0], inside_indices[-1])
+        if inside_indices.size
+        else [int(np.argmin(np.abs(u - low)))] * 2
+    )
+    kept_indices = [0, *range(first + 1, last + 1)]
     return u[first : last + 1], Weights(
-        *(np.add.reduceat(part[:], ends)[: last + 1 - first] for part in weights)
+        *(np.add.reduceat(part[:], kept_indices)[: last + 1 - first] for part in weights)
     )
 
 
@@ -135,8 +139,8 @@ def _integrate_tail(u: float, alpha: float) -> tuple[float, float]:
     # of the other side, where the exponential could not be written
     e = exp(-alpha * abs(u))
     share = float(np.arctan2(e * s, 1 + e * c)) / (alpha * pi)
-    turned = (-abs(u) * e * s + pi * e * c + pi * e * e) / (1 + 2 * c * e + e * e)
-    slope = -share / alpha + turned / (alpha * pi)
+    rotated_part = (-abs(u) * e * s + pi * e * c + pi * e * e) / (1 + 2 * c * e + e * e)
+    slope = -share / alpha + rotated_part / (alpha * pi)
     return (share, slope) if u >= 0 else (1 - share, -slope)
 
 
@@ -180,8 +184,8 @@ class FractionalZener(Solid, Serialisable):
     b: float = 0.0
 
     def __post_init__(self) -> None:
-        ends = sorted((float(self.k_inf), float(self.k_0)))
-        for name, value in zip(("k_inf", "k_0", "b"), (*ends, float(self.b)), strict=True):
+        stiffnesses = sorted((float(self.k_inf), float(self.k_0)))
+        for name, value in zip(("k_inf", "k_0", "b"), (*stiffnesses, float(self.b)), strict=True):
             if not (isfinite(value) and value >= 0):
                 raise DataError(f"{name} = {value!r}; a passive solid needs {name} >= 0 and finite")
         require_positive(tau=self.tau, unit=" s", expected="a relaxation time > 0")
@@ -189,7 +193,7 @@ class FractionalZener(Solid, Serialisable):
             raise DataError(
                 f"alpha = {self.alpha!r}; expected 0 < alpha <= 1, from a spring to a dashpot"
             )
-        for name, value in zip(("k_inf", "k_0"), ends, strict=True):
+        for name, value in zip(("k_inf", "k_0"), stiffnesses, strict=True):
             object.__setattr__(self, name, value)
         for name in ("tau", "alpha", "b"):
             object.__setattr__(self, name, float(getattr(self, name)))
@@ -200,12 +204,12 @@ class FractionalZener(Solid, Serialisable):
         """Side by side: springs and dashpots join it, any other solid stands beside it."""
         if not isinstance(other, Solid):
             return NotImplemented
-        plain = isinstance(other, GeneralizedMaxwell) and not other.arms
-        same = isinstance(other, FractionalZener) and (other.tau, other.alpha) == (
+        is_spring = isinstance(other, GeneralizedMaxwell) and not other.arms
+        has_same_spectrum = isinstance(other, FractionalZener) and (other.tau, other.alpha) == (
             self.tau,
             self.alpha,
         )
-        if not (plain or same):
+        if not (is_spring or has_same_spectrum):
             return Parallel((self, other))
         b: float = other.b  # type: ignore[attr-defined]  # both kinds have one
         return replace(self, k_0=self.k_0 + other.k_0, k_inf=self.k_inf + other.k_inf, b=self.b + b)
@@ -261,8 +265,10 @@ class FractionalZener(Solid, Serialisable):
         """
         u, weights = self._spectrum(tolerance, band)
         k, tau = (self.k_0 - self.k_inf) * weights.value, self.tau * np.exp(u)
-        there = k > 0
-        return GeneralizedMaxwell(self.k_inf, tuple(k[there]), tuple(tau[there]), self.b)
+        is_positive = k > 0
+        return GeneralizedMaxwell(
+            self.k_inf, tuple(k[is_positive]), tuple(tau[is_positive]), self.b
+        )
 
     def arm_gradient(self) -> FloatArray:
         """Derivative of k_inf, every k and every ln tau of the arms by k_inf, k_0, ln tau, alpha.
@@ -271,13 +277,13 @@ class FractionalZener(Solid, Serialisable):
         (1 + 2 N, 4).
         """
         _, weights = self._spectrum(TOLERANCE, None)
-        there = (self.k_0 - self.k_inf) * weights.value > 0
-        n = int(there.sum())
+        is_positive = (self.k_0 - self.k_inf) * weights.value > 0
+        n = int(is_positive.sum())
         gradient = np.zeros((1 + 2 * n, 4))
         gradient[0, 0] = 1.0
-        gradient[1 : 1 + n, 0] = -weights.value[there]
-        gradient[1 : 1 + n, 1] = weights.value[there]
-        gradient[1 : 1 + n, 3] = (self.k_0 - self.k_inf) * weights.by_alpha[there]
+        gradient[1 : 1 + n, 0] = -weights.value[is_positive]
+        gradient[1 : 1 + n, 1] = weights.value[is_positive]
+        gradient[1 : 1 + n, 3] = (self.k_0 - self.k_inf) * weights.by_alpha[is_positive]
         gradient[1 + n :, 2] = 1.0
         return gradient
 
@@ -294,8 +300,8 @@ class FractionalZener(Solid, Serialisable):
         step = strip / log(_FACTOR / tolerance)
         nodes = int(np.ceil(log(_FACTOR / tolerance) / (2 * log(_GAIN))))
         # the share beyond is sin(a pi)/(a pi) e^{-a u}; tau must be a number all the same
-        reach = min(log(1 / max(0.1 * tolerance, _MIN_WEIGHT)) / self.alpha, 300.0)
-        low, high = -reach, reach
+        max_distance = min(log(1 / max(0.1 * tolerance, _MIN_WEIGHT)) / self.alpha, 300.0)
+        low, high = -max_distance, max_distance
         if band is not None:
             first, last = band
             if not 0 < first <= last < np.inf:
@@ -305,10 +311,10 @@ class FractionalZener(Solid, Serialisable):
             low = max(low, -log(2 * pi * last * self.tau) - margin)
             high = min(high, -log(2 * pi * first * self.tau) + margin)
         if step < _PANEL / nodes:
-            every = _build_graded_arms(reach, self.alpha, nodes)
+            all_arms = _build_graded_arms(max_distance, self.alpha, nodes)
         else:
-            every = _even(reach, self.alpha, step)
-        return _select_arms(*every, low, high)
+            all_arms = _even(max_distance, self.alpha, step)
+        return _select_arms(*all_arms, low, high)
 
     # -- time ---------------------------------------------------------------------------------
 
@@ -337,9 +343,9 @@ class FractionalZener(Solid, Serialisable):
             raise DataError("a solid without stiffness creeps without end")
         if self.k_inf == 0:
             return np.asarray((1 + (t / self.tau) ** self.alpha / gamma(1 + self.alpha)) / self.k_0)
-        slow = self.tau * (self.k_0 / self.k_inf) ** (1 / self.alpha)
-        falls = FractionalZener(1 / self.k_inf - 1 / self.k_0, 0.0, slow, self.alpha)
-        return np.asarray(1 / self.k_inf - falls.relaxation(t))
+        slow_tau = self.tau * (self.k_0 / self.k_inf) ** (1 / self.alpha)
+        compliance_part = FractionalZener(1 / self.k_inf - 1 / self.k_0, 0.0, slow_tau, self.alpha)
+        return np.asarray(1 / self.k_inf - compliance_part.relaxation(t))
 
     def ramp_hold_force(self, t: npt.ArrayLike, *, depth: float, ramp_time: float) -> FloatArray:
         """Force, N, under a ramp of `ramp_time` s to `depth` m that is then held."""

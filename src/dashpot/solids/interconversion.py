@@ -55,8 +55,8 @@ class CreepSpectrum:
     def compliance(self, t: npt.ArrayLike) -> FloatArray:
         """Creep compliance D(t), m/N, for t > 0 in s."""
         t = np.asarray(t, dtype=float)
-        rise = -np.expm1(-t[..., None] / np.array(self.lam, dtype=float))
-        return np.asarray(self.glass + self.flow * t + rise @ np.array(self.d, dtype=float))
+        relaxed_part = -np.expm1(-t[..., None] / np.array(self.lam, dtype=float))
+        return np.asarray(self.glass + self.flow * t + relaxed_part @ np.array(self.d, dtype=float))
 
 
 def creep_spectrum(
@@ -162,23 +162,23 @@ def secular_zeros(
     if not len(poles):
         return np.empty(0), np.empty(0)
     gaps = np.diff(poles)
-    anchor, side, reach = poles[:-1].copy(), np.ones(len(gaps)), gaps / 2
-    middle = anchor + reach
-    above = _secular(poles, weights, constant, anchor, middle - anchor)[0] < 0
-    anchor[above], side[above] = poles[1:][above], -1.0
+    anchor, sides, half_gap = poles[:-1].copy(), np.ones(len(gaps)), gaps / 2
+    middle = anchor + half_gap
+    is_above = _secular(poles, weights, constant, anchor, middle - anchor)[0] < 0
+    anchor[is_above], sides[is_above] = poles[1:][is_above], -1.0
     if constant > 0:
         # the zero beyond the last pole is no further from it than all weights over c
         anchor = np.append(anchor, poles[-1])
-        side = np.append(side, 1.0)
-        reach = np.append(reach, 2 * weights.sum() / constant)
+        sides = np.append(sides, 1.0)
+        half_gap = np.append(half_gap, 2 * weights.sum() / constant)
     low = np.full(len(anchor), np.finfo(float).tiny).view(np.int64)
-    high = np.array(np.maximum(reach, np.finfo(float).tiny)).view(np.int64)
+    high = np.array(np.maximum(half_gap, np.finfo(float).tiny)).view(np.int64)
     for _ in range(64):
         trial = low + (high - low) // 2
-        g = _secular(poles, weights, constant, anchor, side * trial.view(np.float64))[0]
-        inside = side * g < 0  # the zero lies further from the anchor
-        low, high = np.where(inside, trial, low), np.where(inside, high, trial)
-    offset = side * high.view(np.float64)
+        g = _secular(poles, weights, constant, anchor, sides * trial.view(np.float64))[0]
+        is_before_root = sides * g < 0  # the zero lies further from the anchor
+        low, high = np.where(is_before_root, trial, low), np.where(is_before_root, high, trial)
+    offset = sides * high.view(np.float64)
     return anchor + offset, _secular(poles, weights, constant, anchor, offset)[1]
 
 

@@ -36,25 +36,25 @@ class Masing(RateIndependent):
         return np.asarray(self.backbone(amplitude) - 2 * self.backbone((amplitude - x) / 2))
 
     def start(self) -> _Path:
-        """At rest, where the first loading begins."""
+        """Return the state at rest, where the first loading begins."""
         return ((0.0, 0.0), (0.0, 0.0))
 
     def step(self, state: _Path, x: float) -> tuple[float, _Path]:
         """Force, N, and the turning points that are not forgotten, the present place last."""
         *turns, position = state
-        way = x - position[0]
-        if way == 0:
+        distance = x - position[0]
+        if distance == 0:
             return position[1], state
-        if _is_opposite(way, position[0] - turns[-1][0]):
+        if _is_opposite(distance, position[0] - turns[-1][0]):
             turns.append(position)
-        while len(turns) > 2 and not _is_opposite(x - turns[-2][0], way):
+        while len(turns) > 2 and not _is_opposite(x - turns[-2][0], distance):
             del turns[-2:]
         if len(turns) == 2 and abs(x) >= abs(turns[1][0]) and _is_opposite(x, turns[1][0]):
             del turns[1]  # past the mirror of its end the first loading goes on
         x_r, f_r = turns[-1]
         share = 1 if len(turns) == 1 else 2
-        rise = share * float(self.backbone(abs(x - x_r) / share))
-        force = f_r + float(np.copysign(rise, x - x_r))
+        force_rise = share * float(self.backbone(abs(x - x_r) / share))
+        force = f_r + float(np.copysign(force_rise, x - x_r))
         return force, (*turns, (x, force))
 
 

@@ -29,7 +29,7 @@ _IN_CACHE = 8192
 
 
 def angular(
-    *bare: object, frequency: Quantity | npt.ArrayLike | None = None, omega: Any = None
+    *positional: object, frequency: Quantity | npt.ArrayLike | None = None, omega: Any = None
 ) -> FloatArray:
     """Return the angular frequency, rad/s, that is named: the two differ more than sixfold.
 
@@ -38,7 +38,7 @@ def angular(
     TypeError
         If a bare number is given, or not one of both.
     """
-    if bare or (frequency is None) == (omega is None):
+    if positional or (frequency is None) == (omega is None):
         raise TypeError("say frequency= in Hz or omega= in rad/s")
     if frequency is None:
         return np.asarray(omega, dtype=float)
@@ -82,7 +82,7 @@ class Solid(ABC):
 
     @abstractmethod
     def __rmul__(self, count: float) -> Solid:
-        """As ``solid * count``."""
+        """Return ``solid * count``."""
 
     def slope_at(self, s: npt.ArrayLike) -> ComplexArray:
         """Derivative of the stiffness by s, N s/m: by differences over a circle about `s`."""
@@ -96,36 +96,38 @@ class Solid(ABC):
     @overload
     def complex_stiffness(self, *, omega: npt.ArrayLike) -> ComplexArray: ...
     def complex_stiffness(
-        self, *bare: object, frequency: Any = None, omega: Any = None
+        self, *positional: object, frequency: Any = None, omega: Any = None
     ) -> ComplexArray:
         r"""Complex stiffness :math:`K^*(\omega)`, N/m, at `frequency`, Hz, or `omega`, rad/s."""
-        return self.stiffness_at(1j * angular(*bare, frequency=frequency, omega=omega))
+        return self.stiffness_at(1j * angular(*positional, frequency=frequency, omega=omega))
 
     @overload
     def storage(self, *, frequency: Quantity | npt.ArrayLike) -> FloatArray: ...
     @overload
     def storage(self, *, omega: npt.ArrayLike) -> FloatArray: ...
-    def storage(self, *bare: object, frequency: Any = None, omega: Any = None) -> FloatArray:
+    def storage(self, *positional: object, frequency: Any = None, omega: Any = None) -> FloatArray:
         """Return storage stiffness K', N/m, at `frequency`, Hz, or `omega`, rad/s."""
-        omega = angular(*bare, frequency=frequency, omega=omega)
+        omega = angular(*positional, frequency=frequency, omega=omega)
         return np.asarray(self.stiffness_at(1j * omega).real)
 
     @overload
     def loss(self, *, frequency: Quantity | npt.ArrayLike) -> FloatArray: ...
     @overload
     def loss(self, *, omega: npt.ArrayLike) -> FloatArray: ...
-    def loss(self, *bare: object, frequency: Any = None, omega: Any = None) -> FloatArray:
+    def loss(self, *positional: object, frequency: Any = None, omega: Any = None) -> FloatArray:
         """Return loss stiffness K'', N/m, at `frequency`, Hz, or `omega`, rad/s."""
-        omega = angular(*bare, frequency=frequency, omega=omega)
+        omega = angular(*positional, frequency=frequency, omega=omega)
         return np.asarray(self.stiffness_at(1j * omega).imag)
 
     @overload
     def loss_factor(self, *, frequency: Quantity | npt.ArrayLike) -> FloatArray: ...
     @overload
     def loss_factor(self, *, omega: npt.ArrayLike) -> FloatArray: ...
-    def loss_factor(self, *bare: object, frequency: Any = None, omega: Any = None) -> FloatArray:
+    def loss_factor(
+        self, *positional: object, frequency: Any = None, omega: Any = None
+    ) -> FloatArray:
         """Return loss factor K''/K', dimensionless, at `frequency`, Hz, or `omega`, rad/s."""
-        stiffness = self.stiffness_at(1j * angular(*bare, frequency=frequency, omega=omega))
+        stiffness = self.stiffness_at(1j * angular(*positional, frequency=frequency, omega=omega))
         return np.asarray(stiffness.imag / stiffness.real)[()]
 
     def relaxation(self, t: npt.ArrayLike) -> FloatArray:
@@ -204,9 +206,9 @@ class GeneralizedMaxwell(Solid, Serialisable):
             if not (np.isfinite(value) and value >= 0):
                 raise DataError(f"{name} = {value!r}; a passive solid needs {name} >= 0 and finite")
         for name, values in (("k", k), ("tau", tau)):
-            bad = np.flatnonzero(~(np.isfinite(values) & (values > 0)))
-            if bad.size:
-                at, value = int(bad[0]), float(values[bad[0]])
+            bad_indices = np.flatnonzero(~(np.isfinite(values) & (values > 0)))
+            if bad_indices.size:
+                at, value = int(bad_indices[0]), float(values[bad_indices[0]])
                 raise DataError(
                     f"{name}_{at + 1} = {value!r}; a passive arm needs {name} > 0 and finite"
                 )
@@ -431,8 +433,8 @@ class GeneralizedMaxwell(Solid, Serialisable):
     def bend_at(self, s: npt.ArrayLike) -> ComplexArray:
         r"""Second derivative by s, N s^2/m: :math:`-2 \sum_j k_j \tau_j^2/(1+s\tau_j)^3`."""
         k, tau = self._arms()
-        below = 1 + np.asarray(s, dtype=complex)[..., None] * tau
-        return np.asarray((-2 * k * tau**2 / below**3).sum(axis=-1))
+        denominator = 1 + np.asarray(s, dtype=complex)[..., None] * tau
+        return np.asarray((-2 * k * tau**2 / denominator**3).sum(axis=-1))
 
     def arm_slopes(self, s: npt.ArrayLike) -> tuple[ComplexArray, ComplexArray]:
         r"""Derivative of :math:`K` and of :math:`K'` at s by k_inf, every k and every ln tau.
@@ -444,10 +446,10 @@ class GeneralizedMaxwell(Solid, Serialisable):
         """
         s = np.asarray(s, dtype=complex)[:, None]
         k, tau = self._arms()
-        x, below, values = s * tau, 1 + s * tau, np.ones_like(s)
+        x, denominator, values = s * tau, 1 + s * tau, np.ones_like(s)
         return (
-            np.hstack((values, x / below, k * x / below**2)),
-            np.hstack((0 * values, tau / below**2, k * tau * (1 - x) / below**3)),
+            np.hstack((values, x / denominator, k * x / denominator**2)),
+            np.hstack((0 * values, tau / denominator**2, k * tau * (1 - x) / denominator**3)),
         )
 
     # -- private ------------------------------------------------------------------------------
@@ -485,10 +487,10 @@ def arm_response(time: FloatArray, displacement: FloatArray, tau: float | FloatA
     Boltzmann superposition integrated exactly, segment by segment; any sampling.
     """
     z = np.divide.outer(np.diff(time), tau)
-    joined = np.concatenate((displacement[:1], np.diff(displacement)))
+    increments = np.concatenate((displacement[:1], np.diff(displacement)))
     decay, mean = np.zeros((2, len(time), *z.shape[1:]))
     decay[1:], mean[0], mean[1:] = np.exp(-z), 1.0, -np.expm1(-z) / z
-    return decaying_sum(decay, (mean.T * joined).T)
+    return decaying_sum(decay, (mean.T * increments).T)
 
 
 def _arms_carry(time: FloatArray, x: FloatArray, k: FloatArray, tau: FloatArray) -> FloatArray:
@@ -496,8 +498,8 @@ def _arms_carry(time: FloatArray, x: FloatArray, k: FloatArray, tau: FloatArray)
     at_once = max(1, _IN_CACHE // max(len(time), 1))
     total = np.zeros(len(time))
     for first in range(0, len(tau), at_once):
-        some = slice(first, first + at_once)
-        total += arm_response(time, x, tau[some]) @ k[some]
+        sample_slice = slice(first, first + at_once)
+        total += arm_response(time, x, tau[sample_slice]) @ k[sample_slice]
     return total
 
 
@@ -519,16 +521,16 @@ class Parallel(Solid, Serialisable):
     parts: tuple[Solid, ...]
 
     def __post_init__(self) -> None:
-        flat = [
+        parts = [
             part
             for solid in self.parts
             for part in (solid.parts if isinstance(solid, Parallel) else [solid])
         ]
-        if not flat or not all(isinstance(part, Solid) for part in flat):
+        if not parts or not all(isinstance(part, Solid) for part in parts):
             raise DataError(
                 f"parts = {self.parts!r}; expected at least one solid, and nothing else"
             )
-        object.__setattr__(self, "parts", tuple(flat))
+        object.__setattr__(self, "parts", tuple(parts))
 
     @property
     def k_inf(self) -> float:  # type: ignore[override]  # others keep it as a field

@@ -53,35 +53,35 @@ def face_under_plate(
     face, force = np.empty(len(plate)), np.zeros(len(plate))
     face[0] = max(float(plate[0]), 0.0)
     force[0] = solid.k_inf * face[0]
-    least = -_ROUNDING * solid.k_0 * max(float(np.abs(plate).max()), 1e-300)
-    q, i, pressed, look = np.zeros(solid.arms), 0, True, _FIRST_LOOK
+    tensile_limit = -_ROUNDING * solid.k_0 * max(float(np.abs(plate).max()), 1e-300)
+    q, i, is_pressed, look_ahead = np.zeros(solid.arms), 0, True, _FIRST_LOOK
     while i < len(plate) - 1:
-        ahead = slice(i, min(i + look, len(plate)))
-        if pressed:
-            x = np.concatenate((face[i : i + 1], plate[ahead][1:]))
-            answer, states = _compute_force_and_states(solid, time[ahead], x, q)
-            ends = np.flatnonzero(answer[1:] < least)
+        samples = slice(i, min(i + look_ahead, len(plate)))
+        if is_pressed:
+            x = np.concatenate((face[i : i + 1], plate[samples][1:]))
+            answer, states = _compute_force_and_states(solid, time[samples], x, q)
+            change_indices = np.flatnonzero(answer[1:] < tensile_limit)
         else:
             # what force is left at the last sample that was pressed goes at once
             jump = force[i] / recovery.k_g
-            x, states = recovery(time[ahead] - time[i], face[i] - jump, q - jump)
+            x, states = recovery(time[samples] - time[i], face[i] - jump, q - jump)
             answer = np.zeros(len(x))
             x[0] = face[i]
-            ends = np.flatnonzero(plate[ahead][1:] > x[1:])
-        last = int(ends[0]) if ends.size else len(x) - 1
+            change_indices = np.flatnonzero(plate[samples][1:] > x[1:])
+        last = int(change_indices[0]) if change_indices.size else len(x) - 1
         face[i : i + last + 1], q = x[: last + 1], states[last]
         force[i + 1 : i + last + 1] = answer[1 : last + 1]
         i += last
-        if ends.size:
-            pressed, look = not pressed, _FIRST_LOOK
-            if pressed:
+        if change_indices.size:
+            is_pressed, look_ahead = not is_pressed, _FIRST_LOOK
+            if is_pressed:
                 # the plate meets the face within the next sample, and is there at its end
                 x = np.array([face[i], plate[i + 1]])
                 answer, states = _compute_force_and_states(solid, time[i : i + 2], x, q)
                 i += 1
                 face[i], force[i], q = plate[i], max(float(answer[1]), 0.0), states[1]
         else:
-            look *= 2
+            look_ahead *= 2
     return face, force
 
 
@@ -92,13 +92,13 @@ def _compute_force_and_states(
     k, tau = np.asarray(solid.k), np.asarray(solid.tau)
     z = np.diff(time)[:, None] / tau
     decay = np.concatenate((np.zeros((1, len(tau))), np.exp(-z)))
-    added = np.concatenate((q[None], -np.expm1(-z) / z * np.diff(x)[:, None]))
-    states = decaying_sum(decay, added)
+    increments = np.concatenate((q[None], -np.expm1(-z) / z * np.diff(x)[:, None]))
+    states = decaying_sum(decay, increments)
     return solid.k_inf * x + states @ k, states
 
 
 class _Recovery:
-    """How the face of one solid recovers under no force."""
+    """Recovery of the face of one solid without force."""
 
     def __init__(self, solid: GeneralizedMaxwell) -> None:
         k, tau = np.asarray(solid.k), np.asarray(solid.tau)
@@ -106,18 +106,19 @@ class _Recovery:
         self.pull = k / tau / self.k_g
         # -1/tau + 1 w' is made symmetric by the root of w: its eigenvalues are the rates
         root = np.sqrt(np.maximum(self.pull, 1e-300))
-        self.rate, turn = np.linalg.eigh(np.outer(root, root) - np.diag(1 / tau))
-        self.into, self.out = turn.T * root, turn / root[:, None]
+        self.rate, eigenvectors = np.linalg.eigh(np.outer(root, root) - np.diag(1 / tau))
+        self.into, self.out = eigenvectors.T * root, eigenvectors / root[:, None]
 
     def __call__(
-        self, since: FloatArray, face: float, q: FloatArray
+        self, time_since_release: FloatArray, face: float, q: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Face and elongations at times since it was let go, s; the first as they were."""
         parts = self.into @ q
-        along = self.rate * since[:, None]
-        states = (np.exp(along) * parts) @ self.out.T
-        grown = np.where(along < -1e-12, np.expm1(along) / np.minimum(self.rate, -1e-300),
-                         since[:, None])  # fmt: skip
+        scaled_time = self.rate * time_since_release[:, None]
+        states = (np.exp(scaled_time) * parts) @ self.out.T
+        grown = np.where(scaled_time < -1e-12, np.expm1(scaled_time) / np.minimum(self.rate,
+        -1e-300),
+                         time_since_release[:, None])  # fmt: skip
         x = face + (grown * parts) @ (self.out.T @ self.pull)
         return x, states
 
@@ -152,15 +153,15 @@ class EvenStep(NamedTuple):
 
     @classmethod
     def from_ratio(cls, ratio: FloatArray) -> EvenStep:
-        """For steps of h / tau > 0."""
-        retained = -np.expm1(-ratio) / ratio
-        onward = np.where(ratio < 1e-4, 0.5 - ratio / 6, (1 - retained) / ratio)
-        return cls(retained, 1 - ratio * retained, onward)
+        """Return the factors of steps of h / tau > 0."""
+        mean_decay = -np.expm1(-ratio) / ratio
+        onward = np.where(ratio < 1e-4, 0.5 - ratio / 6, (1 - mean_decay) / ratio)
+        return cls(mean_decay, 1 - ratio * mean_decay, onward)
 
-    def mean(self, carried: FloatArray, provided: FloatArray) -> FloatArray:
+    def mean(self, carried: FloatArray, force_step: FloatArray) -> FloatArray:
         """Return what arms carry on the average of the step, N."""
-        return carried * self.mean_factors + provided * self.onward
+        return carried * self.mean_factors + force_step * self.onward
 
-    def end(self, carried: FloatArray, provided: FloatArray) -> FloatArray:
+    def end(self, carried: FloatArray, force_step: FloatArray) -> FloatArray:
         """Return what they carry at its end, N."""
-        return carried * self.end_factors + provided * self.mean_factors
+        return carried * self.end_factors + force_step * self.mean_factors

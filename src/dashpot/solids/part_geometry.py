@@ -80,7 +80,7 @@ def _compressible(single: float, S: float, poisson: float, edges: tuple[float, .
 
 
 def bonded_block(S: float, aspect: float, poisson: float = RUBBER) -> float:
-    r"""As :func:`bonded_cylinder`, of a rectangular block.
+    r"""Return the shape factor of :func:`bonded_cylinder` for a rectangular block.
 
     With r its narrow side over its wide one, :math:`f_0 = (A S + B S^2 + \beta C S^3)/(1 + C S)`,
     A, B and C quadratic in r, and
@@ -104,12 +104,12 @@ def bonded_block(S: float, aspect: float, poisson: float = RUBBER) -> float:
     (1.238, 3.081)
     """
     n, r = np.arange(1, 20, 2), aspect
-    thin = (
+    thin_part = (
         4 / 3 * (1 + r) ** 2 * (1 - 192 * r / np.pi**5 * np.sum(np.tanh(n * np.pi / 2 / r) / n**5))
     )
     A, B, C = (float(np.polyval(values[::-1], r)) for values in _BLOCK)
     return _compressible(
-        (A * S + B * S**2 + thin * C * S**3) / (1 + C * S), S, poisson, _BLOCK_EDGE
+        (A * S + B * S**2 + thin_part * C * S**3) / (1 + C * S), S, poisson, _BLOCK_EDGE
     )
 
 
@@ -167,10 +167,10 @@ class _Pad(Geometry):
     poisson: float
 
     def _factor(self, mode: PartMode, bonded: bool) -> float:
-        plain = self.area / self.height
+        plain_ratio = self.area / self.height
         if mode == "shear":
-            return plain / 3
-        return plain * (self._stiffer() if bonded else 1)
+            return plain_ratio / 3
+        return plain_ratio * (self._stiffer() if bonded else 1)
 
     def _stiffer(self) -> float:
         """Return what bonded plates make of the stiffness, a factor."""
@@ -236,8 +236,8 @@ class Block(_Pad):
         return self.area / (2 * self.height * (self.length + self.width))
 
     def _stiffer(self) -> float:
-        narrow, wide = sorted((self.length, self.width))
-        return bonded_block(self.shape_factor, narrow / wide, self.poisson)
+        narrow, wider = sorted((self.length, self.width))
+        return bonded_block(self.shape_factor, narrow / wider, self.poisson)
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,7 @@ class AmplitudeDependent(ABC):
         """`count` equal parts in parallel."""
 
     def __rmul__(self, count: float) -> AmplitudeDependent:
-        """As ``part * count``."""
+        """Return ``part * count``."""
         return self * count
 
     def __add__(self, other: object) -> InParallel:
@@ -63,7 +63,7 @@ class AmplitudeDependent(ABC):
         return InParallel((self, other))
 
     def __radd__(self, other: object) -> InParallel:
-        """As ``part + other``."""
+        """Return ``part + other``."""
         return self + other
 
     def path_force(self, t: npt.ArrayLike, displacement: npt.ArrayLike) -> FloatArray:
@@ -71,8 +71,8 @@ class AmplitudeDependent(ABC):
         time, x = increasing("t", samples("t", t)), samples("displacement", displacement)
         same_length(t=time, displacement=x)
         state, values = self.start(), []
-        for dt, place in zip(np.diff(time, prepend=time[0]).tolist(), x.tolist(), strict=True):
-            force, state = self.advance(state, dt, place)
+        for dt, position in zip(np.diff(time, prepend=time[0]).tolist(), x.tolist(), strict=True):
+            force, state = self.advance(state, dt, position)
             values.append(force)
         return np.array(values)
 
@@ -97,11 +97,11 @@ class RateIndependent(AmplitudeDependent):
         """`count` equal elements in parallel."""
 
     def advance(self, state: Any, dt: float, x: float) -> tuple[float, Any]:  # noqa: ARG002
-        """As :meth:`step`: time does not matter."""
+        """Return :meth:`step`: time does not matter."""
         return self.step(state, x)
 
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
-        """As :meth:`stiffness`, at every frequency."""
+        """Return :meth:`stiffness`, the same at every frequency."""
         return np.asarray(self.stiffness(amplitude) + 0 * np.asarray(omega))
 
     def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
@@ -131,9 +131,11 @@ class RateIndependent(AmplitudeDependent):
     def loop(self, amplitude: float, *, points: int = 400) -> tuple[FloatArray, FloatArray]:
         """Return the steady loop: displacement, m, and force, N, once round from +amplitude."""
         X = float(amplitudes(amplitude))
-        half = X * np.cos(np.linspace(0, np.pi, points // 2 + 1))
-        down = self.unloading(half, np.full_like(half, X))
-        return np.concatenate((half, -half[1:])), np.concatenate((down, -down[1:]))
+        half_cycle = X * np.cos(np.linspace(0, np.pi, points // 2 + 1))
+        unloading_force = self.unloading(half_cycle, np.full_like(half_cycle, X))
+        return np.concatenate((half_cycle, -half_cycle[1:])), np.concatenate(
+            (unloading_force, -unloading_force[1:])
+        )
 
 
 @dataclass(frozen=True)
@@ -149,16 +151,18 @@ class InParallel(AmplitudeDependent):
     parts: tuple[Solid | AmplitudeDependent, ...]
 
     def __post_init__(self) -> None:
-        flat = tuple(
+        all_parts = tuple(
             part
             for item in self.parts
             for part in (item.parts if isinstance(item, InParallel) else (item,))
         )
-        if not flat or not all(isinstance(part, Solid | AmplitudeDependent) for part in flat):
+        if not all_parts or not all(
+            isinstance(part, Solid | AmplitudeDependent) for part in all_parts
+        ):
             raise DataError(
                 f"parts = {self.parts!r}; expected solids or elements, at least one of them"
             )
-        object.__setattr__(self, "parts", flat)
+        object.__setattr__(self, "parts", all_parts)
 
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Return complex stiffness, N/m: the sum of the parts."""
@@ -227,8 +231,8 @@ def amplitudes(amplitude: npt.ArrayLike) -> FloatArray:
     """
     X = np.asarray(amplitude, dtype=float)
     if not (np.isfinite(X) & (X > 0)).all():
-        bad = X[~(np.isfinite(X) & (X > 0))].flat[0]
-        raise DataError(f"amplitude = {bad:g}; expected a displacement > 0, in m")
+        bad_amplitude = X[~(np.isfinite(X) & (X > 0))].flat[0]
+        raise DataError(f"amplitude = {bad_amplitude:g}; expected a displacement > 0, in m")
     return X
 
 

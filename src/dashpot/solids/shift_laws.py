@@ -113,13 +113,13 @@ class WLF(TemperatureLaw):
         return "wlf"
 
     def change_reference(self, reference: float) -> WLF:
-        r"""The same law at another T_r: :math:`C_2' = C_2 + T_r' - T_r`, :math:`C_1' = C_1 C_2/C_2'`.
+        r"""Return the law for T_r': :math:`C_2' = C_2 + T_r' - T_r`, :math:`C_1' = C_1 C_2/C_2'`.
 
         Raises
         ------
         DataError
             If that is below T_r - C_2.
-        """  # noqa: E501
+        """
         c2 = self.c2 + reference - self.reference
         if c2 <= 0:
             raise DataError(
@@ -130,13 +130,13 @@ class WLF(TemperatureLaw):
 
     def log10_a_t(self, temperature: npt.ArrayLike) -> FloatArray:
         """Decadic logarithm of the shift factor at temperatures, K."""
-        above = np.asarray(temperature, dtype=float) - self.reference
-        if (self.c2 + above <= 0).any():
+        temperature_difference = np.asarray(temperature, dtype=float) - self.reference
+        if (self.c2 + temperature_difference <= 0).any():
             raise DataError(
-                f"{float(np.min(above)) + self.reference:.5g} K is at or below "
+                f"{float(np.min(temperature_difference)) + self.reference:.5g} K is at or below "
                 f"{self.reference - self.c2:.5g} K, where this WLF law diverges"
             )
-        return np.asarray(-self.c1 * above / (self.c2 + above))
+        return np.asarray(-self.c1 * temperature_difference / (self.c2 + temperature_difference))
 
     def activation_energy(self, temperature: npt.ArrayLike) -> FloatArray:
         """Apparent activation energy, J/mol, at temperatures, K."""

@@ -40,23 +40,25 @@ def table(rows: Sequence[Sequence[str]], *, align_left: bool = False) -> list[st
     """Return rows of cells as lines of aligned columns: the first, or all, to the left."""
     widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
     sides = ["-" if align_left or i == 0 else "" for i in range(len(widths))]
-    form = "".join(f"  %{side}{width}s" for side, width in zip(sides, widths, strict=True))
-    return [(form % tuple(row)).rstrip() for row in rows]
+    row_format = "".join(
+        f"  %{alignment}{width}s" for alignment, width in zip(sides, widths, strict=True)
+    )
+    return [(row_format % tuple(row)).rstrip() for row in rows]
 
 
 def facts(reported_values: Sequence[ReportedValue]) -> list[str]:
     """Return named numbers as a table: value, error, interval and unit, where any has one."""
     head = ("", "value", "± SE", "95 % interval", "unit")
     rows = [value.cells.ascii for value in reported_values]
-    some = [i for i in range(len(head)) if any(row[i] for row in rows)]
-    return table([[row[i] for i in some] for row in (head, *rows)])
+    filled_columns = [i for i in range(len(head)) if any(row[i] for row in rows)]
+    return table([[row[i] for i in filled_columns] for row in (head, *rows)])
 
 
 # Result: its verdict, its values, and the failed checks.
 
 
 Style: TypeAlias = Callable[..., str]
-"""What makes a word bold, dim or of a colour, as ``click.style`` does."""
+"""Function that makes a word bold, dim or coloured, as ``click.style`` does."""
 
 
 def apply_no_style(word: str, **_: Any) -> str:
@@ -68,7 +70,7 @@ COLUMNS = 100
 """A line is not longer, unless one word is, such as a path."""
 
 LINES = 36
-"""Of a result, unless all is asked for; with the files written and what comes next, 40."""
+"""Lines of a result unless all is requested; 40 with files written and the next step."""
 
 
 class ScreenSize(NamedTuple):
@@ -79,14 +81,14 @@ class ScreenSize(NamedTuple):
 
 
 SIZE = ScreenSize(COLUMNS, LINES)
-"""Of what is no terminal, and the most of one."""
+"""Size without a terminal, and the largest size of one."""
 
 
 CHECK_LINES = 3
-"""Of one check there."""
+"""Lines of one check on a screen."""
 
 MARKS = {"stop": ("!!", "red"), "limit": ("!", "yellow"), "note": ("-", None)}
-"""How a failed check is marked and coloured, by its grade."""
+"""Mark and colour of a failed check, by its grade."""
 
 VERDICT_COLOURS = {
     "use": "green",
@@ -117,7 +119,7 @@ def format_for_screen(
     # of a table of thousands no more is put into lines than can be shown, and one to be cut
     part = text.lines if verbose else text.lines[: lines + 1]
     body, requested = _lines(part, columns), _lines(text.requested_lines, columns)
-    counted = [f"  checks      {_format_check_counts(checks)}"] if checks else []
+    count_lines = [f"  checks      {_format_check_counts(checks)}"] if checks else []
     failed = [
         _check(check, verdict, style, columns)
         for check in _select_failed_checks(verdict, checks, everything=verbose)
@@ -128,20 +130,24 @@ def format_for_screen(
             *body,
             *requested,
             *_lines(text.details, columns),
-            *counted,
+            *count_lines,
             *(part for names in failed for part in names),
         ]
-    tail = counted + [part for names in failed for part in _shorten_check_lines(names, columns)]
-    remaining = max(lines - 1 - len(head) - len(tail), 0)
+    last_lines = count_lines + [
+        part for names in failed for part in _shorten_check_lines(names, columns)
+    ]
+    remaining = max(lines - 1 - len(head) - len(last_lines), 0)
     if len(body) > remaining:
-        body, whole = [*body[: max(remaining - 1, 0)], "  ..."], len(body)
+        body, line_count = [*body[: max(remaining - 1, 0)], "  ..."], len(body)
     else:
-        whole = len(body)
+        line_count = len(body)
     head += body
-    retained = [*head, *tail][: lines - 1]
-    cut = len(retained) < len(head) - len(body) + whole + sum(map(len, failed)) + len(counted)
-    retained[len(head) : len(head)] = requested
-    return [*retained, "  more with -v"] if cut or text.details else retained
+    kept_lines = [*head, *last_lines][: lines - 1]
+    is_cut = len(kept_lines) < len(head) - len(body) + line_count + sum(map(len, failed)) + len(
+        count_lines
+    )
+    kept_lines[len(head) : len(head)] = requested
+    return [*kept_lines, "  more with -v"] if is_cut or text.details else kept_lines
 
 
 def _lines(paragraphs: Sequence[str], columns: int) -> list[str]:
@@ -151,13 +157,18 @@ def _lines(paragraphs: Sequence[str], columns: int) -> list[str]:
 
 def lead(verdict: Verdict, style: Style = apply_no_style, columns: int = COLUMNS) -> list[str]:
     """Return a verdict and why, as the first lines of a result."""
-    mark, _, message = str(verdict).partition(": ")
+    mark_text, _, message = str(verdict).partition(": ")
     return _format_marked_sentence(
-        f"{mark}:", message, VERDICT_COLOURS[verdict.use], style, hang=2, columns=columns
+        f"{mark_text}:",
+        message,
+        VERDICT_COLOURS[verdict.use],
+        style,
+        hanging_indent=2,
+        columns=columns,
     )
 
 
-def wrap_line(line: str, *, hang: int | None = None, columns: int = COLUMNS) -> list[str]:
+def wrap_line(line: str, *, hanging_indent: int | None = None, columns: int = COLUMNS) -> list[str]:
     """Return a line as lines of the terminal's width, the later ones under the text of the first.
 
     In a row of columns that is the last one that begins in the left half.
@@ -165,20 +176,32 @@ def wrap_line(line: str, *, hang: int | None = None, columns: int = COLUMNS) -> 
     line = escape_terminal_text(line)
     if len(line) <= columns:
         return [line]
-    if hang is None:
+    if hanging_indent is None:
         starts = [match.end() for match in re.finditer(r"(?:^|\S) {2,}(?=\S)", line)]
-        hang = max((start for start in starts if start <= columns // 2), default=2)
+        hanging_indent = max((start for start in starts if start <= columns // 2), default=2)
     return textwrap.wrap(
-        line, columns, subsequent_indent=" " * hang, break_long_words=False, break_on_hyphens=False
+        line,
+        columns,
+        subsequent_indent=" " * hanging_indent,
+        break_long_words=False,
+        break_on_hyphens=False,
     )
 
 
 def _format_marked_sentence(
-    mark: str, sentence: str, colour: str | None, style: Style, *, hang: int, columns: int
+    mark_text: str,
+    sentence: str,
+    colour: str | None,
+    style: Style,
+    *,
+    hanging_indent: int,
+    columns: int,
 ) -> list[str]:
     """Return a sentence in lines, its mark in colour."""
-    first, *others = wrap_line(ascii_only(f"{mark} {sentence}"), hang=hang, columns=columns)
-    return [style(mark, fg=colour, bold=True) + first[len(mark) :], *others]
+    first, *other_lines = wrap_line(
+        ascii_only(f"{mark_text} {sentence}"), hanging_indent=hanging_indent, columns=columns
+    )
+    return [style(mark_text, fg=colour, bold=True) + first[len(mark_text) :], *other_lines]
 
 
 def _select_failed_checks(
@@ -192,9 +215,9 @@ def _select_failed_checks(
 
 
 def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) -> list[str]:
-    mark, colour = MARKS[check.grade]
+    mark_text, colour = MARKS[check.grade]
     message = check.message_with_option
-    above = (
+    verdict_sentences = (
         set()
         if verdict is None
         else {decapitalise_sentence(sentence) for sentence in sentences(verdict.message)}
@@ -202,14 +225,19 @@ def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) ->
     new = [
         sentence
         for sentence in sentences(check.message_with_remedy)
-        if decapitalise_sentence(sentence) not in above
+        if decapitalise_sentence(sentence) not in verdict_sentences
     ]
-    if decapitalise_sentence(sentences(check.message_with_remedy)[0]) in above:
+    if decapitalise_sentence(sentences(check.message_with_remedy)[0]) in verdict_sentences:
         message = message.replace(check.message_with_remedy, " ".join(["(see line 1)", *new]))
-    first, *others = _format_marked_sentence(
-        f"  {mark}", f"{message} {check.name}", colour, style, hang=5, columns=columns
+    first, *other_lines = _format_marked_sentence(
+        f"  {mark_text}",
+        f"{message} {check.name}",
+        colour,
+        style,
+        hanging_indent=5,
+        columns=columns,
     )
-    lines = [first, *others]
+    lines = [first, *other_lines]
     # the name is for searching, not for reading
     lines[-1] = f"{lines[-1][: -len(check.name)]}{style(check.name, dim=True)}"
     return lines
@@ -217,11 +245,11 @@ def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) ->
 
 def _shorten_check_lines(check: list[str], columns: int) -> list[str]:
     """Return a check's first lines, and a sign where there are more."""
-    retained = check[:CHECK_LINES]
+    kept_lines = check[:CHECK_LINES]
     return (
-        retained
-        if len(check) == len(retained)
-        else [*retained[:-1], f"{retained[-1][: columns - 4]} ..."]
+        kept_lines
+        if len(check) == len(kept_lines)
+        else [*kept_lines[:-1], f"{kept_lines[-1][: columns - 4]} ..."]
     )
 
 

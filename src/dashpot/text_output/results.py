@@ -89,12 +89,16 @@ def fit(fit: Fit, *, requested_arms: int | str = "auto") -> Text:
     source_text = (
         " of the one model of all depths, at the deepest" if fit.evidence.stiffness_by_depth else ""
     )
-    every = (
+    parameter_lines = (
         [f"every parameter{source_text}", *facts(list_known_values(fit))]
         if fit.estimate.parameters
         else []
     )
-    details = [*every, *_format_parameter_changes(fit), f"  optimiser   {fit.status.value}"]
+    details = [
+        *parameter_lines,
+        *_format_parameter_changes(fit),
+        f"  optimiser   {fit.status.value}",
+    ]
     if fit.evidence.certificate:
         details.append(f"  optimality  {fit.evidence.certificate.message}")
     (details if residual.unit == "N" else lines).extend(_format_nuisances(fit))
@@ -145,8 +149,8 @@ def _format_model(fit: Fit) -> list[str]:
     if not arms:
         return facts(list_known_values(fit))
     rows = [["arm"]]
-    for text, fact in zip(parameter_names, arms[0], strict=True):
-        rows[0] += [f"{text}, {fact.cells.ascii.unit}", "±"]
+    for text, reported_value in zip(parameter_names, arms[0], strict=True):
+        rows[0] += [f"{text}, {reported_value.cells.ascii.unit}", "±"]
     rest = reported_values.get("k_inf")
     if fit.evidence.stiffness_by_depth:
         reported_values.clear()
@@ -154,13 +158,22 @@ def _format_model(fit: Fit) -> list[str]:
         rows.append([reported_values.pop("k_inf").label, *_format_value_and_error(rest), *[""] * 4])
     for arm in arms:
         number = arm[0].name.partition("_")[2]
-        rows.append([number, *(cell for fact in arm for cell in _format_value_and_error(fact))])
+        rows.append(
+            [
+                number,
+                *(
+                    cell
+                    for reported_value in arm
+                    for cell in _format_value_and_error(reported_value)
+                ),
+            ]
+        )
     return [*(facts([*reported_values.values()]) if reported_values else ()), *table(rows)]
 
 
-def _format_value_and_error(fact: ReportedValue) -> tuple[str, str]:
+def _format_value_and_error(reported_value: ReportedValue) -> tuple[str, str]:
     """Return value and standard error; a bound or "not identified" stands in place of them."""
-    cells = fact.cells.ascii
+    cells = reported_value.cells.ascii
     if not cells.value:
         return cells.interval, ""
     return cells.value, UNKNOWN if cells.interval == UNKNOWN else cells.error
@@ -168,8 +181,8 @@ def _format_value_and_error(fact: ReportedValue) -> tuple[str, str]:
 
 def _format_sample_count(residual: Residual) -> str:
     """Return the number of samples fitted, and to how many independent ones they are equal."""
-    count, worth = residual.n, residual.n / residual.variance_inflation
-    independent = float(f"{worth:.3g}")
+    count, effective_count = residual.n, residual.n / residual.variance_inflation
+    independent = float(f"{effective_count:.3g}")
     if abs(independent / count - 1) < 0.005:
         return f"{count:,} independent samples"
     return f"{count:,} samples, equal to {independent:,.0f} independent ones"
@@ -206,10 +219,10 @@ def _format_alternative(fit: Fit) -> list[str]:
 
 def _format_nuisances(fit: Fit) -> list[str]:
     reported_values = (item.fact for item in list_reported_nuisances(fit))
-    listed = ascii_only(
+    values_text = ascii_only(
         ", ".join(f"{value.label} {value.cells.with_unit}" for value in reported_values)
     )
-    return [f"  also fitted {listed}"] if listed else []
+    return [f"  also fitted {values_text}"] if values_text else []
 
 
 def list_notes(sources: Sequence[Source]) -> list[str]:
@@ -230,18 +243,18 @@ def _format_parameter_changes(fit: Fit) -> list[str]:
     ]
     for item in fit.evidence.parameter_changes:
         before = "-" if item.was is None else _with_limit(item.was)
-        by = (
+        change_text = (
             "new"
             if item.was is None
             else ascii_only(number_format.format_signed_difference(item.shift))
         )
-        rows.append([f"  {item.name}", before, _with_limit(item.now), by])
+        rows.append([f"  {item.name}", before, _with_limit(item.now), change_text])
     return table(rows)
 
 
-def _with_limit(fact: ReportedValue) -> str:
+def _with_limit(reported_value: ReportedValue) -> str:
     """Value, error or upper limit, and unit."""
-    cells = fact.cells.ascii
+    cells = reported_value.cells.ascii
     return f"{cells.with_limit} {cells.unit}".rstrip()
 
 
@@ -286,16 +299,16 @@ def impact(result: ImpactResult) -> Text:
     frf = result.frf
     lines = []
     for mode in result.modes:
-        frequency, ratio, _ = (fact.cells.ascii.with_unit for fact in mode.mode.facts)
+        frequency, ratio, _ = (item.cells.ascii.with_unit for item in mode.mode.facts)
         lines.append(
             f"  mode  {frequency}, damping ratio {ratio} "
             f"({mode.method.replace('rational', 'rational-fraction fit')})"
         )
-    used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} used"
+    used_text = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} used"
     spacing = frf.frequency[1] - frf.frequency[0]
     if frf.quantity.over_base:
-        used = f"base shaken, equal to {frf.averages} averages"
-    lines.append(f"{used}; {result.estimator}; frequency resolution {spacing:.3g} Hz")
+        used_text = f"base shaken, equal to {frf.averages} averages"
+    lines.append(f"{used_text}; {result.estimator}; frequency resolution {spacing:.3g} Hz")
     return Text([*lines, *(_hits(frf.hits) if frf.hits else ())])
 
 
@@ -368,13 +381,15 @@ def study(study: Study) -> Text:
 def prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Text:
     """Return a prediction's peak, modes and limits."""
     (hz, height), seals = prediction.peak, prediction.seals
-    on = f"{format_quantity(prediction.mass, 'g', '.6g')} on {number_format.seals(seals)}"
-    does = "largest value" if prediction.at_edge else "peak"
+    load_text = f"{format_quantity(prediction.mass, 'g', '.6g')} on {number_format.seals(seals)}"
+    peak_name = "largest value" if prediction.at_edge else "peak"
     kind = prediction.frf.quantity.replace("_", " ")
-    lines = [f"{on}: {does} of the {kind} {height:.5g} {prediction.frf.read} at {hz:.5g} Hz"]
+    lines = [
+        f"{load_text}: {peak_name} of the {kind} {height:.5g} {prediction.frf.read} at {hz:.5g} Hz"
+    ]
     if prediction.height_between is not None:
-        between = number_format.interval(*prediction.height_between)
-        lines.append(f"  95 % limits there {between} {prediction.frf.read}")
+        height_interval = number_format.interval(*prediction.height_between)
+        lines.append(f"  95 % limits there {height_interval} {prediction.frf.read}")
     if prediction.isolation is not None:
         lines.append(f"  the mass moves less than its base above {prediction.isolation:.5g} Hz")
     if prediction.random is not None:
@@ -438,7 +453,7 @@ class Measured(Protocol):
 
     @property
     def loss_factor(self) -> FloatArray:
-        """By line."""
+        """Loss factor, by line."""
         ...
 
     @property
@@ -474,7 +489,7 @@ def render_summary(result: object) -> Text:
 
 
 def format_error_sensitivity(
-    measured: Measured, *, errors: tuple[str, ...], unit: str, shown: int
+    measured: Measured, *, errors: tuple[str, ...], unit: str, line_count: int
 ) -> list[str]:
     """Return a table of lines of the usable band, or of all, with the effect of small errors.
 
@@ -485,14 +500,14 @@ def format_error_sensitivity(
         Names in :data:`ERRORS`; none for the lines alone.
     unit : str
         Of SI, of the storage.
-    shown : int
+    line_count : int
         Number of lines.
     """
     pairs = [(ERRORS[name], measured.changes(name, ERRORS[name][2])) for name in errors]
     rows = [["Hz", f"storage, {get_display_unit(unit)}", "loss factor"]]
     for (heading, _, _), _ in pairs:
         rows[0] += [f"{heading}: %", "loss factor"]
-    for i in _spread(measured, shown):
+    for i in _spread(measured, line_count):
         row = [
             format_rounded(float(measured.frequency[i])),
             with_error(float(measured.storage[i]), float(measured.storage_sd[i]), unit),
@@ -507,16 +522,16 @@ def format_error_sensitivity(
     return [*table(rows), f"  {words}: change of the storage, %, and of the loss factor"]
 
 
-def _spread(measured: Measured, shown: int) -> IndexArray:
+def _spread(measured: Measured, line_count: int) -> IndexArray:
     """Return lines at even ratios over the usable band."""
     lines = np.flatnonzero(
         measured.usable if measured.usable.any() else np.isfinite(measured.frequency)
     )
-    if shown >= len(lines):
+    if line_count >= len(lines):
         return lines
     f = measured.frequency[lines]
     low, high = float(f[0]), float(f[-1])
-    grid = np.geomspace(low, high, shown)
+    grid = np.geomspace(low, high, line_count)
     return np.unique(lines[np.abs(f[:, None] - grid).argmin(axis=0)])
 
 
@@ -535,10 +550,10 @@ def render_identification(result: Identified) -> Text:
     first, lines = list(model.lines[:1]), model.lines[1:]
     if stiffness.over_base:
         first += format_error_sensitivity(
-            stiffness, errors=("phase", "mass"), unit="N/m", shown=_ROWS
+            stiffness, errors=("phase", "mass"), unit="N/m", line_count=_ROWS
         )
     assumed = [check.message for check in result.noted if check.failed and check.name == _ASSUMED]
-    rests = [str(result.at_rest)] if str(result.at_rest) else []
+    rest_lines = [str(result.at_rest)] if str(result.at_rest) else []
     modes = impact(result.vibration) if result.vibration else Text()
-    shown = [*first, *lines, *assumed, *rests, *modes.lines]
-    return Text(shown, [*model.details, *modes.details], model.requested_lines)
+    all_lines = [*first, *lines, *assumed, *rest_lines, *modes.lines]
+    return Text(all_lines, [*model.details, *modes.details], model.requested_lines)

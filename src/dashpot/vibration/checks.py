@@ -54,7 +54,7 @@ def compression_tested(compression: float, depth: float | None) -> Finding:
 @criterion("loss factor by slope", source="within 50 % or 2 sd (rule: Booij, Thoone 1982)")
 def stiffness_causal(implied: float, measured: float, *, error: float, peak: float) -> Finding:
     """Stiffness and loss are causally related, as far as the errors can show."""
-    near = abs(implied - measured) <= max(CAUSAL_LIMIT * measured, 2 * error) and measured > 0
+    agrees = abs(implied - measured) <= max(CAUSAL_LIMIT * measured, 2 * error) and measured > 0
     return Finding(
         f"At {peak:.4g} Hz the loss factor is {measured:.3g}. The slope of the stiffness gives "
         f"{implied:.3g} ± {error:.2g} (local Kramers-Kronig rule)",
@@ -62,5 +62,5 @@ def stiffness_causal(implied: float, measured: float, *, error: float, peak: flo
         "Mass, gain or phase of the channels is wrong, or another mode is near",
         "Check the mass, and the calibration of both channels.",
         limit=measured,
-        always_fails=not near,
+        always_fails=not agrees,
     )

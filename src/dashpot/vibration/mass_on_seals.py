@@ -124,7 +124,7 @@ def operating_point(fit: Fit, load: MassOnSeals) -> OperatingPoint:
             f"the fit is of a material's modulus, in {fit.unit}; a mass rests on a part. Give its "
             'shape: --shape disc:20mm,20mm (Python: fit.part("disc:20mm,20mm"))'
         )
-    law, provided = fit.elastic_law, compression is not None
+    law, is_given = fit.elastic_law, compression is not None
     is_nonlinear = law is not None and law.kind != "linear"
     if compression is None:
         k_inf = fit.model.k_inf
@@ -132,14 +132,14 @@ def operating_point(fit: Fit, load: MassOnSeals) -> OperatingPoint:
         if law is not None and is_nonlinear:
             compression = law.compression(mass * GRAVITY / seals)
     require_plausible_compression(
-        compression, law, fit.specimen.height, carried=None if provided else mass / seals
+        compression, law, fit.specimen.height, carried=None if is_given else mass / seals
     )
     if law is None or not is_nonlinear:
         depth = None if law is None else law.depth
-        return OperatingPoint(float(compression), depth, given=provided)
+        return OperatingPoint(float(compression), depth, given=is_given)
     factor, error = float(law.factor(compression)), float(law.factor_se(compression))
     return OperatingPoint(
-        float(compression), law.depth, factor, error, linear=False, given=provided
+        float(compression), law.depth, factor, error, linear=False, given=is_given
     )
 
 
@@ -481,7 +481,7 @@ class Response:
 
     @cached_property
     def receptance(self) -> ComplexArray:
-        """Of a record without an end, m/N."""
+        """Return the receptance for a record without an end, m/N."""
         return np.asarray(1 / (self.mass * self.s**2 + self.model.stiffness_at(self.s)))
 
     @cached_property
@@ -551,17 +551,17 @@ def _simplify_distant_arms(
     Relaxation times over a hundred decades, as of a flat spectrum, leave no digit of any pole.
     """
     # of a fast arm what is missed is a square
-    fast = np.sqrt(NEGLIGIBLE_PART) / max(fastest, 1 / record)
-    slow = max(1 / slowest if slowest > 0 else record, record) / NEGLIGIBLE_PART
-    if not arms.arms or (arms.tau[0] >= fast and arms.tau[-1] <= slow):
+    fastest_tau = np.sqrt(NEGLIGIBLE_PART) / max(fastest, 1 / record)
+    slowest_tau = max(1 / slowest if slowest > 0 else record, record) / NEGLIGIBLE_PART
+    if not arms.arms or (arms.tau[0] >= fastest_tau and arms.tau[-1] <= slowest_tau):
         return arms
     k, tau = np.asarray(arms.k), np.asarray(arms.tau)
-    retained = (tau >= fast) & (tau <= slow)
+    is_retained = (tau >= fastest_tau) & (tau <= slowest_tau)
     return GeneralizedMaxwell(
-        arms.k_inf + float(k[tau > slow].sum()),
-        tuple(k[retained]),
-        tuple(tau[retained]),
-        arms.b + float((k * tau)[tau < fast].sum()),
+        arms.k_inf + float(k[tau > slowest_tau].sum()),
+        tuple(k[is_retained]),
+        tuple(tau[is_retained]),
+        arms.b + float((k * tau)[tau < fastest_tau].sum()),
     )
 
 

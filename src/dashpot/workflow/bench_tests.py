@@ -61,13 +61,13 @@ def prepared_tests(
     """
     time_limits = time_limits or TimeLimits()
     time_limits.refuse_several(len(tests))
-    ready = any(isinstance(test, RampHold) for test in tests)
-    if ready and (filter or machine or time_limits != TimeLimits()):
+    has_prepared = any(isinstance(test, RampHold) for test in tests)
+    if has_prepared and (filter or machine or time_limits != TimeLimits()):
         raise FitError(
             "a test that is prepared already is fitted as it is: say filter, machine and cuts "
             "in test.prepare(...)"
         )
-    how = {
+    preparation = {
         "filter": filter,
         "machine": machine,
         "cycle": cycle,
@@ -79,7 +79,8 @@ def prepared_tests(
         if isinstance(test, RelaxationTest):
             return depths_of(test, filter=filter, machine=machine, with_checks=checked)
     return tuple(
-        record if isinstance(record, RampHold) else prepare(record, **how) for record in tests
+        record if isinstance(record, RampHold) else prepare(record, **preparation)
+        for record in tests
     )
 
 
@@ -152,7 +153,7 @@ Record: TypeAlias = Any
 
 @dataclass(frozen=True)
 class BenchFitOptions(SolidOptions):
-    """What is asked of the fit of tests on a bench, whatever the records turn out to be.
+    """Options of the fit of tests on a bench, whatever the records turn out to be.
 
     Sweeps, moduli and creep always have intervals.
 
@@ -184,7 +185,7 @@ class BenchFitOptions(SolidOptions):
 
     @property
     def ramp_options(self) -> FitOptions:
-        """What is asked of ramps and holds, which find their own shifts.
+        """Options of ramps and holds, which fit their own shifts.
 
         Raises
         ------
@@ -215,7 +216,7 @@ def fit_files(
     specimen: Specimen | None = None,
     temperatures: Sequence[float] = (),
     options: ReadOptions | None = None,
-    **asked: Any,
+    **choices: Any,
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one solid to the records in files, each in the way that suits it.
 
@@ -227,7 +228,7 @@ def fit_files(
         preparation.
     temperatures : sequence of float
         Of the tests, K: one for all files, or one for each, in their order.
-    asked
+    choices
         Fields of :class:`BenchFitOptions`.
 
     Returns
@@ -246,7 +247,7 @@ def fit_files(
     tests = [
         read_test(path, options, specimen) for path, specimen in zip(files, specimens, strict=True)
     ]
-    fit_options = BenchFitOptions(**asked, cycle=options.cycle, specimen=specimens[0])
+    fit_options = BenchFitOptions(**choices, cycle=options.cycle, specimen=specimens[0])
     return fit_records(tests, fit_options, name=Path(files[0]).name)
 
 
@@ -258,8 +259,8 @@ def fit_records(
     Ramps and holds are fitted together, also such as are prepared; what is with other tests, by
     the handler of these. `name`, of the first file, stands before what is wrong.
     """
-    named = (find_handler("fit records", test) for test in tests)
-    fit_others = next((item for item in named if item is not None), None)
+    handlers = (find_handler("fit records", test) for test in tests)
+    fit_others = next((item for item in handlers if item is not None), None)
     if fit_others is not None:
         result: tuple[Fit, tuple[Record, ...]] = fit_others(tests, options, name=name)
         return result
@@ -307,8 +308,8 @@ def _fit_ramps(tests: tuple[RampHold, ...], options: BenchFitOptions) -> Fit:
     """Fit ramps and holds together, or, where a law of the depth is asked for, each by itself."""
     if not options.depth_law:
         return fit_relaxation(tests, **options.ramp_options.choices)
-    usual = options.nothing_of("method", "law", "family")
-    if not usual or options.thorough or options.shifting != ShiftChoices():
+    usual_options = options.nothing_of("method", "law", "family")
+    if not usual_options or options.thorough or options.shifting != ShiftChoices():
         raise FitError(
             "a law of the depth is of arms of one temperature, found from ramps and holds with "
             "starts of its own: leave out --method, --elastic, --model, --thorough, --reference, "

@@ -11,10 +11,10 @@ from dashpot.datamodel.frf import Mode
 
 
 @criterion(source="the paper's eq. (5) needs one ideal ramp", grade="note")
-def hold_fit_possible(obstacle: str) -> Finding:
+def hold_fit_possible(refusal: str) -> Finding:
     """Equation (5) of the paper can be fitted to the record."""
     return Finding(
-        f"The fit of the hold alone (eq. 5) is not possible. {sentence(obstacle)}",
+        f"The fit of the hold alone (eq. 5) is not possible. {sentence(refusal)}",
         remedy="Use the fit of ramp and hold.",
         always_fails=True,
     )
@@ -25,7 +25,7 @@ def prediction_in_valid_band(peak: float, band: tuple[float, float]) -> Finding:
     """The predicted peak lies in the valid band of the test."""
     low, high = band
     factor = max(peak / high, low / peak) if high > 0 else math.inf
-    side = "higher" if peak > high else "lower"
+    side_word = "higher" if peak > high else "lower"
     if not high > 0:
         return Finding(
             f"The predicted peak ({peak:.4g} Hz) lies in no valid band; the fit has none",
@@ -36,7 +36,7 @@ def prediction_in_valid_band(peak: float, band: tuple[float, float]) -> Finding:
         f"The predicted peak ({peak:.4g} Hz) lies in the valid band of the test",
         factor,
         failure=f"The damping at {peak:.3g} Hz is not known. The test covers {low:.2g} to "
-        f"{high:.2g} Hz; the peak lies {factor:.3g} times {side}",
+        f"{high:.2g} Hz; the peak lies {factor:.3g} times {side_word}",
         remedy="Measure it with a hammer.",
     )
 

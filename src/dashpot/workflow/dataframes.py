@@ -49,12 +49,14 @@ def to_xarray(result: object) -> Any:
         If xarray is not installed.
     """
     xarray, data = library("xarray"), frame(result)
-    index, *others = data.columns
+    index, *other_columns = data.columns
 
     def variable(name: str) -> Any:
         return xarray.Variable((index,), data.columns[name], {"units": data.units[name]})
 
-    return xarray.Dataset({name: variable(name) for name in others}, {index: variable(index)})
+    return xarray.Dataset(
+        {name: variable(name) for name in other_columns}, {index: variable(index)}
+    )
 
 
 def library(name: str) -> Any:
@@ -87,8 +89,14 @@ def _frame(**columns: tuple[Any, str]) -> UnitFrame:
 
 @frame.register
 def _(result: Fit) -> UnitFrame:
-    """Its facts, but for the dashpots that follow of k and tau."""
-    return _build_facts_frame([fact for fact in result.facts if not fact.name.startswith("b")])
+    """Return the values, without the dashpots that follow from k and tau."""
+    return _build_facts_frame(
+        [
+            reported_value
+            for reported_value in result.facts
+            if not reported_value.name.startswith("b")
+        ]
+    )
 
 
 def _build_facts_frame(rows: Sequence[ReportedValue]) -> UnitFrame:

@@ -23,7 +23,7 @@ from dashpot.simulation.rig_errors import Climate, Rig
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
 
 MASS = round(BROAD_MASS, 4)
-"""Of the block under the hammer, kg: 114.8 g on two seals."""
+"""Mass of the block under the hammer, kg: 114.8 g on two seals."""
 
 _RIG = replace(Rig(), rate=200.0)
 # a seal that is a quarter stiffer at 8 mm than at first contact
@@ -55,8 +55,8 @@ def _seal(
 def _simulate_clipped_test() -> str:
     """Return a load cell whose range ends at three quarters of the force."""
     relaxation = simulate_relaxation(BROAD, rig=_RIG, seed=7)
-    most = 0.75 * float(relaxation.test.force.max())
-    spoilt = replace(relaxation.test, force=np.minimum(relaxation.test.force, most))
+    force_limit = 0.75 * float(relaxation.test.force.max())
+    spoilt = replace(relaxation.test, force=np.minimum(relaxation.test.force, force_limit))
     return write_relaxation(
         spoilt, comments=(*stamp(relaxation.truth)[:1], "spoilt: the load cell clips")
     )
@@ -117,7 +117,7 @@ FILES: Mapping[str, Example] = MappingProxyType({
 """Every example file: those of a bench and a hammer, of the kinds of extensions."""
 
 CAPTIONS: Mapping[str, str] = MappingProxyType({name: file.caption for name, file in FILES.items()})
-"""What every example file is."""
+"""Captions of the example files."""
 
 FIRST = ("seal_8mm.csv", "hammer.csv")
 """The two files of the first seal."""

@@ -49,11 +49,11 @@ def route(kinds: Mapping[str, str], *, masses: int = 0, selected: str = "") -> s
     >>> route({"hammer.csv": "impact"})
     'hits'
     """
-    have = set(kinds.values())
-    shaken = have & VIBRATION
-    if shaken and have <= VIBRATION:
+    present_kinds = set(kinds.values())
+    vibration_kinds = present_kinds & VIBRATION
+    if vibration_kinds and present_kinds <= VIBRATION:
         return _route_vibration(kinds, masses=masses, selected=selected)
-    if shaken and have <= VIBRATION | BENCH | {"fit"}:
+    if vibration_kinds and present_kinds <= VIBRATION | BENCH | {"fit"}:
         if masses and selected:
             raise ReadError(
                 f"{_format_file_kinds(kinds)}. A level, a density and a shape are of the vibration "
@@ -66,9 +66,9 @@ def route(kinds: Mapping[str, str], *, masses: int = 0, selected: str = "") -> s
             "A test and a hammer test are fitted together under a mass. Give the test "
             "mass, such as --mass 104g."
         )
-    meant = _find_common_meaning(have)
-    if meant:
-        return meant
+    common_route = _find_common_meaning(present_kinds)
+    if common_route:
+        return common_route
     if len(kinds) == 1:
         ((path, kind),) = kinds.items()
         raise ReadError(
@@ -87,9 +87,9 @@ def _route_vibration(kinds: Mapping[str, str], *, masses: int, selected: str) ->
     if masses:
         _refuse_several(kinds)
         return "joint"
-    meant = _find_common_meaning(set(kinds.values()))
-    if meant:
-        return meant
+    common_route = _find_common_meaning(set(kinds.values()))
+    if common_route:
+        return common_route
     raise ReadError(
         f"{_format_file_kinds(kinds)}. They are not fitted together. Fit them one by one."
     )
@@ -97,16 +97,17 @@ def _route_vibration(kinds: Mapping[str, str], *, masses: int, selected: str) ->
 
 def _refuse_several(kinds: Mapping[str, str]) -> None:
     """Refuse more than one FRF of one mass: hits are averaged, FRFs are not."""
-    shaken = {path: kind for path, kind in kinds.items() if kind in VIBRATION}
-    if len(shaken) == 1 or set(shaken.values()) == {"impact"}:
+    vibration_files = {path: kind for path, kind in kinds.items() if kind in VIBRATION}
+    if len(vibration_files) == 1 or set(vibration_files.values()) == {"impact"}:
         return
-    if "impact" in shaken.values():
+    if "impact" in vibration_files.values():
         raise ReadError(
-            f"{_format_file_kinds(shaken)}. They are not fitted together. Fit them one by one."
+            f"{_format_file_kinds(vibration_files)}. They are not fitted together. Fit them one by "
+            "one."
         )
     raise ReadError(
-        f"{_format_file_kinds(shaken)}, and one FRF is fitted under one mass. Give one of them, or "
-        "the level or the mass of each, such as --amplitude 0.02N --amplitude 0.5N."
+        f"{_format_file_kinds(vibration_files)}, and one FRF is fitted under one mass. Give one of "
+        "them, or the level or the mass of each, such as --amplitude 0.02N --amplitude 0.5N."
     )
 
 
@@ -115,19 +116,19 @@ def _format_file_kinds(kinds: Mapping[str, str]) -> str:
     grouped: dict[str, list[str]] = {}
     for path, kind in kinds.items():
         grouped.setdefault(get_kind_label(kind), []).append(Path(path).name)
-    return "; ".join(f"{_some(names)} {what}" for what, names in grouped.items())
+    return "; ".join(f"{_some(names)} {kind}" for kind, names in grouped.items())
 
 
 def _some(names: Sequence[str]) -> str:
     if len(names) == 1:
         return f"{names[0]} is"
-    named = names if len(names) <= _MAX_NAMED else names[: _MAX_NAMED - 1]
-    last = names[-1] if named is names else f"{len(names) - len(named)} more"
-    first = named[:-1] if named is names else named
+    names_listed = names if len(names) <= _MAX_NAMED else names[: _MAX_NAMED - 1]
+    last = names[-1] if names_listed is names else f"{len(names) - len(names_listed)} more"
+    first = names_listed[:-1] if names_listed is names else names_listed
     return f"{', '.join(first)} and {last} are each"
 
 
-def _find_common_meaning(have: set[str]) -> str:
+def _find_common_meaning(present_kinds: set[str]) -> str:
     """Return what records mean that are all fitted alike."""
-    words = {KINDS[kind].fit_route if kind in KINDS else "" for kind in have}
+    words = {KINDS[kind].fit_route if kind in KINDS else "" for kind in present_kinds}
     return words.pop() if len(words) == 1 else ""

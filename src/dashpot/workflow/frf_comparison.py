@@ -52,14 +52,14 @@ def find_mass_on_seals(
     mass, _ = total_mass(block)
     if mass is not None:
         return MassOnSeals(mass, block.seals, block.compression)
-    near = frf if band is None else frf.band(*band)
-    mass = infer_mass(block.seals * fit.model, near)[0]
+    band_frf = frf if band is None else frf.band(*band)
+    mass = infer_mass(block.seals * fit.model, band_frf)[0]
     for _ in range(MAX_ITERATIONS):
-        on = MassOnSeals(mass, block.seals, block.compression)
-        solid = operating_point(fit, on).solid(fit)
-        mass = infer_mass(block.seals * solid, near)[0]
-        if abs(mass - on.mass) <= 1e-9 * mass:
-            return replace(on, mass=mass)
+        load = MassOnSeals(mass, block.seals, block.compression)
+        solid = operating_point(fit, load).solid(fit)
+        mass = infer_mass(block.seals * solid, band_frf)[0]
+        if abs(mass - load.mass) <= 1e-9 * mass:
+            return replace(load, mass=mass)
     raise DataError(
         "no mass rests where its peak is: the stiffness of the seals changes too fast with the "
         "compression; give --mass"
@@ -67,7 +67,7 @@ def find_mass_on_seals(
 
 
 def compare_with_measured(
-    fit: Fit, measured: FRF, on: MassOnSeals, *, band: tuple[float, float] | None = None
+    fit: Fit, measured: FRF, load: MassOnSeals, *, band: tuple[float, float] | None = None
 ) -> tuple[FRF, Comparison]:
     """Return a fit's prediction on the measured lines, and its agreement."""
     predicted = predict_frf(
@@ -75,9 +75,9 @@ def compare_with_measured(
         frequency=measured.frequency,
         kind=measured.quantity,
         shift=measured.shift,
-        **on.keywords,
+        **load.keywords,
     )
-    return predicted, compare(predicted, measured, fit=fit, band=band, **on.keywords)
+    return predicted, compare(predicted, measured, fit=fit, band=band, **load.keywords)
 
 
 @dataclass(frozen=True)
@@ -170,14 +170,14 @@ class FRFComparison(HasVerdict, Serialisable):
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Those of the comparison and what was noted, what forbids the use of the FRF first."""
-        useless = select_failed_stops(self.comparison.measured)
-        others = tuple(check for check in self.noted if check not in useless)
-        return (*useless, *self.comparison.checks, *others)
+        """Checks of the comparison and the notes; those that forbid its use come first."""
+        stop_checks = select_failed_stops(self.comparison.measured)
+        other_checks = tuple(check for check in self.noted if check not in stop_checks)
+        return (*stop_checks, *self.comparison.checks, *other_checks)
 
     @property
     def verdict(self) -> Verdict:
-        """What to make of the prediction; it says how near it came, where the FRF is one."""
+        """Verdict on the prediction, with its difference from the measured FRF."""
         new_verdict = verdict(self.checks)
         if select_failed_stops(self.comparison.measured):
             return new_verdict
@@ -194,8 +194,11 @@ class FRFComparison(HasVerdict, Serialisable):
 
     def _circular(self) -> str:
         """Return what a comparison with the hits that were fitted shows."""
-        off = 100 * self.comparison.frequency_error
-        first = f"The peak frequency is off by {off:+.2g} %. The fit was made from these hits."
+        error_percent = 100 * self.comparison.frequency_error
+        first = (
+            f"The peak frequency is off by {error_percent:+.2g} %. The fit was made from these "
+            "hits."
+        )
         if self.unmeasured is None:
             return f"{first} Compare it with other hits, or give the fitted relaxation record too."
         low, high = (100 * value for value in self.unmeasured.height_error)
@@ -279,24 +282,25 @@ def agreement(
     band : (float, float), optional
         Lines compared, Hz.
     """
-    _, noted = total_mass(block)
+    _, mass_checks = total_mass(block)
     frf = remove_seal_mass(frf, block)
-    on = find_mass_on_seals(fit, frf, block, band=band)
-    _, comparison = compare_with_measured(fit, frf, on, band=band)
-    rests = find_static_equilibrium(fit, on)
+    load = find_mass_on_seals(fit, frf, block, band=band)
+    _, comparison = compare_with_measured(fit, frf, load, band=band)
+    rest_state = find_static_equilibrium(fit, load)
     lines = comparison.measured.frequency[comparison.measured.frequency > 0]
-    formal = formal_limits(fit, rests.point, on, frequency=lines)
+    formal = formal_limits(fit, rest_state.point, load, frequency=lines)
     limits = None
     circular = find_fitted_files(fit, frf)
     if tests and not circular:  # the unresolved arms of a joint fit have no bound
         from dashpot.workflow.bench_tests import refuse_unfitted_tests
 
         refuse_unfitted_tests(tests, fit)
-        about = np.linspace(lines[0], lines[-1], min(len(lines), LIMIT_LINES))
-        limits = frf_limits(fit, tests, rests.point, on, frequency=about)
-    noted = (*frf.checks, *noted, measurement_independent_of_fit(len(circular)))
+        limit_frequencies = np.linspace(lines[0], lines[-1], min(len(lines), LIMIT_LINES))
+        limits = frf_limits(fit, tests, rest_state.point, load, frequency=limit_frequencies)
+    mass_checks = (*frf.checks, *mass_checks, measurement_independent_of_fit(len(circular)))
     return FRFComparison(
-        comparison, on.mass, block.mass is None, noted, rests, (lines, formal), limits, on.seals,
+        comparison, load.mass, block.mass is None, mass_checks, rest_state, (lines, formal), limits,
+        load.seals,
         in_sample=bool(circular),
     )  # fmt: skip
 

@@ -78,23 +78,24 @@ def apply_part_factor(
     DataError
         If more than one geometry is given, or one that cannot be.
     """
-    provided = [flag for flag in (*_PART_SHAPES, "resonance") if getattr(part, flag) is not None]
-    if not provided:
+    given_flags = [flag for flag in (*_PART_SHAPES, "resonance") if getattr(part, flag) is not None]
+    if not given_flags:
         if part != PartChoices():
             raise DataError(
                 "--loading, --lubricated and --resonance-mass belong to a --shape or to a "
                 "--resonance; add one, or leave them out"
             )
         return fit
-    if len(provided) > 1:
+    if len(given_flags) > 1:
         raise DataError(
-            f"--{provided[0]} and --{provided[1]} both give the geometry; leave one of them out"
+            f"--{given_flags[0]} and --{given_flags[1]} both give the geometry; leave one of them "
+            "out"
         )
     if part.resonance is None:
         if part.resonance_mass is not None:
             raise DataError("--resonance-mass belongs to a --resonance; add that, or leave it")
         return fit.part(
-            parse_part_shape(provided[0], getattr(part, provided[0])),
+            parse_part_shape(given_flags[0], getattr(part, given_flags[0])),
             _part_mode(part.mode),
             bonded=not part.lubricated,
         )
@@ -191,12 +192,16 @@ class ResponseLimits(Serialisable):
 
     @property
     def admissible(self) -> dict[str, Any] | None:
-        """What the tests that were fitted do not reject."""
+        """Ranges that the fitted tests do not reject."""
         bounds = self.bounds
         if bounds is None:
             return None
-        where, height = bounds.peak_frequency, bounds.peak_height
-        return {"unmeasured": bounds.unmeasured, "peak_frequency_hz": where, "peak_height": height}
+        peak_frequencies, height = bounds.peak_frequency, bounds.peak_height
+        return {
+            "unmeasured": bounds.unmeasured,
+            "peak_frequency_hz": peak_frequencies,
+            "peak_height": height,
+        }
 
 
 @dataclass(frozen=True)
@@ -311,7 +316,7 @@ class Prediction(HasVerdict, Serialisable):
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
         """Frequency, damping ratio and residue of each mode."""
-        return tuple(fact for mode in self.modes for fact in mode.facts)
+        return tuple(reported_value for mode in self.modes for reported_value in mode.facts)
 
     @property
     def _table_columns(self) -> Series:
@@ -320,7 +325,7 @@ class Prediction(HasVerdict, Serialisable):
 
     @property
     def limits(self) -> FRFBounds | None:
-        """By both kinds of ignorance, if the relaxation record is at hand."""
+        """Limits by both kinds of uncertainty, if the relaxation record is at hand."""
         return self.limited.bounds
 
     @property
@@ -370,7 +375,7 @@ class PredictedLevels(Protocol):
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Those of the levels."""
+        """Checks of the levels."""
 
     def complete(self, prediction: Prediction) -> Prediction:
         """Return the prediction with its levels."""
@@ -388,10 +393,10 @@ class LevelPredictor(Protocol):
         part: PartChoices | None,
         *,
         scale: float,
-        about: float,
+        linear_frequency: float,
         frequency: FloatArray,
     ) -> PredictedLevels:
-        """Return the resonance at each level: of `scale` parts, `about` a frequency, Hz."""
+        """Return the resonance at each level: of `scale` parts, `linear_frequency` in Hz."""
 
 
 def predict_files(
@@ -403,7 +408,7 @@ def predict_files(
     at_level: LevelChoices | None = None,
     machine: Machine | None = None,
     options: ReadOptions | None = None,
-    **asked: Any,
+    **choices: Any,
 ) -> Prediction:
     """Predict the FRF of a mass on a fitted seal, bounded by files of the tests behind the fit.
 
@@ -417,7 +422,7 @@ def predict_files(
         What is known of the machine of those tests.
     options : ReadOptions, optional
         What the user said of their files.
-    block, part, at_level, asked
+    block, part, at_level, choices
         As of :func:`prediction`.
 
     Raises
@@ -426,16 +431,16 @@ def predict_files(
         If a machine is described and no test was made on it, or a record is not what was fitted.
     """
     require_test_for_machine(machine, tests=len(records), add="the record (--record)")
-    swept = None
+    sweep = None
     if at_level is not None and at_level != LevelChoices():
         read_sweep = find_handler("read sweep", at_level)
-        swept = read_sweep(at_level, unit=fit.unit, part=part, options=options)
+        sweep = read_sweep(at_level, unit=fit.unit, part=part, options=options)
     tests: tuple[RampHold, ...] = ()
     if records:
         from dashpot.workflow.bench_tests import prepared_files  # it brings every fit
 
         tests = prepared_files(records, machine=machine, options=options)
-    return prediction(fit, tests, block=block, part=part, at_level=at_level, swept=swept, **asked)
+    return prediction(fit, tests, block=block, part=part, at_level=at_level, swept=sweep, **choices)
 
 
 def prediction(
@@ -491,7 +496,7 @@ def prediction(
     SIZES["mass"].refuse(mass)
     frf_kind = _select_frf_kind(kind, base=base or base_psd is not None, relative=relative)
     band, predictor = band or BAND, _level_predictor(at_level, swept)
-    moving, noted = moving_mass(mass, seal=block.seal_mass or 0.0, seals=seals)
+    moving, mass_checks = moving_mass(mass, seal=block.seal_mass or 0.0, seals=seals)
     shifted_fit = fit if temperature is None else fit.at_temperature(temperature)
     stiffer, of_part = 1.0, part is not None and part != PartChoices()
     if part is not None and of_part:
@@ -510,47 +515,47 @@ def prediction(
     # over a base, mounts that weigh something couple the mass to it
     coupled = compute_coupled_mass(block.seal_mass, seals) if frf_kind.over_base else 0.0
     load = MassOnSeals(moving, seals, block.compression, coupled)
-    rests = find_static_equilibrium(shifted_fit, load)
-    on = MountedMass(shifted_fit, rests, load, frf_kind)
-    frf = on.frf(np.linspace(*band, lines))
-    bounded = _bounds(on, fit, tests, temperature=temperature)
-    limited = on.compute_limits(frf, bounded)
-    peak, at_edge = on.peak(frf)
-    about = on.modes[0].frequency if on.modes else peak[0]
+    rest_state = find_static_equilibrium(shifted_fit, load)
+    mounted_mass = MountedMass(shifted_fit, rest_state, load, frf_kind)
+    frf = mounted_mass.frf(np.linspace(*band, lines))
+    bounded = _bounds(mounted_mass, fit, tests, temperature=temperature)
+    limited = mounted_mass.compute_limits(frf, bounded)
+    peak, at_edge = mounted_mass.peak(frf)
+    around_hz = mounted_mass.modes[0].frequency if mounted_mass.modes else peak[0]
     levels = None
     if predictor is not None:
         levels = predictor.respond(
-            on, part, scale=seals * stiffer, about=about,
+            mounted_mass, part, scale=seals * stiffer, linear_frequency=around_hz,
             frequency=frf.frequency[frf.frequency > 0],
         )  # fmt: skip
     checks = (
         # what the test must inform is the resonance, inside the band or not
-        *_led_by(on, mass=mass, band=band, response=about if at_edge else peak[0]),
+        *_led_by(mounted_mass, mass=mass, band=band, response=around_hz if at_edge else peak[0]),
         *(() if levels is None else levels.checks),
         *fit.checks,
         *_check_temperature_tested(fit, temperature),
-        noted,
-        *family_checks(shifted_fit, rests.point, load),
+        mass_checks,
+        *family_checks(shifted_fit, rest_state.point, load),
     )
-    plain = Prediction(
+    linear_prediction = Prediction(
         shifted_fit,
         mass,
         moving,
         seals,
         frf,
-        on.modes,
+        mounted_mass.modes,
         peak,
         at_edge,
         limited,
         checks,
         verdict(checks, headline=_format_headline(frf, peak, fit, at_edge=at_edge)),
-        rests,
-        on.rival,
+        rest_state,
+        mounted_mass.rival,
         of_part,
-        on.shaken(base_psd, bounded),
-        on.isolation,
+        mounted_mass.shaken(base_psd, bounded),
+        mounted_mass.isolation,
     )
-    return plain if levels is None else levels.complete(plain)
+    return linear_prediction if levels is None else levels.complete(linear_prediction)
 
 
 def _level_predictor(choices: LevelChoices | None, swept: object) -> LevelPredictor | None:
@@ -607,7 +612,7 @@ class MountedMass:
 
     @cached_property
     def modes(self) -> tuple[Mode, ...]:
-        """Those of the mass on them."""
+        """Modes of the mass on the seals."""
         return model_modes(self.solid, self.load.mass)
 
     @property
@@ -628,14 +633,14 @@ class MountedMass:
         """Return frequency and height of the largest magnitude, and whether it stands at an end."""
         top, last = int(np.abs(frf.value).argmax()), len(frf.value) - 1
         low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, last)]
-        fine = self.frf(np.linspace(low, high, 2001))
-        height = np.abs(fine.value)
-        peak = float(fine.frequency[height.argmax()]), float(height.max())
+        fine_frf = self.frf(np.linspace(low, high, 2001))
+        height = np.abs(fine_frf.value)
+        peak = float(fine_frf.frequency[height.argmax()]), float(height.max())
         return peak, top in {0, last} and peak[0] in {low, high}
 
     @property
     def rival(self) -> RivalModes | None:
-        """What the other family of solids that explains the test makes of the resonance."""
+        """Resonance by the other family of solids that explains the test."""
         other = self.fit.evidence.alternative
         if other is None or not other.is_sufficient:
             return None
@@ -645,13 +650,17 @@ class MountedMass:
         """Return the limits of the response, over fewer lines."""
         kind = self.kind if self.kind.over_base else Kind.ACCELERANCE
         lines, bounds = frf.frequency[frf.frequency > 0], None
-        few = np.linspace(lines[0], lines[-1], LIMIT_LINES)
+        limit_frequencies = np.linspace(lines[0], lines[-1], LIMIT_LINES)
         if bounded is not None:
-            few = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
-            bounds = bounded(frequency=few, kind=kind)
-            few = bounds.frequency
-        formal = formal_limits(self.fit, self.rests.point, self.load, frequency=few, kind=kind)
-        return ResponseLimits(kind, few, formal, bounds)
+            limit_frequencies = np.linspace(
+                max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES
+            )
+            bounds = bounded(frequency=limit_frequencies, kind=kind)
+            limit_frequencies = bounds.frequency
+        formal = formal_limits(
+            self.fit, self.rests.point, self.load, frequency=limit_frequencies, kind=kind
+        )
+        return ResponseLimits(kind, limit_frequencies, formal, bounds)
 
     def shaken(
         self, base_psd: str | None, bounded: Callable[..., FRFBounds] | None
@@ -659,12 +668,12 @@ class MountedMass:
         """Return what a base that shakes at random does, and between which limits."""
         if base_psd is None or self.kind is not Kind.TRANSMISSIBILITY:
             return None
-        shaken: ShakenMass = find_handler("random base", "mass")(self, base_psd, bounded)
-        return shaken
+        shaken_mass: ShakenMass = find_handler("random base", "mass")(self, base_psd, bounded)
+        return shaken_mass
 
 
 def _bounds(
-    on: MountedMass, fit: Fit, tests: Sequence[RampHold], *, temperature: float | None
+    load: MountedMass, fit: Fit, tests: Sequence[RampHold], *, temperature: float | None
 ) -> Callable[..., FRFBounds] | None:
     """Return what bounds the FRF by the relaxation tests; None without them."""
     if not tests:
@@ -676,20 +685,20 @@ def _bounds(
         frf_limits,
         fit,
         fill_missing_temperatures(tests, fit),
-        on.rests.point,
-        on.load,
+        load.rests.point,
+        load.load,
         temperature=temperature,
     )
 
 
 def _led_by(
-    on: MountedMass, *, mass: float, band: tuple[float, float], response: float
+    load: MountedMass, *, mass: float, band: tuple[float, float], response: float
 ) -> tuple[Check, ...]:
     """Return a mass in a wrong unit first; then a solid that is not known at the peak."""
-    informed = [prediction_in_valid_band(response, on.fit.band)]
-    if on.kind.over_base:
-        informed.append(base_band_in_valid_band(band, response, on.fit.band))
-    return (*rest_checks(on.rests.point, mass), *informed)
+    band_checks = [prediction_in_valid_band(response, load.fit.band)]
+    if load.kind.over_base:
+        band_checks.append(base_band_in_valid_band(band, response, load.fit.band))
+    return (*rest_checks(load.rests.point, mass), *band_checks)
 
 
 def _check_temperature_tested(fit: Fit, temperature: float | None) -> tuple[Check, ...]:

@@ -64,7 +64,7 @@ class DirectStiffness(Serialisable):
 
     @property
     def sensitivity(self) -> dict[str, Changes]:
-        """What a degree of phase, and a per cent of mass, change."""
+        """Changes by a degree of phase, and by a per cent of mass."""
         phase, mass = self.stiffness.changes("phase", DEGREE), self.stiffness.changes("mass", 0.01)
         return {"phase_1_degree": Changes(*phase), "mass_1_percent": Changes(*mass)}
 
@@ -128,12 +128,12 @@ class Identified(HasVerdict, Serialisable):
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
-        """Those of the fit."""
+        """Values of the fit."""
         return self.fit.facts
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Those of the fit, and what was noted."""
+        """Checks of the fit, and the notes."""
         return (*self.fit.checks, *self.noted)
 
     @property
@@ -154,7 +154,7 @@ def identify_files(
     temperatures: Sequence[float] = (),
     impact_temperature: float | None = None,
     options_with: ReadOptions | None = None,
-    **asked: Any,
+    **choices: Any,
 ) -> Identified:
     """Identify the solid under a mass from hits or an FRF, alone or with the relaxation test.
 
@@ -171,15 +171,15 @@ def identify_files(
         Of the seals under the hammer, K, where tests at several temperatures are fitted too.
     options_with : ReadOptions, optional
         What the user said of the files of the tests.
-    block, hammer, band, asked
+    block, hammer, band, choices
         As of :func:`identify_solid`.
     """
     bench = bench or BenchFitOptions()
     machine, specimen = bench.machine, bench.specimen
     on_bench = machine and machine.on_bench
     require_test_for_machine(on_bench, tests=len(tests), add="a relaxation test")
-    _refuse_both(asked.get("fits", ()), tests)
-    if impact_temperature is not None and not (tests or asked.get("fits")):
+    _refuse_both(choices.get("fits", ()), tests)
+    if impact_temperature is not None and not (tests or choices.get("fits")):
         raise ReadError(
             "--hammer-temperature is for seals whose relaxation tests, or their fit, are of other "
             "temperatures, and there are none here; say that of the seals by --temperature"
@@ -190,8 +190,8 @@ def identify_files(
             "of the seals under the hammer"
         )
     _, frf = read_measured(measured, choices=hammer, options=options, mass=block.mass, band=band)
-    apart = bench.ramp_options
-    if not tests and (apart.choices or bench.time_limits != TimeLimits() or bench.filter):
+    ramp_options = bench.ramp_options
+    if not tests and (ramp_options.choices or bench.time_limits != TimeLimits() or bench.filter):
         raise DataError(
             "method, elastic law, cuts, filter, starting points and shifts say how relaxation "
             "tests are prepared and fitted, and there are none here. Give the tests in place of "
@@ -203,10 +203,11 @@ def identify_files(
     )  # fmt: skip
     if not tests and temperatures:
         specimen = replace(specimen or Specimen(), temperature=temperatures[0])
-    asked["rig"] = (asked.get("rig") or HammerRig()).with_machine(machine)
+    choices["rig"] = (choices.get("rig") or HammerRig()).with_machine(machine)
     return identify_solid(
         frf, block, tests=prepared, band=band,
-        temperature=impact_temperature, specimen=specimen, hammer=hammer, bench=apart, **asked,
+        temperature=impact_temperature, specimen=specimen, hammer=hammer, bench=ramp_options,
+        **choices,
     )  # fmt: skip
 
 
@@ -255,31 +256,33 @@ def identify_solid(
         vibration = build_impact_result(
             frf, find_modes_or_reason(frf, band)[0], hammer or HammerChoices()
         )
-    total, noted = total_mass(block)
-    on = MassOnSeals(total or block.weighed_mass, block.seals, block.compression)
+    total, mass_checks = total_mass(block)
+    load = MassOnSeals(total or block.weighed_mass, block.seals, block.compression)
     if seals_assumed:
-        noted = (*noted, seals_counted(on.seals))
+        mass_checks = (*mass_checks, seals_counted(load.seals))
     frf = remove_seal_mass(frf, block)
-    straight = dynamic_stiffness(frf, on.mass, seals=on.seals, band=band)
+    line_by_line = dynamic_stiffness(frf, load.mass, seals=load.seals, band=band)
     fit = identify(
         frf,
         band=band,
         tests=tests,
         fit=fits[0] if fits else None,
         temperature=temperature,
-        **on.keywords,
+        **load.keywords,
         **choices,
     )
     if specimen is not None:
         provenance = replace(fit.provenance, specimen=specimen.with_defaults(fit.specimen))
         fit = replace(fit, provenance=provenance)
-    useless = select_failed_stops(frf)
+    stop_checks = select_failed_stops(frf)
     # an FRF that is none comes before what a solid makes of it
-    evidence = replace(fit.evidence, checks=(*useless, *fit.checks))
-    others = tuple(check for check in frf.checks if check not in useless)
+    evidence = replace(fit.evidence, checks=(*stop_checks, *fit.checks))
+    other_checks = tuple(check for check in frf.checks if check not in stop_checks)
     fit = replace(fit, evidence=evidence)
-    rests = find_static_equilibrium(fit, on)
-    return Identified(fit, DirectStiffness(straight), (*others, *noted), rests, vibration)
+    rest_state = find_static_equilibrium(fit, load)
+    return Identified(
+        fit, DirectStiffness(line_by_line), (*other_checks, *mass_checks), rest_state, vibration
+    )
 
 
 def _refuse_both(fits: Sequence[Fit], tests: Sequence[Any]) -> None:

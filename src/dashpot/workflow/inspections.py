@@ -108,8 +108,8 @@ def inspect_files(
     the inspection and the reader both need of a file is read once.
     """
     options = options or ReadOptions()
-    by = read or _read, prepared or _prepare_record
-    return Inspections(tuple(_inspect_path(path, options, *by) for path in files))
+    functions = read or _read, prepared or _prepare_record
+    return Inspections(tuple(_inspect_path(path, options, *functions) for path in files))
 
 
 def _read(file: OpenedFile) -> RelaxationTest:
@@ -123,10 +123,10 @@ def _prepare_record(record: RelaxationTest, options: ReadOptions) -> RampHold:
 def _inspect_path(
     path: str | Path, options: ReadOptions, read: Reader, prepared: Preparer
 ) -> InspectedFile:
-    bare = open_or_identify(path, options)
-    if isinstance(bare, Recognised):
-        return _build_inspected_file(inspect_other_path(path, bare))
-    file = read_once(bare)
+    opened_file = open_or_identify(path, options)
+    if isinstance(opened_file, Recognised):
+        return _build_inspected_file(inspect_other_path(path, opened_file))
+    file = read_once(opened_file)
     with add_name_to_errors(file.raw.name):
         inspection = inspect_opened(file)
     if inspection.questions:
@@ -142,8 +142,10 @@ def _inspect_path(
         test = prepared(record, options)
     except DashpotError as error:
         return _build_inspected_file(inspection, refusal=str(error))
-    ready = Preparation(**{field.name: getattr(test, field.name) for field in fields(Preparation)})
-    return _build_inspected_file(inspection, preparation=ready)
+    preparation = Preparation(
+        **{field.name: getattr(test, field.name) for field in fields(Preparation)}
+    )
+    return _build_inspected_file(inspection, preparation=preparation)
 
 
 def _read_by_kind(path: str | Path, file: OpenedFile, kind: str) -> object:
@@ -171,21 +173,21 @@ def _with_cautions(inspection: Inspection, record: object) -> Inspection:
     """Return the inspection, with what the reader of its kind noticed that can change a number."""
     source = getattr(record, "source", None)
     sources = source if isinstance(source, tuple) else () if source is None else (source,)
-    noted = dict.fromkeys(note for source in sources for note in source.cautions)
+    notes = dict.fromkeys(note for source in sources for note in source.cautions)
     text = "\n".join(inspection.warnings)
-    more = tuple(note for note in noted if note not in text)
-    if not more:
+    new_notes = tuple(note for note in notes if note not in text)
+    if not new_notes:
         return inspection
-    final_inspection = replace(inspection, warnings=(*inspection.warnings, *more))
+    final_inspection = replace(inspection, warnings=(*inspection.warnings, *new_notes))
     vars(final_inspection).update(
         {name: var for name, var in vars(inspection).items() if name not in vars(final_inspection)}
     )
     return final_inspection
 
 
-def _build_inspected_file(inspection: Inspection, **more: Any) -> InspectedFile:
+def _build_inspected_file(inspection: Inspection, **changes: Any) -> InspectedFile:
     inspected_file = InspectedFile(
-        **{field.name: getattr(inspection, field.name) for field in fields(inspection)}, **more
+        **{field.name: getattr(inspection, field.name) for field in fields(inspection)}, **changes
     )
     vars(inspected_file).update(
         {name: var for name, var in vars(inspection).items() if name not in vars(inspected_file)}

@@ -57,47 +57,56 @@ def require_unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     entries = dict(pairs)
     if len(entries) < len(pairs):
         keys = [key for key, _ in pairs]
-        twice = next(key for key in keys if keys.count(key) > 1)
-        raise ValueError(f'the key "{twice}" stands twice in one object')
+        repeated_key = next(key for key in keys if keys.count(key) > 1)
+        raise ValueError(f'the key "{repeated_key}" stands twice in one object')
     return entries
 
 
-def parts_of(value: Any, where: str) -> dict[str, Any]:
+def parts_of(value: Any, path: str) -> dict[str, Any]:
     """Return what an object or an array holds by its place; nothing of any other value."""
     if isinstance(value, dict):
-        return {f"{where}.{key}": item for key, item in value.items()}
+        return {f"{path}.{key}": item for key, item in value.items()}
     if isinstance(value, list):
-        return {f"{where}[{i}]": item for i, item in enumerate(value)}
+        return {f"{path}[{i}]": item for i, item in enumerate(value)}
     return {}
 
 
-def find_mistyped_number(value: Any, where: str = "$") -> str:
+def find_mistyped_number(value: Any, path: str = "$") -> str:
     """Say which number of a document is a text; nothing if none is."""
     if isinstance(value, str) and re.fullmatch(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", value):
-        numeric = where.rpartition(".")[2].partition("[")[0] in _NUMERIC
-        return f'{where} is the text "{value}"; expected a number, with a point' if numeric else ""
-    parts = parts_of(value, where).items()
-    return next(filter(None, (find_mistyped_number(item, place) for place, item in parts)), "")
+        numeric = path.rpartition(".")[2].partition("[")[0] in _NUMERIC
+        return f'{path} is the text "{value}"; expected a number, with a point' if numeric else ""
+    parts = parts_of(value, path).items()
+    return next(
+        filter(None, (find_mistyped_number(item, item_path) for item_path, item in parts)), ""
+    )
 
 
-def find_unknown_keys(value: Any, reference: Any, where: str = "$") -> str:
+def find_unknown_keys(value: Any, reference: Any, path: str = "$") -> str:
     """Report what a document holds beyond its value written again; nothing if all is known."""
     if value == reference:
         return ""
     if isinstance(value, dict | list) and type(value) is not type(reference):
         text, expected = (_JSON_KINDS.get(type(item), "one value") for item in (value, reference))
-        return f"{where} is {text}; expected {expected}"
+        return f"{path} is {text}; expected {expected}"
     if isinstance(value, dict):
         unknown = sorted(value.keys() - reference.keys())
         if unknown:
-            return f'{where} has "{unknown[0]}", which this version of dashpot does not know'
+            return f'{path} has "{unknown[0]}", which this version of dashpot does not know'
     # the bare contract's orders are left out: then there is nothing to hold the items against
     elif isinstance(value, list) and len(value) != len(reference):
         return ""
-    there = parts_of(reference, where)
-    parts = parts_of(value, where).items()
+    reference_parts = parts_of(reference, path)
+    parts = parts_of(value, path).items()
     return next(
-        filter(None, (find_unknown_keys(item, there[place], place) for place, item in parts)), ""
+        filter(
+            None,
+            (
+                find_unknown_keys(item, reference_parts[item_path], item_path)
+                for item_path, item in parts
+            ),
+        ),
+        "",
     )
 
 
@@ -109,15 +118,15 @@ _JSON_KINDS: dict[type, str] = {dict: "an object", list: "an array"}
 
 @cache
 def schemas() -> dict[str, type[Serialisable]]:
-    """What each versioned schema name holds, those of every kind included, which it loads."""
+    """Return the class of each versioned schema name, with those of every kind."""
     of_kinds = (load_object(name) for kind in KINDS.values() for name in kind.classes)
-    retained = (
+    loadable_kinds = (
         kind
         for kind in of_kinds
         if issubclass(kind, Serialisable) and kind.schema and kind._is_loadable
     )
-    others = {name: find_handler("document", name) for name in list_names("document")}
-    return {**others, **{item.schema: item for item in retained}}
+    other_loaders = {name: find_handler("document", name) for name in list_names("document")}
+    return {**other_loaders, **{item.schema: item for item in loadable_kinds}}
 
 
 def _find_schema_class(name: str) -> type[Serialisable] | None:
@@ -210,15 +219,20 @@ def _parse_document(text: str | bytes) -> tuple[type[Serialisable], dict[str, An
 
 def _format_unknown_schema(name: object) -> str:
     """Return why a document of this schema is not read, and what to do."""
-    what, _, version = str(name).partition("@")
-    present = next((schema for schema in schemas() if schema.startswith(f"{what}@")), "")
+    schema_name, _, version = str(name).partition("@")
+    present = next((schema for schema in schemas() if schema.startswith(f"{schema_name}@")), "")
     newest = present.partition("@")[2]
     if newest and version.isdecimal() and int(version) > int(newest):
         return (
             f'the document\'s "schema" is {name!r}, of a newer version of dashpot; this version '
-            f"reads {what!r} up to @{newest}. Update dashpot, or write the document with this one"
+            f"reads {schema_name!r} up to @{newest}. Update dashpot, or write the document with "
+            "this one"
         )
-    subject = _describe_kind(what) if what.startswith("dashpot/") else "no result of dashpot"
+    subject = (
+        _describe_kind(schema_name)
+        if schema_name.startswith("dashpot/")
+        else "no result of dashpot"
+    )
     return f"this is {subject}, by its schema {name!r}, and is not read back"
 
 
@@ -331,7 +345,7 @@ def _fit(entries: dict[str, Any]) -> dict[str, Any]:
         raise ValueError(f"status {status!r} is none of {', '.join(names)}")
     value, model = entries.get("solid", {}), entries["model"]
     # a fit typed by hand may hold no more than a model: nothing else is then claimed
-    nothing = {"n": 0, "sse": 0.0, "rms": 0.0}
+    empty_residual = {"n": 0, "sse": 0.0, "rms": 0.0}
     defaults = {"method": "full", "band_hz": [0.0, 0.0], **_diagonal_covariance(entries)}
     return (
         defaults
@@ -339,7 +353,7 @@ def _fit(entries: dict[str, Any]) -> dict[str, Any]:
         | {
             "status": names[status],
             "solid": value if value.get("family") == "fractional" else model,
-            "residual": nothing | entries.get("residual", nothing),
+            "residual": empty_residual | entries.get("residual", empty_residual),
             # the bare contract lists neither a candidate's significance nor its solid
             "orders": [order for order in entries.get("orders", []) if "model" in order],
         }

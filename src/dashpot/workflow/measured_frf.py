@@ -73,8 +73,10 @@ def read_measured(
 def read_record(paths: Sequence[str | Path], options: ReadOptions) -> FRF | ShakenTest | ImpactTest:
     """Return the hits, the shaken test or the FRF that files hold."""
     if options.base_acceleration is not None:
-        shaken: ShakenTest = find_handler("read several", "shaken base")(paths, options=options)
-        return shaken
+        shaken_test: ShakenTest = find_handler("read several", "shaken base")(
+            paths, options=options
+        )
+        return shaken_test
     if len(paths) == 1 and recognise(paths[0], options).kind in RESPONSES:
         return read_frf(paths[0], options=options)
     return hits_in(list(paths), options, f"an FRF or {HITS}")
@@ -101,7 +103,7 @@ def measured_frf(
         transmissibility: FRF = estimate(record, choices=choices, mass=mass, band=band)[0]
         return transmissibility
     if isinstance(record, FRF):
-        refuse_choices_of_hits(choices, "the file holds an FRF", but=("motion", "polarity"))
+        refuse_choices_of_hits(choices, "the file holds an FRF", exceptions=("motion", "polarity"))
         (frf,) = with_polarity([as_measured(record, choices.motion)], choices.polarity)
         if frf.quantity.over_base and mass is None:
             raise ReadError(_NO_MASS)
@@ -140,8 +142,10 @@ def as_measured(frf: FRF, motion: str) -> FRF:
     return as_relative(frf)
 
 
-def refuse_choices_of_hits(choices: HammerChoices, why: str, *, but: Sequence[str] = ()) -> None:
-    """Refuse choices that only hits have a use for, all `but` some.
+def refuse_choices_of_hits(
+    choices: HammerChoices, reason: str, *, exceptions: Sequence[str] = ()
+) -> None:
+    """Refuse choices that only hits have a use for, all `exceptions` some.
 
     Raises
     ------
@@ -151,10 +155,11 @@ def refuse_choices_of_hits(choices: HammerChoices, why: str, *, but: Sequence[st
     unused = [
         flag_of(field)
         for field in iterate_option_fields(choices)
-        if field.name not in but and getattr(choices, field.name) != getattr(default, field.name)
+        if field.name not in exceptions
+        and getattr(choices, field.name) != getattr(default, field.name)
     ]
     if unused:
-        raise ReadError(f"{', '.join(unused)}: of hits, and {why}; leave out")
+        raise ReadError(f"{', '.join(unused)}: of hits, and {reason}; leave out")
 
 
 def add_frf_checks(
@@ -163,22 +168,25 @@ def add_frf_checks(
     main: Mode | None = None,
     *,
     mass: float | None = None,
-    driven: bool = True,
+    is_driven: bool = True,
 ) -> FRF:
     """Return an FRF that was averaged elsewhere with what it says of itself at its peak.
 
     The peak is the highest in `band`, Hz, or that of a mode; a transmissibility needs the mass, kg.
-    Only where a point is struck itself (`driven`) does its phase show whether the part dissipates.
+    Only where a point is struck itself (`is_driven`) does its phase show whether the part
+    dissipates.
     """
-    near = frf.to("accelerance", mass=mass)
-    near = near if band is None else near.band(*band)
-    peak = find_peak(near) if main is None else main
-    at = int(np.argmin(np.abs(near.frequency - peak.frequency)))
-    checks = [frf_dissipates(complex(near.value[at]), float(near.frequency[at]))] * driven
+    band_frf = frf.to("accelerance", mass=mass)
+    band_frf = band_frf if band is None else band_frf.band(*band)
+    peak = find_peak(band_frf) if main is None else main
+    at = int(np.argmin(np.abs(band_frf.frequency - peak.frequency)))
+    checks = [
+        frf_dissipates(complex(band_frf.value[at]), float(band_frf.frequency[at]))
+    ] * is_driven
     if frf.quantity.over_base:
         checks.insert(0, mass_over_base(frf))
     if frf.coherence is not None:
-        checks.append(coherence(near, at))
+        checks.append(coherence(band_frf, at))
     elif frf.sd is None:
         checks.append(line_errors_stated())
     checks += caution_checks(frf.source)
@@ -293,7 +301,7 @@ class Modes(Plottable, Serialisable, Sequence[Mode]):
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
         """Frequency, damping ratio and residue of each mode."""
-        return tuple(fact for mode in self for fact in mode.facts)
+        return tuple(reported_value for mode in self for reported_value in mode.facts)
 
     @property
     def _table_columns(self) -> Series:
@@ -317,7 +325,7 @@ def format_modes_headline(modes: Sequence[Mode]) -> str:
     """Return frequency and damping of the first of some modes, and how many there are."""
     if not modes:
         return "0 modes were found"
-    frequency, ratio, _ = (fact.cells.with_unit for fact in modes[0].facts)
+    frequency, ratio, _ = (reported_value.cells.with_unit for reported_value in modes[0].facts)
     count = "" if len(modes) == 1 else f", the first of {format_count(len(modes), 'mode')}"
     return f"resonance at {frequency}, damping ratio {ratio}{count}"
 
@@ -430,7 +438,7 @@ def find_modes_or_reason(
 
 def build_impact_result(frf: FRF, modes: Sequence[Mode], hammer: HammerChoices) -> ImpactResult:
     """Return the modes of a measured FRF with the choices that led to them."""
-    shown = tuple(
+    shown_modes = tuple(
         ImpactMode(
             mode.frequency,
             mode.damping_ratio,
@@ -440,7 +448,7 @@ def build_impact_result(frf: FRF, modes: Sequence[Mode], hammer: HammerChoices) 
         )
         for mode in modes
     )
-    return ImpactResult(frf, shown, hammer.estimator, hammer.window)
+    return ImpactResult(frf, shown_modes, hammer.estimator, hammer.window)
 
 
 def finite(value: float) -> float | None:

@@ -44,10 +44,10 @@ class Outputs:
         """
         claimed: set[str] = set()
         for path in map(validate_path, paths):
-            place = os.path.realpath(path)
-            if place in claimed:
+            reported_value = os.path.realpath(path)
+            if reported_value in claimed:
                 raise ExportError(f"{path} is named for two outputs; give each a name of its own")
-            claimed.add(place)
+            claimed.add(reported_value)
             self._refuse_input(path)
             if path.is_dir():
                 raise ExportError(f"{path} is a folder; give the file to write in it")
@@ -73,8 +73,8 @@ class Outputs:
     def _refuse_foreign(self, path: Path) -> None:
         if not path.is_file():
             return
-        place = Path(os.path.realpath(path))
-        if any((above / "dashpot.toml").is_file() for above in place.parents):
+        resolved_path = Path(os.path.realpath(path))
+        if any((parent / "dashpot.toml").is_file() for parent in resolved_path.parents):
             raise ExportError(
                 f"{path} belongs to a project, whose files are not replaced; give another name"
             )

@@ -131,8 +131,10 @@ def recommend_solid(study: Study, *, requested: bool = False) -> Recommendation:
     if resonance is not None:
         under_mass = _list_values_under_mass(study, resonance, stiffness, loss, joint=joint)
     if point is not None:
-        ends = [point.factor * v for v in (stiffness.value, stiffness.low, stiffness.high)]
-        stiffness = replace(stiffness, value=ends[0], low=ends[1], high=ends[2])
+        scaled_values = [point.factor * v for v in (stiffness.value, stiffness.low, stiffness.high)]
+        stiffness = replace(
+            stiffness, value=scaled_values[0], low=scaled_values[1], high=scaled_values[2]
+        )
     one_seal = (*_list_end_of_hold(study, solid), stiffness, loss)
     return Recommendation(usable, joint, solid, point, under_mass, one_seal)
 
@@ -170,15 +172,15 @@ def _get_mass(study: Study, solid: Fit) -> float | None:
     return None if study.mass is None else get_fitted_mass(solid) or study.mass
 
 
-def _find_peak(solid: Solid, mass: float, near: float) -> tuple[float, float]:
+def _find_peak(solid: Solid, mass: float, around_hz: float) -> tuple[float, float]:
     """Return frequency, Hz, and height, 1/kg, of the peak of the accelerance.
 
     Without a peak: the frequency of the pole, and no height.
     """
-    frf = predict_frf(solid, mass=mass, frequency=near * np.geomspace(0.9, 1.6, 401))
+    frf = predict_frf(solid, mass=mass, frequency=around_hz * np.geomspace(0.9, 1.6, 401))
     top = int(np.argmax(np.abs(frf.value)))
     if not 0 < top < len(frf.frequency) - 1:
-        return near, float("nan")
+        return around_hz, float("nan")
     peak = find_peak(frf)
     return peak.frequency, peak.height
 
@@ -225,21 +227,23 @@ def _list_values_under_mass(
     The frequency scales with the root of the stiffness, the damping ratio with the loss factor.
     """
     c, frequency, limits = study.comparison, peak.frequency, None if joint else study.frf_band
-    ends = [frequency * np.sqrt(end / stiffness.value) for end in (stiffness.low, stiffness.high)]
+    value_limits = [
+        frequency * np.sqrt(end / stiffness.value) for end in (stiffness.low, stiffness.high)
+    ]
     if limits is not None and limits.peak_frequency is not None:
-        ends = _contain(limits.peak_frequency, frequency)
+        value_limits = _contain(limits.peak_frequency, frequency)
     damping = max(peak.damping, 0.0) + 0.0  # of a spring, to rounding
     share = damping / loss.value if loss.value > 0 else 0.5
-    damped = _contain((share * loss.low, share * loss.high), damping)
+    damping_range = _contain((share * loss.low, share * loss.high), damping)
     bound = stiffness.is_limit
     return (
         RecommendedValue(
-            "frequency", frequency, float(ends[0]), float(ends[1]), is_limit=bound,
+            "frequency", frequency, float(value_limits[0]), float(value_limits[1]), is_limit=bound,
             measured=None if c is None else c.measured_hz,
             measured_se=None if c is None else c.measured_hz_se,
         ),
         RecommendedValue(
-            "damping", damping, damped[0], damped[1], is_limit=bound,
+            "damping", damping, damping_range[0], damping_range[1], is_limit=bound,
             measured=None if c is None else c.measured_damping,
             measured_se=None if c is None else c.measured_damping_se,
         ),

@@ -87,7 +87,7 @@ class StaticEquilibrium:
 
     @property
     def summary(self) -> EquilibriumSummary:
-        """As a document of a result that rests on it shows it."""
+        """Equilibrium as a document shows it."""
         point = self.point
         at = point.compression if np.isfinite(point.compression) else None
         law = point.is_extrapolated and not point.linear
@@ -97,12 +97,20 @@ class StaticEquilibrium:
         point, secant, tangent = self.point, self.secant, self.tangent
         if point.linear:
             return ""
-        where = "as given" if point.given else "under its weight"
-        here, depth = (
+        how_known = "as given" if point.given else "under its weight"
+        compression_text, depth = (
             format_quantity(value or 0.0, "mm", ".3g") for value in (point.compression, point.depth)
         )
-        lines = [f"The seals are compressed by {here} {where}; they were tested to {depth}."]
-        for name, stiffness in ((f"secant at {depth}", secant), (f"tangent at {here}", tangent)):
+        lines = [
+            (
+                f"The seals are compressed by {compression_text} {how_known}; they were tested to "
+                f"{depth}."
+            )
+        ]
+        for name, stiffness in (
+            (f"secant at {depth}", secant),
+            (f"tangent at {compression_text}", tangent),
+        ):
             peak = (
                 "no resonance" if stiffness.frequency is None else f"{stiffness.frequency:.5g} Hz"
             )
@@ -119,13 +127,13 @@ class StaticEquilibrium:
         return "\n".join(lines)
 
 
-def find_static_equilibrium(fit: Fit, on: MassOnSeals) -> StaticEquilibrium:
+def find_static_equilibrium(fit: Fit, load: MassOnSeals) -> StaticEquilibrium:
     """Return where a mass rests on seals, with the secant and the tangent solid."""
-    point = operating_point(fit, on)
+    point = operating_point(fit, load)
     k = fit.solid.k_inf
 
     def evaluate_stiffness(solid: Solid, error: float) -> StiffnessAt:
-        mode = next(iter(model_modes(on.seals * solid, on.mass)), None)
+        mode = next(iter(model_modes(load.seals * solid, load.mass)), None)
         items = (None, None) if mode is None else (mode.frequency, mode.damping_ratio)
         return StiffnessAt(solid.k_inf, error, *items)
 
@@ -145,7 +153,7 @@ def frf_limits(
     fit: Fit,
     tests: RampHold | Sequence[RampHold],
     point: OperatingPoint,
-    on: MassOnSeals,
+    load: MassOnSeals,
     *,
     frequency: npt.ArrayLike,
     temperature: float | None = None,
@@ -166,7 +174,7 @@ def frf_limits(
         What it was fitted to.
     point : OperatingPoint
         At `temperature`.
-    on : MassOnSeals
+    load : MassOnSeals
     frequency : array_like, shape (n,)
         Hz, > 0.
     temperature : float, optional
@@ -176,44 +184,48 @@ def frf_limits(
     """
     forced = kind is Kind.ACCELERANCE
     shifts, f = fit.temperatures, np.asarray(frequency, dtype=float)
-    b_t, ends, here, doubt_b = 1.0, [1.0], fit, 0.0
+    b_t, time_factors, shifted_fit, doubt_b = 1.0, [1.0], fit, 0.0
     if temperature is not None and shifts is not None and temperature != shifts.reference:
-        here, b_t = fit.at_temperature(temperature), shifts.b_t(temperature)
+        shifted_fit, b_t = fit.at_temperature(temperature), shifts.b_t(temperature)
         doubt_a, doubt_b = shifts.error(temperature)
-        reach = NORMAL * doubt_a
-        ends = list(float(shifts.law.a_t(temperature)) * np.exp([-reach, reach]))
+        half_width = NORMAL * doubt_a
+        time_factors = list(float(shifts.law.a_t(temperature)) * np.exp([-half_width, half_width]))
     s = point.factor * b_t
     bounds = []
-    for a in ends:
+    for a in time_factors:
         scale = a**2 * s
         limits = frf_band(
-            fit, tests, mass=on.mass / scale, frequency=a * f, seals=on.seals, kind=kind,
-            coupled=on.coupled / scale,
+            fit, tests, mass=load.mass / scale, frequency=a * f, seals=load.seals, kind=kind,
+            coupled=load.coupled / scale,
         )  # fmt: skip
         bounds.append(_scale_bounds(limits, 1 / a, 1 / scale if forced else 1.0))
-    if here is fit:
-        joined = bounds[0]
+    if shifted_fit is fit:
+        merged_bounds = bounds[0]
     else:
         omega = 2 * np.pi * f
-        K = point.solid(here).complex_stiffness(omega=omega)
-        values = PredictedFRF(on, kind).magnitude(K, omega)
-        formal = formal_frf_band(here, on.divide_masses(point.factor), frequency=f, kind=kind)
-        joined = _merge_bounds(bounds, values, formal / point.factor if forced else formal)
+        K = point.solid(shifted_fit).complex_stiffness(omega=omega)
+        values = PredictedFRF(load, kind).magnitude(K, omega)
+        formal = formal_frf_band(
+            shifted_fit, load.divide_masses(point.factor), frequency=f, kind=kind
+        )
+        merged_bounds = _merge_bounds(bounds, values, formal / point.factor if forced else formal)
     note = "; with the uncertainty of the tangent at the compression of the mass"
-    slid = replace(point, factor_se=float(np.hypot(point.factor_se, point.factor * doubt_b)))
+    widened_point = replace(
+        point, factor_se=float(np.hypot(point.factor_se, point.factor * doubt_b))
+    )
     return replace(
-        joined,
-        parameter=_slid(f, joined.parameter, slid),
-        unmeasured=_slid(f, joined.unmeasured, slid),
-        message=joined.message + note * (point.factor_se > 0),
+        merged_bounds,
+        parameter=_slid(f, merged_bounds.parameter, widened_point),
+        unmeasured=_slid(f, merged_bounds.unmeasured, widened_point),
+        message=merged_bounds.message + note * (point.factor_se > 0),
     )
 
 
 def _scale_bounds(bounds: FRFBounds, frequency: float, height: float) -> FRFBounds:
     """Return limits on an axis so many times as long, so many times as high."""
 
-    def times(scale: float, ends: tuple[float, float] | None) -> tuple[float, float] | None:
-        return None if ends is None else (scale * ends[0], scale * ends[1])
+    def times(scale: float, interval: tuple[float, float] | None) -> tuple[float, float] | None:
+        return None if interval is None else (scale * interval[0], scale * interval[1])
 
     return replace(
         bounds,
@@ -253,32 +265,32 @@ def rival_of(fit: Fit) -> Fit | None:
     return None if other is None or not other.is_sufficient else replace(fit, solid=other.solid)
 
 
-def rival_modes(fit: Fit, point: OperatingPoint, on: MassOnSeals) -> tuple[Mode, ...]:
+def rival_modes(fit: Fit, point: OperatingPoint, load: MassOnSeals) -> tuple[Mode, ...]:
     """Modes of a mass on the other family of solids, if one explains the tests as well."""
-    rival = rival_of(fit)
-    return () if rival is None else model_modes(on.seals * point.solid(rival), on.mass)
+    other_fit = rival_of(fit)
+    return () if other_fit is None else model_modes(load.seals * point.solid(other_fit), load.mass)
 
 
-def family_checks(fit: Fit, point: OperatingPoint, on: MassOnSeals) -> tuple[Check, ...]:
+def family_checks(fit: Fit, point: OperatingPoint, load: MassOnSeals) -> tuple[Check, ...]:
     """Whether another family of solids, where one was fitted, foretells the same resonance."""
     if fit.evidence.alternative is None:
         return ()
-    modes = model_modes(on.seals * point.solid(fit), on.mass)
-    rival = rival_modes(fit, point, on)
-    return (families_predict_alike(next(iter(modes), None), next(iter(rival), None)),)
+    modes = model_modes(load.seals * point.solid(fit), load.mass)
+    other_modes = rival_modes(fit, point, load)
+    return (families_predict_alike(next(iter(modes), None), next(iter(other_modes), None)),)
 
 
 def formal_limits(
     fit: Fit,
     point: OperatingPoint,
-    on: MassOnSeals,
+    load: MassOnSeals,
     *,
     frequency: FloatArray,
     kind: Kind = Kind.ACCELERANCE,
 ) -> FloatArray:
     """Return the limits by the standard errors alone, shape (2, n), so too."""
     s = point.factor
-    limits = formal_frf_band(fit, on.divide_masses(s), frequency=frequency, kind=kind)
+    limits = formal_frf_band(fit, load.divide_masses(s), frequency=frequency, kind=kind)
     limits = limits / s if kind is Kind.ACCELERANCE else limits
     return _slid(frequency, limits, point)
 
@@ -293,10 +305,10 @@ def _slid(frequency: FloatArray, limits: FloatArray, point: OperatingPoint) -> F
     if part <= 0:
         return limits
     first, last = frequency / np.sqrt(1 + part), frequency / np.sqrt(max(1 - part, SOFTEST))
-    ends = [[np.interp(edge, frequency, row) for edge in (first, last)] for row in limits]
-    low = np.min(ends[0], axis=0)
+    end_values = [[np.interp(edge, frequency, row) for edge in (first, last)] for row in limits]
+    low = np.min(end_values[0], axis=0)
     # beside a line that nothing limits, the straight line to it is no number
-    high = np.nan_to_num(np.max(ends[1], axis=0), nan=np.inf, posinf=np.inf)
+    high = np.nan_to_num(np.max(end_values[1], axis=0), nan=np.inf, posinf=np.inf)
     windows = zip(
         np.searchsorted(frequency, first), np.searchsorted(frequency, last, "right"), strict=True
     )

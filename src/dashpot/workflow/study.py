@@ -99,7 +99,7 @@ COMPARED_ORDERS = (1, 2)
 """The numbers of arms that the paper's Fig. 4 compares."""
 
 STIFFNESS_LINES = np.geomspace(1e-3, 100.0, 61)
-"""Where the unseen-arm band is drawn, Hz: from the hold to past the hammer."""
+"""Frequencies of the unresolved-arm band, Hz: from the hold to past the hammer."""
 
 
 BAND_LINES, PEAK_LINES = 61, 121
@@ -192,17 +192,17 @@ class Study(Plottable, Serialisable):
     def _summary_lines(self) -> tuple[str, ...]:
         """The verdict, the mass, the solid, and the peaks."""
         solid = self.fit if self.joint is None else self.joint
-        agreed = self.comparison if self.joint is None else self.joint_comparison
+        final_comparison = self.comparison if self.joint is None else self.joint_comparison
         mass = "no mass" if self.mass is None else format_quantity(self.mass, "g", ".6g")
         return (
             str(self.verdict),
             f"{mass} on {seals(self.seals)}; {solid.model} ({solid.unit}, s), {solid.method}",
             *(
                 ()
-                if agreed is None
+                if final_comparison is None
                 else (
-                    f"{what} {by_model}, measured {measured}, {difference}"
-                    for what, by_model, measured, difference in agreed.rows
+                    f"{quantity} {by_model}, measured {measured}, {difference}"
+                    for quantity, by_model, measured, difference in final_comparison.rows
                 )
             ),
         )
@@ -240,21 +240,21 @@ class Study(Plottable, Serialisable):
         solid, comparison = self.fit, self.comparison
         if self.joint is not None:
             solid, comparison = self.joint, self.joint_comparison
-        agreed = () if comparison is None else comparison.checks
+        comparison_checks = () if comparison is None else comparison.checks
         of_test = self.fit.checks
         if solid.evidence.alternative is not None:
             # what the relaxation test cannot distinguish is asked of both tests
-            mine = {check.name for check in solid.checks} & {"model_families_distinguished"}
-            of_test = tuple(check for check in of_test if check.name not in mine)
-        every = (*of_test, *hammer, *solid.checks, *agreed, *self.checks)
-        return tuple(dict.fromkeys(every))
+            own_checks = {check.name for check in solid.checks} & {"model_families_distinguished"}
+            of_test = tuple(check for check in of_test if check.name not in own_checks)
+        all_checks = (*of_test, *hammer, *solid.checks, *comparison_checks, *self.checks)
+        return tuple(dict.fromkeys(all_checks))
 
     @property
     def _headline_text(self) -> str:
-        """What to say of the study where no check of weight failed."""
+        """Return the headline of the study where no important check failed."""
         if self.joint is not None and self.joint_comparison is not None:
-            where = f"From {hertz(self.joint.band)} one model matches both tests"
-            return paragraph(where, self.joint_comparison.resonance_match)
+            sentence_start = f"From {hertz(self.joint.band)} one model matches both tests"
+            return paragraph(sentence_start, self.joint_comparison.resonance_match)
         if self.joint is None and self.comparison is not None:
             return self.comparison.message
         return (self.joint or self.fit)._headline
@@ -308,9 +308,11 @@ def fit_tests(
     **preparation: Any,
 ) -> FittedTests:
     """Return the relaxation tests of a study, prepared as :func:`characterise` says, and fitted."""
-    every = prepared_tests(tests, **preparation)
-    chosen = fit(every, **options.choices)
-    return FittedTests(every, chosen if temperature is None else chosen.at_temperature(temperature))
+    prepared = prepared_tests(tests, **preparation)
+    fitted = fit(prepared, **options.choices)
+    return FittedTests(
+        prepared, fitted if temperature is None else fitted.at_temperature(temperature)
+    )
 
 
 def characterise(
@@ -365,55 +367,59 @@ def characterise(
         If a test cannot be prepared, fitted or compared.
     """
     band = si_range(band, "frequency")
-    mass, noted = total_mass(block)
+    mass, mass_checks = total_mass(block)
     send_progress("fitting the relaxation test")
     fitted = fit_once(
         (test, *tests), options, impact_temperature, filter=filter, time_limits=time_limits,
         cycle=cycle, machine=_on_bench(machine, measured),
     )  # fmt: skip
-    every, chosen = fitted.tests, fitted.fit
+    fitted_records, chosen_fit = fitted.tests, fitted.fit
     # what is shown is of the temperature of the solid
-    first = find_reference_test(chosen, every)
-    test, prepared = (test, *tests)[first], every[first]
-    on = None if mass is None else MassOnSeals(mass, block.seals, block.compression)
+    first = find_reference_test(chosen_fit, fitted_records)
+    test, prepared = (test, *tests)[first], fitted_records[first]
+    load = None if mass is None else MassOnSeals(mass, block.seals, block.compression)
     if measured is not None:
         measured = remove_seal_mass(measured, block)
-        on = find_mass_on_seals(chosen, measured, block, band=band)
+        load = find_mass_on_seals(chosen_fit, measured, block, band=band)
     response, mended = _MassResponse(), _JointResults()
-    if on is not None:
-        response = _predict_mass_response(chosen, every, measured, on, band)
+    if load is not None:
+        response = _predict_mass_response(chosen_fit, fitted_records, measured, load, band)
         if joint and measured is not None:
             send_progress("fitting relaxation and hammer together")
-            usual = replace(options, arms="auto", family="maxwell")
-            before, number = _before_hammer(chosen, every, options.arms, usual, impact_temperature)
-            both = identify(
-                measured, tests=every, fit=before, mass=mass, seals=on.seals, band=band,
-                compression=response.compression if mass is None else on.compression, arms=number,
-                family=options.family, rig=HammerRig().with_machine(machine), bench=usual,
+            usual_options = replace(options, arms="auto", family="maxwell")
+            before, number = _before_hammer(
+                chosen_fit, fitted_records, options.arms, usual_options, impact_temperature
+            )
+            joint_fit = identify(
+                measured, tests=fitted_records, fit=before, mass=mass, seals=load.seals, band=band,
+                compression=response.compression if mass is None else load.compression, arms=number,
+                family=options.family, rig=HammerRig().with_machine(machine), bench=usual_options,
             )  # fmt: skip
             fitted_mass = (
-                get_fitted_mass(both) or on.mass,
-                on.seals * get_hammer_stiffness_factor(both),
+                get_fitted_mass(joint_fit) or load.mass,
+                load.seals * get_hammer_stiffness_factor(joint_fit),
             )
-            under = MassOnSeals(*fitted_mass, on.compression)
-            mended = _JointResults(both, *_predict_and_compare(both, measured, under, band))
+            mass_on_seals = MassOnSeals(*fitted_mass, load.compression)
+            mended = _JointResults(
+                joint_fit, *_predict_and_compare(joint_fit, measured, mass_on_seals, band)
+            )
     send_progress("bounding what the tests leave open")
     hold_fit, checks = fitted.hold_fit
     return Study(
         test=test,
         prepared=prepared,
-        fit=chosen,
+        fit=chosen_fit,
         alternatives=fitted.alternatives,
         hold_fit=hold_fit,
         seals=block.seals,
-        mass=None if on is None else on.mass,
-        mass_inferred=mass is None and on is not None,
+        mass=None if load is None else load.mass,
+        mass_inferred=mass is None and load is not None,
         impact=impact,
         measured=measured,
         unmeasured=fitted.unmeasured_arm_limits,
-        parameters=parameter_band(chosen, STIFFNESS_LINES),
-        checks=(*checks, *response.untested, *noted),
-        other_tests=(*every[:first], *every[first + 1 :]),
+        parameters=parameter_band(chosen_fit, STIFFNESS_LINES),
+        checks=(*checks, *response.untested, *mass_checks),
+        other_tests=(*fitted_records[:first], *fitted_records[first + 1 :]),
         prediction=response.prediction,
         comparison=response.comparison,
         static_equilibrium=response.at_rest,
@@ -424,12 +430,12 @@ def characterise(
 
 
 def _on_bench(machine: Machine | None, measured: FRF | None) -> Machine | None:
-    """What is known of the machine of the tests; of a hammer's rig only where there is one."""
+    """Return the machine of the tests; the hammer's rig only where there is a hammer."""
     return machine if machine is None or measured is None else machine.on_bench
 
 
 def _before_hammer(
-    chosen: Fit,
+    chosen_fit: Fit,
     tests: Sequence[RampHold],
     arms: int | Literal["auto"],
     bench: FitOptions,
@@ -441,7 +447,7 @@ def _before_hammer(
     tests by themselves have more: then the data choose.
     """
     if arms == "auto":
-        return chosen, arms
+        return chosen_fit, arms
     local_fit = fit(tests, **bench.choices)
     if temperature is not None:
         local_fit = local_fit.at_temperature(temperature)
@@ -449,7 +455,7 @@ def _before_hammer(
 
 
 class _MassResponse(NamedTuple):
-    """What a fit says of the mass on the seals, beside what was measured of it; else nothing."""
+    """Predicted and measured response of the mass on the seals; else nothing."""
 
     prediction: FRF | None = None
     comparison: Comparison | None = None
@@ -473,31 +479,33 @@ class _JointResults(NamedTuple):
 
 
 def _predict_mass_response(
-    chosen: Fit,
+    chosen_fit: Fit,
     tests: Sequence[RampHold],
     measured: FRF | None,
-    on: MassOnSeals,
+    load: MassOnSeals,
     band: tuple[float, float] | None,
 ) -> _MassResponse:
-    prediction, comparison = _predict_and_compare(chosen, measured, on, band)
-    rests = find_static_equilibrium(chosen, on)
+    prediction, comparison = _predict_and_compare(chosen_fit, measured, load, band)
+    rest_state = find_static_equilibrium(chosen_fit, load)
     return _MassResponse(
         prediction,
         comparison,
-        rests,
-        _prediction_bounds(chosen, tests, measured, rests.point, on),
+        rest_state,
+        _prediction_bounds(chosen_fit, tests, measured, rest_state.point, load),
         None
         if measured is None
-        else dynamic_stiffness(measured, on.mass, seals=on.seals, band=band),
-        () if measured is not None else _check_untested_prediction(prediction, chosen, rests, on),
+        else dynamic_stiffness(measured, load.mass, seals=load.seals, band=band),
+        ()
+        if measured is not None
+        else _check_untested_prediction(prediction, chosen_fit, rest_state, load),
     )
 
 
-def find_reference_test(chosen: Fit, tests: Sequence[RampHold]) -> int:
+def find_reference_test(chosen_fit: Fit, tests: Sequence[RampHold]) -> int:
     """Return which test is of the temperature of the fit's solid; the first if all are of one."""
-    if chosen.temperatures is None:
+    if chosen_fit.temperatures is None:
         return 0
-    reference = chosen.temperatures.reference
+    reference = chosen_fit.temperatures.reference
     return min(
         range(len(tests)), key=lambda i: abs((tests[i].specimen.temperature or 0.0) - reference)
     )
@@ -555,34 +563,40 @@ def _format_file_names(files: Sequence[str]) -> str:
 
 
 def _predict_and_compare(
-    fit: Fit, measured: FRF | None, on: MassOnSeals, band: tuple[float, float] | None
+    fit: Fit, measured: FRF | None, load: MassOnSeals, band: tuple[float, float] | None
 ) -> tuple[FRF, Comparison | None]:
     """Return the FRF that a fit predicts, on the measured lines if there are any."""
     if measured is None:
-        return predict_frf(fit, **on.keywords), None
-    return compare_with_measured(fit, measured, on, band=band)
+        return predict_frf(fit, **load.keywords), None
+    return compare_with_measured(fit, measured, load, band=band)
 
 
 def _check_untested_prediction(
-    prediction: FRF, chosen: Fit, rests: StaticEquilibrium, on: MassOnSeals
+    prediction: FRF, chosen_fit: Fit, rest_state: StaticEquilibrium, load: MassOnSeals
 ) -> tuple[Check, ...]:
     """Ask of a prediction that no hammer has tested whether a test informs it."""
-    informed = prediction_in_valid_band(find_peak(prediction).frequency, chosen.band)
-    return (*rest_checks(rests.point, on.mass), informed, *family_checks(chosen, rests.point, on))
+    band_check = prediction_in_valid_band(find_peak(prediction).frequency, chosen_fit.band)
+    return (
+        *rest_checks(rest_state.point, load.mass),
+        band_check,
+        *family_checks(chosen_fit, rest_state.point, load),
+    )
 
 
 def _prediction_bounds(
-    chosen: Fit,
+    chosen_fit: Fit,
     prepared: Sequence[RampHold],
     measured: FRF | None,
     point: OperatingPoint,
-    on: MassOnSeals,
+    load: MassOnSeals,
 ) -> FRFBounds:
     """Return the limits of the predicted FRF around its peak, by both kinds of ignorance."""
-    top = compute_peak_limit(on.seals * point.solid(chosen).k_0, on.mass)
+    top = compute_peak_limit(load.seals * point.solid(chosen_fit).k_0, load.mass)
     low, high = top / FREQUENCY_FACTOR, top * FREQUENCY_FACTOR
     if measured is not None:
         low, high = max(low, measured.frequency[0]), min(high, measured.frequency[-1])
-    near = np.geomspace(max(low, 0.75 * top), min(high, 1.3 * top), PEAK_LINES)
-    lines = np.union1d(np.geomspace(low, high, BAND_LINES), near if near[0] < near[-1] else ())
-    return frf_limits(chosen, prepared, point, on, frequency=lines)
+    near_peak = np.geomspace(max(low, 0.75 * top), min(high, 1.3 * top), PEAK_LINES)
+    lines = np.union1d(
+        np.geomspace(low, high, BAND_LINES), near_peak if near_peak[0] < near_peak[-1] else ()
+    )
+    return frf_limits(chosen_fit, prepared, point, load, frequency=lines)

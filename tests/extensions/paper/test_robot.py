@@ -82,5 +82,5 @@ def test_an_arm_does_not_reach_everywhere():
 
 @given(angle=st.floats(0, 1.5), towards=st.floats(-3, 3), force=st.floats(0.01, 70))
 def test_the_lateral_force_shows_the_angle(angle: float, towards: float, force: float) -> None:
-    x, y, z = tilt_motion([force], angle, towards=towards)[:, 0]
+    x, y, z = tilt_motion([force], angle, azimuth=towards)[:, 0]
     assert misalignment(x, y, z) == pytest.approx(angle, abs=1e-12)

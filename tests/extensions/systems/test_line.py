@@ -238,7 +238,7 @@ def test_a_block_that_slips_across_its_seals(newton, hertz, metres):
 
 def test_a_seal_that_sticks_is_a_spring_more():
     mounts = compute_friction(0.4, 0.2)[0].mounts("block", "25mm")
-    stuck = line_mounts(compute_friction(0.4, 0.2)[0], "block", "25mm", stuck=True)
+    stuck = line_mounts(compute_friction(0.4, 0.2)[0], "block", "25mm", friction_sticks=True)
     assert len(stuck) == len(mounts) + 2
     assert not any(item.friction for item in stuck)
     across = [item.solid.k_inf for item in stuck if abs(item.along[0]) > 0.5]

@@ -137,7 +137,7 @@ def _slider(number: int, k: float, slip: float, height: float, mass: float) -> l
     name, first = f"SEAL_SLIDER_{number}", _FIRST_SLIDER_NUMBER + 10 * number
     area = np.sqrt(3) * slip
     edge, ids = float(np.sqrt(area)), [first + i for i in range(1, 9)]
-    foot, lid = ids[:4], ids[4:]
+    lower_nodes, lid = ids[:4], ids[4:]
     sides = ((0.0, 0.0), (edge, 0.0), (edge, edge), (0.0, edge))
     corners = [(x, y, z) for z in (0.0, height) for x, y in sides]
     cards = [
@@ -156,7 +156,7 @@ def _slider(number: int, k: float, slip: float, height: float, mass: float) -> l
     ]
     for n in lid:
         cards += ["*EQUATION", "2", f"{n}, 1, 1., 2, 1, -1."]
-    return [*cards, "*BOUNDARY", *(f"{n}, 1, 3" for n in foot), *(f"{n}, 2, 3" for n in lid)]
+    return [*cards, "*BOUNDARY", *(f"{n}, 1, 3" for n in lower_nodes), *(f"{n}, 2, 3" for n in lid)]
 
 
 def slider_remarks(deck: Deck) -> list[str]:
@@ -299,8 +299,8 @@ def groups_of(
     frames = {frame: rank for rank, frame in enumerate(_frames_of(row), start=1)}
     entries: dict[tuple[int, tuple[float, float, float]], list[tuple[int, int]]] = {}
     for i, station in enumerate(row.stations):
-        same = entries.setdefault((frames[station.frame], station.shares), [])
-        same.append(row.nodes(i, first_id))
+        group = entries.setdefault((frames[station.frame], station.shares), [])
+        group.append(row.nodes(i, first_id))
     first = first_id
     for (frame, shares), members in entries.items():
         yield first, frame, shares, members

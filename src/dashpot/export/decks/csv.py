@@ -64,13 +64,13 @@ def _frequency(deck: Deck, frequency_range: tuple[float, float], tolerance: floa
         "loss_factor [1]": table.damping,
         f"damping [{units.damping_word}]": units.damping(loss / (2 * np.pi * table.frequency)),
     }
-    marks = [
+    is_extrapolated_flags = [
         "" if deck.band is None else str(int(deck.is_extrapolated(f)))
         for f in table.frequency.tolist()
     ]
     rows = (
         ",".join([*(text(value) for value in row), mark])
-        for *row, mark in zip(*columns.values(), marks, strict=True)
+        for *row, mark in zip(*columns.values(), is_extrapolated_flags, strict=True)
     )
     return deck.format_text(
         "#",

@@ -103,7 +103,9 @@ def _format_tables(
     for shares, index in row.shares.items():
         direction_solids = row.springs(shares)
         frequency_tables = [
-            deck.table(*table_range, solid=solid, damping=damping, printed=_format_large_number)
+            deck.table(
+                *table_range, solid=solid, damping=damping, format_number=_format_large_number
+            )
             for _, solid in direction_solids
         ]
         property_id = first_id + 2 * row.ways * index
@@ -294,11 +296,11 @@ def _name_continuations(lines: Sequence[str]) -> list[str]:
     """Return cards with named continuations, which Nastran before 2001 requires."""
     named_lines = list(lines)
     names = (f"*S{number}" for number in itertools.count(1))
-    for i, (line, following) in enumerate(itertools.pairwise(lines)):
+    for i, (line, next_line) in enumerate(itertools.pairwise(lines)):
         if line[72:] == "*":
             name = next(names)
             named_lines[i] = named_lines[i][:72] + name
-            named_lines[i + 1] = f"{name:<8}{following[8:]}"
+            named_lines[i + 1] = f"{name:<8}{next_line[8:]}"
     return named_lines
 
 

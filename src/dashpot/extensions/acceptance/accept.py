@@ -54,12 +54,12 @@ class AcceptanceLimits:
         entries: dict[str, LimitEntry[ResultValue]] = {}
         for source in self.sources:
             if isinstance(source, str) and is_expression(source):
-                stated: Iterable[LimitEntry[ResultValue]] = [
+                limit_entries: Iterable[LimitEntry[ResultValue]] = [
                     parse_expression(source, find_quantity)
                 ]
             else:
-                stated = read_limit_file(source, find_quantity)
-            for entry in stated:
+                limit_entries = read_limit_file(source, find_quantity)
+            for entry in limit_entries:
                 column = entry.quantity.column
                 entries[column] = _combine_limits(entries.get(column), entry)
         use = result.verdict.use
@@ -112,37 +112,37 @@ def _combine_limits(
     """
     if first is None:
         return other
-    ends, texts = [], []
+    limits, texts = [], []
     for side in ("lower", "upper"):
         values = [getattr(entry, side) for entry in (first, other)]
         if None not in values:
             raise DataError(f"the {side} limit of {first.quantity.column} is given twice; keep one")
-        ends.append(values[0] if values[1] is None else values[1])
+        limits.append(values[0] if values[1] is None else values[1])
         texts.append(getattr(first, f"{side}_text") or getattr(other, f"{side}_text"))
-    if not ends[0] < ends[1]:
+    if not limits[0] < limits[1]:
         raise DataError(f"the lower limit of {first.quantity.column} is not below the upper one")
-    lower, upper = ends
+    lower, upper = limits
     return LimitEntry(other.quantity, lower, upper, other.cpk, *texts)
 
 
 def _judge_entry(entry: LimitEntry[ResultValue], *, is_usable: bool) -> JudgedLimit:
     value, lower, upper = entry.quantity, entry.lower, entry.upper
-    fact = _read_in_stated_unit(value, entry.lower_text or entry.upper_text)
-    low, high = _get_interval(fact)
+    reported_value = _read_in_stated_unit(value, entry.lower_text or entry.upper_text)
+    low, high = _get_interval(reported_value)
     outcome = judge_interval(lower, upper, low, high) if is_usable else "open"
     further_tests: int | None = None
     further_tests_90: int | None = None
     if outcome == "open" and is_usable and value.spread == "random":
         further_tests, further_tests_90 = (
             count_further_tests(
-                lower, upper, fact.value, low, high,
+                lower, upper, reported_value.value, low, high,
                 noise_share=value.noise_share, quantile=quantile,
             )
             for quantile in (0.0, POWER)
         )  # fmt: skip
     return JudgedLimit(
         value.column,
-        fact,
+        reported_value,
         lower,
         upper,
         outcome,
@@ -155,18 +155,22 @@ def _judge_entry(entry: LimitEntry[ResultValue], *, is_usable: bool) -> JudgedLi
     )
 
 
-def _read_in_stated_unit(value: ResultValue, stated: str) -> ReportedValue:
+def _read_in_stated_unit(value: ResultValue, limit_text: str) -> ReportedValue:
     """Return a value in the unit of its limit: a life in years where years are asked."""
-    unit = stated.partition(" ")[2]
+    unit = limit_text.partition(" ")[2]
     return replace(value.fact, read=unit) if unit and value.dimension is not None else value.fact
 
 
-def _get_interval(fact: ReportedValue) -> tuple[float, float]:
+def _get_interval(reported_value: ReportedValue) -> tuple[float, float]:
     """Return the interval of a value.
 
     Without one it is the value alone where its error is 0, else unlimited.
     """
-    if fact.has_interval:
-        low = -math.inf if math.isnan(fact.low) else fact.low
-        return low, math.inf if math.isnan(fact.high) else fact.high
-    return (fact.value, fact.value) if fact.error == 0 else (-math.inf, math.inf)
+    if reported_value.has_interval:
+        low = -math.inf if math.isnan(reported_value.low) else reported_value.low
+        return low, math.inf if math.isnan(reported_value.high) else reported_value.high
+    return (
+        (reported_value.value, reported_value.value)
+        if reported_value.error == 0
+        else (-math.inf, math.inf)
+    )

@@ -81,21 +81,23 @@ class JudgedLimit(Serialisable):
 
     @property
     def request(self) -> str:
-        """What was asked, such as 'damping ratio at least 3 %'."""
+        """Requested limit as text, such as 'damping ratio at least 3 %'."""
         return f"{self.value.label} {self.limit_text}"
 
     @property
     def limit_text(self) -> str:
         """The limits in the unit of their statement: 'at least 10 years', '0.18 to 0.22 N/mm'."""
-        ends = [
+        limit_texts = [
             text or f"{self.value.to_display_unit(end):.10g} {self.value.word}".rstrip()
             for end, text in zip((self.lower, self.upper), self.stated, strict=True)
             if end is not None
         ]
-        words = "" if len(ends) == 2 else "at most " if self.lower is None else "at least "
-        if len({text.partition(" ")[2] for text in ends}) == 1:
-            ends[0] = ends[0].partition(" ")[0] if len(ends) == 2 else ends[0]
-        return f"{words}{' to '.join(ends)}"
+        words = "" if len(limit_texts) == 2 else "at most " if self.lower is None else "at least "
+        if len({text.partition(" ")[2] for text in limit_texts}) == 1:
+            limit_texts[0] = (
+                limit_texts[0].partition(" ")[0] if len(limit_texts) == 2 else limit_texts[0]
+            )
+        return f"{words}{' to '.join(limit_texts)}"
 
     @property
     def cell_texts(self) -> tuple[str, str, str]:
@@ -103,15 +105,19 @@ class JudgedLimit(Serialisable):
 
         An end of 291,000 h that is shown as 300,000 h would contradict "open" at 295,000 h.
         """
-        fact = self.value
-        texts = zip(fact.cell_texts, (fact.value, fact.low, fact.high), strict=True)
+        reported_value = self.value
+        texts = zip(
+            reported_value.cell_texts,
+            (reported_value.value, reported_value.low, reported_value.high),
+            strict=True,
+        )
         value, low, high = (self._round_to_side(text, number) for text, number in texts)
         return value, low, high
 
     def _round_to_side(self, text: str, number: float) -> str:
         """Return a rounded number with as many digits as show on which side of the limits it is."""
         limits = [end for end in (self.lower, self.upper) if end is not None]
-        shown = self.value.to_display_unit(number)
+        display_value = self.value.to_display_unit(number)
         edges = [self.value.to_display_unit(end) for end in limits]
 
         def is_on_its_side(text: str) -> bool:
@@ -119,16 +125,20 @@ class JudgedLimit(Serialisable):
                 rounded = float(text.replace(MINUS, "-").replace(",", ""))
             except ValueError:  # no number, such as "no limit"
                 return True
-            return all((rounded > edge) == (shown > edge) for edge in edges if edge != shown)
+            return all(
+                (rounded > edge) == (display_value > edge)
+                for edge in edges
+                if edge != display_value
+            )
 
         digits = 3
         while not is_on_its_side(text) and digits < _MOST_DIGITS:
-            text, digits = round_to_error(shown, digits=digits), digits + 1
+            text, digits = round_to_error(display_value, digits=digits), digits + 1
         return text
 
     @property
     def explanation(self) -> str:
-        """What would decide an open limit, as a sentence; empty where it is decided."""
+        """Sentence on what would decide an open limit; empty where it is decided."""
         if self.outcome != "open":
             return ""
         if not self.is_usable:
@@ -188,7 +198,7 @@ class Acceptance(Printable, Serialisable):
 
     @property
     def explanations(self) -> dict[str, str]:
-        """What would decide the open limits, each sentence once, with the names that it is of."""
+        """Sentences on what would decide the open limits, each with the names of its values."""
         names: dict[str, list[str]] = {}
         for limit in self.limits:
             if limit.explanation:
@@ -203,18 +213,18 @@ class Acceptance(Printable, Serialisable):
     @property
     def headline(self) -> str:
         """The seal's word in a sentence, with how many limits are missed and open."""
-        every, missed, still_open = (
+        limit_count, missed_count, still_open = (
             len(self.limits), self._outcomes.count("missed"), self._outcomes.count("open")
         )  # fmt: skip
-        limits = "the limit" if every == 1 else f"all {every} limits"
+        limits = "the limit" if limit_count == 1 else f"all {limit_count} limits"
         if self.word == "meets":
             return f"meets {limits}"
-        limits_text = "the limit" if every == 1 else f"{missed} of {every} limits"
-        text = [f"misses {limits_text}"] if missed else []
+        limits_text = "the limit" if limit_count == 1 else f"{missed_count} of {limit_count} limits"
+        text = [f"misses {limits_text}"] if missed_count else []
         if still_open:
-            count = "the limit" if every == 1 else f"{still_open} of {every} limits"
+            count = "the limit" if limit_count == 1 else f"{still_open} of {limit_count} limits"
             verb = "is" if still_open == 1 else "are"
-            text.append(f"{still_open} {verb} open" if missed else f"open at {count}")
+            text.append(f"{still_open} {verb} open" if missed_count else f"open at {count}")
         return ", ".join(text)
 
     @property
@@ -230,8 +240,8 @@ class Acceptance(Printable, Serialisable):
             "misses": "the seal does not meet what was asked",
             "open": "whether the seal meets what was asked is open",
         }[self.word]
-        joined = "and" if (self.use == "do not use") == (self.word != "meets") else "; "
-        return f"{model}{f' {joined} ' if joined == 'and' else joined}{seal}"
+        conjunction = "and" if (self.use == "do not use") == (self.word != "meets") else "; "
+        return f"{model}{f' {conjunction} ' if conjunction == 'and' else conjunction}{seal}"
 
 
 @dataclass(frozen=True)

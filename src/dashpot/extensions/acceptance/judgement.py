@@ -32,11 +32,11 @@ def judge_interval(lower: float | None, upper: float | None, low: float, high: f
     >>> judge_interval(None, 3.0, 2.9, 3.1)
     'open'
     """
-    least = -math.inf if lower is None else lower
-    most = math.inf if upper is None else upper
-    if least <= low and high <= most:
+    lower_limit = -math.inf if lower is None else lower
+    upper_limit = math.inf if upper is None else upper
+    if lower_limit <= low and high <= upper_limit:
         return "met"
-    return "missed" if high < least or low > most else "open"
+    return "missed" if high < lower_limit or low > upper_limit else "open"
 
 
 def count_further_tests(
@@ -77,15 +77,15 @@ def count_further_tests(
     3
     >>> count_further_tests(3.0, None, 3.5, 2.5, 4.5, noise_share=0.8)
     """
-    needed = 1.0
+    tests_needed = 1.0
     for limit in (lower, upper):
         if limit is None or not low < limit < high:
             continue
-        half = high - value if limit > value else value - low
-        goal = abs(limit - value) / (1 + quantile / NORMAL)
-        noise, rig = half * noise_share, half * math.sqrt(1 - noise_share**2)
-        if not goal > rig:
+        half_width = high - value if limit > value else value - low
+        allowed_half_width = abs(limit - value) / (1 + quantile / NORMAL)
+        noise, rig = half_width * noise_share, half_width * math.sqrt(1 - noise_share**2)
+        if not allowed_half_width > rig:
             return None
-        needed = max(needed, noise**2 / (goal**2 - rig**2))
+        tests_needed = max(tests_needed, noise**2 / (allowed_half_width**2 - rig**2))
     # a share of a test that rounding made is none
-    return math.ceil(needed * (1 - 1e-12)) - 1 if math.isfinite(needed) else None
+    return math.ceil(tests_needed * (1 - 1e-12)) - 1 if math.isfinite(tests_needed) else None

@@ -29,17 +29,17 @@ class LimitedQuantity(Protocol):
 
     @property
     def column(self) -> str:
-        """Its one name, with the unit if a table has it."""
+        """Column name of the quantity, with the unit if a table has it."""
         ...
 
     @property
     def unit(self) -> str:
-        """In which it is shown; empty for a plain number."""
+        """Unit in which the quantity is shown; empty for a plain number."""
         ...
 
     @property
     def dimension(self) -> Dimension | None:
-        """What it measures; None of a plain number."""
+        """Dimension of the quantity; None for a plain number."""
         ...
 
 
@@ -131,23 +131,23 @@ def split_expression(text: str) -> tuple[str, dict[str, str]]:
         If it is no expression.
     """
     parts = [part.strip() for part in re.split("(<=|>=)", text.translate(_SPELLINGS))]
-    places = [i for i in range(0, len(parts), 2) if not re.match(_NUMBER, parts[i])]
+    name_indices = [i for i in range(0, len(parts), 2) if not re.match(_NUMBER, parts[i])]
     count = len(parts)
-    if not all(parts) or (count, *places) not in {(3, 0), (3, 2), (5, 2)}:
+    if not all(parts) or (count, *name_indices) not in {(3, 0), (3, 2), (5, 2)}:
         raise DataError(
             f"'{text}' is no limit; expected a quantity, <= or >=, and a value with its unit, such "
             "as 'damping >= 3%' or '0.18N/mm <= stiffness at 40s <= 0.22N/mm'"
         )
-    (place,) = places
+    (name_index,) = name_indices
     limits = {}
     for i in range(1, count, 2):
         # 12 <= f reads as f >= 12
-        is_before = i < place
+        is_before = i < name_index
         side = "upper" if (parts[i] == "<=") != is_before else "lower"
         if side in limits:
             raise DataError(f"'{text}' has two {side} limits; expected one lower and one upper")
         limits[side] = parts[i - 1 if is_before else i + 1]
-    return parts[place], limits
+    return parts[name_index], limits
 
 
 def parse_expression(text: str, find_quantity: Callable[[str], Q]) -> LimitEntry[Q]:
@@ -166,17 +166,17 @@ def parse_expression(text: str, find_quantity: Callable[[str], Q]) -> LimitEntry
 
 
 def _parse_entry(quantity: Q, table: Mapping[str, Any]) -> LimitEntry[Q]:
-    stated = [table.get(side) for side in ("lower", "upper")]
-    lower, upper = (_parse_number(value, quantity) for value in stated)
+    limit_entries = [table.get(side) for side in ("lower", "upper")]
+    lower, upper = (_parse_number(value, quantity) for value in limit_entries)
     cpk = float(table["cpk"]) if "cpk" in table else None
-    ends = [end for end in (lower, upper) if end is not None]
-    if not ends:
+    given_limits = [end for end in (lower, upper) if end is not None]
+    if not given_limits:
         raise DataError("it has no limit; give lower, upper, or both")
-    if ends != sorted(set(ends)):
+    if given_limits != sorted(set(given_limits)):
         raise DataError("lower is not below upper; exchange them")
     if cpk is not None and not cpk > 0:
         raise DataError(f"cpk = {cpk:g}; expected a number > 0, such as 1.33")
-    return LimitEntry(quantity, lower, upper, cpk, *map(_format_stated, stated))
+    return LimitEntry(quantity, lower, upper, cpk, *map(_format_stated, limit_entries))
 
 
 def _format_stated(value: object) -> str:
@@ -207,13 +207,13 @@ def _parse_number(value: object, quantity: LimitedQuantity) -> float | None:
         try:
             number = float(str(value))
         except ValueError:
-            usual = f" or with {quantity.unit}" if quantity.unit not in {"", "%"} else ""
+            unit_hint = f" or with {quantity.unit}" if quantity.unit not in {"", "%"} else ""
             unit = None if match is None else find_unit(match[2])
             other = "" if unit is None else _QUANTITIES.get(unit.dimension, "")
             hint = f". Is the {other} meant: '{other} <= {value}'?" if other else ""
             raise DataError(
                 f"'{value}' is no limit of {quantity.column}; expected a number such as 0.03 or "
-                f"3%{usual}{hint}"
+                f"3%{unit_hint}{hint}"
             ) from None
     if not math.isfinite(number):
         raise ValueError(f"{value} is no limit; expected a finite number")

@@ -10,7 +10,7 @@ from dashpot.extensions.acceptance.datamodel import Acceptance, JudgedLimit
 from dashpot.report.page_frame import environment
 
 WIDTH = 200.0
-"""Of the bar of an interval, px."""
+"""Width of the bar of an interval, px."""
 _MARKS = {"met": "good", "missed": "bad", "open": "care"}
 _COLOURS = {"meets": "good", "misses": "bad", "open": "care"}
 
@@ -66,22 +66,26 @@ def _make_row(limit: JudgedLimit) -> LimitRow:
 
 def _draw_bar(limit: JudgedLimit) -> IntervalBar:
     """Return the bar: an axis that holds value, interval and limits, open ends at its edges."""
-    fact = limit.value
+    reported_value = limit.value
     limits = [end for end in (limit.lower, limit.upper) if end is not None]
-    finite = [end for end in (fact.value, fact.low, fact.high, *limits) if math.isfinite(end)]
-    least, most = min(finite), max(finite)
-    margin = 0.15 * ((most - least) or abs(most) or 1.0)
-    least, most = least - margin, most + margin
+    finite = [
+        end
+        for end in (reported_value.value, reported_value.low, reported_value.high, *limits)
+        if math.isfinite(end)
+    ]
+    axis_low, axis_high = min(finite), max(finite)
+    margin = 0.15 * ((axis_high - axis_low) or abs(axis_high) or 1.0)
+    axis_low, axis_high = axis_low - margin, axis_high + margin
 
-    def place(value: float, otherwise: float) -> float:
+    def place(value: float, default: float) -> float:
         if not math.isfinite(value):
-            return otherwise
-        return round(WIDTH * (value - least) / (most - least), 1)
+            return default
+        return round(WIDTH * (value - axis_low) / (axis_high - axis_low), 1)
 
-    start, stop = place(fact.low, 0.0), place(fact.high, WIDTH)
+    start, stop = place(reported_value.low, 0.0), place(reported_value.high, WIDTH)
     return IntervalBar(
         start,
         max(round(stop - start, 1), 2.0),
-        place(fact.value, math.nan),
+        place(reported_value.value, math.nan),
         tuple(place(end, 0.0) for end in limits),
     )

@@ -26,7 +26,7 @@ from dashpot.workflow.recommended_solid import Recommendation, RecommendedValue,
 from dashpot.workflow.study import Study
 
 Spread = Literal["random", "bound", "unknown"]
-"""What an interval is of: noise of the test, what no test of this kind determines, or unknown."""
+"""Origin of an interval: noise, a bound that no such test determines, or unknown."""
 
 _SYNONYMS = {
     "damping": "damping_ratio", "damping ratio": "damping_ratio", "loss factor": "loss_factor",
@@ -76,12 +76,12 @@ class ResultValue(NamedTuple):
 
     @property
     def unit(self) -> str:
-        """In which it is shown; empty for a plain number."""
+        """Unit in which the quantity is shown; empty for a plain number."""
         return "" if self.fact.reading == "1" else self.fact.reading
 
     @property
     def dimension(self) -> Dimension | None:
-        """What it measures; None of a plain number."""
+        """Dimension of the quantity; None for a plain number."""
         unit = find_unit(self.fact.unit)
         return None if unit is None or unit.dimension == "strain" else unit.dimension
 
@@ -110,12 +110,16 @@ def _parse_name(text: str) -> _Name:
     >>> _parse_name("Loss factor at 12.7 Hz").column
     'loss_factor_at_12.7Hz'
     """
-    plain = " ".join(text.replace("_", " ").split())
-    word, _, place = (part.strip() for part in re.sub(" after ", " at ", plain).partition(" at "))
-    lowered = word.lower()
+    spaced_text = " ".join(text.replace("_", " ").split())
+    word, _, position_text = (
+        part.strip() for part in re.sub(" after ", " at ", spaced_text).partition(" at ")
+    )
+    lower_case = word.lower()
     exact = "_".join(word.split())
-    name = _SYNONYMS.get(plain.lower()) or _SYNONYMS.get(lowered)
-    return _Name(name or exact, "" if plain.lower() in _SYNONYMS else place.replace(" ", ""))
+    name = _SYNONYMS.get(spaced_text.lower()) or _SYNONYMS.get(lower_case)
+    return _Name(
+        name or exact, "" if spaced_text.lower() in _SYNONYMS else position_text.replace(" ", "")
+    )
 
 
 def find_value(result: Any, name: str) -> ResultValue:
@@ -140,10 +144,10 @@ def find_value(result: Any, name: str) -> ResultValue:
         return ResultValue(parsed.column, bounded[0], "bound", bounded[1])
     value = _find_by_name(result, parsed)
     if value is None:
-        there = ", ".join(dict.fromkeys(list_names(result)))
+        available_names = ", ".join(dict.fromkeys(list_names(result)))
         raise DataError(
-            f"'{name}' is no value of this result; there are {there}"
-            if there
+            f"'{name}' is no value of this result; there are {available_names}"
+            if available_names
             else f"'{name}': this kind of result takes no limits"
         )
     return value
@@ -161,36 +165,44 @@ def list_names(result: Any) -> list[str]:
         return [*modes, *list_names(result.fit)]
     if isinstance(result, Modes):
         return ["frequency", "damping_ratio"]
-    facts = [_get_column(fact) for fact in getattr(result, "facts", ())]
+    reported_values = [
+        _get_column(reported_value) for reported_value in getattr(result, "facts", ())
+    ]
     if isinstance(result, Fit):
         end = [] if result.evidence.end_of_hold is None else ["k_end"]
         return [*end, "stiffness at TIME", "storage at FREQUENCY", "loss_factor at FREQUENCY",
-                *facts]  # fmt: skip
-    return facts
+                *reported_values]  # fmt: skip
+    return reported_values
 
 
-def _get_column(fact: ReportedValue) -> str:
+def _get_column(reported_value: ReportedValue) -> str:
     """Return the name of a reported value as one word."""
-    return "_".join(fact.name.split())
+    return "_".join(reported_value.name.split())
 
 
 @singledispatch
 def _find_by_name(result: Any, name: _Name) -> ResultValue | None:
     """Return a value that a result reports; None where it reports none of that name."""
-    facts: Iterable[ReportedValue] = getattr(result, "facts", ())
-    matches = [fact for fact in facts if _get_column(fact) == name.column]
+    reported_values: Iterable[ReportedValue] = getattr(result, "facts", ())
+    matches = [
+        reported_value
+        for reported_value in reported_values
+        if _get_column(reported_value) == name.column
+    ]
     return _make_reported_value(name.column, matches[0]) if matches else None
 
 
-def _make_reported_value(column: str, fact: ReportedValue) -> ResultValue:
+def _make_reported_value(column: str, reported_value: ReportedValue) -> ResultValue:
     """Return a reported value; one that is at most so much is bounded by 0 from below."""
-    if fact.is_at_most:
-        fact = replace(fact, low=0.0, error=None)
-        return ResultValue(column, fact, "bound")
-    if fact.is_lower_bound or fact.is_upper_bound:
-        return ResultValue(column, fact, "bound")
-    is_known = fact.error is not None and math.isfinite(fact.error)
-    return ResultValue(column, fact, "random" if is_known and fact.has_interval else "unknown")
+    if reported_value.is_at_most:
+        reported_value = replace(reported_value, low=0.0, error=None)
+        return ResultValue(column, reported_value, "bound")
+    if reported_value.is_lower_bound or reported_value.is_upper_bound:
+        return ResultValue(column, reported_value, "bound")
+    is_known = reported_value.error is not None and math.isfinite(reported_value.error)
+    return ResultValue(
+        column, reported_value, "random" if is_known and reported_value.has_interval else "unknown"
+    )
 
 
 @_find_by_name.register
@@ -199,8 +211,8 @@ def _(result: Modes, name: _Name) -> ResultValue | None:
     if name.word not in {"frequency", "damping_ratio"} or not len(result):
         return None
     frequency, damping, _ = result[0].facts
-    fact = frequency if name.word == "frequency" else damping
-    return _make_reported_value(name.word, fact)
+    reported_value = frequency if name.word == "frequency" else damping
+    return _make_reported_value(name.word, reported_value)
 
 
 @_find_by_name.register
@@ -239,17 +251,17 @@ def _make_answer_value(name: _Name, value: RecommendedValue, advice: Recommendat
     As there, a frequency goes with the stiffness at the peak, damping and height with the loss
     factor.
     """
-    fact, place = value.fact, ""
+    reported_value, position_text = value.fact, ""
     hertz = next(item.at for item in advice.one_seal if item.quantity == "dynamic stiffness")
     part = "storage" if name.word in {"frequency", "storage"} else "loss_factor"
     if name.word in {"loss_factor", "storage"} and value.at is not None:
-        place = f" at {round_to_error(value.at)} Hz"
-    words = _WORDS[name.word] + place
-    fact = replace(fact, error=None, words=words)
-    if not fact.has_interval or value.is_limit:
-        return ResultValue(name.column, fact, "bound" if value.is_limit else "unknown")
+        position_text = f" at {round_to_error(value.at)} Hz"
+    words = _WORDS[name.word] + position_text
+    reported_value = replace(reported_value, error=None, words=words)
+    if not reported_value.has_interval or value.is_limit:
+        return ResultValue(name.column, reported_value, "bound" if value.is_limit else "unknown")
     share = _compute_noise_share(advice.solid, partial(_evaluate_at, part=part, hertz=hertz or 0.0))
-    return ResultValue(name.column, fact, "random", noise_share=share)
+    return ResultValue(name.column, reported_value, "random", noise_share=share)
 
 
 def _evaluate_at(solid: Solid, *, part: str, hertz: float) -> float:
@@ -260,8 +272,8 @@ def _evaluate_at(solid: Solid, *, part: str, hertz: float) -> float:
 def _propagate_error(fit: Fit, evaluate: Callable[[Solid], float]) -> float:
     """Return the standard error of a value of the solid, to first order; nan if none is known."""
     value = evaluate(fit.solid)
-    moves = [evaluate(solid) - value for solid in off_by_error(fit)]
-    return math.hypot(*moves) if moves else math.nan
+    changes = [evaluate(solid) - value for solid in off_by_error(fit)]
+    return math.hypot(*changes) if changes else math.nan
 
 
 def _compute_noise_share(fit: Fit, evaluate: Callable[[Solid], float]) -> float:
@@ -286,8 +298,8 @@ def _(fit: Fit, name: _Name) -> ResultValue | None:
     value = _find_by_name.dispatch(object)(fit, name)
     if value is None or value.spread != "random" or not value.fact.error:
         return value
-    noise = {fact.name: fact.error for fact in fit.estimate.noise_only.list_values(
-        fit.solid, fit.unit)}.get(value.fact.name)  # fmt: skip
+    noise_values = fit.estimate.noise_only.list_values(fit.solid, fit.unit)
+    noise = {item.name: item.error for item in noise_values}.get(value.fact.name)
     return value._replace(noise_share=min((noise or math.inf) / value.fact.error, 1.0))
 
 
@@ -309,12 +321,12 @@ def _find_at_time(fit: Fit, name: _Name, t: float) -> ResultValue:
         return result
     # arms that the ramp hides add to it, and nothing bounds them; it never is below a later value
     low = min(find_at(fastest).fact.low, result.fact.value)
-    fact = replace(result.fact, low=low, high=math.nan)
+    reported_value = replace(result.fact, low=low, high=math.nan)
     remedy = (
         f"{_format_time(t)} is shorter than the test shows: its valid band is "
         f"{format_frequencies(fit.band)}."
     )
-    return ResultValue(result.column, fact, "bound", remedy)
+    return ResultValue(result.column, reported_value, "bound", remedy)
 
 
 def _find_force(study: Study, fit: Fit, name: _Name) -> ResultValue:
@@ -339,28 +351,32 @@ def _make_time_value(
     every spectrum that the test does not reject leaves at the end of the hold; after the hold,
     what it leaves of the rest.
     """
-    value, half = evaluate(fit.solid), NORMAL * _propagate_error(fit, evaluate)
-    low, high, remedy = value - half, value + half, ""
-    spread: Spread = "unknown" if math.isnan(half) else "random"
+    value, half_width = evaluate(fit.solid), NORMAL * _propagate_error(fit, evaluate)
+    low, high, remedy = value - half_width, value + half_width, ""
+    spread_kind: Spread = "unknown" if math.isnan(half_width) else "random"
     end = fit.evidence.end_of_hold
     if end is not None and not end.is_frequency and end.test_kind != "creep":
         remedy = end.remedy
         reference, last = end.compute_stiffness(fit.solid), end.end_time
-        least, most = end.k_end
+        lower, upper = end.k_end
         if t > last * (1 + _TIME_TOLERANCE):
             # the stiffness falls with time, so its upper limit at the end holds later, too
-            least = end.k_3end[0] if t <= 3 * last else end.k_inf[0]
+            lower = end.k_3end[0] if t <= 3 * last else end.k_inf[0]
             reference = float(fit.solid.relaxation(t))
-        bounds = value * least / reference, value * most / reference
+        bounds = value * lower / reference, value * upper / reference
         if not bounds[1] - bounds[0] <= _BOUND_RATIO * (high - low):
-            spread = "bound"
-        if abs(t - last) <= _TIME_TOLERANCE * last or math.isnan(half):
+            spread_kind = "bound"
+        if abs(t - last) <= _TIME_TOLERANCE * last or math.isnan(half_width):
             low, high = bounds  # the interval that every output has
         else:
             low, high = min(low, bounds[0]), max(high, bounds[1])
     words = f"{label} after {_format_time(t)}"
-    fact = ReportedValue(name.word, value, min(low, value), max(high, value), unit, words=words)
-    return ResultValue(name.column, fact, spread, remedy, _compute_noise_share(fit, evaluate))
+    reported_value = ReportedValue(
+        name.word, value, min(low, value), max(high, value), unit, words=words
+    )
+    return ResultValue(
+        name.column, reported_value, spread_kind, remedy, _compute_noise_share(fit, evaluate)
+    )
 
 
 def _find_at_frequency(fit: Fit, name: _Name) -> ResultValue:
@@ -383,19 +399,21 @@ def _find_at_frequency(fit: Fit, name: _Name) -> ResultValue:
     factor = 1 + float(np.interp(np.log(hertz), np.log(error.frequency), errors))
     value = float(getattr(fit.solid, name.word)(frequency=hertz))
     is_wider = value * factor - value / factor > _BOUND_RATIO * (high - low)
-    spread: Spread = "bound" if is_wider else "random"
-    ends = min(low, value / factor), max(high, value * factor)
-    return _make_frequency_value(fit, name, hertz, ends, spread)._replace(noise_share=share)
+    spread_kind: Spread = "bound" if is_wider else "random"
+    interval = min(low, value / factor), max(high, value * factor)
+    return _make_frequency_value(fit, name, hertz, interval, spread_kind)._replace(
+        noise_share=share
+    )
 
 
 def _make_frequency_value(
-    fit: Fit, name: _Name, hertz: float, ends: tuple[float, float], spread: Spread
+    fit: Fit, name: _Name, hertz: float, interval: tuple[float, float], spread_kind: Spread
 ) -> ResultValue:
     value = float(getattr(fit.solid, name.word)(frequency=hertz))
     words = f"{_WORDS[name.word]} at {round_to_error(hertz)} Hz"
     unit = "" if name.word == "loss_factor" else fit.unit
-    low, high = ends
-    ends = ends if math.isnan(low) else (min(low, value), max(high, value))
+    low, high = interval
+    interval = interval if math.isnan(low) else (min(low, value), max(high, value))
     return ResultValue(
-        name.column, ReportedValue(name.word, value, *ends, unit, words=words), spread
+        name.column, ReportedValue(name.word, value, *interval, unit, words=words), spread_kind
     )

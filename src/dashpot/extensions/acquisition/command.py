@@ -91,9 +91,9 @@ def command(*, driver: str, output: str, seconds: float | None, **choices: Any) 
             replace=Path(output).exists(),  # what must not be written over was refused before
         )
     note_written(output)
-    story = Text([f"{output}: {rows} samples; {device}", *(f"! {note}" for note in notes)])
+    summary = Text([f"{output}: {rows} samples; {device}", *(f"! {note}" for note in notes)])
     return CommandResult(
-        RecordedFile(output, rows, tuple(notes)), story, follow=format_command("inspect", output)
+        RecordedFile(output, rows, tuple(notes)), summary, follow=format_command("inspect", output)
     )
 
 

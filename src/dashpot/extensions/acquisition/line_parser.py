@@ -29,9 +29,9 @@ _NAMED = re.compile(r"([^\[\]]+)\[([^\[\]]+)\]")
 
 def _split_time_column(columns: Sequence[str]) -> tuple[tuple[str, ...], int | None, float]:
     """Return the columns beside the time, where that stands, and its unit, s."""
-    named = [_NAMED.fullmatch(" ".join(column.split())) for column in columns]
-    words = [(match[1].strip(), match[2].strip()) for match in filter(None, named)]
-    if not words or None in named:
+    matches = [_NAMED.fullmatch(" ".join(column.split())) for column in columns]
+    words = [(match[1].strip(), match[2].strip()) for match in filter(None, matches)]
+    if not words or None in matches:
         raise DataError(
             "each column needs a name and a unit, such as 'time [s], displacement [mm], force [N]'"
         )
@@ -159,13 +159,13 @@ class Lines:
         A time far ahead of the one before is a gap if the next one follows it; if the next one
         falls back behind it, it was garbled. Until then it is held.
         """
-        retained = []
+        kept_lines = []
         for row in rows:
             sample = row.pop(at) * self._factor, row
             if self._held is not None and sample[0] <= self._held[0]:
                 self._count_garbled_line(f"time {self._held[0]:g} s")
             elif self._held is not None:
-                retained.append(self._register_sample(self._held))
+                kept_lines.append(self._register_sample(self._held))
             self._held = None
             if sample[0] <= self._last:
                 self._fell, self._falls = self._fell + 1, self._falls + 1
@@ -173,8 +173,8 @@ class Lines:
             elif sample[0] - self._last > _GAP * self._get_usual_step():
                 self._held = sample
             else:
-                retained.append(self._register_sample(sample))
-        return retained
+                kept_lines.append(self._register_sample(sample))
+        return kept_lines
 
     def _register_sample(self, sample: tuple[float, list[float]]) -> tuple[float, list[float]]:
         """Return a sample that is kept; its step is put in the account."""

@@ -61,7 +61,7 @@ def record(
     OSError
         If it cannot be made.
     """
-    begun, first, rows = time.monotonic(), math.nan, 0
+    start_time, first, rows = time.monotonic(), math.nan, 0
     try:
         with _Log(path, recorder.describe(), replace=replace) as log:
             try:
@@ -72,8 +72,8 @@ def record(
                         first = times[0] if math.isnan(first) else first
                         if seen is not None:
                             seen((times, values))
-                    passed = times[-1] - first if len(times) else time.monotonic() - begun
-                    if passed >= seconds:
+                    elapsed = times[-1] - first if len(times) else time.monotonic() - start_time
+                    if elapsed >= seconds:
                         break
             finally:
                 recorder.stop()
@@ -127,8 +127,8 @@ class _Log:
         self._begun = True
         if os.fstat(self._handle).st_size:
             os.ftruncate(self._handle, 0)
-        when = datetime.now().astimezone().isoformat(timespec="seconds")
-        self._say(f"{self._head.device}; recorded {when} with dashpot {__version__}")
+        timestamp = datetime.now().astimezone().isoformat(timespec="seconds")
+        self._say(f"{self._head.device}; recorded {timestamp} with dashpot {__version__}")
         self._write(",".join(("time [s]", *map(escape_formula, self._head.channels))) + "\n")
 
     def __enter__(self) -> Self:
@@ -154,8 +154,8 @@ class _Log:
             self._say(note)
         os.fsync(self._handle)
 
-    def _say(self, what: str) -> None:
-        self._write(f"# {format_csv_comment(what)}\n")
+    def _say(self, message: str) -> None:
+        self._write(f"# {format_csv_comment(message)}\n")
 
     def _write(self, text: str) -> None:
         rest, size = text.encode(), os.fstat(self._handle).st_size

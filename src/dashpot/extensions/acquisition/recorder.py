@@ -11,7 +11,7 @@ from dashpot.base.arrays import FloatArray
 Block: TypeAlias = tuple[FloatArray, FloatArray]
 """Times, shape (n,), s; values, shape (n, channels), in the units of their channels."""
 COLUMNS = ("time [s]", "displacement [mm]", "force [N]")
-"""What a bench sends unless it is said otherwise."""
+"""Columns that a bench sends by default."""
 
 
 @dataclass(frozen=True)

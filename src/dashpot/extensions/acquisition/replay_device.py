@@ -44,10 +44,10 @@ class Paced:
 
     def blocks(self) -> Iterator[Block]:
         """Yield the record's samples when their time has come."""
-        begun, sent = time.monotonic(), 0
+        start_time, sent = time.monotonic(), 0
         while sent < len(self._time):
-            now = self._time[0] + (time.monotonic() - begun) * self._speed
-            due = int(np.searchsorted(self._time, now, side="right"))
+            record_time = self._time[0] + (time.monotonic() - start_time) * self._speed
+            due = int(np.searchsorted(self._time, record_time, side="right"))
             yield self._time[sent:due], self._values[sent:due]
             sent = due
             if sent < len(self._time):
@@ -71,8 +71,8 @@ def replay(path: str | Path, *, speed: float = 1.0) -> Paced:
     from dashpot.reading.readers.relaxation import read_relaxation
 
     test = read_relaxation(path)
-    stamp = "simulated; " if test.source is not None and test.source.simulated else ""
-    return Paced(test, f"{stamp}replayed from {Path(path).name}", speed=speed)
+    origin_prefix = "simulated; " if test.source is not None and test.source.simulated else ""
+    return Paced(test, f"{origin_prefix}replayed from {Path(path).name}", speed=speed)
 
 
 def create_simulated_device(

@@ -51,8 +51,8 @@ class SerialLine:
         """Yield the samples that came, until the line is closed or the clock begins again."""
         try:
             while not self._over and not self._lines.begun_again:
-                ready, _, _ = select.select([self._handle], [], [], READ_TIMEOUT)
-                data = self._read() if ready else b""
+                readable, _, _ = select.select([self._handle], [], [], READ_TIMEOUT)
+                data = self._read() if readable else b""
                 if data is None:
                     self._said = "the device closed the line"
                     return
@@ -95,7 +95,7 @@ def _open_serial_line(port: str, baud: int) -> int:
         os.close(handle)
         raise ReadError(f"{port} is no serial line; expected one such as /dev/ttyUSB0")
     tty.setraw(handle)
-    how = termios.tcgetattr(handle)
-    how[4] = how[5] = speed
-    termios.tcsetattr(handle, termios.TCSANOW, how)
+    settings = termios.tcgetattr(handle)
+    settings[4] = settings[5] = speed
+    termios.tcsetattr(handle, termios.TCSANOW, settings)
     return handle

@@ -82,14 +82,16 @@ class FittedLaw:
 
     @property
     def terms(self) -> int:
-        """How many dependences on amplitude it has."""
+        """Number of amplitude-dependent terms of the law."""
         return 0 if self.law == "none" else len(self.law.split("+"))
 
     @property
     def loss_deviance(self) -> float:
-        """As `deviance`, of the losses alone."""
+        """Deviance of the losses alone."""
         n, residual = len(self.residuals), self.residuals.imag
-        return deviance(float(residual @ residual) / n, effective=n, floor=_ROUNDING_POWER / n)
+        return deviance(
+            float(residual @ residual) / n, effective=n, rounding_sse=_ROUNDING_POWER / n
+        )
 
     @property
     def residual(self) -> float:
@@ -121,15 +123,17 @@ def fit_sweep_law(sweep: AmplitudeSweep, law: str, exponent: float | None = None
         se["exponent"] = 0.0
     of_levels = slice(len(best.theta), len(best.theta) + 2 * len(problem.tones))
     levels, sd = best.values[of_levels], uncertainty.standard_error[of_levels]
-    closeness = {"effective": n, "floor": _ROUNDING_POWER}
-    bends = 0.0
+    closeness = {"effective": n, "rounding_sse": _ROUNDING_POWER}
+    cubic_gain = 0.0
     if problem.cubic:
-        bends, other = problem.compute_cubic_gain(best)
+        cubic_gain, other = problem.compute_cubic_gain(best)
         # the number depends on what is taken for the spring, or for the friction beside it
-        others = [other] * (bends > SIGNIFICANT_DEVIANCE) + [
+        other_problems = [other] * (cubic_gain > SIGNIFICANT_DEVIANCE) + [
             problem.among_sliders()
         ] * problem.kraus
-        se["k3"] = float(np.hypot(se["k3"], sum(abs(other - numbers["k3"]) for other in others)))
+        se["k3"] = float(
+            np.hypot(se["k3"], sum(abs(other - numbers["k3"]) for other in other_problems))
+        )
     return FittedLaw(
         law,
         join_complex_parts(levels),
@@ -141,21 +145,23 @@ def fit_sweep_law(sweep: AmplitudeSweep, law: str, exponent: float | None = None
         bic(best.sse / n, parameters=len(best.values), **closeness),
         deviance(best.sse / n, **closeness),
         numbers.get("lost", 0.0) >= 0 and problem.rises(residual),
-        bends,
+        cubic_gain,
     )
 
 
 def _worst_third(sweep: AmplitudeSweep, residual: FloatArray) -> float:
     """Rms of the loss that is left over the loss, in the worst third of ln X: they differ."""
-    place = np.log(sweep.amplitude)
-    third = np.floor(3 * (place - place.min()) / max(float(np.ptp(place)), 1e-12)).clip(0, 2)
+    log_amplitude = np.log(sweep.amplitude)
+    thirds = np.floor(
+        3 * (log_amplitude - log_amplitude.min()) / max(float(np.ptp(log_amplitude)), 1e-12)
+    ).clip(0, 2)
     parts = [
         float(
             np.sqrt(
                 np.sum(residual[selected] ** 2) / max(np.sum(sweep.loss[selected] ** 2), 1e-300)
             )
         )
-        for selected in (third == i for i in range(3))
+        for selected in (thirds == i for i in range(3))
         if selected.any()
     ]
     return max(parts)
@@ -186,9 +192,9 @@ class _LawOnSweep:
 
     @property
     def least_squares_problem(self) -> Problem:
-        """Its rows, real parts first, over the size of the samples; levels are linear."""
+        """Return the least-squares problem, real parts first, scaled by the size of the samples."""
         X, y = self.sweep.amplitude, stack_real_rows(self.sweep.value / self.size)
-        sought = [
+        parameters = [
             Parameter(np.log(X.min()) - 3, np.log(X.max()) + 5),
             *[Parameter(*_EXPONENTS, 0.2)] * (self.exponent is None),
             *[Parameter(1e-6, 1.0, 0.2)] * self.factor,
@@ -197,12 +203,12 @@ class _LawOnSweep:
             lambda theta: Rows(
                 y, stack_real_rows(self.columns(self.insert_fixed_parameters(theta)))
             ),
-            sought if self.kraus else (),
+            parameters if self.kraus else (),
         )
 
     @property
     def starts(self) -> list[FloatArray]:
-        """Where its descents begin."""
+        """Return the starting points of the descents."""
         low, high = np.log(self.sweep.amplitude.min()), np.log(self.sweep.amplitude.max())
         rest = [DEFAULT_EXPONENT] * (self.exponent is None) + [0.5] * self.factor
         return [np.array([(1 - at) * low + at * high, *rest]) for at in (0.2, 0.5, 0.8)]
@@ -215,7 +221,7 @@ class _LawOnSweep:
 
     @cached_property
     def size(self) -> FloatArray:
-        """What residuals are over: the sample's own size, more where its scatter is more."""
+        """Scale of the residuals: the size of the sample, more where its scatter is larger."""
         size, sd = np.abs(self.sweep.value), self.sweep.sd
         return size if sd is None else np.hypot(size, sd / _MIN_SCATTER)
 
@@ -226,7 +232,7 @@ class _LawOnSweep:
 
     @cached_property
     def chosen(self) -> BoolArray:
-        """Which sample is of which frequency, shape (n, f)."""
+        """Mask of the samples of each frequency, shape (n, f)."""
         return np.asarray(self.sweep.frequency[:, None] == self.tones)
 
     def columns(self, p: FloatArray) -> ComplexArray:
@@ -250,25 +256,29 @@ class _LawOnSweep:
     def compute_cubic_gain(self, best: Optimum) -> tuple[float, float]:
         """Return what a term of X^4 gains in deviance, and k3 beside it."""
         X, n = self.sweep.amplitude, len(best.residual)
-        more = stack_real_rows((X / X.max()) ** 4 / self.size)
-        wider = solve_ordinary(best.rows.y, np.column_stack((best.rows.A, more)))
+        cubic_columns = stack_real_rows((X / X.max()) ** 4 / self.size)
+        cubic_fit = solve_ordinary(best.rows.y, np.column_stack((best.rows.A, cubic_columns)))
         gain = [
-            bic(optimum.sse / n, effective=n, parameters=0, floor=_ROUNDING_POWER)
-            for optimum in (best, wider)
+            bic(optimum.sse / n, effective=n, parameters=0, rounding_sse=_ROUNDING_POWER)
+            for optimum in (best, cubic_fit)
         ]
-        return gain[0] - gain[1], float(wider.beta[-2] / X.max() ** 2)
+        return gain[0] - gain[1], float(cubic_fit.beta[-2] / X.max() ** 2)
 
     def among_sliders(self) -> float:
         """The cubic spring beside a spectrum of sliders, any friction, in the place of Kraus's."""
-        X, K, most = self.sweep.amplitude, self.sweep.value, float(self.sweep.amplitude.max())
-        count = max(round(_PER_DECADE * np.log10(2 * most / X.min())), 2)
-        sliders = jenkins_reduction(X[:, None], np.geomspace(X.min() / 2, most, count))
+        X, K, max_amplitude = (
+            self.sweep.amplitude,
+            self.sweep.value,
+            float(self.sweep.amplitude.max()),
+        )
+        count = max(round(_PER_DECADE * np.log10(2 * max_amplitude / X.min())), 2)
+        sliders = jenkins_reduction(X[:, None], np.geomspace(X.min() / 2, max_amplitude, count))
         if self.factor:  # as much of the stiffness at every frequency
             sliders = sliders * (self.chosen @ np.abs(K @ self.chosen))[:, None] / np.abs(K).sum()
-        spring = 0.75 * (X[:, None] / most) ** 2 * np.array([1.0, -1.0])
+        spring = 0.75 * (X[:, None] / max_amplitude) ** 2 * np.array([1.0, -1.0])
         A = np.hstack((self.chosen, 1j * self.chosen, sliders, spring)) / self.size[:, None]
         k, _ = solve_linear(stack_real_rows(A), stack_real_rows(K / self.size), positive=True)
-        return float(k[-2] - k[-1]) / most**2
+        return float(k[-2] - k[-1]) / max_amplitude**2
 
     def numbers(self, values: FloatArray) -> dict[str, float]:
         """Return what the law is, by name, of everything that was sought."""
@@ -291,16 +301,16 @@ class _LawOnSweep:
             return True
         size = self.size
         storage, X = self.sweep.storage + residual.real * size, self.sweep.amplitude
-        least = _RISES * float(np.sqrt((np.abs(residual) ** 2).mean() / 2))
+        min_rise = _RISES * float(np.sqrt((np.abs(residual) ** 2).mean() / 2))
         for tone in self.chosen.T:
             last = storage[tone][X[tone].argmax()]
-            if last - storage[tone].min() > least * size[tone].min():
+            if last - storage[tone].min() > min_rise * size[tone].min():
                 return True
         return False
 
 
 def join_complex_parts(values: FloatArray) -> ComplexArray:
     """Return real parts, and imaginary ones behind them, as complex numbers; also infinite ones."""
-    joined = np.empty(len(values) // 2, dtype=complex)
-    joined.real, joined.imag = np.split(values, 2)
-    return joined
+    complex_values = np.empty(len(values) // 2, dtype=complex)
+    complex_values.real, complex_values.imag = np.split(values, 2)
+    return complex_values

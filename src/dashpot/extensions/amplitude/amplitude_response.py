@@ -58,7 +58,7 @@ shear beside a sweep in tension, by equal energy."""
 HITS = ("impact",)
 """Kinds of files that, as responses, show what a mass on the seals does."""
 _LOOPS = tuple(kind for kind in get_args(Loading) if kind in KINDS_OF_FILE)
-"""What a record of time, displacement and force is taken for; here it is one of loops."""
+"""Kinds of a record of time, displacement and force; here it is one of loops."""
 _MIN_BIC_DIFFERENCE = 10.0
 """Difference of BIC below which two laws of a sweep are not distinguished."""
 VANISHING = 1e-9
@@ -110,7 +110,7 @@ class LevelResonance(Serialisable):
 
     @property
     def peak(self) -> dict[str, float]:
-        """Its numbers by their names."""
+        """Frequency and height of the peak by their names."""
         return {"frequency_hz": self.frequency, "value": self.value}
 
 
@@ -179,12 +179,12 @@ class SweptPart(Serialisable):
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Of the sweep."""
+        """Checks of the sweep."""
         return self.law.checks
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the laws."""
+        """Names of the laws."""
         return tuple(law.law for law in self.laws)
 
     def stretch(self, factor: float) -> float:
@@ -225,7 +225,7 @@ class SweptPart(Serialisable):
         law: AmplitudeFit,
         factor: float,
         *,
-        about: float,
+        around_hz: float,
         **how: Any,
     ) -> tuple[float, float, float]:
         """Frequency, Hz, and height of the largest magnitude, and the stretch there, m.
@@ -233,10 +233,10 @@ class SweptPart(Serialisable):
         Raises
         ------
         DataError
-            If it has no resonance near `about`, Hz.
+            If it has no resonance near `around_hz`, Hz.
         """
         compute_frf = partial(self.frf, solid, law, factor, **how)
-        f = np.geomspace(about * _LINE_RANGE[0], about * _LINE_RANGE[1], _COARSE)
+        f = np.geomspace(around_hz * _LINE_RANGE[0], around_hz * _LINE_RANGE[1], _COARSE)
         frf, _ = compute_frf(frequency=f)
         top = int(np.abs(frf.value).argmax())
         if top in {0, _COARSE - 1}:
@@ -244,15 +244,15 @@ class SweptPart(Serialisable):
                 f"at {how['level']:g} {unit_of(how['kind'])} no resonance is found between "
                 f"{f[0]:.4g} and {f[-1]:.4g} Hz"
             )
-        fine = np.linspace(f[max(top - 2, 0)], f[min(top + 2, _COARSE - 1)], _FINE)
-        frf, stretch = compute_frf(frequency=fine)
+        fine_frequency = np.linspace(f[max(top - 2, 0)], f[min(top + 2, _COARSE - 1)], _FINE)
+        frf, stretch = compute_frf(frequency=fine_frequency)
         size = np.abs(frf.value)
         top = min(max(int(size.argmax()), 1), _FINE - 2)
-        before, middle, after = size[top - 1 : top + 2]
-        shift = (before - after) / (2 * (before - 2 * middle + after))
+        before, middle, right = size[top - 1 : top + 2]
+        shift = (before - right) / (2 * (before - 2 * middle + right))
         return (
-            float(fine[top] + shift * (fine[1] - fine[0])),
-            float(middle - shift * (before - after) / 4),
+            float(fine_frequency[top] + shift * (fine_frequency[1] - fine_frequency[0])),
+            float(middle - shift * (before - right) / 4),
             float(stretch[top]),
         )
 
@@ -264,7 +264,7 @@ class SweptPart(Serialisable):
         scale: float,
         mass: float,
         kind: Kind,
-        about: float,
+        around_hz: float,
         frequency: FloatArray,
         coupled: float = 0.0,
         anchor: ReferencePoint | None = None,
@@ -279,7 +279,7 @@ class SweptPart(Serialisable):
                 "scale": scale, "mass": mass, "level": level, "kind": kind, "coupled": coupled,
             }  # fmt: skip
             group = [
-                self.peak(solid, law, factor, about=about, **how)
+                self.peak(solid, law, factor, around_hz=around_hz, **how)
                 for law in self.laws
                 for factor in self.factors
             ]
@@ -287,8 +287,8 @@ class SweptPart(Serialisable):
             frf, _ = self.frf(solid, self.law, self.factors[0], frequency=frequency, **how)
             strain = change / self.stretch(self.factors[0])
             off_hz, off_value = self.compute_relative_errors(strain, hz, reference_point)
-            lowest, highest = (pick(values[0] for values in group) for pick in (min, max))
-            least, most = (pick(values[1] for values in group) for pick in (min, max))
+            lowest, highest = (choose(values[0] for values in group) for choose in (min, max))
+            lowest_hz, highest_hz = (choose(values[1] for values in group) for choose in (min, max))
             resonances.append(
                 LevelResonance(
                     level,
@@ -296,7 +296,10 @@ class SweptPart(Serialisable):
                     hz,
                     value,
                     (min(lowest, hz * np.exp(-off_hz)), max(highest, hz * np.exp(off_hz))),
-                    (min(least, value * np.exp(-off_value)), max(most, value * np.exp(off_value))),
+                    (
+                        min(lowest_hz, value * np.exp(-off_value)),
+                        max(highest_hz, value * np.exp(off_value)),
+                    ),
                     change,
                     None if self.height is None else change / self.height,
                     frf,
@@ -322,8 +325,8 @@ class SweptPart(Serialisable):
         storage, loss = self._compute_law_misfit(strain)
         before, _ = self._compute_law_misfit(anchor.strain)
         differ, height = self._between_tones(strain, anchor.strain)
-        away = 0.0 if anchor.frequency is None else _PER_E * np.log(anchor.frequency / hz)
-        of_stiffness = np.sqrt(storage**2 + before**2 + differ**2 + _MASTER**2 + away**2)
+        log_distance = 0.0 if anchor.frequency is None else _PER_E * np.log(anchor.frequency / hz)
+        of_stiffness = np.sqrt(storage**2 + before**2 + differ**2 + _MASTER**2 + log_distance**2)
         return float(of_stiffness), float(2 * np.sqrt(loss**2 + height**2 + _HEIGHT**2))
 
     def _compute_law_misfit(self, strain: float) -> tuple[float, float]:
@@ -335,24 +338,26 @@ class SweptPart(Serialisable):
             selected = record.frequency == tone
             at = int(np.abs(self.law.frequency - tone).argmin()) if len(tones) > 1 else i
             model[selected] = self.law.stiffness(record.amplitude[selected], tone=at)
-        away = np.abs(np.log(record.amplitude / max(strain, record.amplitude.min())))
-        near = away <= max(np.log(_ABOUT), float(np.sort(away)[min(_NEAREST, len(away)) - 1]))
+        log_distance = np.abs(np.log(record.amplitude / max(strain, record.amplitude.min())))
+        is_near = log_distance <= max(
+            np.log(_ABOUT), float(np.sort(log_distance)[min(_NEAREST, len(log_distance)) - 1])
+        )
         parts = (
             model.real / record.storage,
             model.imag / np.where(record.loss, record.loss, np.nan),
         )
-        residuals = [float(np.sqrt(np.nanmean((part[near] - 1) ** 2))) for part in parts]
+        residuals = [float(np.sqrt(np.nanmean((part[is_near] - 1) ** 2))) for part in parts]
         return residuals[0], residuals[1]
 
     def _between_tones(self, strain: float, before: float) -> tuple[float, float]:
-        """By how much laws of each frequency alone differ: ln of stiffness, and of loss factor."""
+        """Return the difference of the laws by frequency: ln of stiffness and of loss factor."""
         assert self.record is not None  # noqa: S101
         tones = np.unique(self.record.frequency)
         before = max(before, _VANISHES * float(self.record.amplitude.min()))
         sweeps = [self.record.only(self.record.frequency == tone) for tone in tones]
         if len(sweeps) < 2 or min(len(sweep.amplitude) for sweep in sweeps) < _ALONE:
-            ends = self.law.stiffness([before, strain]).real
-            return 0.5 * abs(float(np.log(ends[1] / ends[0]))), _ONE_TONE
+            storage = self.law.stiffness([before, strain]).real
+            return 0.5 * abs(float(np.log(storage[1] / storage[0]))), _ONE_TONE
         changes, lossy = [], []
         for amplitude_sweep in sweeps:
             amplitude_fit = fit_amplitude(
@@ -378,7 +383,7 @@ class SweptPart(Serialisable):
 
 
 def unit_of(kind: Kind) -> str:
-    """Of a level: of the base's acceleration or of the force."""
+    """Return the unit of a level: of the acceleration of the base or of the force."""
     return "m/s^2" if kind.over_base else "N"
 
 
@@ -444,7 +449,7 @@ def swept_by(
     unit: str,
     part: PartChoices | None = None,
 ) -> SweptPart:
-    """What a sweep, by its law, says of parts; the parameters are those of :func:`swept_part`."""
+    """Return the effect of amplitude on parts by the law of a sweep; see :func:`swept_part`."""
     if law.unit != unit:
         raise DataError(
             f"the sweep is in {law.unit} and the fit in {unit}; expected both of the material, or "
@@ -485,17 +490,17 @@ def amplitude_file(
 
 
 def _strain_factors(sweep: Source | None) -> tuple[float, ...]:
-    """Of parts loaded as the sweep, and otherwise: in shear beside tension, or the other way."""
+    """Return the possible strain factors: of equal loading, or of shear beside tension."""
     text = " ".join(sweep.columns) if sweep else ""
-    equal_factors, otherwise = STRAIN_FACTORS
+    equal_factors, other_factor = STRAIN_FACTORS
     return (
         equal_factors,
-        1 / otherwise if "storage: G" in text or "shear" in text.lower() else otherwise,
+        1 / other_factor if "storage: G" in text or "shear" in text.lower() else other_factor,
     )
 
 
 def _height(choices: LevelChoices, law: AmplitudeFit, height: float | None) -> float | None:
-    """Of the part, m; None where the sweep is over the part's own displacement."""
+    """Return the height of the part, m; None for a sweep over displacement."""
     if law.of == "m":
         if law.unit == "Pa":
             raise DataError(

@@ -65,11 +65,11 @@ def amplitudes_spread(ratio: float, subject: str) -> Finding:
 @criterion(
     "largest amplitude / X_c", ">=", FAR_ENOUGH, "below it, exponent and share are correlated"
 )
-def softening_seen(reach: float) -> Finding:
+def softening_seen(amplitude_ratio: float) -> Finding:
     """The sweep goes beyond the amplitude X_c, where half of the softening is reached."""
     return Finding(
-        f"The largest amplitude is {reach:.3g} times that at which half is lost",
-        reach,
+        f"The largest amplitude is {amplitude_ratio:.3g} times that at which half is lost",
+        amplitude_ratio,
         "The exponent was set to 0.5, and the share that is lost is extrapolated",
         "Sweep to larger amplitudes.",
     )
@@ -134,9 +134,10 @@ def law_residual_small(residual: float) -> Finding:
 @criterion("change of modulus, downward sweep", "<=", 0.03, "the residual that a model may leave")
 def up_and_down_sweeps_agree(change: float) -> Finding:
     """The downward sweep of the amplitude gives the same modulus as the upward sweep."""
-    way = "softer" if change < 0 else "stiffer"
+    comparative = "softer" if change < 0 else "stiffer"
     return Finding(
-        f"At the same amplitude the way down is {100 * abs(change):.2g} % {way} than the way up",
+        f"At the same amplitude the way down is {100 * abs(change):.2g} % {comparative} than the "
+        "way up",
         abs(change),
         "The rubber softened (Mullins) or warmed, and the law is a mean of both",
         "Write the way that counts to a file of its own.",
@@ -160,34 +161,45 @@ def loss_residual_small(remainder: float) -> Finding:
 
 
 @criterion("stated / measured amplitude", "x/", 2.0, "hits of one intended force differ by less")
-def levels_as_stated(stated: Sequence[float], struck: Sequence[float]) -> Finding:
+def levels_as_stated(
+    stated_amplitudes: Sequence[float], hammer_amplitudes: Sequence[float]
+) -> Finding:
     """The stated amplitudes agree with the force of the recorded hits."""
-    off = np.log(np.divide(stated, struck))
-    forces, names = (", ".join(f"{value:.3g}" for value in values) for values in (struck, stated))
-    within = np.log(2)
-    if np.abs(np.log(np.divide(np.sort(stated), np.sort(struck)))).max() <= within:
-        why = "The amplitudes belong to each other's files."
-    elif np.abs(np.abs(off) - np.log(1e3)).max() <= within and abs(off.sum()) > np.abs(off).max():
-        why = "A factor of 1000 looks like mN or kN."
+    log_ratios = np.log(np.divide(stated_amplitudes, hammer_amplitudes))
+    forces, names = (
+        ", ".join(f"{value:.3g}" for value in values)
+        for values in (hammer_amplitudes, stated_amplitudes)
+    )
+    tolerance = np.log(2)
+    if (
+        np.abs(np.log(np.divide(np.sort(stated_amplitudes), np.sort(hammer_amplitudes)))).max()
+        <= tolerance
+    ):
+        explanation = "The amplitudes belong to each other's files."
+    elif (
+        np.abs(np.abs(log_ratios) - np.log(1e3)).max() <= tolerance
+        and abs(log_ratios.sum()) > np.abs(log_ratios).max()
+    ):
+        explanation = "A factor of 1000 looks like mN or kN."
     else:
-        why = "Unit or sensitivity of the force may be wrong."
+        explanation = "Unit or sensitivity of the force may be wrong."
     message = f"The median hit of each file has {forces} N"
     return Finding(
         f"{message}; {names} N was given",
-        float(np.exp(off[np.abs(off).argmax()])),
-        reason=f"{why} The hits themselves count here",
+        float(np.exp(log_ratios[np.abs(log_ratios).argmax()])),
+        reason=f"{explanation} The hits themselves count here",
         remedy=Remedy("Give the peak force of each file, in their order.", "amplitude"),
     )
 
 
 @criterion("FRFs of hits", "<=", 0.0, "the lines of hits have no single amplitude")
-def levels_controlled(struck: Sequence[str]) -> Finding:
+def levels_controlled(hammer_files: Sequence[str]) -> Finding:
     """Every FRF was measured at a constant amplitude, not with a hammer."""
     return Finding(
         "No FRF is of hits",
-        len(struck),
-        failure=f"{', '.join(struck)}: an FRF of hits has no single amplitude, as motion "
-        f"dies away ({len(struck)} such)",
+        len(hammer_files),
+        failure=f"{', '.join(hammer_files)}: an FRF of hits has no single amplitude, as motion "
+        f"dies away ({len(hammer_files)} such)",
         remedy="Give the hammer's records, or FRFs of a shaker.",
     )
 
@@ -219,10 +231,14 @@ def amplitude_in_tested_range(
 ) -> Finding:
     """At the requested amplitude the seal moves within the tested range."""
     unit, (low, high) = get_display_unit(subject), tested
-    moves, least, most = (f"{convert_to_unit(value, unit):.3g}" for value in (amplitude, low, high))
+    amplitude_text, low_text, high_text = (
+        f"{convert_to_unit(value, unit):.3g}" for value in (amplitude, low, high)
+    )
     factor = max(amplitude / high, low / amplitude)
-    message = f"At {at} the seal {'moves' if subject == 'm' else 'is moved by'} {moves} {unit}"
-    range_ = f"{least} to {most} {unit} of the tests"
+    message = (
+        f"At {at} the seal {'moves' if subject == 'm' else 'is moved by'} {amplitude_text} {unit}"
+    )
+    range_ = f"{low_text} to {high_text} {unit} of the tests"
     return Finding(
         f"{message}, within the {range_}",
         factor,

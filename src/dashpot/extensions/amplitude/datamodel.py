@@ -102,9 +102,11 @@ class AmplitudeSweep(EqualByValue, HasSummary):
         hold_measured(self, "frequency", "amplitude", "storage", "loss", "sd")
         for name, unit in (("frequency", "Hz"), ("amplitude", self.of)):
             values = getattr(self, name)
-            bad = np.flatnonzero(values <= 0)
-            if bad.size:
-                raise DataError(f"{name}[{bad[0]}] = {values[bad[0]]:g} {unit}; expected > 0")
+            bad_indices = np.flatnonzero(values <= 0)
+            if bad_indices.size:
+                raise DataError(
+                    f"{name}[{bad_indices[0]}] = {values[bad_indices[0]]:g} {unit}; expected > 0"
+                )
         if self.unit not in {"Pa", "N/m"} or self.of not in {"m", "strain"}:
             raise DataError(
                 f"unit '{self.unit}' of storage and loss, '{self.of}' of amplitude; expected 'Pa' "
@@ -121,7 +123,7 @@ class AmplitudeSweep(EqualByValue, HasSummary):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which sweep it is, and what it covers."""
+        """Summary: the sweep and its range."""
         tones = ", ".join(f"{item:.4g}" for item in np.unique(self.frequency))
         return (
             describe_record_source(self.source, len(self.frequency)),
@@ -194,7 +196,7 @@ class StressStrainLoops(EqualByValue, HasSummary):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which record it is, and how far it goes."""
+        """Summary: the record and its range."""
         return (
             describe_record_source(self.source, len(self.time)),
             (
@@ -336,26 +338,26 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     @property
     def _headline(self) -> str:
-        """By how much the stiffness changes over the amplitudes, and what the law leaves of it."""
+        """Change of the stiffness over the amplitudes, and residual of the law."""
         unit, amplitude_unit = get_display_unit(self.unit), get_display_unit(self.of)
         low, high = (convert_to_unit(amplitude, amplitude_unit) for amplitude in self.amplitudes)
-        ends = self.stiffness(self.amplitudes).real
-        way = "falls" if ends[1] < ends[0] else "rises"
+        end_stiffnesses = self.stiffness(self.amplitudes).real
+        verb = "falls" if end_stiffnesses[1] < end_stiffnesses[0] else "rises"
         return (
-            f"from {low:.3g} to {high:.3g} {amplitude_unit} the stiffness {way} by "
-            f"{100 * abs(ends[1] / ends[0] - 1):.2g} %, to "
-            f"{format_quantity(float(ends[1]), unit, '.3g')}. "
+            f"from {low:.3g} to {high:.3g} {amplitude_unit} the stiffness {verb} by "
+            f"{100 * abs(end_stiffnesses[1] / end_stiffnesses[0] - 1):.2g} %, to "
+            f"{format_quantity(float(end_stiffnesses[1]), unit, '.3g')}. "
             f"The law follows it to {100 * self.residual:.2g} %"
         )
 
     @property
     def _table_columns(self) -> Series:
         """The numbers of the law."""
-        unit, long = self.unit, self.of == "m"
+        unit, is_length = self.unit, self.of == "m"
         units = {
             "lost": "1" if self.law.startswith("factor") else unit,
-            "half_way": "m" if long else "1", "exponent": "1",
-            "k3": f"{unit}/m^2" if long else unit,
+            "half_way": "m" if is_length else "1", "exponent": "1",
+            "k3": f"{unit}/m^2" if is_length else unit,
         }  # fmt: skip
         return {
             "parameter": (list(self.constants), ""),
@@ -388,12 +390,14 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
                 f"{self.exponent:.2g}"
             )
         if self.k3:
-            per = f"{self.unit}" + ("" if self.of == "strain" else "/m^2")
-            way = "stiffens" if self.k3 > 0 else "softens"
-            most = format_quantity(0.75 * abs(self.k3) * self.amplitudes[1] ** 2, unit, ".3g")
+            unit_text = f"{self.unit}" + ("" if self.of == "strain" else "/m^2")
+            verb = "stiffens" if self.k3 > 0 else "softens"
+            cubic_stiffness = format_quantity(
+                0.75 * abs(self.k3) * self.amplitudes[1] ** 2, unit, ".3g"
+            )
             lines.append(
-                f"cubic spring: k3 = {self.k3:.4g} ± {error['k3']:.2g} {per}, which {way} by "
-                f"{most} at the largest amplitude"
+                f"cubic spring: k3 = {self.k3:.4g} ± {error['k3']:.2g} {unit_text}, which {verb} "
+                f"by {cubic_stiffness} at the largest amplitude"
             )
         if self.k3_detection_limit:
             share = 0.75 * self.k3_detection_limit * self.amplitudes[1] ** 2

@@ -158,9 +158,11 @@ def _draw_loop_panels(
     loops: Sequence[tuple[str, Sequence[Line]]], x_label: str, y_label: str, unit: str
 ) -> Iterator[Panel]:
     """Small multiples on one pair of scales."""
-    every = [line for _, lines in loops for line in lines]
-    x = Scale(f"{x_label}, 1", compute_padded_limits(*(line.x for line in every)), ticks=(-1, 0, 1))
-    y = Scale(f"{y_label}, {unit}", compute_padded_limits(*(line.y for line in every)))
+    all_lines = [line for _, lines in loops for line in lines]
+    x = Scale(
+        f"{x_label}, 1", compute_padded_limits(*(line.x for line in all_lines)), ticks=(-1, 0, 1)
+    )
+    y = Scale(f"{y_label}, {unit}", compute_padded_limits(*(line.y for line in all_lines)))
     for title, lines in loops:
         yield Panel(x, y, tuple(lines), title=title, height=_LOOP_HEIGHT)
 
@@ -222,7 +224,7 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
     X = DECAYED * np.array([hit.amplitude for hit in hits])
     low, high = levels.amplitudes
     dense = np.geomspace(low / 2, high * 2, 80)
-    within = (dense >= low * 0.999) & (dense <= high * 1.001)
+    is_tested = (dense >= low * 0.999) & (dense <= high * 1.001)
     word, mm = unit_of(X, "m")
     across = Scale(
         f"amplitude of motion, {word}", compute_padded_log_limits(mm * dense, margin=1.0), log=True
@@ -233,18 +235,19 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
         ("resonance, Hz", 1.0, f, levels.trend.stiffness_line, 0.5),
         ("damping ratio, %", 100.0, zeta, levels.trend.damping_line, 1.0),
     ):
-        ends = np.array([predict_interval(line, float(x)) for x in np.log2(dense)])
+        intervals = np.array([predict_interval(line, float(x)) for x in np.log2(dense)])
         middle, lower, upper = (
-            scale * np.exp(power * (ends[:, 0] + way * ends[:, 1])) for way in (0, -1, 1)
+            scale * np.exp(power * (intervals[:, 0] + sign * intervals[:, 1]))
+            for sign in (0, -1, 1)
         )
         dots = scale * np.array(values, dtype=float)
         marks = (
             Area(mm * dense, lower, upper, "fit", "95 % interval"),
-            Line(mm * dense, np.where(within, np.nan, middle), PREDICTED, "extrapolated"),
-            Line(mm * dense, np.where(within, middle, np.nan), FIT, "fit"),
+            Line(mm * dense, np.where(is_tested, np.nan, middle), PREDICTED, "extrapolated"),
+            Line(mm * dense, np.where(is_tested, middle, np.nan), FIT, "fit"),
             Dots(mm * X, dots, "measured", "measured"),
         )
-        limits = compute_padded_limits(dots, lower[within], upper[within], margin=0.3)
+        limits = compute_padded_limits(dots, lower[is_tested], upper[is_tested], margin=0.3)
         strips.append((Panel(across, Scale(name, limits), marks, height=_HEIGHT),))
     caption = "The resonance of every hit over the motion that it made."
     text = stamp or format_stamp(levels.frf.source)
@@ -257,20 +260,20 @@ def _select_distinct_loops(cycles: Sequence[HysteresisLoop]) -> list[HysteresisL
     for cycle in sorted(cycles, key=lambda loop: loop.amplitude):
         if not hysteresis_loops or cycle.amplitude > 1.1 * hysteresis_loops[-1].amplitude:
             hysteresis_loops.append(cycle)
-    chosen = (
+    chosen_indices = (
         np.linspace(0, len(hysteresis_loops) - 1, min(len(hysteresis_loops), _MULTIPLES))
         .round()
         .astype(int)
     )
-    return [hysteresis_loops[i] for i in chosen]
+    return [hysteresis_loops[i] for i in chosen_indices]
 
 
 def _ellipse(loop: HysteresisLoop, fit: AmplitudeFit) -> tuple[FloatArray, FloatArray]:
     """Return the loop of the fitted stiffness, m and N."""
-    turn = np.exp(1j * np.linspace(0, 2 * np.pi, 181))
+    phasor = np.exp(1j * np.linspace(0, 2 * np.pi, 181))
     tone = int(np.abs(fit.frequency - loop.frequency).argmin())
     K = complex(fit.stiffness(loop.amplitude, tone=tone))
-    return loop.amplitude * turn.real, (K * loop.amplitude * turn).real
+    return loop.amplitude * phasor.real, (K * loop.amplitude * phasor).real
 
 
 def _close_curve(values: FloatArray) -> FloatArray:
@@ -301,16 +304,16 @@ def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Pan
         if fit is not None:
             for i in range(len(fit.frequency)):
                 curve = part(scale * fit.stiffness(dense, tone=i))
-                within = (dense >= fit.amplitudes[0]) & (dense <= fit.amplitudes[1])
+                is_tested = (dense >= fit.amplitudes[0]) & (dense <= fit.amplitudes[1])
                 marks += [
-                    Line(mm * dense, np.where(within, np.nan, curve), PREDICTED, "extrapolated"),
-                    Line(mm * dense, np.where(within, curve, np.nan), FIT, "fit"),
+                    Line(mm * dense, np.where(is_tested, np.nan, curve), PREDICTED, "extrapolated"),
+                    Line(mm * dense, np.where(is_tested, curve, np.nan), FIT, "fit"),
                 ]
-        shown = [mark.y for mark in marks if isinstance(mark, Line | Dots)]
+        drawn_values = [mark.y for mark in marks if isinstance(mark, Line | Dots)]
         panels.append(
             Panel(
                 across,
-                Scale(f"{name}, {unit}", compute_padded_limits(*shown)),
+                Scale(f"{name}, {unit}", compute_padded_limits(*drawn_values)),
                 tuple(marks),
                 height=_HEIGHT,
             )
@@ -326,7 +329,7 @@ def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
     marks: list[Mark] = []
     fits: list[Mark] = []
     tags: list[Mark] = []
-    shown = []
+    drawn_values = []
     for i in np.argsort(fit.levels):
         colour = sequential(len(frfs))[int(np.searchsorted(np.sort(fit.levels), fit.levels[i]))]
         lines = frfs[i].to(kind, mass=fit.mass).band(*fit.band)
@@ -344,11 +347,11 @@ def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
         marks.append(Dots(lines.frequency, size, colour, "" if fits else "measured"))
         tags.append(Tag(float(dense[top]), float(y[top]), peak, colour))
         fits.append(Line(dense, y, _THIN, "" if fits else "fit"))
-        shown += [size, y]
-    limits = compute_padded_log_limits(*shown)
+        drawn_values += [size, y]
+    limits = compute_padded_log_limits(*drawn_values)
     f, height = _backbone(fit, kind)
-    inside = (f >= fit.band[0]) & (f <= fit.band[1])
-    spine = Line(np.where(inside, f, np.nan), scale * height, REF, "backbone")
+    in_band = (f >= fit.band[0]) & (f <= fit.band[1])
+    spine = Line(np.where(in_band, f, np.nan), scale * height, REF, "backbone")
     label = f"{kind.value.replace('_', ' ')}, {unit}"
     return Panel(
         Scale(FREQUENCY, fit.band), Scale(label, limits, log=True), (spine, *fits, *marks, *tags),
@@ -398,9 +401,9 @@ def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
         log=True,
     )
     panels = []
-    ends = _interval(fit, middle, dense)
+    interval = _interval(fit, middle, dense)
     for i, (name, part) in enumerate((("storage K′", np.real), ("loss K″", np.imag))):
-        low, high = convert_to_unit(ends[:, i], "N/mm")
+        low, high = convert_to_unit(interval[:, i], "N/mm")
         y = convert_to_unit(part(curve), "N/mm")
         marks = (
             Area(mm * dense, low, high, "fit", "95 % interval"),
@@ -437,11 +440,11 @@ def _means(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return means over near amplitudes, weighted, and their standard errors (of each part)."""
     bins = np.floor(_BINS * np.log10(X / X.min())).astype(int)
-    where = np.unique(bins, return_inverse=True)[1]
+    bin_index = np.unique(bins, return_inverse=True)[1]
     w = weight**2
-    total = np.bincount(where, w)
+    total = np.bincount(bin_index, w)
 
     def mean(values: FloatArray) -> FloatArray:
-        return np.bincount(where, w * values) / total
+        return np.bincount(bin_index, w * values) / total
 
     return mean(X), mean(K.real) + 1j * mean(K.imag), np.sqrt(1 / total / 2)

@@ -80,51 +80,55 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     FitError
         If there are too few samples, or not two for each frequency.
     """
-    varied = _has_several_amplitudes(sweep)
-    least = _MIN_SAMPLES if varied else _LEAST_OF_LEVEL
-    if len(sweep.amplitude) < least:
-        what = "a law of amplitude needs" if varied else "at one amplitude the fit needs"
-        raise FitError(f"loops or lines found: {len(sweep.amplitude)}; {what} {least}")
+    has_several_amplitudes = _has_several_amplitudes(sweep)
+    min_samples = _MIN_SAMPLES if has_several_amplitudes else _LEAST_OF_LEVEL
+    if len(sweep.amplitude) < min_samples:
+        requirement = (
+            "a law of amplitude needs"
+            if has_several_amplitudes
+            else "at one amplitude the fit needs"
+        )
+        raise FitError(f"loops or lines found: {len(sweep.amplitude)}; {requirement} {min_samples}")
     tones = len(np.unique(sweep.frequency))
     if 2 * tones > len(sweep.amplitude):
         raise FitError(
             f"{len(sweep.amplitude)} samples at {tones} frequencies; expected two amplitudes or "
             "more at each: the effects of frequency and of amplitude cannot be separated"
         )
-    back = _way_back(sweep)
+    return_difference = _way_back(sweep)
     candidates = _sort_candidate_laws(sweep, law)
-    stray = _strays(sweep, candidates[0].residuals) & varied
-    if stray.any() and np.count_nonzero(~stray) >= _MIN_SAMPLES:
-        sweep = sweep.only(~stray)
+    is_stray = _strays(sweep, candidates[0].residuals) & has_several_amplitudes
+    if is_stray.any() and np.count_nonzero(~is_stray) >= _MIN_SAMPLES:
+        sweep = sweep.only(~is_stray)
         candidates = _sort_candidate_laws(sweep, law)
-    plain, best = fit_sweep_law(sweep, "none"), candidates[0]
-    reach = float(sweep.amplitude.max()) / best.numbers.get("half_way", np.nan)
-    if reach < FAR_ENOUGH:
+    constant_fit, best = fit_sweep_law(sweep, "none"), candidates[0]
+    reach_ratio = float(sweep.amplitude.max()) / best.numbers.get("half_way", np.nan)
+    if reach_ratio < FAR_ENOUGH:
         best = fit_sweep_law(sweep, best.law, DEFAULT_EXPONENT)
-    gain, by = plain.deviance - best.deviance, _WORDS.get(best.law, "")
+    gain, law_words = constant_fit.deviance - best.deviance, _WORDS.get(best.law, "")
     if gain <= SIGNIFICANT_DEVIANCE:  # nothing moves with amplitude
-        best = plain
+        best = constant_fit
     range_ = (float(sweep.amplitude.min()), float(sweep.amplitude.max()))
-    followed = law_residual_small(best.residual)
-    followed_well = bool(followed.passed)
+    residual_check = law_residual_small(best.residual)
+    followed_well = bool(residual_check.passed)
     detection = amplitude_dependence_detected(
-        gain, range_, sweep.of, by, is_explained=followed_well
+        gain, range_, sweep.of, law_words, is_explained=followed_well
     )
     checks: list[Check] = [
-        *([detection] if varied else []),
+        *([detection] if has_several_amplitudes else []),
         amplitudes_spread(range_[1] / range_[0], sweep.of),
-        followed,
+        residual_check,
         loss_residual_small(best.loss_left),
         *check_machine(sources_of([sweep]), float(np.hypot(sweep.storage, sweep.loss).max())),
     ]
     if "lost" in best.numbers:
-        checks.insert(2, softening_seen(reach))
-    if back is not None:
-        checks.append(up_and_down_sweeps_agree(back))
+        checks.insert(2, softening_seen(reach_ratio))
+    if return_difference is not None:
+        checks.append(up_and_down_sweeps_agree(return_difference))
     cubic = 0.0
     if "k3" in best.numbers:
         checks.append(spring_cubic(best.bends))
-    elif varied:
+    elif has_several_amplitudes:
         cubic = _estimate_hidden_cubic(sweep, best)
         top = sweep.amplitude == sweep.amplitude.max()
         storage = float(sweep.storage[top].min())
@@ -141,8 +145,8 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         tuple(se.items()),
         range_,
         best.residual,
-        tuple((fitted.law, fitted.bic) for fitted in (plain, *candidates)),
-        int(np.count_nonzero(stray)),
+        tuple((fitted.law, fitted.bic) for fitted in (constant_fit, *candidates)),
+        int(np.count_nonzero(is_stray)),
         sweep.unit,
         sweep.of,
         (*checks, *caution_checks(sources_of([sweep]))),
@@ -165,8 +169,8 @@ def _errors_with_delay(
 
     def numbers(delay: float) -> FloatArray:
         K = sweep.value * np.exp(-2j * np.pi * sweep.frequency * delay)
-        turned = replace(sweep, storage=K.real, loss=K.imag, units="SI")
-        fitted = fit_sweep_law(turned, best.law, fixed_exponent)
+        rotated_sweep = replace(sweep, storage=K.real, loss=K.imag, units="SI")
+        fitted = fit_sweep_law(rotated_sweep, best.law, fixed_exponent)
         return np.array([*fitted.linear.real, *fitted.linear.imag, *fitted.numbers.values()])
 
     def levels(delay: float) -> FloatArray:
@@ -181,8 +185,10 @@ def _errors_with_delay(
     storage, loss, law = np.split(by_delay, [len(best.linear), 2 * len(best.linear)])
     parts = np.append(best.linear_se.real, best.linear_se.imag)
     linear_se = join_complex_parts(np.hypot(parts, np.append(storage, loss)))
-    wide = zip(best.se.items(), law.tolist(), strict=True)
-    return linear_se, {name: float(np.hypot(value, by)) for (name, value), by in wide}
+    error_pairs = zip(best.se.items(), law.tolist(), strict=True)
+    return linear_se, {
+        name: float(np.hypot(value, added_error)) for (name, value), added_error in error_pairs
+    }
 
 
 def _estimate_hidden_cubic(sweep: AmplitudeSweep, best: FittedLaw) -> float:
@@ -217,11 +223,11 @@ def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[FittedLaw]:
         )
 
     candidates = [fitted for fitted in candidates if is_plausible(fitted)] or candidates
-    least = min(map(cost, candidates))
+    lowest_cost = min(map(cost, candidates))
     return sorted(
         candidates,
         key=lambda fitted: (
-            cost(fitted) > least + _DISTINCT_BIC,
+            cost(fitted) > lowest_cost + _DISTINCT_BIC,
             fitted.terms,
             home not in fitted.law,
             cost(fitted),
@@ -239,10 +245,10 @@ def _way_back(sweep: AmplitudeSweep) -> float | None:
         up, down = slice(0, top + 1), slice(top + 1, None)
         if np.any(np.diff(X[up]) <= 0) or np.any(np.diff(X[top:]) > 0):
             continue
-        met = (X[down] >= X[0]) & (X[down] < X[top])
-        if top >= 2 and np.count_nonzero(met) >= 3:
-            before = np.interp(X[down][met], X[up], size[up])
-            values.append(float(median(size[down][met] / before)) - 1)
+        in_common_range = (X[down] >= X[0]) & (X[down] < X[top])
+        if top >= 2 and np.count_nonzero(in_common_range) >= 3:
+            before = np.interp(X[down][in_common_range], X[up], size[up])
+            values.append(float(median(size[down][in_common_range] / before)) - 1)
     return max(values, key=abs) if values else None
 
 
@@ -256,11 +262,11 @@ def _strays(sweep: AmplitudeSweep, residual: ComplexArray) -> BoolArray:
     """The smallest amplitudes of a frequency whose residual is beyond the scatter of the rest."""
     size = np.abs(residual)
     limit = _OUTLIER_SD * 1.4826 * median(size)
-    out = np.zeros(len(size), dtype=bool)
+    is_stray = np.zeros(len(size), dtype=bool)
     for tone in np.unique(sweep.frequency):
         rows = np.flatnonzero(sweep.frequency == tone)
         for i in rows[np.argsort(sweep.amplitude[rows])]:
             if size[i] <= limit:
                 break
-            out[i] = True
-    return out
+            is_stray[i] = True
+    return is_stray

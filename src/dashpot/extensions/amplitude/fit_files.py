@@ -82,7 +82,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
 
     @property
     def _table_columns(self) -> Series:
-        """As of the fit; of hits each with its motion, resonance and damping."""
+        """Columns of the fit; of hits each with its motion, resonance and damping."""
         if isinstance(self.fit, HitLevels):
             return collect_columns(
                 self.fit.hits, name="", peak="N", amplitude="m", frequency_hz="Hz", damping_ratio=""
@@ -91,7 +91,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
 
     @property
     def verdict(self) -> Verdict:
-        """What to make of it."""
+        """Verdict on the fit."""
         return verdict(self.checks, headline=self.fit._headline)
 
     @property
@@ -104,7 +104,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
 
     @property
     def loss_per_lag(self) -> float | None:
-        """As of the fit of recorded loops."""
+        """Change of the loss per lag, from the fit of recorded loops."""
         return self.fit.loss_per_lag if isinstance(self.fit, AmplitudeFit) else None
 
     @property
@@ -166,14 +166,14 @@ def level_files(
         _refuse_law(law, "FRFs")
         frfs = [as_measured(read_frf(path, options=options), motion) for path in files]
         return frfs_at_levels(frfs, levels, mass=mass, seals=seals, band=band, at=at)
-    struck = all(kind in HITS for kind in kinds)
+    all_hits = all(kind in HITS for kind in kinds)
     _refuse_mixture(files, kinds)
     request = {
         "--amplitude": levels, "--mass": mass is not None, "--seals": seals != 1,
         "--relative": motion != "absolute", "--band": band is not None, "--resonance-amplitude": at,
     }  # fmt: skip
-    _refuse_frf_options(files[0], request, *(_OF_HITS if struck else ()))
-    if struck:
+    _refuse_frf_options(files[0], request, *(_OF_HITS if all_hits else ()))
+    if all_hits:
         _refuse_law(law, "hits")
         return _fit_hit_files(files, levels, mass=mass, band=band, at=at, options=options)
     if len(files) > 1:
@@ -216,32 +216,38 @@ _OF_HITS = ("--amplitude", "--mass", "--band", "--resonance-amplitude")
 """Options that belong to FRFs, and to hits too."""
 
 
-def _refuse_frf_options(path: str | Path, options: Mapping[str, object], *but: str) -> None:
+def _refuse_frf_options(
+    path: str | Path, options: Mapping[str, object], *accepted_flags: str
+) -> None:
     """Refuse options of FRFs that were given with a file that is none."""
-    provided = [flag for flag, option in options.items() if option and flag not in but]
-    if provided:
+    given_flags = [
+        flag for flag, option in options.items() if option and flag not in accepted_flags
+    ]
+    if given_flags:
         raise ReadError(
-            f"{provided[0]} belongs to FRFs of a mass, and {Path(path).name} is another kind of "
+            f"{given_flags[0]} belongs to FRFs of a mass, and {Path(path).name} is another kind of "
             "file; leave it out"
         )
 
 
-def _refuse_law(law: str, whose: str) -> None:
+def _refuse_law(law: str, subject: str) -> None:
     if law != "auto":
-        raise ReadError(f"--model is of an amplitude sweep, and {whose} take no law; leave it out")
+        raise ReadError(
+            f"--model is of an amplitude sweep, and {subject} take no law; leave it out"
+        )
 
 
 def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
     """Held and dying motions are not of one fit."""
-    driven, struck = (
-        [Path(path).name for path, kind in zip(files, kinds, strict=True) if kind in which]
-        for which in (RESPONSES, HITS)
+    response_files, hit_files = (
+        [Path(path).name for path, kind in zip(files, kinds, strict=True) if kind in kinds_of_group]
+        for kinds_of_group in (RESPONSES, HITS)
     )
-    if driven and struck:
+    if response_files and hit_files:
         raise ReadError(
-            f"{driven[0]} is an FRF and {struck[0]} holds hits, whose motion dies away: its lines "
-            "have no one amplitude, and the two are not fitted together; give the FRFs alone and "
-            "the hits alone, and compare the resonance of each at one amplitude "
+            f"{response_files[0]} is an FRF and {hit_files[0]} holds hits, whose motion dies away: "
+            "its lines have no one amplitude, and the two are not fitted together; give the FRFs "
+            "alone and the hits alone, and compare the resonance of each at one amplitude "
             "(--resonance-amplitude)"
         )
 
@@ -283,15 +289,15 @@ def hits_at_levels(
     at: Sequence[float] = (),
 ) -> AmplitudeResult:
     """Find what hits of different height say; the parameters are those of :func:`level_files`."""
-    stated = _forces(levels, len(tests))
+    stated_forces = _forces(levels, len(tests))
     frf = estimate_frf(tests, resonance_band=band, mass=mass)
     hit_levels = hits_as_levels(frf, band=band)
-    if stated:
+    if stated_forces:
         counts = np.cumsum([len(cut_hits([test])) for test in tests])[:-1]
         peaks_of = np.split(np.array([hit.peak for hit in frf.hits]), counts)
-        struck = [median(peak) for peak in peaks_of]
+        median_peaks = [median(peak) for peak in peaks_of]
         hit_levels = replace(
-            hit_levels, checks=(levels_as_stated(stated, struck), *hit_levels.checks)
+            hit_levels, checks=(levels_as_stated(stated_forces, median_peaks), *hit_levels.checks)
         )
     peaks = []
     for level in at:
@@ -341,12 +347,12 @@ def _peak(level_fit: LevelFit, level: float) -> PeakAtLevel:
     frequency, receptance = find_largest_motion(
         level_fit.solid, level_fit.rate_independent
     ).tolist()
-    (least_hz, least), (most_hz, most) = level_fit.interval(find_largest_motion).tolist()
+    (least_hz, lowest), (most_hz, highest) = level_fit.interval(find_largest_motion).tolist()
     return PeakAtLevel(
         level,
         frequency,
         receptance,
         (least_hz, most_hz),
-        (least, most),
+        (lowest, highest),
         receptance * level,
     )

@@ -114,11 +114,11 @@ def fit_levels(
         remedy="Check the amplitudes and their unit, such as --amplitude 20mN, and the mass.",
     )
     count = max(round(_PER_DECADE * np.log10(high / low)), 2)
-    inertia, yields = kilograms / seals, np.geomspace(low, high, count + 1)[:-1]
+    inertia, yield_displacements = kilograms / seals, np.geomspace(low, high, count + 1)[:-1]
     values = weight * np.abs(K - inertia * omega**2)
-    problem = _LineData(omega, X, weight, values, inertia, yields)
+    problem = _LineData(omega, X, weight, values, inertia, yield_displacements)
     candidates = [problem.fit_terms(K, terms) for terms in _TERMS]
-    plain, best = (
+    linear_fit, best = (
         candidates[0],
         min(
             candidates,
@@ -128,19 +128,20 @@ def fit_levels(
     draws = _draws(problem, K, best, seed)
     solid, elements = best.parts
     range_ = (float(X.min()), high)
-    begins = np.cumsum([len(row[0]) for row in rows])[:-1]
-    followed = levels_residual_small(best.residual, _noise(problem, K, begins))
+    row_stops = np.cumsum([len(row[0]) for row in rows])[:-1]
+    residual_check = levels_residual_small(best.residual, _noise(problem, K, row_stops))
     gains = {
-        " and ".join(optimum.terms): plain.deviance - optimum.deviance for optimum in candidates[1:]
+        " and ".join(optimum.terms): linear_fit.deviance - optimum.deviance
+        for optimum in candidates[1:]
     }
-    by = " and ".join(best.terms)
+    terms_text = " and ".join(best.terms)
     return LevelFit(
         solid,
         elements,
         range_,
         (float(omega.min() / 2 / np.pi), float(omega.max() / 2 / np.pi)),
         best.residual,
-        plain.residual,
+        linear_fit.residual,
         draws,
         kilograms,
         seals,
@@ -148,14 +149,14 @@ def fit_levels(
         (
             levels_controlled([_name(frf, i) for i, frf in enumerate(frfs, 1) if frf.is_from_hits]),
             amplitude_dependence_detected(
-                gains.get(by) or max(gains[arg] for arg in get_args(Term)),
+                gains.get(terms_text) or max(gains[arg] for arg in get_args(Term)),
                 range_,
                 "m",
-                by,
-                is_explained=bool(followed.passed),
+                terms_text,
+                is_explained=bool(residual_check.passed),
             ),
             amplitudes_spread(range_[1] / range_[0], "m"),
-            followed,
+            residual_check,
         ),
         tuple(source for frf in frfs for source in frf.source),
         tuple(gains.items()),
@@ -179,14 +180,16 @@ def _draws(
     pairs = []
     for _ in range(_DRAWS):
         # one error of the FRF is in the stiffness and in the amplitude
-        off = (
+        random_factors = (
             1
             + scatter
             * (rng.normal(size=len(K)) + 1j * rng.normal(size=len(K)))
             / problem.reliability
         )
-        again = replace(data, X=problem.X / np.abs(off))
-        pairs.append(again.fit_terms(direct * off + inertia, best.terms, passes=0).parts)
+        redrawn = replace(data, X=problem.X / np.abs(random_factors))
+        pairs.append(
+            redrawn.fit_terms(direct * random_factors + inertia, best.terms, passes=0).parts
+        )
     return tuple(pairs)
 
 
@@ -214,17 +217,17 @@ class _TermsOptimum:
     def parts(self) -> Parts:
         """The solid and what stands beside it; what is nothing is left out."""
         problem, k = self.problem, self.k
-        least = _ROUNDING * float(k.sum())
+        min_stiffness = _ROUNDING * float(k.sum())
         arms, rest = k[1 : 1 + len(problem.tau)], k[1 + len(problem.tau) :]
         solid = GeneralizedMaxwell(
-            float(k[0]), tuple(arms[arms > least]), tuple(problem.tau[arms > least])
+            float(k[0]), tuple(arms[arms > min_stiffness]), tuple(problem.tau[arms > min_stiffness])
         )
         parallel: list[Jenkins | Cubic] = []
         if "friction" in self.terms:
             parallel += [
                 Jenkins(float(value), float(value * at))
                 for value, at in zip(rest, problem.yields, strict=False)
-                if value > least
+                if value > min_stiffness
             ]
         if "a cubic spring" in self.terms and rest[-2] != rest[-1]:
             parallel.append(Cubic(float(rest[-2] - rest[-1]) / problem.X.max() ** 2))
@@ -265,15 +268,15 @@ class _LineData:
         active = np.flatnonzero(sliders > _ROUNDING * float(optimum.k.sum()))
         if len(active):
             step = self.yields[1] / self.yields[0]
-            near = step ** (np.arange(-_FINER, _FINER + 1) / _FINER)
-            finer = np.unique((self.yields[active, None] * near).round(15))
+            factors = step ** (np.arange(-_FINER, _FINER + 1) / _FINER)
+            finer = np.unique((self.yields[active, None] * factors).round(15))
             optimum = replace(self, yields=finer)._solve(K, terms)
         for _ in range(passes if terms else 0):
             optimum = optimum.problem.weight_at_solution(optimum.parts, K)._solve(K, terms)
         return optimum
 
     def weight_at_solution(self, parts: Parts, K: ComplexArray) -> _LineData:
-        r"""With what is known once a solution is: the third harmonic, and what its X do.
+        r"""Return the data weighted by a solution: its third harmonic and amplitude errors.
 
         A relative error e of the FRF is an error :math:`-e F/X` of K and, through the amplitude
         at which it is taken to be, :math:`-\mathrm{Re}(e)\, dK/d\ln X`.
@@ -329,12 +332,12 @@ def rows_at_level(
             f"{len(lines.value)} usable lines at the amplitude {level:g}; expected {_MIN_LINES} "
             "or more"
         )
-    pull = mass * level if lines.quantity.over_base else level
+    bands = mass * level if lines.quantity.over_base else level
     receptance = lines.to(Kind.RECEPTANCE, mass=mass)
     direct = 1 / receptance.value
     K = (direct + mass * lines.omega**2) / seals
     weight = seals / np.abs(direct) * _compute_reliability(lines)
-    return lines.omega, np.abs(receptance.value) * pull, K, np.asarray(weight)
+    return lines.omega, np.abs(receptance.value) * bands, K, np.asarray(weight)
 
 
 def _compute_reliability(lines: FRF) -> FloatArray:
@@ -359,11 +362,13 @@ def _noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> float | No
     ]
     if not residuals:
         return None
-    near = [
+    group_residuals = [
         values
         for residual in residuals
         for values in np.array_split(np.abs(residual), max(len(residual) // _NEIGHBOUR_LINES, 1))
     ]
-    size = [min(float(np.median(values)) / _THIRD, MAX_RESIDUAL_SHARE) for values in near]
-    rms = np.sqrt(np.average(np.square(size), weights=[len(values) for values in near]))
+    size = [
+        min(float(np.median(values)) / _THIRD, MAX_RESIDUAL_SHARE) for values in group_residuals
+    ]
+    rms = np.sqrt(np.average(np.square(size), weights=[len(values) for values in group_residuals]))
     return max(float(rms), FLOOR)

@@ -98,9 +98,9 @@ class Iwan(Masing):
         last = 2 * self.slip / self.k / amplitudes(amplitude)  # the largest yield over X
         r = np.minimum(last, 1.0)
         theta = np.arccos(1 - 2 * r)
-        slips = (np.sin(theta) - theta * np.cos(theta) - np.sin(theta) ** 3 / 3) / (2 * np.pi)
+        slip_part = (np.sin(theta) - theta * np.cos(theta) - np.sin(theta) ** 3 / 3) / (2 * np.pi)
         loss = 4 / np.pi * (r**2 / 2 - r**3 / 3)
-        return np.asarray(self.k / last * (slips + (last - r) + 1j * loss))
+        return np.asarray(self.k / last * (slip_part + (last - r) + 1j * loss))
 
     def __mul__(self, count: float) -> Iwan:
         """`count` in parallel."""
@@ -128,10 +128,12 @@ class Berg(RateIndependent):
     def __post_init__(self) -> None:
         require_positive_parameters(self, "limit", "half_way")
 
-    def _from(self, turn: Any, way: Any, up: Any) -> Any:
-        """Return force after moving `way` >= 0 from a turning point; `up` is +1 or -1."""
-        mu = up * turn / self.limit
-        return turn + way / (self.half_way * (1 - mu) + way) * (up * self.limit - turn)
+    def _from(self, turning_point: Any, distance: Any, up: Any) -> Any:
+        """Return force after moving `distance` >= 0 from a turning point; `up` is +1 or -1."""
+        mu = up * turning_point / self.limit
+        return turning_point + distance / (self.half_way * (1 - mu) + distance) * (
+            up * self.limit - turning_point
+        )
 
     def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:
         """Force, N, on the branch of the steady loop, whose tip force is in closed form."""
@@ -248,13 +250,13 @@ def jenkins_like(element: RateIndependent, *, to: float, per_decade: int = 10) -
 
     grid = np.geomspace(to / 1e3, to, 3 * per_decade + 1)
     # what slips beyond the largest amplitude is a spring there
-    yields = np.append(grid, 1e3 * to)
-    share = jenkins_reduction(grid[:, None], yields).real
+    yield_displacements = np.append(grid, 1e3 * to)
+    share = jenkins_reduction(grid[:, None], yield_displacements).real
     k, _ = nnls(share, element.stiffness(grid).real)
     return InParallel(
         tuple(
             Jenkins(float(value), float(value * at))
-            for value, at in zip(k, yields, strict=True)
+            for value, at in zip(k, yield_displacements, strict=True)
             if value > 1e-9 * k.sum()
         )
     )
@@ -262,7 +264,7 @@ def jenkins_like(element: RateIndependent, *, to: float, per_decade: int = 10) -
 
 @dataclass(frozen=True)
 class RelativeToAmplitude(AmplitudeDependent):
-    r"""What an element has changed by since an amplitude: :math:`N(X) - N(X_0)`.
+    r"""Change of an element since an amplitude: :math:`N(X) - N(X_0)`.
 
     Beside a solid that was measured at X_0 with the element in it, it gives the solid and the
     element at X.

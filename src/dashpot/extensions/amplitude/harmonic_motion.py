@@ -35,8 +35,8 @@ def is_harmonic(time: FloatArray, motion: FloatArray, _: FloatArray) -> bool:
     time, motion : array, shape (n,)
         s, and displacement or strain in any unit. A third array, of what pushes, is not asked.
     """
-    rises, falls = find_cycle_starts(time, motion), find_cycle_starts(time, -motion)
-    starts = max(rises, falls, key=len)
+    rises, fall_starts = find_cycle_starts(time, motion), find_cycle_starts(time, -motion)
+    starts = max(rises, fall_starts, key=len)
     cycles = [pair for pair in pairwise(starts.tolist()) if _is_sine(time, motion, *pair)]
     if len(cycles) < _FEWEST:
         return False
@@ -46,18 +46,18 @@ def is_harmonic(time: FloatArray, motion: FloatArray, _: FloatArray) -> bool:
 
 
 def _is_sine(time: FloatArray, motion: FloatArray, begin: float, end: float) -> bool:
-    inside = (time >= begin) & (time < end)
-    count = np.count_nonzero(inside)
+    in_cycle = (time >= begin) & (time < end)
+    count = np.count_nonzero(in_cycle)
     if count < _LEAST:
         return False
-    t, x = time[inside] - begin, motion[inside]
+    t, x = time[in_cycle] - begin, motion[in_cycle]
     omega = 2 * np.pi / (end - begin)
     A = np.column_stack((np.ones_like(t), np.cos(omega * t), np.sin(omega * t)))
     factors = np.linalg.lstsq(A, x, rcond=None)[0]
-    missed = x - A @ factors
-    noise = estimate_scatter(missed) if count >= _MANY else 0.0
-    squared = max(float(np.mean(missed**2)) - noise**2, 0.0)
-    return squared < (_DISTORTED * float(np.hypot(*factors[1:]))) ** 2
+    residual = x - A @ factors
+    noise = estimate_scatter(residual) if count >= _MANY else 0.0
+    mean_square = max(float(np.mean(residual**2)) - noise**2, 0.0)
+    return mean_square < (_DISTORTED * float(np.hypot(*factors[1:]))) ** 2
 
 
 def find_cycle_starts(t: FloatArray, x: FloatArray) -> FloatArray:
@@ -66,9 +66,9 @@ def find_cycle_starts(t: FloatArray, x: FloatArray) -> FloatArray:
     noise = estimate_scatter(x)
     for _ in range(_PASSES):
         level = x - drift(t)
-        unsure, spread = _CROSSED * noise, float(np.std(level))
+        unsure, level_sd = _CROSSED * noise, float(np.std(level))
         # of few samples a cycle a motion looks like noise, but of less than half its size
-        starts = _find_rises(t, level, min(unsure, spread) if 2 * noise < spread else unsure)
+        starts = _find_rises(t, level, min(unsure, level_sd) if 2 * noise < level_sd else unsure)
         if len(starts) < 3:
             break
         rows = np.searchsorted(t, starts)
@@ -87,9 +87,9 @@ def estimate_scatter(x: FloatArray) -> float:
 def _find_rises(t: FloatArray, x: FloatArray, unsure: float) -> FloatArray:
     """Times at which x rises through its median; noise at a slow crossing is no cycle."""
     # a loop may stand on a preload, and small ones follow large ones about the same middle
-    above = x - median(x)
-    sure = np.abs(above) > unsure
-    t, above = t[sure], above[sure]
-    turns = np.flatnonzero((above[:-1] < 0) & (above[1:] > 0))
-    share = above[turns] / (above[turns] - above[turns + 1])
+    deviation = x - median(x)
+    is_clear = np.abs(deviation) > unsure
+    t, deviation = t[is_clear], deviation[is_clear]
+    turns = np.flatnonzero((deviation[:-1] < 0) & (deviation[1:] > 0))
+    share = deviation[turns] / (deviation[turns] - deviation[turns + 1])
     return np.asarray(t[turns] + share * (t[turns + 1] - t[turns]))

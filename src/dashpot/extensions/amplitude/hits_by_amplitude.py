@@ -75,12 +75,12 @@ class HitLevels(HasChecks, Serialisable):
 
     @property
     def amplitudes(self) -> tuple[float, float]:
-        """Of the motion that the resonances of the hits are of, m."""
+        """Amplitude range of the motion at the resonances of the hits, m."""
         return self.trend.amplitudes
 
     @property
     def _headline(self) -> str:
-        """By how much stiffness and damping change as the motion doubles, and where."""
+        """Change of stiffness and damping for twice the motion, and the range."""
         low, high = self.amplitudes
         return (
             f"from {convert_to_unit(low, 'mm'):.3g} to {format_quantity(high, 'mm', '.3g')} a "
@@ -149,15 +149,17 @@ class HitLevels(HasChecks, Serialisable):
         def compute_resonance_at(
             x: float, stiffness: float = 0.0, damping: float = 0.0
         ) -> tuple[float, float]:
-            squared, off = predict_interval(trend.stiffness_line, x)
-            ratio, wide = predict_interval(trend.damping_line, x)
+            log_square, half_width = predict_interval(trend.stiffness_line, x)
+            ratio, damping_half_width = predict_interval(trend.damping_line, x)
             # a whole decay is of no one amplitude: which, is known to a doubling
-            off = float(np.hypot(off, trend.stiffness))
-            wide = float(np.hypot(np.hypot(wide, trend.damping), 2 * trend.mass_se))
-            natural = float(np.exp((squared + stiffness * off) / 2))
-            zeta = float(np.exp(ratio + damping * wide))
-            hz = natural * float(np.sqrt(max(1 - 2 * zeta**2, 0.0)))
-            return hz, 1 / (2 * trend.mass * zeta * (2 * np.pi * natural) ** 2)
+            half_width = float(np.hypot(half_width, trend.stiffness))
+            damping_half_width = float(
+                np.hypot(np.hypot(damping_half_width, trend.damping), 2 * trend.mass_se)
+            )
+            omega_n = float(np.exp((log_square + stiffness * half_width) / 2))
+            zeta = float(np.exp(ratio + damping * damping_half_width))
+            hz = omega_n * float(np.sqrt(max(1 - 2 * zeta**2, 0.0)))
+            return hz, 1 / (2 * trend.mass * zeta * (2 * np.pi * omega_n) ** 2)
 
         x = trend.stiffness_line.middle
         for _ in range(_MAX_ITERATIONS):
@@ -171,9 +173,9 @@ class HitLevels(HasChecks, Serialisable):
                 "no resonance: "
                 "hit so that the seal moves as it does at that amplitude"
             )
-        least_hz, most_hz = (compute_resonance_at(x, stiffness=way)[0] for way in (-1.0, 1.0))
-        least, most = (compute_resonance_at(x, damping=way)[1] for way in (1.0, -1.0))
-        return hz, receptance, (least_hz, most_hz), (least, most)
+        least_hz, most_hz = (compute_resonance_at(x, stiffness=sign)[0] for sign in (-1.0, 1.0))
+        lowest, highest = (compute_resonance_at(x, damping=sign)[1] for sign in (1.0, -1.0))
+        return hz, receptance, (least_hz, most_hz), (lowest, highest)
 
 
 def hits_as_levels(frf: FRF, *, band: tuple[float, float] | None = None) -> HitLevels:

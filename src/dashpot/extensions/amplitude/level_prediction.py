@@ -56,10 +56,10 @@ class LevelPrediction(Prediction):
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
-        """Those of each mode, and what each level makes of it."""
+        """Values of each mode, and of each level."""
         return (
             *super().facts,
-            *(fact for level in self.preloaded for fact in level.facts),
+            *(reported_value for level in self.preloaded for reported_value in level.facts),
         )
 
     @property
@@ -105,15 +105,21 @@ class LevelEffect:
 
         None where the solid was measured as the resonance was: by a vanishing motion.
         """
-        swept, typed = self.swept, self.choices.resonance_level
-        if swept is None or not (typed or swept.fitted_at):
+        fitted_sweep, stated_level = self.swept, self.choices.resonance_level
+        if fitted_sweep is None or not (stated_level or fitted_sweep.fitted_at):
             return None
-        level = level_of(typed, kind) if typed else VANISHING
+        level = level_of(stated_level, kind) if stated_level else VANISHING
 
         def peak(solid: Solid, factor: float, mass: float) -> float:
-            about = model_modes(solid, mass)[0].frequency
-            how = {"scale": factor, "mass": mass, "level": level, "kind": kind}
-            return swept.peak(solid, swept.law, swept.factors[0], about=about, **how)[0]
+            linear_frequency = model_modes(solid, mass)[0].frequency
+            conditions = {"scale": factor, "mass": mass, "level": level, "kind": kind}
+            return fitted_sweep.peak(
+                solid,
+                fitted_sweep.law,
+                fitted_sweep.factors[0],
+                around_hz=linear_frequency,
+                **conditions,
+            )[0]
 
         return peak
 
@@ -123,39 +129,54 @@ class LevelEffect:
         part: PartChoices | None,
         *,
         scale: float,
-        about: float,
+        linear_frequency: float,
         frequency: FloatArray,
     ) -> LevelResonances:
-        """Return the resonance at each level: of `scale` parts, `about` a frequency, Hz."""
+        """Return the resonance at each level: of `scale` parts, `linear_frequency` in Hz."""
         anchor = self._anchor(part, rig.solid, kind=rig.kind, scale=scale)
         levels = [level_of(word, rig.kind) for word in self.choices.levels]
         if self.swept is not None:
             resonances = self.swept.compute_resonances(
-                rig.solid, levels, scale=scale, mass=rig.load.mass, kind=rig.kind, about=about,
+                rig.solid, levels, scale=scale, mass=rig.load.mass, kind=rig.kind,
+                around_hz=linear_frequency,
                 frequency=frequency, coupled=rig.load.coupled, anchor=anchor,
             )  # fmt: skip
             checks = (*self.swept.check_level_coverage(resonances), *self.swept.checks)
             return LevelResonances(resonances, self.swept, (), checks)
         nonlinear_levels = preloaded_levels(
-            rig.fit, levels, rig.load, kind=rig.kind, about=about, frequency=frequency
+            rig.fit,
+            levels,
+            rig.load,
+            kind=rig.kind,
+            around_hz=linear_frequency,
+            frequency=frequency,
         )
         depth = rig.rests.point.depth
-        pressed = tuple(compression_tested(level.compression, depth) for level in nonlinear_levels)
-        return LevelResonances((), None, nonlinear_levels, pressed)
+        compressions = tuple(
+            compression_tested(level.compression, depth) for level in nonlinear_levels
+        )
+        return LevelResonances((), None, nonlinear_levels, compressions)
 
     def _anchor(
         self, part: PartChoices | None, solid: Solid, *, kind: Kind, scale: float
     ) -> ReferencePoint | None:
         """The resonance that determined the geometry, and its strain; None where a shape did."""
-        swept, typed = self.swept, self.choices.resonance_level
-        if swept is None or part is None or part.resonance is None or part.resonance_mass is None:
+        fitted_sweep, stated_level = self.swept, self.choices.resonance_level
+        if (
+            fitted_sweep is None
+            or part is None
+            or part.resonance is None
+            or part.resonance_mass is None
+        ):
             return None
-        if not typed:
-            return ReferencePoint(part.resonance, swept.fitted_at)
-        how = {
+        if not stated_level:
+            return ReferencePoint(part.resonance, fitted_sweep.fitted_at)
+        conditions = {
             "scale": scale, "mass": part.resonance_mass, "kind": kind,
-            "level": level_of(typed, kind),
+            "level": level_of(stated_level, kind),
         }  # fmt: skip
-        factor = swept.factors[0]
-        _, _, change = swept.peak(solid, swept.law, factor, about=part.resonance, **how)
-        return ReferencePoint(part.resonance, change / swept.stretch(factor))
+        factor = fitted_sweep.factors[0]
+        _, _, change = fitted_sweep.peak(
+            solid, fitted_sweep.law, factor, around_hz=part.resonance, **conditions
+        )
+        return ReferencePoint(part.resonance, change / fitted_sweep.stretch(factor))

@@ -26,7 +26,7 @@ from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.solids.rate_independent import InParallel, RateIndependent
 
 Elements: TypeAlias = tuple[RateIndependent, ...]
-"""What stands beside a solid: sliders and a cubic spring."""
+"""Elements in parallel with a solid: sliders and a cubic spring."""
 Parts: TypeAlias = tuple[GeneralizedMaxwell, Elements]
 """A solid, and what stands beside it."""
 
@@ -56,7 +56,7 @@ class PeakAtLevel:
 
     @property
     def facts(self) -> tuple[ReportedValue, ReportedValue]:
-        """Where the motion is largest, and how large it is per force."""
+        """Frequency of the largest motion, and its height per force."""
         at = f"at {self.level:.4g} N"
         return (
             ReportedValue(f"peak {at}", self.frequency, *self.frequency_interval, "Hz"),
@@ -147,7 +147,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     @property
     def _table_columns(self) -> Series:
-        """What stands side by side: the spring at rest, arms, sliders and a cubic spring."""
+        """Columns of the elements in parallel: spring, arms, sliders and a cubic spring."""
         no, solid = math.nan, self.solid
         arms = zip(solid.k, solid.tau, strict=True)
         rows = [
@@ -165,7 +165,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     @property
     def _has_digest(self) -> bool:
-        """Its document shows whether it was edited."""
+        """Whether its document shows that it was edited."""
         return True
 
     @property
@@ -175,7 +175,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     @property
     def k3(self) -> float:
-        """Of the cubic spring beside the solid, N/m^3; 0 where there is none."""
+        """Coefficient of the cubic spring beside the solid, N/m^3; 0 where there is none."""
         return _k3(self.solid, self.rate_independent)
 
     @property
@@ -201,24 +201,24 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     @overload
     def stiffness(self, *, amplitude: npt.ArrayLike, omega: npt.ArrayLike) -> ComplexArray: ...
     def stiffness(
-        self, *bare: object, amplitude: Any = None, frequency: Any = None, omega: Any = None
+        self, *positional: object, amplitude: Any = None, frequency: Any = None, omega: Any = None
     ) -> ComplexArray:
         """Return complex stiffness of one seal, N/m, at amplitudes, m, and Hz or rad/s."""
-        at = angular(*bare, frequency=frequency, omega=omega)
+        at = angular(*positional, frequency=frequency, omega=omega)
         return InParallel((self.solid, *self.rate_independent)).equivalent(at, amplitude)
 
     def interval(
-        self, follows: Callable[[GeneralizedMaxwell, Elements], npt.ArrayLike]
+        self, function: Callable[[GeneralizedMaxwell, Elements], npt.ArrayLike]
     ) -> FloatArray:
         """95 % interval of what follows from the solid and what is beside it (basic bootstrap).
 
         The fit leans to the side on which its draws lean: they are reflected about it. Shape
         (2,) of a number, (2, n) of several; not known, NaN, without draws.
         """
-        best_values = np.asarray(follows(self.solid, self.rate_independent))
+        best_values = np.asarray(function(self.solid, self.rate_independent))
         if not self.draws:
             return np.full((2, *best_values.shape), np.nan)
-        drawn_values = np.array([np.asarray(follows(*draw), dtype=float) for draw in self.draws])
+        drawn_values = np.array([np.asarray(function(*draw), dtype=float) for draw in self.draws])
         return np.asarray(2 * best_values - np.quantile(drawn_values, [0.975, 0.025], axis=0))
 
     @property
@@ -240,7 +240,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         raise ExportError("FRFs at amplitudes are of one compression; leave out --compression")
 
     def in_parallel(self, count: float) -> LevelFit:
-        """So many seals side by side, as one; a fraction is a shorter specimen."""
+        """Return the fit of several seals in parallel; a fraction is a shorter specimen."""
 
         def scale_parts(solid: GeneralizedMaxwell, elements: Elements) -> Parts:
             return solid * count, tuple(element * count for element in elements)
@@ -266,17 +266,18 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     @property
     def _headline(self) -> str:
-        """By how much the stiffness changes with amplitude, and where the lines cover it."""
+        """Change of the stiffness with amplitude, and the range of the lines."""
         low, high = self.amplitudes
-        ends = self.stiffness(
+        end_stiffnesses = self.stiffness(
             amplitude=[low, high], omega=np.pi * (self.band[0] + self.band[1])
         ).real
-        way = "falls" if ends[1] < ends[0] else "rises"
+        verb = "falls" if end_stiffnesses[1] < end_stiffnesses[0] else "rises"
         return (
             f"from {convert_to_unit(low, 'mm'):.3g} to {format_quantity(high, 'mm', '.3g')} the "
             "stiffness of one "
-            f"seal {way} by {100 * abs(ends[1] / ends[0] - 1):.2g} %, from "
-            f"{convert_to_unit(ends[0], 'N/mm'):.4g} to {format_quantity(ends[1], 'N/mm')}"
+            f"seal {verb} by {100 * abs(end_stiffnesses[1] / end_stiffnesses[0] - 1):.2g} %, from "
+            f"{convert_to_unit(end_stiffnesses[0], 'N/mm'):.4g} to "
+            f"{format_quantity(end_stiffnesses[1], 'N/mm')}"
         )
 
     @property
@@ -284,17 +285,17 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         """The verdict, and what moves with amplitude by how much."""
         low, high = self.amplitudes
         middle = np.pi * (self.band[0] + self.band[1])
-        ends = self.stiffness(omega=middle, amplitude=[low, high])
-        factor = ends.imag / ends.real
+        end_stiffnesses = self.stiffness(omega=middle, amplitude=[low, high])
+        factor = end_stiffnesses.imag / end_stiffnesses.real
         return (
             str(self.verdict),
             (
                 f"one seal, {convert_to_unit(low, 'mm'):.3g} to "
                 f"{format_quantity(high, 'mm', '.3g')} at "
                 f"{middle / 2 / np.pi:.4g} Hz: stiffness "
-                f"{convert_to_unit(ends[0].real, 'N/mm'):.4g} to "
-                f"{format_quantity(ends[1].real, 'N/mm')}, loss factor {factor[0]:.3g} to "
-                f"{factor[1]:.3g}"
+                f"{convert_to_unit(end_stiffnesses[0].real, 'N/mm'):.4g} to "
+                f"{format_quantity(end_stiffnesses[1].real, 'N/mm')}, loss factor {factor[0]:.3g} "
+                f"to {factor[1]:.3g}"
             ),
             (
                 f"model: {format_count(self.solid.arms, 'Maxwell arm')} and "
@@ -314,11 +315,11 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         if not self.k3:
             return ()
         low, high = self.k3_interval
-        way = "stiffens" if self.k3 > 0 else "softens"
+        verb = "stiffens" if self.k3 > 0 else "softens"
         share = 0.75 * self.k3 * self.amplitudes[1] ** 2
         return (
             (
-                f"it {way} as a cubic spring, k3 = {self.k3:.3g} N/m^3 ({low:.3g} to {high:.3g}): "
+                f"it {verb} as a cubic spring, k3 = {self.k3:.3g} N/m^3 ({low:.3g} to {high:.3g}): "
                 f"{format_quantity(share, 'N/mm', '+.3g')} at the largest amplitude"
             ),
         )
@@ -333,10 +334,10 @@ def complete_document(entries: dict[str, Any]) -> dict[str, Any]:
         If the document is of another fit over amplitude.
     """
     if "model" not in entries:
-        what = "a law of stiffness and loss" if "law" in entries else "hits of different height"
+        content = "a law of stiffness and loss" if "law" in entries else "hits of different height"
         raise ReadError(
-            f"the {LevelFit.schema} document holds {what}, which has no force along a path: arms "
-            "and sliders are what 'dashpot fit' fits to FRFs of one mass at several amplitudes"
+            f"the {LevelFit.schema} document holds {content}, which has no force along a path: "
+            "arms and sliders are what 'dashpot fit' fits to FRFs of one mass at several amplitudes"
         )
     cubic = entries["cubic"]
     parallel = [*entries["sliders"], *([] if cubic is None else [{"k3": cubic["k3"]}])]

@@ -47,10 +47,10 @@ def _format_level_resonances(level_prediction: LevelPrediction) -> list[str]:
                 quantity,
             ]
         )
-    listed = " or ".join(f"{factor:.3g}" for factor in level_prediction.sweep.factors)
+    factors_text = " or ".join(f"{factor:.3g}" for factor in level_prediction.sweep.factors)
     message = f"  {' or '.join(level_prediction.sweep.names)} law of the sweep"
     if first_level.strain is not None:
-        message += f", its strain {listed} of X/height"
+        message += f", its strain {factors_text} of X/height"
     last = level_prediction.levels[-1]
     if last is not first_level:
         change = 100 * (last.frequency / first_level.frequency - 1)
@@ -71,14 +71,14 @@ def _on_bending_seals(levels: Sequence[PreloadedLevel], unit: str) -> list[str]:
     for level in levels:
         at = level.orbit
         # what is less is rounding
-        least = _HARMONIC * level.amplitude
+        min_shift = _HARMONIC * level.amplitude
         rows.append(
             [
                 f"{level.level:.4g}",
                 f"{level.frequency:.5g}",
                 f"{level.value:.4g}",
                 *(
-                    f"{convert_to_unit(amplitude, 'mm') * (abs(amplitude) > least):.3g}"
+                    f"{convert_to_unit(amplitude, 'mm') * (abs(amplitude) > min_shift):.3g}"
                     for amplitude in (*at.amplitudes[1:4].tolist(), at.shift)
                 ),
                 f"{100 * at.lost_contact:.3g} %",
@@ -86,23 +86,23 @@ def _on_bending_seals(levels: Sequence[PreloadedLevel], unit: str) -> list[str]:
             ]
         )
         if level.interval is not None:
-            rows.append(_format_interval_row(level, least))
-        message += _list_level_lines(level, least)
+            rows.append(_format_interval_row(level, min_shift))
+        message += _list_level_lines(level, min_shift)
     return [*table(rows), *message]
 
 
-def _list_level_lines(level: PreloadedLevel, least: float) -> Iterator[str]:
+def _list_level_lines(level: PreloadedLevel, min_shift: float) -> Iterator[str]:
     """Yield lines on opening, harmonics and stability of the response at one amplitude."""
     name, shift = f"at {level.level:.4g} {level.unit}", level.orbit.shift
     if level.interval is not None and level.interval.value is None:
-        jumps = level.interval.harmonics is None
-        why = "a sweep jumps down from it" if jumps else "its error is as large as itself"
-        yield f"  ! {name} the height of the peak is not identified: {why}"
-    if abs(shift) <= least:
+        has_jump = level.interval.harmonics is None
+        reason = "a sweep jumps down from it" if has_jump else "its error is as large as itself"
+        yield f"  ! {name} the height of the peak is not identified: {reason}"
+    if abs(shift) <= min_shift:
         return
-    does, second = "opens" if shift < 0 else "closes", level.second_harmonic
+    verb, second = "opens" if shift < 0 else "closes", level.second_harmonic
     yield (
-        f"  {name} the seal {does} by {format_quantity(abs(shift), 'mm', '.2g')} on average; the "
+        f"  {name} the seal {verb} by {format_quantity(abs(shift), 'mm', '.2g')} on average; the "
         f"second harmonic is largest at {second['frequency_hz']:.4g} Hz, "
         f"{100 * second['amplitude'] / second['first']:.3g} % of the first"
     )
@@ -118,12 +118,16 @@ def _list_level_lines(level: PreloadedLevel, least: float) -> Iterator[str]:
         )
 
 
-def _format_interval_row(level: PreloadedLevel, least: float) -> list[str]:
+def _format_interval_row(level: PreloadedLevel, min_value: float) -> list[str]:
     """Return the row of 95 % intervals under a level's, as far as they are known."""
     hz, height, shift, *harmonics = level.facts
     cells = ["  95 %"]
-    for fact in (hz, height, *harmonics, shift):
-        reported = fact.has_interval and (fact.unit != "m" or abs(fact.value) > least)
-        half = convert_to_unit(0.5 * (fact.high - fact.low), fact.read or "1")
-        cells.append(f"± {half:.2g}" if reported else "")
+    for reported_value in (hz, height, *harmonics, shift):
+        reported = reported_value.has_interval and (
+            reported_value.unit != "m" or abs(reported_value.value) > min_value
+        )
+        half_width = convert_to_unit(
+            0.5 * (reported_value.high - reported_value.low), reported_value.read or "1"
+        )
+        cells.append(f"± {half_width:.2g}" if reported else "")
     return [*cells, "", ""]

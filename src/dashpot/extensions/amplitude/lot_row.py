@@ -16,7 +16,7 @@ from dashpot.registry import LotSpecimen
 _SAME_AMPLITUDE_FACTOR = 1.05
 """Amplitudes no farther apart than this factor are one."""
 _UNITS = (("N/m", "m"), ("Pa", ""))
-"""Of storage and amplitude: of a part, and of a material."""
+"""Units of storage and amplitude: of a part, and of a material."""
 
 
 def build_lot_row(
@@ -40,15 +40,17 @@ def build_lot_row(
     top = sweep.only(sweep.amplitude >= sweep.amplitude.max() / _SAME_AMPLITUDE_FACTOR)
     tone = float(top.frequency.min())
     top, at_tone = top.only(top.frequency == tone), sweep.only(sweep.frequency == tone)
-    least = at_tone.only(at_tone.amplitude <= at_tone.amplitude.min() * _SAME_AMPLITUDE_FACTOR)
+    smallest = at_tone.only(at_tone.amplitude <= at_tone.amplitude.min() * _SAME_AMPLITUDE_FACTOR)
     storage, loss = median(top.storage), median(top.loss)
     scatter = (
         1.4826
         * np.array([median(np.abs(values - median(values))) for values in (top.storage, top.loss)])
         / np.sqrt(len(top.amplitude))
     )
-    turn = 2 * np.pi * tone * sweep.delay_sd
-    several = sweep.amplitude.max() > _SAME_AMPLITUDE_FACTOR * least.amplitude.max()
+    phase_error = 2 * np.pi * tone * sweep.delay_sd
+    has_several_amplitudes = (
+        sweep.amplitude.max() > _SAME_AMPLITUDE_FACTOR * smallest.amplitude.max()
+    )
     kelvin = sweep.specimen.temperature or lot_specimen.temperature
     values = {
         column(f"loop_{name}", unit): None
@@ -61,9 +63,11 @@ def build_lot_row(
         "loop_frequency_Hz": tone,
         column("loop_amplitude", "m" if sweep.of == "m" else ""): median(top.amplitude),
         column("loop_storage", sweep.unit): storage,
-        column("loop_storage_se", sweep.unit): float(np.hypot(scatter[0], turn * abs(loss))),
+        column("loop_storage_se", sweep.unit): float(np.hypot(scatter[0], phase_error * abs(loss))),
         column("loop_loss", sweep.unit): loss,
-        column("loop_loss_se", sweep.unit): float(np.hypot(scatter[1], turn * storage)),
+        column("loop_loss_se", sweep.unit): float(np.hypot(scatter[1], phase_error * storage)),
         "loop_loss_factor": loss / storage,
-        "loop_softening": 1 - storage / median(least.storage) if several else None,
+        "loop_softening": 1 - storage / median(smallest.storage)
+        if has_several_amplitudes
+        else None,
     }

@@ -62,12 +62,12 @@ def mass_at_level(
             ]
         X = stretch
         K = K + dependent.equivalent(omega, X)
-    far = float(X.max(initial=0.0))
+    max_amplitude = float(X.max(initial=0.0))
     SIZES["amplitude"].refuse(
-        max(far, SIZES["amplitude"].hard[0]),  # however little, a level is asked for
+        max(max_amplitude, SIZES["amplitude"].hard[0]),  # however little, a level is asked for
         f"at an amplitude of {format_quantity_short(level, 'm/s^2' if kind.over_base else 'N')} "
         "the mass would move by "
-        f"{format_quantity_short(far, 'm')}",
+        f"{format_quantity_short(max_amplitude, 'm')}",
         remedy="Check the amplitude and its unit, and the mass.",
     )
     if kind.over_base:
@@ -76,7 +76,7 @@ def mass_at_level(
 
 
 _DECADES, _PER_DECADE, _HALVINGS = 7, 20, 40
-"""Of amplitudes over that of a rigid spring; of the search between two of them."""
+"""Decades of amplitudes over that of a rigid spring, points of each, and halvings between two."""
 
 
 def _stretch(
@@ -91,11 +91,11 @@ def _stretch(
     small = np.full(inertia.shape, 1e-12)
     low = np.log(force / 10 / (np.abs(stiffness(small)) + inertia))
     steps = np.log(10) / _PER_DECADE * np.arange(_DECADES * _PER_DECADE)
-    above = is_above_force(low + steps[:, None])
-    turns = np.count_nonzero(above[1:] != above[:-1], axis=0)
-    if above[0].any() or (turns != 1).any():
+    is_above = is_above_force(low + steps[:, None])
+    turns = np.count_nonzero(is_above[1:] != is_above[:-1], axis=0)
+    if is_above[0].any() or (turns != 1).any():
         return None
-    low = low + steps[above.argmax(axis=0) - 1]
+    low = low + steps[is_above.argmax(axis=0) - 1]
     width = steps[1] - steps[0]
     for _ in range(_HALVINGS):
         width /= 2

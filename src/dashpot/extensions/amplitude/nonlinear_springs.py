@@ -34,9 +34,9 @@ class StagedSpring(RateIndependent):
     until: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        k, until = samples("k", self.k), increasing("until", samples("until", self.until))
-        same_length(until=until, k=k[1:])
-        if (k < 0).any() or until[0] <= 0:
+        k, limits = samples("k", self.k), increasing("until", samples("until", self.until))
+        same_length(until=limits, k=k[1:])
+        if (k < 0).any() or limits[0] <= 0:
             raise DataError(
                 f"StagedSpring: k = {self.k!r}, until = {self.until!r}; expected stiffnesses >= 0 "
                 "and ends > 0"
@@ -44,8 +44,8 @@ class StagedSpring(RateIndependent):
 
     def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:  # noqa: ARG002
         """Return the force, N: the same up and down."""
-        size, ends = np.abs(x), np.asarray(self.until)
-        excess = np.maximum(size[..., None] - ends, 0.0)
+        size, limits = np.abs(x), np.asarray(self.until)
+        excess = np.maximum(size[..., None] - limits, 0.0)
         return np.asarray(np.copysign(self.k[0] * size + excess @ np.diff(self.k), x))
 
     def start(self) -> None:

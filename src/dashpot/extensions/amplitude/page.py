@@ -43,7 +43,7 @@ _FINEST = 1e-6
 def page(levels: AmplitudeResult) -> KindPage:
     """Return what the page of levels holds."""
     fit = levels.fit
-    stiff = {
+    stiffness_checks = {
         "amplitude_dependence_detected",
         "softening_seen",
         "law_residual_small",
@@ -52,14 +52,14 @@ def page(levels: AmplitudeResult) -> KindPage:
         "machine_deflection_small",
     }
     loss = {"loss_residual_small"}
-    topics = [Topic("Record"), Topic("Stiffness", stiff)]
+    topics = [Topic("Record"), Topic("Stiffness", stiffness_checks)]
     if any(check.name in loss for check in levels.checks):
         topics.append(Topic("Damping", loss))
     low, high = fit.amplitudes
     word, scale = unit_of(np.array(fit.amplitudes), "m")
     if isinstance(fit, AmplitudeFit) and fit.of == "strain":
         word, scale = "%", 100.0
-    every = (
+    amplitude_fact = (
         "Amplitudes",
         f"{round_to_error(scale * low)} to {round_to_error(scale * high)} {word}",
     )
@@ -75,7 +75,7 @@ def page(levels: AmplitudeResult) -> KindPage:
         summary_line=(
             *format_specimen_header(getattr(levels.records[0], "specimen", None)),
             *frequencies,
-            every,
+            amplitude_fact,
         ),
         indicators=make_indicators(levels.checks, *topics),
         figure_title="Stiffness and loss with amplitude",
@@ -89,12 +89,15 @@ def page(levels: AmplitudeResult) -> KindPage:
 
 def prediction_page(prediction: LevelPrediction) -> KindPage:
     """Return what the page of a prediction at several amplitudes holds."""
-    plain = solid_and_frf_pages.prediction_page(prediction)
+    linear_page = solid_and_frf_pages.prediction_page(prediction)
     levels = (
-        Group(f"At {level.level:.4g} {level.unit}", tuple(row(fact) for fact in level.facts))
+        Group(
+            f"At {level.level:.4g} {level.unit}",
+            tuple(row(reported_value) for reported_value in level.facts),
+        )
         for level in prediction.preloaded
     )
-    return replace(plain, groups=(plain.groups[0], *levels, *plain.groups[1:]))
+    return replace(linear_page, groups=(linear_page.groups[0], *levels, *linear_page.groups[1:]))
 
 
 def draw_prediction(prediction: LevelPrediction) -> Picture:
@@ -175,9 +178,11 @@ def _make_law_facts(fit: AmplitudeFit) -> Iterator[ReportedValue]:
     word, stretch = _amplitude(fit)
     if fit.k3:
         # per square of an amplitude it is a number that nobody has seen: what it adds is
-        most = 0.75 * fit.amplitudes[1] ** 2
+        squared_amplitude = 0.75 * fit.amplitudes[1] ** 2
         text = f"cubic spring, at {round_to_error(stretch * fit.amplitudes[1])} {word}"
-        yield _make_fact(text, most * fit.k3, most * error_of["k3"], fit.unit)
+        yield _make_fact(
+            text, squared_amplitude * fit.k3, squared_amplitude * error_of["k3"], fit.unit
+        )
     if "lost" not in error_of:
         return
     softening_units = ("1", "%") if fit.law.startswith("factor") else (fit.unit, "")
@@ -189,7 +194,7 @@ def _make_law_facts(fit: AmplitudeFit) -> Iterator[ReportedValue]:
 
 
 def _make_hit_facts(fit: HitLevels) -> Iterator[ReportedValue]:
-    """How stiffness and damping change for twice the motion."""
+    """Yield the change of stiffness and damping for twice the motion."""
     for name, line in (
         ("stiffness per doubling", fit.trend.stiffness_line),
         ("damping per doubling", fit.trend.damping_line),

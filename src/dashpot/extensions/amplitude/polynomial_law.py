@@ -49,8 +49,8 @@ class PolynomialLaw:
 
     def tangent(self, x: npt.ArrayLike) -> FloatArray:
         """Tangent stiffness, N/m."""
-        powers, place = self._powers, np.asarray(x, dtype=float)[..., None]
-        return np.asarray(place ** (powers - 1) @ (powers * self.coefficients))
+        powers, position = self._powers, np.asarray(x, dtype=float)[..., None]
+        return np.asarray(position ** (powers - 1) @ (powers * self.coefficients))
 
     def rests(self, force: float) -> tuple[float, ...]:
         """Return every compression under a relaxed force, N, the least first.
@@ -70,7 +70,7 @@ class PolynomialLaw:
         return tuple(np.sort(real).tolist())
 
     def __mul__(self, count: float) -> PolynomialLaw:
-        """So many in parallel."""
+        """Return `count` such elements in parallel."""
         return replace(
             self, coefficients=tuple(count * coefficient for coefficient in self.coefficients)
         )

@@ -40,7 +40,7 @@ from dashpot.solids.maxwell import Solid
 BendingLaw: TypeAlias = ElasticLaw | PolynomialLaw
 
 HARMONICS = 10
-"""Of the lines of a sweep; one orbit takes as many as it needs."""
+"""Number of harmonics of the lines of a sweep; one orbit takes as many as it needs."""
 REPORTED_HARMONICS = 5
 """Harmonics that are reported."""
 _MAX_HARMONICS, _HARMONIC_TOLERANCE = 80, 1e-7
@@ -90,7 +90,7 @@ class Orbit(EqualByValue):
 
     @property
     def amplitudes(self) -> FloatArray:
-        """Of the harmonics, m; the mean as it is."""
+        """Amplitudes of the harmonics, m; the mean with its sign."""
         return np.abs(self.harmonics)
 
     @property
@@ -100,7 +100,7 @@ class Orbit(EqualByValue):
 
     @property
     def phases(self) -> FloatArray:
-        """Of those against the force, rad."""
+        """Phases of the harmonics against the force, rad."""
         return np.angle(self.harmonics[: REPORTED_HARMONICS + 1])
 
     @property
@@ -127,7 +127,7 @@ class Orbit(EqualByValue):
         """
         if self.stable:
             return
-        lasts = (
+        explanation = (
             "it answers at twice the period, or without one"
             if self.multiplier.real < 0
             else "it jumps to another answer, or has none"
@@ -135,7 +135,7 @@ class Orbit(EqualByValue):
         raise DataError(
             f"at {self.level:.4g} N and {self.frequency:.5g} Hz the steady answer at the drive's "
             f"period is unstable: a disturbance grows by {self.growth:.4g} in a period, so "
-            f"{lasts}. Ask for a lower amplitude, or another frequency"
+            f"{explanation}. Ask for a lower amplitude, or another frequency"
         )
 
 
@@ -202,15 +202,16 @@ class PreloadedMass:
                 "one with k_inf > 0"
             )
         if len(self._rests) > 1:
-            listed = ", ".join(format_quantity(rest, "mm", ".4g") for rest in self._rests)
+            rest_positions = ", ".join(format_quantity(rest, "mm", ".4g") for rest in self._rests)
             raise DataError(
-                f"the elastic law is not monotone: {self.static_force:.4g} N rests at {listed}; "
-                "expected a law that rises over all the compressions meant, or another preload"
+                f"the elastic law is not monotone: {self.static_force:.4g} N rests at "
+                f"{rest_positions}; expected a law that rises over all the compressions meant, or "
+                "another preload"
             )
 
     @property
     def static_force(self) -> float:
-        """What presses at rest, N."""
+        """Static force, N."""
         return self.mass * GRAVITY if self.preload is None else self.preload
 
     @cached_property
@@ -244,13 +245,18 @@ class PreloadedMass:
         state = line.solve_by_continuation()
         while 2 * line.most <= _MAX_HARMONICS:
             finer = _PressedBalance(self, hz, F, 2 * line.most)
-            more = finer.from_start(line.extend_harmonics(state.unknown, finer.most))
-            if more is None:
+            finer_state = finer.from_start(line.extend_harmonics(state.unknown, finer.most))
+            if finer_state is None:
                 break
-            coarse, fine = line.harmonics(state.unknown), finer.harmonics(more.unknown)
-            change = np.abs(fine[: REPORTED_HARMONICS + 1] - coarse[: REPORTED_HARMONICS + 1]).max()
-            line, state = finer, more
-            if change <= _HARMONIC_TOLERANCE * np.abs(fine).max():
+            coarse, fine_harmonics = (
+                line.harmonics(state.unknown),
+                finer.harmonics(finer_state.unknown),
+            )
+            change = np.abs(
+                fine_harmonics[: REPORTED_HARMONICS + 1] - coarse[: REPORTED_HARMONICS + 1]
+            ).max()
+            line, state = finer, finer_state
+            if change <= _HARMONIC_TOLERANCE * np.abs(fine_harmonics).max():
                 break
         orbit = line.orbit(state)
         orbit.refuse_unstable()
@@ -277,7 +283,7 @@ class PreloadedMass:
             if orbit is None or not orbit.stable:
                 line = _PressedBalance(self, hz, level, HARMONICS)
                 try:
-                    near = line.solve_by_continuation()
+                    states = line.solve_by_continuation()
                 except DataError:
                     before = None
                     continue
@@ -285,7 +291,7 @@ class PreloadedMass:
                     steps += line.steps
                     if steps > _STEPS_OF_SWEEP:
                         self._refuse_bouncing(level, hz)
-                orbit = line.orbit(near)
+                orbit = line.orbit(states)
             before = orbit if orbit.stable else None
             orbits.append(orbit)
         return tuple(orbits)
@@ -303,24 +309,36 @@ class PreloadedMass:
 
         Beyond the jump both last, so that a sweep the other way meets the other one.
         """
-        jumps = []
-        for last, after in pairwise(swept):
-            if not (last.stable and after.stable and _compare_orbits(after, last) > _JUMP):
+        found_jumps = []
+        for last, next_orbit in pairwise(swept):
+            if not (
+                last.stable and next_orbit.stable and _compare_orbits(next_orbit, last) > _JUMP
+            ):
                 continue
-            back = self._solve_near_orbit(after, last.frequency, after.level)
-            if back is None or not back.stable or _compare_orbits(back, last) <= _SAME_SOLUTION:
+            orbit_back = self._solve_near_orbit(next_orbit, last.frequency, next_orbit.level)
+            if (
+                orbit_back is None
+                or not orbit_back.stable
+                or _compare_orbits(orbit_back, last) <= _SAME_SOLUTION
+            ):
                 continue
-            before, excess = last, after.frequency
+            before, excess = last, next_orbit.frequency
             for _ in range(_HALVES):
                 middle = 0.5 * (before.frequency + excess)
-                on = self._solve_near_orbit(before, middle, before.level)
-                if on is None or not on.stable or _compare_orbits(on, before) > _JUMP:
+                middle_orbit = self._solve_near_orbit(before, middle, before.level)
+                if (
+                    middle_orbit is None
+                    or not middle_orbit.stable
+                    or _compare_orbits(middle_orbit, before) > _JUMP
+                ):
                     excess = middle
                 else:
-                    before = on
-            there = self._solve_near_orbit(after, excess, after.level) or after
-            jumps.append(Jump(before, there))
-        return tuple(jumps)
+                    before = middle_orbit
+            orbit_at_jump = (
+                self._solve_near_orbit(next_orbit, excess, next_orbit.level) or next_orbit
+            )
+            found_jumps.append(Jump(before, orbit_at_jump))
+        return tuple(found_jumps)
 
     def changes(self, orbit: Orbit, others: Sequence[PreloadedMass]) -> ComplexArray:
         r"""Return by how much its harmonics would change on others instead, to first order.
@@ -339,7 +357,7 @@ class PreloadedMass:
         return np.array([line.harmonics(item) for item in change]).reshape(-1, line.most + 1)
 
     def end_changes(self, orbit: Orbit, others: Sequence[PreloadedMass]) -> FloatArray:
-        r"""By how much the end of its branch would move on others, Hz, shape (others,).
+        r"""Return the change of the end of its branch for other masses, Hz, shape (others,).
 
         .. math:: \Delta f = -\frac{w \cdot R'}{w \cdot \partial R/\partial f}
 
@@ -372,26 +390,28 @@ _SAME_SOLUTION = 1e-5
 
 
 def _compare_orbits(orbit: Orbit, other: Orbit) -> float:
-    """By how much two answers differ, of the larger first harmonic."""
+    """Return the relative difference of two orbits, of the larger first harmonic."""
     first = max(abs(orbit.harmonics[1]), abs(other.harmonics[1]))
     return float(np.abs(orbit.harmonics[:3] - other.harmonics[:3]).max() / first)
 
 
 @lru_cache(maxsize=8)
-def _transforms(most: int) -> tuple[AlternatingFrequencyTime, FloatArray]:
-    """Between harmonics and samples of a cycle, and the samples of each real unknown."""
-    cycle = AlternatingFrequencyTime(range(most + 1), max(_FEWEST, _PER_HARMONIC * most))
+def _transforms(harmonic_count: int) -> tuple[AlternatingFrequencyTime, FloatArray]:
+    """Return the transform between harmonics and samples, and the samples of each real unknown."""
+    cycle = AlternatingFrequencyTime(
+        range(harmonic_count + 1), max(_FEWEST, _PER_HARMONIC * harmonic_count)
+    )
     turn = cycle.turn.T
     return cycle, np.hstack((turn.real, -turn.imag[:, 1:]))
 
 
 @lru_cache(maxsize=8)
-def _gauss_points(most: int) -> tuple[float, FloatArray, ComplexArray]:
+def _gauss_points(harmonic_count: int) -> tuple[float, FloatArray, ComplexArray]:
     """Return the step of phase, two points in each, shape (steps, 2), and the harmonics there."""
     width = 2 * np.pi / _FLOQUET_STEPS
     first = np.arange(_FLOQUET_STEPS)[:, None] + 0.5
     phase = width * (first + np.array([-1, 1]) / np.sqrt(12))
-    return width, phase, np.exp(1j * phase[..., None] * np.arange(most + 1))
+    return width, phase, np.exp(1j * phase[..., None] * np.arange(harmonic_count + 1))
 
 
 class _PressedBalance:
@@ -400,10 +420,12 @@ class _PressedBalance:
     They are the mean, then the real and then the imaginary parts of the harmonics 1 to H, m.
     """
 
-    def __init__(self, preloaded_mass: PreloadedMass, hz: float, level: float, most: int) -> None:
-        self.of, self.hz, self.level, self.most = preloaded_mass, hz, level, most
-        h, omega = np.arange(most + 1), 2 * np.pi * hz
-        self.cycle, self.basis = _transforms(most)
+    def __init__(
+        self, preloaded_mass: PreloadedMass, hz: float, level: float, harmonic_count: int
+    ) -> None:
+        self.of, self.hz, self.level, self.most = preloaded_mass, hz, level, harmonic_count
+        h, omega = np.arange(harmonic_count + 1), 2 * np.pi * hz
+        self.cycle, self.basis = _transforms(harmonic_count)
         self.samples = len(self.basis)
         self.inertia = -preloaded_mass.mass * (h * omega) ** 2
         s = 1j * omega * np.arange(self.samples // 2 + 1)
@@ -416,10 +438,10 @@ class _PressedBalance:
         """Complex, of the real unknowns."""
         return np.asarray(z[: self.most + 1] + 1j * np.append(0.0, z[self.most + 1 :]))
 
-    def extend_harmonics(self, z: FloatArray, most: int) -> FloatArray:
+    def extend_harmonics(self, z: FloatArray, harmonic_count: int) -> FloatArray:
         """Return the unknowns with more harmonics, of 0."""
-        more = np.zeros(most - self.most)
-        return np.concatenate((z[: self.most + 1], more, z[self.most + 1 :], more))
+        padding = np.zeros(harmonic_count - self.most)
+        return np.concatenate((z[: self.most + 1], padding, z[self.most + 1 :], padding))
 
     def real(self, value: ComplexArray) -> FloatArray:
         """Return the real unknowns, of complex ones."""
@@ -445,7 +467,7 @@ class _PressedBalance:
         return self.real(residual)
 
     def slope(self, z: FloatArray) -> FloatArray:
-        """Of the balance by the unknowns, N/m."""
+        """Return the derivative of the balance by the unknowns, N/m."""
         x, glued = self.pressing(z)
         tangent = np.where(x > 0, self.of.law.tangent(np.maximum(x, 0.0)), 0.0)
         force = np.where(glued > 0, self._apply_arms((tangent * self.basis.T).T).T, 0.0)
@@ -469,7 +491,7 @@ class _PressedBalance:
             lambda z, r: np.asarray(np.linalg.solve(self.slope(z), r)),
             z,
             size=self.size,
-            most=15,
+            max_steps=15,
         )
         return None if values is None else self._build_balanced_state(values)
 
@@ -485,13 +507,13 @@ class _PressedBalance:
         DataError
             If none is reached.
         """
-        z, fraction, reached, n = self.build_rest_state(), 0.0, 0.0, 2 * self.most + 1
-        turned = (-1.0) ** np.arange(self.most + 1)
-        half = np.concatenate((turned, turned[1:], [-1.0]))
-        toward = self._compute_tangent(z, np.append(np.zeros(n), 1.0))
+        z, fraction, max_fraction, n = self.build_rest_state(), 0.0, 0.0, 2 * self.most + 1
+        alternating_signs = (-1.0) ** np.arange(self.most + 1)
+        half_cycle_row = np.concatenate((alternating_signs, alternating_signs[1:], [-1.0]))
+        direction = self._compute_tangent(z, np.append(np.zeros(n), 1.0))
         # lengths over those of the linear answer, and of the level
-        scale, step = np.append(np.full(n, np.abs(toward[1:n]).max()), 1.0), 2.0
-        tangent = toward / np.linalg.norm(toward / scale)
+        scale, step = np.append(np.full(n, np.abs(direction[1:n]).max()), 1.0), 2.0
+        tangent = direction / np.linalg.norm(direction / scale)
         for _ in range(_STEPS):
             ratio = float((1 - fraction) / tangent[n]) if tangent[n] > 0 else np.inf
             last = ratio <= step
@@ -513,16 +535,16 @@ class _PressedBalance:
             if (
                 arclength_step[n] < 0
             ):  # the same motion half a period later: light arms turn it in one step
-                arclength_step, tangent = half * arclength_step, half * tangent
+                arclength_step, tangent = half_cycle_row * arclength_step, half_cycle_row * tangent
             z, fraction = arclength_step[:n], float(arclength_step[n])
-            reached = max(reached, fraction)
-            toward = self._compute_tangent(z, tangent / scale**2)
-            tangent = toward / np.linalg.norm(toward / scale)
+            max_fraction = max(max_fraction, fraction)
+            direction = self._compute_tangent(z, tangent / scale**2)
+            tangent = direction / np.linalg.norm(direction / scale)
             step = 1.5 * length
         raise DataError(
             f"at {self.hz:.5g} Hz no steady answer at the drive's period is reached above "
-            f"{reached * self.level:.4g} N, and {self.level:.4g} N was asked for; ask for a lower "
-            "amplitude, or another frequency"
+            f"{max_fraction * self.level:.4g} N, and {self.level:.4g} N was asked for; ask for a "
+            "lower amplitude, or another frequency"
         )
 
     def _compute_tangent(self, z: FloatArray, before: FloatArray) -> FloatArray:
@@ -537,7 +559,7 @@ class _PressedBalance:
     def _solve_arclength_step(
         self,
         z: FloatArray,
-        done: float,
+        fraction: float,
         tangent: FloatArray,
         length: float,
         scale: FloatArray,
@@ -546,25 +568,25 @@ class _PressedBalance:
     ) -> FloatArray | None:
         """Return the answer a step along the curve, at the whole level if it is the last."""
         n = len(z)
-        ahead = np.append(z, done) + length * tangent
-        across = tangent / scale**2
+        predicted = np.append(z, fraction) + length * tangent
+        normal = tangent / scale**2
         if last:
-            across, ahead[n] = np.append(np.zeros(n), 1.0), 1.0
+            normal, predicted[n] = np.append(np.zeros(n), 1.0), 1.0
 
         def residual(u: FloatArray) -> FloatArray:
-            return np.append(self.balance(u[:n], float(u[n])) / self.size, across @ (u - ahead))
+            return np.append(self.balance(u[:n], float(u[n])) / self.size, normal @ (u - predicted))
 
         def step(u: FloatArray, r: FloatArray) -> FloatArray:
             border = np.zeros((n + 1, n + 1))
-            border[:n, :n], border[1, n], border[n] = self.slope(u[:n]), -self.level, across
+            border[:n, :n], border[1, n], border[n] = self.slope(u[:n]), -self.level, normal
             border[:n] /= self.size
             return np.asarray(np.linalg.solve(border, r))
 
-        values = find_root_by_newton(residual, step, ahead, size=1.0, most=10)
+        values = find_root_by_newton(residual, step, predicted, size=1.0, max_steps=10)
         if values is None:
             return None
-        off = float(np.linalg.norm((values - ahead) / scale))
-        return values if off <= _WIDEST * length else None
+        step_distance = float(np.linalg.norm((values - predicted) / scale))
+        return values if step_distance <= _WIDEST * length else None
 
     def orbit(self, state: BalancedState) -> Orbit:
         """Return the public value of a balanced state.
@@ -574,11 +596,11 @@ class _PressedBalance:
         DataError
             If it moves farther than in any test.
         """
-        far = float(np.abs(self.harmonics(state.unknown)[1:]).max())
+        amplitude = float(np.abs(self.harmonics(state.unknown)[1:]).max())
         SIZES["amplitude"].refuse(
-            max(far, SIZES["amplitude"].hard[0]),
+            max(amplitude, SIZES["amplitude"].hard[0]),
             f"at an amplitude of {format_quantity_short(self.level, 'N')} the mass would move by "
-            f"{format_quantity_short(far, 'm')}",
+            f"{format_quantity_short(amplitude, 'm')}",
             remedy="Check the amplitude and its unit, and the mass.",
         )
         return Orbit(
@@ -605,18 +627,18 @@ class _PressedBalance:
         at_once, dash = 1 + g.sum(), solid.b / solid.k_inf
         width, phase, turn = _gauss_points(self.most)
         x = (turn @ self.harmonics(z)).real
-        pressed = np.maximum(x, 0.0)
-        tangent = np.where(x > 0, law.tangent(pressed), 0.0)
+        compression = np.maximum(x, 0.0)
+        tangent = np.where(x > 0, law.tangent(compression), 0.0)
         samples = 2 * np.pi * np.arange(self.samples) / self.samples
-        on = np.interp(phase, samples, self.pressing(z)[1], period=2 * np.pi) > 0
-        bend = np.gradient(tangent.ravel(), phase.ravel()).reshape(x.shape)  # dF_e'/dphase
+        is_pressed = np.interp(phase, samples, self.pressing(z)[1], period=2 * np.pi) > 0
+        slope = np.gradient(tangent.ravel(), phase.ravel()).reshape(x.shape)  # dF_e'/dphase
         K = float(law.tangent(self.of.rest))
         m = self.of.mass * omega**2
         A = np.zeros((n, 2, 2 + len(g), 2 + len(g)))
         A[..., 0, 1] = 1.0
-        A[..., 1, 0] = -1.0 * on * (at_once * tangent + dash * omega * bend) / m
-        A[..., 1, 1] = -1.0 * on * dash * omega * tangent / m
-        A[..., 1, 2:] = on[..., None] * g * K / m
+        A[..., 1, 0] = -1.0 * is_pressed * (at_once * tangent + dash * omega * slope) / m
+        A[..., 1, 1] = -1.0 * is_pressed * dash * omega * tangent / m
+        A[..., 1, 2:] = is_pressed[..., None] * g * K / m
         A[..., 2:, 0] = tangent[..., None] / K / (omega * tau)
         A[..., range(2, 2 + len(g)), range(2, 2 + len(g))] = -1 / (omega * tau)
         first, second = A[:, 0], A[:, 1]

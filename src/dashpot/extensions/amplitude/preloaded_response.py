@@ -126,7 +126,7 @@ class PreloadedLevel(Serialisable):
 
     @property
     def peak(self) -> dict[str, float]:
-        """Its numbers by their names."""
+        """Frequency and height of the peak by their names."""
         return {"frequency_hz": self.frequency, "value": self.value}
 
     @property
@@ -136,7 +136,7 @@ class PreloadedLevel(Serialisable):
 
     @property
     def second_harmonic(self) -> dict[str, float]:
-        """Where it is largest, Hz, how large, m, and beside which first one."""
+        """Largest second harmonic: frequency, Hz, amplitude, m, and the first harmonic there."""
         first, second = self.doubled.amplitudes[1:3].tolist()
         return {"frequency_hz": self.doubled.frequency, "amplitude": second, "first": first}
 
@@ -147,7 +147,7 @@ class PreloadedLevel(Serialisable):
 
     @property
     def magnitude(self) -> FloatArray | None:
-        """Between which ends that of the response lies, shape (2, n), at the lines of `frf`."""
+        """Interval of the magnitude of the response, shape (2, n), at the lines of `frf`."""
         return None if self.interval is None else self.interval.magnitude
 
     @property
@@ -157,11 +157,11 @@ class PreloadedLevel(Serialisable):
         at = f"at {self.level:.4g} {self.unit}"
 
         def fact(
-            name: str, value: float, ends: Ends | None, unit: str, read: str = ""
+            name: str, value: float, given_interval: Ends | None, unit: str, read: str = ""
         ) -> ReportedValue:
-            low, high = ends or unknown_interval
+            low, high = given_interval or unknown_interval
             words = f"{name.replace('_', ' ')} {at}"
-            error = None if ends or interval is None else math.inf
+            error = None if given_interval or interval is None else math.inf
             return ReportedValue(name, value, low, high, unit, error, read, words)
 
         harmonics: Sequence[Ends | None] = (None,) * len(self.orbit.harmonic_amplitudes)
@@ -182,7 +182,7 @@ class PreloadedLevel(Serialisable):
 
     @property
     def jumps_hz(self) -> list[float]:
-        """Where a rising frequency jumps, Hz."""
+        """Frequencies at which an upward sweep jumps, Hz."""
         return [jump.after.frequency for jump in self.jumps]
 
     @property
@@ -201,7 +201,7 @@ def preloaded_levels(
     load: MassOnSeals,
     *,
     kind: Kind,
-    about: float,
+    around_hz: float,
     frequency: FloatArray,
 ) -> tuple[PreloadedLevel, ...]:
     """Return the resonance of a mass on seals at each level.
@@ -214,7 +214,7 @@ def preloaded_levels(
         N, or m/s^2 of a base.
     load : MassOnSeals
     kind : Kind
-    about : float
+    around_hz : float
         The linear resonance, Hz.
     frequency : array, shape (n,)
         Of the FRF, Hz; at most 121 lines of it are taken.
@@ -232,8 +232,10 @@ def preloaded_levels(
         )
 
     def build_preloaded_mass(law: ElasticLaw, solid: Solid) -> PreloadedMass:
-        on, at = load.seals * law, load.compression
-        return PreloadedMass(load.mass, on, solid, None if at is None else float(on.force(at)))
+        seal_law, at = load.seals * law, load.compression
+        return PreloadedMass(
+            load.mass, seal_law, solid, None if at is None else float(seal_law.force(at))
+        )
 
     preloaded_mass = build_preloaded_mass(fit.elastic_law, fit.solid)
     if preloaded_mass.rest < _MIN_COMPRESSION_SHARE * fit.elastic_law.depth:
@@ -245,25 +247,25 @@ def preloaded_levels(
             "was not "
             "tested; expected a thousandth of that, or more. Check the mass and its unit"
         )
-    others = [build_preloaded_mass(*group) for group in _off_by_error(fit, fit.elastic_law)]
+    variant_masses = [build_preloaded_mass(*group) for group in _off_by_error(fit, fit.elastic_law)]
     band = frequency[:: -(-len(frequency) // _LINES)]
-    rig = _AtLevels(preloaded_mass, others, load, kind)
-    return tuple(rig.compute_resonance(level, band, about) for level in levels)
+    rig = _AtLevels(preloaded_mass, variant_masses, load, kind)
+    return tuple(rig.compute_resonance(level, band, around_hz) for level in levels)
 
 
 def _off_by_error(fit: Fit, law: ElasticLaw) -> list[tuple[ElasticLaw, Solid]]:
     """The law and the solid one standard error off: by each axis of the solid's, by each knot."""
-    off = [
+    variants = [
         (replace(law, stiffness=law.stiffness * solid.k_inf / fit.solid.k_inf), solid)
         for solid in off_by_error(fit)
     ]
-    for i, error in enumerate(law.ratio_se if off else ()):
+    for i, error in enumerate(law.ratio_se if variants else ()):
         if error > 0:
             ratio = np.array(law.ratio)
             ratio[i] += error
             mean = float(np.trapezoid(ratio, law.knots)) / law.depth
-            off.append((replace(law, ratio=tuple((ratio / mean).tolist())), fit.solid))
-    return off
+            variants.append((replace(law, ratio=tuple((ratio / mean).tolist())), fit.solid))
+    return variants
 
 
 @dataclass(frozen=True)
@@ -275,7 +277,7 @@ class _AtLevels:
     load: MassOnSeals
     kind: Kind
 
-    def compute_resonance(self, level: float, band: FloatArray, about: float) -> PreloadedLevel:
+    def compute_resonance(self, level: float, band: FloatArray, around_hz: float) -> PreloadedLevel:
         """Return the resonance at a level, N or m/s^2."""
         force = self.load.mass * level if self.kind.over_base else level
         if force >= self.preloaded_mass.static_force:
@@ -286,38 +288,43 @@ class _AtLevels:
                 "less. "
                 "Ask for a lower amplitude"
             )
-        ends = about * _LINE_RANGE[0], about * _LINE_RANGE[1]
-        lines = np.union1d(band, np.geomspace(*ends, _LINES))
-        swept = self.preloaded_mass.sweep(level=force, frequency=lines)
-        lasting = [orbit for orbit in swept if orbit.stable]
-        near = [orbit for orbit in lasting if ends[0] <= orbit.frequency <= ends[1]]
-        top = int(np.argmax([self.size(orbit) for orbit in near])) if near else 0
-        if top in {0, max(len(near) - 1, 0)}:
+        range_hz = around_hz * _LINE_RANGE[0], around_hz * _LINE_RANGE[1]
+        lines = np.union1d(band, np.geomspace(*range_hz, _LINES))
+        orbits_in_sweep = self.preloaded_mass.sweep(level=force, frequency=lines)
+        lasting = [orbit for orbit in orbits_in_sweep if orbit.stable]
+        near_orbits = [orbit for orbit in lasting if range_hz[0] <= orbit.frequency <= range_hz[1]]
+        top = int(np.argmax([self.size(orbit) for orbit in near_orbits])) if near_orbits else 0
+        if top in {0, max(len(near_orbits) - 1, 0)}:
             raise DataError(
-                f"at {level:g} {unit_of(self.kind)} no resonance is found between {ends[0]:.4g} "
-                f"and {ends[1]:.4g} Hz, of steady responses; ask for a lower amplitude"
+                f"at {level:g} {unit_of(self.kind)} no resonance is found between "
+                f"{range_hz[0]:.4g} and {range_hz[1]:.4g} Hz, of steady responses; ask for a lower "
+                "amplitude"
             )
-        jumps = self.preloaded_mass.jumps(swept)
-        into, out = _find_adjacent_jumps(near[top - 1], near[top], near[top + 1], jumps)
+        jumps = self.preloaded_mass.jumps(orbits_in_sweep)
+        jump_into, jump_out = _find_adjacent_jumps(
+            near_orbits[top - 1], near_orbits[top], near_orbits[top + 1], jumps
+        )
         run, best = self._summit(
-            force, into.after if into else near[top - 1], out.before if out else near[top + 1]
+            force,
+            jump_into.after if jump_into else near_orbits[top - 1],
+            jump_out.before if jump_out else near_orbits[top + 1],
         )
         # both sides of a jump, between which nothing is to be drawn
         orbits = {
             end.frequency: end for end in (*lasting, *(end for jump in jumps for end in jump))
         }
-        shown = [orbits[hz] for hz in sorted(orbits) if band[0] <= hz <= band[-1]]
+        shown_orbits = [orbits[hz] for hz in sorted(orbits) if band[0] <= hz <= band[-1]]
         return PreloadedLevel(
             level,
             unit_of(self.kind),
             run[best].frequency,
             self.size(run[best]),
             run[best],
-            find_largest_orbit(near, 2),
+            find_largest_orbit(near_orbits, 2),
             _unsteady(lines, lasting),
             jumps,
-            self.frf(shown),
-            self.interval(run, best, into, shown),
+            self.frf(shown_orbits),
+            self.interval(run, best, jump_into, shown_orbits),
         )
 
     def _summit(self, force: float, start: Orbit, last: Orbit) -> tuple[list[Orbit], int]:
@@ -328,19 +335,21 @@ class _AtLevels:
         best = int(np.argmax([self.size(orbit) for orbit in run]))
         if 0 < best < len(run) - 1:
             # between the lines, where the parabola through three is highest
-            three = run[best - 1 : best + 2]
-            bend, slope, _ = _parabola(three) @ np.log([self.size(orbit) for orbit in three])
-            near_top = np.array([three[1].frequency - slope / (2 * bend)])
-            summit = self.preloaded_mass.sweep(level=force, frequency=near_top, start=three[1])
-            run[best : best + 1] = [orbit for orbit in summit if orbit.stable] or three[1:2]
+            top_orbits = run[best - 1 : best + 2]
+            curvature, slope, _ = _parabola(top_orbits) @ np.log(
+                [self.size(orbit) for orbit in top_orbits]
+            )
+            near_top = np.array([top_orbits[1].frequency - slope / (2 * curvature)])
+            summit = self.preloaded_mass.sweep(level=force, frequency=near_top, start=top_orbits[1])
+            run[best : best + 1] = [orbit for orbit in summit if orbit.stable] or top_orbits[1:2]
         return run, best
 
     def frf(self, orbits: Sequence[Orbit], motion: complex = 0.0) -> FRF:
         """First harmonics, all changed by so much, m, as the kind has them."""
         f = np.array([orbit.frequency for orbit in orbits])
         force = np.array([orbit.level for orbit in orbits])
-        shaken = np.array([complex(orbit.harmonics[1]) for orbit in orbits]) + motion
-        H = np.asarray(shaken / force, dtype=complex)
+        response = np.array([complex(orbit.harmonics[1]) for orbit in orbits]) + motion
+        H = np.asarray(response / force, dtype=complex)
         if not self.kind.over_base:
             return FRF.from_receptance(f, H, kind=self.kind)
         T: ComplexArray = np.asarray(1 + self.load.mass * (2 * np.pi * f) ** 2 * H)
@@ -355,22 +364,25 @@ class _AtLevels:
     # -- what the errors leave open ---------------------------------------------------------------
 
     def interval(
-        self, run: Sequence[Orbit], best: int, into: Jump | None, shown: Sequence[Orbit]
+        self, run: Sequence[Orbit], best: int, jump_into: Jump | None, shown_orbits: Sequence[Orbit]
     ) -> LevelInterval | None:
-        r"""Between which ends 95 % lie, by the delta method; None where no error is known.
+        r"""Return the 95 % interval by the delta method; None where no error is known.
 
         The largest of :math:`L(f) = \ln|H|` stays where its slope is 0:
         :math:`\Delta f = -(\partial \Delta L/\partial f) / L''`; beside a jump it moves with it.
         """
         if not self.others:
             return None
-        response, f = np.abs(self.frf(shown).value), [orbit.frequency for orbit in shown]
-        some = [_norm(self._logs(orbit)) for orbit in shown[::_LINE_STRIDE]]
-        spread = np.exp(NORMAL * np.interp(f, f[::_LINE_STRIDE], some))
-        magnitude = np.array([response / spread, response * spread])
+        response, f = (
+            np.abs(self.frf(shown_orbits).value),
+            [orbit.frequency for orbit in shown_orbits],
+        )
+        errors = [_norm(self._logs(orbit)) for orbit in shown_orbits[::_LINE_STRIDE]]
+        error_factor = np.exp(NORMAL * np.interp(f, f[::_LINE_STRIDE], errors))
+        magnitude = np.array([response / error_factor, response * error_factor])
         at, first, last = run[best], best == 0, best == len(run) - 1
         if first or last:
-            end = at if into is None or last else into.before
+            end = at if jump_into is None or last else jump_into.before
             shift = self.preloaded_mass.end_changes(end, self.others)
         else:
             shift = self._compute_frequency_shifts(run[best - 1 : best + 2])
@@ -378,18 +390,18 @@ class _AtLevels:
         if last:
             return LevelInterval(frequency, None, None, None, magnitude)
         by_frequency = self._slopes(run[:2] if first else run[best - 1 : best + 2])
-        along = by_frequency(lambda orbit: np.log(self.size(orbit)))
-        value = self.size(at) * np.exp(NORMAL * _norm(self._logs(at) + along * shift) * _SIGNS)
+        log_slope = by_frequency(lambda orbit: np.log(self.size(orbit)))
+        value = self.size(at) * np.exp(NORMAL * _norm(self._logs(at) + log_slope * shift) * _SIGNS)
         count = len(at.harmonic_amplitudes)
-        turn = np.conj(at.harmonics[:count]) / np.maximum(at.harmonic_amplitudes, 1e-300)
-        real = (turn * self.preloaded_mass.changes(at, self.others)[:, :count]).real
+        rotation = np.conj(at.harmonics[:count]) / np.maximum(at.harmonic_amplitudes, 1e-300)
+        real = (rotation * self.preloaded_mass.changes(at, self.others)[:, :count]).real
         real += np.outer(shift, by_frequency(lambda orbit: orbit.harmonic_amplitudes))
-        rests = np.array([other.rest for other in self.others]) - at.rest
+        rest_changes = np.array([other.rest for other in self.others]) - at.rest
         low, high = value.tolist()
         return LevelInterval(
             frequency,
             (low, high) if high < (1 + _MAX_HALF_WIDTH) * self.size(at) else None,
-            _compute_narrow_interval(at.shift, real[:, 0] - rests),
+            _compute_narrow_interval(at.shift, real[:, 0] - rest_changes),
             tuple(
                 _compute_narrow_interval(float(number), real[:, h])
                 if number > _MIN_HARMONIC_SHARE * at.harmonic_amplitudes[1]
@@ -400,40 +412,42 @@ class _AtLevels:
         )
 
     def _logs(self, orbit: Orbit) -> FloatArray:
-        """By how much the logarithm of the response changes on each of the others."""
+        """Return the change of the logarithm of the response for each of the other masses."""
         first = complex(orbit.harmonics[1])
         part = _PART * first
-        value, less = (complex(self.frf([orbit], off).value[0]) for off in (0.0, -part))
+        value, changed_value = (complex(self.frf([orbit], off).value[0]) for off in (0.0, -part))
         change = self.preloaded_mass.changes(orbit, self.others)[:, 1]
-        return np.asarray(((value - less) / part / value * change).real)
+        return np.asarray(((value - changed_value) / part / value * change).real)
 
-    def _compute_frequency_shifts(self, three: Sequence[Orbit]) -> FloatArray:
-        """By how much the largest response moves in frequency on each of the others, Hz."""
-        bend, slope, _ = _parabola(three)
-        size = np.log([self.size(orbit) for orbit in three])
-        return np.asarray(-(slope @ [self._logs(orbit) for orbit in three]) / (2 * bend @ size))
+    def _compute_frequency_shifts(self, top_orbits: Sequence[Orbit]) -> FloatArray:
+        """Return the shift of the largest response for each of the other masses, Hz."""
+        curvature, slope, _ = _parabola(top_orbits)
+        size = np.log([self.size(orbit) for orbit in top_orbits])
+        return np.asarray(
+            -(slope @ [self._logs(orbit) for orbit in top_orbits]) / (2 * curvature @ size)
+        )
 
     @staticmethod
-    def _slopes(few: Sequence[Orbit]) -> Callable[[Callable[[Orbit], Any]], Any]:
-        """What finds the slope by frequency of anything: at the middle of three, or along two."""
-        if len(few) == 2:
-            difference = few[1].frequency - few[0].frequency
-            return lambda of: (of(few[1]) - of(few[0])) / difference
-        return lambda of: _parabola(few)[1] @ [of(orbit) for orbit in few]
+    def _slopes(orbits: Sequence[Orbit]) -> Callable[[Callable[[Orbit], Any]], Any]:
+        """Return a function for derivatives by frequency at the middle of three orbits or two."""
+        if len(orbits) == 2:
+            difference = orbits[1].frequency - orbits[0].frequency
+            return lambda function: (function(orbits[1]) - function(orbits[0])) / difference
+        return lambda function: _parabola(orbits)[1] @ [function(orbit) for orbit in orbits]
 
 
 def _find_adjacent_jumps(
     low: Orbit, top: Orbit, high: Orbit, jumps: Sequence[Jump]
 ) -> tuple[Jump | None, Jump | None]:
     """The jump into the largest response from the one below it, and out of it to the one above."""
-    into = (jump for jump in jumps if low.frequency < jump.after.frequency <= top.frequency)
-    out = (jump for jump in jumps if top.frequency <= jump.before.frequency < high.frequency)
-    return next(into, None), next(out, None)
+    jumps_into = (jump for jump in jumps if low.frequency < jump.after.frequency <= top.frequency)
+    jumps_out = (jump for jump in jumps if top.frequency <= jump.before.frequency < high.frequency)
+    return next(jumps_into, None), next(jumps_out, None)
 
 
-def _parabola(three: Sequence[Orbit]) -> FloatArray:
-    """What makes of values at three the bend, slope and height of their parabola at the second."""
-    f = np.array([orbit.frequency for orbit in three])
+def _parabola(orbits: Sequence[Orbit]) -> FloatArray:
+    """Return the matrix that maps three values to the bend, slope and height of their parabola."""
+    f = np.array([orbit.frequency for orbit in orbits])
     return np.asarray(np.linalg.inv(np.vander(f - f[1], 3)))
 
 
@@ -448,20 +462,20 @@ def _norm(change: FloatArray) -> float:
 
 def _compute_interval(value: float, change: FloatArray) -> Ends:
     """Return the 95 % interval of a value that independent errors move by so much each."""
-    half = NORMAL * _norm(change)
-    return value - half, value + half
+    half_width = NORMAL * _norm(change)
+    return value - half_width, value + half_width
 
 
 def _compute_narrow_interval(value: float, change: FloatArray) -> Ends | None:
-    """That interval, where it is narrower than the value."""
-    ends = _compute_interval(value, change)
-    return ends if ends[1] - value < _MAX_HALF_WIDTH * abs(value) else None
+    """Return the interval of a value, if it is narrower than the value."""
+    interval = _compute_interval(value, change)
+    return interval if interval[1] - value < _MAX_HALF_WIDTH * abs(value) else None
 
 
 def _unsteady(lines: FloatArray, lasting: Sequence[Orbit]) -> tuple[tuple[float, float], ...]:
     """Runs of lines without an answer that lasts, Hz."""
-    gone = ~np.isin(lines, [orbit.frequency for orbit in lasting])
-    turns = np.flatnonzero(np.diff(np.concatenate(([0], gone.astype(int), [0]))))
+    is_missing = ~np.isin(lines, [orbit.frequency for orbit in lasting])
+    turns = np.flatnonzero(np.diff(np.concatenate(([0], is_missing.astype(int), [0]))))
     return tuple(
         (float(lines[a]), float(lines[b - 1])) for a, b in zip(turns[::2], turns[1::2], strict=True)
     )

@@ -121,17 +121,17 @@ def steady_cycles(test: LoopRecord) -> tuple[HysteresisLoop, ...]:
     tones, means = _tones(1 / np.diff(starts)), _means(t, signals, starts)
     loops, last = [], np.nan
     for i, (begin, end) in enumerate(pairwise(starts.tolist())):
-        inside = (t >= begin) & (t < end)
-        if np.count_nonzero(inside) < _MIN_SAMPLES_PER_CYCLE:
+        in_cycle = (t >= begin) & (t < end)
+        if np.count_nonzero(in_cycle) < _MIN_SAMPLES_PER_CYCLE:
             raise DataError(
-                f"{np.count_nonzero(inside)} samples in a cycle of {end - begin:.3g} s; loops need "
-                f"{_MIN_SAMPLES_PER_CYCLE} or more; export more samples, or move slower"
+                f"{np.count_nonzero(in_cycle)} samples in a cycle of {end - begin:.3g} s; loops "
+                f"need {_MIN_SAMPLES_PER_CYCLE} or more; export more samples, or move slower"
             )
-        within = t[inside] - (begin + end) / 2
+        time_from_middle = t[in_cycle] - (begin + end) / 2
         # what is higher than the first harmonic leaks into a slope fitted to one cycle
-        drift = (means[:, i] - means[:, max(i - 1, 0)])[:, None] / (end - begin) * within
-        x, F = signals[:, inside] - means[:, i, None] - drift
-        X1, F1 = _harmonics(within, np.array((x, F)), 2 * np.pi * tones[i])
+        drift = (means[:, i] - means[:, max(i - 1, 0)])[:, None] / (end - begin) * time_from_middle
+        x, F = signals[:, in_cycle] - means[:, i, None] - drift
+        X1, F1 = _harmonics(time_from_middle, np.array((x, F)), 2 * np.pi * tones[i])
         size = float(abs(X1))
         if abs(size / last - 1) <= _STEADY:
             K = complex(F1 / X1)
@@ -163,12 +163,14 @@ def find_flat_part(loops: Sequence[HysteresisLoop]) -> float:
         if size < max(sizes) / 2:
             continue
         # a drift that was taken off tilts what was flat
-        near = 6 * estimate_scatter(loop.force) + _TILT * size
-        crest = float(np.sqrt(4 * near / size) / np.pi)
+        tolerance = 6 * estimate_scatter(loop.force) + _TILT * size
+        crest = float(np.sqrt(4 * tolerance / size) / np.pi)
         for values in (loop.force, -loop.force):
-            edges = np.flatnonzero(np.diff(np.pad((values >= values.max() - near).astype(int), 1)))
-            stays = float((edges[1::2] - edges[::2]).max()) / len(values)
-            longest = max(longest, stays - crest)
+            edges = np.flatnonzero(
+                np.diff(np.pad((values >= values.max() - tolerance).astype(int), 1))
+            )
+            longest_share = float((edges[1::2] - edges[::2]).max()) / len(values)
+            longest = max(longest, longest_share - crest)
     return longest
 
 
@@ -182,11 +184,11 @@ def _tones(frequency: FloatArray) -> FloatArray:
     values = np.empty_like(frequency)
     for part in np.split(order, indices + 1):
         middle = median(frequency[part])
-        near = np.abs(np.log(frequency[part] / middle)) < np.log(_ONE_TONE) / 2
-        wide = frequency[part].max() > _ONE_TONE**2 * frequency[part].min()
+        is_near_tone = np.abs(np.log(frequency[part] / middle)) < np.log(_ONE_TONE) / 2
+        is_wide = frequency[part].max() > _ONE_TONE**2 * frequency[part].min()
         # between two amplitudes a cycle may be shorter or longer
-        swept = wide and np.mean(near) <= 0.5
-        values[part] = frequency[part] if swept else middle
+        is_sweep = is_wide and np.mean(is_near_tone) <= 0.5
+        values[part] = frequency[part] if is_sweep else middle
     return values
 
 

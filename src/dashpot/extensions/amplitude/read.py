@@ -51,9 +51,9 @@ def find_amplitude_column(file: OpenedFile) -> RoleAssignment:
     ReadError
         If there is none, or several could be it.
     """
-    named = assign_amplitude_column(file.table, file.options)
+    amplitude_options = assign_amplitude_column(file.table, file.options)
     for role in _AMPLITUDES:
-        assignment = assign(file.table, role, named)
+        assignment = assign(file.table, role, amplitude_options)
         if isinstance(assignment, RoleAssignment):
             return assignment
         if assignment.choices:
@@ -72,7 +72,7 @@ def propose_amplitude(file: OpenedFile, roles: object) -> list[Question]:
 
 
 def over_amplitude(name: str) -> tuple[float, str]:
-    """What a name says its numbers are over the amplitude of a cycle, and in which words.
+    """Return the factor from numbers of that name to the amplitude of a cycle, and the words.
 
     >>> over_amplitude("Strain p-p"), over_amplitude("Double Strain Amplitude")[0]
     ((2.0, 'peak to peak'), 2.0)
@@ -146,17 +146,17 @@ def read_amplitude(
             "an amplitude sweep is",
             stated_columns=SWEEP_OPTIONS,
         )
-        wanted, ratio = sweep_columns(file)
+        roles, ratio = sweep_columns(file)
         column = find_amplitude_column(file)
-        chosen = channels.with_units(file, [*wanted, column])
-        _, values, unit, notes = parts_of(file, chosen, ratio)
-        called = file.table.columns[column.index]
-        factor, word = over_amplitude(f"{called.name} {called.unit or ''}")
+        channels_chosen = channels.with_units(file, [*roles, column])
+        _, values, unit, notes = parts_of(file, channels_chosen, ratio)
+        column_name = file.table.columns[column.index]
+        factor, word = over_amplitude(f"{column_name.name} {column_name.unit or ''}")
         amplitude = values[column.role] / factor
         if word:
-            notes.append(f"'{called.name}' is {word}: over {factor:.3g} it is the amplitude")
+            notes.append(f"'{column_name.name}' is {word}: over {factor:.3g} it is the amplitude")
         if not np.ptp(amplitude) > 0:
-            raise ReadError(f"'{called.name}' never changes: it is no amplitude sweep")
+            raise ReadError(f"'{column_name.name}' never changes: it is no amplitude sweep")
         frequency = _tones(values["frequency"])
         _require_single_temperature(frequency, amplitude, values.get("temperature"))
         specimen, sentences = add_specimen_temperature(file, specimen or Specimen())
@@ -168,7 +168,7 @@ def read_amplitude(
             unit,
             _UNIT_OF_ROLE[column.role],
             specimen,
-            channels.source(file, [c.message for c in chosen], (*notes, *sentences)),
+            channels.source(file, [c.message for c in channels_chosen], (*notes, *sentences)),
             units="SI",
         )
 
@@ -189,8 +189,8 @@ def _require_single_temperature(
         return
     order = np.lexsort((amplitude, frequency))
     f, X, T = frequency[order], amplitude[order], kelvin[order]
-    same = (f[1:] == f[:-1]) & (X[1:] <= 1.02 * X[:-1])
-    if np.count_nonzero(np.abs(np.diff(T)[same]) > _WARMER) > 2:
+    is_repeat = (f[1:] == f[:-1]) & (X[1:] <= 1.02 * X[:-1])
+    if np.count_nonzero(np.abs(np.diff(T)[is_repeat]) > _WARMER) > 2:
         low, high = (convert_to_unit(float(value), "degC") for value in (T.min(), T.max()))
         raise ReadError(
             f"the same amplitudes at temperatures from {low:.3g} to {high:.3g} degC; expected one "

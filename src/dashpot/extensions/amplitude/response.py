@@ -99,20 +99,20 @@ def resonance_at_level(
             f"{f[-1]:.4g} Hz: there is no resonance among them"
         )
     # the square is a parabola about its least
-    before, here, after = size[top - 1 : top + 2] ** 2
-    shift = (before - after) / (2 * (before - 2 * here + after))
-    least = here - shift * (before - after) / 4
-    return float(f[top] + shift * (f[1] - f[0])), level / float(np.sqrt(least))
+    before, centre, right = size[top - 1 : top + 2] ** 2
+    shift = (before - right) / (2 * (before - 2 * centre + right))
+    peak_square = centre - shift * (before - right) / 4
+    return float(f[top] + shift * (f[1] - f[0])), level / float(np.sqrt(peak_square))
 
 
 def stiffness_at(parts: Parts, omega: FloatArray, X: FloatArray, inertia: float) -> ComplexArray:
     """Return complex stiffness of one seal under its share of the mass, N/m; broadcasts."""
     solid, elements = parts
     springs = [element for element in elements if isinstance(element, Cubic)]
-    others = InParallel(
+    other_elements = InParallel(
         (solid, *(element for element in elements if not isinstance(element, Cubic)))
     )
-    K = others.equivalent(omega, X)
+    K = other_elements.equivalent(omega, X)
     if springs:
         harmonic_factor = with_third_harmonic(parts, omega, X, inertia)
         K = K + harmonic_factor * sum(spring.stiffness(X) for spring in springs)
@@ -122,7 +122,7 @@ def stiffness_at(parts: Parts, omega: FloatArray, X: FloatArray, inertia: float)
 def with_third_harmonic(
     parts: Parts, omega: FloatArray, X: FloatArray, inertia: float
 ) -> ComplexArray:
-    r"""What the third harmonic makes of the stiffness of a cubic spring under a mass, a factor.
+    r"""Return the factor of the third harmonic on the stiffness of a cubic spring under a mass.
 
     .. math:: \frac{X_3}{X} = \frac{-k_3 X^2 / 4}{K(3\omega) - 9 m \omega^2}, \qquad
         \frac{N}{\tfrac34 k_3 X^2} = 1 + \frac{X_3}{X} + 2 \left|\frac{X_3}{X}\right|^2
@@ -138,6 +138,6 @@ def with_third_harmonic(
     """
     solid, elements = parts
     k3 = sum(element.k3 for element in elements if isinstance(element, Cubic))
-    third = solid.complex_stiffness(omega=3 * omega) - 9 * inertia * omega**2
-    ratio = -k3 * X**2 / 4 / third
+    third_harmonic_stiffness = solid.complex_stiffness(omega=3 * omega) - 9 * inertia * omega**2
+    ratio = -k3 * X**2 / 4 / third_harmonic_stiffness
     return np.asarray(1 + ratio + 2 * np.abs(ratio) ** 2)

@@ -73,13 +73,13 @@ class InSeries(AmplitudeDependent):
             return self.behind.advance(second, dt, y)[0] - arms.advance(first, dt, x - y)[0]
 
         # the difference rises with y: widen until it changes its sign
-        reach = max(abs(x - before), 1e-9 * abs(before), _VANISHING)
-        low, high = before - reach, before + reach
+        step_size = max(abs(x - before), 1e-9 * abs(before), _VANISHING)
+        low, high = before - step_size, before + step_size
         while compute_excess(low) > 0:
             low -= 2 * (high - low)
         while compute_excess(high) < 0:
             high += 2 * (high - low)
-        y = float(brentq(compute_excess, low, high, xtol=1e-15 * (abs(before) + reach)))
+        y = float(brentq(compute_excess, low, high, xtol=1e-15 * (abs(before) + step_size)))
         force, first = arms.advance(first, dt, x - y)
         return force, (first, self.behind.advance(second, dt, y)[1], y)
 
@@ -90,7 +90,7 @@ class InSeries(AmplitudeDependent):
 
 @singledispatch
 def compute_series_stiffness(
-    behind: AmplitudeDependent, solid: Solid, omega: FloatArray, amplitude: FloatArray
+    series_part: AmplitudeDependent, solid: Solid, omega: FloatArray, amplitude: FloatArray
 ) -> ComplexArray:
     """Return the complex stiffness, N/m, of a solid and a part behind it, by one harmonic.
 
@@ -102,36 +102,36 @@ def compute_series_stiffness(
     for _ in range(60):
         middle = (low + high) / 2
         end = amplitude * np.exp(middle)
-        short = end * np.abs(1 + behind.equivalent(omega, end) / first) < amplitude
+        short = end * np.abs(1 + series_part.equivalent(omega, end) / first) < amplitude
         low, high = np.where(short, middle, low), np.where(short, high, middle)
-    second = behind.equivalent(omega, amplitude * np.exp(high))
+    second = series_part.equivalent(omega, amplitude * np.exp(high))
     series = first * second / (first + second)
     return np.asarray(np.where(high < np.log(1e-11), first, series))
 
 
 @compute_series_stiffness.register
-def _(behind: Jenkins, solid: Solid, omega: FloatArray, amplitude: FloatArray) -> ComplexArray:
-    both = series(solid.maxwell, spring(behind.k))  # its spring belongs to the solid
-    return compute_series_stiffness(Coulomb(behind.slip), both, omega, amplitude)
+def _(slider: Jenkins, solid: Solid, omega: FloatArray, amplitude: FloatArray) -> ComplexArray:
+    connected = series(solid.maxwell, spring(slider.k))  # its spring belongs to the solid
+    return compute_series_stiffness(Coulomb(slider.slip), connected, omega, amplitude)
 
 
 @compute_series_stiffness.register
-def _(behind: Coulomb, solid: Solid, omega: FloatArray, amplitude: FloatArray) -> ComplexArray:
+def _(slider: Coulomb, solid: Solid, omega: FloatArray, amplitude: FloatArray) -> ComplexArray:
     K, arms = solid.complex_stiffness(omega=omega), solid.maxwell
     if not arms.arms and not arms.b:
-        return Jenkins(arms.k_inf, behind.slip).stiffness(amplitude)
+        return Jenkins(arms.k_inf, slider.slip).stiffness(amplitude)
     values = np.empty(K.shape, dtype=complex)
     for value in np.unique(omega):
-        here = omega == value
-        ratio = amplitude[here] * np.abs(K[here]) / behind.slip
-        values[here] = K[here] * compute_slip_ratio(arms, float(value), ratio)
+        at_frequency = omega == value
+        ratio = amplitude[at_frequency] * np.abs(K[at_frequency]) / slider.slip
+        values[at_frequency] = K[at_frequency] * compute_slip_ratio(arms, float(value), ratio)
     return values
 
 
 _STEPS, _MAX_ITERATIONS, _STEADY_TOLERANCE = 512, 60, 1e-9
-"""Of half a cycle; of Newton at most; what a steady state moves by at most, relatively."""
+"""Steps of half a cycle, largest number of Newton iterations, and relative change when steady."""
 _AT_ONCE = 1e-4
-"""Of a dashpot taken for an arm: omega tau."""
+"""Product omega tau of a dashpot that is represented by an arm."""
 _BEYOND = np.geomspace(1e-3, 1e8, 130)
 """Amplitudes over the one that begins to slip, less 1, at which the answer is tabulated."""
 
@@ -151,9 +151,9 @@ def compute_slip_ratio(solid: GeneralizedMaxwell, omega: float, ratio: FloatArra
     clipped = np.clip(ratio - 1, _BEYOND[0], _BEYOND[-1])
     value = np.exp(-np.log1p(clipped)) * table(np.log(clipped)).view(complex)[..., 0]
     # below the first it grows from what sticks, beyond the last the force is all slip
-    near = 1 - (1 - value) * np.clip((ratio - 1) / _BEYOND[0], 0, 1) ** 1.5
-    far = value * (1 + _BEYOND[-1]) / np.maximum(ratio, 1 + _BEYOND[-1])
-    return np.asarray(np.where(ratio < 1 + _BEYOND[0], near, far))
+    near_value = 1 - (1 - value) * np.clip((ratio - 1) / _BEYOND[0], 0, 1) ** 1.5
+    far_value = value * (1 + _BEYOND[-1]) / np.maximum(ratio, 1 + _BEYOND[-1])
+    return np.asarray(np.where(ratio < 1 + _BEYOND[0], near_value, far_value))
 
 
 @lru_cache(maxsize=512)
@@ -178,7 +178,7 @@ def _march_steady_cycle(solid: GeneralizedMaxwell, omega: float, ratio: FloatArr
     z = np.diff(theta)[:, None] / omega / tau
     weights = np.ones((_STEPS, 1))
     keeps, gains = np.hstack([weights, np.exp(-z)]), np.hstack([weights, -np.expm1(-z) / z])
-    rise = gains @ k
+    stiffness = gains @ k
     state = np.zeros((len(X), len(k)))
     unit = np.eye(len(k))
     force = np.empty((len(X), _STEPS + 1))
@@ -187,13 +187,15 @@ def _march_steady_cycle(solid: GeneralizedMaxwell, omega: float, ratio: FloatArr
         force[:, 0] = np.clip(current @ k, -1, 1)
         for i in range(_STEPS):
             base = current @ (k * keeps[i])
-            trial = base + rise[i] * dx[:, i]
+            trial = base + stiffness[i] * dx[:, i]
             force[:, i + 1] = np.clip(trial, -1, 1)
-            step = (force[:, i + 1] - base) / rise[i]
+            step = (force[:, i + 1] - base) / stiffness[i]
             current = keeps[i] * current + gains[i] * step[:, None]
-            slips = np.abs(trial) > 1
-            follows = -np.einsum("k,nkj->nj", k * keeps[i], turns) / rise[i] * slips[:, None]
-            turns = keeps[i][:, None] * turns + gains[i][:, None] * follows[:, None, :]
+            is_slipping = np.abs(trial) > 1
+            derivative = (
+                -np.einsum("k,nkj->nj", k * keeps[i], turns) / stiffness[i] * is_slipping[:, None]
+            )
+            turns = keeps[i][:, None] * turns + gains[i][:, None] * derivative[:, None, :]
         residual = current + state
         if np.abs(residual).max() <= _STEADY_TOLERANCE * np.abs(current).max():
             break

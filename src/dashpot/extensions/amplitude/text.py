@@ -27,7 +27,7 @@ def levels(value: AmplitudeResult) -> Text:
         lines += _format_small_loops(value.fit)  # type: ignore[arg-type]  # a lag is of loops alone
     rows = [["amplitude, N", "peak, Hz", "95 %", "motion, mm/N", "95 %", "seal, mm"]]
     for item in value.at:
-        peak, motion = (fact.cells.ascii for fact in item.facts)
+        peak, motion = (reported_value.cells.ascii for reported_value in item.facts)
         of_peak, of_motion = (peak.value, peak.interval), (motion.value, motion.interval)
         seal = f"{convert_to_unit(item.amplitude, 'mm'):.3g}"
         rows.append([f"{item.level:.4g}", *of_peak, *of_motion, seal])
@@ -40,7 +40,7 @@ def _format_small_loops(amplitude_fit: AmplitudeFit) -> list[str]:
     storage, loss = ("stiffness", "loss")
     if amplitude_fit.unit == "Pa":
         storage, loss = ("storage modulus", "loss modulus")
-    listed = (
+    stiffness_texts = (
         f"at {line.frequency_hz:.4g} Hz {storage} "
         f"{with_error(line.storage, line.storage_se, amplitude_fit.unit)}, {loss} "
         f"{with_error(line.loss, line.loss_se, amplitude_fit.unit)} {read}"
@@ -48,7 +48,7 @@ def _format_small_loops(amplitude_fit: AmplitudeFit) -> list[str]:
     )
     quantity = format_quantity(amplitude_fit.delay_sd, "ms", ".3g")
     return [
-        f"  small loops: {ascii_only('; '.join(listed))}",
+        f"  small loops: {ascii_only('; '.join(stiffness_texts))}",
         f"  These errors include a delay of 0 ± {quantity} (dashpot fit --machine sync=0.1ms)",
     ]
 

@@ -35,5 +35,5 @@ def refit_nearby(test: RampHold, fit: Fit) -> Fit:
     method: Method = "hold" if fit.method == "hold" else "full"
     setup = build_setup([test], FitOptions(arms, method, max_arms=arms))
     motion = DelayedMotion(HoldBlocks([test]), data_of([test], setup, log_tau), (0.0,))
-    initial_fit = fit_all_orders(motion.data, arms, only=True, near=log_tau)
+    initial_fit = fit_all_orders(motion.data, arms, only_max_arms=True, log_tau_start=log_tau)
     return build_point_fit(motion, initial_fit, setup, arms)

@@ -56,7 +56,7 @@ def upon_panels(
     on_ramp, on_hold = fit_lines(first, prepared, whole or prepared)
     change, *upon = ramp.marks
     *remaining, held = hold.marks
-    rest = residual_panel(first, prepared, since=c, axis=hold.x)
+    rest = residual_panel(first, prepared, time_origin=c, axis=hold.x)
     below: list[Mark] = [*remaining]
     if second is not None:
         below.append(

@@ -59,12 +59,12 @@ def check_lot_acceptance(lot: Lot, limits: Limits) -> tuple[SealDecision, ...]:
     """
     seals = lot.seals(limits.quantity.column)
     deviation, freedom = _compute_pooled_deviation(seals)
-    between = _between_operators(lot, limits.quantity.column)
+    operator_note = _between_operators(lot, limits.quantity.column)
     decisions = []
     for item in seals:
         guard = None
         if freedom:
-            value = math.hypot(deviation / math.sqrt(len(item.values)), between)
+            value = math.hypot(deviation / math.sqrt(len(item.values)), operator_note)
             guard = t_quantile(2 * CONFORMITY_PROBABILITY - 1, freedom) * value
         decisions.append(
             SealDecision(item.lot, item.name, _decision(limits, item.mean, guard), item.mean, guard)
@@ -73,14 +73,14 @@ def check_lot_acceptance(lot: Lot, limits: Limits) -> tuple[SealDecision, ...]:
     missing_seals = (key for key in _find_tested_seals(lot) if key not in items)
     return (
         *decisions,
-        *(SealDecision(of, seal, "no result", None, None) for of, seal in missing_seals),
+        *(SealDecision(lot, seal, "no result", None, None) for lot, seal in missing_seals),
     )
 
 
 def _find_tested_seals(lot: Lot) -> dict[tuple[str, str], None]:
     """Lot and name of every seal; a file that nobody named and that has no fit need not be one."""
     rows = lot.table.select("lot", "seal", "file", "outcome").iter_rows()
-    return {(of, seal or file): None for of, seal, file, end in rows if seal or end == "fitted"}
+    return {(lot, seal or file): None for lot, seal, file, end in rows if seal or end == "fitted"}
 
 
 def _decision(limits: Limits, value: float, guard: float | None) -> Decision:

@@ -162,7 +162,7 @@ def _fit_arrays(
     return fit_many(t, F, displacement=x, ramp=ramp, arms=arms, method=method, errors=errors)
 
 
-def _arrays_in_si(units: str, **given: tuple[Any, Dimension]) -> list[Any]:
+def _arrays_in_si(units: str, **arrays: tuple[Any, Dimension]) -> list[Any]:
     """Return arrays in SI, each given with what it is of; None stays None.
 
     Raises
@@ -172,10 +172,10 @@ def _arrays_in_si(units: str, **given: tuple[Any, Dimension]) -> list[Any]:
     """
     from dashpot.base.arrays import SI, convert_arrays_to_si
 
-    holder = SimpleNamespace(units=units, **{name: values for name, (values, _) in given.items()})
+    holder = SimpleNamespace(units=units, **{name: values for name, (values, _) in arrays.items()})
     if units != SI:
-        convert_arrays_to_si(holder, **{name: dimension for name, (_, dimension) in given.items()})
-    return [getattr(holder, name) for name in given]
+        convert_arrays_to_si(holder, **{name: dimension for name, (_, dimension) in arrays.items()})
+    return [getattr(holder, name) for name in arrays]
 
 
 def compare_lots(first: Lot, second: Lot, /, *, quantities: Sequence[str] = ()) -> LotComparison:

@@ -20,9 +20,15 @@ MOST_ARMS = 6
 """The most that are tried where their number is left to choose."""
 
 
-def several(provided: Quantity | Sequence[Quantity], dimension: Dimension) -> tuple[float, ...]:
+def several(
+    quantity_or_quantities: Quantity | Sequence[Quantity], dimension: Dimension
+) -> tuple[float, ...]:
     """Return one quantity or several in SI."""
-    quantities = [provided] if isinstance(provided, str | float | int) else provided
+    quantities = (
+        [quantity_or_quantities]
+        if isinstance(quantity_or_quantities, str | float | int)
+        else quantity_or_quantities
+    )
     return tuple(convert_to_si(quantity, dimension) for quantity in quantities)
 
 
@@ -111,12 +117,12 @@ class BatchOptions:
 
     @property
     def bench(self) -> ReadOptions:
-        """How a test is read, before it is known to be a modulus."""
+        """Options to read a test, before it is known to be a modulus."""
         return self.reading.drop_fields(("modulus",))
 
     @staticmethod
     def from_plain(values: dict[str, Any]) -> BatchOptions:
-        """From what JSON held of them."""
+        """Return the options from plain values of JSON."""
         options = {
             name: ReadOptions(**(values[name] | {"units": dict(values[name]["units"])}))
             for name in ("reading", "reading_impact")

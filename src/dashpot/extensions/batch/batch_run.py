@@ -67,11 +67,11 @@ class BatchJob:
     quantity: str = ""
     limits: tuple[Limits, ...] = ()
 
-    def entries(self, *, growing: bool = False) -> tuple[Entry, ...]:
+    def entries(self, *, allow_none: bool = False) -> tuple[Entry, ...]:
         """Return the tests that are there now; where more are to come, none is no error."""
         return find_entries(
             self.paths, manifest=self.manifest, by=self.by, pair=self.pair, without=self.output,
-            growing=growing,
+            allow_none=allow_none,
         )  # fmt: skip
 
     def tasks(self) -> tuple[Task, ...]:
@@ -200,9 +200,9 @@ def batch(
         convert_to_si(length, "length"),
         convert_to_si(radius, "length"),
     )
-    every = (paths,) if isinstance(paths, str | Path) else tuple(paths)
+    path_list = (paths,) if isinstance(paths, str | Path) else tuple(paths)
     with _folder(output) as folder:
-        return run_batch(BatchJob(every, folder, choices, by, manifest, pair, jobs, scheduler))
+        return run_batch(BatchJob(path_list, folder, choices, by, manifest, pair, jobs, scheduler))
 
 
 def run_batch(job: BatchJob) -> Lot:
@@ -261,14 +261,16 @@ def plan_batch(job: BatchJob) -> BatchPlan:
     return BatchPlan(len(tasks), len(tasks) - len(missing), chunks, seconds, making.side)
 
 
-def _estimate_seconds_per_row(some: Sequence[Task], choices: BatchOptions) -> float:
-    if not some:
+def _estimate_seconds_per_row(sample_tasks: Sequence[Task], choices: BatchOptions) -> float:
+    if not sample_tasks:
         return 0.0
-    row(some[0].entry, some[0].hashes, choices)  # what is imported once does not count
-    began = time.perf_counter()
-    for task in some:
+    row(
+        sample_tasks[0].entry, sample_tasks[0].hashes, choices
+    )  # what is imported once does not count
+    start_time = time.perf_counter()
+    for task in sample_tasks:
         row(task.entry, task.hashes, choices)
-    return (time.perf_counter() - began) / len(some)
+    return (time.perf_counter() - start_time) / len(sample_tasks)
 
 
 @contextmanager
@@ -281,54 +283,58 @@ def _folder(output: str | Path | None) -> Iterator[Path]:
 
 
 def _missing(tasks: Sequence[Task], folder: Path) -> list[Task]:
-    done = keys_done(folder) if folder.is_dir() else set()
-    return [task for task in tasks if task.key not in done]
+    done_keys = keys_done(folder) if folder.is_dir() else set()
+    return [task for task in tasks if task.key not in done_keys]
 
 
 def _chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
     """Smaller ones towards the end, so that no process waits long for the last of another."""
     task_groups: list[tuple[Task, ...]] = []
-    first, most = 0, max(1, len(missing) // jobs)
+    first, chunk_limit = 0, max(1, len(missing) // jobs)
     while first < len(missing):
         remaining = len(missing) - first
-        size = min(CHUNK, max(_LAST, remaining // (2 * jobs)), most)
+        size = min(CHUNK, max(_LAST, remaining // (2 * jobs)), chunk_limit)
         task_groups.append(tuple(missing[first : first + size]))
         first += size
     return task_groups
 
 
-def _compute(missing: Sequence[Task], choices: BatchOptions, folder: Path, by: Executor) -> None:
-    chunks, done, began = _chunks(missing, by.side), 0, time.monotonic()
+def _compute(
+    missing: Sequence[Task], choices: BatchOptions, folder: Path, executor: Executor
+) -> None:
+    chunks, done_count, start_time = _chunks(missing, executor.side), 0, time.monotonic()
     send_progress(f"{len(missing)} tests in {len(chunks)} chunks")
     first = (0, 0.0)
-    for number, (chunk, rows) in enumerate(by.computed(chunks, choices), start=1):
+    for number, (chunk, rows) in enumerate(executor.computed(chunks, choices), start=1):
         path = write_part(folder, build_row_frame(rows, choices))
-        done += len(chunk)
-        now = done, max(time.monotonic() - began, 1e-6)
-        first = now if number == 1 else first
-        pace = rate(first, now, number, min(by.side, len(chunks)))
-        text = f"{done} of {len(missing)} tests, {pace:.1f} tests/s"
-        if done < len(missing):
-            text += f", {(len(missing) - done) / pace:.0f} s left"
+        done_count += len(chunk)
+        progress = done_count, max(time.monotonic() - start_time, 1e-6)
+        first = progress if number == 1 else first
+        tests_per_second = rate(first, progress, number, min(executor.side, len(chunks)))
+        text = f"{done_count} of {len(missing)} tests, {tests_per_second:.1f} tests/s"
+        if done_count < len(missing):
+            text += f", {(len(missing) - done_count) / tests_per_second:.0f} s left"
         send_progress(text)
         append_log_line(folder, f"{path.name} {_format_outcome_counts(rows)}; {text}")
 
 
-def rate(first: tuple[int, float], now: tuple[int, float], chunks: int, side: int) -> float:
+def rate(
+    first: tuple[int, float], progress: tuple[int, float], chunks: int, parallel_chunks: int
+) -> float:
     """Return tests in a second, by how many were done, and after how many s, at two chunks.
 
-    Of the first round of chunks, `side` by side, those that are not there yet are as good as done;
-    after it, the start of the workers counts no more.
+    Of the first round of chunks, `parallel_chunks` by side, those that are not there yet are as
+    good as done; after it, the start of the workers counts no more.
     """
-    if chunks <= side:
-        return now[0] * side / chunks / now[1]
-    return (now[0] - first[0]) / max(now[1] - first[1], 1e-6)
+    if chunks <= parallel_chunks:
+        return progress[0] * parallel_chunks / chunks / progress[1]
+    return (progress[0] - first[0]) / max(progress[1] - first[1], 1e-6)
 
 
-def append_log_line(folder: Path, what: str) -> None:
+def append_log_line(folder: Path, message: str) -> None:
     """Add a line to the log."""
     with (folder / LOG).open("a", encoding="utf-8") as log:
-        log.write(f"{dt.datetime.now(dt.UTC).isoformat(timespec='seconds')} {what}\n")
+        log.write(f"{dt.datetime.now(dt.UTC).isoformat(timespec='seconds')} {message}\n")
 
 
 def _format_outcome_counts(rows: Rows) -> str:

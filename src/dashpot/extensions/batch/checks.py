@@ -44,11 +44,11 @@ def fits_usable(unusable: int, fitted: int) -> Finding:
     MOST_DOUBTED,
     "our choice: what most tests share, a mean does not remove",
 )
-def few_fits_doubted(doubted: int, fitted: int) -> Finding:
+def few_fits_doubted(doubtful_count: int, fitted: int) -> Finding:
     """Few fits of a batch have the verdict "use with care"."""
     return Finding(
-        f"{doubted} of {fitted} fits have the verdict 'use with care'",
-        doubted / max(fitted, 1),
+        f"{doubtful_count} of {fitted} fits have the verdict 'use with care'",
+        doubtful_count / max(fitted, 1),
         "A fault that all tests share is in the mean, too",
         "Look up their reasons in the table.",
     )  # fmt: skip
@@ -79,11 +79,11 @@ def tests_alike(dissimilar: int, tests: int) -> Finding:
 
 
 @criterion("repeated records", "<=", 0, "by definition", grade="note")
-def records_distinct(again: int, tests: int) -> Finding:
+def records_distinct(copy_count: int, tests: int) -> Finding:
     """Every test has its own record; none is a copy of another."""
     return Finding(
-        f"{tests - again} of {tests} fits have records of their own",
-        again,
+        f"{tests - copy_count} of {tests} fits have records of their own",
+        copy_count,
         "The others are copies, and left out of the statistics",
         "Give each record once.",
     )
@@ -123,7 +123,7 @@ def charts_in_control(charts: Sequence[tuple[str, int, int, int]]) -> Finding:
     Of each kind of chart what its points are, and how many causes, points that break a rule, and
     points there are: lots among themselves are judged apart from the seals of a lot.
     """
-    what, causes, points, total = max(
+    chart_name, causes, points, total = max(
         charts, key=lambda pair: pair[2] / compute_chance_limit(pair[3])
     )
     if not points:
@@ -131,7 +131,7 @@ def charts_in_control(charts: Sequence[tuple[str, int, int, int]]) -> Finding:
             f"No point of {sum(chart[3] for chart in charts)} breaks a rule of control", 0
         )
     return Finding(
-        f"{points} of {total} points of {what} break a rule of control, in "
+        f"{points} of {total} points of {chart_name} break a rule of control, in "
         f"{format_count(causes, 'cause')}",
         points,
         "Chance does not do that",
@@ -144,15 +144,15 @@ def charts_in_control(charts: Sequence[tuple[str, int, int, int]]) -> Finding:
 def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Finding:
     """Every seal lies inside its limits by more than the guard band."""
     counts = {name: decisions.count(name) for name in ("fail", "not proven", "no result")}
-    stated = {
+    decision_texts = {
         "fail": "outside", "not proven": "inside by less than the guard band",
         "no result": "without a value that is used",
     }  # fmt: skip
-    broken = ", ".join(f"{count} {stated[name]}" for name, count in counts.items() if count)
-    passed, every = decisions.count("pass"), len(decisions)
+    broken = ", ".join(f"{count} {decision_texts[name]}" for name, count in counts.items() if count)
+    passed_count, seal_count = decisions.count("pass"), len(decisions)
     return Finding(
-        f"{passed} of {every} seals pass: {words} {limits}",
-        every - passed,
+        f"{passed_count} of {seal_count} seals pass: {words} {limits}",
+        seal_count - passed_count,
         broken,
         "Look up those seals in the table.",
     )
@@ -176,9 +176,9 @@ def capability_as_asked(
         )
     lot, capability = lowest
     low, high = capability.cpk_interval or (0.0, 0.0)
-    where = f" of lot {lot}" if lot else ""
+    lot_text = f" of lot {lot}" if lot else ""
     return Finding(
-        f"Cpk of {words}{where} is {capability.cpk:.2f} ({low:.2f} to {high:.2f}, "
+        f"Cpk of {words}{lot_text} is {capability.cpk:.2f} ({low:.2f} to {high:.2f}, "
         f"{capability.count} seals); "
         f"{target:.2f} is asked",
         capability.cpk,
@@ -206,34 +206,36 @@ def scatter_normal(source: str, normal: float | None) -> Finding:
 
 @criterion("outliers", "<=", 0, "Iglewicz and Hoaglin (1993), for few values wider",
            grade="note")  # fmt: skip
-def no_lot_outlier(out: int, seals: int) -> Finding:
+def no_lot_outlier(outlier_count: int, seals: int) -> Finding:
     """No seal of a lot, and no repeat of a seal, is an outlier."""
     return Finding(
-        f"{out} of {seals} seals or their tests differ from the others", out, remedy="Look at them."
+        f"{outlier_count} of {seals} seals or their tests differ from the others",
+        outlier_count,
+        remedy="Look at them.",
     )
 
 
 @criterion("tests outside their valid band", "<=", 0, "by definition")
 def frequencies_in_band(frequencies: Sequence[float], tests: int) -> Finding:
     """The requested frequencies lie inside the valid band of every test."""
-    where = ", ".join(f"{frequency:g}" for frequency in frequencies)
+    frequencies_text = ", ".join(f"{frequency:g}" for frequency in frequencies)
     return Finding(
         "The frequencies asked for lie in the valid band of every test",
         tests,
-        failure=f"{where} Hz lies outside the valid band of {format_count(tests, 'test')}. "
-        "Stiffness and loss factor there are extrapolated",
+        failure=f"{frequencies_text} Hz lies outside the valid band of "
+        f"{format_count(tests, 'test')}. Stiffness and loss factor there are extrapolated",
         remedy=Remedy("Add a hammer test, or ramp faster.", "pair"),
     )
 
 
 @criterion("conditions that differ", "<=", 0, "by definition")
-def lots_tested_alike(otherwise: Sequence[str]) -> Finding:
+def lots_tested_alike(differences: Sequence[str]) -> Finding:
     """Both lots agree in hold, compression and ramp to 5 %, and in temperature to 3 K."""
     return Finding(
         "The lots were tested alike",
-        len(otherwise),
-        failure=f"The lots were not tested alike ({', '.join(otherwise)}). The tests may cause the "
-        "difference",
+        len(differences),
+        failure=f"The lots were not tested alike ({', '.join(differences)}). The tests may cause "
+        "the difference",
         remedy="Test both lots alike.",
     )
 

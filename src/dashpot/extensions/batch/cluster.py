@@ -47,13 +47,15 @@ def cluster(address: str) -> Iterator[Executor]:
             f"{advice}"
         ) from None
     with _silent(), closing(_open_client(distributed, address)) as client:
-        side = sum(client.nthreads().values())
-        yield Executor(side, side, partial(_compute_chunks, distributed, client, address))
+        thread_count = sum(client.nthreads().values())
+        yield Executor(
+            thread_count, thread_count, partial(_compute_chunks, distributed, client, address)
+        )
 
 
 @contextmanager
 def _silent() -> Iterator[None]:
-    """What goes wrong is said in one sentence, not in dask's log too."""
+    """Keep dask's log silent: an error is said in one sentence."""
     logs = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
     levels = [log.level for log in logs]
     for logger in logs:
@@ -110,16 +112,16 @@ def _compute_chunks(
         requested_tasks[future.key] = chunk
         return future
 
-    ahead = _QUEUED_CHUNKS * sum(client.nthreads().values())
-    first = list(map(send_chunk, islice(waiting, ahead)))
+    queue_length = _QUEUED_CHUNKS * sum(client.nthreads().values())
+    first = list(map(send_chunk, islice(waiting, queue_length)))
     running = distributed.as_completed(first, loop=client.loop)
     try:
         for future in running:
             chunk = requested_tasks.pop(future.key)
             yield chunk, _rows(future, address)
-            following = next(waiting, None)
-            if following is not None:
-                running.add(send_chunk(following))
+            next_chunk = next(waiting, None)
+            if next_chunk is not None:
+                running.add(send_chunk(next_chunk))
         client.run(stop_idle_workers)
     finally:
         client.cancel(list(running.futures))

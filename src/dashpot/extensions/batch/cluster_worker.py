@@ -57,7 +57,7 @@ def stop_idle_workers() -> None:
 
 
 def _refuse_unreachable(chunk: list[Task], folder: Path) -> None:
-    """What was hashed and is not there would be a row that says so, and stays."""
+    """Refuse a file that was hashed and is not there, which would stay as a row."""
     for task in chunk:
         entry = task.entry
         files = zip((entry.file, *entry.hammer), task.hashes, strict=True)
@@ -71,8 +71,8 @@ def _refuse_unreachable(chunk: list[Task], folder: Path) -> None:
 
 def _pop_idle_worker(key: tuple[str, str]) -> Worker | None:
     with _lock:
-        place = next((i for i, (worker_key, _) in enumerate(_idle) if worker_key == key), None)
-        return None if place is None else _idle.pop(place)[1]
+        idle_index = next((i for i, (worker_key, _) in enumerate(_idle) if worker_key == key), None)
+        return None if idle_index is None else _idle.pop(idle_index)[1]
 
 
 def _add_idle_worker(key: tuple[str, str], worker: Worker) -> None:

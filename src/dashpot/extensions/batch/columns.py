@@ -37,20 +37,20 @@ COUNTS = ("bytes", "samples", "arms")
 _OF_THE_SOLID = ("0", "end", "end_low", "end_high", "inf", "inf_se", "inf_low", "inf_high")
 
 
-def format_stiffness_column(what: str, unit: str) -> str:
+def format_stiffness_column(suffix: str, unit: str) -> str:
     """Return the column of a stiffness: k of a part (`unit` N/m), E of a material (Pa)."""
-    return column(f"{'k' if unit == 'N/m' else 'E'}_{what}", unit)
+    return column(f"{'k' if unit == 'N/m' else 'E'}_{suffix}", unit)
 
 
 NUMBERS = (
     "temperature_K", "hammer_temperature_K", "mass_kg", "depth_m", "ramp_s", "hold_s",
     "force_noise_N",
-    *(format_stiffness_column(what, "N/m") for what in _OF_THE_SOLID), "rms_N", "band_low_Hz",
+    *(format_stiffness_column(suffix, "N/m") for suffix in _OF_THE_SOLID), "rms_N", "band_low_Hz",
     "band_high_Hz", "frequency_Hz", "damping_ratio",
     "predicted_Hz", "predicted_damping_ratio", "measured_Hz", "measured_se_Hz",
     "measured_damping_ratio", "measured_damping_ratio_se", "peak_dB", "frac",
     *(name for kind in KINDS.values() for name in kind.columns),
-    *(format_stiffness_column(what, "Pa") for what in _OF_THE_SOLID),
+    *(format_stiffness_column(suffix, "Pa") for suffix in _OF_THE_SOLID),
 )  # fmt: skip
 
 
@@ -76,20 +76,22 @@ def build_requested_columns(choices: BatchOptions, unit: str) -> dict[Where, tup
     Without a frequency, that of the stiffness at the end of the hold; without a compression, those
     at the depth of the test. A material (`unit` Pa) has no compression.
     """
-    deep = choices.compression if unit == "N/m" else ()
+    compressions = choices.compression if unit == "N/m" else ()
     entries: dict[Where, tuple[str, ...]] = {
         (None, value): (
             format_stiffness_column(f"end_at_{convert_to_unit(value, 'mm'):g}mm", unit),
         )
-        for value in deep
+        for value in compressions
     }
     for frequency in choices.at:
-        for about in deep or (None,):
-            deeper = "" if about is None else f"_{convert_to_unit(about, 'mm'):g}mm"
-            where = f"at_{frequency:g}Hz{deeper}"
-            entries[frequency, about] = (
-                column(f"storage_{where}", unit), column(f"loss_{where}", unit),
-                f"loss_factor_{where}",
+        for compression in compressions or (None,):
+            compression_suffix = (
+                "" if compression is None else f"_{convert_to_unit(compression, 'mm'):g}mm"
+            )
+            column_suffix = f"at_{frequency:g}Hz{compression_suffix}"
+            entries[frequency, compression] = (
+                column(f"storage_{column_suffix}", unit), column(f"loss_{column_suffix}", unit),
+                f"loss_factor_{column_suffix}",
             )  # fmt: skip
     return entries
 

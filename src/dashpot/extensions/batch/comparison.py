@@ -82,17 +82,17 @@ class LotComparison(HasChecks, Serialisable):
 
     @property
     def _headline(self) -> str:
-        """How many quantities differ, and by how much the one does that chance explains least."""
+        """Number of quantities that differ, and the difference that chance explains least."""
         comparisons = [comparison for comparison in self.differences if not comparison.shared]
         if not comparisons:
             return "0 quantities are compared: the lots share their records"
-        least = min(comparisons, key=lambda comparison: comparison.p_value)
+        smallest = min(comparisons, key=lambda comparison: comparison.p_value)
         differ = sum(bool(comparison.different) for comparison in comparisons)
-        low, high = (100 * least.share(end) for end in least.difference.interval)
-        by = 100 * least.share(least.difference.value)
+        low, high = (100 * smallest.share(end) for end in smallest.difference.interval)
+        percent = 100 * smallest.share(smallest.difference.value)
         return (
             f"{differ} of {len(comparisons)} compared quantities differ. "
-            f"{sentence(least.quantity.words)[:-1]}: {by:+.2g} %, 95 % from {low:+.2g} to "
+            f"{sentence(smallest.quantity.words)[:-1]}: {percent:+.2g} %, 95 % from {low:+.2g} to "
             f"{high:+.2g} %"
         )
 
@@ -111,10 +111,12 @@ def _format_comparison(item: Compared) -> Iterator[str]:
         return f"{100 * item.share(value):+.2g} %"
 
     low, high = difference.interval
-    what = f"{'different' if item.different else 'no difference found'} (p = {item.p_value:.2g})"
+    result_text = (
+        f"{'different' if item.different else 'no difference found'} (p = {item.p_value:.2g})"
+    )
     if item.shared:
-        what = f"not checked, the lots have {format_count(item.shared, 'record')} in common"
-    yield f"{item.quantity.words}: {what}"
+        result_text = f"not checked, the lots have {format_count(item.shared, 'record')} in common"
+    yield f"{item.quantity.words}: {result_text}"
     means = " and ".join(
         f"{read(mean)} ({count} seals, SD {read(sd, digits=2)})"
         for mean, count, sd in zip(
@@ -141,12 +143,12 @@ def open_lot(folder_name: str) -> tuple[str, Lot]:
     DataError
         If there are several and none, or one that is not there, was named.
     """
-    folder, _, chosen = (
+    folder, _, lot_name = (
         (folder_name, "", "") if Path(folder_name).is_dir() else folder_name.rpartition(":")
     )
     lot = Lot.read(folder or folder_name)
-    if chosen:
-        return chosen, lot.only(chosen)
+    if lot_name:
+        return lot_name, lot.only(lot_name)
     lots = sorted(set(lot.fitted_rows["lot"]), key=make_natural_sort_key)
     if len(lots) > 1:
         raise DataError(
@@ -161,7 +163,7 @@ def opened_both(names: Sequence[str]) -> list[tuple[str, Lot]]:
     """Return two lots, opened each; those of one name are called as they were named."""
     lots = [open_lot(name) for name in names]
     if len({name for name, _ in lots}) == 1:
-        return [(called, lot) for called, (_, lot) in zip(names, lots, strict=True)]
+        return [(name, lot) for name, (_, lot) in zip(names, lots, strict=True)]
     return lots
 
 
@@ -192,17 +194,18 @@ def compare_two_lots(
     differences = [single_lot.compare(other, quantity.name) for quantity in quantities]
     p_values = holm([difference.p_value for difference in differences])
     unnamed = sum(int((lot.rows_in_statistics["seal"] == "").sum()) for lot in (single_lot, other))
-    again = _count_shared_records(single_lot, other)
+    shared_count = _count_shared_records(single_lot, other)
     tests = single_lot.rows_in_statistics.height + other.rows_in_statistics.height
     return LotComparison(
         (one_name, other_name),
         tuple(
-            Compared(*item, again) for item in zip(quantities, differences, p_values, strict=True)
+            Compared(*item, shared_count)
+            for item in zip(quantities, differences, p_values, strict=True)
         ),
         (
             lots_tested_alike(tuple(_otherwise(single_lot, other))),
             seals_named(unnamed, tests),
-            records_distinct(again, tests),
+            records_distinct(shared_count, tests),
             *(
                 check.with_location(f"in {name}")
                 for name, lot in (first, second)
@@ -226,18 +229,22 @@ def _count_shared_records(first: Lot, second: Lot) -> int:
 
 def _select_common_quantities(first: Lot, second: Lot) -> tuple[str, ...]:
     """Return the quantities that both lots have, without those that follow from others."""
-    theirs = {quantity.name for quantity in second.quantities}
-    mine = (quantity.name for quantity in first.quantities)
-    return tuple(name for name in mine if name in theirs and not name.startswith(_TOLD_BY_OTHERS))
+    second_names = {quantity.name for quantity in second.quantities}
+    first_names = (quantity.name for quantity in first.quantities)
+    return tuple(
+        name
+        for name in first_names
+        if name in second_names and not name.startswith(_TOLD_BY_OTHERS)
+    )
 
 
 def _find_common_quantity(first: tuple[str, Lot], second: tuple[str, Lot], name: str) -> Quantity:
     """Return a quantity that both lots have."""
-    for called, lot in (second, first):
+    for lot_label, lot in (second, first):
         try:
             quantity = lot.quantity(name)
         except DataError as error:
-            raise DataError(f"{called}: {error}") from None
+            raise DataError(f"{lot_label}: {error}") from None
     return quantity
 
 
@@ -251,5 +258,5 @@ def _otherwise(single_lot: Lot, other: Lot) -> Iterator[str]:
         if abs(second - first) > (
             DEGREES if name == "temperature_K" else MAX_CONDITION_DIFFERENCE * abs(first)
         ):
-            what, _, unit = name.rpartition("_")
-            yield f"{what} {first:.4g} and {second:.4g} {unit}"
+            suffix, _, unit = name.rpartition("_")
+            yield f"{suffix} {first:.4g} and {second:.4g} {unit}"

@@ -45,7 +45,7 @@ def control_picture(
     Below the seals stand the standard deviations of their repeats, or, where no seal was tested
     twice, the moving ranges of neighbours. Limits that are `requested`, SI, are drawn across.
     """
-    place = {(seal.lot, seal.name): i + 1.0 for i, seal in enumerate(seals)}
+    positions = {(seal.lot, seal.name): i + 1.0 for i, seal in enumerate(seals)}
     scale = Scale("seal, in the order of lot and name", (0.5, max(len(seals), 1) + 0.5), whole=True)
     x = np.arange(1.0, len(seals) + 1)
     y = quantity.scale * seal_means(seals)
@@ -53,17 +53,19 @@ def control_picture(
     marks: list[Mark] = [Line(x, y, _THREAD)]
     titles, spans = list[tuple[float, str]](), list[tuple[Charts, FloatArray]]()
     for name, chart in charts.items():
-        at = np.array([place[seal.lot, seal.name] for seal in chart.seals])
-        ends = _ends(at)
-        least, centre, most = (
+        at = np.array([positions[seal.lot, seal.name] for seal in chart.seals])
+        end_positions = _ends(at)
+        lower_line, centre, upper_line = (
             quantity.scale * value * np.ones(2)
             for value in (chart.means.lower[0], chart.means.centre, chart.means.upper[0])
         )
-        areas.insert(0, Area(ends, least, most, "fit", "control limits of each lot"))
-        marks.append(Line(ends, centre, _MEAN, "mean of each lot"))
+        areas.insert(
+            0, Area(end_positions, lower_line, upper_line, "fit", "control limits of each lot")
+        )
+        marks.append(Line(end_positions, centre, _MEAN, "mean of each lot"))
         marks += _make_signal_tags(chart.seals, chart.means, at, quantity.scale)
         if name:
-            titles.append((float(ends[0]), name))
+            titles.append((float(end_positions[0]), name))
         spans.append((chart, at))
     limits = quantity.scale * np.array(requested)
     marks += [Rule(end, _ASKED, "limits asked", across=True) for end in limits]
@@ -80,7 +82,7 @@ def _scatter(
 ) -> Iterator[Panel]:
     """The panel of repeats or neighbours, unless there are none; each lot with its places."""
     repeated = any(charts.repeats is not None for charts, _ in spans)
-    what = "SD of repeats" if repeated else "moving range"
+    scatter_title = "SD of repeats" if repeated else "moving range"
     marks, heights = list[Mark](), [np.zeros(1)]
     for item, at in spans:
         chart = item.repeats if repeated else item.moving
@@ -96,7 +98,7 @@ def _scatter(
         heights += [values, ceiling]
     if marks:
         top = 1.15 * max(float(np.nanmax(height, initial=0.0)) for height in heights) or 1.0
-        title = f"{what}, {quantity.unit}".rstrip(", ")
+        title = f"{scatter_title}, {quantity.unit}".rstrip(", ")
         yield Panel(scale, Scale(title, (0.0, top)), tuple(marks), height=70)
 
 
@@ -159,8 +161,8 @@ def histogram_picture(
     marks += [Rule(mean, _MEAN, across=True)]
     text = round_to_error(mean, deviation / 10 if deviation > 0 else None)
     scale = Scale("seals", (0.0, 1.1 * top), whole=True)
-    upright = Scale(f"all {len(seals)} seals", limits, unnumbered=True)
-    panel = Panel(scale, upright, tuple(marks), height=CHART, note=f"mean {text}")
+    vertical = Scale(f"all {len(seals)} seals", limits, unnumbered=True)
+    panel = Panel(scale, vertical, tuple(marks), height=CHART, note=f"mean {text}")
     return Picture("histogram", f"{quantity.title}: all seals", ((panel,),))
 
 
@@ -178,13 +180,13 @@ def cpk_picture(capabilities: Sequence[Capability], requested: float | None) -> 
         Ring(np.concatenate([low, high[::-1]]), np.concatenate([at, at[::-1]]), "ref", "95 %", 0.4),
         Line(cpk, at, Pen("measured", 1.8), "Cpk"),
     ]
-    ends = [low, high]
+    interval = [low, high]
     if requested is not None:
         marks.append(Rule(requested, _ASKED, "asked"))
-        ends.append(np.array([requested]))
-    across = Scale("Cpk", compute_padded_limits(*ends))
-    upright = Scale("", (0.0, len(ranked) + 1.0), unnumbered=True)
-    panel = Panel(across, upright, tuple(marks), height=70, without_y_label=True)
+        interval.append(np.array([requested]))
+    horizontal = Scale("Cpk", compute_padded_limits(*interval))
+    vertical = Scale("", (0.0, len(ranked) + 1.0), unnumbered=True)
+    panel = Panel(horizontal, vertical, tuple(marks), height=70, without_y_label=True)
     return Picture("cpks", "Cpk of every lot", ((panel,),))
 
 
@@ -205,7 +207,7 @@ def lots_picture(
     names, at = list(entries), np.arange(1.0, len(entries) + 1)
     scale = Scale("lot, in the order of name", (0.5, len(names) + 0.5), whole=True)
     means = np.array([entry.mean() for entry in entries.values()])
-    low, near, far, high = (
+    low, lower_quartile, upper_quartile, high = (
         np.array([np.quantile(entry, part) for entry in entries.values()])
         for part in (0.0, 0.05, 0.95, 1.0)
     )
@@ -215,12 +217,14 @@ def lots_picture(
         marks.append(Area(at, *edges, "fit", "control limits of lot means"))
         marks.append(Rule(quantity.scale * lots.mean.centre, _MEAN, "mean of all", across=True))
     marks.append(_bars(at, low, high, Pen("ref", 1.0), "all of its seals"))
-    marks.append(_bars(at, near, far, Pen("ref", 5.0), "90 % of its seals"))
+    marks.append(_bars(at, lower_quartile, upper_quartile, Pen("ref", 5.0), "90 % of its seals"))
     marks += [Rule(quantity.scale * end, _ASKED, "limits asked", across=True) for end in requested]
     marks.append(Dots(at, means, "measured", "mean of a lot", size=5.0))
     if lots is not None and lots.mean.signalling_points:
-        on = [names.index(lots.names[i]) for i in lots.mean.signalling_points]
-        marks.insert(-1, Dots(at[on], means[on], "care", "signal", size=10.0, hollow=True))
+        signalling = [names.index(lots.names[i]) for i in lots.mean.signalling_points]
+        marks.insert(
+            -1, Dots(at[signalling], means[signalling], "care", "signal", size=10.0, hollow=True)
+        )
     limits = _limits(quantity, charts, seals, requested)
     marks += _groups(names, means, limits[1])
     upper = Panel(scale, Scale(quantity.title, limits), tuple(marks), height=CHART)
@@ -280,12 +284,12 @@ def _repeats_of_lots(
         ]
     if not y:
         return
-    joined = np.concatenate(y)
-    marks: list[Mark] = [Dots(np.concatenate(x), joined, "ref", size=2.5),
+    all_values = np.concatenate(y)
+    marks: list[Mark] = [Dots(np.concatenate(x), all_values, "ref", size=2.5),
                          Rule(float(np.mean(centres)), _USUAL, across=True)]  # fmt: skip
     marks += tags[:_GROUPS]
     title = f"SD of repeats of each seal, {quantity.unit}".rstrip(", ")
-    top = 1.2 * float(np.nanmax(joined, initial=0.0)) or 1.0
+    top = 1.2 * float(np.nanmax(all_values, initial=0.0)) or 1.0
     yield Panel(scale, Scale(title, (0.0, top)), tuple(marks), height=70)
 
 

@@ -76,7 +76,7 @@ def watch_batch(
 
 
 class _Watched:
-    """What was seen of the files, and of what the rows were made."""
+    """State of the files as last read, and of the files of the rows."""
 
     def __init__(self, job: BatchJob, clock: Callable[[], float]) -> None:
         self._job, self._clock = job, clock
@@ -88,14 +88,14 @@ class _Watched:
 
     def look(self, lot: Lot | None, refreshed: Callable[[Lot], None]) -> Lot | None:
         """Make the rows of what has become still since the last look, if anything has."""
-        seen, idle = self._read_folder_states(), self._idle
-        if idle is not None and idle[0] == seen:
+        states, idle = self._read_folder_states(), self._idle
+        if idle is not None and idle[0] == states:
             send_progress(idle[1])
             return lot
         self._idle = None
         try:
-            every = self._job.entries(growing=True)
-            tasks = self._tasks([entry for entry in every if self._still(entry)])
+            entries = self._job.entries(allow_none=True)
+            tasks = self._tasks([entry for entry in entries if self._still(entry)])
             keys = tuple(task.key for task in tasks)
             if keys and keys != self._made:
                 lot = compute_missing_rows(self._job, tasks)
@@ -105,11 +105,11 @@ class _Watched:
         except (DashpotError, OSError) as error:
             self._say(f"waiting: {error}")
         else:
-            moving = len(every) - len(tasks)
+            moving = len(entries) - len(tasks)
             text = f"watching: {len(tasks)} tests, {moving} still being written"
             send_progress(text)
-            if seen is not None and not moving and keys == self._made and _are_all_read(tasks):
-                self._idle = seen, text
+            if states is not None and not moving and keys == self._made and _are_all_read(tasks):
+                self._idle = states, text
         return lot
 
     def _read_folder_states(self) -> tuple[object, ...] | None:
@@ -131,18 +131,18 @@ class _Watched:
         return all(list(map(self._is_unchanged, (entry.file, *entry.hammer))))
 
     def _is_unchanged(self, file: str) -> bool:
-        now, state = self._clock(), _state(file)
+        current, state = self._clock(), _state(file)
         if state is None:
             self._since.pop(file, None)
             return False
-        before, since = self._since.setdefault(file, (state, now))
+        before, unchanged_since = self._since.setdefault(file, (state, current))
         if before != state:
-            self._since[file] = state, now
+            self._since[file] = state, current
             return False
-        return now - since >= UNCHANGED_SECONDS
+        return current - unchanged_since >= UNCHANGED_SECONDS
 
-    def _tasks(self, still: list[Entry]) -> tuple[Task, ...]:
-        return tasks(still, self._job.choices, hashed=self._compute_hash)
+    def _tasks(self, entries: list[Entry]) -> tuple[Task, ...]:
+        return tasks(entries, self._job.choices, hashed=self._compute_hash)
 
     def _compute_hash(self, file: str) -> str:
         """Return the hash of its contents, computed once while it stays as it is."""
@@ -162,17 +162,17 @@ class _Watched:
             self._since.pop(file, None)
             self._made = ()
 
-    def _say(self, what: str) -> None:
-        send_progress(what)
-        if what != self._said:
-            self._said = what
-            append_log_line(self._job.output, what)
+    def _say(self, message: str) -> None:
+        send_progress(message)
+        if message != self._said:
+            self._said = message
+            append_log_line(self._job.output, message)
 
 
 def _is_beside(pair: str | None) -> bool:
     """Return whether the hammers of a test, if any, are files of the test's own folder."""
     text = (pair or "").replace("{stem}", "")
-    return not any(mark in text for mark in ("{", "/", "\\", "**"))
+    return not any(character in text for character in ("{", "/", "\\", "**"))
 
 
 def _are_all_read(tasks: Sequence[Task]) -> bool:
@@ -182,18 +182,18 @@ def _are_all_read(tasks: Sequence[Task]) -> bool:
 
 def _scan_states(folder: str, results: Path) -> Iterator[tuple[object, ...]]:
     """Yield name and state of what a folder holds at any depth, of links with what they lead to."""
-    inside: list[str] = []
+    paths: list[str] = []
     with os.scandir(folder) as items:
         for item in items:
             if item.is_dir(follow_symlinks=False):
                 if not item.name.startswith(".") and Path(item).resolve() != results.resolve():
-                    inside.append(item.path)
+                    paths.append(item.path)
                 yield (item.path,)
                 continue
             yield item.name, *_pick_state(item.stat(follow_symlinks=False))
             if item.is_symlink():
                 yield os.path.realpath(item.path), *(_state(item.path) or ())
-    for path in inside:
+    for path in paths:
         yield from _scan_states(path, results)
 
 

@@ -50,23 +50,25 @@ def compare_with_hammer(
             fit.at(entry.hammer_temperature)
         except DataError as error:
             return fit, _resonance(frf) | origin | {"reason": f"hammer: {error}"}
-    on = MassOnSeals(mass, choices.seals)
-    _, comparison = compare_with_measured(fit, frf, on)
+    mass_on_seals = MassOnSeals(mass, choices.seals)
+    _, comparison = compare_with_measured(fit, frf, mass_on_seals)
     numbers = _peaks(comparison) | origin
     if choices.joint and isinstance(record, RampHold):
-        at = find_static_equilibrium(fit, on).point.compression
+        at = find_static_equilibrium(fit, mass_on_seals).point.compression
         from dashpot.fitting.identification.identify import identify
 
         fit = identify(
             frf, tests=(record,), fit=fit, mass=mass, seals=choices.seals, compression=at
         )
-        _, comparison = compare_with_measured(fit, frf, on)
-    agreed = verdict((*frf.checks, *comparison.checks), headline=comparison.message)
+        _, comparison = compare_with_measured(fit, frf, mass_on_seals)
+    verdict_with_hammer = verdict((*frf.checks, *comparison.checks), headline=comparison.message)
     numbers |= {
-        "agreement": agreed.use,
+        "agreement": verdict_with_hammer.use,
         "peak_dB": comparison.ratio_db,
         "frac": comparison.frac,
-        "reason": "" if agreed.use == "use" else f"hammer: {decapitalise_sentence(agreed.message)}",
+        "reason": ""
+        if verdict_with_hammer.use == "use"
+        else f"hammer: {decapitalise_sentence(verdict_with_hammer.message)}",
     }
     return fit, numbers
 

@@ -105,7 +105,7 @@ class Entry:
 
     @staticmethod
     def from_plain(values: dict[str, Any]) -> Entry:
-        """From what JSON held of it."""
+        """Return the entry from plain values of JSON."""
         return Entry(**{**values, "hammer": tuple(values["hammer"])})
 
     def hashes(self, by: Callable[[str], str] | None = None) -> tuple[str, ...]:
@@ -133,7 +133,7 @@ def find_entries(
     by: str | None = None,
     pair: str | None = None,
     without: Path,
-    growing: bool = False,
+    allow_none: bool = False,
 ) -> tuple[Entry, ...]:
     """Return the tests that paths, folders and patterns name, each once, sorted by path.
 
@@ -153,7 +153,7 @@ def find_entries(
         hold {stem}, the name of the test's file without its suffix, {lot}, {seal} and {repeat}.
     without : Path
         The folder of the results.
-    growing : bool
+    allow_none : bool
         More files are to come: what fits none so far is no error.
 
     Raises
@@ -163,34 +163,35 @@ def find_entries(
     DataError
         If the expression is none, or fits no file, or a pattern pairs nothing.
     """
-    listed = _manifest(manifest)
-    provided = (names for path in paths for names in _expand_path(str(path), without))
-    entries = _build_entries_by_path((*provided, *((path, "") for path in listed)))
+    manifest_entries = _manifest(manifest)
+    paths_found = (names for path in paths for names in _expand_path(str(path), without))
+    entries = _build_entries_by_path((*paths_found, *((path, "") for path in manifest_entries)))
     if manifest is not None:
         entries.pop(os.path.realpath(manifest), None)
-    if not entries and not growing:
+    if not entries and not allow_none:
         raise ReadError(
             f"{', '.join(map(str, paths)) or manifest}: no file is there; give files, folders, "
             "patterns such as 'tests/*.csv', or --manifest FILE"
         )
-    function = _labels(by, [entry.file for entry in entries.values()], growing=growing)
-    for place, item in entries.items():
-        entries[place] = replace(item, **function(item.file))
-    for path, record in listed.items():
-        place = os.path.realpath(path)
-        entries[place] = replace(entries[place], **record)
-    every = sorted(entries.values(), key=lambda entry: entry.file)
-    return _tests(_add_hammer_files(every, pair, growing=growing))
+    function = _labels(by, [entry.file for entry in entries.values()], allow_none=allow_none)
+    for path_key, item in entries.items():
+        entries[path_key] = replace(item, **function(item.file))
+    for path, record in manifest_entries.items():
+        path_key = os.path.realpath(path)
+        entries[path_key] = replace(entries[path_key], **record)
+    sorted_entries = sorted(entries.values(), key=lambda entry: entry.file)
+    return _tests(_add_hammer_files(sorted_entries, pair, allow_none=allow_none))
 
 
 def _build_entries_by_path(paths: Iterable[tuple[str, str]]) -> dict[str, Entry]:
     """Return each file once, by its real path; what is not read by its own, with the reason."""
     entries: dict[str, Entry] = {}
-    for path, aside in paths:
-        place = path if aside else os.path.realpath(validate_path(path))
+    for path, reason in paths:
+        path_key = path if reason else os.path.realpath(validate_path(path))
         # one text where both are the same: there may be many files
         entries.setdefault(
-            path if path == place else place, Entry(_validate_path_encoding(path), aside=aside)
+            path if path == path_key else path_key,
+            Entry(_validate_path_encoding(path), aside=reason),
         )
     return entries
 
@@ -200,8 +201,10 @@ def _validate_path_encoding(path: str) -> str:
     try:
         path.encode()
     except UnicodeEncodeError:
-        shown = path.encode(errors="backslashreplace").decode()
-        raise ReadError(f"{shown}: the name is not UTF-8, as in a table; rename the file") from None
+        printable = path.encode(errors="backslashreplace").decode()
+        raise ReadError(
+            f"{printable}: the name is not UTF-8, as in a table; rename the file"
+        ) from None
     return path
 
 
@@ -218,23 +221,24 @@ def refuse_senseless(by: str | None, pair: str | None) -> None:
         _names(pair)
 
 
-def _tests(every: Sequence[Entry]) -> tuple[Entry, ...]:
+def _tests(entries: Sequence[Entry]) -> tuple[Entry, ...]:
     """Return all but the files that are another's hammer."""
-    hammers = {os.path.realpath(path) for entry in every for path in entry.hammer}
-    return tuple(entry for entry in every if os.path.realpath(entry.file) not in hammers)
+    hammers = {os.path.realpath(path) for entry in entries for path in entry.hammer}
+    return tuple(entry for entry in entries if os.path.realpath(entry.file) not in hammers)
 
 
 def _add_hammer_files(
-    every: Sequence[Entry], pair: str | None, *, growing: bool
+    all_entries: Sequence[Entry], pair: str | None, *, allow_none: bool
 ) -> Sequence[Entry]:
     """Return the entries with their hammers, but for those whose manifest names some."""
     if pair is None:
-        return every
+        return all_entries
     names = _names(pair)
     entries = [
-        entry if entry.hammer else replace(entry, hammer=_hammers(entry, pair)) for entry in every
+        entry if entry.hammer else replace(entry, hammer=_hammers(entry, pair))
+        for entry in all_entries
     ]
-    if not growing:
+    if not allow_none:
         _refuse_unpaired(entries, pair, names)
     if entries and not _tests(entries):
         raise DataError(
@@ -287,28 +291,28 @@ def _expand_path(path: str, without: Path) -> Iterator[tuple[str, str]]:
     elif Path(path).exists():
         yield path, ""
     elif glob.has_magic(path):
-        named = sorted(glob.glob(path, recursive=True))  # noqa: PTH207 -- it may be absolute
-        if not named:
+        matches = sorted(glob.glob(path, recursive=True))  # noqa: PTH207 -- it may be absolute
+        if not matches:
             raise ReadError(f"{path}: the pattern fits no file; give another")
-        for name in named:
+        for name in matches:
             yield from _expand_path(name, without)
     else:
         raise ReadError(missing(path))
 
 
 def _scan_folder(folder: Path, without: Path) -> Iterator[tuple[str, str]]:
-    results, inside = without.resolve(), folder.resolve()
-    for above, folders, files in os.walk(folder, onerror=_unreadable):
+    results, root = without.resolve(), folder.resolve()
+    for parent, folders, files in os.walk(folder, onerror=_unreadable):
         folders[:] = sorted(
             folder
             for folder in folders
-            if not folder.startswith(".") and (Path(above) / folder).resolve() != results
+            if not folder.startswith(".") and (Path(parent) / folder).resolve() != results
         )
         for file in sorted(files):
-            path = Path(above) / file
-            aside = "" if file.startswith(".") else _aside(path, inside)
-            if aside:
-                yield str(path), aside
+            path = Path(parent) / file
+            ignored_reason = "" if file.startswith(".") else _aside(path, root)
+            if ignored_reason:
+                yield str(path), ignored_reason
             elif not file.startswith(".") and path.is_file() and not _result(path):
                 yield str(path), NO_TABLE if _is_prose(path) else ""
 
@@ -336,10 +340,10 @@ def _is_prose(path: Path) -> bool:
     try:
         with path.open("rb") as stream:
             head = stream.read(_HEAD)
-            whole = not stream.read(1)
+            is_complete = not stream.read(1)
     except OSError:
         return False
-    if not whole or not head.strip() or b"\0" in head:
+    if not is_complete or not head.strip() or b"\0" in head:
         return False
     return not any(map(_may_be_row, head.decode("utf-8", "replace").splitlines()))
 
@@ -379,44 +383,47 @@ def _result(path: Path) -> bool:
 
 
 def _labels(
-    by: str | None, files: Sequence[str], *, growing: bool
+    label_pattern: str | None, files: Sequence[str], *, allow_none: bool
 ) -> Callable[[str], dict[str, Any]]:
     """Return what an expression says of a file."""
-    if by is None:
+    if label_pattern is None:
         return lambda _: {}
-    pattern, named = _groups(by)
+    pattern, group_names = _groups(label_pattern)
 
     def parse_labels(file: str) -> dict[str, Any]:
         match = pattern.search(Path(file).as_posix())
         return {} if match is None else {
-            name: sys.intern(match[i] or "") for i, name in enumerate(named, start=1)
+            name: sys.intern(match[i] or "") for i, name in enumerate(group_names, start=1)
         }  # fmt: skip
 
-    if not any(map(parse_labels, files)) and not growing:
+    if not any(map(parse_labels, files)) and not allow_none:
         raise DataError(
-            f"--label-pattern '{by}' fits none of {len(files)} paths, such as {files[0]}"
+            f"--label-pattern '{label_pattern}' fits none of {len(files)} paths, such as {files[0]}"
         )
     return parse_labels
 
 
-def _groups(by: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
+def _groups(label_pattern: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
     """Return a regular expression, and which label each of its groups is."""
     try:
-        pattern = re.compile(by)
+        pattern = re.compile(label_pattern)
     except re.error as error:
-        raise DataError(f"--label-pattern '{by}' is no regular expression: {error}") from None
-    named = tuple(pattern.groupindex) or LABELS[: pattern.groups]
+        raise DataError(
+            f"--label-pattern '{label_pattern}' is no regular expression: {error}"
+        ) from None
+    group_names = tuple(pattern.groupindex) or LABELS[: pattern.groups]
     if (
         not 1 <= pattern.groups <= len(LABELS)
-        or len(named) != pattern.groups
-        or set(named) - set(LABELS)
+        or len(group_names) != pattern.groups
+        or set(group_names) - set(LABELS)
     ):
         raise DataError(
-            f"--label-pattern '{by}' has {pattern.groups} groups ({', '.join(named) or 'none'}); "
+            f"--label-pattern '{label_pattern}' has {pattern.groups} groups "
+            f"({', '.join(group_names) or 'none'}); "
             r"expected up to five, named or in the order of lot, seal, repeat, operator, date: "
             r"'lot(\w+)_seal(\d+)_rep(\d+)'"
         )
-    return pattern, named
+    return pattern, group_names
 
 
 def _rows_of(content: bytes, *, toml: bool) -> Any:
@@ -426,7 +433,7 @@ def _rows_of(content: bytes, *, toml: bool) -> Any:
 
 
 def _manifest(text: str | Path | None) -> dict[str, dict[str, Any]]:
-    """What a manifest says of each file, by path; a path in it is seen from its own folder."""
+    """Return the entries of a manifest by path; a path in it starts from its own folder."""
     if text is None:
         return {}
     path = Path(text)
@@ -440,39 +447,39 @@ def _manifest(text: str | Path | None) -> dict[str, dict[str, Any]]:
             f"{path}: the manifest lists no test; expected a CSV whose first line is "
             f"{','.join(_KNOWN)}, or a TOML with a [[test]] for each file"
         )
-    listed: dict[str, dict[str, Any]] = {}
+    entries: dict[str, dict[str, Any]] = {}
     for number, row in enumerate(rows, start=1):
-        where = f"{path}, test {number}"
-        file, stated = _parse_manifest_row(where, row)
-        if str(path.parent / file) in listed:
-            raise ReadError(f"{where}: {file} is listed twice; keep one")
-        stated["hammer"] = tuple(str(path.parent / value) for value in stated.get("hammer", ()))
-        listed[str(path.parent / file)] = stated
-    return listed
+        location = f"{path}, test {number}"
+        file, values = _parse_manifest_row(location, row)
+        if str(path.parent / file) in entries:
+            raise ReadError(f"{location}: {file} is listed twice; keep one")
+        values["hammer"] = tuple(str(path.parent / value) for value in values.get("hammer", ()))
+        entries[str(path.parent / file)] = values
+    return entries
 
 
-def _parse_manifest_row(where: str, row: Any) -> tuple[str, dict[str, Any]]:
+def _parse_manifest_row(location: str, row: Any) -> tuple[str, dict[str, Any]]:
     if isinstance(row, Mapping) and None in row:
         raise ReadError(
-            f"{where}: more cells than the first line has names: {', '.join(row[None])}"
+            f"{location}: more cells than the first line has names: {', '.join(row[None])}"
         )
-    entries = Section(where, row, _KNOWN).entries
-    stated: dict[str, Any] = {
+    entries = Section(location, row, _KNOWN).entries
+    values: dict[str, Any] = {
         name: str(value).strip() for name, value in entries.items() if value not in (None, "")
     }
-    file = stated.pop("file", "")
+    file = values.pop("file", "")
     if not file:
-        raise ReadError(f"{where}: it names no file; fill the column 'file'")
-    for name in [text for text in stated if text in _QUANTITIES]:
+        raise ReadError(f"{location}: it names no file; fill the column 'file'")
+    for name in [text for text in values if text in _QUANTITIES]:
         try:
-            stated[name] = parse_quantity(stated[name], _QUANTITIES[name])
+            values[name] = parse_quantity(values[name], _QUANTITIES[name])
         except DataError as error:
-            raise ReadError(f"{where}: {name}: {error}") from None
-    stated["hammer"] = _parse_text_list(entries.get("hammer"))
-    return file, stated
+            raise ReadError(f"{location}: {name}: {error}") from None
+    values["hammer"] = _parse_text_list(entries.get("hammer"))
+    return file, values
 
 
 def _parse_text_list(value: object) -> list[str]:
     """Return the texts of a list, or between semicolons."""
-    several = value if isinstance(value, list) else str(value or "").split(";")
-    return [text for name in several if (text := str(name).strip())]
+    parts = value if isinstance(value, list) else str(value or "").split(";")
+    return [text for name in parts if (text := str(name).strip())]

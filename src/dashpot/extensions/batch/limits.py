@@ -44,16 +44,16 @@ class Limits(Serialisable):
 
     @property
     def distance(self) -> float | None:
-        """From the lower limit to the upper one; None where one is missing."""
+        """Distance of the two limits; None where one is missing."""
         return None if self.lower is None or self.upper is None else self.upper - self.lower
 
     def __str__(self) -> str:
-        ends = [
+        limit_texts = [
             f"{word} {self.quantity.read(end)}"
             for word, end in (("at least", self.lower), ("at most", self.upper))
             if end is not None
         ]
-        return " and ".join(ends)
+        return " and ".join(limit_texts)
 
 
 def read_limits(path: str | Path, columns: Sequence[str]) -> tuple[Limits, ...]:

@@ -108,18 +108,18 @@ class Lot:
         ReadError
             If there is none.
         """
-        place = Path(folder)
-        if not place.exists():
+        path = Path(folder)
+        if not path.exists():
             raise ReadError(f"{folder} does not exist; give the LOT of dashpot batch -o")
-        place = place.parent if place.is_file() else place
-        frame = join_frames((table for _, table in read_parts(place)), "diagonal")
+        path = path.parent if path.is_file() else path
+        frame = join_frames((table for _, table in read_parts(path)), "diagonal")
         if frame.is_empty():
             raise ReadError(f"{folder} holds no rows of a batch; give the LOT of dashpot batch -o")
         return Lot(frame.sort("file"), 0)
 
     @property
     def outcomes(self) -> dict[str, int]:
-        """How many files were ``fitted``, ``refused``, ``other`` tests, ``died`` or ``changed``.
+        """Number of files ``fitted``, ``refused``, ``other`` tests, ``died`` or ``changed``.
 
         Texts and pictures of a folder were ``ignored``.
         """
@@ -148,8 +148,8 @@ class Lot:
     @property
     def simulated_count(self) -> int:
         """Number of rows of simulated files."""
-        certain = "origin" in self.table.columns
-        return int((self.table["origin"] == SIMULATED).sum()) if certain else 0
+        has_origin = "origin" in self.table.columns
+        return int((self.table["origin"] == SIMULATED).sum()) if has_origin else 0
 
     @cached_property
     def fitted_rows(self) -> pl.DataFrame:
@@ -168,20 +168,20 @@ class Lot:
         """
         entries: dict[str, str] = {}
         for rows in self._groups(self.fitted_rows, "lot", "kind"):
-            for name, what, unit in (
+            for name, condition, unit in (
                 ("hold_s", "held for", "s"), ("depth_m", "pressed to", "mm"),
                 ("temperature_K", "tested at", "K"),
             ):  # fmt: skip
                 if name not in rows.columns or rows[name].is_null().all():
                     continue
-                usual = float(rows[name].quantile(0.5, interpolation="lower") or 0.0)
-                reach = DEGREES if unit == "K" else MAX_CONDITION_DIFFERENCE * usual
+                typical = float(rows[name].quantile(0.5, interpolation="lower") or 0.0)
+                tolerance = DEGREES if unit == "K" else MAX_CONDITION_DIFFERENCE * typical
                 for file, value in rows.drop_nulls(name).select("file", name).iter_rows():
-                    if abs(value - usual) > reach * (1 + 1e-9):
-                        text, others = (
-                            format_quantity(number, unit, ".3g") for number in (value, usual)
+                    if abs(value - typical) > tolerance * (1 + 1e-9):
+                        text, typical_text = (
+                            format_quantity(number, unit, ".3g") for number in (value, typical)
                         )
-                        entries.setdefault(file, f"{what} {text}, its lot {others}")
+                        entries.setdefault(file, f"{condition} {text}, its lot {typical_text}")
         return entries
 
     @cached_property
@@ -228,10 +228,10 @@ class Lot:
             r"loop_(storage|loss|softening)"
         )
         names = self.table.select(polars().col(f"^({pattern}).*$")).columns
-        wanted = [
+        column_names = [
             name for name in names if not any(end in name for end in ("_se_", "_low_", "_high_"))
         ]
-        return tuple(self.quantity(name) for name in wanted if self.table[name].count())
+        return tuple(self.quantity(name) for name in column_names if self.table[name].count())
 
     @property
     def main(self) -> str:
@@ -278,8 +278,8 @@ class Lot:
                 "the scatter has no sources to separate: say which lot, seal and repeat each "
                 "test is, by --label-pattern or --manifest, of at least two lots or seals"
             )
-        certain = self.quantity(name).name == "k_inf"
-        errors = self._select_test_values("k_inf_se_N_per_m", seals) if certain else [None]
+        is_end_of_hold = self.quantity(name).name == "k_inf"
+        errors = self._select_test_values("k_inf_se_N_per_m", seals) if is_end_of_hold else [None]
         return components(
             np.concatenate([seal.values for seal in seals]),
             levels,
@@ -370,10 +370,10 @@ class Lot:
         """
         column, pairs = self.quantity(name).column, []
         for rows in self._groups(self.rows_in_statistics.drop_nulls(column), "lot"):
-            away = stands_out(rows[column].to_numpy())
+            is_outlying = stands_out(rows[column].to_numpy())
             pairs += [
                 (str(file), float(value))
-                for file, value in zip(rows["file"], away, strict=True)
+                for file, value in zip(rows["file"], is_outlying, strict=True)
                 if value
             ]
         return tuple(sorted(pairs, key=lambda pair: -abs(pair[1])))
@@ -382,8 +382,8 @@ class Lot:
     def short_holds(self) -> tuple[str, ...]:
         """Files with a hold below 95 % of the median of their kind and lot."""
         column = polars().col
-        least = SHORT_HOLD * column("hold_s").median().over("lot", "kind")
-        return tuple(self.table.filter(column("hold_s") < least)["file"])
+        shortest_expected = SHORT_HOLD * column("hold_s").median().over("lot", "kind")
+        return tuple(self.table.filter(column("hold_s") < shortest_expected)["file"])
 
     def csv(self) -> str:
         """Return the table as CSV below a line that names dashpot; formulas are escaped."""
@@ -439,8 +439,8 @@ class Lot:
         )
 
     @staticmethod
-    def _groups(rows: pl.DataFrame, *by: str) -> Iterator[pl.DataFrame]:
-        names = [name for name in by if name in rows.columns]
+    def _groups(rows: pl.DataFrame, *labels: str) -> Iterator[pl.DataFrame]:
+        names = [name for name in labels if name in rows.columns]
         for _, group in rows.group_by(names, maintain_order=True):
             yield group
 

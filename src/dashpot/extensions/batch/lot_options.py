@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 OF_HAMMER_ALONE = tuple(name for name in OF_HAMMER if name != "frequency")
-"""Those that no dynamic sweep has too."""
+"""Options of hammer tests that no dynamic sweep has."""
 
 
 _ROWS, _EACH = "Rows and page", "Each test"

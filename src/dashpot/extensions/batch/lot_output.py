@@ -76,7 +76,7 @@ class LotOutput(Serialisable):
 
     @property
     def files(self) -> int:
-        """How many."""
+        """Number of files."""
         return 0 if self.summary is None else self.summary.lot.table.height
 
     @property
@@ -92,8 +92,8 @@ class LotOutput(Serialisable):
         """The tests that stand out."""
         if self.summary is None:
             return None
-        away = self.summary.lot.outliers(self.quantity)
-        return tuple(Outlier(file, value if isfinite(value) else None) for file, value in away)
+        outliers = self.summary.lot.outliers(self.quantity)
+        return tuple(Outlier(file, value if isfinite(value) else None) for file, value in outliers)
 
 
 class Outlier(NamedTuple):
@@ -116,10 +116,12 @@ def make_command_result(job: BatchJob, summary: Summary) -> CommandResult:
         *summary.lines,
         *_format_outliers(lot, quantity),
     ]
-    none = not lot.outcomes.get("fitted")
+    none_fitted = not lot.outcomes.get("fitted")
     reasons = _format_unfitted_files(lot)
-    text = Text([*lines, *reasons]) if none else Text(lines, reasons)
-    return CommandResult(filled, text, summary.checks, verdict=summary.verdict, nothing_done=none)
+    text = Text([*lines, *reasons]) if none_fitted else Text(lines, reasons)
+    return CommandResult(
+        filled, text, summary.checks, verdict=summary.verdict, nothing_done=none_fitted
+    )
 
 
 _VERDICT_PREFIXES = {"good": "", "note": "", "care": "! ", "bad": "!! "}
@@ -139,9 +141,9 @@ def _format_lot_counts(lot: dp.Lot) -> list[str]:
     if lot.simulated_count:
         lines.append(f"SIMULATED   {format_count(lot.simulated_count, 'file')}")
     if lot.ignored_files:
-        shown = [Path(file).name for file in lot.ignored_files[:MOST_NAMED]]
-        more = len(lot.ignored_files) - len(shown)
-        names = ", ".join(shown) + (f" and {more} more" if more else "")
+        shown_names = [Path(file).name for file in lot.ignored_files[:MOST_NAMED]]
+        unlisted_count = len(lot.ignored_files) - len(shown_names)
+        names = ", ".join(shown_names) + (f" and {unlisted_count} more" if unlisted_count else "")
         lines.append(f"ignored     {names}: no table of numbers")
     return [
         *lines,
@@ -157,8 +159,8 @@ def _format_unfitted_files(lot: dp.Lot) -> list[str]:
 
 def _format_outliers(lot: dp.Lot, quantity: str) -> list[str]:
     """Return the tests to look at."""
-    away = [
+    lines = [
         f"  stands out  {file}: {value:+.1f} robust deviations from its lot"
         for file, value in lot.outliers(quantity)
     ]
-    return [*away, *(f"  short hold  {file}" for file in lot.short_holds)]
+    return [*lines, *(f"  short hold  {file}" for file in lot.short_holds)]

@@ -37,7 +37,7 @@ from dashpot.report.first_screen import ORDER
 from dashpot.report.page_frame import VERDICT_COLOURS, digest, environment, frame
 
 ROWS = 50
-"""Of a table or a list in the page: its height does not depend on how many tests there are."""
+"""Rows of a table or a list in the page: its height does not depend on the number of tests."""
 BY_SEALS, FEW_LOTS, MAX_FLAGS = 100, 6, 6
 """Most seals that the chart shows one by one, lots in the table of Cpk, and rows of the gravest
 flags."""
@@ -171,7 +171,7 @@ def _part(name: str) -> str:
 
 
 def _render_picture(picture: Picture, width: float = CHART_WIDTH) -> RenderedFigure:
-    """For a screen and a phone and, where that is wider than a sheet, for paper."""
+    """Return the picture for a screen, a phone and, where it is wider than a sheet, paper."""
     total_height = sum(panel.height for panel in picture.panels)
     return render_figure(picture, width=width, low=total_height if width > PAPER else None)
 
@@ -208,7 +208,7 @@ def _cpks(main: QuantitySummary) -> RenderedFigure | None:
 
 
 def _points(main: QuantitySummary, *, by_lots: bool) -> list[tuple[str, str]]:
-    """What each place of the chart stands for: a lot, or a lot and the words that find a seal."""
+    """Return the lot and seal of each point of the chart."""
     if by_lots:
         return [(lot, "") for lot in split_seals_by_lot(main.seals)]
     return [(seal.lot, f"seal {seal.name}") for seal in main.seals]
@@ -222,9 +222,11 @@ def _curves(lot: Lot, summary: Summary) -> RenderedFigure | None:
             files += chart.seals[at].files
     if rows.is_empty():
         return None
-    few = np.unique(np.linspace(0, rows.height - 1, min(rows.height, CURVES)).astype(int))
+    row_indices = np.unique(np.linspace(0, rows.height - 1, min(rows.height, CURVES)).astype(int))
     outlier_rows = rows.filter(rows["file"].is_in(files)).head(CURVES)
-    return _render_picture(curves_picture([*rows[few].to_dicts(), *outlier_rows.to_dicts()], files))
+    return _render_picture(
+        curves_picture([*rows[row_indices].to_dicts(), *outlier_rows.to_dicts()], files)
+    )
 
 
 def _capability(main: QuantitySummary) -> dict[str, Any] | None:
@@ -232,7 +234,7 @@ def _capability(main: QuantitySummary) -> dict[str, Any] | None:
         return None
     worst, capability = main.lowest
     cpk, low, high = capability.cells
-    near, far = capability.outside_interval
+    nearer_tail, farther_tail = capability.outside_interval
     return {
         "lot": worst,
         "several": len(main.capabilities) > 1,
@@ -242,7 +244,7 @@ def _capability(main: QuantitySummary) -> dict[str, Any] | None:
         "cp": "" if capability.cp is None else f"{capability.cp:.2f}",
         "count": capability.count,
         "outside": capability.outside,
-        "share": f"{100 * near:.2g} to {100 * far:.2g} %",
+        "share": f"{100 * nearer_tail:.2g} to {100 * farther_tail:.2g} %",
         "suspect": capability.suspect,
         "normal": None
         if capability.normal is None
@@ -275,11 +277,11 @@ def _counts(lot: Lot, main: QuantitySummary) -> str:
 def _scatter(main: QuantitySummary) -> list[dict[str, Any]]:
     """Source, share in per cent, standard deviation and its ends, and where its bar stands."""
     rows, at = [], 0.0
-    for item, (fact, share) in zip(main.components, main.sources, strict=True):
-        sd, low, high = fact.cell_texts
+    for item, (reported_value, share) in zip(main.components, main.sources, strict=True):
+        sd, low, high = reported_value.cell_texts
         rows.append({
             "source": item.source, "share": share, "sd": sd,
-            "low": low * fact.has_interval, "high": high * fact.has_interval,
+            "low": low * reported_value.has_interval, "high": high * reported_value.has_interval,
             "at": f"{at:.3f}", "width": f"{100 * item.share:.3f}", "wide": item.share > 0.2,
         })  # fmt: skip
         at += 100 * item.share
@@ -293,8 +295,17 @@ def _gauge(main: QuantitySummary) -> dict[str, Any] | None:
     rows = []
     for variation in study.variations:
         shares = (f"{100 * end:.0f}" for end in variation.share_interval)
-        fact = main.quantity.fact(_SOURCES[variation.name], variation.deviation, variation.interval)
-        rows.append((fact.name, *fact.cell_texts, f"{100 * variation.share:.1f}", *shares))
+        reported_value = main.quantity.fact(
+            _SOURCES[variation.name], variation.deviation, variation.interval
+        )
+        rows.append(
+            (
+                reported_value.name,
+                *reported_value.cell_texts,
+                f"{100 * variation.share:.1f}",
+                *shares,
+            )
+        )
     share = study["gauge"].share
     distance = None if main.limits is None else main.limits.distance
     return {
@@ -313,9 +324,9 @@ def _signals(main: QuantitySummary) -> Iterator[tuple[str, str, str]]:
             yield name, charts.seals[at].name, rule
     if main.lots is not None:
         names, means, deviations = main.lots
-        for chart, what in ((means, "its mean"), (deviations, "its scatter")):
+        for chart, statistic in ((means, "its mean"), (deviations, "its scatter")):
             for at, rule in chart.signals:
-                yield names[at], "", f"{what} is {rule} of all lots"
+                yield names[at], "", f"{statistic} is {rule} of all lots"
 
 
 def _lots(main: QuantitySummary) -> list[tuple[str, ...]]:
@@ -323,16 +334,19 @@ def _lots(main: QuantitySummary) -> list[tuple[str, ...]]:
     rows: list[tuple[str, ...]] = []
     for name, seals in split_seals_by_lot(main.seals).items():
         values = seal_means(seals)
-        shown, charts = main.quantity.format_value, main.charts.get(name)
-        able = main.capability.get(name)
-        spread = float(np.std(values, ddof=1)) if len(values) > 1 else None
-        ends = ("", "")
+        format_value, charts = main.quantity.format_value, main.charts.get(name)
+        capability = main.capability.get(name)
+        deviation = float(np.std(values, ddof=1)) if len(values) > 1 else None
+        limit_texts = ("", "")
         if charts is not None:
-            ends = (shown(float(charts.means.lower[0])), shown(float(charts.means.upper[0])))
-        of_cpk = ("", "", "") if able is None else able.cells
+            limit_texts = (
+                format_value(float(charts.means.lower[0])),
+                format_value(float(charts.means.upper[0])),
+            )
+        of_cpk = ("", "", "") if capability is None else capability.cells
         alarms = "" if charts is None else f"{len(charts.means.causes)}"
-        rows.append((name or "unnamed", f"{len(values)}", shown(float(np.mean(values))),
-                     shown(spread, digits=2), *ends, *of_cpk, alarms))  # fmt: skip
+        rows.append((name or "unnamed", f"{len(values)}", format_value(float(np.mean(values))),
+                     format_value(deviation, digits=2), *limit_texts, *of_cpk, alarms))  # fmt: skip
     # what is least capable leads, else what signals most
     return sorted(rows, key=lambda row: (float(row[6] or "inf"), -int(row[9] or 0)))
 
@@ -341,7 +355,7 @@ def _select_other_quantities(
     lot: Lot, main: QuantitySummary
 ) -> list[tuple[Quantity, Mapping[tuple[str, str], str]]]:
     """The further quantities of the table of seals, each with the means that any of them has."""
-    sentences, there = (
+    sentences, seal_keys = (
         (main.quantity.name, "k_inf", "E_inf"),
         {(seal.lot, seal.name) for seal in main.seals},
     )
@@ -356,26 +370,26 @@ def _select_other_quantities(
         for quantity in lot.quantities
         if quantity.name not in sentences and not quantity.name.startswith("loss_at_")
     ]
-    return [(quantity, means) for quantity, means in pairs if not there.isdisjoint(means)]
+    return [(quantity, means) for quantity, means in pairs if not seal_keys.isdisjoint(means)]
 
 
 def _seals(
-    summary: Summary, others: Sequence[tuple[Quantity, Mapping[tuple[str, str], str]]]
+    summary: Summary, other_columns: Sequence[tuple[Quantity, Mapping[tuple[str, str], str]]]
 ) -> list[dict[str, Any]]:
     """Every seal, the gravest first: what fails, what is to be looked at, the others in order."""
     decisions = {(decision.lot, decision.seal): decision for decision in summary.main.judged}
     seals = {(seal.lot, seal.name): seal for seal in summary.main.seals}
-    why, rows = _build_seal_reasons(summary), []
+    reasons, rows = _build_seal_reasons(summary), []
     # those of which no test is used are judged alone
     for key in dict.fromkeys((*seals, *decisions)):
-        text = "; ".join(why[key])
+        text = "; ".join(reasons[key])
         word: str = decisions[key].decision if key in decisions else "ok"
         if text and word in ("ok", "pass"):
             word = "look"
         rows.append({
             "lot": key[0], "name": key[1], "word": word, "why": text,
             "rank": _GRAVITY.get(word, len(_GRAVITY)),
-            "more": [means.get(key, "") for _, means in others],
+            "more": [means.get(key, "") for _, means in other_columns],
             **_format_seal_cells(seals.get(key), summary.main.quantity),
         })  # fmt: skip
     return sorted(rows, key=lambda row: row["rank"])
@@ -403,17 +417,20 @@ def _causes(main: QuantitySummary) -> Iterator[dict[str, Any]]:
     centre_text = main.quantity.format_value(centre)
     for low, high in lots.mean.causes:
         run = np.arange(low, high + 1)
-        for way, side in (("low", run[values[run] < centre]), ("high", run[values[run] > centre])):
-            if not len(side):
+        for side_name, side_values in (
+            ("low", run[values[run] < centre]),
+            ("high", run[values[run] > centre]),
+        ):
+            if not len(side_values):
                 continue
-            names = [lots.names[at] for at in side]
+            names = [lots.names[at] for at in side_values]
             single = len(names) == 1
             yield {
                 "mark": "care", "name": f"Lot{'' if single else 's'} "
                                         f"{_join_lot_names(names, len(run))}",
                 "filter": names[0],
-                "message": f"{'lies' if single else 'lie'} {way}: {_ends(main, values[side])}, "
-                f"all lots {centre_text}.",
+                "message": f"{'lies' if single else 'lie'} {side_name}: "
+                f"{_ends(main, values[side_values])}, all lots {centre_text}.",
             }  # fmt: skip
 
 
@@ -421,8 +438,8 @@ def _join_lot_names(names: Sequence[str], run: int) -> str:
     """Name lots of one run on one side of the centre: all of them by the first and the last."""
     if len(names) > 2 and len(names) == run:
         return f"{names[0]} to {names[-1]}"
-    *others, last = names
-    return f"{', '.join(others)} and {last}" if others else last
+    *other_names, last = names
+    return f"{', '.join(other_names)} and {last}" if other_names else last
 
 
 def _ends(main: QuantitySummary, values: FloatArray) -> str:
@@ -449,10 +466,10 @@ def _weighs(summary: Summary) -> Iterator[dict[str, Any]]:
         }
     yield from _causes(summary.main)
     for flag in summary.flags:
-        where = ", ".join(filter(None, (flag.lot, flag.seal and f"seal {flag.seal}")))
+        location = ", ".join(filter(None, (flag.lot, flag.seal and f"seal {flag.seal}")))
         yield {
             "mark": "care" if flag.weighty else "note",
-            "name": where or flag.file,
+            "name": location or flag.file,
             "filter": flag.file or f"seal {flag.seal}",
             "message": flag.message,
         }
@@ -486,15 +503,15 @@ def _encode_test_rows(
 
 def _build_seal_reasons(summary: Summary) -> dict[tuple[str, str], list[str]]:
     """Why each seal is to be looked at: its judgement, then its flags."""
-    why: dict[tuple[str, str], list[str]] = defaultdict(list)
+    reasons: dict[tuple[str, str], list[str]] = defaultdict(list)
     for decision in summary.main.judged:
-        why[decision.lot, decision.seal] += filter(
+        reasons[decision.lot, decision.seal] += filter(
             None, [decision.explain_decision(summary.main.quantity)]
         )
     for flag in summary.flags:
         if not flag.file or flag.weighty:
-            why[flag.lot, flag.seal or flag.file].append(flag.message)
-    return why
+            reasons[flag.lot, flag.seal or flag.file].append(flag.message)
+    return reasons
 
 
 def _tests(summary: Summary, labels: Sequence[str]) -> list[dict[str, Any]]:

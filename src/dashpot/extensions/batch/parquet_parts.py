@@ -31,7 +31,7 @@ PARTS = "part-*.parquet"
 SMALL_PART = 25
 """Rows below which a part is small, and how many such parts become one."""
 _FORM = 4
-"""Of a row; another one is another key."""
+"""Version of the form of a row; it is part of the key."""
 
 
 _KEY_WIDE = 64
@@ -61,12 +61,12 @@ class Task:
 
     @property
     def entry(self) -> Entry:
-        """What is known of the test."""
+        """Entry of the test."""
         return Entry.from_plain(dict(zip(Entry.__slots__, self._words, strict=False)))
 
     @property
     def hashes(self) -> tuple[str, ...]:
-        """Of the contents of its file, and of its hammer's."""
+        """Hashes of its file, and of its hammer's."""
         return tuple(self._words[-1])
 
     @property
@@ -143,11 +143,11 @@ def join_frames(
     frames: Iterable[pl.DataFrame], how: Literal["vertical", "diagonal"] = "vertical"
 ) -> pl.DataFrame:
     """Return tables as one; few parts are held at once, for one takes ten times what is in it."""
-    whole: list[pl.DataFrame] = []
-    several = iter(frames)
-    while some := list(islice(several, SMALL_PART)):
-        whole.append(polars().concat(some, how=how, rechunk=True))
-    return cast("pl.DataFrame", polars().concat(whole or [polars().DataFrame()], how=how))
+    frames_joined: list[pl.DataFrame] = []
+    frame_iterator = iter(frames)
+    while batch_of_frames := list(islice(frame_iterator, SMALL_PART)):
+        frames_joined.append(polars().concat(batch_of_frames, how=how, rechunk=True))
+    return cast("pl.DataFrame", polars().concat(frames_joined or [polars().DataFrame()], how=how))
 
 
 def keys_done(folder: Path) -> set[str]:
@@ -160,7 +160,7 @@ def keys_done(folder: Path) -> set[str]:
     }
 
 
-def table(folder: Path, wanted: Iterable[str]) -> pl.DataFrame:
+def table(folder: Path, wanted_keys: Iterable[str]) -> pl.DataFrame:
     """Leave in the folder what is wanted, and return it, sorted by file.
 
     An old row goes, one that is there twice, a half-written file. Rows that stay are written
@@ -171,19 +171,19 @@ def table(folder: Path, wanted: Iterable[str]) -> pl.DataFrame:
     DataError
         If a part went while it was wanted.
     """
-    there = set(folder.glob(PARTS))
+    part_files = set(folder.glob(PARTS))
     # where the first row of a part is sorted, all are after most runs, and sorting takes two copies
     parts = {
         path: (bool(frame["outcome"].is_in(AGAIN).any()), frame["file"][0])
         for path, frame in read_parts(folder)
         if frame.height
     }
-    missing = set(wanted)
+    missing = set(wanted_keys)
     count = len(missing)
     frame = join_frames(
         _extract_missing_rows(folder, sorted(parts, key=lambda path: parts[path]), missing)
     )
-    for path in (*(there - parts.keys()), *folder.glob(f".*{PART}")):
+    for path in (*(part_files - parts.keys()), *folder.glob(f".*{PART}")):
         path.unlink()
     _gather(folder)
     if missing:
@@ -200,13 +200,15 @@ def _extract_missing_rows(
     """Yield of each part the rows that are still missing; leave no others in the folder."""
     for path in parts:
         frame = polars().read_parquet(path.read_bytes())
-        stays = missing.intersection(frame[KEY])
-        missing -= stays
-        whole = len(stays) == frame.height
-        retained = frame if whole else frame.filter(polars().col(KEY).is_in(list(stays)))
-        if stays:
-            yield retained
-        if not stays or (retained.height != frame.height and write_part(folder, retained) != path):
+        kept_keys = missing.intersection(frame[KEY])
+        missing -= kept_keys
+        is_whole = len(kept_keys) == frame.height
+        kept_rows = frame if is_whole else frame.filter(polars().col(KEY).is_in(list(kept_keys)))
+        if kept_keys:
+            yield kept_rows
+        if not kept_keys or (
+            kept_rows.height != frame.height and write_part(folder, kept_rows) != path
+        ):
             path.unlink()
 
 
@@ -215,8 +217,8 @@ def _gather(folder: Path) -> None:
     small = {path for path, frame in read_parts(folder) if frame.height < SMALL_PART}
     if len(small) >= SMALL_PART:
         parts = (frame for path, frame in read_parts(folder) if path in small)
-        whole = write_part(folder, join_frames(parts))
-        for path in small - {whole}:
+        part_path = write_part(folder, join_frames(parts))
+        for path in small - {part_path}:
             path.unlink()
 
 
@@ -229,8 +231,8 @@ def claim(folder: Path) -> None:
     """
     if validate_path(folder).exists() and not folder.is_dir():
         raise ExportError(f"{folder} is a file; give a folder for the results")
-    ours = set(folder.glob(PARTS)) if folder.is_dir() else set()
-    foreign = sorted(set(folder.glob("*.parquet")) - ours) if folder.is_dir() else []
+    part_files = set(folder.glob(PARTS)) if folder.is_dir() else set()
+    foreign = sorted(set(folder.glob("*.parquet")) - part_files) if folder.is_dir() else []
     if foreign:
         raise ExportError(
             f"{foreign[0]} was not written by dashpot batch, and would be taken for rows of the "

@@ -52,9 +52,11 @@ class Executor(NamedTuple):
 
 @contextmanager
 def processes(jobs: int | None) -> Iterator[Executor]:
-    """So many processes of this machine side by side; by default as many as processors."""
-    side = jobs or processors()
-    yield Executor(side, min(side, processors()), partial(_compute_chunks, side))
+    """Yield an executor of processes of this machine; by default as many as processors."""
+    process_count = jobs or processors()
+    yield Executor(
+        process_count, min(process_count, processors()), partial(_compute_chunks, process_count)
+    )
 
 
 def _compute_chunks(
@@ -64,23 +66,23 @@ def _compute_chunks(
     waiting: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
     for chunk in chunks:
         waiting.put(chunk)
-    done: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException] = queue.SimpleQueue()
+    results: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException] = queue.SimpleQueue()
     workers = [Worker(choices) for _ in range(min(jobs, len(chunks)))]
-    over = threading.Event()
+    stop_event = threading.Event()
     threads = [
-        threading.Thread(target=_serve, args=(worker, waiting, done, over), daemon=True)
+        threading.Thread(target=_serve, args=(worker, waiting, results, stop_event), daemon=True)
         for worker in workers
     ]
     for thread in threads:
         thread.start()
     try:
         for _ in chunks:
-            result = done.get()
+            result = results.get()
             if isinstance(result, BaseException):
                 raise result
             yield result
     finally:
-        over.set()
+        stop_event.set()
         for worker, thread in zip(workers, threads, strict=True):
             worker.end()
             thread.join()
@@ -91,12 +93,12 @@ def _serve(
     worker: Worker,
     waiting: queue.SimpleQueue[Chunk],
     results: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException],
-    over: threading.Event,
+    stop_event: threading.Event,
 ) -> None:
     try:
-        while not over.is_set():
+        while not stop_event.is_set():
             chunk = waiting.get_nowait()
-            results.put((chunk, [row for task in chunk for row in worker.rows(task, over)]))
+            results.put((chunk, [row for task in chunk for row in worker.rows(task, stop_event)]))
     except queue.Empty:
         worker.end()
     except BaseException as error:  # noqa: BLE001 -- it is raised where the rows are waited for
@@ -110,10 +112,10 @@ class Worker:
         self._choices, self._folder = choices, folder
         self._process: subprocess.Popen[bytes] | None = None
 
-    def rows(self, task: Task, over: threading.Event) -> Rows:
+    def rows(self, task: Task, stop_event: threading.Event) -> Rows:
         """Return the row of one file, or one for each of its specimens."""
         for _ in range(LIVES):
-            if over.is_set():
+            if stop_event.is_set():
                 break
             reply = self._answer(task)
             if reply.endswith(b"\n"):

@@ -67,25 +67,25 @@ class Quantity(NamedTuple):
 
     @property
     def scale(self) -> float:
-        """From SI to that unit."""
+        """Factor from SI to the unit of the quantity."""
         return convert_to_unit(1.0, self.unit) if self.unit else 1.0
 
     @property
     def dimension(self) -> Dimension | None:
-        """What it measures; None of a plain number."""
+        """Dimension of the quantity; None for a plain number."""
         unit = find_unit(self.unit)
         return None if unit is None else unit.dimension
 
     @property
     def title(self) -> str:
-        """Its words and its unit."""
+        """Name of the quantity with its unit."""
         return f"{self.words}, {self.unit}" if self.unit else self.words
 
     def fact(
-        self, name: str, value: float, ends: tuple[float, float] | None = None
+        self, name: str, value: float, interval: tuple[float, float] | None = None
     ) -> ReportedValue:
         """Return a number of this quantity, SI, and its 95 % interval."""
-        low, high = ends or (math.nan, math.nan)
+        low, high = interval or (math.nan, math.nan)
         return ReportedValue(
             name, value, low, high, parse_column_title(self.column)[1], read=self.unit
         )
@@ -112,8 +112,10 @@ def quantity(name: str, columns: Sequence[str]) -> Quantity:
         quantity.column: quantity for quantity in quantities
     }
     if name not in resolved_quantities:
-        there = ", ".join(sorted({quantity.name for quantity in quantities}))
-        raise DataError(f"'{name}' is no column of numbers of the table; there are {there}")
+        available_names = ", ".join(sorted({quantity.name for quantity in quantities}))
+        raise DataError(
+            f"'{name}' is no column of numbers of the table; there are {available_names}"
+        )
     return resolved_quantities[name]
 
 
@@ -123,12 +125,14 @@ def _parse_column(column: str) -> Quantity:
 
 
 def _format_quantity_words(name: str) -> str:
-    kind, _, where = name.partition("_at_")
-    if not where:
+    kind, _, position_text = name.partition("_at_")
+    if not position_text:
         return _WORDS.get(name, name.replace("_", " "))
-    places = [re.sub(r"(?<=[0-9])(?=Hz|mm)", " ", part) for part in where.split("_")]
+    position_words = [
+        re.sub(r"(?<=[0-9])(?=Hz|mm)", " ", part) for part in position_text.split("_")
+    ]
     text = _KINDS.get(kind) or _WORDS.get(kind, kind)
-    return " at ".join([text, *places])
+    return " at ".join([text, *position_words])
 
 
 def make_natural_sort_key(text: str) -> tuple[tuple[int, str], ...]:

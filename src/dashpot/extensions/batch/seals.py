@@ -39,12 +39,12 @@ class Seal(Serialisable):
 
     @property
     def tests(self) -> int:
-        """How many."""
+        """Number of tests."""
         return len(self.files)
 
     @property
     def mean(self) -> float:
-        """Of its tests."""
+        """Mean of the tests of the seal."""
         return float(self.values.mean())
 
     @property
@@ -97,6 +97,6 @@ def make_control_charts(seals: Sequence[Seal]) -> Charts:
     """Return the control charts of the seals of one lot, two or more."""
     points, moving = individuals(seal_means(seals))
     groups = [seal.values for seal in seals]
-    several = sum(len(group) > 1 for group in groups) > 1
-    repeats = means_and_deviations(groups)[1] if several else None
+    has_several_repeats = sum(len(group) > 1 for group in groups) > 1
+    repeats = means_and_deviations(groups)[1] if has_several_repeats else None
     return Charts(tuple(seals), points, moving, repeats)

@@ -60,11 +60,11 @@ def find_specimen_scatter(lot: Lot | str) -> SpecimenScatter:
     counts = np.array([len(values) for values in logs])
     freedom = int((counts - 1).sum())
     repeat = sum(float(((values - values.mean()) ** 2).sum()) for values in logs)
-    within = repeat / freedom * float((1 / counts).mean()) if freedom else 0.0
+    repeat_variance = repeat / freedom * float((1 / counts).mean()) if freedom else 0.0
     return SpecimenScatter(
         specimens=len(seals),
         mean=float(means.mean()),
         between_square=float(means.var(ddof=1)),
-        within_square=within,
+        within_square=repeat_variance,
         within_freedom=freedom,
     )

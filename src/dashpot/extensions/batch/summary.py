@@ -85,7 +85,7 @@ class ExcludedFile(NamedTuple):
 
 
 class LotLight(NamedTuple):
-    """One of the four summary lines behind a lot's verdict.
+    """One of the four summary lines of a lot's verdict.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ class LotLight(NamedTuple):
 
     @property
     def label(self) -> str:
-        """Its name on a page and in a terminal."""
+        """Name of the indicator on a page and in a terminal."""
         return _LIGHT_LABELS.get(self.name, self.name)
 
 
@@ -193,14 +193,14 @@ class QuantitySummary(Serialisable):
 
     @property
     def signals(self) -> Signals:
-        """Of the charts of seals and lots; each run of points is one cause."""
-        both = self.signals_of("seals"), self.signals_of("lots")
-        return Signals(*map(sum, zip(*both, strict=True)))
+        """Signals of the charts of seals and lots; each run of points is one cause."""
+        signals = self.signals_of("seals"), self.signals_of("lots")
+        return Signals(*map(sum, zip(*signals, strict=True)))
 
-    def signals_of(self, what: Literal["seals", "lots"]) -> Signals:
-        """Of the charts of the seals of each lot, or of the lots among themselves."""
+    def signals_of(self, chart: Literal["seals", "lots"]) -> Signals:
+        """Return the signals of the charts of seals in each lot, or of the chart of lots."""
         charts = [chart.means for chart in self.charts.values()]
-        if what == "lots":
+        if chart == "lots":
             charts = [] if self.lots is None else [self.lots.mean, self.lots.sd]
         return Signals(
             sum(len(chart.causes) for chart in charts),
@@ -231,10 +231,10 @@ class QuantitySummary(Serialisable):
         )
 
     def _deviation(
-        self, name: str, variance: float, ends: tuple[float, float] | None
+        self, name: str, variance: float, interval: tuple[float, float] | None
     ) -> ReportedValue:
-        within = None if ends is None else (sqrt(ends[0]), sqrt(ends[1]))
-        return self.quantity.fact(name, sqrt(variance), within)
+        deviation_interval = None if interval is None else (sqrt(interval[0]), sqrt(interval[1]))
+        return self.quantity.fact(name, sqrt(variance), deviation_interval)
 
     @property
     def capabilities(self) -> dict[str, Capability]:
@@ -289,18 +289,20 @@ class Summary(HasChecks, Serialisable):
 
     @property
     def _headline(self) -> str:
-        """How many files were fitted, the mean of the quantity, and the alarms of its charts."""
+        """Number of fitted files, mean of the quantity, and signals of its charts."""
         fitted, files = self.lot.outcomes.get("fitted", 0), self.lot.record_count
-        how = f"{fitted} of {files} files were fitted"
+        count_text = f"{fitted} of {files} files were fitted"
         if fitted == files:
-            how = f"all {files} files were fitted" if files > 1 else "the one file was fitted"
+            count_text = (
+                f"all {files} files were fitted" if files > 1 else "the one file was fitted"
+            )
         main = self.main
         if len(main.seals) < 2:
-            return how
+            return count_text
         mean = main.quantity.read(float(seal_means(main.seals).mean()))
         return (
-            f"{how}. {sentence(main.quantity.words)[:-1]}: mean {mean} of {len(main.seals)} seals. "
-            f"{_alarms(main).capitalize()}"
+            f"{count_text}. {sentence(main.quantity.words)[:-1]}: mean {mean} of {len(main.seals)} "
+            f"seals. {_alarms(main).capitalize()}"
         )
 
     @property
@@ -308,10 +310,10 @@ class Summary(HasChecks, Serialisable):
         """Files, gauge R&R, control charts and limits: the verdict is the worst of them."""
         main = self.main
         names = {"files": _FILES, "measuring": _MEASURING, "control": _CONTROL}
-        behind: dict[str, list[Check]] = {name: [] for name in (*names, "limits")}
+        checks_by_indicator: dict[str, list[Check]] = {name: [] for name in (*names, "limits")}
         for check in self.checks:
             package = next((name for name, words in names.items() if check.name in words), "limits")
-            behind[package].append(check)
+            checks_by_indicator[package].append(check)
         message = {
             "files": self._files, "measuring": _format_gauge(main),
             "control": _format_control(main),
@@ -320,10 +322,10 @@ class Summary(HasChecks, Serialisable):
         return tuple(
             LotLight(
                 name,
-                _mark(checks, certain=bool(message[name])),
+                _mark(checks, is_certain=bool(message[name])),
                 message[name] or _NOT_JUDGED[name],
             )
-            for name, checks in behind.items()
+            for name, checks in checks_by_indicator.items()
         )
 
     @property
@@ -362,13 +364,13 @@ def summary(lot: Lot, *, quantity: str = "k_end", limits: Sequence[Limits] = ())
     main = lot.quantity(quantity)
     # a stiffness and a modulus share a name, and never a column
     requested_limits = {limit.quantity.column: limit for limit in limits}
-    first, *others = [
+    first, *other_summaries = [
         _compute_quantity_summary(lot, quantity, requested_limits.get(quantity.column))
         for quantity in (main, *(limit.quantity for limit in limits if limit.quantity != main))
     ]
     flags = tuple(_flags(lot, first))
-    checks = (*_checks(lot, (first, *others), flags), *lot.checks)
-    return Summary(lot, first, tuple(others), flags, checks)
+    checks = (*_checks(lot, (first, *other_summaries), flags), *lot.checks)
+    return Summary(lot, first, tuple(other_summaries), flags, checks)
 
 
 def _compute_quantity_summary(
@@ -383,10 +385,10 @@ def _compute_quantity_summary(
         gauge = lot.gauge(name)
     except DataError:
         gauge = None
-    within = {} if limits is None else lot.capability(name, limits.lower, limits.upper)
+    capabilities = {} if limits is None else lot.capability(name, limits.lower, limits.upper)
     return QuantitySummary(
         quantity, lot.seals(name), lot.charts(name), lot.lot_chart(name), scatter, gauge,
-        limits, within, () if limits is None else check_lot_acceptance(lot, limits),
+        limits, capabilities, () if limits is None else check_lot_acceptance(lot, limits),
     )  # fmt: skip
 
 
@@ -398,60 +400,70 @@ def _flags(lot: Lot, quantity: QuantitySummary) -> Iterator[Flag]:
         yield from _list_outlier_seals(name, chart, quantity.quantity)
     yield from _list_outlier_repeats(quantity)
     rows = lot.table.select("file", "lot", "seal", "outcome", "verdict", "reason").rows()
-    places = {file: (name, seal, file) for file, name, seal, *_ in rows}
+    test_keys = {file: (name, seal, file) for file, name, seal, *_ in rows}
     for file, message in lot.dissimilar.items():
-        yield Flag(*places[file], f"{message}: left out of the statistics")
+        yield Flag(*test_keys[file], f"{message}: left out of the statistics")
     for file, other in lot.copies.items():
-        yield Flag(*places[file], f"the same record as {other}: left out of the statistics")
+        yield Flag(*test_keys[file], f"the same record as {other}: left out of the statistics")
     for file, _, _, outcome, verdict, reason in rows:
         if outcome not in {"fitted", "ignored"} or verdict == "do not use":
             message = (reason or outcome).removeprefix(f"{file}: ")
-            yield Flag(*places[file], message, weighty=False)
+            yield Flag(*test_keys[file], message, weighty=False)
 
 
 def _list_outlier_seals(name: str, charts: Charts, quantity: Quantity) -> Iterator[Flag]:
     """Yield flags of outlying seals of a lot, then of seals whose repeats scatter."""
-    away, far = robust_distance(seal_means(charts.seals)), stands_out(seal_means(charts.seals))
+    distances, is_outlier = (
+        robust_distance(seal_means(charts.seals)),
+        stands_out(seal_means(charts.seals)),
+    )
     outside = {at for at, rule in charts.means.signals if rule == BEYOND}
     for i, seal in enumerate(charts.seals):
-        if far[i] or i in outside:
-            message = _far(quantity, seal, float(away[i])) + f", {BEYOND}" * (i in outside)
+        if is_outlier[i] or i in outside:
+            message = _far(quantity, seal, float(distances[i])) + f", {BEYOND}" * (i in outside)
             yield Flag(name, seal.name, _only(seal), message)
     if charts.repeats is None:
         return
-    usual = quantity.read(charts.repeats.centre, digits=2)
+    typical_text = quantity.read(charts.repeats.centre, digits=2)
     for at, _ in charts.repeats.signals:
         scatter = quantity.read(float(charts.repeats.values[at]), digits=2)
         yield Flag(name, charts.seals[at].name, "", f"its repeats scatter by {scatter}, those of "
-                   f"others by {usual}: was it mounted anew?")  # fmt: skip
+                   f"others by {typical_text}: was it mounted anew?")  # fmt: skip
 
 
 def _only(seal: Seal) -> str:
     return seal.files[0] if len(seal.files) == 1 else ""
 
 
-def _far(quantity: Quantity, seal: Seal, away: float) -> str:
-    by = f"{abs(away):.1f} robust deviations " if isfinite(away) else ""
-    return f"{quantity.read(seal.mean)}, {by}{_side(away)} the median seal of its lot"
+def _far(quantity: Quantity, seal: Seal, distance: float) -> str:
+    distance_text = f"{abs(distance):.1f} robust deviations " if isfinite(distance) else ""
+    return (
+        f"{quantity.read(seal.mean)}, {distance_text}{_side(distance)} the median seal of its lot"
+    )
 
 
-def _side(away: float) -> str:
-    return "above" if away > 0 else "below"
+def _side(distance: float) -> str:
+    return "above" if distance > 0 else "below"
 
 
 def _list_outlier_repeats(quantity: QuantitySummary) -> Iterator[Flag]:
     """Yield flags of outlying repeats, by their deviation from the mean of their seal."""
-    several = [seal for seal in quantity.seals if len(seal.values) > 2]
-    if not several:
+    repeated_seals = [seal for seal in quantity.seals if len(seal.values) > 2]
+    if not repeated_seals:
         return
     # of n values about their own mean the deviation is smaller
-    away = np.concatenate([
-        (seal.values - seal.mean) / np.sqrt(1 - 1 / len(seal.values)) for seal in several
+    standardised = np.concatenate([
+        (seal.values - seal.mean) / np.sqrt(1 - 1 / len(seal.values)) for seal in repeated_seals
     ])  # fmt: skip
-    files = [(seal, file) for seal in several for file in seal.files]
-    for (seal, file), far, out in zip(files, robust_distance(away), stands_out(away), strict=True):
-        if out and isfinite(far):
-            message = f"{abs(far):.1f} robust deviations {_side(far)} the other tests of its seal"
+    files = [(seal, file) for seal in repeated_seals for file in seal.files]
+    for (seal, file), distance_of_test, is_outlier in zip(
+        files, robust_distance(standardised), stands_out(standardised), strict=True
+    ):
+        if is_outlier and isfinite(distance_of_test):
+            message = (
+                f"{abs(distance_of_test):.1f} robust deviations {_side(distance_of_test)} "
+                "the other tests of its seal"
+            )
             yield Flag(seal.lot, seal.name, file, message)
 
 
@@ -468,15 +480,15 @@ def _checks(
     if main.gauge is not None:
         yield gauge_discriminates(main.gauge)
     kinds: tuple[Literal["seals", "lots"], ...] = ("seals", "lots")
-    rows = [(what, *main.signals_of(what)) for what in kinds]
-    if any(of for *_, of in rows):
+    rows = [(kind, *main.signals_of(kind)) for kind in kinds]
+    if any(lot for *_, lot in rows):
         yield charts_in_control([row for row in rows if row[-1]])
     seals = {(flag.lot, flag.seal, flag.file) for flag in flags if flag.weighty}
     yield no_lot_outlier(len(seals), len(summaries[0].seals))
     normal = [component for component in summaries[0].components if component.normal is not None]
     if normal:
-        least = min(normal, key=lambda component: component.normal or 0.0)
-        yield scatter_normal(least.source, least.normal)
+        least_normal = min(normal, key=lambda component: component.normal or 0.0)
+        yield scatter_normal(least_normal.source, least_normal.normal)
     entries = {frequency: _out_of_band(lot, frequency) for frequency in _frequencies(lot)}
     if entries:
         requested = [frequency for frequency, count in entries.items() if count]
@@ -519,10 +531,10 @@ _NOT_JUDGED = {
 """Message of a light without a result."""
 
 
-def _mark(checks: Sequence[Check], *, certain: bool) -> str:
+def _mark(checks: Sequence[Check], *, is_certain: bool) -> str:
     failed = [GRADES.index(check.grade) for check in checks if check.failed]
     if not failed:
-        return "good" if certain and any(check.passed for check in checks) else "note"
+        return "good" if is_certain and any(check.passed for check in checks) else "note"
     return ("note", "care", "bad")[max(failed)]
 
 
@@ -542,8 +554,8 @@ def _format_control(quantity: QuantitySummary) -> str:
         return f"no alarm in {format_count(len(quantity.charts), 'lot')}"
     group = [(quantity.signals_of("seals"), "seals"), (quantity.signals_of("lots"), "lots")]
     points = " and ".join(
-        f"{signals.points} of {signals.of} points of {what}"
-        for signals, what in group
+        f"{signals.points} of {signals.of} points of {kind}"
+        for signals, kind in group
         if signals.points
     )
     return f"{format_count(quantity.signals.causes, 'cause')}: {points}"
@@ -553,11 +565,11 @@ def _format_limits(quantity: QuantitySummary) -> str:
     if quantity.limits is None:
         return "no limits given"
     if quantity.lowest is not None and quantity.limits.cpk is not None:
-        lot, able = quantity.lowest
-        where = f" in {lot}" if lot and len(quantity.capabilities) > 1 else ""
-        return f"Cpk {able.cells[0]}{where}, asked {quantity.limits.cpk:.2f}"
-    passed = sum(decision.decision == "pass" for decision in quantity.judged)
-    return f"{passed} of {len(quantity.judged)} seals pass"
+        lot, capability = quantity.lowest
+        lot_text = f" in {lot}" if lot and len(quantity.capabilities) > 1 else ""
+        return f"Cpk {capability.cells[0]}{lot_text}, asked {quantity.limits.cpk:.2f}"
+    passed_count = sum(decision.decision == "pass" for decision in quantity.judged)
+    return f"{passed_count} of {len(quantity.judged)} seals pass"
 
 
 # -- for people and programs -----------------------------------------------------------------------
@@ -582,14 +594,17 @@ def _lines(quantity_summary: QuantitySummary) -> Iterator[str]:
     )
     if quantity_summary.gauge is not None:
         yield f"  gauge R&R   {ascii_only(quantity_summary.gauge.summary)}"
-    for name, able in quantity_summary.capabilities.items():
-        yield f"  capability  {able.summary}, {able.count} seals{f', lot {name}' if name else ''}"
+    for name, capability in quantity_summary.capabilities.items():
+        yield (
+            f"  capability  {capability.summary}, {capability.count} "
+            f"seals{f', lot {name}' if name else ''}"
+        )
     if quantity_summary.sources:
         yield f"  scatter, standard deviations, {quantity_summary.quantity.unit}:"
-    for fact, share in quantity_summary.sources:
-        value, low, high = map(ascii_only, fact.cell_texts)
-        between = f" ({low} to {high})" if fact.has_interval else ""
-        yield f"    {fact.name:<9} {value}{between}, {share} % of the variance"
+    for reported_value, share in quantity_summary.sources:
+        value, low, high = map(ascii_only, reported_value.cell_texts)
+        interval_text = f" ({low} to {high})" if reported_value.has_interval else ""
+        yield f"    {reported_value.name:<9} {value}{interval_text}, {share} % of the variance"
     yield from (
         _format_decision(judge, quantity_summary.quantity)
         for judge in quantity_summary.judged
@@ -599,5 +614,5 @@ def _lines(quantity_summary: QuantitySummary) -> Iterator[str]:
 
 def _format_decision(decision: SealDecision, quantity: Quantity) -> str:
     value = "" if decision.value is None else f", {ascii_only(quantity.read(decision.value))}"
-    where = f"{decision.lot} " if decision.lot else ""
-    return f"  {decision.decision:<11} {where}seal {decision.seal}{value}"
+    lot_text = f"{decision.lot} " if decision.lot else ""
+    return f"  {decision.decision:<11} {lot_text}seal {decision.seal}{value}"

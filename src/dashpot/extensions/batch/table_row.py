@@ -102,24 +102,28 @@ def build_rows(
     specimens = _list_specimens(entry, choices) if unclear and not entry.aside else []
     if not specimens:
         return [single_row]
-    every: list[dict[str, Any]] = []
+    built_rows: list[dict[str, Any]] = []
     for name, selection in specimens:
         key, _, value = selection.partition("=")
-        chosen: dict[str, Any] = {key: int(value) if key == "segment" else value}
-        typed = ",".join(filter(None, (part, selection)))
+        selected: dict[str, Any] = {key: int(value) if key == "segment" else value}
+        option_text = ",".join(filter(None, (part, selection)))
         seal = f"{entry.seal} {name or value}" if entry.seal else ""
-        label = typed if name in {"", value} else f"{typed} {name}"
+        label = option_text if name in {"", value} else f"{option_text} {name}"
         rows = build_rows(
             replace(entry, seal=seal), hashes,
-            replace(choices, reading=replace(choices.reading, **chosen)), typed,
+            replace(choices, reading=replace(choices.reading, **selected)), option_text,
         )  # fmt: skip
-        every += [
-            one if one["part"] else one | {"part": typed, "file": f"{entry.file} [{label}]"}
-            for one in rows
+        built_rows += [
+            table_row
+            if table_row["part"]
+            else table_row | {"part": option_text, "file": f"{entry.file} [{label}]"}
+            for table_row in rows
         ]
-    changed = [one for one in every if one["outcome"] == "changed"]
+    changed = [table_row for table_row in built_rows if table_row["outcome"] == "changed"]
     return (
-        [single_row | {"outcome": "changed", "reason": changed[0]["reason"]}] if changed else every
+        [single_row | {"outcome": "changed", "reason": changed[0]["reason"]}]
+        if changed
+        else built_rows
     )
 
 
@@ -133,32 +137,36 @@ def _list_specimens(entry: Entry, choices: BatchOptions) -> Sequence[tuple[str, 
 
 def _find_changed_file(entry: Entry, hashes: Sequence[str], read: str | None) -> str:
     """The first file that is not what it was, if one is; `read` is what a fit read of the first."""
-    now = (read or compute_file_hash(entry.file), *map(compute_file_hash, entry.hammer))
-    files = zip((entry.file, *entry.hammer), now, hashes, strict=True)
-    return next((file for file, name, then in files if name != then), "")
+    current_hashes = (read or compute_file_hash(entry.file), *map(compute_file_hash, entry.hammer))
+    files = zip((entry.file, *entry.hammer), current_hashes, hashes, strict=True)
+    return next((file for file, name, former_hash in files if name != former_hash), "")
 
 
 def _fit_entry(entry: Entry, choices: BatchOptions, entries: Mapping[str, Any]) -> dict[str, Any]:
     """Return what a fit says, or what the file is that has none."""
     specimen = Specimen(temperature=entry.temperature)
-    how: dict[str, Any] = {
+    fit_keywords: dict[str, Any] = {
         "arms": choices.arms, "method": choices.method, "intervals": not choices.quick,
         "specimen": specimen,
     }  # fmt: skip
-    seen = recognise(entry.file, choices.bench)
-    origin = {"origin": SIMULATED if seen.simulated else ""}
-    kind = KINDS.get(seen.kind, KINDS["relaxation"])
+    recognised = recognise(entry.file, choices.bench)
+    origin = {"origin": SIMULATED if recognised.simulated else ""}
+    kind = KINDS.get(recognised.kind, KINDS["relaxation"])
     if kind.fit != FIT_FILES:
-        return _build_other_row(seen, kind, entry, choices, entries["mass_kg"]) | origin
+        return _build_other_row(recognised, kind, entry, choices, entries["mass_kg"]) | origin
     try:
-        fit, records = fit_files((entry.file,), options=choices.bench, **how)
+        fit, records = fit_files((entry.file,), options=choices.bench, **fit_keywords)
     except DashpotError as error:
-        return {"kind": seen.kind, "outcome": "refused", "reason": str(error)} | origin
+        return {"kind": recognised.kind, "outcome": "refused", "reason": str(error)} | origin
     return _build_fit_row(fit, records[0], entry, choices, entries)
 
 
 def _build_other_row(
-    seen: Recognised, kind: KindOfTest, entry: Entry, choices: BatchOptions, mass: float | None
+    recognised: Recognised,
+    kind: KindOfTest,
+    entry: Entry,
+    choices: BatchOptions,
+    mass: float | None,
 ) -> dict[str, Any]:
     """Return the row of what is no test of a bench: its own, or what it is and waits for."""
     specimen = _describe_lot_specimen(entry, choices, mass)
@@ -169,7 +177,7 @@ def _build_other_row(
     texts = {
         "kind": kind.name,
         "outcome": "other",
-        "reason": f"it is {seen.kind_title}: {kind.lot_hint or seen.use}",
+        "reason": f"it is {recognised.kind_title}: {kind.lot_hint or recognised.use}",
     }
     return texts | (read_hammer_resonance(entry, choices, mass) if kind.resonates else {})
 
@@ -264,15 +272,18 @@ def _build_fit_columns(fit: Fit, hold: float | None, space: int) -> dict[str, An
         entries[format_stiffness_column("end", unit)] = float(model.relaxation(hold))
     if fit.estimate.residual.unit == "N":
         entries["rms_N"] = fit.estimate.residual.rms
-    return entries | {_column(fact): fact.value for fact in _select_arm_facts(fit, space)}
+    return entries | {
+        _column(reported_value): reported_value.value
+        for reported_value in _select_arm_facts(fit, space)
+    }
 
 
 def _build_uncertainty_columns(fit: Fit, space: int) -> dict[str, Any]:
     """Errors, intervals, checks and verdict."""
-    unit, shown = fit.unit, list(_select_arm_facts(fit, space))
+    unit, reported_values = fit.unit, list(_select_arm_facts(fit, space))
     entries = _build_verdict_columns(fit.verdict, fit.checks) | {
-        format_stiffness_column("inf_low", unit): shown[0].low,
-        format_stiffness_column("inf_high", unit): shown[0].high,
+        format_stiffness_column("inf_low", unit): reported_values[0].low,
+        format_stiffness_column("inf_high", unit): reported_values[0].high,
     }
     if fit.stiffness_limits is not None:
         low, high = fit.stiffness_limits["k_end"]
@@ -280,7 +291,9 @@ def _build_uncertainty_columns(fit: Fit, space: int) -> dict[str, Any]:
             format_stiffness_column("end_low", unit): low,
             format_stiffness_column("end_high", unit): high,
         }
-    return entries | {_column(fact, "_se"): fact.error for fact in shown}
+    return entries | {
+        _column(reported_value, "_se"): reported_value.error for reported_value in reported_values
+    }
 
 
 def _build_verdict_columns(verdict: Verdict, checks: Iterable[Check]) -> dict[str, Any]:
@@ -295,16 +308,18 @@ def _build_verdict_columns(verdict: Verdict, checks: Iterable[Check]) -> dict[st
 
 def _select_arm_facts(fit: Fit, space: int) -> Iterator[ReportedValue]:
     """Return k_inf and the arms; a curve may have more than a row can hold."""
-    facts = (fact for fact in list_arm_values(fit) if not fact.name.startswith("b"))
-    return islice(facts, 1 + 2 * space)
+    arm_values = (
+        arm_value for arm_value in list_arm_values(fit) if not arm_value.name.startswith("b")
+    )
+    return islice(arm_values, 1 + 2 * space)
 
 
-def _column(fact: ReportedValue, what: str = "") -> str:
+def _column(reported_value: ReportedValue, suffix: str = "") -> str:
     """Return the column of a number of a solid, or of what is known of it."""
-    kind, _, place = fact.name.partition("_")
+    kind, _, index_text = reported_value.name.partition("_")
     if kind == "k":
-        return format_stiffness_column(f"{place}{what}", fact.unit)
-    return column(f"{fact.name}{what}", fact.unit)
+        return format_stiffness_column(f"{index_text}{suffix}", reported_value.unit)
+    return column(f"{reported_value.name}{suffix}", reported_value.unit)
 
 
 def _compute_requested_columns(
@@ -330,8 +345,11 @@ def _under_mass(fit: Fit, mass: float | None, seals: float) -> dict[str, Any]:
     """Return the mode of the mass at rest on the seals, as ``dashpot predict`` has it."""
     if mass is None or fit.unit != "N/m":
         return {}
-    rests = find_static_equilibrium(fit, MassOnSeals(mass, seals)).tangent
-    return {"frequency_Hz": rests.frequency, "damping_ratio": rests.damping_ratio}
+    tangent_stiffness = find_static_equilibrium(fit, MassOnSeals(mass, seals)).tangent
+    return {
+        "frequency_Hz": tangent_stiffness.frequency,
+        "damping_ratio": tangent_stiffness.damping_ratio,
+    }
 
 
 def _finite(value: Any) -> Any:

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 
 _MADE = dt.datetime(1980, 1, 1)
-"""That a workbook says it was made: the same lot is the same bytes."""
+"""Date in a workbook: the same lot gives the same bytes."""
 _SHEET_ROWS = 1_048_575
-"""That a sheet has below its header."""
+"""Rows of a sheet below its header."""
 _FORMATS = {"Float64": "#,##0.000000", "Int64": "#,##0"}
 
 
@@ -48,12 +48,16 @@ def workbook(summary: Summary) -> bytes:
         ) from None
     buffer = BytesIO()
     # a row of the largest sheets is on disk when the next one is made
-    how = {"constant_memory": True, "strings_to_formulas": False, "strings_to_urls": False}
-    with Workbook(buffer, how) as book:
-        book.set_properties({"comments": byline("lot"), "created": _MADE})
+    workbook_options = {
+        "constant_memory": True,
+        "strings_to_formulas": False,
+        "strings_to_urls": False,
+    }
+    with Workbook(buffer, workbook_options) as workbook_file:
+        workbook_file.set_properties({"comments": byline("lot"), "created": _MADE})
         for name, frame in (("tests", _tests(summary.lot)), *_sheets(summary)):
             if frame.height:
-                _write(book, name, frame)
+                _write(workbook_file, name, frame)
     return _byline_first(buffer)
 
 
@@ -64,13 +68,13 @@ def _tests(lot: Lot) -> pl.DataFrame:
     return _frame([{"tests": message}])
 
 
-def _write(book: Any, name: str, frame: pl.DataFrame) -> None:
-    sheet = book.add_worksheet(name)
+def _write(workbook_file: Any, name: str, frame: pl.DataFrame) -> None:
+    sheet = workbook_file.add_worksheet(name)
     sheet.freeze_panes(1, 0)
     sheet.autofilter(0, 0, frame.height, frame.width - 1)
     kinds = [_FORMATS.get(str(kind)) for kind in frame.dtypes]
-    formats = [kind and book.add_format({"num_format": kind}) for kind in kinds]
-    sheet.write_row(0, 0, frame.columns, book.add_format({"bold": True}))
+    formats = [kind and workbook_file.add_format({"num_format": kind}) for kind in kinds]
+    sheet.write_row(0, 0, frame.columns, workbook_file.add_format({"bold": True}))
     for i, row in enumerate(frame.iter_rows(), start=1):
         for j, value in enumerate(row):
             if value is not None:
@@ -85,10 +89,10 @@ def _byline_first(workbook: BytesIO) -> bytes:
     buffer = BytesIO()
     with ZipFile(workbook) as old, ZipFile(buffer, "w") as new:
         for item in sorted(old.infolist(), key=lambda member: member.filename != _CORE):
-            again = copy(item)
-            again.compress_type = ZIP_STORED if item.filename == _CORE else ZIP_DEFLATED
-            with old.open(item) as source, new.open(again, "w") as place:
-                copyfileobj(source, place)
+            new_item = copy(item)
+            new_item.compress_type = ZIP_STORED if item.filename == _CORE else ZIP_DEFLATED
+            with old.open(item) as source, new.open(new_item, "w") as target:
+                copyfileobj(source, target)
     return buffer.getvalue()
 
 
@@ -102,7 +106,7 @@ _SHEETS = {
         "lot count mean deviation lower upper cp cpk cpk_interval_from cpk_interval_to outside",
     ),
 }
-"""Which part of the document of each quantity a sheet lists, and what of it."""
+"""Sheets: the part of the document of each quantity, and its entries."""
 _HEADS = {
     "name": "source", "deviation": "sd", "count": "seals", "interval_from": "from",
     "interval_to": "to", "cpk_interval_from": "cpk_from", "cpk_interval_to": "cpk_to",

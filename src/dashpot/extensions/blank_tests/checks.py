@@ -22,7 +22,7 @@ _CLEAR_ERRORS = 3.0
 """Standard errors beyond which a departure is no chance."""
 _DELAY_TOLERANCE = parse_quantity("0.2ms", "time")
 _CREEP_TOLERANCE = parse_quantity("1.5um", "length")
-"""What two records of one machine may differ by besides their errors."""
+"""Difference of two records of one machine beyond their errors."""
 MOST_DELAY_ERROR = 0.1 * DEFAULT_UNCERTAINTIES["delay"].size
 """Standard error of a delay, s, beyond which a machine file says hardly more than is usual."""
 _CELL_CLASS = 1.035
@@ -31,26 +31,26 @@ _CELL_CLASS = 1.035
 
 def run_checks(blanks: Blanks, values: Sequence[ReportedValue]) -> tuple[Check, ...]:
     """Return every check of blank tests."""
-    facts = {value.name: value for value in values}
-    stops, springs, empties = blanks.stops, blanks.springs, blanks.empties
-    stop, spring = next(iter(stops), None), next(iter(springs), None)
+    reported_values = {value.name: value for value in values}
+    stop_tests, springs, empties = blanks.stops, blanks.springs, blanks.empties
+    stop, spring = next(iter(stop_tests), None), next(iter(springs), None)
     empty = next(iter(empties), None)
     return (
-        blank_tests_complete(bool(stops), bool(springs), bool(empties)),
-        stop_rigid(None if stop is None else facts["compliance"].value),
-        stop_force_straight(_find_worst(stops, _measure_bend)),
-        stop_force_returns(_find_worst(stops, lambda press: press.hysteresis)),
-        stop_follows_machine(_find_worst(stops, lambda press: press.misfit)),
+        blank_tests_complete(bool(stop_tests), bool(springs), bool(empties)),
+        stop_rigid(None if stop is None else reported_values["compliance"].value),
+        stop_force_straight(_find_worst(stop_tests, _measure_bend)),
+        stop_force_returns(_find_worst(stop_tests, lambda press: press.hysteresis)),
+        stop_follows_machine(_find_worst(stop_tests, lambda press: press.misfit)),
         crosshead_creep_plausible(_find_worst(blanks.presses, lambda press: press.creep.value)),
         spring_force_straight(_find_worst(springs, _measure_bend)),
         spring_force_returns(_find_worst(springs, lambda press: press.hysteresis)),
         spring_follows_machine(_find_worst(springs, lambda press: press.misfit)),
         stop_and_spring_creep_agree(*_compare_estimates(stop, spring, "creep", _CREEP_TOLERANCE)),
         stop_and_spring_delay_agree(*_compare_estimates(stop, spring, "delay", _DELAY_TOLERANCE)),
-        repeated_stops_agree(_measure_repeats(stops)),
+        repeated_stops_agree(_measure_repeats(stop_tests)),
         repeated_springs_agree(_measure_repeats(springs)),
-        delay_determined(facts["delay"].error if springs else None),
-        gain_plausible(facts["gain"].value if "gain" in facts else None),
+        delay_determined(reported_values["delay"].error if springs else None),
+        gain_plausible(reported_values["gain"].value if "gain" in reported_values else None),
         empty_run_force_free_of_motion(empty),
         empty_run_plate_steady(None if empty is None else empty.wander),
         empty_run_force_steady(empty),
@@ -89,8 +89,8 @@ def _compare_estimates(
     if stop is None or spring is None:
         return None, 0.0, 0.0
     first, second = getattr(stop, name), getattr(spring, name)
-    spread = math.hypot(first.error, second.error, tolerance / _CLEAR_ERRORS)
-    return (first.value - second.value) / spread, first.value, second.value
+    difference_sd = math.hypot(first.error, second.error, tolerance / _CLEAR_ERRORS)
+    return (first.value - second.value) / difference_sd, first.value, second.value
 
 
 @criterion("kinds of blank tests", ">=", 3.0, "by definition", grade="note")

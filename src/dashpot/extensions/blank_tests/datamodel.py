@@ -23,7 +23,7 @@ from dashpot.base.value_ranges import refuse_absurd_record
 from dashpot.datamodel.machine import Machine, MachineCalibration
 
 Role: TypeAlias = Literal["", "stop", "spring", "empty"]
-"""What a blank test pressed; empty where the record is to show it."""
+"""Object that a blank test pressed; empty where the record shows it."""
 SPRING_ERROR = 1e-3
 """Relative standard error of a spring's stiffness, where none is stated: a calibrated one."""
 CREEP_REPEATABILITY = 0.1
@@ -80,7 +80,7 @@ ROLE_LABELS: dict[str, str] = {
     "spring": "steel spring",
     "empty": "empty run",
 }
-"""What a blank test is called."""
+"""Labels of blank tests by role."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,9 +152,9 @@ class MachineFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     @property
     def machine(self) -> Machine:
         """The machine that fits take: ``dp.fit(test, machine=found.machine)``."""
-        facts = {value.name: value for value in self.found}
+        reported_values = {value.name: value for value in self.found}
         compliance, creep, delay, gain = (
-            facts.get(name) for name in ("compliance", "creep", "delay", "gain")
+            reported_values.get(name) for name in ("compliance", "creep", "delay", "gain")
         )
         calibration = MachineCalibration(
             delay=delay.value if delay else 0.0,

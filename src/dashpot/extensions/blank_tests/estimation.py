@@ -68,7 +68,7 @@ class RigEstimate(NamedTuple):
 
 
 class Press(NamedTuple):
-    """What one press of a stop or a spring determines.
+    """Result of one press of a stop or a spring.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class Press(NamedTuple):
 
 
 class EmptyRun(NamedTuple):
-    """What an empty run determines.
+    """Result of an empty run.
 
     Attributes
     ----------
@@ -338,16 +338,16 @@ def read_press_history(record: BlankTest) -> PressHistory:
     first = _find_contact(force[:end], noise, peak)
     guard = 0.02 * float(time[first])
     before = np.flatnonzero(time < time[first] - guard)
-    pressed = np.flatnonzero(force[:end] > LOADED * peak)
-    pressed = pressed[pressed > first]
-    if len(pressed) < _FEWEST:
+    loaded_indices = np.flatnonzero(force[:end] > LOADED * peak)
+    loaded_indices = loaded_indices[loaded_indices > first]
+    if len(loaded_indices) < _FEWEST:
         raise DataError(
-            f"{name_record(record)}: {len(pressed)} samples are loaded; expected {_FEWEST} or "
-            "more. Press further, or sample faster"
+            f"{name_record(record)}: {len(loaded_indices)} samples are loaded; expected {_FEWEST} "
+            "or more. Press further, or sample faster"
         )
     speed = compute_speed(time, x, _choose_speed_span(time, x, first, ramp))
     return PressHistory(
-        time, x, speed, force, before, pressed, first, end, float(time[ramp]), peak,
+        time, x, speed, force, before, loaded_indices, first, end, float(time[ramp]), peak,
         max(noise, 1e-12), scatter(time, x),
     )  # fmt: skip
 
@@ -373,32 +373,32 @@ def orient_channels(record: BlankTest) -> tuple[FloatArray, FloatArray]:
 def _find_ramp_and_hold(record: BlankTest, time: FloatArray, x: FloatArray) -> tuple[int, int]:
     """Return the sample at which the plate stops, and that after its hold."""
     segments = find_segments(time, x)
-    holds = [
+    hold_segments = [
         part
         for i, part in enumerate(segments)
         if part.kind == "hold" and i and segments[i - 1].kind == "load"
     ]
-    if not holds:
+    if not hold_segments:
         raise DataError(
             f"{name_record(record)}: found no ramp with a hold after it. Press the stop or the "
             "spring in one ramp, and hold"
         )
-    hold = max(holds, key=lambda part: (part.level, part.duration))
+    hold = max(hold_segments, key=lambda part: (part.level, part.duration))
     return hold.first, hold.last if hold.last < len(time) - 1 else len(time)
 
 
 def _find_contact(force: FloatArray, noise: float, peak: float) -> int:
     """Return the last sample before the force leaves its baseline for good."""
-    loaded = int(np.argmax(force > 0.5 * peak))
-    below = np.flatnonzero(force[:loaded] < max(8 * noise, _CONTACT_SHARE * peak))
-    return int(below[-1]) if len(below) else 0
+    loaded_index = int(np.argmax(force > 0.5 * peak))
+    unloaded_indices = np.flatnonzero(force[:loaded_index] < max(8 * noise, _CONTACT_SHARE * peak))
+    return int(unloaded_indices[-1]) if len(unloaded_indices) else 0
 
 
 def _choose_speed_span(time: FloatArray, x: FloatArray, first: int, ramp: int) -> int:
     """Return over how many samples either way the speed of a ramp stands out of its noise."""
     samples, travel = max(ramp - first, 1), abs(float(x[ramp] - x[first]))
-    clear = _SPEED_OVER_NOISE * scatter(time, x) / np.sqrt(2) * samples / max(travel, 1e-12)
-    return int(np.clip(max(clear, _LEAST_SPAN * samples), 1, max(_LARGEST_SPAN * samples, 1)))
+    min_samples = _SPEED_OVER_NOISE * scatter(time, x) / np.sqrt(2) * samples / max(travel, 1e-12)
+    return int(np.clip(max(min_samples, _LEAST_SPAN * samples), 1, max(_LARGEST_SPAN * samples, 1)))
 
 
 def compute_speed(time: FloatArray, x: FloatArray, half_span: int) -> FloatArray:
@@ -428,8 +428,8 @@ def _measure_from_rest(history: PressHistory) -> tuple[PressHistory, float]:
 
 def _compute_noise_share(history: PressHistory, delay: float) -> float:
     """Return the noise of a displacement interpolated at a delay over that of a reading."""
-    place = delay / float(np.median(np.diff(history.time))) % 1.0
-    return float(np.hypot(place, 1 - place))
+    delay_fraction = delay / float(np.median(np.diff(history.time))) % 1.0
+    return float(np.hypot(delay_fraction, 1 - delay_fraction))
 
 
 def _compute_settlement(history: PressHistory, ramp_time: float, delay: float) -> FloatArray:
@@ -492,18 +492,18 @@ def _solve_press(history: PressHistory, *, rests_at_contact: bool = False) -> _P
 def _measure_ramp_time(history: PressHistory, contact: float, previous: float) -> float:
     """Return the time from the contact at a displacement, m, to the end of the ramp, s."""
     ramp = slice(0, int(np.searchsorted(history.time, history.stop)) + 1)
-    below = np.flatnonzero(history.displacement[ramp] < contact)
-    if not len(below):
+    unloaded_indices = np.flatnonzero(history.displacement[ramp] < contact)
+    if not len(unloaded_indices):
         return previous
-    return max(history.stop - float(history.time[below[-1]]), 1e-6)
+    return max(history.stop - float(history.time[unloaded_indices[-1]]), 1e-6)
 
 
 def _estimate_curvature(
-    history: PressHistory, columns: FloatArray, pressed: FloatArray, weights: FloatArray
+    history: PressHistory, columns: FloatArray, force: FloatArray, weights: FloatArray
 ) -> RigEstimate:
     """Return by how much the force at half the load lies off the straight line, N."""
     samples = np.concatenate((history.before, history.pressed))
-    load = np.clip(pressed[samples] / history.peak, 0.0, 1.5) * (columns[:, 1] != 0)
+    load = np.clip(force[samples] / history.peak, 0.0, 1.5) * (columns[:, 1] != 0)
     fit = solve_regression(
         np.column_stack((columns, 4 * load * (1 - load))), history.force[samples], weights, noisy=1,
         noise=history.displacement_noise,

@@ -28,8 +28,8 @@ def _render_record(gap: float, depth: float, seed: int, part: Part) -> str:
     """
     speed = depth / _RAMP
     stop = _REST + (gap + depth) / speed
-    back = stop + _HOLD + (gap + depth) / speed
-    corners = (0.0, _REST, stop, stop + _HOLD, back, back + 2)
+    return_time = stop + _HOLD + (gap + depth) / speed
+    corners = (0.0, _REST, stop, stop + _HOLD, return_time, return_time + 2)
     time = np.arange(0.0, corners[-1], _STEP)
 
     def move(at: FloatArray) -> FloatArray:
@@ -47,24 +47,24 @@ def _render_record(gap: float, depth: float, seed: int, part: Part) -> str:
     return "\n".join([*lines, *(f"{t:.2f},{a:.5f},{f:.5f}" for t, a, f in rows), ""])
 
 
-def _press_seal(time: FloatArray, way: FloatArray) -> FloatArray:
+def _press_seal(time: FloatArray, motion: FloatArray) -> FloatArray:
     """Return the force of the paper's seal, less what the machine gives under it."""
     force = np.zeros(len(time))
     for _ in range(4):  # the give is a hundredth of the way
-        force = PAPER.force(time, way - _COMPLIANCE * force)
+        force = PAPER.force(time, motion - _COMPLIANCE * force)
     return force
 
 
 def _render_stop() -> str:
-    return _render_record(5e-4, 25 * _COMPLIANCE, 1, lambda _, way: way / _COMPLIANCE)
+    return _render_record(5e-4, 25 * _COMPLIANCE, 1, lambda _, motion: motion / _COMPLIANCE)
 
 
 def _render_spring() -> str:
-    return _render_record(1e-3, 8e-3, 2, lambda _, way: way / (1 / _SPRING + _COMPLIANCE))
+    return _render_record(1e-3, 8e-3, 2, lambda _, motion: motion / (1 / _SPRING + _COMPLIANCE))
 
 
 def _render_empty() -> str:
-    return _render_record(1e-3, 8e-3, 3, lambda _, way: 0 * way)
+    return _render_record(1e-3, 8e-3, 3, lambda _, motion: 0 * motion)
 
 
 def _render_seal() -> str:
@@ -83,4 +83,4 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
         ),
     }
 )
-"""By their names."""
+"""Example files by their names."""

@@ -62,14 +62,17 @@ def advise_blank_tests(
     if bench.machine is None or bench.machine.calibration is not None:
         return ()
     calibrated = replace(bench, machine=expect_machine(bench))
-    ends = [expected_end(model, planned).half_width for planned in (bench, calibrated)]
+    half_widths = [expected_end(model, planned).half_width for planned in (bench, calibrated)]
     losses = [
         expected_error(model, planned, frequency, arm).loss_factor_sd
         for planned in (bench, calibrated)
     ]
-    if ends[1] > _WORTHWHILE_RATIO * ends[0] and not losses[1] < _WORTHWHILE_RATIO * losses[0]:
+    if (
+        half_widths[1] > _WORTHWHILE_RATIO * half_widths[0]
+        and not losses[1] < _WORTHWHILE_RATIO * losses[0]
+    ):
         return ()
-    end, end_after, loss, loss_after = (_format_percent(value) for value in (*ends, *losses))
+    end, end_after, loss, loss_after = (_format_percent(value) for value in (*half_widths, *losses))
     hold = format_quantity(bench.hold_time, "s", ".4g")
     text = (
         "Record blank tests of the machine, on a rigid stop, on a spring and without a seal: the "

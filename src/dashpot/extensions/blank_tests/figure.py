@@ -43,11 +43,11 @@ def _draw_force(record: BlankCurve) -> Panel:
 
 def _draw_residual(record: BlankCurve) -> Panel:
     residual = record.force - record.fitted
-    shown = residual[np.isfinite(residual)]
-    word, scale = unit_of(shown, "N")
+    finite_values = residual[np.isfinite(residual)]
+    word, scale = unit_of(finite_values, "N")
     return Panel(
         Scale("time, s", compute_padded_limits(record.time)),
-        Scale(f"residual, {word}", compute_padded_limits(scale * shown, np.zeros(1))),
+        Scale(f"residual, {word}", compute_padded_limits(scale * finite_values, np.zeros(1))),
         (Rule(0.0, REF, across=True), Line(record.time, scale * residual, FIT)),
         title="measured less model",
         height=210,

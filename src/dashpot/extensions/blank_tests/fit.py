@@ -153,8 +153,8 @@ def combine_estimates(estimates: Sequence[RigEstimate]) -> RigEstimate | None:
     value, error = np.array(estimates).T
     weights = 1 / np.maximum(error, 1e-300) ** 2
     mean = float(weights @ value / weights.sum())
-    spread = float(weights @ (value - mean) ** 2) / max(len(value) - 1, 1)
-    return RigEstimate(mean, float(np.sqrt(max(spread, 1.0) / weights.sum())))
+    scatter_ratio = float(weights @ (value - mean) ** 2) / max(len(value) - 1, 1)
+    return RigEstimate(mean, float(np.sqrt(max(scatter_ratio, 1.0) / weights.sum())))
 
 
 def report_values(

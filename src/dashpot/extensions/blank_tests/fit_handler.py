@@ -21,6 +21,6 @@ def run(request: FitRequest) -> CommandResult:
         write_output(request.output or "", render_machine_file(fit, date=request.specimen.date))
         follow = format_command("fit", "SEAL", "--machine", request.output)
         return CommandResult.from_result(fit, follow=follow)
-    again = request.get_option_words("as_json")
-    follow = format_command("fit", *request.files, *again, "-o", "rig.toml", why="keeps it")
+    json_options = request.get_option_words("as_json")
+    follow = format_command("fit", *request.files, *json_options, "-o", "rig.toml", why="keeps it")
     return request.write_output(fit, follow=follow)

@@ -48,12 +48,12 @@ def render_machine_file(fit: MachineFit, *, date: str = "") -> str:
     """
     machine = fit.machine
     calibration = machine.calibration or MachineCalibration()
-    stated = {field.name: getattr(machine, field.name) for field in iterate_option_fields(machine)}
-    stated |= {name: getattr(calibration, name) for name in (*_DIMENSIONS, *_RATIOS)}
+    entries = {field.name: getattr(machine, field.name) for field in iterate_option_fields(machine)}
+    entries |= {name: getattr(calibration, name) for name in (*_DIMENSIONS, *_RATIOS)}
     lines = [f"# {byline('machine file, from blank tests')}", "", "[machine]"]
     lines += [
         f"{name.replace('_', '-')} = {_render_value(name, value)}"
-        for name, value in stated.items()
+        for name, value in entries.items()
         if value is not None
     ]
     origin: dict[str, Any] = {
@@ -94,18 +94,18 @@ def read_machine_file(path: str | Path, **_: Any) -> Machine:
         If it is no machine file, or a number of it cannot be used.
     """
     raw, tables = tables_of(path)
-    where = raw.name
+    file_name = raw.name
     if "machine" not in tables:
         raise ReadError(
-            f"{where}: the table [machine] is missing. Write the file from blank tests: dashpot "
-            "fit stop.csv spring.csv empty.csv --kind blank -o rig.toml"
+            f"{file_name}: the table [machine] is missing. Write the file from blank tests: "
+            "dashpot fit stop.csv spring.csv empty.csv --kind blank -o rig.toml"
         )
     for name in tables:
         if name not in {"machine", "blank"}:
-            raise ReadError(f"{where}: [{name}] is unknown; known are [machine] and [blank]")
+            raise ReadError(f"{file_name}: [{name}] is unknown; known are [machine] and [blank]")
     options = {field.name: field for field in iterate_option_fields(Machine())}
     names = (*options, *_DIMENSIONS, *_RATIOS)
-    section = _open_section(f"{where}, [machine]", tables["machine"], names)
+    section = _open_section(f"{file_name}, [machine]", tables["machine"], names)
     values: dict[str, Any] = {
         name: section.quantity(name, field.metadata["unit"]) for name, field in options.items()
     }
@@ -114,18 +114,18 @@ def read_machine_file(path: str | Path, **_: Any) -> Machine:
     }
     calibration |= {name: section.number(name) for name in _RATIOS}
     calibration = {name: value for name, value in calibration.items() if value is not None}
-    _refuse_gain(where, calibration)
+    _refuse_gain(file_name, calibration)
     if calibration:
-        _complete_errors(where, values["compliance"], calibration)
+        _complete_errors(file_name, values["compliance"], calibration)
     source = _describe_origin(
-        where, _open_section(f"{where}, [blank]", tables.get("blank", {}), _ORIGIN)
+        file_name, _open_section(f"{file_name}, [blank]", tables.get("blank", {}), _ORIGIN)
     )
     if calibration:
         values["calibration"] = MachineCalibration(**calibration, source=source)
     try:
         return Machine(**values)
     except DataError as error:
-        raise ReadError(f"{where}: {error}") from None
+        raise ReadError(f"{file_name}: {error}") from None
 
 
 class MachineFields(Mapping[str, Any]):
@@ -152,49 +152,51 @@ class MachineFields(Mapping[str, Any]):
         return len(self.fields)
 
 
-def _open_section(where: str, entries: Any, names: tuple[str, ...]) -> Section:
+def _open_section(file_name: str, entries: Any, names: tuple[str, ...]) -> Section:
     """Return a table whose keys may be typed with a dash or an underline."""
     if isinstance(entries, Mapping):
         for name in entries:
             if "_" in name and name.replace("_", "-") in entries:
-                raise ReadError(f"{where}: {name} and {name.replace('_', '-')} are one key")
+                raise ReadError(f"{file_name}: {name} and {name.replace('_', '-')} are one key")
         entries = {name.replace("-", "_"): value for name, value in entries.items()}
-    return Section(where, entries, names)
+    return Section(file_name, entries, names)
 
 
-def _refuse_gain(where: str, calibration: Mapping[str, float]) -> None:
+def _refuse_gain(file_name: str, calibration: Mapping[str, float]) -> None:
     gain = calibration.get("gain", 1.0)
     if not 0.1 < gain < 10:
-        raise ReadError(f"{where}: gain = {gain:.4g}; expected 0.1 to 10, such as 1.002")
+        raise ReadError(f"{file_name}: gain = {gain:.4g}; expected 0.1 to 10, such as 1.002")
     for name in ("gain_error", "compliance_error"):
         if calibration.get(name, 0.0) < 0:
             raise ReadError(
-                f"{where}: {name.replace('_', '-')} = {calibration[name]:.4g}; expected a number "
-                ">= 0"
+                f"{file_name}: {name.replace('_', '-')} = {calibration[name]:.4g}; expected a "
+                "number >= 0"
             )
 
 
-def _complete_errors(where: str, compliance: float | None, calibration: dict[str, float]) -> None:
+def _complete_errors(
+    file_name: str, compliance: float | None, calibration: dict[str, float]
+) -> None:
     """Add the error of a compliance that is stated without it; refuse errors that have no value.
 
     What is corrected without an error would count as exact.
     """
     if calibration.get("gain", 1.0) != 1 and "gain_error" not in calibration:
         raise ReadError(
-            f"{where}: gain = {calibration['gain']:.6g} without its standard error, which would "
-            "make it exact. Add gain-error, such as 0.002"
+            f"{file_name}: gain = {calibration['gain']:.6g} without its standard error, which "
+            "would make it exact. Add gain-error, such as 0.002"
         )
-    stated = [name for name in ("gain_error", "compliance_error") if calibration.get(name)]
-    if compliance is None and stated:
+    given_errors = [name for name in ("gain_error", "compliance_error") if calibration.get(name)]
+    if compliance is None and given_errors:
         raise ReadError(
-            f"{where}: {stated[0].replace('_', '-')} has no effect without compliance. Add "
-            "compliance, 0um/N if the displacement is measured at the seal"
+            f"{file_name}: {given_errors[0].replace('_', '-')} has no effect without compliance. "
+            "Add compliance, 0um/N if the displacement is measured at the seal"
         )
     if compliance is not None and "compliance_error" not in calibration:
         calibration["compliance_error"] = DEFAULT_UNCERTAINTIES["give, named"].size * compliance
 
 
-def _describe_origin(where: str, origin: Section) -> str:
+def _describe_origin(file_name: str, origin: Section) -> str:
     """Return the name of a machine file with the date, age and verdict of its tests.
 
     Raises
@@ -202,10 +204,10 @@ def _describe_origin(where: str, origin: Section) -> str:
     ReadError
         If its date is none or lies ahead, or the verdict is none, or that of tests not to be used.
     """
-    text = f"machine file {where}"
-    stated = origin.entries.get("date")
-    if isinstance(stated, dt.date):  # TOML has dates, too
-        date: str | None = stated.isoformat()[:10]
+    text = f"machine file {file_name}"
+    date_text = origin.entries.get("date")
+    if isinstance(date_text, dt.date):  # TOML has dates, too
+        date: str | None = date_text.isoformat()[:10]
     else:
         date = origin.word("date")
     if date is not None:
@@ -213,23 +215,23 @@ def _describe_origin(where: str, origin: Section) -> str:
             day = dt.date.fromisoformat(date)
         except ValueError:
             raise ReadError(
-                f"{where}: date = {date!r}; expected year-month-day, such as 2026-11-21"
+                f"{file_name}: date = {date!r}; expected year-month-day, such as 2026-11-21"
             ) from None
         age = (dt.datetime.now(dt.UTC).date() - day).days
         if age < -1:  # a day may differ between zones
             raise ReadError(
-                f"{where}: date = {date!r} lies {format_count(-age, 'day')} ahead; expected that "
-                "of the blank tests"
+                f"{file_name}: date = {date!r} lies {format_count(-age, 'day')} ahead; expected "
+                "that of the blank tests"
             )
         text += f", measured {date} ({format_count(age, 'day') + ' ago' if age > 0 else 'today'})"
     verdict = origin.word("verdict")
     if verdict not in {None, *_VERDICTS}:
         raise ReadError(
-            f"{where}: verdict = {verdict!r}; expected {', '.join(map(repr, _VERDICTS))}"
+            f"{file_name}: verdict = {verdict!r}; expected {', '.join(map(repr, _VERDICTS))}"
         )
     if verdict == "do not use":
         raise ReadError(
-            f"{where}: the verdict of its blank tests is 'do not use'. Repeat them, and write the "
-            "file anew"
+            f"{file_name}: the verdict of its blank tests is 'do not use'. Repeat them, and write "
+            "the file anew"
         )
     return text if verdict in {None, "use"} else f"{text}, verdict of its tests: {verdict}"

@@ -33,10 +33,10 @@ def read_blank_test(
     """
     with channels.open_file(path, options) as file:
         channels.refuse_summary(file)
-        chosen, clocks = moving_columns(file)
+        channels_chosen, clocks = moving_columns(file)
         # sizes are those of no seal: the reader of its tests would doubt the units
-        values, notes = load_signals(file, chosen, clocks)
-        source = channels.source(file, [channel.message for channel in chosen], notes)
+        values, notes = load_signals(file, channels_chosen, clocks)
+        source = channels.source(file, [channel.message for channel in channels_chosen], notes)
     time, displacement, force = (values[name] for name in ("time", "displacement", "force"))
     return BlankTest(time, displacement, force, role, source, units="SI")
 

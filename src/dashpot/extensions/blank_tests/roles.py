@@ -48,9 +48,9 @@ def measure_load(record: BlankTest) -> Load:
     count = max(len(force) // _BLOCKS, 1)
     means, motion = block_means(force, count), block_means(x, count)
     peak = float(means.max())
-    loaded = means > 0.2 * peak
-    span = float(np.ptp(motion[loaded])) if loaded.any() else 0.0
-    stiffness = float(np.ptp(means[loaded])) / span if span > 0 else float("inf")
+    is_loaded = means > 0.2 * peak
+    span = float(np.ptp(motion[is_loaded])) if is_loaded.any() else 0.0
+    stiffness = float(np.ptp(means[is_loaded])) / span if span > 0 else float("inf")
     return Load(float(np.abs(means).max()), scatter(record.time, record.force), stiffness)
 
 
@@ -70,7 +70,7 @@ def assign_roles(
     """
     loads = [measure_load(record) for record in records]
     largest = max(load.force for load in loads)
-    pressed = [
+    seal_stiffnesses = [
         load.stiffness
         for record, load in zip(records, loads, strict=True)
         if not record.role and _is_loaded(record, load, largest)
@@ -78,7 +78,7 @@ def assign_roles(
     return tuple(
         AssignedRole(record.role, "as stated")
         if record.role
-        else _assign_role(record, load, largest, spring_stiffness, pressed)
+        else _assign_role(record, load, largest, spring_stiffness, seal_stiffnesses)
         for record, load in zip(records, loads, strict=True)
     )
 
@@ -108,7 +108,7 @@ def _assign_role(
     load: Load,
     largest: float,
     spring_stiffness: float | None,
-    pressed: Sequence[float],
+    stiffnesses: Sequence[float],
 ) -> AssignedRole:
     if not _is_loaded(record, load, largest):
         return AssignedRole("empty", f"its force stays within {_format_force(load.force)}")
@@ -124,10 +124,10 @@ def _assign_role(
             "spring nor a rigid stop for certain. Check the spring's stiffness. "
             f"{_format_role_request(record)}"
         )
-    softest, stiffest = min(pressed), max(pressed)
+    softest, stiffest = min(stiffnesses), max(stiffnesses)
     if stiffest < STOP_RATIO * softest:
         raise DataError(
-            f"{name_record(record)} has {text}, and {format_count(len(pressed), 'record')} of "
+            f"{name_record(record)} has {text}, and {format_count(len(stiffnesses), 'record')} of "
             "these press a part: nothing shows whether it is a rigid stop or a spring. State the "
             f"spring's stiffness (--spring-stiffness 1N/mm). {_format_role_request(record)}"
         )

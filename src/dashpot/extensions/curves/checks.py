@@ -64,15 +64,19 @@ def strain_not_large(strain: float, unit: str) -> Finding:
     return _ask_unit_of_strain(strain, unit, "" if unit == "%" else "%")
 
 
-def _ask_unit_of_strain(strain: float, unit: str, likely: str) -> Finding:
+def _ask_unit_of_strain(strain: float, unit: str, likely_unit: str) -> Finding:
     message = f"The strain reaches {format_quantity(strain, '%', '.3g')}"
-    may_be = f". The unit may be {likely}" if likely else ""
-    words = f"Give {likely} as the unit of the strain" if likely else "Give the unit of the strain"
+    may_be = f". The unit may be {likely_unit}" if likely_unit else ""
+    words = (
+        f"Give {likely_unit} as the unit of the strain"
+        if likely_unit
+        else "Give the unit of the strain"
+    )
     return Finding(
         message,
         strain,
         failure=f"{message}, in {unit} as the file has it{may_be}.",
-        remedy=Remedy(f"{words}, or confirm {unit}.", "units", f"strain={likely or unit}"),
+        remedy=Remedy(f"{words}, or confirm {unit}.", "units", f"strain={likely_unit or unit}"),
     )
 
 
@@ -112,16 +116,16 @@ def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
             remedy="Check the sign of storage and force.",
             always_fails=True,
         )
-    smooth = [_without_scatter(error) for error in misfit]
+    smooth_errors = [_without_scatter(error) for error in misfit]
     return Finding(
-        f"The nearest passive model misses storage by {100 * smooth[0]:.2g} % and loss by "
-        f"{100 * smooth[1]:.2g} % beyond scatter",
-        max(smooth),
+        f"The nearest passive model misses storage by {100 * smooth_errors[0]:.2g} % and loss by "
+        f"{100 * smooth_errors[1]:.2g} % beyond scatter",
+        max(smooth_errors),
         "Storage and loss contradict each other (Kramers-Kronig), so no fit can follow both",
         "Look for a wrong shift, slip, or a changed temperature or strain.",
         always_passes=all(
             value <= max(MAX_INCONSISTENT, _compute_chance_level(error))
-            for value, error in zip(smooth, misfit, strict=True)
+            for value, error in zip(smooth_errors, misfit, strict=True)
         ),
     )
 
@@ -139,11 +143,11 @@ def instrument_stiff(data: DynamicTest) -> Finding:
     The compliance C of frame and load cell is in series: :math:`K^*/(1 + C K^*)` is measured, with
     a storage by CK too low and a loss by 2CK. A modulus does not show how stiff its specimen was.
     """
-    both = f"frame and load cell that give {format_quantity(GIVES, 'um/N', 'g')}"
+    compliance_text = f"frame and load cell that give {format_quantity(GIVES, 'um/N', 'g')}"
     if data.unit != "N/m":
         return Finding(
             "Of a specimen of more than "
-            f"{format_quantity(UNSTATED_ERROR / GIVES, 'N/mm', '.3g')}, {both} "
+            f"{format_quantity(UNSTATED_ERROR / GIVES, 'N/mm', '.3g')}, {compliance_text} "
             "take more "
             f"than {100 * UNSTATED_ERROR:g} % off the storage and {200 * UNSTATED_ERROR:g} % off "
             "the loss. How "
@@ -151,8 +155,8 @@ def instrument_stiff(data: DynamicTest) -> Finding:
         )
     stiffest = float(np.hypot(data.storage, data.loss).max())
     return Finding(
-        f"At {format_quantity(stiffest, 'N/mm', '.3g')}, {both} take {100 * GIVES * stiffest:.2g} "
-        "% off "
+        f"At {format_quantity(stiffest, 'N/mm', '.3g')}, {compliance_text} take "
+        f"{100 * GIVES * stiffest:.2g} % off "
         "the storage and twice as much off the loss",
         GIVES * stiffest,
         "An instrument may have corrected it",
@@ -167,15 +171,15 @@ def instrument_stiff(data: DynamicTest) -> Finding:
 def loss_positive(data: DynamicTest) -> Finding:
     """No loss is negative by more than its scatter."""
     part = data.loss / np.abs(data.value)
-    bad = np.flatnonzero(part < -SCATTERED * _scatter_of_sweeps(data, part))
-    if not bad.size:
+    bad_indices = np.flatnonzero(part < -SCATTERED * _scatter_of_sweeps(data, part))
+    if not bad_indices.size:
         return Finding("No loss is below zero beyond scatter", 0.0)
     return Finding(
-        f"{bad.size} of {len(data.loss)} losses are below zero beyond scatter, the first at "
-        f"{data.frequency[bad[0]]:.3g} Hz. No passive part does that",
-        float(bad.size),
+        f"{bad_indices.size} of {len(data.loss)} losses are below zero beyond scatter, the first "
+        f"at {data.frequency[bad_indices[0]]:.3g} Hz. No passive part does that",
+        float(bad_indices.size),
         remedy="Check the sign, the phase calibration, and the resolution at small loss.",
-        grade="stop" if 2 * bad.size > len(data.loss) else "limit",
+        grade="stop" if 2 * bad_indices.size > len(data.loss) else "limit",
     )
 
 
@@ -185,13 +189,14 @@ def storage_rises(data: DynamicTest) -> Finding:
     order = np.argsort(data.frequency, kind="stable")
     storage, frequency = data.storage[order], data.frequency[order]
     top = np.maximum.accumulate(storage)
-    falls = 1 - storage / np.where(top > 0, top, np.inf)
-    worst = int(np.argmax(falls))
+    relative_fall = 1 - storage / np.where(top > 0, top, np.inf)
+    worst = int(np.argmax(relative_fall))
     return Finding(
         "The storage does not fall with frequency beyond scatter",
-        float(falls[worst]),
-        failure=f"The storage falls by {100 * falls[worst]:.2g} % at {frequency[worst]:.3g} Hz. No "
-        "relaxing part does that: mass moved along, or the part warmed up",
+        float(relative_fall[worst]),
+        failure=f"The storage falls by {100 * relative_fall[worst]:.2g} % at "
+        f"{frequency[worst]:.3g} Hz. No relaxing part does that: mass moved along, or the part "
+        "warmed up",
         remedy=Remedy("Leave those frequencies out.", "band"),
     )
 
@@ -199,8 +204,8 @@ def storage_rises(data: DynamicTest) -> Finding:
 @criterion("last third / first third", "<=", 1.25, "our choice: scatter", grade="stop")
 def modulus_falls(modulus: FloatArray) -> Finding:
     """The relaxation modulus falls with time."""
-    third = max(len(modulus) // 3, 1)
-    first, last = float(modulus[:third].mean()), float(modulus[-third:].mean())
+    third_length = max(len(modulus) // 3, 1)
+    first, last = float(modulus[:third_length].mean()), float(modulus[-third_length:].mean())
     ratio = last / first if first > 0 else None
     return Finding(
         "The modulus falls with time",
@@ -258,11 +263,11 @@ def curve_level_at_end(end: EndOfHold, decrease: float) -> Finding:
 
     `decrease` is what the data show: from the first value to the last, over the last.
     """
-    falling = end.slope_limit / max(end.k_end[1], 1e-300)
+    relative_slope = end.slope_limit / max(end.k_end[1], 1e-300)
     return Finding(
-        f"At the end of the data the stiffness still falls by up to {100 * falling:.2g} % per "
-        f"factor of 2.7 in time. At first it was {1 + decrease:.3g} times as stiff",
-        falling,
+        f"At the end of the data the stiffness still falls by up to {100 * relative_slope:.2g} % "
+        f"per factor of 2.7 in time. At first it was {1 + decrease:.3g} times as stiff",
+        relative_slope,
         "A model that continues like this has another plateau, or none",
         end.remedy,
         limit=min(MAX_FALLING, OF_ALL * max(decrease, 0.0)),
@@ -278,13 +283,13 @@ def plateau(
     first: float,
     extra: str,
 ) -> tuple[Check, ...]:
-    """What is known of the plateau: that there is one, and how well, where an end was asked.
+    """Return the checks of the plateau: whether there is one, and its error where it was asked.
 
     `first` is the stiffness of the model where the data are fastest.
     """
-    seen = plateau_seen(model, se, unit=unit, extra=extra)
-    if end is None or seen.failed:
-        return (seen,)
+    plateau_check = plateau_seen(model, se, unit=unit, extra=extra)
+    if end is None or plateau_check.failed:
+        return (plateau_check,)
     return plateau_determined(end, unit), curve_level_at_end(
         end, first / end.compute_stiffness(model) - 1
     )
@@ -298,7 +303,11 @@ def plateau(
     fit_status=Status.NOT_IDENTIFIED,
 )
 def few_arms_sufficient(
-    missed: float, arms: int, most: int, dense: tuple[int, float], limit: float | None = None
+    relative_misfit: float,
+    arms: int,
+    max_arms: int,
+    dense: tuple[int, float],
+    limit: float | None = None,
 ) -> Finding:
     """A model with few arms fits the curves.
 
@@ -307,9 +316,9 @@ def few_arms_sufficient(
     """
     return Finding(
         f"Arms that follow the curves: {arms}",
-        missed,
-        failure=f"No number of arms up to {most} follows the curves: best {arms}, "
-        f"{100 * missed:.2g} % rms. This is the dense spectrum of {dense[0]} arms, at "
+        relative_misfit,
+        failure=f"No number of arms up to {max_arms} follows the curves: best {arms}, "
+        f"{100 * relative_misfit:.2g} % rms. This is the dense spectrum of {dense[0]} arms, at "
         f"{100 * dense[1]:.2g} %",
         remedy="Use it as a table for a solver; its single arms mean nothing.",
         limit=limit or MAX_MISFIT,
@@ -324,12 +333,14 @@ def few_arms_sufficient(
     other_grade=f"2.5 sd of what chance shows in few lines; stop beyond {CONTRADICTION_RATIO:g}",
     fit_status=Status.TESTS_DISAGREE,
 )
-def data_agree(spread: Sequence[float], names: Sequence[str], freedom: Sequence[float]) -> Finding:
+def data_agree(
+    residual_ratios: Sequence[float], names: Sequence[str], freedom: Sequence[float]
+) -> Finding:
     r"""One model fits all data sets about as well as a model for each does.
 
     Parameters
     ----------
-    spread : sequence of float
+    residual_ratios : sequence of float
         Residual of each curve with the joint model, over that of a fit to its test alone.
     names : sequence of str
     freedom : sequence of float
@@ -337,16 +348,16 @@ def data_agree(spread: Sequence[float], names: Sequence[str], freedom: Sequence[
         :math:`1/\sqrt{2\nu}`.
     """
     limits = np.maximum(MORE_TOGETHER, 1 + 2.5 / np.sqrt(2 * np.maximum(freedom, 1.0)))
-    worst = int(np.argmax(np.asarray(spread) / limits))
+    worst = int(np.argmax(np.asarray(residual_ratios) / limits))
     return Finding(
-        f"The joint model has {spread[worst]:.3g} times the residual of the own fit of "
+        f"The joint model has {residual_ratios[worst]:.3g} times the residual of the own fit of "
         f"{names[worst]}",
-        float(spread[worst]),
+        float(residual_ratios[worst]),
         "The tests contradict each other, or one model needs more arms. Small vibration at depth "
         "has the tangent stiffness, a press from zero the secant",
         "Check that specimen, length, temperature and depth are the same.",
         limit=float(limits[worst]),
-        grade="stop" if spread[worst] > CONTRADICTION_RATIO else None,
+        grade="stop" if residual_ratios[worst] > CONTRADICTION_RATIO else None,
     )
 
 

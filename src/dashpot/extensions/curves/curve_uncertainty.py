@@ -128,24 +128,26 @@ def curve_data(
     rows = block.evaluate(grid, False)
     columns = np.concatenate((rows.fixed, rows.arms), axis=1)
     best, _ = solve_linear(columns, rows.target, positive=True)
-    nearest = columns @ best
+    fitted_curve = columns @ best
     active = np.linalg.qr(columns[:, best > 0])[0]
-    weight, effective = np.empty(len(nearest)), 0.0
-    for start in range(0, len(nearest), n):
+    weight, effective = np.empty(len(fitted_curve)), 0.0
+    for start in range(0, len(fitted_curve), n):
         part = slice(start, start + n)
         # a spring has no loss
-        size = nearest[part] if nearest[part].any() else nearest
-        least = DIGITS * float(np.sqrt(np.mean(size**2)))
-        series = ResidualSeries(rows.target[part] - nearest[part])
-        noise = noise_of(series, JacobianColumns(active[part], shared=True), rounding=least)
-        weight[part] = 1 / np.sqrt(max(noise.power, least**2))
+        size = fitted_curve[part] if fitted_curve[part].any() else fitted_curve
+        rounding_limit = DIGITS * float(np.sqrt(np.mean(size**2)))
+        series = ResidualSeries(rows.target[part] - fitted_curve[part])
+        noise = noise_of(
+            series, JacobianColumns(active[part], shared=True), rounding=rounding_limit
+        )
+        weight[part] = 1 / np.sqrt(max(noise.power, rounding_limit**2))
         effective += noise.effective
-    common_errors = common * np.kron(np.eye(len(nearest) // n), _hat_functions(np.log10(at)))
+    common_errors = common * np.kron(np.eye(len(fitted_curve) // n), _hat_functions(np.log10(at)))
     return CurveData(
         block.transform_rows(lambda part: (weight * part.T).T),
         window,
         effective - np.count_nonzero(best),
-        common_errors * (weight * nearest)[:, None],
+        common_errors * (weight * fitted_curve)[:, None],
     )
 
 
@@ -236,13 +238,13 @@ class BeforeCurve:
     def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> RelaxationRows:
         """Return those of the curve, and one of what may relax before it."""
         rows = self.data.rows(log_tau, slopes=slopes)
-        start, later = (float(self.solid.relaxation(n * self.first)) for n in (1.0, 10.0))
-        weight = 1 / max(start - later, MIN_EARLY_RELAXATION * start)
+        start, relaxed_later = (float(self.solid.relaxation(n * self.first)) for n in (1.0, 10.0))
+        weight = 1 / max(start - relaxed_later, MIN_EARLY_RELAXATION * start)
         # how much of an arm is gone at the first time
         before = -np.expm1(-self.first / np.exp(log_tau)) * weight
-        relaxed = float(self.solid.relaxation(0.0)) - start
+        total_change = float(self.solid.relaxation(0.0)) - start
         return rows._replace(
-            target=np.append(rows.target, relaxed * weight),
+            target=np.append(rows.target, total_change * weight),
             spring=np.append(rows.spring, 0.0),
             # a dashpot is no arm that a curve can show
             dashpot=np.append(rows.dashpot, DASHPOT_WEIGHT * weight / self.first),
@@ -353,8 +355,8 @@ def _compute_curve_limits(spectra: AdmissibleSpectra, curve_kind: Ended, time: f
     if curve_kind == "sweep":
         return compute_nonnegative_limits(spectra, spectra.stiffness_at(1 / time)[0])
     if curve_kind == "creep":
-        least, most = compute_nonnegative_limits(spectra, _compute_creep(spectra, time))
-        return (1 / most if most > 0 else np.inf), (1 / least if least > 0 else np.inf)
+        lower, upper = compute_nonnegative_limits(spectra, _compute_creep(spectra, time))
+        return (1 / upper if upper > 0 else np.inf), (1 / lower if lower > 0 else np.inf)
     return compute_nonnegative_limits(spectra, spectra.relaxed_to(time))
 
 
@@ -384,11 +386,11 @@ class SingleTestFit(NamedTuple):
 
 
 def fit_single_test(
-    blocks: Sequence[DataBlock], samples: Sequence[DataBlock], most: int
+    blocks: Sequence[DataBlock], samples: Sequence[DataBlock], max_arms: int
 ) -> SingleTestFit:
-    """Fit one test with as many arms as it supports, up to `most`."""
-    most = min(most, max_determinable_arms(blocks))
-    best = solve_orders(blocks, most)[-1]
+    """Fit one test with as many arms as it supports, up to `max_arms`."""
+    max_arms = min(max_arms, max_determinable_arms(blocks))
+    best = solve_orders(blocks, max_arms)[-1]
     peaks = [find_largest_target(block) for block in samples]
     estimate = estimate_covariance(best, samples, peak=max(peaks))
     # thirteen parameters of 32 values leave a third less than their scatter
@@ -403,8 +405,8 @@ def fit_single_test(
     return SingleTestFit(
         model,
         tuple(
-            max(spread, ROUNDING * (peak or 1.0))
-            for spread, peak in zip(spreads, peaks, strict=True)
+            max(residual_sd, ROUNDING * (peak or 1.0))
+            for residual_sd, peak in zip(spreads, peaks, strict=True)
         ),
         tuple(ratio * len(residual) for residual in estimate.residuals),
     )

@@ -38,22 +38,22 @@ def fit_curves(
     A sweep is fitted alone or with ramps and holds of the same part; a relaxation modulus, or a
     creep test, alone; sweeps or moduli at several temperatures by their master curve.
     """
-    curves, crept, pressed = (
+    curves, crept, relaxation_tests = (
         _select_kind(tests, text) for text in ("modulus", "creep", "relaxation")
     )
     if curves and isinstance(curves[0], StressRelaxationTest):
         return _fit_stress_relaxation(tests, options, name)
     if curves:
-        _refuse_beside_modulus(options, others=len(tests) - len(curves))
+        _refuse_beside_modulus(options, other_count=len(tests) - len(curves))
         from dashpot.extensions.curves.modulus.fit import fit_modulus
 
         with _name_file(name):
             curve: Any = shift_to_one(curves, options.shifting, options.specimen)
             return fit_modulus(curve, arms=options.arms, thorough=options.thorough), (curve,)
     if crept:
-        _refuse_beside_creep(options, others=len(tests) - len(crept))
+        _refuse_beside_creep(options, other_count=len(tests) - len(crept))
         return _fit_creep(crept, options, name)
-    prepared = prepare_ramps(pressed, options, among_others=True)
+    prepared = prepare_ramps(relaxation_tests, options, among_others=True)
     return _fit_sweeps(_select_kind(tests, "dma"), prepared, options)
 
 
@@ -88,11 +88,11 @@ def _name_file(name: str) -> AbstractContextManager[None]:
     return add_name_to_errors(name) if name else nullcontext()
 
 
-def _refuse_beside_modulus(options: BenchFitOptions, *, others: int) -> None:
+def _refuse_beside_modulus(options: BenchFitOptions, *, other_count: int) -> None:
     """Refuse what belongs to a ramp, and tests that are no moduli."""
     require_test_for_machine(options.machine, tests=0, add="a ramp and hold")
     options.time_limits.refuse_several(0)
-    if others:
+    if other_count:
         raise FitError(
             "a relaxation modulus is fitted alone, or with others at other temperatures: fit "
             "the other tests one by one"
@@ -105,10 +105,10 @@ def _refuse_beside_modulus(options: BenchFitOptions, *, others: int) -> None:
         )
 
 
-def _refuse_beside_creep(options: BenchFitOptions, *, others: int) -> None:
+def _refuse_beside_creep(options: BenchFitOptions, *, other_count: int) -> None:
     """Refuse what is of ramps and holds, and tests that are none of creep."""
     options.time_limits.refuse_several(0)
-    if others or options.filter or options.depth_law:
+    if other_count or options.filter or options.depth_law:
         raise FitError(
             "a creep test is fitted alone, or with others at other temperatures, without "
             "--filter and --elastic by-depth"

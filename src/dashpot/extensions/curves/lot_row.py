@@ -25,6 +25,8 @@ def list_curve_columns(record: CreepCompliance | RelaxationModulus) -> dict[str,
 
 def list_sweep_columns(record: DynamicTest) -> dict[str, Any]:
     """Return the number of samples of a sweep, and its kind if it is a master curve."""
-    wide = np.log10(np.max(record.frequency) / np.min(record.frequency)) >= MASTER_CURVE_DECADES
-    shifted = {"kind": "master-curve"} if wide else {}
+    is_wide_band = (
+        np.log10(np.max(record.frequency) / np.min(record.frequency)) >= MASTER_CURVE_DECADES
+    )
+    shifted = {"kind": "master-curve"} if is_wide_band else {}
     return shifted | {"samples": len(record.frequency)}

@@ -32,7 +32,7 @@ from dashpot.signals.segments import (
 
 MATERIAL: tuple[Role, ...] = ("time", "strain", "stress")
 _RESTS, _HELD_PART = 0.02, 0.5
-"""Of its range, by how much a held strain moves; of the record, how long it is held at least."""
+"""Largest motion of a held strain, of its range; shortest hold, of the record."""
 _RELAXED = 0.02
 """Part of its size by which a stress falls in a hold that shows relaxation."""
 _OTHER_MOTIONS = ("cld", "cyclic")
@@ -71,14 +71,14 @@ def recognise_material_record(
     is_harmonic = find_handler("record rule", "cyclic")
     if is_harmonic is not None and is_harmonic(*motion):
         return "cyclic", "it goes to and fro, and never rests"
-    shown = classify_load_history(time, strain, stress)
-    held = is_held_throughout(stress) and shown not in _OTHER_MOTIONS
-    if record and (shown == "creep" or held):
+    load_history = classify_load_history(time, strain, stress)
+    is_stress_held = is_held_throughout(stress) and load_history not in _OTHER_MOTIONS
+    if record and (load_history == "creep" or is_stress_held):
         return "creep", "its stress is held while its strain goes on"
-    if shown != "relaxation":
+    if load_history != "relaxation":
         return None
-    rests = np.abs(strain - median(strain)) < _RESTS * np.ptp(strain)
-    is_held = record and np.mean(rests) >= _HELD_PART
+    is_at_rest = np.abs(strain - median(strain)) < _RESTS * np.ptp(strain)
+    is_held = record and np.mean(is_at_rest) >= _HELD_PART
     return ("modulus", _HELD) if is_held or _relaxes_in_holds(time, strain, stress) else None
 
 
@@ -88,7 +88,7 @@ def _relaxes_in_holds(time: FloatArray, strain: FloatArray, stress: FloatArray) 
     After an unloading it may rise, so only holds after a loading count.
     """
     _, segments = find_rising_sign(time, strain)
-    held_samples, falling, loaded = 0, 0, 0
+    held_samples, relaxing_count, loaded_count = 0, 0, 0
     for before, hold in pairwise(segments):
         if hold.kind != "hold" or before.kind == "hold":
             continue
@@ -97,9 +97,9 @@ def _relaxes_in_holds(time: FloatArray, strain: FloatArray, stress: FloatArray) 
         if before.kind == "load":
             tenth = max(len(part) // 10, 1)
             first, last = abs(float(part[:tenth].mean())), abs(float(part[-tenth:].mean()))
-            falling += first - last > _RELAXED * first
-            loaded += 1
-    return held_samples >= _HELD_PART * len(time) and 2 * falling > loaded
+            relaxing_count += first - last > _RELAXED * first
+            loaded_count += 1
+    return held_samples >= _HELD_PART * len(time) and 2 * relaxing_count > loaded_count
 
 
 def read_strain_and_stress(file: OpenedFile, specimen: Specimen) -> dict[str, Any]:
@@ -111,25 +111,25 @@ def read_strain_and_stress(file: OpenedFile, specimen: Specimen) -> dict[str, An
         If a column is not found or has no unit, time does not increase, or a unit makes a size that
         no such test has.
     """
-    chosen = channels.choose(file, channels.add_time_role(file, *MATERIAL[1:]))
-    values, notes = load_signals(file, chosen)
-    refuse_material_sizes(file, chosen, values["strain"], values["stress"])
-    specimen, sentences = add_specimen_temperature(file, specimen, chosen)
-    source = channels.source(file, [c.message for c in chosen], [*notes, *sentences])
+    channels_chosen = channels.choose(file, channels.add_time_role(file, *MATERIAL[1:]))
+    values, notes = load_signals(file, channels_chosen)
+    refuse_material_sizes(file, channels_chosen, values["strain"], values["stress"])
+    specimen, sentences = add_specimen_temperature(file, specimen, channels_chosen)
+    source = channels.source(file, [c.message for c in channels_chosen], [*notes, *sentences])
     signals = {name: values[name] for name in ("time", "strain", "stress")}
     return {**signals, "specimen": specimen, "source": source}
 
 
 def refuse_creep_sizes(
-    file: OpenedFile, chosen: Sequence[Channel], strain: FloatArray, stress: FloatArray
+    file: OpenedFile, channels_chosen: Sequence[Channel], strain: FloatArray, stress: FloatArray
 ) -> None:
     """Ask as :func:`refuse_material_sizes` does, of a strain that may count from any zero."""
-    refuse_material_sizes(file, chosen, strain, stress, zero_known=False)
+    refuse_material_sizes(file, channels_chosen, strain, stress, zero_known=False)
 
 
 def refuse_material_sizes(
     file: OpenedFile,
-    chosen: Sequence[Channel],
+    channels_chosen: Sequence[Channel],
     strain: FloatArray,
     stress: FloatArray,
     *,
@@ -140,7 +140,7 @@ def refuse_material_sizes(
     Parameters
     ----------
     file : OpenedFile
-    chosen : sequence of Channel
+    channels_chosen : sequence of Channel
         The last two are those of strain and stress.
     strain, stress : array, shape (n,)
         As a ratio, and Pa.
@@ -151,13 +151,13 @@ def refuse_material_sizes(
     ------
     ReadError
     """
-    strain_channel, stress_channel = chosen[-2:]
-    far, most = (float(np.abs(signal).max(initial=0.0)) for signal in (strain, stress))
+    strain_channel, stress_channel = channels_chosen[-2:]
+    max_strain, max_stress = (float(np.abs(signal).max(initial=0.0)) for signal in (strain, stress))
     word = strain_channel.unit.word
-    of_strain: list[Check] = [strain_not_large(far, word)]
+    of_strain: list[Check] = [strain_not_large(max_strain, word)]
     if zero_known:
-        of_strain.append(strain_not_small(far, word))
-    of_stress: list[Check] = [stress_of_a_rubber(most, stress_channel.unit.word)]
-    if far > 0:
-        of_stress.append(modulus_of_a_rubber(most / far, stress_channel.unit.word))
+        of_strain.append(strain_not_small(max_strain, word))
+    of_stress: list[Check] = [stress_of_a_rubber(max_stress, stress_channel.unit.word)]
+    if max_strain > 0:
+        of_stress.append(modulus_of_a_rubber(max_stress / max_strain, stress_channel.unit.word))
     channels.refuse_sizes(file, [(strain_channel, of_strain), (stress_channel, of_stress)])

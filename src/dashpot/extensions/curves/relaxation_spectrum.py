@@ -198,11 +198,11 @@ def passive_misfit(data: DynamicTest) -> tuple[FloatArray, FloatArray] | None:
     None if a storage is not above 0, so that errors cannot be relative.
     """
     try:
-        nearest = dynamic_master_curve(data, per_decade=_DENSE).model
+        dense_model = dynamic_master_curve(data, per_decade=_DENSE).model
     except DataError:
         return None
     order = np.argsort(data.frequency, kind="stable")
-    error = nearest.complex_stiffness(omega=data.omega) - data.value
+    error = dense_model.complex_stiffness(omega=data.omega) - data.value
     storage, loss = relative_scale(data)
     return (error.real / storage)[order], (error.imag / loss)[order]
 
@@ -222,24 +222,25 @@ def _solid(values: FloatArray, grid: FloatArray) -> GeneralizedMaxwell:
     return GeneralizedMaxwell(float(values[0]), tuple(k[k > 0]), tuple(grid[k > 0]))
 
 
-def _misfit(curve: str, error: FloatArray, where: FloatArray) -> Misfit:
+def _misfit(curve: str, error: FloatArray, abscissa: FloatArray) -> Misfit:
     worst = int(np.argmax(np.abs(error)))
     return Misfit(
         curve,
         len(error),
         float(np.sqrt(np.mean(error * error))),
         float(abs(error[worst])),
-        float(where[worst]),
+        float(abscissa[worst]),
     )
 
 
 def _all_positive(name: str, values: FloatArray) -> None:
-    bad = np.flatnonzero(values <= 0)
-    if bad.size:
-        i = int(bad[0])
+    bad_indices = np.flatnonzero(values <= 0)
+    if bad_indices.size:
+        i = int(bad_indices[0])
         raise DataError(
             f"{name}[{i}] = {values[i]:g}; expected > 0, so that errors can be relative "
-            f"({bad.size} of {len(values)} are not): cut the curve before it drowns in noise"
+            f"({bad_indices.size} of {len(values)} are not): cut the curve before it drowns in "
+            "noise"
         )
 
 
@@ -254,17 +255,17 @@ class Dense(Protocol):
 
     @property
     def model(self) -> GeneralizedMaxwell:
-        """Its arms."""
+        """Arms of the spectrum."""
         ...
 
     @property
     def rms(self) -> float:
-        """Over every value of the curves."""
+        """Root mean square over every value of the curves."""
         ...
 
 
 def dense_spectrum_if_needed(
-    few: Fit,
+    fit: Fit,
     error: FloatArray,
     origin: Superposition | UnshiftedCurve,
     spectrum: Callable[[], Dense],
@@ -274,7 +275,7 @@ def dense_spectrum_if_needed(
 
     Parameters
     ----------
-    few : Fit
+    fit : Fit
     error : array, shape (n,)
         Its relative errors on every value of the curves.
     origin : Superposition or UnshiftedCurve
@@ -285,51 +286,51 @@ def dense_spectrum_if_needed(
         Those of the fit's checks that do not speak of its arms.
     """
     if isinstance(origin, Superposition):
-        return shared_spectrum_if_needed(few, error, origin, of_data)
-    missed = float(np.sqrt(np.mean(error * error)))
-    if missed < MAX_MISFIT:
-        return few
+        return shared_spectrum_if_needed(fit, error, origin, of_data)
+    misfit = float(np.sqrt(np.mean(error * error)))
+    if misfit < MAX_MISFIT:
+        return fit
     dense = spectrum()
-    if dense.rms > _MUCH_BETTER * missed:
-        return few
-    return _dense(few, (missed, None), dense, len(error), of_data)
+    if dense.rms > _MUCH_BETTER * misfit:
+        return fit
+    return _dense(fit, (misfit, None), dense, len(error), of_data)
 
 
 def shared_spectrum_if_needed(
-    few: Fit, error: FloatArray, shared: Dense, of_data: Sequence[Check] = ()
+    fit: Fit, error: FloatArray, shared: Dense, of_data: Sequence[Check] = ()
 ) -> Fit:
     """Return the fit, or the spectrum of several temperatures where few arms follow less closely.
 
     The parameters are those of :func:`dense_spectrum_if_needed`; `shared` is there already.
     """
-    missed, limit = float(np.sqrt(np.mean(error * error))), _AS_CLOSE * shared.rms
-    return few if missed < limit else _dense(few, (missed, limit), shared, len(error), of_data)
+    misfit, limit = float(np.sqrt(np.mean(error * error))), _AS_CLOSE * shared.rms
+    return fit if misfit < limit else _dense(fit, (misfit, limit), shared, len(error), of_data)
 
 
 def _dense(
-    few: Fit,
-    missed: tuple[float, float | None],
+    fit: Fit,
+    misfit_and_limit: tuple[float, float | None],
     dense: Dense,
     values: int,
     of_data: Sequence[Check],
 ) -> Fit:
     """Return the fit with a dense spectrum in the place of arms that miss more than a limit."""
     check = few_arms_sufficient(
-        missed[0],
-        few.model.arms,
-        max(order.arms for order in few.evidence.orders),
+        misfit_and_limit[0],
+        fit.model.arms,
+        max(order.arms for order in fit.evidence.orders),
         (dense.model.arms, dense.rms),
-        missed[1],
+        misfit_and_limit[1],
     )
     residual = Residual(values, values * dense.rms**2, dense.rms, unit="1")
     estimate = ParameterEstimate(
-        (), np.zeros((0, 0)), np.inf, residual, nuisance=few.estimate.nuisance
+        (), np.zeros((0, 0)), np.inf, residual, nuisance=fit.estimate.nuisance
     )
-    end = few.evidence.end_of_hold
-    error = few.evidence.band_error
+    end = fit.evidence.end_of_hold
+    error = fit.evidence.band_error
     evidence = replace(
-        few.evidence,
-        band_error=None if error is None else _convert_errors(error, dense.model, few.model),
+        fit.evidence,
+        band_error=None if error is None else _convert_errors(error, dense.model, fit.model),
         certificate=None,
         checks=(*of_data, check),
         end_of_hold=None if end is None else end.widen_to_contain(dense.model),
@@ -337,9 +338,9 @@ def _dense(
     return build_fit(
         SolidEstimate(dense.model, estimate),
         evidence,
-        few.provenance,
-        unit=few.unit,
-        temperatures=few.temperatures,
+        fit.provenance,
+        unit=fit.unit,
+        temperatures=fit.temperatures,
     )
 
 

@@ -113,7 +113,7 @@ class ShiftLawFit:
 
     @property
     def score(self) -> LawScore:
-        """Of the law chosen."""
+        """Score of the selected law."""
         return next(score for score in self.scores if score.kind == self.law.kind)
 
 
@@ -127,10 +127,10 @@ class _Shifts:
     reference: float
 
     def rows(self, column: FloatArray, slope: FloatArray | None = None) -> Rows:
-        """Of a law that is so large for a factor of one, of which one theta has that slope."""
+        """Return the rows of a law of unit factor, one theta of which has that slope."""
         W = self.whitener
-        by = None if slope is None else lambda beta: (W @ slope * beta)[:, None]
-        return Rows(W @ self.log10, (W @ column)[:, None], by)
+        derivative = None if slope is None else lambda beta: (W @ slope * beta)[:, None]
+        return Rows(W @ self.log10, (W @ column)[:, None], derivative)
 
 
 class _SolvedLaw(NamedTuple):
@@ -173,29 +173,34 @@ def fit_shift_law(
     require_choice("law", law, ShiftLaw, FitError)
     t, s = samples("temperature", temperature), samples("log10_shift", log10_shift)
     free = FreeShifts(tuple(t), tuple(s), reference)
-    away = t != reference
-    c = np.asarray(covariance, dtype=float)[np.ix_(away, away)]
-    shifts = _Shifts(t[away], s[away], _whitener(c), reference)
-    n = int(away.sum())
+    is_not_reference = t != reference
+    c = np.asarray(covariance, dtype=float)[np.ix_(is_not_reference, is_not_reference)]
+    shifts = _Shifts(t[is_not_reference], s[is_not_reference], _whitener(c), reference)
+    n = int(is_not_reference.sum())
     entries: dict[str, tuple[TemperatureLaw, FloatArray]] = {"free": (free, np.empty((0, 0)))}
     bic = bic_of_deviance(0.0, effective=max(n, 1), parameters=n)
     scores = [LawScore("free", 0.0, 0, bic, 0.0, reference)]
     for kind, lay in _LAID.items():
-        if n < (MIN_TEMPERATURES - 1 if law == "auto" else 1) or (solved := lay(shifts)) is None:
+        if n < (MIN_TEMPERATURES - 1 if law == "auto" else 1) or (solution := lay(shifts)) is None:
             continue
-        temperature_law, fit, constants = solved
+        temperature_law, fit, constants = solution
         size, deviance = len(fit.values), fit.sse
         if size > n:
             continue
-        off = np.abs(temperature_law.log10_a_t(shifts.temperature) - shifts.log10)
-        wider = max(1.0, deviance / (n - size)) if n > size else 1.0
-        uncertainty = estimate(fit, noises=[white_noise(fit, wider)])
+        deviation = np.abs(temperature_law.log10_a_t(shifts.temperature) - shifts.log10)
+        error_factor = max(1.0, deviance / (n - size)) if n > size else 1.0
+        uncertainty = estimate(fit, noises=[white_noise(fit, error_factor)])
         entries[kind] = temperature_law, uncertainty.derive_quantity(constants).covariance
         bic = bic_of_deviance(deviance, effective=n, parameters=size)
-        worst = int(np.argmax(off))
+        worst = int(np.argmax(deviation))
         scores.append(
             LawScore(
-                kind, deviance, n - size, bic, float(off[worst]), float(shifts.temperature[worst])
+                kind,
+                deviance,
+                n - size,
+                bic,
+                float(deviation[worst]),
+                float(shifts.temperature[worst]),
             )
         )
     scores.sort(key=lambda score: score.bic)
@@ -209,9 +214,9 @@ def fit_shift_law(
             "it gets warmer, and WLF needs three temperatures; take the "
             "shifts themselves (dashpot fit --shift free)"
         )
-    chosen, errors = entries[kind]
+    best_law, errors = entries[kind]
     return ShiftLawFit(
-        chosen, _PARAMETERS[kind], errors, tuple(scores), _find_outlier_temperature(shifts, c)
+        best_law, _PARAMETERS[kind], errors, tuple(scores), _find_outlier_temperature(shifts, c)
     )
 
 
@@ -221,9 +226,9 @@ def _find_outlier_temperature(shifts: _Shifts, covariance: FloatArray) -> ShiftO
     n = len(shifts.temperature)
     for kind, lay in _LAID.items():
         dof = n - len(_PARAMETERS[kind])
-        if dof < _LEAST_LEFT or (solved := lay(shifts)) is None:
+        if dof < _LEAST_LEFT or (solution := lay(shifts)) is None:
             continue
-        deviance = solved.optimum.sse
+        deviance = solution.optimum.sse
         if not is_significant_fall(deviance, dof):
             return None
         for i in range(n):
@@ -235,8 +240,8 @@ def _find_outlier_temperature(shifts: _Shifts, covariance: FloatArray) -> ShiftO
             if (without := lay(part)) is None:
                 continue
             at, remainder = float(shifts.temperature[i]), without.optimum.sse / (dof - 1)
-            missed = float(shifts.log10[i]) - float(without.law.log10_a_t(at))
-            pairs.append((remainder / (deviance / dof), ShiftOutlier(at, missed)))
+            deviation = float(shifts.log10[i]) - float(without.law.log10_a_t(at))
+            pairs.append((remainder / (deviance / dof), ShiftOutlier(at, deviation)))
     share, outlier = min(pairs, key=lambda pair: pair[0], default=(1.0, None))
     return outlier if share < _OUTLIER_SHARE else None
 
@@ -259,8 +264,8 @@ def _whitener(covariance: FloatArray) -> FloatArray:
     if not len(covariance):
         return np.empty((0, 0))
     values, vectors = np.linalg.eigh((covariance + covariance.T) / 2)
-    floor = max(_ROUNDING * float(values[-1]), np.finfo(float).tiny)
-    return np.asarray((vectors / np.sqrt(np.maximum(values, floor))).T)
+    min_eigenvalue = max(_ROUNDING * float(values[-1]), np.finfo(float).tiny)
+    return np.asarray((vectors / np.sqrt(np.maximum(values, min_eigenvalue))).T)
 
 
 def _arrhenius(shifts: _Shifts) -> _SolvedLaw | None:
@@ -272,17 +277,21 @@ def _arrhenius(shifts: _Shifts) -> _SolvedLaw | None:
 
 def _wlf(shifts: _Shifts) -> _SolvedLaw | None:
     """Return the law, unless the best is a straight line in T."""
-    above = shifts.temperature - shifts.reference
-    least = max(0.0, -float(above.min(initial=0.0)))
+    temperature_difference = shifts.temperature - shifts.reference
+    min_c2 = max(0.0, -float(temperature_difference.min(initial=0.0)))
 
     def rows(theta: FloatArray) -> Rows:
-        bent = 1 + theta * above
-        return shifts.rows(-above / bent, (above / bent) ** 2)
+        denominator = 1 + theta * temperature_difference
+        return shifts.rows(
+            -temperature_difference / denominator, (temperature_difference / denominator) ** 2
+        )
 
-    range_ = Parameter(1 / _LONGEST, 1 / (least + _SHORTEST), scale=0.01)
+    range_ = Parameter(1 / _LONGEST, 1 / (min_c2 + _SHORTEST), scale=0.01)
     # linear where every shift is multiplied by what it is divided by
-    straight = np.column_stack((-shifts.log10 * above, -above))
-    start = np.asarray(np.linalg.lstsq(straight, shifts.log10)[0][:1])
+    linear_columns = np.column_stack(
+        (-shifts.log10 * temperature_difference, -temperature_difference)
+    )
+    start = np.asarray(np.linalg.lstsq(linear_columns, shifts.log10)[0][:1])
     best = require_optimum(Problem(rows, [range_], positive=True), [start])
     if best.beta[0] <= 0 or best.theta[0] <= range_.low:
         return None

@@ -64,19 +64,19 @@ def response_panels(
 ) -> tuple[Panel, Panel]:
     """The answer to a step over log time with that of a solid, and the residual in per cent."""
     word, scale = read_as(unit)
-    certain = time > 0
-    t, measured = time[certain], scale * values[certain]
+    is_positive_time = time > 0
+    t, measured = time[is_positive_time], scale * values[is_positive_time]
     dense = np.geomspace(t[0], t[-1], 300)
     curve = scale * compute_response(dense)
     residual = 100 * (measured / (scale * compute_response(t)) - 1)
-    across = Scale(axis, (float(t[0]), float(t[-1])), log=True)
+    horizontal = Scale(axis, (float(t[0]), float(t[-1])), log=True)
     upper = Panel(
-        across, Scale(f"{name}, {word}", compute_padded_log_limits(measured, curve), log=True),
+        horizontal, Scale(f"{name}, {word}", compute_padded_log_limits(measured, curve), log=True),
         (Line(dense, curve, FIT, "fit"), Dots(t, measured, "measured", "measured")),
         height=240,
     )  # fmt: skip
     lower = Panel(
-        across, Scale("residual, %", compute_padded_limits(residual, np.zeros(1), margin=0.1)),
+        horizontal, Scale("residual, %", compute_padded_limits(residual, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), Dots(t, residual, "fit")),
         height=90, note=f"rms {round_to_error(float(np.sqrt(np.mean(residual**2))))} %",
     )  # fmt: skip
@@ -103,9 +103,9 @@ def draw_stress_relaxation(fit: Fit, data: StressRelaxationTest, *, stamp: str =
     measured = scale * sign * data.stress
     measured = measured - np.median(measured[rest])
     residual = measured - stress
-    across = Scale(TIME, (float(time[0]), float(time[-1])))
+    horizontal = Scale(TIME, (float(time[0]), float(time[-1])))
     upper = Panel(
-        across, Scale(f"stress, {word}", compute_padded_limits(measured, stress)),
+        horizontal, Scale(f"stress, {word}", compute_padded_limits(measured, stress)),
         (
             Line(*downsample_to_extremes(time, stress, bins=350), FIT_BAND, "fit"),
             Line(*downsample_to_extremes(time, measured, bins=350), DATA_ON_FIT, "measured"),
@@ -114,7 +114,7 @@ def draw_stress_relaxation(fit: Fit, data: StressRelaxationTest, *, stamp: str =
     )  # fmt: skip
     x, y = downsample_to_extremes(time, residual, bins=350)
     lower = Panel(
-        across, Scale(f"residual, {word}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
+        horizontal, Scale(f"residual, {word}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), Line(x, y, FIT)), height=90,
     )  # fmt: skip
     caption = "Relaxation in stress: measured, the fit to it, and what that leaves."

@@ -72,15 +72,15 @@ def compare_with_curve(
                 f"{format_quantity(depth, 'mm')}; "
                 "measure it deeper"
             )
-        relaxed, curve = float(law.force(depth)), float(np.interp(depth, x, y))
-        deviation = 100 * (curve / relaxed - 1.0)
+        law_force, curve = float(law.force(depth)), float(np.interp(depth, x, y))
+        deviation = 100 * (curve / law_force - 1.0)
         agreements.append(
             CurveAgreement(
                 depth,
-                relaxed,
+                law_force,
                 curve,
                 f"at {format_quantity(depth, 'mm')} the compression curve reads {curve:.4g} N, "
-                f"{deviation:+.2g} % of the relaxed {relaxed:.4g} N; a curve driven at a finite "
+                f"{deviation:+.2g} % of the relaxed {law_force:.4g} N; a curve driven at a finite "
                 "speed lies above by what has not relaxed yet",
             )
         )

@@ -146,9 +146,9 @@ class _StiffnessPerTest(NamedTuple):
         error = self.estimate.standard_error[len(self.estimate.optimum.theta) :]
         noise = error[: self.k.size].reshape(self.k.shape)[test]
         k, se = scale * self.k[test], scale * np.hypot(noise, rig)
-        most = float(k[0] + NORMAL * se[0])
+        upper = float(k[0] + NORMAL * se[0])
         return DepthStiffness(
-            depth, float(k[0]), most, tuple(k[1:].tolist()), tuple(se[1:].tolist())
+            depth, float(k[0]), upper, tuple(k[1:].tolist()), tuple(se[1:].tolist())
         )
 
 
@@ -187,11 +187,11 @@ def _check_separability(stiffnesses: _StiffnessPerTest) -> Check:
     if stiffnesses.k.shape[1] == 1:
         return depth_and_time_separable(None, None)
     ratio = stiffnesses.k[:, 1:] / stiffnesses.k[:, :1]
-    spread = float(np.abs(ratio / ratio.mean(axis=0) - 1.0).max())
+    max_deviation = float(np.abs(ratio / ratio.mean(axis=0) - 1.0).max())
     first = len(stiffnesses.estimate.optimum.theta)
     rows = slice(first, first + stiffnesses.k.size)
     if not np.all(np.isfinite(stiffnesses.estimate.covariance[rows, rows])):
-        return depth_and_time_separable(None, spread)
+        return depth_and_time_separable(None, max_deviation)
 
     def differences(values: FloatArray) -> FloatArray:
         k = values[rows].reshape(stiffnesses.k.shape)
@@ -205,4 +205,4 @@ def _check_separability(stiffnesses: _StiffnessPerTest) -> Check:
     from scipy.special import fdtrc
 
     p_value = fdtrc(free, max(stiffnesses.dof, 1.0), quantity.values @ weighted_values / free)
-    return depth_and_time_separable(float(p_value), spread)
+    return depth_and_time_separable(float(p_value), max_deviation)

@@ -19,9 +19,9 @@ def format_depth_stiffnesses(fit: Fit) -> list[str]:
     fact_groups = [
         depth_stiffness.list_values(fit.unit) for depth_stiffness in fit.evidence.stiffness_by_depth
     ]
-    rows = [["  depth", *(fact.label for fact in fact_groups[0])]]
+    rows = [["  depth", *(reported_value.label for reported_value in fact_groups[0])]]
     for at, group in zip(fit.evidence.stiffness_by_depth, fact_groups, strict=True):
-        cells = (fact.cells.ascii.with_limit for fact in group)
+        cells = (reported_value.cells.ascii.with_limit for reported_value in group)
         rows.append([f"  {format_quantity(at.depth, 'mm')}", *cells])
     return [f"    by depth, {fact_groups[0][0].word}, ± SE", *table(rows)]
 

@@ -24,10 +24,10 @@ def frequencies_in_valid_band(frequencies: tuple[float, ...], band: tuple[float,
     def distance(frequency: float) -> float:
         return max(frequency / high, low / frequency)
 
-    farthest = max(frequencies, key=distance)
+    farthest_frequency = max(frequencies, key=distance)
     return Finding(
-        f"{farthest:.4g} Hz is asked, and the model is valid {format_band(band)}",
-        distance(farthest),
+        f"{farthest_frequency:.4g} Hz is asked, and the model is valid {format_band(band)}",
+        distance(farthest_frequency),
         "Stiffness and loss factor there are extrapolated",
         "Add a hammer test, or ramp faster.",
     )

@@ -26,5 +26,5 @@ def draw_stiffness_prediction(prediction: StiffnessPrediction, *, stamp: str = "
 
 def _mark_asked(panel: Panel, frequencies: tuple[float, ...]) -> Panel:
     low, high = panel.x.limits
-    rules = tuple(Rule(f, REF, "asked") for f in frequencies if low <= f <= high)
-    return replace(panel, marks=(*panel.marks, *rules))
+    frequency_rules = tuple(Rule(f, REF, "asked") for f in frequencies if low <= f <= high)
+    return replace(panel, marks=(*panel.marks, *frequency_rules))

@@ -160,11 +160,11 @@ def _report_values(
     numbers = K.real, K.imag, K.imag / K.real
     if limits is None:
         limits = _compute_limits_in_band(fit, frequency, numbers)
-    place, symbol = f"{frequency:.5g} Hz", "E" if fit.unit == "Pa" else "K"
+    frequency_text, symbol = f"{frequency:.5g} Hz", "E" if fit.unit == "Pa" else "K"
     names = (
-        ("storage", f"{symbol}' at {place}", fit.unit),
-        ("loss", f"{symbol}'' at {place}", fit.unit),
-        ("loss_factor", f"loss factor at {place}", "1"),
+        ("storage", f"{symbol}' at {frequency_text}", fit.unit),
+        ("loss", f"{symbol}'' at {frequency_text}", fit.unit),
+        ("loss_factor", f"loss factor at {frequency_text}", "1"),
     )
     return tuple(
         ReportedValue(name, value, float(low), float(high), unit, words=words)
@@ -185,14 +185,16 @@ def _compute_limits_in_band(
         return [np.array([math.nan, math.nan])] * 3
     log_frequency = np.log(error.frequency)
     size, factor = (
-        max(float(np.interp(math.log(frequency), log_frequency, errors)), least)
-        for errors, least in zip((error.stiffness, error.loss_factor), error.misfit, strict=True)
+        max(float(np.interp(math.log(frequency), log_frequency, errors)), min_error)
+        for errors, min_error in zip(
+            (error.stiffness, error.loss_factor), error.misfit, strict=True
+        )
     )
     formal = parameter_band(fit, [frequency])
     relative = (size, (1 + size) * (1 + factor) - 1, factor)
     return [
-        np.array([min(value / (1 + off), low), max(value * (1 + off), high)])
-        for value, off, (low, high) in zip(
+        np.array([min(value / (1 + relative_error), low), max(value * (1 + relative_error), high)])
+        for value, relative_error, (low, high) in zip(
             values, relative, (formal.storage[:, 0], formal.loss[:, 0], formal.loss_factor[:, 0]),
             strict=True,
         )

@@ -58,9 +58,9 @@ class NamedArray:
     values: FloatArray | ComplexArray
     unit: str | None = None
     factor: str = ""
-    """What is stated beside its numbers that would change them, such as "gain = 10"."""
+    """Factor stated beside the numbers and not applied, such as "gain = 10"."""
     start: str = ""
-    """When it is said to begin, such as "t0 = 0.1"."""
+    """Stated start, such as "t0 = 0.1"."""
 
 
 def gather(
@@ -153,16 +153,16 @@ def _stated_factors(
         stem, _, last = array.name.rpartition(".")
         if any(array.name == column.name for column in columns):
             continue
-        inside = stem.rpartition(".")[2]
-        if not names_factor(last) and names_factor(inside):  # a group "calibration" of numbers
-            stem, last = stem.rpartition(".")[0], f"{inside}_{last}"
+        owner_name = stem.rpartition(".")[2]
+        if not names_factor(last) and names_factor(owner_name):  # a group "calibration" of numbers
+            stem, last = stem.rpartition(".")[0], f"{owner_name}_{last}"
         text = factors_among({last: array.values})
         if not text:
             continue
-        places = _find_scaled_columns(stem, last, columns)
-        for place in places:
-            factors[place].append(text)
-        if not places:
+        column_indices = _find_scaled_columns(stem, last, columns)
+        for column_index in column_indices:
+            factors[column_index].append(text)
+        if not column_indices:
             cautions.append(
                 Caution(f"the file states {array.name}{text[len(last) :]}; it is not applied")
             )
@@ -178,13 +178,13 @@ def _full_scale_of(
         owner = split_full_scale(last) if np.size(array.values) == 1 else None
         if owner is None or np.iscomplexobj(array.values):
             continue
-        named = words_of_name(owner) == words_of_name(split_unit(column.name)[0])
-        meant = (
-            named
+        is_same_name = words_of_name(owner) == words_of_name(split_unit(column.name)[0])
+        is_of_column = (
+            is_same_name
             if owner
             else any(columns[i] is column for i in _find_scaled_columns(stem, "", columns))
         )
-        text = describe_full_scale(column.values.real, last, array.values) if meant else ""
+        text = describe_full_scale(column.values.real, last, array.values) if is_of_column else ""
         if text:
             return text
     return ""
@@ -199,8 +199,10 @@ def _find_scaled_columns(stem: str, last: str, columns: Sequence[NamedArray]) ->
             for i, column in enumerate(columns)
             if words_of_name(split_unit(column.name.rpartition(".")[2])[0]) == words
         ]
-    inside = [i for i, column in enumerate(columns) if column.name.rpartition(".")[0] == stem]
-    single = inside if stem and len(inside) == 1 else []
+    column_indices = [
+        i for i, column in enumerate(columns) if column.name.rpartition(".")[0] == stem
+    ]
+    single = column_indices if stem and len(column_indices) == 1 else []
     return [i for i, column in enumerate(columns) if stem and column.name == stem] or single
 
 
@@ -211,12 +213,12 @@ def _require_common_clock(arrays: Sequence[NamedArray], columns: Sequence[NamedA
     ]
     starts = {signal.start.rpartition(" = ")[2] or "0" for signal in signals}
     if len(starts) > 1:
-        listed = ", ".join(
+        channels_text = ", ".join(
             f"'{signal.name}' {signal.start or 'says nothing'}" for signal in signals[:6]
         )
         raise ReadError(
-            f"the channels are said to start at different times ({listed}): export them on one "
-            "clock, as a column of time"
+            f"the channels are said to start at different times ({channels_text}): export them on "
+            "one clock, as a column of time"
         )
     names = {column.name for column in columns}
     refuse_different_rates([a for a in arrays if a.name.rpartition(".")[0] in names])
@@ -231,26 +233,27 @@ def refuse_different_rates(arrays: Sequence[NamedArray]) -> None:
     """
     rates = {float(f"{rate:.6g}") for array in arrays if (rate := _rate(array))}
     if len(rates) > 1:
-        listed = ", ".join(f"{rate:g} Hz" for rate in sorted(rates)[:6])
+        rates_text = ", ".join(f"{rate:g} Hz" for rate in sorted(rates)[:6])
         raise ReadError(
-            f"the channels are said to be sampled at different rates ({listed}); export them at one"
+            f"the channels are said to be sampled at different rates ({rates_text}); export them "
+            "at one"
         )
 
 
 def _vectors(arrays: Sequence[NamedArray]) -> list[NamedArray]:
     """Vectors as they are; a matrix as one vector for each of its columns."""
-    out = []
+    arrays_split = []
     for array in chain.from_iterable(map(_parts, arrays)):
         values = np.squeeze(np.asarray(array.values, dtype=float))
         if values.ndim == 1:
-            out.append(replace(array, values=values))
+            arrays_split.append(replace(array, values=values))
         elif values.ndim == 2 and min(values.shape) <= 64:
-            tall = values if values.shape[0] >= values.shape[1] else values.T
-            out += [
-                replace(array, name=f"{array.name} {i + 1}", values=tall[:, i])
-                for i in range(tall.shape[1])
+            column_values = values if values.shape[0] >= values.shape[1] else values.T
+            arrays_split += [
+                replace(array, name=f"{array.name} {i + 1}", values=column_values[:, i])
+                for i in range(column_values.shape[1])
             ]
-    return [array for array in out if array.values.size >= 2]
+    return [array for array in arrays_split if array.values.size >= 2]
 
 
 def _parts(array: NamedArray) -> tuple[NamedArray, ...]:
@@ -266,12 +269,14 @@ def _parts(array: NamedArray) -> tuple[NamedArray, ...]:
 
 def contradict_rate(arrays: Sequence[NamedArray], stated_rate: float | None) -> list[Caution]:
     """Note what single numbers say of the sampling rate otherwise than the user does."""
-    stated = {array.name: rate for array in arrays if (rate := _rate(array))} if stated_rate else {}
+    stated_rates = (
+        {array.name: rate for array in arrays if (rate := _rate(array))} if stated_rate else {}
+    )
     return [
         Caution(
             f"the file says {name}, which is {rate:g} Hz, where --rate {stated_rate:g}Hz is given"
         )
-        for name, rate in stated.items()
+        for name, rate in stated_rates.items()
         if stated_rate and abs(rate / stated_rate - 1) > _OTHER_RATE
     ][:1]
 

@@ -59,40 +59,40 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     head = raw.head(len(_ARROW))
     if head == _ARROW or head.startswith(_STREAM):
         form, start = ("Arrow", 8) if head == _ARROW else ("Arrow stream", 0)
-        whole, fields = read_schema_metadata(raw.head(_LARGEST_SCHEMA)[start:])
+        schema_metadata, fields = read_schema_metadata(raw.head(_LARGEST_SCHEMA)[start:])
         with raw.open() as stream:
             frame = pl.read_ipc(stream) if start else pl.read_ipc_stream(stream)
     else:
         form = "Parquet"
-        whole = pl.read_parquet_metadata(_source(raw))
-        schema = whole.pop("ARROW:schema", "")
+        schema_metadata = pl.read_parquet_metadata(_source(raw))
+        schema = schema_metadata.pop("ARROW:schema", "")
         fields = read_schema_metadata(decode_parquet_schema(schema))[1] if schema else {}
         lazy = pl.scan_parquet(_source(raw))
         rows = lazy.select(pl.len()).collect().item()
         check_value_count(rows * len(lazy.collect_schema()), "the columns hold")
         frame = lazy.collect()
     check_value_count(frame.height * frame.width, "the columns hold")
-    stated = assign_metadata(whole, fields, frame.columns)
+    metadata = assign_metadata(schema_metadata, fields, frame.columns)
     arrays: list[NamedArray] = []
     notes: list[str] = []
     for column in frame.iter_columns():
-        entries = stated.columns[column.name]
+        entries = metadata.columns[column.name]
         array = _read_column(column, entries, notes)
         arrays += [] if array is None else [array, *_list_rates(f"{column.name}.", entries)]
     labels = _number_labels(frame, arrays)
-    kept = [array.name for array in arrays]
-    passed = {name: "no numbers" for name in frame.columns if name not in kept}
-    arrays += _list_rates("", stated.table)
+    array_names = [array.name for array in arrays]
+    passed = {name: "no numbers" for name in frame.columns if name not in array_names}
+    arrays += _list_rates("", metadata.table)
     arrays += [
         NamedArray(key, np.array(values))
-        for key, value in stated.table.items()
+        for key, value in metadata.table.items()
         if concerns_numbers(key.rpartition(".")[2]) and (values := stated_numbers(value))
     ]
     return gather(
-        arrays, format_=form, notes=[*notes, *note_passed(passed, kept)], rate=options.rate,
+        arrays, format_=form, notes=[*notes, *note_passed(passed, array_names)], rate=options.rate,
         header=[
             *labels,
-            *(line for key, value in stated.table.items() if (line := window_line(key, value))),
+            *(line for key, value in metadata.table.items() if (line := window_line(key, value))),
         ],
     )  # fmt: skip
 
@@ -102,16 +102,16 @@ def _number_labels(frame: Any, arrays: list[NamedArray]) -> list[str]:
     lines = []
     for column in frame.iter_columns():
         if str(column.dtype).partition("(")[0] in _TEXT and names_specimen(column.name):
-            numbers, listed = format_labels([str(cell or "") for cell in column.to_list()])
+            numbers, labels_text = format_labels([str(cell or "") for cell in column.to_list()])
             arrays.append(NamedArray(column.name, np.array(numbers, float)))
-            lines.append(f"{LABELS}{column.name}: {listed}")
+            lines.append(f"{LABELS}{column.name}: {labels_text}")
     return lines
 
 
-def _read_column(column: Any, stated: Mapping[str, Any], notes: list[str]) -> NamedArray | None:
+def _read_column(column: Any, metadata: Mapping[str, Any], notes: list[str]) -> NamedArray | None:
     """Return a column of numbers, or of time as seconds, None of anything else."""
     kind, name = column.dtype, column.name
-    start = ", ".join(f"{key} = {value}" for key, value in stated.items() if names_start(key))
+    start = ", ".join(f"{key} = {value}" for key, value in metadata.items() if names_start(key))
     if kind.is_temporal():
         word = str(kind).partition("(")[0]
         if word not in {"Datetime", "Duration"}:  # a day, or a time of an unknown day
@@ -123,15 +123,15 @@ def _read_column(column: Any, stated: Mapping[str, Any], notes: list[str]) -> Na
     if not kind.is_numeric() and str(kind) != "Boolean":
         return None
     values = column.cast(float).to_numpy(allow_copy=True)
-    values, factor = apply_attributes(name, values, stated, notes)
-    return NamedArray(name, values, find_stated_unit(stated), factor=factor, start=start)
+    values, factor = apply_attributes(name, values, metadata, notes)
+    return NamedArray(name, values, find_stated_unit(metadata), factor=factor, start=start)
 
 
-def _list_rates(owner: str, stated: Mapping[str, Any]) -> list[NamedArray]:
+def _list_rates(owner: str, metadata: Mapping[str, Any]) -> list[NamedArray]:
     """Return what metadata state of the rate or the step of a clock, as single numbers."""
     return [
         NamedArray(f"{owner}{key}", np.array(values[0]), stated_unit(value))
-        for key, value in stated.items()
+        for key, value in metadata.items()
         if stated_rate(key.rpartition(".")[2], 1.0) and len(values := stated_numbers(value)) == 1
     ]
 

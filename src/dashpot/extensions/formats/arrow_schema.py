@@ -37,39 +37,39 @@ def decode_parquet_schema(text: str) -> bytes:
     return base64.b64decode(text)
 
 
-def _member(data: bytes, table: int, place: int) -> int:
+def _member(data: bytes, table: int, member_index: int) -> int:
     """Return where a member of a table stands, 0 of one that is left out."""
     members = table - struct.unpack_from("<i", data, table)[0]
     size = struct.unpack_from("<H", data, members)[0]
-    entry = 4 + 2 * place
+    entry = 4 + 2 * member_index
     offset = struct.unpack_from("<H", data, members + entry)[0] if entry < size else 0
     return table + offset if offset else 0
 
 
-def _follow(data: bytes, place: int) -> int:
-    return place + int(struct.unpack_from("<I", data, place)[0])
+def _follow(data: bytes, offset: int) -> int:
+    return offset + int(struct.unpack_from("<I", data, offset)[0])
 
 
-def _vector(data: bytes, place: int) -> list[int]:
+def _vector(data: bytes, offset: int) -> list[int]:
     """Return where the tables of a vector stand."""
-    if not place:
+    if not offset:
         return []
-    start = _follow(data, place)
+    start = _follow(data, offset)
     count = min(struct.unpack_from("<I", data, start)[0], _MOST)
     return [_follow(data, start + 4 + 4 * i) for i in range(count)]
 
 
-def _pairs(data: bytes, place: int) -> dict[str, str]:
+def _pairs(data: bytes, offset: int) -> dict[str, str]:
     """Return the keys and values of metadata."""
     return {
         _text(data, _member(data, pair, 0)): _text(data, _member(data, pair, 1))
-        for pair in _vector(data, place)
+        for pair in _vector(data, offset)
     }
 
 
-def _text(data: bytes, place: int) -> str:
-    if not place:
+def _text(data: bytes, offset: int) -> str:
+    if not offset:
         return ""
-    start = _follow(data, place)
+    start = _follow(data, offset)
     size = struct.unpack_from("<I", data, start)[0]
     return data[start + 4 : start + 4 + size].decode("utf-8", "replace")

@@ -66,13 +66,13 @@ class Calibration(EqualByValue):
     def small(self, load: FloatArray, axis: str) -> list[str]:
         """Say if an axis uses little of its range."""
         at = AXES.index(axis)
-        limit, most = float(self.limit[at]), float(np.abs(load[at]).max())
-        if not 0 < most < _LITTLE * limit:
+        limit, max_load = float(self.limit[at]), float(np.abs(load[at]).max())
+        if not 0 < max_load < _LITTLE * limit:
             return []
         unit = "N" if axis[0] == "F" else "N m"
-        used = f"{axis} reaches {100 * most / limit:.2g} % of its range {limit:g} {unit}"
-        times = f"{limit / most:.0f} times that part of this load"
-        return [f"{used}: what its maker states as a part of the range is {times}"]
+        range_text = f"{axis} reaches {100 * max_load / limit:.2g} % of its range {limit:g} {unit}"
+        times = f"{limit / max_load:.0f} times that part of this load"
+        return [f"{range_text}: what its maker states as a part of the range is {times}"]
 
 
 def read_calibration(path: str | Path) -> Calibration:
@@ -185,17 +185,21 @@ def add_calibrated_force(table: FileTable, raw: RawFile, options: ReadOptions) -
     calibration = read_calibration(str(options.calibration))
     with add_name_to_errors(raw.name):
         gauges, factor = _gauges(table)
-    row, place = AXES.index(axis), len(table.columns)
+    row, force_column = AXES.index(axis), len(table.columns)
 
     def load(indexes: Sequence[int]) -> LoadedColumns:
-        if place not in indexes:
+        if force_column not in indexes:
             return table.load(indexes)
-        plain = [i for i in indexes if i != place]
-        loaded = table.load([*plain, *gauges])
-        loads, notes = _loads(calibration, factor * loaded.values[:, len(plain) :].T, axis)
-        column = dict(zip(plain, loaded.values.T, strict=False)) | {place: loads[row]}
+        plain_columns = [i for i in indexes if i != force_column]
+        loaded_columns = table.load([*plain_columns, *gauges])
+        loads, notes = _loads(
+            calibration, factor * loaded_columns.values[:, len(plain_columns) :].T, axis
+        )
+        column = dict(zip(plain_columns, loaded_columns.values.T, strict=False)) | {
+            force_column: loads[row]
+        }
         values = np.column_stack([column[i] for i in indexes])
-        return replace(loaded, values=values, notes=(*loaded.notes, *notes))
+        return replace(loaded_columns, values=values, notes=(*loaded_columns.notes, *notes))
 
     hidden = [replace(c, content="text") if i in gauges else c for i, c in enumerate(table.columns)]
     column = Column(axis, "N" if row < 3 else "N*m")
@@ -214,8 +218,12 @@ def _loads(calibration: Calibration, volts: FloatArray, axis: str) -> tuple[Floa
     )
     if not values.any():
         return loads, [message]
-    whole = loads[:, values]
-    return loads, [message, *calibration.overload(whole), *calibration.small(whole, axis)]
+    loads_selected = loads[:, values]
+    return loads, [
+        message,
+        *calibration.overload(loads_selected),
+        *calibration.small(loads_selected, axis),
+    ]
 
 
 def _gauges(table: FileTable) -> tuple[list[int], float]:

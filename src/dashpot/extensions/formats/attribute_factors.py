@@ -60,7 +60,7 @@ _TURNED = {
     "yes",
     "true",
 }
-"""What the sign of a channel is said to be where it is turned."""
+"""Words for a reversed sign of a channel."""
 _FILLS = {
     "fillvalue", "fill", "missingvalue", "missing", "nodata", "nodatavalue", "nullvalue", "navalue",
     "nanvalue", "invalidvalue", "errorvalue", "fehlwert", "missingdatavalue",
@@ -148,12 +148,12 @@ def changes_numbers(name: str, value: object) -> bool:
         return False
     # an offset of the scale is a summand, too
     neutral = 0.0 if set(words_of_name(name)) & _SHIFTS else 1.0
-    stated = stated_numbers(value)
-    if not stated and isinstance(value, str | bytes) and _EXPRESSION.search(_as_text(value)):
+    numbers = stated_numbers(value)
+    if not numbers and isinstance(value, str | bytes) and _EXPRESSION.search(_as_text(value)):
         return True
-    if not stated and set(words_of_name(name)) & _SIGNS:
+    if not numbers and set(words_of_name(name)) & _SIGNS:
         return _as_text(value).strip().casefold() in _TURNED
-    return any(number != neutral for number in stated)
+    return any(number != neutral for number in numbers)
 
 
 def stated_numbers(value: object) -> tuple[float, ...]:
@@ -218,17 +218,17 @@ def remove_fill_values(
 
     None is a fill value, and what lies outside the range that is stated to be valid.
     """
-    marks = find_fill_values(attributes)
-    missing = np.isin(values, marks) if marks else np.zeros(np.shape(values), bool)
+    fill_masks = find_fill_values(attributes)
+    missing = np.isin(values, fill_masks) if fill_masks else np.zeros(np.shape(values), bool)
     low, high = _find_valid_range(attributes)
     outside = ((values < low) | (values > high)) & ~missing
     notes = [
-        f"{np.count_nonzero(which)} numbers of '{name}' are stated to be none, {why}"
-        for which, why in (
+        f"{np.count_nonzero(is_fill)} numbers of '{name}' are stated to be none, {reason}"
+        for is_fill, reason in (
             (missing, "as fill values"),
             (outside, f"outside the valid range {low:g} to {high:g}"),
         )
-        if which.any()
+        if is_fill.any()
     ]
     return (np.where(missing | outside, np.nan, values), notes) if notes else (values, [])
 
@@ -237,12 +237,13 @@ def _find_valid_range(attributes: Mapping[str, object]) -> tuple[float, float]:
     """Return the ends of the range that is stated to be valid, infinite where none is."""
     low, high = -np.inf, np.inf
     for name, value in attributes.items():
-        places = _VALID.get(_remove_signs(name.rpartition(".")[2]), (None, None))
-        stated = stated_numbers(value)
+        bound_positions = _VALID.get(_remove_signs(name.rpartition(".")[2]), (None, None))
+        numbers = stated_numbers(value)
         if isinstance(value, str):
-            stated = tuple(float(number) for number in _NUMBERS.findall(value)[:2])
+            numbers = tuple(float(number) for number in _NUMBERS.findall(value)[:2])
         first, last = (
-            stated[place] if place is not None and place < len(stated) else None for place in places
+            numbers[position] if position is not None and position < len(numbers) else None
+            for position in bound_positions
         )
         low = low if first is None else max(low, first)
         high = high if last is None else min(high, last)
@@ -262,9 +263,9 @@ def split_full_scale(name: str) -> str | None:
 @lru_cache(maxsize=4096)
 def concerns_numbers(name: str) -> bool:
     """Return whether a name is that of a factor, a summand, a full scale or a fill value."""
-    bare = _remove_signs(name)
-    stated = bare in _FILLS or bare in _VALID
-    return stated or names_factor(name) or split_full_scale(name) is not None
+    bare_name = _remove_signs(name)
+    is_numeric = bare_name in _FILLS or bare_name in _VALID
+    return is_numeric or names_factor(name) or split_full_scale(name) is not None
 
 
 def _remove_signs(name: str) -> str:
@@ -279,10 +280,10 @@ def describe_full_scale(values: FloatArray, name: str, value: object) -> str:
     >>> describe_full_scale(np.array([0.0, 7.0]), "full_scale", "50 N")
     ''
     """
-    full = max(map(abs, stated_numbers(value)), default=0.0)
+    full_scale = max(map(abs, stated_numbers(value)), default=0.0)
     largest = float(np.nanmax(np.abs(values), initial=0.0))
-    strange = largest > _OVER * full or largest <= 1 < full / _OVER
-    return f"{name} = {_format_factor_value(value)}" if full and strange else ""
+    is_implausible = largest > _OVER * full_scale or largest <= 1 < full_scale / _OVER
+    return f"{name} = {_format_factor_value(value)}" if full_scale and is_implausible else ""
 
 
 def apply_attributes(

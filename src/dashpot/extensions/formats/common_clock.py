@@ -41,22 +41,22 @@ def interpolate_to_slowest(channels: Sequence[SampledChannel], notes: list[str])
     ReadError
         If no channel is named so, or they do not overlap in time.
     """
-    listed = ", ".join(f"'{channel.name}' {channel.step:.6g} s" for channel in channels[:6])
-    named = [c for c in channels if not _TEST_ROLES.isdisjoint(vocabulary.matches(c.name))]
-    if not named:
+    steps_text = ", ".join(f"'{channel.name}' {channel.step:.6g} s" for channel in channels[:6])
+    test_channels = [c for c in channels if not _TEST_ROLES.isdisjoint(vocabulary.matches(c.name))]
+    if not test_channels:
         raise ReadError(
-            f"channels are sampled at different steps ({listed}); export them at one rate"
+            f"channels are sampled at different steps ({steps_text}); export them at one rate"
         )
-    slowest = max(named, key=lambda channel: channel.step)
+    slowest = max(test_channels, key=lambda channel: channel.step)
     margin = _TIME_TOLERANCE * slowest.step
-    start = max(float(c.time[0]) for c in named) - margin
-    end = min(float(c.time[-1]) for c in named) + margin
+    start = max(float(c.time[0]) for c in test_channels) - margin
+    end = min(float(c.time[-1]) for c in test_channels) + margin
     time = slowest.time[(slowest.time >= start) & (slowest.time <= end)]
     if len(time) < 2:
         raise ReadError("the channels do not overlap in time (their starts and steps say so)")
     message = (
-        f"the channels are sampled at different steps ({listed}): they were interpolated to the "
-        f"{len(time)} common instants of '{slowest.name}'"
+        f"the channels are sampled at different steps ({steps_text}): they were interpolated to "
+        f"the {len(time)} common instants of '{slowest.name}'"
     )
     # straight lines dull what is near half the sampling rate
     has_acceleration = any(

@@ -35,7 +35,7 @@ _NAMES = (
         ),
     ),
 )  # fmt: skip
-"""What each viscosity becomes, and how it is named; the longer name first."""
+"""Modulus of each viscosity, and its names; the longer name first."""
 _UNITS = {
     "pas": 1.0, "mpas": 1e-3, "kpas": 1e3, "MPas": 1e6, "ns/m2": 1.0, "ns/m²": 1.0, "p": 0.1,
     "poise": 0.1, "cp": 1e-3, "cps": 1e-3, "psec": 0.1,
@@ -72,27 +72,27 @@ def convert_viscosities(table: FileTable, options: ReadOptions) -> FileTable:
         return table
 
     def load(indexes: Sequence[int]) -> LoadedColumns:
-        loaded = table.load(
+        loaded_columns = table.load(
             [*indexes, frequency_index] if viscosities.keys() & set(indexes) else indexes
         )
-        if len(loaded.values.T) == len(indexes):
-            return loaded
-        omega = 2 * np.pi * hertz.factor * loaded.values[:, -1]
-        values = loaded.values[:, :-1].copy()
+        if len(loaded_columns.values.T) == len(indexes):
+            return loaded_columns
+        omega = 2 * np.pi * hertz.factor * loaded_columns.values[:, -1]
+        values = loaded_columns.values[:, :-1].copy()
         for column, index in enumerate(indexes):
             if index in viscosities:
                 values[:, column] *= omega * viscosities[index][1]
-        return replace(loaded, values=values)
+        return replace(loaded_columns, values=values)
 
     columns = tuple(
         replace(column, name=viscosities[i][0], unit="Pa") if i in viscosities else column
         for i, column in enumerate(table.columns)
     )
-    listed = ", ".join(
+    viscosities_text = ", ".join(
         f"'{table.columns[i].name}' times omega is {modulus}"
         for i, (modulus, _) in viscosities.items()
     )
-    return replace(table, columns=columns, load=load, notes=(*table.notes, listed))
+    return replace(table, columns=columns, load=load, notes=(*table.notes, viscosities_text))
 
 
 def _name_modulus(name: str) -> str:
@@ -106,5 +106,5 @@ def _name_modulus(name: str) -> str:
 
 def _parse_viscosity(word: str | None) -> float:
     """Return a unit of viscosity in Pa s, 0 of any other word."""
-    bare = re.sub(r"[\s.·*⋅∙\-]", "", word or "")
-    return _UNITS["MPas"] if bare[:3] == "MPa" else _UNITS.get(bare.casefold(), 0.0)
+    bare_unit = re.sub(r"[\s.·*⋅∙\-]", "", word or "")
+    return _UNITS["MPas"] if bare_unit[:3] == "MPa" else _UNITS.get(bare_unit.casefold(), 0.0)

@@ -126,18 +126,18 @@ def _write_temporary_file(frame: Any) -> Iterator[Path]:
     if len({len(values) for _, values, _ in columns}) > 1:
         counts = ", ".join(f"'{name}' {len(values)}" for name, values, _ in columns[:6])
         raise DataError(f"its columns differ in length ({counts}): give those of one clock")
-    above, head = [], []
-    for name, _, stated in columns:
-        stem, unit = split_heading(name, find_stated_unit(stated))
-        factor = factors_among(stated)
+    header_lines, head = [], []
+    for name, _, metadata in columns:
+        stem, unit = split_heading(name, find_stated_unit(metadata))
+        factor = factors_among(metadata)
         head.append(f"{stem} [{unit}]" if unit else name)
-        above += [f"{LABELS}{name}: {stated[LABELS]}"] if LABELS in stated else []
-        above += [f"# factor stated of {name}: {factor}"] if factor else []
+        header_lines += [f"{LABELS}{name}: {metadata[LABELS]}"] if LABELS in metadata else []
+        header_lines += [f"# factor stated of {name}: {factor}"] if factor else []
     cells = [
         ["" if isnan(value) else repr(value) for value in values.tolist()]
         for _, values, _ in columns
     ]
-    lines = [*above, "\t".join(head), *map("\t".join, zip(*cells, strict=True))]
+    lines = [*header_lines, "\t".join(head), *map("\t".join, zip(*cells, strict=True))]
     with TemporaryDirectory() as folder:
         path = Path(folder) / type(frame).__name__
         path.write_text("\n".join(lines) + "\n", "utf-8")
@@ -201,7 +201,9 @@ def make_records(values: Sequence[Any], options: dict[str, Any]) -> list[Any]:
 
 def _convert_list(value: Any) -> Any:
     """Return a list of numbers as an array, anything else as it is."""
-    numbers = isinstance(value, list) and value and all(isinstance(one, Real) for one in value)
+    numbers = (
+        isinstance(value, list) and value and all(isinstance(element, Real) for element in value)
+    )
     return np.asarray(value, float) if numbers else value
 
 
@@ -212,8 +214,8 @@ def _make_record(arrays: list[Any], units: Any) -> Any:
     if not of_material:
         time, displacement, force = arrays
         test = RelaxationTest(time, displacement, force, units=", ".join(words))
-        shown = classify_load_history(test.time, test.displacement, test.force)
-        if shown in {"relaxation", "still", "other"}:
+        load_history = classify_load_history(test.time, test.displacement, test.force)
+        if load_history in {"relaxation", "still", "other"}:
             return test
     roles = _MATERIAL_ROLES if of_material else _PART_ROLES
     return read_frame(
@@ -236,7 +238,7 @@ def _list_stated_units(units: Any) -> list[str]:
 
 def _iterate_columns(frame: Any) -> Iterator[tuple[str, FloatArray, dict[str, Any]]]:
     """Yield the name, the numbers and the attributes of each column of numbers or instants."""
-    for name, column, stated in _iterate_raw_columns(frame):
+    for name, column, metadata in _iterate_raw_columns(frame):
         values = _convert_objects(np.asarray(column))
         if values.dtype.kind == _INSTANTS:
             values = values - values[:1]
@@ -244,10 +246,10 @@ def _iterate_columns(frame: Any) -> Iterator[tuple[str, FloatArray, dict[str, An
             yield _clean_name(name), values / np.timedelta64(1, "s"), {"unit": "s"}
         elif values.dtype.kind in "OUT" and names_specimen(_clean_name(name)):
             labels = ["" if _is_missing(value) else str(value) for value in values.ravel()]
-            numbers, listed = format_labels(labels)
-            yield _clean_name(name), np.asarray(numbers, float), {LABELS: listed}
+            numbers, labels_text = format_labels(labels)
+            yield _clean_name(name), np.asarray(numbers, float), {LABELS: labels_text}
         elif values.dtype.kind in _NUMBERS:
-            yield _clean_name(name), np.asarray(values, float).ravel(), stated
+            yield _clean_name(name), np.asarray(values, float).ravel(), metadata
 
 
 def _convert_objects(values: np.ndarray) -> np.ndarray:
@@ -258,11 +260,11 @@ def _convert_objects(values: np.ndarray) -> np.ndarray:
     if present and all(isinstance(value, Real | Decimal) for value in present):
         return values.astype(float)
     if present and all(isinstance(value, datetime) for value in present):
-        since = [
+        seconds = [
             np.nan if _is_missing(value) else (value - present[0]).total_seconds()
             for value in values.ravel()
         ]
-        return np.round(1e9 * np.asarray(since)).astype("timedelta64[ns]")
+        return np.round(1e9 * np.asarray(seconds)).astype("timedelta64[ns]")
     return values
 
 
@@ -287,9 +289,13 @@ def _iterate_raw_columns(frame: Any) -> Iterator[tuple[Any, Any, dict[str, Any]]
     units = attributes.get("units", {})
     units = units if isinstance(units, Mapping) else {}
     index = getattr(frame, "index", None)
-    named = getattr(index, "name", None)
-    if named or _convert_objects(np.asarray(index)).dtype.kind in _INSTANTS + _SPANS:
-        yield named or "time", index, {"unit": units.get(named)} if named in units else {}
+    index_name = getattr(index, "name", None)
+    if index_name or _convert_objects(np.asarray(index)).dtype.kind in _INSTANTS + _SPANS:
+        yield (
+            index_name or "time",
+            index,
+            {"unit": units.get(index_name)} if index_name in units else {},
+        )
     columns = frame.items() if hasattr(frame, "items") else zip(frame.columns, frame, strict=True)
     for name, column in columns:
         yield name, column, {"unit": units[name]} if name in units else {}

@@ -54,11 +54,11 @@ _FOREIGN = "it is data of another file, which this file's hash does not cover; s
 
 @dataclass
 class _Walked:
-    """What a walk has found, and the objects it has been to: links may lead in circles."""
+    """Findings of a walk, and the objects visited: links may lead in circles."""
 
     datasets: list[tuple[Any, str]] = field(default_factory=list)
     stated: list[NamedArray] = field(default_factory=list)
-    """What attributes say of the clock and of factors, as single numbers."""
+    """Attributes of the clock and of factors, as single numbers."""
     notes: list[str] = field(default_factory=list)
     visited: set[tuple[int, int]] = field(default_factory=set)
     numbers: int = 0
@@ -77,7 +77,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         virtual datasets).
     """
     h5py = extra("h5py", "h5py", "HDF5 or MAT 7.3 files")
-    walk = _Walked()
+    visitor = _Walked()
     with raw.open() as stream, h5py.File(stream, "r") as file:
         group: Any = file
         for key in (options.sheet or "").strip("/").split("/"):
@@ -88,12 +88,14 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
                     f"{', '.join(islice(file, 10))}"
                 )
             group = inner
-        _walk(group, "", walk)
-        limits.check_value_count(walk.numbers, "the datasets hold")
-        arrays = [array for node, name in walk.datasets for array in _dataset(node, name, walk)]
+        _walk(group, "", visitor)
+        limits.check_value_count(visitor.numbers, "the datasets hold")
+        arrays = [
+            array for node, name in visitor.datasets for array in _dataset(node, name, visitor)
+        ]
     matlab = raw.head(10) == b"MATLAB 7.3"
     form = "MAT 7.3" if matlab else "HDF5"
-    return gather([*arrays, *walk.stated], format_=form, notes=walk.notes, rate=options.rate)
+    return gather([*arrays, *visitor.stated], format_=form, notes=visitor.notes, rate=options.rate)
 
 
 def _get_group_member(group: Any, key: str) -> Any:
@@ -105,25 +107,25 @@ def _get_group_member(group: Any, key: str) -> Any:
     return group[key] if isinstance(link, h5py.HardLink) else None
 
 
-def _walk(node: Any, name: str, walk: _Walked) -> None:
+def _walk(node: Any, name: str, visitor: _Walked) -> None:
     from h5py import Dataset, Group, h5o
 
     info = h5o.get_info(node.id)
-    if (info.fileno, info.addr) in walk.visited:
+    if (info.fileno, info.addr) in visitor.visited:
         return
-    walk.visited.add((info.fileno, info.addr))
+    visitor.visited.add((info.fileno, info.addr))
     if isinstance(node, Dataset):
-        _take(node, name, walk)
+        _take(node, name, visitor)
     elif isinstance(node, Group):
-        walk.stated += _stated_numbers(node, name, also_factors=True)
+        visitor.stated += _stated_numbers(node, name, also_factors=True)
         for key in node:
             if not key.startswith("#") and key not in _UNIT:
                 inner = _get_group_member(node, key)
                 if inner is not None:
-                    _walk(inner, f"{name}.{key}".strip("."), walk)
+                    _walk(inner, f"{name}.{key}".strip("."), visitor)
 
 
-def _take(node: Any, name: str, walk: _Walked) -> None:
+def _take(node: Any, name: str, visitor: _Walked) -> None:
     """Keep a dataset that holds numbers of its own, no more than may be read."""
     if node.is_virtual or node.external:
         raise ReadError(f"'{name}' is a virtual or external dataset: {_FOREIGN}")
@@ -131,48 +133,48 @@ def _take(node: Any, name: str, walk: _Walked) -> None:
         return
     size = max(node.size, node.size * node.dtype.itemsize // 8)
     if size > limits.VALUES:
-        walk.notes.append(f"'{name}' with {node.size} values was passed over")
+        visitor.notes.append(f"'{name}' with {node.size} values was passed over")
     elif not node.id.get_storage_size():
-        walk.notes.append(f"'{name}' was never written and was passed over")
+        visitor.notes.append(f"'{name}' was never written and was passed over")
     else:
-        walk.numbers += size
-        walk.datasets.append((node, name))
+        visitor.numbers += size
+        visitor.datasets.append((node, name))
 
 
-def _dataset(node: Any, name: str, walk: _Walked) -> list[NamedArray]:
+def _dataset(node: Any, name: str, visitor: _Walked) -> list[NamedArray]:
     """Return the numbers of one dataset, parted where its columns or fields have names."""
     if node.dtype.kind in _INSTANTS:
-        return _instants(node, name, walk)
-    whole = _columns_of(node, name, walk)
-    for array in whole:
-        walk.stated += _stated_numbers(node, array.name, also_factors=False)
-    attributes, start = _attributes_by_column(node, len(whole)), _start(node)
+        return _instants(node, name, visitor)
+    all_values = _columns_of(node, name, visitor)
+    for array in all_values:
+        visitor.stated += _stated_numbers(node, array.name, also_factors=False)
+    attributes, start = _attributes_by_column(node, len(all_values)), _start(node)
     arrays = []
-    for array, entries in zip(whole, attributes, strict=True):
+    for array, entries in zip(all_values, attributes, strict=True):
         if np.iscomplexobj(array.values):
             factor, values = factors_among(entries), array.values
         else:
             numbers: FloatArray = array.values.real
-            values, factor = apply_attributes(array.name, numbers, entries, walk.notes)
+            values, factor = apply_attributes(array.name, numbers, entries, visitor.notes)
         arrays.append(replace(array, values=values, factor=factor, start=start))
     return arrays
 
 
-def _columns_of(node: Any, name: str, walk: _Walked) -> list[NamedArray]:
+def _columns_of(node: Any, name: str, visitor: _Walked) -> list[NamedArray]:
     if node.dtype.names == _COMPLEX:
-        whole = node[()]
-        return [NamedArray(name, whole["real"] + 1j * whole["imag"], _unit(node))]
+        raw_values = node[()]
+        return [NamedArray(name, raw_values["real"] + 1j * raw_values["imag"], _unit(node))]
     if node.dtype.names:
-        packed = [key for key in _CF if key in node.attrs]
-        if packed:
+        packed_keys = [key for key in _CF if key in node.attrs]
+        if packed_keys:
             raise ReadError(
-                f"'{name}' has named fields and states {', '.join(packed)}, which the CF "
+                f"'{name}' has named fields and states {', '.join(packed_keys)}, which the CF "
                 "conventions know of one variable alone; write each field as a dataset of its own"
             )
-        whole, fields = node[()], node.dtype.names
+        raw_values, fields = node[()], node.dtype.names
         pairs = zip(
             fields,
-            map(numbers, map(whole.__getitem__, fields)),
+            map(numbers, map(raw_values.__getitem__, fields)),
             _units(node, len(fields)),
             strict=True,
         )
@@ -181,7 +183,7 @@ def _columns_of(node: Any, name: str, walk: _Walked) -> list[NamedArray]:
     values = None if text else numbers(node[()])
     if values is None:
         return []
-    values = _decode_cf_values(node, name, values, walk)
+    values = _decode_cf_values(node, name, values, visitor)
     unit = _unit(node)
     return _split_named_columns(node, name, values) or [
         NamedArray(_stem(name) if unit else name, values, unit)
@@ -189,7 +191,7 @@ def _columns_of(node: Any, name: str, walk: _Walked) -> list[NamedArray]:
 
 
 def _decode_cf_values(
-    node: Any, name: str, values: FloatArray | ComplexArray, walk: _Walked
+    node: Any, name: str, values: FloatArray | ComplexArray, visitor: _Walked
 ) -> FloatArray | ComplexArray:
     """The numbers as the CF conventions unpack them: fill values out, scale and offset applied.
 
@@ -197,31 +199,33 @@ def _decode_cf_values(
     ----------
     CF Metadata Conventions 1.11, sections 2.5.1 and 8.1.
     """
-    packed = {
+    cf_attributes = {
         key: _parse_cf_attribute(name, key, node.attrs[key]) for key in _CF if key in node.attrs
     }
-    if not packed or np.iscomplexobj(values):
+    if not cf_attributes or np.iscomplexobj(values):
         return values
     missing = np.zeros(values.shape, bool)
     for key in ("_FillValue", "missing_value"):
-        for mark in packed.get(key, ()):
-            missing |= values == np.asarray(mark).astype(node.dtype).astype(float)
-    low, high = packed.get("valid_range", (-np.inf, np.inf))[:2] or (-np.inf, np.inf)
-    low = max([low, *packed.get("valid_min", ())])
-    high = min([high, *packed.get("valid_max", ())])
+        for fill_value in cf_attributes.get(key, ()):
+            missing |= values == np.asarray(fill_value).astype(node.dtype).astype(float)
+    low, high = cf_attributes.get("valid_range", (-np.inf, np.inf))[:2] or (-np.inf, np.inf)
+    low = max([low, *cf_attributes.get("valid_min", ())])
+    high = min([high, *cf_attributes.get("valid_max", ())])
     missing |= (values < low) | (values > high)
-    scale, offset = (packed.get(key, ()) for key in ("scale_factor", "add_offset"))
+    scale, offset = (cf_attributes.get(key, ()) for key in ("scale_factor", "add_offset"))
     if len(scale) > 1 or len(offset) > 1:
         raise ReadError(
             f"'{name}' has a scale_factor or add_offset of several numbers, and the CF conventions "
             "know one of each; write the numbers as they were measured"
         )
     unpacked = np.where(missing, np.nan, values * (scale or (1.0,))[0] + (offset or (0.0,))[0])
-    listed = [f"{key} = {pair[0]:g}" for key, pair in packed.items() if key in _PACKED and pair]
-    if listed:
-        walk.notes.append(f"{' and '.join(listed)} of '{name}' applied (CF conventions)")
+    applied_texts = [
+        f"{key} = {pair[0]:g}" for key, pair in cf_attributes.items() if key in _PACKED and pair
+    ]
+    if applied_texts:
+        visitor.notes.append(f"{' and '.join(applied_texts)} of '{name}' applied (CF conventions)")
     if missing.any():
-        walk.notes.append(
+        visitor.notes.append(
             f"{np.count_nonzero(missing)} numbers of '{name}' are fill values, or outside the "
             "valid range that the file states: they are no numbers"
         )
@@ -257,20 +261,20 @@ def _numbers_of(value: Any) -> tuple[float, ...]:
 
 def _attributes_by_column(node: Any, count: int) -> list[dict[str, Any]]:
     """Return the attributes of a dataset that no convention applies, by column."""
-    stated = {
+    attributes = {
         key: node.attrs[key] for key in node.attrs if key not in _CF and concerns_numbers(key)
     }
     return [
         {
-            key: value[place] if count > 1 and np.shape(value) == (count,) else value
-            for key, value in stated.items()
+            key: value[column_index] if count > 1 and np.shape(value) == (count,) else value
+            for key, value in attributes.items()
         }
-        for place in range(count)
+        for column_index in range(count)
     ]
 
 
 def _start(node: Any) -> str:
-    """When a dataset, or the group in which it stands, is said to begin, "" if nothing says so."""
+    """Return the start time of a dataset or of its group; empty if none is given."""
     for holder in (node, node.parent):
         for key in filter(names_start, holder.attrs):
             value = holder.attrs[key]
@@ -299,7 +303,7 @@ def _stated_numbers(node: Any, name: str, *, also_factors: bool) -> list[NamedAr
     return arrays
 
 
-def _instants(node: Any, name: str, walk: _Walked) -> list[NamedArray]:
+def _instants(node: Any, name: str, visitor: _Walked) -> list[NamedArray]:
     """Instants as seconds since the first: numbers of NumPy's kind, or text by ISO 8601."""
     if node.ndim != 1 or node.size < _LEAST:
         return []
@@ -310,10 +314,10 @@ def _instants(node: Any, name: str, walk: _Walked) -> list[NamedArray]:
             if not all(word[:1].isdigit() for word in words[:_LEAST]):
                 return []
             cells = np.array([word.removesuffix("Z").strip() for word in words], "datetime64[ns]")
-        since = cells - cells[0]
-        return [NamedArray(name, since / np.timedelta64(1, "s"), "s")]
+        seconds = cells - cells[0]
+        return [NamedArray(name, seconds / np.timedelta64(1, "s"), "s")]
     except (ValueError, TypeError):
-        walk.notes.append(f"'{name}' holds text that is no instant, and was passed over")
+        visitor.notes.append(f"'{name}' holds text that is no instant, and was passed over")
         return []
 
 
@@ -324,8 +328,8 @@ def _split_named_columns(
     names: Any = next((node.attrs[key] for key in _NAMES if key in node.attrs), None)
     if np.ndim(names) != 1 or values.ndim != 2 or len(names) not in values.shape:
         return []
-    tall = values if values.shape[1] == len(names) else values.T
-    pairs = zip(names, tall.T, _units(node, len(names)), strict=True)
+    column_values = values if values.shape[1] == len(names) else values.T
+    pairs = zip(names, column_values.T, _units(node, len(names)), strict=True)
     return [NamedArray(_word(n) or name, column, unit) for n, column, unit in pairs]
 
 

@@ -16,7 +16,7 @@ _TAG = 1 << 12
 """Bytes of a tag, at most."""
 _TOLD = 8
 _LISTED = re.compile(rb"<(?:\w{1,20}:)?(Relationship|sheet)\b([^<>]{0,4000})>")
-"""What names the parts of a workbook."""
+"""Tags that name the parts of a workbook."""
 _TAGS = re.compile(
     rb"<(?:\w{1,20}:)?(row|col|table-row|table-column|table)(?=[\s/>])([^<>]{0,4000})>"
 )
@@ -30,36 +30,38 @@ def hidden(stream: BinaryIO) -> dict[str, str]:
     if not zipfile.is_zipfile(stream):
         return {}
     tables: dict[str, str] = {}
-    with zipfile.ZipFile(stream) as book:
-        names = set(book.namelist())
-        parts = list_sheet_parts(book)
+    with zipfile.ZipFile(stream) as archive:
+        names = set(archive.namelist())
+        parts = list_sheet_parts(archive)
         for name, part in parts.items():
-            text = _format_hidden_cells(*_scan_xlsx_sheet(_tags(book, part)))
+            text = _format_hidden_cells(*_scan_xlsx_sheet(_tags(archive, part)))
             if text:
                 tables[name] = text
         if not parts and "content.xml" in names:
-            tables = _scan_ods_tables(_tags(book, "content.xml"))
+            tables = _scan_ods_tables(_tags(archive, "content.xml"))
     return tables
 
 
-def list_sheet_parts(book: zipfile.ZipFile) -> dict[str, str]:
+def list_sheet_parts(archive: zipfile.ZipFile) -> dict[str, str]:
     """Return the part of each sheet of an xlsx file by its name; none of another file."""
-    names = set(book.namelist())
+    names = set(archive.namelist())
     if "xl/workbook.xml" not in names:
         return {}
-    links = dict(_attributes(book, "xl/_rels/workbook.xml.rels", b"Relationship", "Id", "Target"))
-    listed = _attributes(book, "xl/workbook.xml", b"sheet", "name", "id")
-    parts = {name: links.get(link, "").removeprefix("/xl/") for name, link in listed}
+    links = dict(
+        _attributes(archive, "xl/_rels/workbook.xml.rels", b"Relationship", "Id", "Target")
+    )
+    sheet_attributes = _attributes(archive, "xl/workbook.xml", b"sheet", "name", "id")
+    parts = {name: links.get(link, "").removeprefix("/xl/") for name, link in sheet_attributes}
     return {name: f"xl/{part}" for name, part in parts.items() if f"xl/{part}" in names}
 
 
 def _attributes(
-    book: zipfile.ZipFile, part: str, tag: bytes, first: str, second: str
+    archive: zipfile.ZipFile, part: str, tag: bytes, first: str, second: str
 ) -> Iterator[tuple[str, str]]:
     """Two attributes of every tag of a small part."""
-    if part not in book.namelist():
+    if part not in archive.namelist():
         return
-    with book.open(part) as stream:
+    with archive.open(part) as stream:
         text = stream.read(_CHUNK)
     for match in _LISTED.finditer(text):
         words = _words(match[2])
@@ -75,10 +77,10 @@ def _words(text: bytes) -> dict[str, str]:
     }
 
 
-def _tags(book: zipfile.ZipFile, part: str) -> Iterator[tuple[str, dict[str, str]]]:
+def _tags(archive: zipfile.ZipFile, part: str) -> Iterator[tuple[str, dict[str, str]]]:
     """The tags of rows, columns and tables of a part, block by block."""
     rest = b""
-    with book.open(part) as stream:
+    with archive.open(part) as stream:
         while block := stream.read(_CHUNK):
             text = rest + block
             cut = text.rfind(b"<")  # a tag may go on in the next block
@@ -107,23 +109,23 @@ def _scan_xlsx_sheet(tags: Iterator[tuple[str, dict[str, str]]]) -> tuple[list[i
 
 
 def _scan_ods_tables(tags: Iterator[tuple[str, dict[str, str]]]) -> dict[str, str]:
-    """So too, of every table of an ods file."""
+    """Return the hidden rows and columns of every table of an ods file."""
     entries: dict[str, tuple[list[int], list[int]]] = {}
-    name, place = "", {"table-row": 0, "table-column": 0}
+    name, positions = "", {"table-row": 0, "table-column": 0}
     for tag, words in tags:
         if tag == "table":
-            name, place = unescape(words.get("name", "")), dict.fromkeys(place, 0)
+            name, positions = unescape(words.get("name", "")), dict.fromkeys(positions, 0)
             entries[name] = [], []
-        elif tag in place and name in entries:
+        elif tag in positions and name in entries:
             unmeasured = words.get("visibility", "").encode() in _UNSEEN
             count = max(
                 _parse_whole_number(words.get("number-rows-repeated", "")),
                 _parse_whole_number(words.get("number-columns-repeated", "")), 1,
             )  # fmt: skip
             if unmeasured:
-                first = place[tag] + 1
+                first = positions[tag] + 1
                 entries[name][tag == "table-column"].extend(range(first, first + min(count, _TOLD)))
-            place[tag] += count
+            positions[tag] += count
     return {name: text for name, entry in entries.items() if (text := _format_hidden_cells(*entry))}
 
 
@@ -140,17 +142,17 @@ def _format_hidden_cells(rows: list[int], columns: list[int]) -> str:
     return " and ".join(filter(None, parts))
 
 
-def _format_places(what: str, places: list[str]) -> str:
-    if not places:
+def _format_places(noun: str, names: list[str]) -> str:
+    if not names:
         return ""
-    more = f" and {len(places) - _TOLD} more" if len(places) > _TOLD else ""
-    return f"{what}{'s' * (len(places) > 1)} {', '.join(places[:_TOLD])}{more}"
+    more_text = f" and {len(names) - _TOLD} more" if len(names) > _TOLD else ""
+    return f"{noun}{'s' * (len(names) > 1)} {', '.join(names[:_TOLD])}{more_text}"
 
 
 def _letters(column: int) -> str:
     """Return the letters over a column of a sheet."""
     letters = ""
     while column > 0:
-        column, place = divmod(column - 1, 26)
-        letters = chr(65 + place) + letters
+        column, letter_index = divmod(column - 1, 26)
+        letters = chr(65 + letter_index) + letters
     return letters

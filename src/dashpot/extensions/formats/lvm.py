@@ -63,17 +63,17 @@ class _LvmRows:
         return [i for i in self.dialect.numbers if i not in self.clocks]
 
     def load(
-        self, blocks: Callable[[], Iterator[str]], indexes: Sequence[int], patience: TimeBudget
+        self, blocks: Callable[[], Iterator[str]], indexes: Sequence[int], time_budget: TimeBudget
     ) -> LoadedColumns:
-        wanted = [i for i in indexes if not (self.counted and i == 0)]
-        places = wanted or self.signals()[:1]
-        loaded = load_rows(blocks, self.dialect, places, patience=patience)
-        loaded = _split_stacked_records(loaded, self.segments)
-        if len(wanted) == len(indexes):
-            return loaded
-        column = dict(zip(wanted, loaded.values.T, strict=False))
-        column[0] = _compute_row_times(loaded, self.segments)
-        return replace(loaded, values=np.column_stack([column[i] for i in indexes]))
+        column_indices = [i for i in indexes if not (self.counted and i == 0)]
+        read_indices = column_indices or self.signals()[:1]
+        loaded_columns = load_rows(blocks, self.dialect, read_indices, time_budget=time_budget)
+        loaded_columns = _split_stacked_records(loaded_columns, self.segments)
+        if len(column_indices) == len(indexes):
+            return loaded_columns
+        column = dict(zip(column_indices, loaded_columns.values.T, strict=False))
+        column[0] = _compute_row_times(loaded_columns, self.segments)
+        return replace(loaded_columns, values=np.column_stack([column[i] for i in indexes]))
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
@@ -93,11 +93,18 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     lines = first.split("\n")
     top = _top(lines)
     sign = "," if re.search(r"^Separator[\t,]Comma", first, re.MULTILINE) else "\t"
-    mark = _mark(first, lines[top : top + 50], sign, options)
-    segments = _segments(decode_blocks(raw.blocks(), encoding, detected=detected), sign, mark)
+    decimal_mark = _mark(first, lines[top : top + 50], sign, options)
+    segments = _segments(
+        decode_blocks(raw.blocks(), encoding, detected=detected), sign, decimal_mark
+    )
     names, clocks = _names(lines[top - 1], sign)
     counted = not any(_has_clock_value(line, clocks, sign) for line in lines[top : top + 20])
-    dialect = Dialect(sign, mark, _contents(names, clocks, lines[top : top + 200], sign, mark), top)
+    dialect = Dialect(
+        sign,
+        decimal_mark,
+        _contents(names, clocks, lines[top : top + 200], sign, decimal_mark),
+        top,
+    )
     rows = _LvmRows(dialect, tuple(clocks), counted, tuple(segments))
     columns = _columns(names, clocks, segments[0], dialect.contents)
 
@@ -112,7 +119,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
             simulated="simulated" in "\n".join(header).casefold(),
         )
     asks = counted and options.rate is None
-    notes, doubts = _rate(segments[0]) if asks else ((), ())
+    notes, questions = _rate(segments[0]) if asks else ((), ())
 
     def load(indexes: Sequence[int]) -> LoadedColumns:
         return rows.load(blocks, indexes, raw.patience)
@@ -123,11 +130,11 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         load=load,
         encoding=encoding,
         delimiter="comma" if sign == "," else "tab",
-        decimal="comma" if mark == "," else "point",
+        decimal="comma" if decimal_mark == "," else "point",
         header=tuple(filter(str.strip, lines[: top - 2])),
         notes=notes,
         simulated="simulated" in "\n".join(lines[: top - 2]).casefold(),
-        doubts=doubts,
+        doubts=questions,
     )
 
 
@@ -136,7 +143,7 @@ def _resample(
     rows: _LvmRows,
     columns: Sequence[Column],
     names: Sequence[str],
-    patience: TimeBudget,
+    time_budget: TimeBudget,
 ) -> FileTable:
     """Return channels of several rates on one clock.
 
@@ -146,20 +153,22 @@ def _resample(
         If the file holds several segments, or no channel of a test shows itself.
     """
     head = rows.segments[0]
-    places = [i for i in range(len(names)) if i not in rows.clocks]
-    steps = dict(zip(places, head.step, strict=False))
-    starts = dict(zip(places, head.start, strict=False))
-    used = [i for i in places if i in steps and steps[i] > 0 and i in rows.dialect.numbers]
-    if len(rows.segments) > 1 or len(used) < 2:
+    signal_indices = [i for i in range(len(names)) if i not in rows.clocks]
+    steps = dict(zip(signal_indices, head.step, strict=False))
+    starts = dict(zip(signal_indices, head.start, strict=False))
+    stepped_indices = [
+        i for i in signal_indices if i in steps and steps[i] > 0 and i in rows.dialect.numbers
+    ]
+    if len(rows.segments) > 1 or len(stepped_indices) < 2:
         raise ReadError("channels have different Delta_X; export them at one rate")
-    loaded = load_rows(blocks, rows.dialect, used, patience=patience)
+    loaded_columns = load_rows(blocks, rows.dialect, stepped_indices, time_budget=time_budget)
     channels = []
-    for i, values in zip(used, loaded.values.T, strict=True):
+    for i, values in zip(stepped_indices, loaded_columns.values.T, strict=True):
         count = int(np.flatnonzero(np.isfinite(values)).max(initial=-1)) + 1
         if count > 1:
             time = starts.get(i, 0.0) + steps[i] * np.arange(count, dtype=float)
             channels.append((i, SampledChannel(columns[i].name, time, values[:count])))
-    notes = list(loaded.notes)
+    notes = list(loaded_columns.notes)
     table = interpolate_to_slowest([channel for _, channel in channels], notes)
     return FileTable(
         format="LVM",
@@ -171,10 +180,10 @@ def _resample(
 
 def _top(lines: Sequence[str]) -> int:
     """Return the line of the first row: two below the end of the second header."""
-    ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
-    if len(ends) < 2 or ends[1] + 1 >= len(lines):
+    header_ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
+    if len(header_ends) < 2 or header_ends[1] + 1 >= len(lines):
         raise ReadError(f"an LVM file without two '{_END}' lines and channel names")
-    return ends[1] + 2
+    return header_ends[1] + 2
 
 
 def _names(line: str, sign: str) -> tuple[list[str], list[int]]:
@@ -189,25 +198,27 @@ def _mark(head: str, rows: Sequence[str], sign: str, options: ReadOptions) -> Ma
     """Return the decimal mark stated, or else (old writers) the one that the rows use."""
     if options.decimal is not None:
         return "," if options.decimal == "," else "."
-    stated = re.search(r"^Decimal_Separator[\t,]\s*\"?([.,])", head, re.MULTILINE)
-    if stated:
-        return "," if stated[1] == "," else "."
+    separator_match = re.search(r"^Decimal_Separator[\t,]\s*\"?([.,])", head, re.MULTILINE)
+    if separator_match:
+        return "," if separator_match[1] == "," else "."
     return "," if sign != "," and any("," in row and "." not in row for row in rows) else "."
 
 
-def _segments(blocks: Iterable[str], sign: str, mark: Mark) -> list[_LvmHead]:
-    heads = [_segment(header, mark) for header in _headers(blocks, sign) if "Channels" in header]
+def _segments(blocks: Iterable[str], sign: str, decimal_mark: Mark) -> list[_LvmHead]:
+    heads = [
+        _segment(header, decimal_mark) for header in _headers(blocks, sign) if "Channels" in header
+    ]
     if len({segment.channels for segment in heads}) != 1:
         raise ReadError("the LVM segments differ in their channels; export them apart")
-    for what, group in (
+    for difference, group in (
         ("units", {segment.units for segment in heads} - {()}),
         ("names of channels", {segment.names for segment in heads} - {()}),
     ):
         if len(group) > 1:
             first, other = sorted(group)[:2]
             raise ReadError(
-                f"the LVM segments differ in their {what}: {', '.join(filter(None, first))} and "
-                f"{', '.join(filter(None, other))}; export them apart"
+                f"the LVM segments differ in their {difference}: {', '.join(filter(None, first))} "
+                f"and {', '.join(filter(None, other))}; export them apart"
             )
     return heads
 
@@ -223,9 +234,9 @@ def _headers(blocks: Iterable[str], sign: str) -> list[dict[str, list[str]]]:
     return headers
 
 
-def _segment(header: dict[str, list[str]], mark: Mark) -> _LvmHead:
+def _segment(header: dict[str, list[str]], decimal_mark: Mark) -> _LvmHead:
     def numbers(key: str) -> tuple[float, ...]:
-        values = (cell.number(text, mark) for text in header.get(key, []) if text)
+        values = (cell.number(text, decimal_mark) for text in header.get(key, []) if text)
         return tuple(value for value in values if value is not None)
 
     step = next((text for text in header.get("Delta_X", []) if text), "")
@@ -262,13 +273,13 @@ def _has_clock_value(line: str, clocks: Sequence[int], sign: str) -> bool:
 
 
 def _contents(
-    names: Sequence[str], clocks: Sequence[int], rows: Sequence[str], sign: str, mark: Mark
+    names: Sequence[str], clocks: Sequence[int], rows: Sequence[str], sign: str, decimal_mark: Mark
 ) -> tuple[Content, ...]:
     """Return what each column holds; one that is blank in every row holds nothing."""
     cut = [cell.split(row, sign) for row in rows if row.strip()]
     contents: list[Content] = []
     for i in range(len(names)):
-        numbers = any(i < len(row) and cell.number(row[i], mark) is not None for row in cut)
+        numbers = any(i < len(row) and cell.number(row[i], decimal_mark) is not None for row in cut)
         contents.append(
             "number" if numbers and i not in clocks[1:] else "blank" if not numbers else "text"
         )
@@ -285,8 +296,8 @@ def _columns(
             columns.append(Column("X_Value", "s", "number" if i == clocks[0] else "text"))
             continue
         # the labels follow the key "Y_Unit_Label" itself, so that they stand one to the left
-        place = i - (1 if len(clocks) > 1 else sum(c < i for c in clocks))
-        unit = dict(enumerate(segment.units)).get(place, "")
+        channel_index = i - (1 if len(clocks) > 1 else sum(c < i for c in clocks))
+        unit = dict(enumerate(segment.units)).get(channel_index, "")
         stem, inner = split_unit(name)
         columns.append(Column(stem if inner and not unit else name, unit or inner, contents[i]))
     return columns
@@ -298,12 +309,12 @@ def _rate(segment: _LvmHead) -> tuple[tuple[str, ...], tuple[Question, ...]]:
         message = "there is no column of time and no Delta_X; give the rate, --rate 1000Hz"
         return (), (Question(message, "--rate RATE"),)
     rate = 1 / segment.step[0]
-    doubt = segment.half_digit / segment.step[0]
-    if doubt < _SURE or abs(rate - round(rate)) < 1e-6 * rate:
+    step_error = segment.half_digit / segment.step[0]
+    if step_error < _SURE or abs(rate - round(rate)) < 1e-6 * rate:
         return (), ()
     message = (
         f"Delta_X = {segment.step[0]:g} s is rounded: the rate is {rate:.2f} Hz, give or take "
-        f"{doubt * rate:.1f} Hz; if you know it, say it, for example --rate "
+        f"{step_error * rate:.1f} Hz; if you know it, say it, for example --rate "
         f"{_round_sampling_rate(rate)}Hz"
     )
     return (message,), ()
@@ -316,19 +327,21 @@ def _round_sampling_rate(rate: float) -> int:
 
 
 def _parts(
-    loaded: LoadedColumns, segments: Sequence[_LvmHead]
+    loaded_columns: LoadedColumns, segments: Sequence[_LvmHead]
 ) -> Iterator[tuple[int, int, _LvmHead]]:
     """First row, end and header of each part; what has no header of its own has the last."""
-    stops = (*loaded.starts[1:], len(loaded.values))
-    for k, (start, stop) in enumerate(zip(loaded.starts, stops, strict=True)):
+    segment_ends = (*loaded_columns.starts[1:], len(loaded_columns.values))
+    for k, (start, stop) in enumerate(zip(loaded_columns.starts, segment_ends, strict=True)):
         yield start, stop, segments[min(k, len(segments) - 1)]
 
 
-def _split_stacked_records(loaded: LoadedColumns, segments: Sequence[_LvmHead]) -> LoadedColumns:
+def _split_stacked_records(
+    loaded_columns: LoadedColumns, segments: Sequence[_LvmHead]
+) -> LoadedColumns:
     """Part each segment where it holds several records of ``Samples`` rows."""
     starts: list[int] = []
-    notes = list(loaded.notes)
-    for start, stop, segment in _parts(loaded, segments):
+    notes = list(loaded_columns.notes)
+    for start, stop, segment in _parts(loaded_columns, segments):
         length = max(segment.samples, default=0)
         count = (stop - start) // length if length > 1 else 1
         if count > 1 and (stop - start) % length == 0:
@@ -337,13 +350,13 @@ def _split_stacked_records(loaded: LoadedColumns, segments: Sequence[_LvmHead]) 
         else:
             starts.append(start)
     names = ("",) * len(starts)
-    return replace(loaded, starts=tuple(starts), segments=names, notes=tuple(notes))
+    return replace(loaded_columns, starts=tuple(starts), segments=names, notes=tuple(notes))
 
 
-def _compute_row_times(loaded: LoadedColumns, segments: Sequence[_LvmHead]) -> FloatArray:
+def _compute_row_times(loaded_columns: LoadedColumns, segments: Sequence[_LvmHead]) -> FloatArray:
     """Time of every row, from X0 and Delta_X of its segment; NaN without, asked for before use."""
-    time = np.full(len(loaded.values), np.nan)
-    for start, stop, segment in _parts(loaded, segments):
+    time = np.full(len(loaded_columns.values), np.nan)
+    for start, stop, segment in _parts(loaded_columns, segments):
         if segment.step:
             origin = segment.start[0] if segment.start else 0.0
             time[start:stop] = origin + segment.step[0] * np.arange(stop - start)

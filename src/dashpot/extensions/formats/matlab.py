@@ -85,8 +85,8 @@ def _require_version(stream: BinaryIO) -> None:
     if head.startswith(_VERSION_4):
         _, rows, columns, imaginary, length = struct.unpack("<5i", head[:20].ljust(20, b"\0"))
         name = head[20 : 20 + length - 1]
-        possible = rows > 0 and columns > 0 and imaginary in {0, 1} and 1 < length < 64
-        if not (possible and name.isascii() and name.decode("ascii").isidentifier()):
+        is_possible = rows > 0 and columns > 0 and imaginary in {0, 1} and 1 < length < 64
+        if not (is_possible and name.isascii() and name.decode("ascii").isidentifier()):
             raise ReadError(
                 "begins with zeros, and is no format that dashpot knows by its content; export it "
                 "as text (csv, txt)"
@@ -118,9 +118,9 @@ def _flatten(
 
 def _extract_struct_array(name: str, fields: dict[str, Any], notes: list[str]) -> NamedArray | None:
     """Return the array of a struct that holds numbers and their unit."""
-    folded = {str(key).casefold(): value for key, value in fields.items()}
-    data = next((folded[key] for key in _DATA if key in folded), None)
-    unit = next((folded[key] for key in _UNITS if key in folded), None)
+    by_lower_case = {str(key).casefold(): value for key, value in fields.items()}
+    data = next((by_lower_case[key] for key in _DATA if key in by_lower_case), None)
+    unit = next((by_lower_case[key] for key in _UNITS if key in by_lower_case), None)
     values = None if data is None else numbers(data)
     if values is None or not isinstance(unit, str):
         return None
@@ -266,14 +266,14 @@ def _read_element_layout(
 ) -> tuple[int, frozenset[int], int]:
     """Bytes that name the fields, and the kinds and number of the elements that follow them."""
     if class_ in {_STRUCT, _OBJECT}:
-        left = space - (_content(take, file, space, _NAME)[0] if class_ == _OBJECT else 0)
-        read, longest = _content(take, file, left, _INT32)
-        left -= read
-        read, names = _content(take, file, left, _NAME)
+        bytes_left = space - (_content(take, file, space, _NAME)[0] if class_ == _OBJECT else 0)
+        read, longest = _content(take, file, bytes_left, _INT32)
+        bytes_left -= read
+        read, names = _content(take, file, bytes_left, _NAME)
         width = sum(_integers(longest, file))
         if width < 1:
             raise _Damaged(f"a struct with names of {width} letters")
-        return space - left + read, _ARRAYS, cells * (len(names) // width)
+        return space - bytes_left + read, _ARRAYS, cells * (len(names) // width)
     if class_ == _CELL:
         return 0, _ARRAYS, cells
     if class_ == _CHAR:
@@ -290,15 +290,15 @@ def _integers(data: bytes, file: _MatFile) -> tuple[int, ...]:
 def _scan_compressed_element(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
     """A compressed element: the one inside, inflated a stretch at a time."""
     inflate = zlib.decompressobj()
-    waiting, packed = b"", size
+    waiting, bytes_left = b"", size
 
     def more(count: int) -> bytes:
-        nonlocal waiting, packed
-        while len(waiting) < count and (packed or inflate.unconsumed_tail):
+        nonlocal waiting, bytes_left
+        while len(waiting) < count and (bytes_left or inflate.unconsumed_tail):
             source = inflate.unconsumed_tail
             if not source:
-                source = _exactly(take, min(packed, _AT_ONCE))
-                packed -= len(source)
+                source = _exactly(take, min(bytes_left, _AT_ONCE))
+                bytes_left -= len(source)
             fresh = inflate.decompress(source, _AT_ONCE)
             if not fresh and inflate.eof:
                 break
@@ -307,7 +307,7 @@ def _scan_compressed_element(take: Take, file: _MatFile, size: int, *, depth: in
         return content
 
     _element(more, file, 1 << 62, _ARRAYS, depth=depth + 1)
-    _skip_bytes(take, packed)
+    _skip_bytes(take, bytes_left)
 
 
 def _skip_bytes(take: Take, count: int) -> None:

@@ -32,23 +32,25 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     table: FileTable = parent_process.run_in_child("mdf", describe, raw, options)
     if len(table.load([0]).values):
         return table
-    kept: dict[int, LoadedColumns] = {}
+    cached_columns: dict[int, LoadedColumns] = {}
 
     def load(indexes: Sequence[int]) -> LoadedColumns:
-        lacking = [index for index in dict.fromkeys(indexes) if index not in kept]
-        if lacking:
-            part = parent_process.run_in_child("mdf", read_columns, raw, options, columns=lacking)
-            loaded = part.load(range(len(lacking)))
-            for place, index in enumerate(lacking):
-                named = f"'{table.columns[index].name}'"
-                kept[index] = replace(
-                    loaded,
-                    values=loaded.values[:, place],
-                    notes=tuple(note for note in part.notes if named in note),
+        missing_indices = [index for index in dict.fromkeys(indexes) if index not in cached_columns]
+        if missing_indices:
+            part = parent_process.run_in_child(
+                "mdf", read_columns, raw, options, columns=missing_indices
+            )
+            loaded_columns = part.load(range(len(missing_indices)))
+            for position, index in enumerate(missing_indices):
+                column_name = f"'{table.columns[index].name}'"
+                cached_columns[index] = replace(
+                    loaded_columns,
+                    values=loaded_columns.values[:, position],
+                    notes=tuple(note for note in part.notes if column_name in note),
                 )
-        columns = [kept[index] for index in indexes]
-        for index in list(kept)[:-_KEPT]:
-            del kept[index]
+        columns = [cached_columns[index] for index in indexes]
+        for index in list(cached_columns)[:-_KEPT]:
+            del cached_columns[index]
         return replace(
             columns[0],
             values=np.array([column.values for column in columns]).T,

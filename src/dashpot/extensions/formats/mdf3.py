@@ -46,7 +46,7 @@ class _Mdf3Blocks:
         self._stream, self.order, self.numbers = stream, order, numbers
         self._count = 0
 
-    def read_block(self, address: int, kind: bytes, least: int) -> bytes:
+    def read_block(self, address: int, kind: bytes, min_size: int) -> bytes:
         """Return the bytes of the block of a kind at an address, of so many bytes at least."""
         self._count += 1
         if self._count > _MOST_BLOCKS:
@@ -55,29 +55,29 @@ class _Mdf3Blocks:
             )
         self._stream.seek(address)
         head = self._stream.read(4)
-        found, size = struct.unpack(f"{self.order}2sH", head) if len(head) == 4 else (b"", 0)
-        if found != kind or size < least:
+        block_kind, size = struct.unpack(f"{self.order}2sH", head) if len(head) == 4 else (b"", 0)
+        if block_kind != kind or size < min_size:
             raise ReadError(f"damaged or cut: no block of kind {kind.decode()} at byte {address}")
         data = head + self._stream.read(size - 4)
         if len(data) < size:
             raise ReadError(f"cut: the block at byte {address} ends beyond the end of the file")
         return data
 
-    def unpack(self, form: str, data: bytes, place: int) -> tuple[int, ...]:
-        return struct.unpack_from(self.order + form, data, place)
+    def unpack(self, form: str, data: bytes, offset: int) -> tuple[int, ...]:
+        return struct.unpack_from(self.order + form, data, offset)
 
-    def link(self, data: bytes, place: int) -> int:
+    def link(self, data: bytes, offset: int) -> int:
         """Return the address at a place of a block."""
-        return self.unpack("I", data, place)[0]
+        return self.unpack("I", data, offset)[0]
 
     def text(self, address: int) -> str:
         """Return a text; empty without one."""
         return _text(self.read_block(address, b"TX", 4)[4:]) if address else ""
 
-    def chain(self, address: int, kind: bytes, least: int) -> Iterator[bytes]:
+    def chain(self, address: int, kind: bytes, min_size: int) -> Iterator[bytes]:
         """Yield a block and those that follow it."""
         while address:
-            block = self.read_block(address, kind, least)
+            block = self.read_block(address, kind, min_size)
             yield block
             address = self.link(block, 4)
 
@@ -160,20 +160,22 @@ def _rate_hints(steps: dict[str, float]) -> dict[str, str]:
 
 
 def _name(blocks: _Mdf3Blocks, block: bytes) -> str:
-    long = blocks.link(block, 218) if len(block) >= 222 else 0
-    return blocks.text(long) or _text(block[26:58])
+    long_name_address = blocks.link(block, 218) if len(block) >= 222 else 0
+    return blocks.text(long_name_address) or _text(block[26:58])
 
 
 def _channel(blocks: _Mdf3Blocks, block: bytes, name: str, size: int) -> MdfChannel:
     kind = blocks.unpack("H", block, 24)[0]
-    start, bits, stored = blocks.unpack("HHH", block, 186)
-    more = blocks.unpack("H", block, 226)[0] if len(block) >= 228 else 0
+    start, bits, number_type = blocks.unpack("HHH", block, 186)
+    extra_bytes = blocks.unpack("H", block, 226)[0] if len(block) >= 228 else 0
     if blocks.link(block, 16):
         raise NoNumbersError("arrays or structures")
-    if stored not in _KINDS:
-        raise NoNumbersError(_WORDS.get(stored, f"a kind of number ({stored}) that is not known"))
-    form, (byte, bit) = _KINDS[stored], divmod(start, 8)
-    byte += more
+    if number_type not in _KINDS:
+        raise NoNumbersError(
+            _WORDS.get(number_type, f"a kind of number ({number_type}) that is not known")
+        )
+    form, (byte, bit) = _KINDS[number_type], divmod(start, 8)
+    byte += extra_bytes
     unit, convert = _conversion(blocks, blocks.link(block, 8))
     if kind == 1 and not bits:
         step = blocks.unpack("d", block, 210)[0]
@@ -187,7 +189,7 @@ def _channel(blocks: _Mdf3Blocks, block: bytes, name: str, size: int) -> MdfChan
         raise NoNumbersError(f"whole numbers of {bits} bits, {bit} bits into a byte")
     if byte + (bit + bits + 7) // 8 > size:
         raise ReadError(f"damaged: '{name}' stands outside its record")
-    big = stored in _BIG or (stored not in _LITTLE and blocks.numbers == ">")
+    big = number_type in _BIG or (number_type not in _LITTLE and blocks.numbers == ">")
     return MdfChannel(name, unit, form, byte, bit, bits, big, convert, clock=kind == 1)
 
 
@@ -214,14 +216,14 @@ def _pieces(address: int, length: int) -> Callable[[BinaryIO], Iterator[bytes]]:
     """Return what yields so many bytes from an address."""
 
     def pieces(stream: BinaryIO) -> Iterator[bytes]:
-        place, end = address, address + length * bool(address)
-        while place < end:
-            stream.seek(place)
-            data = stream.read(min(PIECE, end - place))
+        address_read, end = address, address + length * bool(address)
+        while address_read < end:
+            stream.seek(address_read)
+            data = stream.read(min(PIECE, end - address_read))
             if not data:
                 return
             yield data
-            place += len(data)
+            address_read += len(data)
 
     return pieces
 

@@ -55,7 +55,7 @@ _VLSD = 1
 
 @dataclass(eq=False)
 class Content:
-    """What the blocks of a file hold.
+    """Contents of the blocks of a file.
 
     Attributes
     ----------
@@ -79,11 +79,11 @@ class _Mdf4Block:
     links: tuple[int, ...]
     data: bytes
     start: int
-    """Where its data stands."""
+    """Position of its data."""
     length: int
 
-    def link(self, place: int) -> int:
-        return self.links[place] if place < len(self.links) else 0
+    def link(self, link_index: int) -> int:
+        return self.links[link_index] if link_index < len(self.links) else 0
 
 
 class _Mdf4Blocks:
@@ -93,7 +93,7 @@ class _Mdf4Blocks:
         self._stream = stream
         self._count = 0
 
-    def read_block(self, address: int, *kinds: bytes, whole: bool = True) -> _Mdf4Block:
+    def read_block(self, address: int, *kinds: bytes, read_all: bool = True) -> _Mdf4Block:
         """Return the block at an address, which is one of the kinds."""
         self._count += 1
         if self._count > _MOST_BLOCKS:
@@ -113,9 +113,9 @@ class _Mdf4Blocks:
         links = self._exactly(8 * count, address)
         size = length - _HEADER.size - 8 * count
         start = address + _HEADER.size + 8 * count
-        if whole and size > _LARGEST_TEXT * 16:
+        if read_all and size > _LARGEST_TEXT * 16:
             raise ReadError(f"damaged: the block at byte {address} says {size} bytes")
-        data = self._exactly(size, address) if whole else b""
+        data = self._exactly(size, address) if read_all else b""
         return _Mdf4Block(kind, struct.unpack(f"<{count}Q", links), data, start, size)
 
     def _exactly(self, size: int, address: int) -> bytes:
@@ -162,12 +162,12 @@ def read_blocks(stream: BinaryIO) -> Content:
 def _header(blocks: _Mdf4Blocks, header: _Mdf4Block) -> list[str]:
     nanoseconds, zone, summer, flags = struct.unpack_from("<QhhB", header.data)
     lines = [line.strip() for line in blocks.text(header.link(5)).splitlines() if line.strip()]
-    since = timedelta(microseconds=nanoseconds // 1000)
-    if nanoseconds and since < timedelta(days=200 * 365):
+    since_epoch = timedelta(microseconds=nanoseconds // 1000)
+    if nanoseconds and since_epoch < timedelta(days=200 * 365):
         local = timedelta(minutes=zone + summer) if flags & 2 and not flags & 1 else timedelta()
-        stamp = datetime(1970, 1, 1, tzinfo=UTC) + since + local
+        start_time = datetime(1970, 1, 1, tzinfo=UTC) + since_epoch + local
         zone_word = " (local time)" if flags & 1 or local else " UTC"
-        lines.append(f"recorded: {stamp:%Y-%m-%d %H:%M:%S}{zone_word}")
+        lines.append(f"recorded: {start_time:%Y-%m-%d %H:%M:%S}{zone_word}")
     return lines
 
 
@@ -182,26 +182,28 @@ def _read_data_group(blocks: _Mdf4Blocks, data_group: _Mdf4Block, content: Conte
     total = 0
     for group in groups:
         number, rows, flags = struct.unpack_from("<QQH", group.data)
-        data, marks = struct.unpack_from("<II", group.data, 24)
+        data, invalid_bytes = struct.unpack_from("<II", group.data, 24)
         if number in sizes:
             raise ReadError("damaged: two groups of the same data have one number")
         total += rows
-        sizes[number] = None if flags & _VLSD else data + marks
+        sizes[number] = None if flags & _VLSD else data + invalid_bytes
     if len(groups) > 1 and not id_size:
         raise ReadError("damaged: records of several groups carry no number")
     for group in groups:
         number, rows, flags = struct.unpack_from("<QQH", group.data)
-        data, marks = struct.unpack_from("<II", group.data, 24)
+        data, invalid_bytes = struct.unpack_from("<II", group.data, 24)
         if flags & _VLSD:
             continue
         name = blocks.text(group.link(2)) or f"group {len(content.groups) + 1}"
-        found = list(_channels(blocks, group.link(1), (data, marks), content.passed))
+        channels_found = list(
+            _channels(blocks, group.link(1), (data, invalid_bytes), content.passed)
+        )
         if flags & _REMOTE:
-            content.passed |= {channel.name: "stored by columns" for channel in found}
+            content.passed |= {channel.name: "stored by columns" for channel in channels_found}
             continue
         content.groups.append(
             MdfGroup(
-                name=name, rows=rows, size=data + marks, channels=tuple(found),
+                name=name, rows=rows, size=data + invalid_bytes, channels=tuple(channels_found),
                 pieces=_pieces(address), number=number,
                 sizes=sizes if len(groups) > 1 else {}, total=total, id_size=id_size,
             )
@@ -237,39 +239,41 @@ def _channels(
 def _channel(
     blocks: _Mdf4Blocks, block: _Mdf4Block, name: str, sizes: tuple[int, int]
 ) -> MdfChannel:
-    data, marks = sizes
-    kind, along, stored, bit, byte, bits, flags, mark = struct.unpack_from("<BBBBIIII", block.data)
-    for types, number in ((_TYPES, kind), (_WORDS, stored)):
+    data, invalid_bytes = sizes
+    kind, sync_type, data_type, bit, byte, bits, flags, invalid_bit = struct.unpack_from(
+        "<BBBBIIII", block.data
+    )
+    for types, number in ((_TYPES, kind), (_WORDS, data_type)):
         if number in types and kind not in {3, 6}:
             raise NoNumbersError(types[number])
-    if kind not in {0, 2, 3, 6} or (stored not in _KINDS and kind not in {3, 6}):
-        raise NoNumbersError(f"a kind of channel ({kind}, {stored}) that is not known")
-    clock = kind in {2, 3} and along == 1
+    if kind not in {0, 2, 3, 6} or (data_type not in _KINDS and kind not in {3, 6}):
+        raise NoNumbersError(f"a kind of channel ({kind}, {data_type}) that is not known")
+    clock = kind in {2, 3} and sync_type == 1
     if flags & 1 and not clock:
         raise NoNumbersError("no valid number, by its flag")
     unit = blocks.text(block.link(6))
-    form, whole = _KINDS.get(stored, "u"), stored < 4
+    form, is_integer = _KINDS.get(data_type, "u"), data_type < 4
     convert: Conversion = conversions.keep_raw
     if block.link(4):
         conversion = blocks.read_block(block.link(4), b"##CC")
         unit = unit or blocks.text(conversion.link(1))
-        convert = _conversion(blocks, conversion, whole=whole)
+        convert = _conversion(blocks, conversion, is_integer=is_integer)
     if kind in {3, 6}:
         return MdfChannel(name, unit or None, "row", convert=convert, clock=clock)
     _require_place(name, form, (byte, bit, bits), data)
     invalid = None
     if flags & 2:
-        invalid = 8 * data + mark
-        if mark >= 8 * marks:
+        invalid = 8 * data + invalid_bit
+        if invalid_bit >= 8 * invalid_bytes:
             raise ReadError(f"damaged: the mark of '{name}' stands outside its record")
     return MdfChannel(
-        name, unit or None, form, byte, bit, bits, stored in _BIG, convert, invalid, clock
+        name, unit or None, form, byte, bit, bits, data_type in _BIG, convert, invalid, clock
     )
 
 
-def _require_place(name: str, form: str, place: tuple[int, int, int], size: int) -> None:
+def _require_place(name: str, form: str, bit_position: tuple[int, int, int], size: int) -> None:
     """Refuse a channel outside its record; pass over one whose numbers have an odd length."""
-    byte, bit, bits = place
+    byte, bit, bits = bit_position
     if form == "f" and (bit or bits not in {16, 32, 64}):
         raise NoNumbersError(f"floating numbers of {bits} bits")
     if not 0 < bits <= 64 or bit + bits > 64:
@@ -279,7 +283,7 @@ def _require_place(name: str, form: str, place: tuple[int, int, int], size: int)
 
 
 def _conversion(
-    blocks: _Mdf4Blocks, block: _Mdf4Block, *, whole: bool, depth: int = 0
+    blocks: _Mdf4Blocks, block: _Mdf4Block, *, is_integer: bool, depth: int = 0
 ) -> Conversion:
     kind, _, _, refs, count = struct.unpack_from("<BBHHH", block.data)
     if len(block.data) < 24 + 8 * count or refs > len(block.links) - 4:
@@ -289,7 +293,7 @@ def _conversion(
     if kind in _MAKERS:
         return _MAKERS[kind](values)
     if kind == _RANGES:
-        return conversions.ranges(values, whole=whole)
+        return conversions.ranges(values, is_integer=is_integer)
     if kind == _FORMULA:
         formula = blocks.text(links[0]) if links else ""
         raise NoNumbersError(f"raw numbers of a formula, {formula[:60]}")
@@ -299,12 +303,20 @@ def _conversion(
     spans = list(zip(*pairs, strict=False))
     if len(links) not in {len(spans), len(spans) + 1} or depth > 2:
         raise ReadError("damaged: a conversion to text has a state too many or too few")
-    chosen = [_convert_state(blocks, link, whole=whole, depth=depth) for link in links]
-    otherwise = chosen.pop() if len(chosen) > len(spans) else None
-    return conversions.some_text(spans, chosen, otherwise, whole=whole)
+    conversions_of_states = [
+        _convert_state(blocks, link, is_integer=is_integer, depth=depth) for link in links
+    ]
+    default_conversion = (
+        conversions_of_states.pop() if len(conversions_of_states) > len(spans) else None
+    )
+    return conversions.some_text(
+        spans, conversions_of_states, default_conversion, is_integer=is_integer
+    )
 
 
-def _convert_state(blocks: _Mdf4Blocks, link: int, *, whole: bool, depth: int) -> Conversion | None:
+def _convert_state(
+    blocks: _Mdf4Blocks, link: int, *, is_integer: bool, depth: int
+) -> Conversion | None:
     """Return how the numbers in a state are converted, None where the state has a name."""
     if not link:
         return None
@@ -312,7 +324,7 @@ def _convert_state(blocks: _Mdf4Blocks, link: int, *, whole: bool, depth: int) -
     if block.kind != b"##CC":
         return None
     try:
-        return _conversion(blocks, block, whole=whole, depth=depth + 1)
+        return _conversion(blocks, block, is_integer=is_integer, depth=depth + 1)
     except NoNumbersError:
         return None
 
@@ -329,7 +341,7 @@ def _pieces(address: int) -> Callable[[BinaryIO], Iterator[bytes]]:
 
 def _data(blocks: _Mdf4Blocks, stream: BinaryIO, address: int, depth: int = 0) -> Iterator[bytes]:
     kinds = (b"##DT", b"##DZ", b"##DL", b"##HL", b"##DV", b"##LD")
-    block = blocks.read_block(address, *kinds, whole=False)
+    block = blocks.read_block(address, *kinds, read_all=False)
     if block.kind == b"##DT":
         yield from _read_stored(stream, block)
     elif block.kind == b"##DZ":
@@ -341,7 +353,7 @@ def _data(blocks: _Mdf4Blocks, stream: BinaryIO, address: int, depth: int = 0) -
         )
     else:
         if block.kind == b"##HL":
-            block = blocks.read_block(block.link(0), b"##DL", whole=False)
+            block = blocks.read_block(block.link(0), b"##DL", read_all=False)
         for link in _walk_lists(blocks, block):
             if link == address or depth:
                 raise ReadError(f"damaged: lists of lists of data at byte {address}")
@@ -354,18 +366,18 @@ def _walk_lists(blocks: _Mdf4Blocks, block: _Mdf4Block) -> Iterator[int]:
         yield from filter(None, block.links[1:])
         if not block.link(0):
             return
-        block = blocks.read_block(block.link(0), b"##DL", whole=False)
+        block = blocks.read_block(block.link(0), b"##DL", read_all=False)
 
 
 def _read_stored(stream: BinaryIO, block: _Mdf4Block) -> Iterator[bytes]:
-    place, end = block.start, block.start + block.length
-    while place < end:
-        stream.seek(place)
-        data = stream.read(min(PIECE, end - place))
+    read_offset, end = block.start, block.start + block.length
+    while read_offset < end:
+        stream.seek(read_offset)
+        data = stream.read(min(PIECE, end - read_offset))
         if not data:
             raise ReadError("cut: its data ends beyond the end of the file")
         yield data
-        place += len(data)
+        read_offset += len(data)
 
 
 def _unpack(stream: BinaryIO, block: _Mdf4Block) -> bytes:
@@ -373,7 +385,7 @@ def _unpack(stream: BinaryIO, block: _Mdf4Block) -> bytes:
     head = stream.read(24)
     if len(head) < 24:
         raise ReadError("cut: its data ends beyond the end of the file")
-    original, kind, columns, size, packed = struct.unpack("<2sBxIQQ", head)
+    original, kind, columns, size, packed_size = struct.unpack("<2sBxIQQ", head)
     if original != b"DT":
         raise ReadError(f"damaged: packed data of the kind {original!r}")
     if kind > 1:
@@ -381,22 +393,22 @@ def _unpack(stream: BinaryIO, block: _Mdf4Block) -> bytes:
             f"its data is packed by a method ({kind}) of MDF 4.3 that is not read; save it with "
             "Deflate, or as MDF 4.1"
         )
-    if packed > block.length - 24 or size > _LARGEST_BLOCK:
-        raise ReadError(f"damaged: a packed block says {packed} bytes that unpack to {size}")
-    stored = stream.read(packed)
-    if len(stored) < packed:
+    if packed_size > block.length - 24 or size > _LARGEST_BLOCK:
+        raise ReadError(f"damaged: a packed block says {packed_size} bytes that unpack to {size}")
+    packed_data = stream.read(packed_size)
+    if len(packed_data) < packed_size:
         raise ReadError("cut: its data ends beyond the end of the file")
     unpacking = zlib.decompressobj()
     try:
-        data = unpacking.decompress(stored, size + 1)
+        data = unpacking.decompress(packed_data, size + 1)
     except zlib.error as error:
         raise ReadError(f"damaged: packed data does not unpack ({error})") from None
     if len(data) != size or not unpacking.eof:
         raise ReadError(f"damaged: a packed block says {size} bytes and unpacks to others")
     if kind == 1 and columns > 1:
         lines = size // columns
-        whole = np.frombuffer(data, np.uint8, lines * columns).reshape(columns, lines)
-        data = whole.T.tobytes() + data[lines * columns :]
+        transposed = np.frombuffer(data, np.uint8, lines * columns).reshape(columns, lines)
+        data = transposed.T.tobytes() + data[lines * columns :]
     return data
 
 

@@ -41,9 +41,9 @@ def rational(parameters: Sequence[float]) -> Conversion:
     a, b, c, d, e, f = _exactly(parameters, 6)
 
     def convert(raw: FloatArray) -> FloatArray:
-        below = (d * raw + e) * raw + f
+        denominator = (d * raw + e) * raw + f
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(below == 0, np.nan, ((a * raw + b) * raw + c) / below)
+            return np.where(denominator == 0, np.nan, ((a * raw + b) * raw + c) / denominator)
 
     return convert
 
@@ -63,10 +63,12 @@ def nearest_table(pairs: Sequence[float]) -> Conversion:
     keys, values = _table(pairs)
 
     def convert(raw: FloatArray) -> FloatArray:
-        above = np.clip(np.searchsorted(keys, raw), 1, len(keys) - 1) if len(keys) > 1 else 0
-        below = np.maximum(above - 1, 0)
-        place = np.where(raw - keys[below] > keys[above] - raw, above, below)
-        return np.where(np.isnan(raw), np.nan, values[place])
+        upper_index = np.clip(np.searchsorted(keys, raw), 1, len(keys) - 1) if len(keys) > 1 else 0
+        lower_index = np.maximum(upper_index - 1, 0)
+        nearest_index = np.where(
+            raw - keys[lower_index] > keys[upper_index] - raw, upper_index, lower_index
+        )
+        return np.where(np.isnan(raw), np.nan, values[nearest_index])
 
     return convert
 
@@ -79,18 +81,18 @@ def exact_table(pairs: Sequence[float]) -> Conversion:
     keys, values = _table(pairs)
 
     def convert(raw: FloatArray) -> FloatArray:
-        place = np.clip(np.searchsorted(keys, raw), 0, len(keys) - 1)
-        if not np.array_equal(keys[place], raw):
+        key_index = np.clip(np.searchsorted(keys, raw), 0, len(keys) - 1)
+        if not np.array_equal(keys[key_index], raw):
             raise ReadError(
                 "a table of MDF 3 without interpolation is asked between its keys, which programs "
                 "answer in two ways; export the channel as physical numbers, as MDF 4 or HDF5"
             )
-        return values[place]
+        return values[key_index]
 
     return convert
 
 
-def ranges(parameters: Sequence[float], *, whole: bool) -> Conversion:
+def ranges(parameters: Sequence[float], *, is_integer: bool) -> Conversion:
     """Return the value of the range in which a number lies; the last parameter of any other.
 
     The end of a range belongs to it where the numbers are whole.
@@ -102,7 +104,7 @@ def ranges(parameters: Sequence[float], *, whole: bool) -> Conversion:
     def convert(raw: FloatArray) -> FloatArray:
         result = np.full(raw.shape, float(parameters[-1]))
         for low, high, value in rows[::-1]:
-            result[(raw >= low) & ((raw <= high) if whole else (raw < high))] = value
+            result[(raw >= low) & ((raw <= high) if is_integer else (raw < high))] = value
         result[np.isnan(raw)] = np.nan
         return result
 
@@ -111,21 +113,23 @@ def ranges(parameters: Sequence[float], *, whole: bool) -> Conversion:
 
 def some_text(
     spans: Sequence[tuple[float, float]],
-    chosen: Sequence[Conversion | None],
-    otherwise: Conversion | None,
+    state_conversions: Sequence[Conversion | None],
+    default: Conversion | None,
     *,
-    whole: bool,
+    is_integer: bool,
 ) -> Conversion:
     """Return what converts numbers outside states that have a name: a named state is no number."""
-    if otherwise is None and not any(chosen):
+    if default is None and not any(state_conversions):
         raise NoNumbersError("names of states")
 
     def convert(raw: FloatArray) -> FloatArray:
-        result = np.full(raw.shape, np.nan) if otherwise is None else otherwise(raw)
+        result = np.full(raw.shape, np.nan) if default is None else default(raw)
         result = np.array(result, dtype=float)
-        for (low, high), conversion in zip(reversed(spans), reversed(chosen), strict=True):
-            inside = (raw >= low) & ((raw <= high) if whole or low == high else (raw < high))
-            result[inside] = np.nan if conversion is None else conversion(raw[inside])
+        for (low, high), conversion in zip(
+            reversed(spans), reversed(state_conversions), strict=True
+        ):
+            in_range = (raw >= low) & ((raw <= high) if is_integer or low == high else (raw < high))
+            result[in_range] = np.nan if conversion is None else conversion(raw[in_range])
         return result
 
     return convert
@@ -137,9 +141,9 @@ def mdf3_polynomial(parameters: Sequence[float]) -> Conversion:
 
     def convert(raw: FloatArray) -> FloatArray:
         x = raw - e - f
-        below = c * x - a
+        denominator = c * x - a
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(below == 0, np.nan, (b - d * x) / below)
+            return np.where(denominator == 0, np.nan, (b - d * x) / denominator)
 
     return convert
 

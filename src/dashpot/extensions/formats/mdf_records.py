@@ -100,7 +100,7 @@ class MdfGroup:
 
 
 def read_channels(
-    stream: BinaryIO, group: MdfGroup, places: Sequence[int]
+    stream: BinaryIO, group: MdfGroup, channel_indices: Sequence[int]
 ) -> tuple[FloatArray, list[int]]:
     """Return some channels as columns, and how many numbers of each are marked as invalid.
 
@@ -109,15 +109,17 @@ def read_channels(
     ReadError
         If the file holds fewer records than it says, or a record is broken.
     """
-    check_value_count(group.rows * len(places), f"the channels of group '{group.name}' hold")
-    values = np.empty((len(places), group.rows))
-    invalid = [0] * len(places)
+    check_value_count(
+        group.rows * len(channel_indices), f"the channels of group '{group.name}' hold"
+    )
+    values = np.empty((len(channel_indices), group.rows))
+    invalid = [0] * len(channel_indices)
     first = 0
-    for whole in _records(stream, group):
-        records = whole[: group.rows - first]
+    for records_read in _records(stream, group):
+        records = records_read[: group.rows - first]
         last = first + len(records)
-        for row, place in enumerate(places):
-            channel = group.channels[place]
+        for row, channel_index in enumerate(channel_indices):
+            channel = group.channels[channel_index]
             raw = _raw_numbers(records, channel, first)
             try:
                 numbers = channel.convert(raw)
@@ -125,9 +127,9 @@ def read_channels(
                 raise ReadError(f"'{channel.name}': {error}") from None
             if channel.invalid is not None:
                 byte, bit = divmod(channel.invalid, 8)
-                marked = (records[:, byte] >> bit & 1).astype(bool)
-                numbers = np.where(marked, np.nan, numbers)
-                invalid[row] += int(np.count_nonzero(marked))
+                is_invalid = (records[:, byte] >> bit & 1).astype(bool)
+                numbers = np.where(is_invalid, np.nan, numbers)
+                invalid[row] += int(np.count_nonzero(is_invalid))
             values[row, first:last] = numbers
         first = last
         if first == group.rows and not group.sizes:
@@ -145,56 +147,60 @@ def _records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
     if group.sizes:
         yield from _picked_records(stream, group)
         return
-    kept = b""
+    leftover = b""
     step = group.id_size + group.size + group.id_after
     if step == 0:
         yield np.empty((group.rows, 0), np.uint8)
         return
     for piece in group.pieces(stream):
-        data = kept + piece if kept else piece
+        data = leftover + piece if leftover else piece
         count = len(data) // step
-        kept = data[count * step :]
+        leftover = data[count * step :]
         rows = np.frombuffer(data, np.uint8, count * step).reshape(count, step)
         yield rows[:, group.id_size : group.id_size + group.size]
 
 
 def _picked_records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
     """Yield those records among others that carry the number of the group."""
-    kept, size, number = b"", group.id_size, group.number
+    leftover, size, number = b"", group.id_size, group.number
     order: Literal["big", "little"] = "big" if group.big else "little"
-    along, seen = np.arange(group.size), 0
+    byte_offsets, record_count = np.arange(group.size), 0
     for piece in group.pieces(stream):
-        data, place, found = kept + piece, 0, []
+        data, position, record_starts = leftover + piece, 0, []
         end = len(data)
-        while place + size <= end:
-            kind = data[place] if size == 1 else int.from_bytes(data[place : place + size], order)
+        while position + size <= end:
+            kind = (
+                data[position]
+                if size == 1
+                else int.from_bytes(data[position : position + size], order)
+            )
             if kind not in group.sizes:
                 raise ReadError(
                     f"a record carries the number {kind}, which no group of the file has: the file "
                     "is damaged"
                 )
             length = group.sizes[kind]
-            start = place + size
+            start = position + size
             if length is None:
                 if start + 4 > end:
                     break
                 length = 4 + int.from_bytes(data[start : start + 4], order)
-            after = start + length + group.id_after
-            if after > end:
+            next_position = start + length + group.id_after
+            if next_position > end:
                 break
-            seen += 1
-            if seen > group.total:
+            record_count += 1
+            if record_count > group.total:
                 raise ReadError(
                     f"its groups say {group.total} records together, and their data holds more: "
                     "the file is damaged, or was not finished"
                 )
             if kind == number:
-                found.append(start)
-            place = after
-        kept = data[place:]
-        if found:
-            whole = np.frombuffer(data, np.uint8)
-            yield whole[np.add.outer(np.array(found), along)]
+                record_starts.append(start)
+            position = next_position
+        leftover = data[position:]
+        if record_starts:
+            bytes_read = np.frombuffer(data, np.uint8)
+            yield bytes_read[np.add.outer(np.array(record_starts), byte_offsets)]
 
 
 def _raw_numbers(records: Bytes, channel: MdfChannel, first: int) -> FloatArray:
@@ -209,13 +215,13 @@ def _raw_numbers(records: Bytes, channel: MdfChannel, first: int) -> FloatArray:
     if aligned:
         kind = f"{order}{channel.kind}{size}"
         return np.ascontiguousarray(parts).view(kind)[:, 0].astype(float)
-    whole = np.zeros(len(parts), np.uint64)
-    for place in range(size):
-        shift = 8 * (size - 1 - place if channel.big else place)
-        whole |= parts[:, place].astype(np.uint64) << np.uint64(shift)
-    whole >>= np.uint64(channel.bit)
-    whole &= np.uint64((1 << channel.bits) - 1)
+    unsigned = np.zeros(len(parts), np.uint64)
+    for byte_index in range(size):
+        shift = 8 * (size - 1 - byte_index if channel.big else byte_index)
+        unsigned |= parts[:, byte_index].astype(np.uint64) << np.uint64(shift)
+    unsigned >>= np.uint64(channel.bit)
+    unsigned &= np.uint64((1 << channel.bits) - 1)
     if channel.kind == "i":
         up = np.uint64(64 - channel.bits)
-        return ((whole << up).view(np.int64) >> up.astype(np.int64)).astype(float)
-    return whole.astype(float)
+        return ((unsigned << up).view(np.int64) >> up.astype(np.int64)).astype(float)
+    return unsigned.astype(float)

@@ -29,7 +29,7 @@ WHOLE = 1 << 22
 _ROLES: tuple[Role, ...] = ("force", "displacement", "acceleration", "velocity", "stress", "strain")
 _LOADS, _MOTIONS = {"force", "stress"}, {"displacement", "strain", "acceleration"}
 _SURE, _LIKELY = 2.0, 1.0
-"""How well the name of a channel says a role of a test, at least."""
+"""Scores of the name of a channel for a role of a test: sure, and likely."""
 _APART = 10.0
 """Steps of its clock over which nothing is interpolated: something is missing there."""
 _FEW = 8
@@ -38,7 +38,7 @@ _UNFINISHED = b"UnFinMF "
 
 @dataclass(frozen=True)
 class _Place:
-    """Where a column stands: the group of each segment and its channel there; None of the rows."""
+    """Position of a column: the group of each segment and its channel there; None for the rows."""
 
     groups: tuple[int, ...]
     channel: int
@@ -65,13 +65,15 @@ class MdfTable:
             raise ReadError("damaged: a block is shorter than its kind") from None
         self.header = tuple(content.header)
         self.hints = tuple(content.hints.values())
-        kept = [c.name for group in content.groups for c in group.channels if group.rows]
-        self.notes: list[str] = note_passed(content.passed, kept)
+        channel_names = [c.name for group in content.groups for c in group.channels if group.rows]
+        self.notes: list[str] = note_passed(content.passed, channel_names)
         empty = [group for group in content.groups if not group.rows]
         if empty:
-            says = f"no samples stand in {_list([group.name for group in empty])}"
-            lost = [channel.name for group in empty for channel in group.channels]
-            self.notes.append(Caution(says) if names_role_as_well(lost, kept) else says)
+            note = f"no samples stand in {_list([group.name for group in empty])}"
+            channel_names_lost = [channel.name for group in empty for channel in group.channels]
+            self.notes.append(
+                Caution(note) if names_role_as_well(channel_names_lost, channel_names) else note
+            )
         groups = [
             group
             for group in content.groups
@@ -111,7 +113,7 @@ class MdfTable:
         return tuple(int(i) for i in np.cumsum([0, *counts[:-1]]))
 
     def _columns(self) -> tuple[tuple[Column, ...], list[_Place]]:
-        columns, places = [], []
+        columns, column_places = [], []
         base = self._segments[0]
         order = [base, *(i for i in range(len(self._groups)) if i != base)]
         for i in order if len(self._segments) == 1 else [base]:
@@ -121,25 +123,27 @@ class MdfTable:
                 continue
             segments = self._segments if i == base else (i,)
             clock = group.clock
-            ordered = sorted(range(len(group.channels)), key=lambda place: place != clock)
-            for place in ordered:
-                channel = group.channels[place]
-                if channel.clock and (i != base or place != clock):
+            ordered = sorted(
+                range(len(group.channels)), key=lambda column_place: column_place != clock
+            )
+            for column_place in ordered:
+                channel = group.channels[column_place]
+                if channel.clock and (i != base or column_place != clock):
                     continue
                 name = channel.name
                 if channel.clock and not vocabulary.matches(name).get("time"):
                     name = "time"
                 unit = channel.unit or ("s" if channel.clock else None)
                 columns.append(Column(name, unit))
-                places.append(_Place(segments, place))
+                column_places.append(_Place(segments, column_place))
         counts = Counter(column.name for column in columns)
-        named = [
-            replace(column, name=f"{column.name} ({self._groups[place.groups[0]].name})")
+        named_columns = [
+            replace(column, name=f"{column.name} ({self._groups[column_place.groups[0]].name})")
             if counts[column.name] > 1
             else column
-            for column, place in zip(columns, places, strict=True)
+            for column, column_place in zip(columns, column_places, strict=True)
         ]
-        return tuple(named), places
+        return tuple(named_columns), column_places
 
     def _note_clock(self, i: int) -> bool:
         """Return whether a group can stand beside the base, and note how."""
@@ -159,17 +163,19 @@ class MdfTable:
                 f'over (--file-part sheet="{group.name}" reads it)',
             )
             return False
-        stated = _clock_unit(group), _clock_unit(base)
-        if stated[0] != stated[1] and None in (units.find_unit(unit, "time") for unit in stated):
+        clock_units = _clock_unit(group), _clock_unit(base)
+        if clock_units[0] != clock_units[1] and None in (
+            units.find_unit(unit, "time") for unit in clock_units
+        ):
             self.notes.append(
                 Caution(
-                    f"the clocks of '{group.name}' ({stated[0]}) and '{base.name}' ({stated[1]}) "
-                    "have no known common unit: the first was passed over"
+                    f"the clocks of '{group.name}' ({clock_units[0]}) and '{base.name}' "
+                    f"({clock_units[1]}) have no known common unit: the first was passed over"
                 )
             )
             return False
-        ticks, own = self._ticks(i), self._ticks(self._segments[0])
-        if np.array_equal(ticks, own):
+        ticks, base_ticks = self._ticks(i), self._ticks(self._segments[0])
+        if np.array_equal(ticks, base_ticks):
             return True
         if not (np.diff(ticks) > 0).all() or not np.isfinite(ticks).all():
             self._note_dropped(
@@ -177,8 +183,8 @@ class MdfTable:
                 f"the clock of group '{group.name}' does not rise throughout: it was passed over",
             )
             return False
-        within = int(((own >= ticks[0]) & (own <= ticks[-1])).sum())
-        if not within:
+        common_count = int(((base_ticks >= ticks[0]) & (base_ticks <= ticks[-1])).sum())
+        if not common_count:
             self._note_dropped(
                 group, f"group '{group.name}' shares no time with '{base.name}' and was passed over"
             )
@@ -186,18 +192,20 @@ class MdfTable:
         self._lined_up[i] = ticks
         message = (
             f"group '{group.name}'{_rate(ticks)} has a clock of its own: its channels were "
-            f"interpolated to the {within} of {base.rows} instants of '{base.name}'"
-            f'{_rate(own)} within it; --file-part sheet="{group.name}" reads it alone'
+            f"interpolated to the {common_count} of {base.rows} instants of '{base.name}'"
+            f'{_rate(base_ticks)} within it; --file-part sheet="{group.name}" reads it alone'
         )
         moving = _roles(group) | _roles(base)
         # straight lines dull what is near half the sampling rate
         self.notes.append(Caution(message) if "acceleration" in moving else message)
         return True
 
-    def _note_dropped(self, group: MdfGroup, says: str) -> None:
+    def _note_dropped(self, group: MdfGroup, note: str) -> None:
         """Note a group that is passed over: a caution where it may be a part of the test."""
-        lost, kept = ([c.name for c in of.channels if not c.clock] for of in (group, self._base))
-        self.notes.append(Caution(says) if names_role_as_well(lost, kept) else says)
+        lost_names, kept_names = (
+            [c.name for c in of.channels if not c.clock] for of in (group, self._base)
+        )
+        self.notes.append(Caution(note) if names_role_as_well(lost_names, kept_names) else note)
 
     def _find_base(self) -> int:
         """Return which group gives the clock.
@@ -206,11 +214,11 @@ class MdfTable:
         slowest of those: between its samples nothing is known, and straight lines there would be
         taken for what was measured.
         """
-        held = [_roles(group, _LIKELY) for group in self._groups]
-        if not any(roles & _LOADS and roles & _MOTIONS for roles in held):
+        role_scores = [_roles(group, _LIKELY) for group in self._groups]
+        if not any(roles & _LOADS and roles & _MOTIONS for roles in role_scores):
             clocks = [
                 (median(np.diff(self._ticks(i))), i)
-                for i, (group, roles) in enumerate(zip(self._groups, held, strict=True))
+                for i, (group, roles) in enumerate(zip(self._groups, role_scores, strict=True))
                 if group.clock is not None and group.rows > 1 and roles & (_LOADS | _MOTIONS)
             ]
             if len(clocks) > 1:
@@ -224,10 +232,10 @@ class MdfTable:
     def _ticks(self, i: int) -> FloatArray:
         """Return the clock of a group, s; in its own unit if that is not known."""
         group = self._groups[i]
-        place = group.clock
-        if place is None:
+        clock_channel = group.clock
+        if clock_channel is None:
             raise ReadError(f"group '{group.name}' has no clock")
-        ticks = read_channels(self._stream, group, [place])[0][:, 0]
+        ticks = read_channels(self._stream, group, [clock_channel])[0][:, 0]
         unit = units.find_unit(_clock_unit(group), "time")
         with np.errstate(invalid="ignore", over="ignore"):  # a damaged clock is passed over later
             return ticks * (unit.factor if unit else 1.0)
@@ -261,24 +269,28 @@ class MdfTable:
         ticks = self._lined_up.get(i)
         if ticks is None:
             return part
-        own = self._ticks(self._segments[0])
+        base_ticks = self._ticks(self._segments[0])
         steps = np.diff(ticks)
-        wide = steps > _APART * median(steps) if len(steps) else steps > 0
-        place = np.clip(np.searchsorted(ticks, own, side="right") - 1, 0, max(len(ticks) - 2, 0))
-        outside = (own < ticks[0]) | (own > ticks[-1])
-        outside |= (wide[place] if len(wide) else False) & (own != ticks[place])
-        columns = [_interpolate(own, ticks, place, column) for column in part.T]
+        is_gap = steps > _APART * median(steps) if len(steps) else steps > 0
+        lower_index = np.clip(
+            np.searchsorted(ticks, base_ticks, side="right") - 1, 0, max(len(ticks) - 2, 0)
+        )
+        outside = (base_ticks < ticks[0]) | (base_ticks > ticks[-1])
+        outside |= (is_gap[lower_index] if len(is_gap) else False) & (
+            base_ticks != ticks[lower_index]
+        )
+        columns = [_interpolate(base_ticks, ticks, lower_index, column) for column in part.T]
         result = np.column_stack(columns)
         result[outside] = np.nan
         return result
 
     def table(self) -> FileTable:
         """Return the table, its numbers read."""
-        loaded = self.load(range(len(self.columns)))
+        loaded_columns = self.load(range(len(self.columns)))
         return replace(
             self.description(), load=lambda indexes: replace(
-                loaded, values=loaded.values[:, list(indexes)], notes=()),
-            notes=(*self.notes, *loaded.notes),
+                loaded_columns, values=loaded_columns.values[:, list(indexes)], notes=()),
+            notes=(*self.notes, *loaded_columns.notes),
         )  # fmt: skip
 
     def description(self) -> FileTable:
@@ -304,27 +316,29 @@ def read_columns(raw: RawFile, options: ReadOptions, columns: Sequence[int]) -> 
     """Return some columns of a large file."""
     with raw.open() as stream:
         table = MdfTable(stream, options.sheet)
-        loaded = table.load(columns)
+        loaded_columns = table.load(columns)
     return FileTable(
         format=table.format,
         columns=tuple(table.columns[index] for index in columns),
-        notes=loaded.notes,
-        load=lambda indexes: replace(loaded, values=loaded.values[:, list(indexes)]),
+        notes=loaded_columns.notes,
+        load=lambda indexes: replace(
+            loaded_columns, values=loaded_columns.values[:, list(indexes)]
+        ),
     )
 
 
 def _interpolate(
-    time: FloatArray, ticks: FloatArray, place: np.ndarray, column: FloatArray
+    time: FloatArray, ticks: FloatArray, lower_index: np.ndarray, column: FloatArray
 ) -> FloatArray:
     """Return a column on straight lines between its samples, NaN beside one that is none."""
     if len(ticks) == 1:
         return np.where(time == ticks[0], column[0], np.nan)
-    low, high = column[place], column[place + 1]
+    low, high = column[lower_index], column[lower_index + 1]
     with np.errstate(over="ignore", invalid="ignore"):
-        share = (time - ticks[place]) / (ticks[place + 1] - ticks[place])
-        between: FloatArray = low + share * (high - low)
-    between[share == 0], between[share == 1] = low[share == 0], high[share == 1]
-    return between
+        share = (time - ticks[lower_index]) / (ticks[lower_index + 1] - ticks[lower_index])
+        interpolated: FloatArray = low + share * (high - low)
+    interpolated[share == 0], interpolated[share == 1] = low[share == 0], high[share == 1]
+    return interpolated
 
 
 def _clock_unit(group: MdfGroup) -> str:
@@ -358,5 +372,5 @@ def _rate(ticks: FloatArray) -> str:
 
 
 def _list(names: Sequence[str]) -> str:
-    shown = ", ".join(f"'{name}'" for name in names[:_FEW])
-    return shown + (f" and {len(names) - _FEW} more" if len(names) > _FEW else "")
+    names_text = ", ".join(f"'{name}'" for name in names[:_FEW])
+    return names_text + (f" and {len(names) - _FEW} more" if len(names) > _FEW else "")

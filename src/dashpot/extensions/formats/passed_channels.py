@@ -14,23 +14,23 @@ _ROLES: tuple[Role, ...] = ("force", "displacement", "acceleration", "stress", "
 _FEW = 8
 
 
-def note_passed(passed: Mapping[str, str], kept: Iterable[str]) -> list[str]:
+def note_passed(passed: Mapping[str, str], kept_names: Iterable[str]) -> list[str]:
     """Say which channels are passed over, by what they hold.
 
     A caution where one is named for a role of a test as well as any channel that is kept: another
     may then have taken its place.
     """
-    kept = list(kept)
+    kept_names = list(kept_names)
     reasons: dict[tuple[str, bool], list[str]] = {}
     for name, reason in passed.items():
-        meant = names_role_as_well([name], kept)
-        reasons.setdefault((reason, meant), []).append(f"'{name}'")
+        has_role = names_role_as_well([name], kept_names)
+        reasons.setdefault((reason, has_role), []).append(f"'{name}'")
     notes: list[str] = []
-    for (reason, meant), names in reasons.items():
-        more = f" and {len(names) - _FEW} more" if len(names) > _FEW else ""
+    for (reason, has_role), names in reasons.items():
+        more_text = f" and {len(names) - _FEW} more" if len(names) > _FEW else ""
         hold = "hold" if len(names) > 1 else "holds"
-        says = f"{', '.join(names[:_FEW])}{more} {hold} {reason}: passed over"
-        notes.append(Caution(says) if meant else says)
+        note = f"{', '.join(names[:_FEW])}{more_text} {hold} {reason}: passed over"
+        notes.append(Caution(note) if has_role else note)
     return notes
 
 
@@ -50,4 +50,4 @@ def names_role_as_well(passed: Iterable[str], names: Iterable[str]) -> bool:
 def _score_roles(names: Iterable[str]) -> dict[Role, Sequence[float]]:
     """Return how well each name says each role."""
     matched = [vocabulary.matches(split_unit(name)[0]) for name in names]
-    return {role: [found.get(role, 0.0) for found in matched] for role in _ROLES}
+    return {role: [scores.get(role, 0.0) for scores in matched] for role in _ROLES}

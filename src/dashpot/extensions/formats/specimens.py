@@ -52,12 +52,12 @@ _LEAST_ROWS = 8
 _RESTART_SHARE = 0.02
 """Part of the first record within which the clock of the next begins."""
 _STORAGE_SCORE = 2.5
-"""How well a name says a storage modulus, at least."""
+"""Lowest score of a name for a storage modulus."""
 _SHARED_ROWS_SHARE = 0.1
 """Part of the rows in which two channels hold the same numbers, from which on it is noted."""
 _DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "blanks": " ", "pipe": "|"}
 LABELS = "labels of "
-"""What a line of the header begins with that names the numbers of a column, 1, 2, ..."""
+"""Start of a header line that names the numbers of a column, 1, 2, ..."""
 
 
 def adapt_table(table: FileTable, raw: RawFile, options: ReadOptions) -> FileTable:
@@ -128,8 +128,10 @@ def format_labels(labels: Sequence[str]) -> tuple[list[int], str]:
     ([1, 2, 1], '1 = A; 2 = B')
     """
     numbers = {label: i for i, label in enumerate(dict.fromkeys(labels), start=1)}
-    listed = "; ".join(f"{i} = {label}" for label, i in list(numbers.items())[:_MOST_SPECIMENS])
-    return [numbers[label] for label in labels], listed
+    labels_text = "; ".join(
+        f"{i} = {label}" for label, i in list(numbers.items())[:_MOST_SPECIMENS]
+    )
+    return [numbers[label] for label in labels], labels_text
 
 
 def names_specimen(name: str) -> bool:
@@ -161,13 +163,14 @@ class _SpecimenLoader:
     def __call__(self, indexes: Sequence[int]) -> LoadedColumns:
         """Return the columns; a doubt says that the rows are of several specimens."""
         if self.order is not None:
-            loaded = self.table.load(indexes)
+            loaded_columns = self.table.load(indexes)
             lines = tuple(
-                (new, loaded.line(int(old)))
-                for new, old in _list_runs(self.order, loaded.lines)
-            ) if loaded.lines else ()  # fmt: skip
+                (new, loaded_columns.line(int(old)))
+                for new, old in _list_runs(self.order, loaded_columns.lines)
+            ) if loaded_columns.lines else ()  # fmt: skip
             return replace(
-                loaded, values=loaded.values[self.order], starts=self.starts, segments=self.names,
+                loaded_columns, values=loaded_columns.values[self.order], starts=self.starts,
+                segments=self.names,
                 lines=lines, above=(),
             )  # fmt: skip
         if self.options.rate or not indexes:
@@ -176,13 +179,19 @@ class _SpecimenLoader:
         selected = self.options.segment is not None
         if not roles or not (selected or set(roles) <= set(requested)):
             return self.table.load(indexes)
-        others = [] if selected or self.table.large else self._find_other_forces(roles)
-        added = [i for i in dict.fromkeys([*roles, *others]) if i not in requested]
-        loaded = self.table.load([*requested, *added])
-        loaded = self._note_shared_rows(loaded, [*requested, *added], roles[-1], others)
-        signals = loaded.values[:, [[*requested, *added].index(i) for i in roles]]
-        loaded = replace(loaded, values=loaded.values[:, : len(requested)]) if added else loaded
-        return self._part_by_clock(loaded, signals)
+        other_forces = [] if selected or self.table.large else self._find_other_forces(roles)
+        added_indices = [i for i in dict.fromkeys([*roles, *other_forces]) if i not in requested]
+        loaded_columns = self.table.load([*requested, *added_indices])
+        loaded_columns = self._note_shared_rows(
+            loaded_columns, [*requested, *added_indices], roles[-1], other_forces
+        )
+        signals = loaded_columns.values[:, [[*requested, *added_indices].index(i) for i in roles]]
+        loaded_columns = (
+            replace(loaded_columns, values=loaded_columns.values[:, : len(requested)])
+            if added_indices
+            else loaded_columns
+        )
+        return self._part_by_clock(loaded_columns, signals)
 
     def _find_roles(self) -> tuple[int, ...]:
         """Return the columns of the clock and of both signals of a test; none if it has none."""
@@ -218,72 +227,82 @@ class _SpecimenLoader:
 
     def _note_shared_rows(
         self,
-        loaded: LoadedColumns,
+        loaded_columns: LoadedColumns,
         indexes: Sequence[int],
         force_column: int,
-        others: Sequence[int],
+        other_indices: Sequence[int],
     ) -> LoadedColumns:
         """Return the columns with a note where two channels hold the same numbers in a part of all.
 
         Numbers that stand still are none: two channels may both rest at zero.
         """
-        if not others:
-            return loaded
-        values = loaded.values[:, indexes.index(force_column)]
-        moves = np.diff(values, prepend=np.nan) != 0
+        if not other_indices:
+            return loaded_columns
+        values = loaded_columns.values[:, indexes.index(force_column)]
+        is_changing = np.diff(values, prepend=np.nan) != 0
         notes = []
-        for other in others:
-            same = (loaded.values[:, indexes.index(other)] == values) & moves
-            count, rows = int(np.count_nonzero(same)), len(values)
+        for other in other_indices:
+            is_same = (loaded_columns.values[:, indexes.index(other)] == values) & is_changing
+            count, rows = int(np.count_nonzero(is_same)), len(values)
             if (
                 _SHARED_ROWS_SHARE * rows
                 <= count
-                < (1 - _SHARED_ROWS_SHARE) * np.count_nonzero(moves)
+                < (1 - _SHARED_ROWS_SHARE) * np.count_nonzero(is_changing)
             ):
                 pair = [format_column(self.table.columns, i) for i in (force_column, other)]
-                first = int(np.argmax(same))
+                first = int(np.argmax(is_same))
                 notes.append(
                     f"{pair[0]} and {pair[1]} hold the same numbers in {count} of {rows} rows, "
-                    f"first at {loaded.format_row_position(first)}, and others elsewhere: two "
-                    "sensors do not; was one copied from the other?"
+                    f"first at {loaded_columns.format_row_position(first)}, and others elsewhere: "
+                    "two sensors do not; was one copied from the other?"
                 )
-        return replace(loaded, notes=(*loaded.notes, *notes)) if notes else loaded
+        return (
+            replace(loaded_columns, notes=(*loaded_columns.notes, *notes))
+            if notes
+            else loaded_columns
+        )
 
-    def _part_by_clock(self, loaded: LoadedColumns, signals: FloatArray) -> LoadedColumns:
+    def _part_by_clock(self, loaded_columns: LoadedColumns, signals: FloatArray) -> LoadedColumns:
         time = signals[:, 0]
-        if len(loaded.starts) > 1:
-            restarts = [start for start in loaded.starts[1:] if time[start] < time[start - 1]]
+        if len(loaded_columns.starts) > 1:
+            restarts = [
+                start for start in loaded_columns.starts[1:] if time[start] < time[start - 1]
+            ]
             if self.options.segment is not None or not restarts:
-                return loaded
-            names = _name_blocks(loaded, self.table.header)
+                return loaded_columns
+            names = _name_blocks(loaded_columns, self.table.header)
             message = (
                 f"{len(names)} segments ({_list_names(names)}), and the clock starts again at "
-                f"{loaded.format_row_position(restarts[0])}"
+                f"{loaded_columns.format_row_position(restarts[0])}"
             )
             return replace(
-                loaded,
+                loaded_columns,
                 segments=names,
-                doubts=(*loaded.doubts, (None, _make_question(names, message))),
+                doubts=(*loaded_columns.doubts, (None, _make_question(names, message))),
             )
-        falls = np.flatnonzero(np.diff(time) < 0)
-        if not 0 < falls.size < _MOST_SPECIMENS or not _begins_anew(time, signals, falls + 1):
-            return loaded
-        starts = (0, *(falls + 1).tolist())
+        fall_indices = np.flatnonzero(np.diff(time) < 0)
+        if not 0 < fall_indices.size < _MOST_SPECIMENS or not _begins_anew(
+            time, signals, fall_indices + 1
+        ):
+            return loaded_columns
+        starts = (0, *(fall_indices + 1).tolist())
         parts = slices(starts, len(time))
         if any(part.stop - part.start < _LEAST_ROWS or np.ptp(time[part]) <= 0 for part in parts):
-            return loaded  # rows of padding
+            return loaded_columns  # rows of padding
         names = ("",) * len(starts)
-        i, unit_word = int(falls[0]), self.table.columns[self._find_roles()[0]].unit
+        i, unit_word = int(fall_indices[0]), self.table.columns[self._find_roles()[0]].unit
         unit = f" {unit_word}" if unit_word else ""
         message = (
             f"time falls from {time[i]:.9g}{unit} to {time[i + 1]:.9g}{unit} at "
-            f"{loaded.format_row_position(i + 1)}, where the clock begins anew ({falls.size} such "
-            f"place{'s' * (falls.size > 1)})"
+            f"{loaded_columns.format_row_position(i + 1)}, where the clock begins anew "
+            f"({fall_indices.size} such place{'s' * (fall_indices.size > 1)})"
         )
-        parted = replace(loaded, starts=starts, segments=names, above=())
+        split_columns = replace(loaded_columns, starts=starts, segments=names, above=())
         if self.options.segment is not None:
-            return parted
-        return replace(parted, doubts=(*loaded.doubts, (None, _make_question(names, message))))
+            return split_columns
+        return replace(
+            split_columns, doubts=(*loaded_columns.doubts, (None, _make_question(names, message)))
+        )
 
 
 def _make_question(names: Sequence[str], message: str, reason: str = "") -> Question:
@@ -304,23 +323,27 @@ def _list_names(names: Sequence[str]) -> str:
     return ", ".join(labels[:8]) + (" ..." if len(labels) > 8 else "")
 
 
-def _name_blocks(loaded: LoadedColumns, header: Sequence[str]) -> tuple[str, ...]:
+def _name_blocks(loaded_columns: LoadedColumns, header: Sequence[str]) -> tuple[str, ...]:
     """Return the names of blocks: their own, or what the lines over each say of a specimen."""
-    headers = [header, *loaded.above[1:]] if len(loaded.above) == len(loaded.starts) else []
+    headers = (
+        [header, *loaded_columns.above[1:]]
+        if len(loaded_columns.above) == len(loaded_columns.starts)
+        else []
+    )
     lines = [next(filter(_LINE.fullmatch, block_header), "") for block_header in headers]
     names = [" ".join(re.sub(r'["\t;,#=]+', " ", line).split())[:40] for line in lines]
-    if all(names) and len(set(names)) == len(names) and not any(loaded.segments):
+    if all(names) and len(set(names)) == len(names) and not any(loaded_columns.segments):
         return tuple(names)
-    return loaded.segments
+    return loaded_columns.segments
 
 
 def _list_runs(order: IndexArray, lines: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     """Return where in a new order of rows a run of them begins, and its row in the old one."""
     firsts = {first for first, _ in lines}
     breaks = np.flatnonzero(np.diff(order) != 1) + 1
-    more = [int(np.flatnonzero(order == first)[0]) for first in firsts]
-    places = sorted({0, *breaks.tolist(), *more})
-    return [(place, int(order[place])) for place in places]
+    further_starts = [int(np.flatnonzero(order == first)[0]) for first in firsts]
+    run_starts = sorted({0, *breaks.tolist(), *further_starts})
+    return [(run_start, int(order[run_start])) for run_start in run_starts]
 
 
 def _begins_anew(time: FloatArray, signals: FloatArray, starts: IndexArray) -> bool:
@@ -328,8 +351,8 @@ def _begins_anew(time: FloatArray, signals: FloatArray, starts: IndexArray) -> b
 
     Where one test goes on, as under a counter that overflows, its signals do not.
     """
-    firsts, lasts = time[starts], time[starts - 1]
-    if np.any(np.abs(firsts - time[0]) > _RESTART_SHARE * (lasts[0] - time[0])):
+    firsts, last_times = time[starts], time[starts - 1]
+    if np.any(np.abs(firsts - time[0]) > _RESTART_SHARE * (last_times[0] - time[0])):
         return False
     from_start, from_last = (np.abs(signals[starts] - signals[other]) for other in (0, starts - 1))
     change = np.nanmax(signals, axis=0) - np.nanmin(signals, axis=0)
@@ -393,19 +416,19 @@ def _read_text_labels(table: FileTable, raw: RawFile, index: int) -> list[str] |
     delimiter = _DELIMITERS.get(table.delimiter)
     if not numbers or delimiter is None:
         return None
-    loaded = table.load(numbers[:1])
+    loaded_columns = table.load(numbers[:1])
     try:
         text = raw.head(raw.size).decode(table.encoding or "utf-8")
     except UnicodeDecodeError:
         return None
     lines = re.split(r"\r\n|\r|\n", text.removeprefix("\ufeff"))
     labels: list[str] = []
-    stops = (*(first for first, _ in loaded.lines[1:]), len(loaded.values))
-    for (first, line), stop in zip(loaded.lines, stops, strict=True):
+    run_ends = (*(first for first, _ in loaded_columns.lines[1:]), len(loaded_columns.values))
+    for (first, line), stop in zip(loaded_columns.lines, run_ends, strict=True):
         for cell_line in lines[line - 1 : line - 1 + stop - first]:
             row = cells.split(cell_line, delimiter, trim=False)
             labels.append(row[index].strip() if index < len(row) else "")
-    return labels if len(labels) == len(loaded.values) else None
+    return labels if len(labels) == len(loaded_columns.values) else None
 
 
 def _part_by_labels(
@@ -436,17 +459,17 @@ def _split_set(name: str) -> list[tuple[str, str]]:
     >>> _split_set("seal_1.force"), _split_set("Force 2"), _split_set("B Force")
     ([('seal_1', 'force'), ('1', 'seal_.force')], [('2', 'Force ')], [('B', 'Force')])
     """
-    ways = []
+    splits = []
     owner, dot, stem = name.rpartition(".")
     if dot and owner and stem:
-        ways.append((owner, stem))
+        splits.append((owner, stem))
     numbers = list(re.finditer(r"(?<![^\W\d_])\d{1,3}(?!\d)|\d{1,3}\Z", name))
-    ways += [(m[0], name[: m.start()] + name[m.end() :]) for m in numbers]
+    splits += [(m[0], name[: m.start()] + name[m.end() :]) for m in numbers]
     lettered = _LETTER.fullmatch(name)
     if lettered:
-        first, after, before, last = lettered.groups()
-        ways.append((first or last, after or before))
-    return ways
+        first, suffix, before, last = lettered.groups()
+        splits.append((first or last, suffix or before))
+    return splits
 
 
 def _find_column_sets(table: FileTable, options: ReadOptions) -> dict[str, list[int]]:
@@ -456,14 +479,16 @@ def _find_column_sets(table: FileTable, options: ReadOptions) -> dict[str, list[
     """
     if options.time or any(getattr(options, role) for pair in _PAIRS for role in pair):
         return {}
-    ways: dict[int, dict[str, dict[str, int]]] = {}
+    sets_by_split: dict[int, dict[str, dict[str, int]]] = {}
     stems = [split_unit(column.name)[0] if column.name else "" for column in table.columns]
     for index, (column, stem) in enumerate(zip(table.columns, stems, strict=True)):
         if column.content != "number":
             continue
-        for way, (owner, signal) in enumerate(_split_set(stem)):
-            ways.setdefault(way, {}).setdefault(owner, {}).setdefault(signal.strip(" _-#"), index)
-    for sets in (*ways.values(), _find_repeated_names(table, stems)):
+        for split_index, (owner, signal) in enumerate(_split_set(stem)):
+            sets_by_split.setdefault(split_index, {}).setdefault(owner, {}).setdefault(
+                signal.strip(" _-#"), index
+            )
+    for sets in (*sets_by_split.values(), _find_repeated_names(table, stems)):
         complete = {owner: signals for owner, signals in sets.items() if _is_a_test(signals)}
         if (
             1 < len(complete) <= _MOST_SPECIMENS
@@ -476,11 +501,11 @@ def _find_column_sets(table: FileTable, options: ReadOptions) -> dict[str, list[
 def _find_repeated_names(table: FileTable, stems: Sequence[str]) -> dict[str, dict[str, int]]:
     """Return columns by how often their name stood before."""
     sets: dict[str, dict[str, int]] = {}
-    seen: dict[str, int] = {}
+    name_counts: dict[str, int] = {}
     for index, (column, stem) in enumerate(zip(table.columns, stems, strict=True)):
         if stem and column.content == "number":
-            seen[stem] = seen.get(stem, 0) + 1
-            sets.setdefault(str(seen[stem]), {})[stem] = index
+            name_counts[stem] = name_counts.get(stem, 0) + 1
+            sets.setdefault(str(name_counts[stem]), {})[stem] = index
     return sets
 
 
@@ -509,10 +534,10 @@ def _part_by_columns(
         ]
         if len(set(labels)) < len(labels):  # equal names
             labels = [f"columns {join_words([str(j + 1) for j in sorted(sets[n])])}" for n in names]
-        listed = "; ".join(f"{i} {label}" for i, label in enumerate(labels[:8], start=1))
+        labels_text = "; ".join(f"{i} {label}" for i, label in enumerate(labels[:8], start=1))
         ellipsis = "; ..." if len(names) > 8 else ""
         question = _make_question(
-            names, f"{len(names)} sets of columns could each be the test ({listed}{ellipsis})",
+            names, f"{len(names)} sets of columns could each be the test ({labels_text}{ellipsis})",
             "tests of several specimens, or channels of several sensors, stand side by side",
         )  # fmt: skip
         # roles are proposed for the first, so that one question is asked
@@ -525,8 +550,8 @@ def _part_by_columns(
     count = options.segment
 
     def load(indexes: Sequence[int]) -> LoadedColumns:
-        loaded = table.load(indexes)
-        return replace(loaded, starts=(0,) * count, segments=tuple(names[:count]))
+        loaded_columns = table.load(indexes)
+        return replace(loaded_columns, starts=(0,) * count, segments=tuple(names[:count]))
 
     return replace(_leave_set(table, sets, names[count - 1]), load=load)
 

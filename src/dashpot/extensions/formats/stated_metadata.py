@@ -46,33 +46,35 @@ def assign_metadata(
     >>> stated.columns, stated.table
     ({'force': {'units': 'N'}}, {'gain': '10'})
     """
-    stated = StatedMetadata({name: {} for name in names})
-    folded = {name.casefold(): name for name in names}
+    metadata = StatedMetadata({name: {} for name in names})
+    names_by_lower_case = {name.casefold(): name for name in names}
     for name, entries in fields.items():
         for path, value in _flatten_entries(entries):
-            stated.columns.setdefault(name, {})[".".join(path)] = value
+            metadata.columns.setdefault(name, {})[".".join(path)] = value
     for path, value in _flatten_entries(table):
-        at = next((i for i, part in enumerate(path) if part.casefold() in folded), None)
+        at = next(
+            (i for i, part in enumerate(path) if part.casefold() in names_by_lower_case), None
+        )
         if at is None:
-            _assign_by_prefix(path, value, folded, stated)
+            _assign_by_prefix(path, value, names_by_lower_case, metadata)
         else:
             key = ".".join(path[at + 1 :]) or path[at - 1]
-            _add_value(stated.columns[folded[path[at].casefold()]], key, value)
-    return stated
+            _add_value(metadata.columns[names_by_lower_case[path[at].casefold()]], key, value)
+    return metadata
 
 
 def _assign_by_prefix(
-    path: Path, value: Any, folded: Mapping[str, str], stated: StatedMetadata
+    path: Path, value: Any, names_by_lower_case: Mapping[str, str], metadata: StatedMetadata
 ) -> None:
     """Give ``force_unit`` and ``unit_force`` to the column, anything else to the table."""
     word = path[-1].casefold()
-    for name, column in folded.items():
+    for name, column in names_by_lower_case.items():
         key = word.removeprefix(f"{name}_") if word != name else ""
         key = key if key != word else word.removesuffix(f"_{name}")
         if key and key != word and _remove_signs(key) in _UNITS:
-            _add_value(stated.columns[column], key, value)
+            _add_value(metadata.columns[column], key, value)
             return
-    stated.table[".".join(path)] = value
+    metadata.table[".".join(path)] = value
 
 
 def _add_value(entries: dict[str, Any], key: str, value: Any) -> None:
@@ -91,8 +93,8 @@ def find_stated_unit(entries: Mapping[str, Any]) -> str | None:
         word = str(value).strip()
         if _remove_signs(key.rpartition(".")[2]) not in _UNITS or not word or value is None:
             continue
-        same = unit is None or units.is_same_unit(unit, word)
-        unit = word if same else join_units(unit or "", word)
+        is_same_unit = unit is None or units.is_same_unit(unit, word)
+        unit = word if is_same_unit else join_units(unit or "", word)
     return unit
 
 

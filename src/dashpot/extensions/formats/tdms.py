@@ -39,7 +39,7 @@ from dashpot.reading.table import Column, FileTable, make_loader
 
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units")
 _SCALED = ("NI_Scal", "NI_Number_Of_Scales")
-"""How the properties begin by which a channel, its group or its file says that it is scaled."""
+"""Start of the properties that say that a channel, its group or its file is scaled."""
 _SCALE_TYPE = re.compile(r"NI_Scale\[\d+\]_Scale_Type")
 _KNOWN_SCALES = {
     "Polynomial", "Linear", "RTD", "Strain", "Table", "Thermistor", "Thermocouple", "Add",
@@ -51,7 +51,7 @@ _UNSET = -2 * 10**18
 _NUMBERS = "iuf"
 """The kinds of arrays that hold numbers."""
 _PATH = re.compile(r"/'((?:[^']|'')*)'/'((?:[^']|'')*)'")
-"""What stands for a channel: the names of its group and its own."""
+"""Path of a channel: the names of its group and its own."""
 """Roles of the channels of a test."""
 _NONE = np.empty(0)
 _WHOLE = 0.01
@@ -66,7 +66,7 @@ class _TdmsChannel:
     step: float | None
     offset: float
     start: int | None = None
-    """Its stated start, ns since 1970; None without."""
+    """Stated start, ns since 1970; None without."""
     said_start: str = ""
     """A start that another property than the format's own states."""
     factor: str = ""
@@ -103,7 +103,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
             else _read_stored_channels(file, notes),
             options.sheet,
         )
-        stated = [
+        window_lines = [
             line
             for item in objects.values()
             for key, value in item.properties.items()
@@ -125,7 +125,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         columns=tuple(columns),
         load=make_loader(np.concatenate(blocks), tuple(map(int, starts)), tuple(groups)),
         notes=tuple(dict.fromkeys(notes)),
-        header=tuple(dict.fromkeys(stated)),
+        header=tuple(dict.fromkeys(window_lines)),
         hints=rate_hints(rates),
     )
 
@@ -184,16 +184,18 @@ def _stated_of_all(
         if _PATH.fullmatch(path):
             continue
         for key, value in item.properties.items():
-            stated, full = _factors({key: value}), split_full_scale(str(key))
-            words = select_channel_words(str(key)) if full is None else words_of_name(full)
+            factors_text, full_scale = _factors({key: value}), split_full_scale(str(key))
+            words = (
+                select_channel_words(str(key)) if full_scale is None else words_of_name(full_scale)
+            )
             owner = owners.get(tuple(words))
-            if owner and full:
-                stated = describe_full_scale(owner.values, str(key), value)
-            if stated and owner:
-                factors[owner.name] = stated
-            elif stated:
-                says = f"'{path}' states {stated}; no factor is applied to the numbers"
-                notes.append(Caution(says))
+            if owner and full_scale:
+                factors_text = describe_full_scale(owner.values, str(key), value)
+            if factors_text and owner:
+                factors[owner.name] = factors_text
+            elif factors_text:
+                note = f"'{path}' states {factors_text}; no factor is applied to the numbers"
+                notes.append(Caution(note))
     return factors
 
 
@@ -270,11 +272,11 @@ def _read_scaled_channels(stream: Any, objects: Mapping[str, Any], notes: list[s
             values = np.asarray(values)
             if values.size and values.dtype.kind in _NUMBERS:
                 channels.append(_channel(channel.name, properties, values, notes))
-        whole = [(place, item) for place, item in instants if len(item)]
-        first = min((item[0] for _, item in whole), default=None)
-        for place, value in whole:
-            since = (value - first) / np.timedelta64(1, "s")
-            channels[place] = replace(channels[place], values=since)
+        nonempty = [(channel_index, item) for channel_index, item in instants if len(item)]
+        first = min((item[0] for _, item in nonempty), default=None)
+        for channel_index, value in nonempty:
+            seconds = (value - first) / np.timedelta64(1, "s")
+            channels[channel_index] = replace(channels[channel_index], values=seconds)
     return groups
 
 
@@ -285,26 +287,28 @@ def _channel(
     step = float(properties.get("wf_increment") or 0.0)
     offset = float(properties.get("wf_start_offset", 0.0))
     values = values.astype(float, copy=False)
-    along = units.find_unit(str(properties.get("wf_xunit_string", "")).strip() or "s", "time")
+    abscissa_unit = units.find_unit(
+        str(properties.get("wf_xunit_string", "")).strip() or "s", "time"
+    )
     entries = {key: value for key, value in _foreign(properties).items() if concerns_numbers(key)}
     values, factor = apply_attributes(name, values, entries, notes)
     start = _start(properties.get("wf_start_time"))
     names = (key for key in properties if names_start(key) and not key.startswith("wf_"))
     text = ", ".join(f"{key} = {properties[key]}" for key in names)
-    if not step or along is None:  # over frequency it has no clock
+    if not step or abscissa_unit is None:  # over frequency it has no clock
         return _TdmsChannel(name, unit, values, None, offset, start, text, factor)
-    clock = along.factor * step, along.factor * offset
+    clock = abscissa_unit.factor * step, abscissa_unit.factor * offset
     return _TdmsChannel(name, unit, values, *clock, start, text, factor)
 
 
-def _start(stated: Any) -> int | None:
+def _start(start: Any) -> int | None:
     """Return a stated start, ns since 1970; None of none, and of the zero of LabVIEW's clock."""
-    if hasattr(stated, "as_datetime64"):
-        stated = stated.as_datetime64("ns")
-    if not isinstance(stated, np.datetime64) or np.isnat(stated):
+    if hasattr(start, "as_datetime64"):
+        start = start.as_datetime64("ns")
+    if not isinstance(start, np.datetime64) or np.isnat(start):
         return None
-    since = int(stated.astype("datetime64[ns]").astype(np.int64))
-    return since if since > _UNSET else None
+    nanoseconds = int(start.astype("datetime64[ns]").astype(np.int64))
+    return nanoseconds if nanoseconds > _UNSET else None
 
 
 def _apply_start_times(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
@@ -313,24 +317,26 @@ def _apply_start_times(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
     One that states none began with the first.
     """
     if len({channel.said_start for channel in channels}) > 1:
-        listed = ", ".join(f"'{c.name}' {c.said_start or 'says nothing'}" for c in channels[:6])
+        starts_text = ", ".join(
+            f"'{c.name}' {c.said_start or 'says nothing'}" for c in channels[:6]
+        )
         raise ReadError(
-            f"the channels are said to start at different times ({listed}), and not by wf_start_"
-            "time, which would be applied: export them on one clock"
+            f"the channels are said to start at different times ({starts_text}), and not by "
+            "wf_start_time, which would be applied: export them on one clock"
         )
     starts = [channel.start for channel in channels if channel.start is not None]
     first = min(starts, default=0)
-    late = [1e-9 * ((channel.start or first) - first) for channel in channels]
-    if not any(late):
+    delays = [1e-9 * ((channel.start or first) - first) for channel in channels]
+    if not any(delays):
         return channels
     if all(channel.step is None for channel in channels):
         raise ReadError(
-            f"the channels start up to {max(late):.6g} s apart (wf_start_time) and have no clock: "
-            "when each sample was taken is not known; export them on one clock"
+            f"the channels start up to {max(delays):.6g} s apart (wf_start_time) and have no "
+            "clock: when each sample was taken is not known; export them on one clock"
         )
     return [
-        replace(channel, offset=channel.offset + after)
-        for channel, after in zip(channels, late, strict=True)
+        replace(channel, offset=channel.offset + delay)
+        for channel, delay in zip(channels, delays, strict=True)
     ]
 
 
@@ -355,17 +361,17 @@ def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
 def _block_of_rates(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
     """Return one group of several rates as rows on one clock."""
     if any(channel.step is None for channel in channels):
-        listed = ", ".join(f"'{c.name}' {c.step} s" for c in channels[:6])
+        steps_text = ", ".join(f"'{c.name}' {c.step} s" for c in channels[:6])
         raise ReadError(
-            f"channels are sampled at different steps ({listed}); export them at one rate"
+            f"channels are sampled at different steps ({steps_text}); export them at one rate"
         )
-    timed = [
+    sampled_channels = [
         SampledChannel(
             c.name, c.offset + (c.step or 0.0) * np.arange(c.values.size, dtype=float), c.values
         )
         for c in channels
     ]
-    return interpolate_to_slowest(timed, notes)
+    return interpolate_to_slowest(sampled_channels, notes)
 
 
 def _common(channels: list[_TdmsChannel], step: float) -> FloatArray:
@@ -383,11 +389,13 @@ def _align_channel(
 ) -> FloatArray:
     """Return a channel's samples at the common times; its own where they fall together."""
     shift = (time[0] - channel.offset) / step
-    whole = round(shift)
-    if abs(shift - whole) <= _WHOLE:
-        if whole:
-            notes.append(f"'{channel.name}' starts {whole} samples before the others: aligned")
-        return channel.values[whole : whole + len(time)]
+    whole_samples = round(shift)
+    if abs(shift - whole_samples) <= _WHOLE:
+        if whole_samples:
+            notes.append(
+                f"'{channel.name}' starts {whole_samples} samples before the others: aligned"
+            )
+        return channel.values[whole_samples : whole_samples + len(time)]
     notes.append(
         f"'{channel.name}' starts {shift:.2f} samples before the others: shifted by straight lines "
         "between its samples, which dulls what is near half the sampling rate"

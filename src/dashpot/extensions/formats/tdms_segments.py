@@ -13,7 +13,7 @@ _STARTS = ("wf_start_offset", "wf_start_time")
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units")
 _SCALED = ("NI_Scal", "NI_Number_Of_Scales")
 _CONTIGUOUS = 0.5
-"""Of a step: by how much a later segment may start otherwise than where the last one ended."""
+"""Largest deviation of the start of a later segment from the end of the last, in steps."""
 
 
 class SegmentReader(TdmsReader):  # type: ignore[misc]
@@ -54,8 +54,10 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
         if self._number == 1:
             return
         channel = "'/'" in owner  # of its group and its own name; there may be tens of thousands
-        held = [owner] if channel else [path for path in self.object_metadata if _owns(owner, path)]
-        before = max((self._values_until_now(path) for path in held), default=0)
+        channel_paths = (
+            [owner] if channel else [path for path in self.object_metadata if _owns(owner, path)]
+        )
+        before = max((self._values_until_now(path) for path in channel_paths), default=0)
         if not before:
             return
         entries = self.object_metadata[owner].properties if owner in self.object_metadata else {}
@@ -116,8 +118,8 @@ def _same(old: Any, new: Any) -> bool:
     return bool(old == new) or str(old) == str(new)
 
 
-def _seconds(stamp: Any) -> float:
+def _seconds(instant: Any) -> float:
     """Seconds of an instant, from any zero."""
-    if hasattr(stamp, "as_datetime64"):
-        stamp = stamp.as_datetime64("ns")
-    return float(stamp.astype("datetime64[ns]").astype(float)) * 1e-9
+    if hasattr(instant, "as_datetime64"):
+        instant = instant.as_datetime64("ns")
+    return float(instant.astype("datetime64[ns]").astype(float)) * 1e-9

@@ -33,9 +33,9 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     names, heads, values = zip(*sets, strict=True)
     columns = heads[0]
     if len(set(heads)) > 1:
-        listed = ", ".join(f"'{name}'" for name in names[:6])
+        names_text = ", ".join(f"'{name}'" for name in names[:6])
         raise ReadError(
-            f"results {listed} have different columns; choose one with --file-part sheet=NAME"
+            f"results {names_text} have different columns; choose one with --file-part sheet=NAME"
         )
     rows = [np.asarray(part, dtype=float).reshape(-1, len(columns)) for part in values]
     starts = np.cumsum([0, *map(len, rows[:-1])])

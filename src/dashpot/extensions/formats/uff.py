@@ -38,7 +38,7 @@ _REAL = (2, 4)
 _EXPONENTIAL = (4, 6)
 """Window types of dataset 1858: exponential alone, and beside the impact window."""
 _LEFT = (3e-4, 0.2)
-"""What exponential windows of analysers leave at the end of a record, as a part."""
+"""Remainder of exponential windows of analysers at the end of a record."""
 _DOUBLE_EXPONENT = re.compile(rb"(?<=\d)[dD](?=[+-]\d\d)")
 """Fortran's D of a double: ``1.0D+01``."""
 _BINARY_DATASET = re.compile(rb"^ {4}58b", re.MULTILINE)
@@ -188,17 +188,17 @@ def _frf(
     segment: int | None,
     notes: list[str],
 ) -> FileTable:
-    doubts = _make_frf_question(frfs) if segment is None else ()
+    file_questions = _make_frf_question(frfs) if segment is None else ()
     number = segment or 1
     _require_complex_values(frfs if segment is None else frfs[number - 1 : number])
     if number > len(frfs):
         raise ReadError(f"--file-part segment={segment}, but the file has {len(frfs)} FRFs")
     record = frfs[number - 1]
-    together = segment is None and all(np.array_equal(e["x"], record["x"]) for e in frfs)
+    is_same_grid = segment is None and all(np.array_equal(e["x"], record["x"]) for e in frfs)
     columns = [Column("frequency", _label(record["abscissa_axis_units_lab"]) or "Hz")]
     values = [np.asarray(record["x"], dtype=float)]
-    shown = frfs if together else [record]
-    for entry, name in zip(shown, _points(shown), strict=True):
+    shown_records = frfs if is_same_grid else [record]
+    for entry, name in zip(shown_records, _points(shown_records), strict=True):
         unit = _per(_unit(entry, "ordinate", units), _unit(entry, "orddenom", units))
         value = np.asarray(entry["data"], dtype=complex)
         value = value * _direction_sign(*_directions(entry))
@@ -208,9 +208,9 @@ def _frf(
         if coherence is not None:
             columns.append(Column(f"coherence{name}", "1"))
             values.append(np.real(coherence["data"]))
-    notes = [*notes, *_turned_notes(shown)]
+    notes = [*notes, *_turned_notes(shown_records)]
     lines, questions = _window_lines(record, _record_length(record))
-    return _stating(_table(columns, values, record, notes, (*doubts, *questions)), lines)
+    return _stating(_table(columns, values, record, notes, (*file_questions, *questions)), lines)
 
 
 def _require_complex_values(frfs: Sequence[_Set]) -> None:
@@ -234,45 +234,46 @@ def _directions(entry: _Set) -> tuple[int, int]:
     return int(entry.get("rsp_dir") or 0), int(entry.get("ref_dir") or 0)
 
 
-def _turned_notes(shown: Sequence[_Set]) -> list[str]:
+def _turned_notes(records: Sequence[_Set]) -> list[str]:
     """Say which curves were turned to the positive direction of their axes."""
-    turned = [
+    reversed_texts = [
         f"{_title(entry)} ({_ends(entry)[0] or '?'} over {_ends(entry)[1] or '?'})"
-        for entry in shown
+        for entry in records
         if _direction_sign(*_directions(entry)) < 0
     ]
-    return [f"sign turned by the direction fields of dataset 58: {', '.join(turned[:4])}"] * bool(
-        turned
-    )
+    return [
+        f"sign turned by the direction fields of dataset 58: {', '.join(reversed_texts[:4])}"
+    ] * bool(reversed_texts)
 
 
 def _make_frf_question(frfs: Sequence[_Set]) -> tuple[Question, ...]:
     """Ask which one of several."""
     if len(frfs) == 1:
         return ()
-    listed = ", ".join(f"{i + 1} {_title(entry)}" for i, entry in enumerate(frfs[:8]))
+    curves_text = ", ".join(f"{i + 1} {_title(entry)}" for i, entry in enumerate(frfs[:8]))
     message = (
-        f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --file-part segment=1"
+        f"{len(frfs)} FRFs in the file: {curves_text}; choose one, for example --file-part "
+        "segment=1"
     )
     return (Question(message, SEGMENT),)
 
 
 def _coherence_of(frf: _Set, coherent: Sequence[_Set]) -> _Set | None:
     """Return the coherence of the same two points on the same lines; or the only one there is."""
-    same = [e for e in coherent if np.array_equal(e["x"], frf["x"])]
-    items = [e for e in same if _ends(e) == _ends(frf)]
-    return items[0] if len(items) == 1 else same[0] if len(same) == 1 else None
+    on_same_grid = [e for e in coherent if np.array_equal(e["x"], frf["x"])]
+    items = [e for e in on_same_grid if _ends(e) == _ends(frf)]
+    return items[0] if len(items) == 1 else on_same_grid[0] if len(on_same_grid) == 1 else None
 
 
 def _ends(entry: _Set) -> tuple[str, str]:
-    """Where it moves and where it is struck, such as 3+Z and 1+Z; "" if a file does not say."""
+    """Return response and reference point, such as 3+Z and 1+Z; empty if a file gives none."""
     return _end(entry, "rsp"), _end(entry, "ref")
 
 
 def _end(entry: _Set, end: str) -> str:
-    node, way = int(entry.get(f"{end}_node") or 0), int(entry.get(f"{end}_dir") or 0)
-    axis = _AXES[abs(way)] if abs(way) < len(_AXES) else ""
-    return f"{node}{'-' if way < 0 else '+'}{axis}" if axis else str(node) if node else ""
+    node, direction = int(entry.get(f"{end}_node") or 0), int(entry.get(f"{end}_dir") or 0)
+    axis = _AXES[abs(direction)] if abs(direction) < len(_AXES) else ""
+    return f"{node}{'-' if direction < 0 else '+'}{axis}" if axis else str(node) if node else ""
 
 
 def _points(frfs: Sequence[_Set]) -> list[str]:
@@ -285,14 +286,14 @@ def _points(frfs: Sequence[_Set]) -> list[str]:
     return [f" {name}" if single else f" {i + 1}" for i, name in enumerate(names)]
 
 
-def _per(above: str | None, below: str | None) -> str | None:
+def _per(numerator: str | None, denominator: str | None) -> str | None:
     """Return the unit of a ratio, unless the upper label holds the lower one already."""
-    if not above or not below or f"/{below}" in above or "(1/" in above:
-        return above
-    return f"({above})/{below}"
+    if not numerator or not denominator or f"/{denominator}" in numerator or "(1/" in numerator:
+        return numerator
+    return f"({numerator})/{denominator}"
 
 
-def _repeated_records(timed: Sequence[_Set]) -> list[list[_Set]]:
+def _repeated_records(time_records: Sequence[_Set]) -> list[list[_Set]]:
     """Return the channels of each record of a file that holds several of one set-up, as of hits.
 
     A channel is identified by its title, its points and its unit. Each must come equally often,
@@ -300,50 +301,59 @@ def _repeated_records(timed: Sequence[_Set]) -> list[list[_Set]]:
     """
     keys = [
         (_title(e), *_ends(e), str(e.get("rsp_ent_name")), _label(e["ordinate_axis_units_lab"]))
-        for e in timed
+        for e in time_records
     ]
     width = keys.index(keys[0], 1) if keys[0] in keys[1:] else len(keys)
     count = keys.count(keys[0])
     if width > 1 and keys == keys[:width] * (len(keys) // width):
-        records = [list(timed[i : i + width]) for i in range(0, len(keys), width)]
+        records = [list(time_records[i : i + width]) for i in range(0, len(keys), width)]
     elif len(set(keys)) > 1 and all(keys.count(key) == count for key in keys):
         ordered = sorted(range(len(keys)), key=lambda i: (keys[:i].count(keys[i]), i))
         width = len(set(keys))
-        records = [[timed[j] for j in ordered[i : i + width]] for i in range(0, len(keys), width)]
+        records = [
+            [time_records[j] for j in ordered[i : i + width]] for i in range(0, len(keys), width)
+        ]
     else:
-        return [list(timed)]
-    whole = all(np.array_equal(e["x"], record[0]["x"]) for record in records for e in record)
-    return records if whole else [list(timed)]
+        return [list(time_records)]
+    is_common_clock = all(
+        np.array_equal(e["x"], record[0]["x"]) for record in records for e in record
+    )
+    return records if is_common_clock else [list(time_records)]
 
 
-def _build_time_table(timed: Sequence[_Set], units: _Set | None, notes: list[str]) -> FileTable:
-    records = _repeated_records(timed)
+def _build_time_table(
+    time_records: Sequence[_Set], units: _Set | None, notes: list[str]
+) -> FileTable:
+    records = _repeated_records(time_records)
     if len(records) == 1:
-        return _build_record_table(timed, units, notes)
-    listed = " and ".join(f"'{_title(entry)}'" for entry in records[0])
-    notes = [*notes, f"{len(records)} records of {listed}, each a segment"]
+        return _build_record_table(time_records, units, notes)
+    channels_text = " and ".join(f"'{_title(entry)}'" for entry in records[0])
+    notes = [*notes, f"{len(records)} records of {channels_text}, each a segment"]
     tables = [_build_record_table(record, units, notes) for record in records]
     values = [table.load(range(len(table.columns))).values for table in tables]
     starts = np.cumsum([0, *map(len, values[:-1])]).tolist()
     load = make_loader(np.concatenate(values), tuple(starts))
-    doubts = tuple(dict.fromkeys(doubt for table in tables for doubt in table.doubts))
-    return replace(tables[0], load=load, doubts=doubts)
+    questions = tuple(dict.fromkeys(question for table in tables for question in table.doubts))
+    return replace(tables[0], load=load, doubts=questions)
 
 
-def _build_record_table(timed: Sequence[_Set], units: _Set | None, notes: list[str]) -> FileTable:
-    first = timed[0]
+def _build_record_table(
+    time_records: Sequence[_Set], units: _Set | None, notes: list[str]
+) -> FileTable:
+    first = time_records[0]
     grids = {
-        (len(e["x"]), round(float(e["x"][0]), 12), round(float(e["x"][-1]), 12)) for e in timed
+        (len(e["x"]), round(float(e["x"][0]), 12), round(float(e["x"][-1]), 12))
+        for e in time_records
     }
     time = np.asarray(first["x"], dtype=float)
     resampled: dict[int, FloatArray] = {}
     if len(grids) > 1:
-        time, resampled, said = _resample_records(timed, len(grids))
+        time, resampled, said = _resample_records(time_records, len(grids))
         notes = [*notes, *said]
     word = _label(first["abscissa_axis_units_lab"]) or "s"
     columns = [Column("time" if first["func_type"] in {0, TIME} else "abscissa", word)]
     values = [time]
-    for i, entry in enumerate(timed):
+    for i, entry in enumerate(time_records):
         unit = _unit(entry, "ordinate", units)
         name = _title(entry) or f"channel {i + 1}"
         name += " (PSD)" if entry["func_type"] == _PSD else ""
@@ -353,7 +363,7 @@ def _build_record_table(timed: Sequence[_Set], units: _Set | None, notes: list[s
         values.append(sign * resampled.get(i, data))
         if sign < 0:
             notes = [*notes, f"'{name}': sign turned by its direction field, {_ends(entry)[0]}"]
-    windowed = next((entry for entry in timed if entry.get("qualifiers")), first)
+    windowed = next((entry for entry in time_records if entry.get("qualifiers")), first)
     lines, questions = _window_lines(windowed, _record_length(windowed))
     # what it leaves open the record itself may show
     open_ = ["exponential window"] * bool(questions)
@@ -361,7 +371,7 @@ def _build_record_table(timed: Sequence[_Set], units: _Set | None, notes: list[s
 
 
 def _resample_records(
-    timed: Sequence[_Set], kinds: int
+    time_records: Sequence[_Set], kinds: int
 ) -> tuple[FloatArray, dict[int, FloatArray], list[str]]:
     """Return the clock of time records of several rates, the values on it, and notes.
 
@@ -370,8 +380,8 @@ def _resample_records(
     ReadError
         If the records are no signals over time, or no channel of a test shows itself.
     """
-    words = {_label(entry["abscissa_axis_units_lab"]) or "s" for entry in timed}
-    if any(entry["func_type"] not in {0, TIME} for entry in timed) or len(words) > 1:
+    words = {_label(entry["abscissa_axis_units_lab"]) or "s" for entry in time_records}
+    if any(entry["func_type"] not in {0, TIME} for entry in time_records) or len(words) > 1:
         raise ReadError(
             f"the records differ in length or start ({kinds} kinds), and are no signals over one "
             "time; give files whose channels were recorded together"
@@ -382,13 +392,15 @@ def _resample_records(
             np.asarray(entry["x"], dtype=float),
             np.real(np.asarray(entry["data"])).astype(float),
         )
-        for i, entry in enumerate(timed)
+        for i, entry in enumerate(time_records)
     ]
     if len({float(f"{channel.step:.6g}") for channel in channels}) == 1:
-        listed = ", ".join(f"'{c.name}' {len(c.time)} from {c.time[0]:.6g}" for c in channels[:6])
+        channels_text = ", ".join(
+            f"'{c.name}' {len(c.time)} from {c.time[0]:.6g}" for c in channels[:6]
+        )
         raise ReadError(
-            f"the time records differ in length or start ({listed}); give files whose channels "
-            "were recorded together"
+            f"the time records differ in length or start ({channels_text}); give files whose "
+            "channels were recorded together"
         )
     notes: list[str] = []
     rows = interpolate_to_slowest(channels, notes)
@@ -400,12 +412,12 @@ def _table(
     values: Sequence[FloatArray],
     entry: _Set,
     notes: Sequence[str],
-    doubts: tuple[Question, ...] = (),
+    questions: tuple[Question, ...] = (),
 ) -> FileTable:
     comments = tuple(f"# {entry[key]}" for key in ("id1", "id2", "id3", "id4", "id5"))
     return FileTable(
         format="UFF 58",
-        doubts=doubts,
+        doubts=questions,
         columns=tuple(columns),
         load=make_loader(np.column_stack(values)),
         notes=tuple(notes),
@@ -423,27 +435,27 @@ def _modes(sets: Sequence[_Set], units: _Set | None) -> FileTable:
     """A row for each node of each mode: places in m, and modal masses in kg, by dataset 164."""
     shapes = _shapes(sets)
     length, force = (1.0 if units is None else float(units[key]) for key in ("length", "force"))
-    places = _places(sets, length)
+    node_positions = _places(sets, length)
     # a mass unit is that of force, times s^2, over that of length
     rows = [
         row
         for number, entry in enumerate(shapes, start=1)
-        for row in _mode(number, entry, places, mass_unit=force / length)
+        for row in _mode(number, entry, node_positions, mass_unit=force / length)
     ]
-    certain = units is not None
+    has_units = units is not None
     words = [
         None,
         "Hz",
         "1",
-        "kg" if certain else None,
-        *3 * ["m" if certain else None],
+        "kg" if has_units else None,
+        *3 * ["m" if has_units else None],
         *3 * [None],
     ]
     names = ("mode", "frequency", "damping ratio", "modal mass", "x", "y", "z", "ux", "uy", "uz")
     columns = [Column(name, word) for name, word in zip(names, words, strict=True)]
     values = list(np.array(rows, dtype=float).T)
-    made = _table(columns, values, shapes[0], _notes(sets, units))
-    return replace(made, format="UFF 55")
+    mode_table = _table(columns, values, shapes[0], _notes(sets, units))
+    return replace(mode_table, format="UFF 55")
 
 
 def _shapes(sets: Sequence[_Set]) -> list[_Set]:
@@ -460,10 +472,10 @@ def _shapes(sets: Sequence[_Set]) -> list[_Set]:
 def _places(sets: Sequence[_Set], unit: float) -> dict[int, list[float]]:
     """x, y and z of each node, m; 1 m is `unit` of the file's."""
     return {
-        int(node): [value / unit for value in place]
+        int(node): [value / unit for value in coordinates]
         for entry in sets
         if entry.get("type") in _NODES
-        for node, *place in _iterate_nodes(entry, "x", "y", "z")
+        for node, *coordinates in _iterate_nodes(entry, "x", "y", "z")
     }
 
 
@@ -472,7 +484,7 @@ def _iterate_nodes(entry: _Set, *names: str) -> Iterator[tuple[Any, ...]]:
 
 
 def _mode(
-    number: int, entry: _Set, places: Mapping[int, list[float]], *, mass_unit: float
+    number: int, entry: _Set, node_positions: Mapping[int, list[float]], *, mass_unit: float
 ) -> Iterator[list[float]]:
     """The rows of one mode."""
     if np.iscomplexobj(entry["r1"]):
@@ -480,7 +492,7 @@ def _mode(
     viscous, hysteretic, mass = (
         float(entry.get(key) or 0) for key in ("modal_damp_vis", "modal_damp_his", "modal_m")
     )
-    missing = {int(node) for node in entry["node_nums"]} - set(places)
+    missing = {int(node) for node in entry["node_nums"]} - set(node_positions)
     if missing:
         raise ReadError(
             f"node {min(missing)} of mode {number} has no coordinates; export datasets 15 or "
@@ -488,11 +500,11 @@ def _mode(
         )
     head = [number, float(entry["freq"]), viscous or hysteretic / 2, mass / mass_unit or np.nan]
     for node, *shape in _iterate_nodes(entry, "r1", "r2", "r3"):
-        yield [*head, *places[int(node)], *shape]
+        yield [*head, *node_positions[int(node)], *shape]
 
 
 def _title(entry: _Set) -> str:
-    """What a curve is called: its axis label, response point or first identification line."""
+    """Return the title of a curve: its axis label, response point or first identification line."""
     for key in ("ordinate_axis_lab", "rsp_ent_name", "id1"):
         word = _label(entry.get(key, ""))
         if word:

@@ -68,7 +68,7 @@ _NAMED = {
     b"Rar!": ("a packed file (RAR)", _UNPACK),
     b"\x28\xb5\x2f\xfd": ("a packed file (zstd)", _UNPACK),
 }
-"""What a file is by its first bytes, and what to do."""
+"""Formats by their first bytes, with advice."""
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
@@ -81,16 +81,18 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """
     del options
     head = raw.head(4096)
-    named = next((said for mark, said in _NAMED.items() if head.startswith(mark)), None)
-    if named:
-        what, how = named
+    known_format = next(
+        (said for signature, said in _NAMED.items() if head.startswith(signature)), None
+    )
+    if known_format:
+        format_title, advice = known_format
     elif not head.startswith(GZIP):
-        what, how = "a catman file (.bin)", _CATMAN
+        format_title, advice = "a catman file (.bin)", _CATMAN
     elif _unpack_head(head).startswith(_ZS2):
-        what, how = "a testXpert file (.zs2)", _ZWICK
+        format_title, advice = "a testXpert file (.zs2)", _ZWICK
     else:
-        what, how = "a packed file (gzip)", _UNPACK
-    raise ReadError(f"{what}, which is not read: {how}")
+        format_title, advice = "a packed file (gzip)", _UNPACK
+    raise ReadError(f"{format_title}, which is not read: {advice}")
 
 
 def refuse_archive(names: Sequence[str]) -> None:
@@ -102,14 +104,17 @@ def refuse_archive(names: Sequence[str]) -> None:
         Of a measurement of Dewesoft, of arrays of NumPy, and of any other archive.
     """
     if {"DBDATA", "SETUP"} <= {name.rpartition("/")[2] for name in names}:
-        what, how = "a Dewesoft archive (.dxz)", _DEWESOFT
+        format_title, advice = "a Dewesoft archive (.dxz)", _DEWESOFT
     elif names and all(name.endswith(".npy") for name in names):
-        what, how = "arrays of NumPy (.npz)", "they hold no units; " + _ARRAY
+        format_title, advice = "arrays of NumPy (.npz)", "they hold no units; " + _ARRAY
     elif any(name.startswith(_OFFICE) for name in names):
-        what, how = "an office document without a table of cells", "save its table as xlsx or csv"
+        format_title, advice = (
+            "an office document without a table of cells",
+            "save its table as xlsx or csv",
+        )
     else:
-        what, how = "a packed file (ZIP)", _UNPACK
-    raise ReadError(f"{what}, which is not read: {how}")
+        format_title, advice = "a packed file (ZIP)", _UNPACK
+    raise ReadError(f"{format_title}, which is not read: {advice}")
 
 
 def _unpack_head(head: bytes) -> bytes:

@@ -27,12 +27,16 @@ def note_invalid_rows(table: FileTable) -> FileTable:
     """
     notes = []
     for index, column in enumerate(table.columns):
-        bad = has_word(column.name, _BAD)
-        if column.content != "number" or column.unit or not (bad or has_word(column.name, _GOOD)):
+        is_bad = has_word(column.name, _BAD)
+        if (
+            column.content != "number"
+            or column.unit
+            or not (is_bad or has_word(column.name, _GOOD))
+        ):
             continue
         values = table.load([index]).values[:, 0]
         if set(values.tolist()) == {0.0, 1.0}:
-            count = int((values == bad).sum())
+            count = int((values == is_bad).sum())
             notes.append(
                 Caution(
                     f"'{column.name}' marks {count} of {len(values)} rows as not valid, and they "

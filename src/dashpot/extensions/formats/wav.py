@@ -21,7 +21,7 @@ _UNKNOWN = 0xFFFFFFFF
 _ORDERS = {b"RIFF": "<", b"RIFX": ">", b"RF64": "<", b"BW64": "<"}
 """Byte order by the first bytes; RF64 and BW64 keep sizes beyond 4 GiB in a chunk of their own."""
 FULL_SCALE = "1 = full scale"
-"""What is stated of every channel beside its numbers."""
+"""Note on the scale of every channel."""
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
@@ -43,8 +43,8 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         valid = struct.unpack_from(f"{order}H", form, 18)[0] or bits
         kind = struct.unpack_from(f"{order}H", form, 24)[0]
     size = block // channels if channels else 0
-    known = (_WHOLE if kind == _PCM else _FLOATS if kind == _FLOAT else {}).get(size)
-    if known is None or block != size * channels or not rate or not 0 < valid <= 8 * size:
+    sample_type = (_WHOLE if kind == _PCM else _FLOATS if kind == _FLOAT else {}).get(size)
+    if sample_type is None or block != size * channels or not rate or not 0 < valid <= 8 * size:
         raise ReadError(
             f"a WAV file of {bits} bits in the coding {kind}, which is not read; save it as PCM "
             "(16, 24 or 32 bits) or as floats"
@@ -53,7 +53,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     check_value_count(rows * (channels + 1), "the channels hold")
     if len(data) % block:
         raise ReadError("a WAV file that ends within a sample: it was cut")
-    values = _scale_samples(data, order, known, size)
+    values = _scale_samples(data, order, sample_type, size)
     if kind == _PCM and valid < 8 * size and (values * 2.0 ** (valid - 1) % 1).any():
         raise ReadError(
             f"a WAV file of {valid} bits in {8 * size} whose samples do not stand in the upper "
@@ -86,11 +86,11 @@ def _read_chunks(stream: BinaryIO) -> tuple[str, bytes, bytes]:
             f"a RIFF file of the kind {head[8:]!r}, which is not read; save it as WAV or as text"
         )
     form = b""
-    long = _UNKNOWN
+    chunk_size = _UNKNOWN
     while len(chunk := stream.read(8)) == 8:
         name, size = struct.unpack(f"{order}4sI", chunk)
         if name == b"data":
-            size = long if size == _UNKNOWN else size
+            size = chunk_size if size == _UNKNOWN else size
             if size == _UNKNOWN:
                 raise ReadError("a WAV file whose recorder never wrote its length; save it again")
             data = stream.read(size)
@@ -101,7 +101,7 @@ def _read_chunks(stream: BinaryIO) -> tuple[str, bytes, bytes]:
         if name == b"fmt ":
             form = content
         elif name == b"ds64" and len(content) >= 16:
-            long = struct.unpack_from("<Q", content, 8)[0]
+            chunk_size = struct.unpack_from("<Q", content, 8)[0]
     raise ReadError("a WAV file without samples: it was cut")
 
 
@@ -110,9 +110,9 @@ def _scale_samples(data: bytes, order: str, kind: str, size: int) -> FloatArray:
     if kind == "u1":
         return (np.frombuffer(data, "u1").astype(float) - 128) / 128
     if not kind:
-        wide = np.zeros((len(data) // 3, 4), "u1")
-        packed = np.frombuffer(data, "u1").reshape(-1, 3)
-        wide[:, 1:] = packed if order == "<" else packed[:, ::-1]
-        return wide.view("<i4")[:, 0].astype(float) / 2**31
+        padded = np.zeros((len(data) // 3, 4), "u1")
+        packed_bytes = np.frombuffer(data, "u1").reshape(-1, 3)
+        padded[:, 1:] = packed_bytes if order == "<" else packed_bytes[:, ::-1]
+        return padded.view("<i4")[:, 0].astype(float) / 2**31
     values = np.frombuffer(data, order + kind).astype(float)
     return values / 2 ** (8 * size - 1) if kind[0] == "i" else values

@@ -50,17 +50,20 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         raise ReadError(
             f"no sheet holds a table of numbers; the sheets are {format_sheet_names(content)}"
         )
-    seen = replace(options, kind=None)
-    names = [n for n, t in tables.items() if detect_table_kind(t, seen)[0] not in _NO_TEST]
-    likely = names or list(tables)
-    table = tables[likely[0]]
-    if len(likely) > 1:
+    sheet_options = replace(options, kind=None)
+    names = [n for n, t in tables.items() if detect_table_kind(t, sheet_options)[0] not in _NO_TEST]
+    likely_sheets = names or list(tables)
+    table = tables[likely_sheets[0]]
+    if len(likely_sheets) > 1:
         message = (
-            f"sheets {format_sheet_names(likely)} could each be the test; choose with --file-part "
-            f'sheet="{likely[0]}", or fit all of them: dashpot batch {raw.name} -o lot'
+            f"sheets {format_sheet_names(likely_sheets)} could each be the test; choose with "
+            "--file-part "
+            f'sheet="{likely_sheets[0]}", or fit all of them: dashpot batch {raw.name} -o lot'
         )
-        answers = tuple((name, f"sheet={name}") for name in likely)
-        question = Question(message, "--file-part sheet=NAME", choices=len(likely), answers=answers)
+        answers = tuple((name, f"sheet={name}") for name in likely_sheets)
+        question = Question(
+            message, "--file-part sheet=NAME", choices=len(likely_sheets), answers=answers
+        )
         table = replace(table, doubts=(question, *table.doubts))
     return table
 
@@ -74,14 +77,14 @@ def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOpti
     empty = next(filter(None, map(_WITHOUT_RESULT.match, formulas)), None)
     if empty and 2 * int(empty[1]) >= content.count(b"\n"):
         raise ReadError(f"sheet '{name}': {empty.string}")
-    shown, commas = replace(options, delimiter="\t", encoding="utf-8", sheet=None), 0
+    table_options, commas = replace(options, delimiter="\t", encoding="utf-8", sheet=None), 0
     if b"," in content:
         points, commas = _with_points(content.decode(), options.decimal)
         content = points.encode()
     if options.decimal == ",":  # numbers that are no text have points here
-        shown = replace(shown, decimal=None)
+        table_options = replace(table_options, decimal=None)
     cells = RawFile(raw.name, None, content)
-    table = separate_specimens(text.read(cells, shown), cells, shown)
+    table = separate_specimens(text.read(cells, table_options), cells, table_options)
     unmeasured = entries.get(HIDDEN + name, b"").decode()
     message = f"hidden in sheet '{name}' and read: {unmeasured}"
     note = Caution(message) if unmeasured.startswith("row") else message
@@ -110,8 +113,8 @@ def _with_points(content: str, decimal: str | None) -> tuple[str, int]:
                 columns.setdefault(j, []).append(row)
     count = 0
     for j, those in columns.items():
-        sure = decimal == "," or not all(EITHER_WAY.match(row[j]) for row in those)
-        if decimal == "." or not sure:
+        is_decimal_comma = decimal == "," or not all(EITHER_WAY.match(row[j]) for row in those)
+        if decimal == "." or not is_decimal_comma:
             continue
         count += len(those)
         for row in those:

@@ -39,18 +39,18 @@ def scan_formulas(stream: BinaryIO) -> dict[str, list[str]]:
     if not zipfile.is_zipfile(stream):
         return {}
     notes_by_sheet: dict[str, list[str]] = {}
-    with zipfile.ZipFile(stream) as book:
-        for name, part in list_sheet_parts(book).items():
-            notes = _SheetFormulas().scan(_iterate_rows(book, part))
+    with zipfile.ZipFile(stream) as archive:
+        for name, part in list_sheet_parts(archive).items():
+            notes = _SheetFormulas().scan(_iterate_rows(archive, part))
             if notes:
                 notes_by_sheet[name] = notes
     return notes_by_sheet
 
 
-def _iterate_rows(book: zipfile.ZipFile, part: str) -> Iterator[bytes]:
+def _iterate_rows(archive: zipfile.ZipFile, part: str) -> Iterator[bytes]:
     """Iterate over the rows of a sheet, each as its XML."""
     rest = b""
-    with book.open(part) as stream:
+    with archive.open(part) as stream:
         while block := stream.read(_CHUNK):
             rest += block
             *rows, rest = rest.split(b"</row>")
@@ -59,7 +59,7 @@ def _iterate_rows(book: zipfile.ZipFile, part: str) -> Iterator[bytes]:
 
 
 class _SheetFormulas:
-    """What the formulas of one sheet show, row by row."""
+    """Formulas of one sheet, row by row."""
 
     def __init__(self) -> None:
         self._values: dict[bytes, float] = {}
@@ -72,10 +72,10 @@ class _SheetFormulas:
 
     def scan(self, rows: Iterator[bytes]) -> list[str]:
         """Return a note on each kind of cell that holds no sure number, over all rows."""
-        needed = False
+        has_formula = False
         for row in rows:
-            needed = needed or b"<f" in row
-            if needed or b't="e"' in row:
+            has_formula = has_formula or b"<f" in row
+            if has_formula or b't="e"' in row:
                 self._scan_row(row)
         notes = []
         if self._without:
@@ -97,10 +97,10 @@ class _SheetFormulas:
         self._before, self._values = self._values, {}
         formulas: list[tuple[bytes, int, bytes]] = []
         for match in _CELL.finditer(row):
-            place = _REFERENCE.search(match[1])
-            if place is None:
+            reference = _REFERENCE.search(match[1])
+            if reference is None:
                 continue
-            column, number = place[1], int(place[2])
+            column, number = reference[1], int(reference[2])
             kind = _KIND.search(match[1])
             if kind and kind[1] == b"e":
                 word = (match[4] or b"").decode("utf-8", "replace")
@@ -119,9 +119,9 @@ class _SheetFormulas:
                     formulas.append((column, number, self._read_formula(match, column, number)))
         for column, number, formula in formulas:
             expected = self._evaluate(formula, number)
-            stored = self._values[column]
+            stored_value = self._values[column]
             if expected is not None and not isclose(
-                expected, stored, rel_tol=_RESULT_TOLERANCE, abs_tol=1e-12
+                expected, stored_value, rel_tol=_RESULT_TOLERANCE, abs_tol=1e-12
             ):
                 self._stale.append(f"{column.decode()}{number}")
 

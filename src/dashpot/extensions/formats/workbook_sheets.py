@@ -20,7 +20,7 @@ from dashpot.reading.sandbox import limits
 
 HIDDEN = "hidden/"
 FORMULAS = "formulas/"
-"""What no name of a sheet begins with."""
+"""Start of a path that no name of a sheet has."""
 _LARGEST = 1 << 31
 """Bytes of an unpacked workbook."""
 _LEAST = 4
@@ -55,8 +55,8 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
         unmeasured = hidden(stream)
         formulas = scan_formulas(stream)
         stream.seek(0)
-        book = calamine.CalamineWorkbook.from_filelike(stream)
-    names = book.sheet_names
+        workbook = calamine.CalamineWorkbook.from_filelike(stream)
+    names = workbook.sheet_names
     if options.sheet is not None and options.sheet not in names:
         raise ReadError(
             f"--file-part sheet={options.sheet}: the sheets are {format_sheet_names(names)}"
@@ -65,7 +65,7 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
     entries |= {FORMULAS + name: "\n".join(notes).encode() for name, notes in formulas.items()}
     cells = 0
     for name in names if options.sheet is None else [options.sheet]:
-        sheet = book.get_sheet_by_name(name)
+        sheet = workbook.get_sheet_by_name(name)
         rows, columns = (1 + last for last in sheet.end or (-1, -1))
         cells += rows * columns
         limits.check_value_count(cells, "the sheets hold")
@@ -81,9 +81,9 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
 def _get_unpacked_size(stream: BinaryIO) -> int:
     """Return the bytes of a workbook, unpacked; refuse one that has more than any test needs."""
     if stream.read(2) == b"PK":
-        with zipfile.ZipFile(stream) as packed:
-            size = sum(entry.file_size for entry in packed.infolist())
-            names = packed.namelist()
+        with zipfile.ZipFile(stream) as archive:
+            size = sum(entry.file_size for entry in archive.infolist())
+            names = archive.namelist()
         if not any(name == "content.xml" or name.startswith("xl/") for name in names):
             refuse_archive(names)
         if size > _LARGEST:
@@ -193,8 +193,8 @@ def _clock(seconds: float) -> str:
     micro = round(1e6 * seconds)
     if not 0 <= micro < _MOST_HOURS * 3_600_000_000:
         return repr(seconds)
-    whole, part = divmod(micro, 1_000_000)
-    clock = f"{whole // 3600:02d}:{whole // 60 % 60:02d}:{whole % 60:02d}"
+    whole_seconds, part = divmod(micro, 1_000_000)
+    clock = f"{whole_seconds // 3600:02d}:{whole_seconds // 60 % 60:02d}:{whole_seconds % 60:02d}"
     return f"{clock}.{part:06d}" if part else clock
 
 

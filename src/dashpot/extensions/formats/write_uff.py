@@ -35,22 +35,22 @@ def frf_uff(frf: FRF, *, title: str = "dashpot FRF") -> bytes:
         )
     pyuff = extra("pyuff", "pyuff", "UFF files")
     motion = frf.to(Kind.RECEPTANCE) if frf.quantity is Kind.DYNAMIC_STIFFNESS else frf
-    stamp = "simulated" if any(source.simulated for source in frf.source) else "NONE"
+    origin = "simulated" if any(source.simulated for source in frf.source) else "NONE"
     number, unit = _NUMERATOR[motion.quantity]
     identification = {
         "id1": title[:_ID],
-        "id2": stamp,
+        "id2": origin,
         "id3": f"shift: {float(motion.shift)!r}"[:_ID],
         "id4": "NONE" if motion.record is None else f"record: {float(motion.record)!r}"[:_ID],
         "id5": f"averages: {motion.averages}",
     }
     steps = np.diff(motion.frequency)
-    even = bool(len(steps)) and bool(np.allclose(steps, steps[0], rtol=1e-9))
+    is_even = bool(len(steps)) and bool(np.allclose(steps, steps[0], rtol=1e-9))
     common = {
         "type": 58, "binary": 0, **identification, "rsp_node": 1, "rsp_dir": 3, "ref_node": 1,
         "ref_dir": 3, "x": motion.frequency, "num_pts": len(motion.frequency),
-        "abscissa_spacing": int(even), "abscissa_min": float(motion.frequency[0]),
-        "abscissa_inc": float(steps[0]) if even else 0.0,
+        "abscissa_spacing": int(is_even), "abscissa_min": float(motion.frequency[0]),
+        "abscissa_inc": float(steps[0]) if is_even else 0.0,
         "orddenom_spec_data_type": 0, "orddenom_axis_lab": "NONE",
         "orddenom_axis_units_lab": "NONE", "ordinate_spec_data_type": 0,
         "z_axis_spec_data_type": 0, "z_axis_axis_lab": "NONE", "z_axis_axis_units_lab": "NONE",

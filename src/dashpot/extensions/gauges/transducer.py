@@ -102,9 +102,9 @@ class Daq:
         at : array, shape (m,)
             When the first channel is sampled, s.
         """
-        seen = self._filter_voltages(clock, volts)
+        filtered = self._filter_voltages(clock, volts)
         return np.array(
-            [np.interp(at + self.skew(i), clock, item) for i, item in enumerate(seen, start=1)]
+            [np.interp(at + self.skew(i), clock, item) for i, item in enumerate(filtered, start=1)]
         )
 
     def _filter_voltages(self, clock: FloatArray, volts: FloatArray) -> FloatArray:
@@ -113,8 +113,8 @@ class Daq:
         from scipy import signal
 
         sections = signal.butter(2, self.filter, fs=1 / (clock[1] - clock[0]), output="sos")
-        settled = signal.sosfilt_zi(sections)[:, None, :] * volts[None, :, :1]
-        return np.asarray(signal.sosfilt(sections, volts, zi=settled)[0])
+        filter_state = signal.sosfilt_zi(sections)[:, None, :] * volts[None, :, :1]
+        return np.asarray(signal.sosfilt(sections, volts, zi=filter_state)[0])
 
 
 # Transducer: loads to six gauge voltages, and calibration.
@@ -137,9 +137,9 @@ def nano(gain: float = 2.56, crosstalk: float = 0.02) -> tuple[tuple[float, ...]
     angle = 2 * pi * np.arange(3) / 3
     c, s, zero = np.cos(angle), np.sin(angle), np.zeros(3)
     axial = np.array([zero, zero, zero + 1, _ARM * s, -_ARM * c, zero])
-    across = np.array([-s, c, zero, zero, zero, zero + _ARM])
+    lever_row = np.array([-s, c, zero, zero, zero, zero + _ARM])
     matrix = np.empty((6, 6))
-    matrix[:, ::2], matrix[:, 1::2] = gain * axial, gain * across
+    matrix[:, ::2], matrix[:, 1::2] = gain * axial, gain * lever_row
     mixed = matrix @ (np.eye(6) + crosstalk * np.roll(np.eye(6), 1, axis=1))
     return tuple(tuple(map(float, row)) for row in mixed)
 
@@ -180,10 +180,10 @@ class Transducer:
     def find_saturated(self, load: FloatArray) -> BoolArray:
         """Return which axes pass their range, shape (6, n); both across where their sum does."""
         size = np.abs(load)
-        over = size > np.array(self.limit)[:, None]
-        across = np.hypot(load[0], load[1]) > min(self.limit[:2])
-        over[:2] |= across
-        return np.asarray(over)
+        is_overloaded = size > np.array(self.limit)[:, None]
+        has_transverse_overload = np.hypot(load[0], load[1]) > min(self.limit[:2])
+        is_overloaded[:2] |= has_transverse_overload
+        return np.asarray(is_overloaded)
 
     def calibration(self) -> str:
         """Return the calibration file, as ATI writes version 1.1."""
@@ -201,7 +201,7 @@ class Transducer:
         return ET.tostring(root, encoding="unicode") + "\n"
 
 
-def tilt_motion(force: npt.ArrayLike, angle: float, *, towards: float = 0.0) -> FloatArray:
+def tilt_motion(force: npt.ArrayLike, angle: float, *, azimuth: float = 0.0) -> FloatArray:
     r"""Return the force that a misaligned transducer feels, shape (3, n), N.
 
     A seal pushes along the plate's normal; a transducer turned by `angle` from it feels
@@ -212,10 +212,10 @@ def tilt_motion(force: npt.ArrayLike, angle: float, *, towards: float = 0.0) -> 
     ----------
     force : array_like, shape (n,)
         Along the normal, N.
-    angle, towards : float
+    angle, azimuth : float
         :math:`\theta` from the normal and :math:`\varphi` from x, rad.
     """
-    arrow = [sin(angle) * cos(towards), sin(angle) * sin(towards), cos(angle)]
+    arrow = [sin(angle) * cos(azimuth), sin(angle) * sin(azimuth), cos(angle)]
     return np.asarray(np.multiply.outer(arrow, np.asarray(force, dtype=float)))
 
 
@@ -241,7 +241,7 @@ class Instrument:
 
     def load(self, force: FloatArray) -> FloatArray:
         """Return force and torque, shape (6, n), under a force along the plate's normal, N."""
-        response = tilt_motion(force, self.misaligned, towards=self.towards)
+        response = tilt_motion(force, self.misaligned, azimuth=self.towards)
         return np.vstack([response, np.zeros_like(response)])
 
     def read(self, time: FloatArray, force: FloatArray, *, rig: Rig, seed: int = 0) -> FloatArray:
@@ -261,27 +261,31 @@ class Instrument:
         from scipy.interpolate import CubicSpline
 
         random = np.random.default_rng([seed, 6])
-        fine = time[0] + np.arange(_FINE * len(time)) / (_FINE * self.daq.rate)
-        smooth = np.asarray(CubicSpline(time, force)(np.minimum(fine, time[-1])))
-        volts = self.transducer.volts(self.load(rig.add_disturbances(fine, smooth, random)))
-        seen = self.daq.read(fine, volts, time)
+        fine_time = time[0] + np.arange(_FINE * len(time)) / (_FINE * self.daq.rate)
+        smooth_force = np.asarray(CubicSpline(time, force)(np.minimum(fine_time, time[-1])))
+        volts = self.transducer.volts(
+            self.load(rig.add_disturbances(fine_time, smooth_force, random))
+        )
+        readings = self.daq.read(fine_time, volts, time)
         gain = float(np.linalg.norm(self.transducer.matrix[2]))
-        return self.daq.quantise(seen + rig.noise / gain * random.standard_normal(seen.shape))
+        return self.daq.quantise(
+            readings + rig.noise / gain * random.standard_normal(readings.shape)
+        )
 
     def list_limitations(self, force: FloatArray, rig: Rig) -> tuple[str, ...]:
         """Return what limits the use of such a record: overload, and lines that alias."""
         names = []
-        over = self.transducer.find_saturated(self.load(force))
-        axes = ", ".join(axis for axis, item in zip(AXES, over, strict=True) if item.any())
+        is_overloaded = self.transducer.find_saturated(self.load(force))
+        axes = ", ".join(axis for axis, item in zip(AXES, is_overloaded, strict=True) if item.any())
         if axes:
             names.append(f"the transducer is beyond its range in {axes}")
         for name in ("hum", "vibration"):
             size, line = getattr(rig, name), getattr(rig, f"{name}_frequency")
-            seen = self.daq.alias(line)
+            alias_frequency = self.daq.alias(line)
             remainder = size * self.daq.filter_gain(line)
-            if seen is not None and size:
+            if alias_frequency is not None and size:
                 names.append(
-                    f"{name} of {line:g} Hz shows at {seen:g} Hz, "
+                    f"{name} of {line:g} Hz shows at {alias_frequency:g} Hz, "
                     f"{format_quantity(remainder, 'mN', '.3g')}: "
                     f"{self.daq.rate:g} samples a second are too few for it, and the filter lets "
                     "it through"

@@ -11,9 +11,10 @@ from dashpot.report.tables import TextTable
 
 def make_law_ranking(orders: Sequence[tuple[str, float]]) -> CollapsibleSection:
     """Return the BIC of every fitted law, best first."""
-    least = min(score for _, score in orders)
+    lowest_score = min(score for _, score in orders)
     rows = tuple(
-        (name, round_to_error(score - least)) for name, score in sorted(orders, key=lambda o: o[1])
+        (name, round_to_error(score - lowest_score))
+        for name, score in sorted(orders, key=lambda o: o[1])
     )
     return CollapsibleSection(
         "Laws tried", "BIC above the least", TextTable(("law", "BIC above the least"), rows)
@@ -22,5 +23,7 @@ def make_law_ranking(orders: Sequence[tuple[str, float]]) -> CollapsibleSection:
 
 def format_bic_differences(orders: Sequence[tuple[str, float]]) -> str:
     """Return the BIC of each law above that of the best."""
-    least = min(score for _, score in orders)
-    return "  BIC above the least: " + ", ".join(f"{name} {at - least:.1f}" for name, at in orders)
+    lowest_score = min(score for _, score in orders)
+    return "  BIC above the least: " + ", ".join(
+        f"{name} {at - lowest_score:.1f}" for name, at in orders
+    )

@@ -74,7 +74,7 @@ MODES = MappingProxyType({
         "Pressure over volume ratio or volumetric strain.", "volumetric", pressed=True
     ),
 })  # fmt: skip
-"""By the option that names them."""
+"""Modes by the option that names them."""
 
 
 @dataclass(frozen=True)

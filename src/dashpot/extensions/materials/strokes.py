@@ -31,7 +31,7 @@ class Stroke(NamedTuple):
 
     @property
     def samples(self) -> slice:
-        """Of the record."""
+        """Samples of the stroke in the record."""
         return slice(self.first, self.last + 1)
 
 
@@ -46,12 +46,12 @@ def inward(displacement: FloatArray, force: FloatArray) -> tuple[int, int]:
         If force or displacement never change.
     """
     if not (np.ptp(displacement) > 0 and np.ptp(force) > 0):
-        still = "displacement" if np.ptp(displacement) == 0 else "force"
-        raise DataError(f"the {still} never changes: no seal was pressed")
+        constant_signal = "displacement" if np.ptp(displacement) == 0 else "force"
+        raise DataError(f"the {constant_signal} never changes: no seal was pressed")
     from_start = force - np.median(force[: max(5, len(force) // 50)])
     push = 1 if float(from_start.max()) >= -float(from_start.min()) else -1
-    together = float(np.cov(displacement, push * force)[0, 1])
-    return (1 if together >= 0 else -1), push
+    covariance = float(np.cov(displacement, push * force)[0, 1])
+    return (1 if covariance >= 0 else -1), push
 
 
 def strokes_of(x: FloatArray, *, resolution: float) -> tuple[Stroke, ...]:
@@ -60,41 +60,41 @@ def strokes_of(x: FloatArray, *, resolution: float) -> tuple[Stroke, ...]:
     A turning point is one from which the compression goes back by a twentieth of the whole
     travel, or four times the resolution. A plate that waits at it belongs to neither stroke.
     """
-    least = max(LEAST_STROKE * float(np.ptp(x)), 4 * resolution)
-    turns = _turning_points(x, least)
+    min_stroke = max(LEAST_STROKE * float(np.ptp(x)), 4 * resolution)
+    turns = _turning_points(x, min_stroke)
     strokes = []
     for first, last in zip(turns[:-1].tolist(), turns[1:].tolist(), strict=True):
         rises = bool(x[last] > x[first])
         part = x[first : last + 1]
         low, high = sorted((float(x[first]), float(x[last])))
         margin = max(resolution, 2e-3 * (high - low))
-        begins, ends = (low, high) if rises else (high, low)
+        begins, end_level = (low, high) if rises else (high, low)
         indices = np.flatnonzero(np.abs(part - begins) <= margin)
         leaves = int(indices[-1]) if indices.size else 0
-        reached = np.flatnonzero(np.abs(part[leaves:] - ends) <= margin)
-        strokes.append(Stroke(first + leaves, first + leaves + int(reached[0]), rises))
+        end_indices = np.flatnonzero(np.abs(part[leaves:] - end_level) <= margin)
+        strokes.append(Stroke(first + leaves, first + leaves + int(end_indices[0]), rises))
     return tuple(strokes)
 
 
-def _turning_points(x: FloatArray, least: float) -> IndexArray:
-    """Return the first and last sample, and between them the extremes `least` or more apart."""
-    level = np.floor(x / (least / _LEVELS))
+def _turning_points(x: FloatArray, min_stroke: float) -> IndexArray:
+    """Return the first and last sample, and the extremes between, `min_stroke` or more apart."""
+    level = np.floor(x / (min_stroke / _LEVELS))
     # few of many samples change the level: the walk below visits those alone
     at = np.union1d(np.flatnonzero(np.diff(level)) + 1, [0, len(x) - 1])
     values = x[at]
-    turns, low, high, way = [], 0, 0, 0
+    turns, low, high, direction = [], 0, 0, 0
     for i, value in enumerate(values):
         if value > values[high]:
             high = i
         if value < values[low]:
             low = i
-        if way >= 0 and value <= values[high] - least:
+        if direction >= 0 and value <= values[high] - min_stroke:
             turns.append(high)
-            way, low = -1, i
-        elif way <= 0 and value >= values[low] + least:
+            direction, low = -1, i
+        elif direction <= 0 and value >= values[low] + min_stroke:
             turns.append(low)
-            way, high = 1, i
-    turns.append(high if way > 0 else low)
+            direction, high = 1, i
+    turns.append(high if direction > 0 else low)
     rough = at[distinct(np.array(turns))]
     return _refine_turning_points(x, rough)
 
@@ -102,10 +102,12 @@ def _turning_points(x: FloatArray, least: float) -> IndexArray:
 def _refine_turning_points(x: FloatArray, rough: IndexArray) -> IndexArray:
     """Return each turning point at the extreme sample between its neighbours."""
     indices = []
-    for i, here in enumerate(rough):
+    for i, rough_index in enumerate(rough):
         first = int(rough[i - 1]) if i else 0
         last = int(rough[i + 1]) if i + 1 < len(rough) else len(x) - 1
-        parallel = x[rough[i - 1] if i else rough[i + 1]] if len(rough) > 1 else x[here]
+        parallel = x[rough[i - 1] if i else rough[i + 1]] if len(rough) > 1 else x[rough_index]
         part = x[first : last + 1]
-        indices.append(first + int(np.argmax(part) if x[here] >= parallel else np.argmin(part)))
+        indices.append(
+            first + int(np.argmax(part) if x[rough_index] >= parallel else np.argmin(part))
+        )
     return distinct(np.array(indices))

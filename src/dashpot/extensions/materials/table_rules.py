@@ -13,10 +13,10 @@ def has_indenter_motion(columns: NamedColumns) -> bool:
     if not columns.has_time():
         return False
     names = " ".join((*columns.table.header, *columns.unique_names)).casefold()
-    fast = columns.has("velocity", least=2.5)
-    if "indent" in names and (fast or columns.has_acceleration()):
+    velocity_column = columns.has("velocity", min_score=2.5)
+    if "indent" in names and (velocity_column or columns.has_acceleration()):
         return True
-    return fast and not (
+    return velocity_column and not (
         columns.has_acceleration() or any(columns.has(name) for name in ("displacement", "force"))
     )
 
@@ -24,5 +24,5 @@ def has_indenter_motion(columns: NamedColumns) -> bool:
 def has_drop(columns: NamedColumns) -> bool:
     """Return whether a slam is named beside a force or the motion of its mass."""
     text = " ".join((*columns.table.header, *columns.unique_names))
-    named = not _DROP_WORDS.isdisjoint(vocabulary.tokens(text))
-    return named and columns.has_time() and (columns.has("force") or columns.has_acceleration())
+    is_drop = not _DROP_WORDS.isdisjoint(vocabulary.tokens(text))
+    return is_drop and columns.has_time() and (columns.has("force") or columns.has_acceleration())

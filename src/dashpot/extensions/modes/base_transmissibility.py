@@ -22,13 +22,13 @@ USUAL_SEGMENTS = 8
 """Lengths of a segment in a record, if none is said."""
 FEWEST_SEGMENTS = 3
 OVERLAP = 1 / (1 + 2 / 36)
-"""What a segment is worth that shares half of its samples with either neighbour (Hann)."""
+"""Weight of a segment that shares half of its samples with either neighbour (Hann)."""
 HIGHEST_OF_RATE = 0.4
 """Part of the sampling rate up to which lines are kept: beyond, filters and aliases stand."""
 BASE_MOVES = 1e-3
 """Part of the base's strongest line below which it is not moved."""
 COHERENT_BY_CHANCE = 1e-3
-"""How often the coherence of mere noise is that of a line that is kept."""
+"""Probability that the coherence of mere noise exceeds the limit."""
 _MOST = 0.5
 """A coherence that is kept however few segments there are."""
 _NEAR = 5
@@ -66,8 +66,8 @@ def estimate_transmissibility(
         raise DataError("Hs needs the quiet before a hit; over a base take H1, H2 or Hv")
     longest = max(record.stop - record.start for record in test.records())
     seconds = convert_to_si(segment, "time")
-    wanted = longest / USUAL_SEGMENTS if seconds is None else seconds * test.rate
-    length = max(int(wanted) // 2 * 2, 8)
+    segment_length = longest / USUAL_SEGMENTS if seconds is None else seconds * test.rate
+    length = max(int(segment_length) // 2 * 2, 8)
     base, mass = (_transform_segments(test, signal, length) for signal in (test.base, test.mass))
     if len(base) < FEWEST_SEGMENTS:
         raise DataError(
@@ -81,8 +81,8 @@ def estimate_transmissibility(
     keep &= power > BASE_MOVES**2 * power[keep].max()
     if not keep.any():
         raise DataError("the base does not move")
-    whole = coherence(Spectra(frequency, base, mass))
-    keep &= whole is None or _select_coherent_lines(whole, len(base))
+    full_coherence = coherence(Spectra(frequency, base, mass))
+    keep &= full_coherence is None or _select_coherent_lines(full_coherence, len(base))
     if np.count_nonzero(keep) < FEWEST_SEGMENTS:
         raise DataError(
             "the mass does not answer the base at any line: the coherence is that of noise; check "
@@ -111,10 +111,10 @@ def _select_coherent_lines(coherence: FloatArray, segments: int) -> BoolArray:
 
     Of noise alone :math:`P(\gamma^2 > x) = (1 - x)^{n-1}`.
     """
-    least = min(1 - COHERENT_BY_CHANCE ** (1 / (segments - 1)), _MOST)
-    near = np.pad(coherence, _NEAR // 2, mode="edge")
-    middle = np.median(np.lib.stride_tricks.sliding_window_view(near, _NEAR), axis=1)
-    return np.asarray(middle > least)
+    min_coherence = min(1 - COHERENT_BY_CHANCE ** (1 / (segments - 1)), _MOST)
+    padded = np.pad(coherence, _NEAR // 2, mode="edge")
+    middle = np.median(np.lib.stride_tricks.sliding_window_view(padded, _NEAR), axis=1)
+    return np.asarray(middle > min_coherence)
 
 
 def _transform_segments(test: ShakenTest, signal: FloatArray, length: int) -> ComplexArray:
@@ -147,11 +147,11 @@ def estimate_base_transmissibility(
     """
     refuse_choices_of_hits(
         choices, "the base was shaken (--column base-acceleration)",
-        but=("estimator", "record", "motion"),
+        exceptions=("estimator", "record", "motion"),
     )  # fmt: skip
     frf = estimate_transmissibility(test, estimator=choices.estimator, segment=choices.record)
     frf = as_measured(frf, choices.motion)
-    whole = channels_not_clipped(test)
+    clipping_check = channels_not_clipped(test)
     mass = _UNIT if mass is None else mass
     modes: tuple[Mode, ...] = ()
     reason = ""
@@ -163,4 +163,4 @@ def estimate_base_transmissibility(
     checks = [] if main is not None else [resonance(frf, None)]
     resolved = segments_resolve(frf, main)
     frf = add_frf_checks(frf, band, mass=mass)
-    return replace(frf, checks=(*frf.checks, whole, *checks, resolved)), modes, reason
+    return replace(frf, checks=(*frf.checks, clipping_check, *checks, resolved)), modes, reason

@@ -26,12 +26,12 @@ OVERLAP, CLOSE = 0.2, 0.05
 def modes_stable(modes: Sequence[ModeShape], chart: Stabilisation) -> Finding:
     """Every mode is stable in the stabilisation chart, which is computed separately."""
     counts = [(chart.orders_with(mode.mode), mode.mode.frequency) for mode in modes]
-    fewest = min(counts)[0]
+    fewest_modes = min(counts)[0]
     doubtful = ", ".join(f"{hz:.4g} Hz ({count})" for count, hz in counts if count < STABLE)
     of = f"of {chart.highest} orders of the stabilisation chart"
     return Finding(
-        f"Every mode is stable at {fewest} or more {of}",
-        fewest,
+        f"Every mode is stable at {fewest_modes} or more {of}",
+        fewest_modes,
         failure=f"Modes are stable at few {of}: {doubtful}",
         reason="They may be noise, or too close to another mode",
         remedy="Compare them with other points, or record longer.",
@@ -41,9 +41,9 @@ def modes_stable(modes: Sequence[ModeShape], chart: Stabilisation) -> Finding:
 @criterion(
     "squared misfit over its variance", "<=", MISSED, "our choice: twice the scatter; 1 is chance"
 )
-def modes_explain_lines(modes: Sequence[ModeShape], *, certain: bool) -> Finding:
+def modes_explain_lines(modes: Sequence[ModeShape], *, is_known: bool) -> Finding:
     """The modes fit the lines around them to within the errors of the lines."""
-    if not certain:
+    if not is_known:
         return Finding(
             "The lines come without their scatter, so the fit of the modes is not checked"
         )
@@ -68,11 +68,11 @@ def points_share_modes(modes: Sequence[ModeShape]) -> Finding:
     ]
     if not close:
         return Finding("No two modes are so close that they could be one, measured at two states")
-    least, one_hz, other_hz = min(close)
+    smallest_distance, one_hz, other_hz = min(close)
     pair = f"The modes at {one_hz:.4g} and {other_hz:.4g} Hz"
     return Finding(
         f"{pair} move the same points",
-        least,
+        smallest_distance,
         failure=f"{pair} hardly share a point",
         reason="One mode measured at two states looks so: an accelerometer adds mass, or the "
         "seals warm up",
@@ -81,7 +81,7 @@ def points_share_modes(modes: Sequence[ModeShape]) -> Finding:
 
 
 def _overlap(first: ModeShape, second: ModeShape) -> float:
-    """What two shapes share of their points, whatever the signs."""
+    """Return the similarity of two shapes at their common points, whatever the signs."""
     a, b = np.abs(first.residues), np.abs(second.residues)
     return float(a @ b / np.sqrt((a @ a) * (b @ b)))
 
@@ -91,12 +91,12 @@ def one_solid_explains_masses(
     distance: float, masses: Sequence[float], worst: tuple[float, str]
 ) -> Finding:
     """One linear model has the poles that were measured under all of the masses."""
-    listed = ", ".join(f"{convert_to_unit(mass, 'g'):.4g}" for mass in masses)
+    masses_text = ", ".join(f"{convert_to_unit(mass, 'g'):.4g}" for mass in masses)
     kilogram, by = worst
     return Finding(
-        f"One linear model has the poles under {listed} g",
+        f"One linear model has the poles under {masses_text} g",
         distance,
-        failure=f"No linear model has the poles under {listed} g. The closest misses "
+        failure=f"No linear model has the poles under {masses_text} g. The closest misses "
         f"{format_quantity(kilogram, 'g')} by {by}",
         reason="A larger mass compresses the seals more, or a mass or the temperature is wrong",
         remedy="Weigh the masses, and compress the seals alike.",
@@ -105,7 +105,7 @@ def one_solid_explains_masses(
 
 
 def _chi_quantile(count: int) -> float:
-    """What the root of so many squared standard errors exceeds once in a hundred tests."""
+    """Return the 99 % quantile of the root of a sum of squared standard errors."""
     z, share = NormalDist().inv_cdf(SURE), 2 / (9 * count)
     return float((count * (1 - share + z * share**0.5) ** 3) ** 0.5)  # Wilson and Hilferty 1931
 
@@ -114,12 +114,12 @@ def _chi_quantile(count: int) -> float:
 def modes_within_band(modes: Sequence[Mode], band: tuple[float, float]) -> Finding:
     """The modes lie within the measured band."""
     outside = [m.frequency for m in modes if not band[0] <= m.frequency <= band[1]]
-    listed = ", ".join(f"{frequency:.4g}" for frequency in outside)
+    frequencies_text = ", ".join(f"{frequency:.4g}" for frequency in outside)
     return Finding(
         f"Every mode lies between {band[0]:.4g} and {band[1]:.4g} Hz",
         float(len(outside)),
-        failure=f"The mode at {listed} Hz lies outside the lines between {band[0]:.4g} and "
-        f"{band[1]:.4g} Hz",
+        failure=f"The mode at {frequencies_text} Hz lies outside the lines between {band[0]:.4g} "
+        f"and {band[1]:.4g} Hz",
         reason="It stands for what lies beyond them",
         remedy=Remedy("Widen the band.", "band"),
     )
@@ -167,9 +167,9 @@ def segments_resolve(frf: FRF, main: Mode | None) -> Finding:
 
 
 def _count_clipped_runs(signal: FloatArray) -> int:
-    """How often three samples in a row are the highest of all, or the lowest."""
+    """Return how often three samples in a row are at the maximum, or at the minimum."""
     count = 0
     for end in (signal.max(), signal.min()):
-        held = np.convolve(signal == end, np.ones(3), "valid") == 3
-        count += int(np.count_nonzero(held & ~np.append(False, held[:-1])))
+        is_clipped = np.convolve(signal == end, np.ones(3), "valid") == 3
+        count += int(np.count_nonzero(is_clipped & ~np.append(False, is_clipped[:-1])))
     return count

@@ -35,7 +35,7 @@ LOOKS = {
 ABOUT = 2.0
 """Times the lowest and the highest mode: what is shown of the FRFs under several masses."""
 NAMED = 4
-"""That many modes have their numbers beside them."""
+"""Number of modes that have a label."""
 
 
 def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: str = "") -> Picture:
@@ -52,9 +52,9 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
         What the figure says of its origin.
     """
     x = Scale("frequency, Hz", (float(chart.lines[0]), float(chart.lines[-1])))
-    rules = [Rule(mode.frequency, FOUND, "fitted mode") for mode in modes]
+    mode_rules = [Rule(mode.frequency, FOUND, "fitted mode") for mode in modes]
     limits = compute_padded_log_limits(chart.height, margin=2.0)
-    upper: list[Mark] = [*rules, Line(chart.lines, chart.height, MEASURED, "measured")]
+    upper: list[Mark] = [*mode_rules, Line(chart.lines, chart.height, MEASURED, "measured")]
     tallest = sorted(modes, key=lambda mode: -abs(mode.residue))[:NAMED]
     for mode in sorted(tallest, key=lambda mode: mode.frequency):
         top = float(np.interp(mode.frequency, chart.lines, chart.height))
@@ -63,26 +63,26 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
             f"{round_to_error(100 * mode.damping_ratio)} %"
         )
         upper.append(Tag(mode.frequency, top, text, "fit"))
-    what = "accelerance, 1/kg" if chart.points == 1 else "rms accelerance, 1/kg"
+    axis_label = "accelerance, 1/kg" if chart.points == 1 else "rms accelerance, 1/kg"
     level = np.log(chart.height / limits[0]) / np.log(limits[1] / limits[0])
-    lower: list[Mark] = [Line(chart.lines, level * chart.highest, BEHIND), *rules]
-    several = chart.points > 1
+    lower: list[Mark] = [Line(chart.lines, level * chart.highest, BEHIND), *mode_rules]
+    has_several_points = chart.points > 1
     for state, (label, colour, size, hollow) in sorted(LOOKS.items()):
-        here = chart.state == state
-        if here.any():
+        is_state = chart.state == state
+        if is_state.any():
             # of several points what stays in shape stands out, of one there is no shape
-            pale = several and state == DAMPING
+            pale = has_several_points and state == DAMPING
             lower.append(
-                Dots(chart.frequency[here], chart.order[here].astype(float), colour, label,
+                Dots(chart.frequency[is_state], chart.order[is_state].astype(float), colour, label,
                      size=size, hollow=hollow or pale)
             )  # fmt: skip
-    count = f"{chart.points} points" if several else "one point"
+    count = f"{chart.points} points" if has_several_points else "one point"
     caption = (
         f"Stabilisation chart of {count}: poles by model order. Poles of the structure stay at one "
         "frequency as the order rises; dashed, the modes that were found without the chart."
     )
     strip = (
-        Panel(x, Scale(what, limits, log=True), tuple(upper), height=150),
+        Panel(x, Scale(axis_label, limits, log=True), tuple(upper), height=150),
         Panel(x, Scale("order", (0.0, chart.highest + 1.0)), tuple(lower), height=230),
     )
     return Picture("stabilisation", caption, (strip,), 1, stamp)
@@ -108,8 +108,8 @@ def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "
     colours = sequential(len(frfs))
     for frf, mass, mode, colour in zip(frfs, masses.masses, masses.modes, colours, strict=True):
         single_frf = frf.to(Kind.ACCELERANCE, mass=mass)
-        near = (single_frf.frequency >= low) & (single_frf.frequency <= high)
-        f, height = single_frf.frequency[near], np.abs(single_frf.value[near])
+        in_range = (single_frf.frequency >= low) & (single_frf.frequency <= high)
+        f, height = single_frf.frequency[in_range], np.abs(single_frf.value[in_range])
         heights.append(height)
         curves.append(Line(f, height, Pen(colour, 1.6), format_with_error(mass, "g", digits=4)))
         top = float(np.interp(mode.frequency, f, height))

@@ -43,8 +43,8 @@ def under_masses(request: FitRequest) -> CommandResult:
     request.check_output_suffix(".json", what="the modes under several masses")
     seals = request["seals"]
     modes = modes_by_mass(files, masses, seals=seals, options=request.reading, band=request["band"])
-    under = [test.frf for test in modes.tests]
-    stamp = dp.plot.stamp([source for frf in under for source in frf.source], seals=seals)
+    frfs = [test.frf for test in modes.tests]
+    stamp_text = dp.plot.stamp([source for frf in frfs for source in frf.source], seals=seals)
     return request.write_output(
-        modes, figure=lambda: dp.plot.several_masses(modes.joint_modes, under, stamp=stamp)
+        modes, figure=lambda: dp.plot.several_masses(modes.joint_modes, frfs, stamp=stamp_text)
     )

@@ -35,7 +35,7 @@ def cross_validate_hits(
     impact: ImpactTest,
     tests: Sequence[RampHold],
     fit: Fit,
-    on: MassOnSeals,
+    load: MassOnSeals,
     *,
     choices: HammerChoices,
     band: tuple[float, float] | None = None,
@@ -49,31 +49,40 @@ def cross_validate_hits(
         The relaxation tests that the hits were fitted together with.
     fit : Fit
         The joint fit: how many arms it has.
-    on : MassOnSeals
+    load : MassOnSeals
     choices : HammerChoices
     band : (float, float), optional
         Lines compared, Hz; by default a factor of 2.3 about the resonance.
     """
-    whole = average(impact, choices=choices)
-    names = [hit.name for hit in whole.hits if hit.accepted]
+    average_frf = average(impact, choices=choices)
+    names = [hit.name for hit in average_frf.hits if hit.accepted]
     if len(names) < _FEWEST:
         return None
-    peak = find_peak(whole).frequency
+    peak = find_peak(average_frf).frequency
     low, high = band or (peak / _ABOUT, peak * _ABOUT)
     errors, peaks = [], []
     for name in names[:_MOST]:
         rest = average(impact, choices=replace(choices, reject=(*choices.reject, name)))
-        others = tuple(text for text in names if text != name)
-        frf = average(impact, choices=replace(choices, reject=(*choices.reject, *others)))
-        item = _as_signed(frf.band(low, high), whole)
-        new_fit = identify(_as_signed(rest, whole), tests=tests, arms=fit.model.arms, **on.keywords)
-        predicted = predict_frf(
-            new_fit, frequency=item.frequency, kind=item.quantity, shift=item.shift, **on.keywords
+        other_hits = tuple(text for text in names if text != name)
+        frf = average(impact, choices=replace(choices, reject=(*choices.reject, *other_hits)))
+        item = _as_signed(frf.band(low, high), average_frf)
+        new_fit = identify(
+            _as_signed(rest, average_frf), tests=tests, arms=fit.model.arms, **load.keywords
         )
-        off = np.linalg.norm(predicted.value - item.value) / np.linalg.norm(item.value)
-        errors.append(float(off))
-        there, here = find_peak(item), find_peak(predicted)
-        peaks.append((here.frequency - there.frequency, here.height / there.height - 1))
+        predicted = predict_frf(
+            new_fit, frequency=item.frequency, kind=item.quantity, shift=item.shift, **load.keywords
+        )
+        relative_difference = np.linalg.norm(predicted.value - item.value) / np.linalg.norm(
+            item.value
+        )
+        errors.append(float(relative_difference))
+        measured_peak, predicted_peak = find_peak(item), find_peak(predicted)
+        peaks.append(
+            (
+                predicted_peak.frequency - measured_peak.frequency,
+                predicted_peak.height / measured_peak.height - 1,
+            )
+        )
     hz, height = np.array(peaks).T
     return LeaveOneOut(
         float(np.mean(errors)), len(errors), (float(hz.min()), float(hz.max())),
@@ -81,10 +90,10 @@ def cross_validate_hits(
     )  # fmt: skip
 
 
-def _as_signed(frf: FRF, whole: FRF) -> FRF:
-    """With the sign that the whole record has: one hit alone may be taken the other way round."""
-    near = np.interp(frf.frequency, whole.frequency, whole.value.real) + 1j * np.interp(
-        frf.frequency, whole.frequency, whole.value.imag
-    )
-    same = float(np.real(np.vdot(near, frf.value))) >= 0
-    return frf if same else replace(frf, value=-frf.value)
+def _as_signed(frf: FRF, reference: FRF) -> FRF:
+    """Return the FRF with the sign of the average; one hit alone may have the other."""
+    reference_values = np.interp(
+        frf.frequency, reference.frequency, reference.value.real
+    ) + 1j * np.interp(frf.frequency, reference.frequency, reference.value.imag)
+    is_same_sign = float(np.real(np.vdot(reference_values, frf.value))) >= 0
+    return frf if is_same_sign else replace(frf, value=-frf.value)

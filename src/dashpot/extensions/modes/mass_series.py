@@ -61,8 +61,8 @@ class SeveralMasses:
     @property
     def max_difference(self) -> complex:
         """Relative difference at the worst pole: of the stiffness, and of its imaginary part."""
-        here, there = self.stiffness[self.worst], self.stiffness_at_poles[self.worst]
-        return complex(here.real / there.real - 1, here.imag / there.imag - 1)
+        measured, at_pole = self.stiffness[self.worst], self.stiffness_at_poles[self.worst]
+        return complex(measured.real / at_pole.real - 1, measured.imag / at_pole.imag - 1)
 
     @property
     def stiffness_at_poles(self) -> ComplexArray:
@@ -90,20 +90,20 @@ def several_masses(
         If there are fewer than two masses, or two are alike.
     """
     if len(masses) < 2 or len(set(masses)) < len(masses) or len(modes) != len(masses):
-        listed = ", ".join(f"{mass:g}" for mass in masses)
+        masses_text = ", ".join(f"{mass:g}" for mass in masses)
         raise DataError(
-            f"{len(modes)} modes under masses of {listed} kg; expected one mode under each of two "
-            "or more different masses"
+            f"{len(modes)} modes under masses of {masses_text} kg; expected one mode under each of "
+            "two or more different masses"
         )
     p = np.array([mode.pole for mode in modes])
     m = np.array(masses)
     stiffness = -m * p**2 / seals
     pairs = zip(modes, masses, strict=True)
-    spread = np.array([_spread(mode, mass / seals) for mode, mass in pairs])
+    standard_errors = np.array([_spread(mode, mass / seals) for mode, mass in pairs])
     # the loss is Im K where a pole is light: its error is that of the damping
     counts = np.column_stack(
-        (np.hypot(spread[:, 0], STORAGE * np.abs(stiffness)),
-         np.hypot(spread[:, 1], LOSS * np.abs(stiffness) * 2 * _ratios(modes)))
+        (np.hypot(standard_errors[:, 0], STORAGE * np.abs(stiffness)),
+         np.hypot(standard_errors[:, 1], LOSS * np.abs(stiffness) * 2 * _ratios(modes)))
     )  # fmt: skip
     tau = TIMES / float(np.exp(np.log(np.abs(p)).mean()))
     size = float(np.abs(stiffness).mean())
@@ -113,15 +113,21 @@ def several_masses(
     y = np.concatenate((stiffness.real / counts[:, 0], stiffness.imag / counts[:, 1]))
     k = solve_linear(rows, y, positive=True)[0]
     pair = (rows @ k - y).reshape(2, -1)
-    far, k = np.hypot(pair[0], pair[1]), size * k
+    max_error, k = np.hypot(pair[0], pair[1]), size * k
     arms = np.flatnonzero(k[2:] > 0)
     solid = GeneralizedMaxwell(
         float(k[0]), tuple(map(float, k[2:][arms])), tuple(map(float, tau[arms])),
         b=float(k[1] / np.abs(p).mean()),
     )  # fmt: skip
-    worst = int(np.argmax(far))
+    worst = int(np.argmax(max_error))
     return SeveralMasses(
-        tuple(masses), tuple(modes), stiffness, spread, solid, float(np.linalg.norm(far)), worst
+        tuple(masses),
+        tuple(modes),
+        stiffness,
+        standard_errors,
+        solid,
+        float(np.linalg.norm(max_error)),
+        worst,
     )
 
 
@@ -132,8 +138,8 @@ def _ratios(modes: Sequence[Mode]) -> FloatArray:
 def _spread(mode: Mode, mass: float) -> tuple[float, float]:
     """Return standard errors of the real and imaginary part of m p^2, N/m."""
     zeta, size = mode.damping_ratio, mass * abs(mode.pole) ** 2
-    along, across = 1 - 2 * zeta**2, 2 * zeta * float(np.sqrt(1 - zeta**2))
+    real_part, imaginary_part = 1 - 2 * zeta**2, 2 * zeta * float(np.sqrt(1 - zeta**2))
     by_frequency = 2 * mode.frequency_se / mode.frequency
-    real = np.hypot(along * by_frequency, 4 * zeta * mode.damping_ratio_se)
-    turned = 2 * along / np.sqrt(1 - zeta**2) * mode.damping_ratio_se
-    return size * float(real), size * float(np.hypot(across * by_frequency, turned))
+    real = np.hypot(real_part * by_frequency, 4 * zeta * mode.damping_ratio_se)
+    damping_error = 2 * real_part / np.sqrt(1 - zeta**2) * mode.damping_ratio_se
+    return size * float(real), size * float(np.hypot(imaginary_part * by_frequency, damping_error))

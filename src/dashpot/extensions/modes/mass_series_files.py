@@ -107,7 +107,7 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
 
     @property
     def stiffness(self) -> tuple[StiffnessAtMode, ...]:
-        """Of the seals, at every mode."""
+        """Stiffness of the seals at every mode."""
         of = self.joint_modes
         rows = zip(of.modes, of.stiffness, of.spread, strict=True)
         return tuple(StiffnessAtMode(mode.frequency, k.real, k.imag, *se) for mode, k, se in rows)
@@ -177,26 +177,31 @@ def fit_modes_by_mass(
         )
     modes = [test.modes[0].mode for test in tests]
     new_masses = several_masses(modes, masses, seals=seals)
-    missed = new_masses.max_difference
-    by = f"{100 * missed.real:+.2g} % of stiffness and {100 * missed.imag:+.2g} % of damping"
+    difference = new_masses.max_difference
+    by = (
+        f"{100 * difference.real:+.2g} % of stiffness and {100 * difference.imag:+.2g} % of damping"
+    )
     checks = [
         check.with_location(f"under {format_quantity(mass, 'g')}")
         for mass, test in zip(masses, tests, strict=True)
         for check in test.frf.checks
     ]
-    across = one_solid_explains_masses(new_masses.distance, masses, (masses[new_masses.worst], by))
-    return MassSeriesModes(tests, new_masses, (across, *checks))
+    single_model_check = one_solid_explains_masses(
+        new_masses.distance, masses, (masses[new_masses.worst], by)
+    )
+    return MassSeriesModes(tests, new_masses, (single_model_check, *checks))
 
 
 def _refuse_same(
     names: Sequence[str], masses: Sequence[float], tests: Sequence[MeasuredModes]
 ) -> None:
     """Refuse an FRF that is given under two masses."""
-    every = list(zip(names, masses, tests, strict=True))
-    for (name, mass, modes), (other, its, two) in combinations(every, 2):
+    entries = list(zip(names, masses, tests, strict=True))
+    for (name, mass, modes), (other, other_mass, two) in combinations(entries, 2):
         if np.array_equal(modes.frf.value, two.frf.value):
-            both = " and ".join(dict.fromkeys((name, other)))
+            names_text = " and ".join(dict.fromkeys((name, other)))
             raise DataError(
-                f"{both}: the same FRF is given under {convert_to_unit(mass, 'g'):.4g} and under "
-                f"{format_quantity(its, 'g')}; expected what was measured under each mass"
+                f"{names_text}: the same FRF is given under {convert_to_unit(mass, 'g'):.4g} and "
+                f"under {format_quantity(other_mass, 'g')}; expected what was measured under each "
+                "mass"
             )

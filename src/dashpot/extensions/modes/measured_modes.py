@@ -131,16 +131,16 @@ class MeasuredModes(Modes):
 
     @property
     def sound(self) -> str:
-        """Of two tests, where the first mode that both have moves."""
+        """Change of the first mode between two tests, as a sentence."""
         if not self.against:
             return super().sound
-        there = self.against[0]
-        here = self.modes[there.mode - 1]
-        change = 100 * (there.frequency_hz / here.frequency_hz - 1)
+        matched_mode = self.against[0]
+        mode = self.modes[matched_mode.mode - 1]
+        change = 100 * (matched_mode.frequency_hz / mode.frequency_hz - 1)
         return (
-            f"mode {there.mode} goes from {here.frequency_hz:.4g} to {there.frequency_hz:.4g} Hz "
-            f"({change:+.2g} %), its damping ratio from {100 * here.damping_ratio:.3g} to "
-            f"{100 * there.damping_ratio:.3g} %"
+            f"mode {matched_mode.mode} goes from {mode.frequency_hz:.4g} to "
+            f"{matched_mode.frequency_hz:.4g} Hz ({change:+.2g} %), its damping ratio from "
+            f"{100 * mode.damping_ratio:.3g} to {100 * matched_mode.damping_ratio:.3g} %"
         )
 
 
@@ -194,22 +194,22 @@ def modes_of(
     damping ratios are those of any mass, residues those of 1 kg.
     """
     pushed = measured.per_force(mass=_UNIT)
-    near = select_mode_band(pushed, band)
-    lines = near.frfs[0].frequency
-    sought = band or (float(lines[0]), float(lines[-1]))
-    chart = stabilisation(pushed, band=sought)
-    shapes = shapes_of(near)
-    several = len(measured.points) > 1
+    band_frfs = select_mode_band(pushed, band)
+    lines = band_frfs.frfs[0].frequency
+    search_band = band or (float(lines[0]), float(lines[-1]))
+    chart = stabilisation(pushed, band=search_band)
+    shapes = shapes_of(band_frfs)
+    has_several_points = len(measured.points) > 1
     modes = MeasuredModes(
-        _select_checked_frf(measured, near, shapes, chart, sought),
+        _select_checked_frf(measured, band_frfs, shapes, chart, search_band),
         tuple(
-            _build_measured_mode(shape, chart, measured.points if several else ())
+            _build_measured_mode(shape, chart, measured.points if has_several_points else ())
             for shape in shapes
         ),
-        sought,
-        measured.points if several else (),
+        search_band,
+        measured.points if has_several_points else (),
         chart.highest,
-        _macs(shapes, shapes) if several else (),
+        _macs(shapes, shapes) if has_several_points else (),
     )
     if against is None:
         return modes, chart
@@ -218,49 +218,55 @@ def modes_of(
             f"{len(measured.points)} points are held against {len(against.points)}; "
             "expected the same ones, in the same order"
         )
-    others = against.per_force(mass=_UNIT).modes(band=sought)
-    return replace(modes, against=_match_modes(shapes, others, several)), chart
+    repeat_modes = against.per_force(mass=_UNIT).modes(band=search_band)
+    return replace(modes, against=_match_modes(shapes, repeat_modes, has_several_points)), chart
 
 
 def _select_checked_frf(
     measured: FRFSet,
-    near: FRFSet,
+    band_frfs: FRFSet,
     shapes: Sequence[ModeShape],
     chart: Stabilisation,
-    sought: tuple[float, float],
+    search_band: tuple[float, float],
 ) -> FRF:
     """Return the FRF of the driven point or of the largest residue, with checks of the modes."""
     main = shapes[0] if shapes else None
-    driven = [i for i, name in enumerate(measured.points) if _is_driven(name)]
+    driven_points = [i for i, name in enumerate(measured.points) if _is_driven(name)]
     single = len(measured.points) == 1
     top = 0 if main is None else int(np.argmax(np.abs(main.residues)))
-    at = 0 if single else driven[0] if driven else top
+    at = 0 if single else driven_points[0] if driven_points else top
     frf, mode = measured.frfs[at], None if main is None else main.mode
     mass = _UNIT if measured.over_base else None
     checks = (
-        *add_frf_checks(frf, sought, mode, mass=mass, driven=single or bool(driven)).checks,
-        resonance(near.frfs[at], mode),
-        *(() if main is None else _check_modes(frf, near, at, shapes, chart, sought=sought)),
+        *add_frf_checks(
+            frf, search_band, mode, mass=mass, is_driven=single or bool(driven_points)
+        ).checks,
+        resonance(band_frfs.frfs[at], mode),
+        *(
+            ()
+            if main is None
+            else _check_modes(frf, band_frfs, at, shapes, chart, search_band=search_band)
+        ),
     )
     return replace(frf, checks=checks)
 
 
 def _check_modes(
     frf: FRF,
-    near: FRFSet,
+    band_frfs: FRFSet,
     at: int,
     shapes: Sequence[ModeShape],
     chart: Stabilisation,
     *,
-    sought: tuple[float, float],
+    search_band: tuple[float, float],
 ) -> Iterator[Check]:
-    """What is asked of the modes, and of the FRF of the point that stands for the first."""
+    """Yield the checks of the modes, and of the FRF of the point that stands for the first."""
     main = shapes[0].mode
-    yield modes_within_band([shape.mode for shape in shapes], sought)
-    yield lines_in_half_power_band(near.frfs[at], main)
+    yield modes_within_band([shape.mode for shape in shapes], search_band)
+    yield lines_in_half_power_band(band_frfs.frfs[at], main)
     yield modes_stable(shapes, chart)
-    yield modes_explain_lines(shapes, certain=near.sd is not None)
-    if len(near.points) > 1:
+    yield modes_explain_lines(shapes, is_known=band_frfs.sd is not None)
+    if len(band_frfs.points) > 1:
         yield points_share_modes(shapes)
     if frf.record is not None:
         yield record_long_enough(frf, main)
@@ -268,8 +274,8 @@ def _check_modes(
 
 def _is_driven(name: str) -> bool:
     """Return whether a point such as 1+Z/1+Z is struck where it is measured."""
-    moves, slash, struck = name.rpartition(" ")[2].partition("/")
-    return bool(slash) and moves == struck
+    response_point, separator, force_point = name.rpartition(" ")[2].partition("/")
+    return bool(separator) and response_point == force_point
 
 
 def _build_measured_mode(
@@ -301,31 +307,33 @@ def _build_measured_mode(
 def _macs(first: Sequence[ModeShape], second: Sequence[ModeShape]) -> tuple[tuple[float, ...], ...]:
     if not first or not second:
         return ()
-    both = [np.column_stack([shape.residues for shape in some]) for some in (first, second)]
-    return tuple(tuple(map(float, row)) for row in mac(*both))
+    residue_matrices = [
+        np.column_stack([shape.residues for shape in shapes]) for shapes in (first, second)
+    ]
+    return tuple(tuple(map(float, row)) for row in mac(*residue_matrices))
 
 
 def _match_modes(
-    shapes: Sequence[ModeShape], others: Sequence[ModeShape], several: bool
+    shapes: Sequence[ModeShape], other_shapes: Sequence[ModeShape], has_several_points: bool
 ) -> tuple[SameMode, ...]:
     """The mode of another set that each is found in again: the most alike of those nearby."""
-    alike = _macs(shapes, others)
+    mac_values = _macs(shapes, other_shapes)
     modes = []
     for i, shape in enumerate(shapes):
-        near = [
+        nearby = [
             (
-                -alike[i][j] if several else 0.0,
+                -mac_values[i][j] if has_several_points else 0.0,
                 abs(other.mode.frequency / shape.mode.frequency - 1),
                 j,
             )
-            for j, other in enumerate(others)
+            for j, other in enumerate(other_shapes)
             if abs(other.mode.frequency / shape.mode.frequency - 1) < SAME_MODE
         ]
-        if near:
-            j = min(near)[2]
-            mode = others[j].mode
+        if nearby:
+            j = min(nearby)[2]
+            mode = other_shapes[j].mode
             modes.append(
                 SameMode(i + 1, j + 1, mode.frequency, mode.damping_ratio,
-                         alike[i][j] if several else None)
+                         mac_values[i][j] if has_several_points else None)
             )  # fmt: skip
     return tuple(modes)

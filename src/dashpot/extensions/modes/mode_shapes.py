@@ -16,8 +16,8 @@ def phase_collinearity(shape: ComplexArray) -> float:
     the whole shape, shape (points,), does not matter (Juang and Pappa 1985).
     """
     parts = np.array([shape.real, shape.imag])
-    small, large = np.linalg.eigvalsh(parts @ parts.T)
-    return float(((large - small) / (large + small)) ** 2)
+    small, larger = np.linalg.eigvalsh(parts @ parts.T)
+    return float(((larger - small) / (larger + small)) ** 2)
 
 
 def phase_deviation(shape: ComplexArray) -> float:
@@ -27,7 +27,7 @@ def phase_deviation(shape: ComplexArray) -> float:
     squares line through 0 (Heylen, Lammens and Sas, *Modal analysis theory and testing*).
     """
     parts = np.array([shape.real, shape.imag])
-    along = np.linalg.eigh(parts @ parts.T)[1][:, 1]
-    turned = shape * complex(along[0], -along[1])
+    principal_axis = np.linalg.eigh(parts @ parts.T)[1][:, 1]
+    rotated = shape * complex(principal_axis[0], -principal_axis[1])
     size = np.abs(shape)
-    return float((size * np.arctan2(np.abs(turned.imag), np.abs(turned.real))).sum() / size.sum())
+    return float((size * np.arctan2(np.abs(rotated.imag), np.abs(rotated.real))).sum() / size.sum())

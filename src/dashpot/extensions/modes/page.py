@@ -28,7 +28,7 @@ from dashpot.report.tables import TextTable
 def masses_page(modes: MassSeriesModes) -> KindPage:
     """Return the contents of the page of one solid under several masses."""
     joint_modes = modes.joint_modes
-    facts = tuple(
+    groups = tuple(
         Group(format_with_error(mass, "g", digits=4), tuple(mode_rows(mode)))
         for mass, mode in zip(joint_modes.masses, joint_modes.modes, strict=True)
     )
@@ -46,7 +46,7 @@ def masses_page(modes: MassSeriesModes) -> KindPage:
         figure_title="The response under each mass",
         picture=modes.plot(),
         table_title="Resonance under each mass",
-        groups=facts,
+        groups=groups,
         sources=_list_sources(modes),
         name="masses",
     )

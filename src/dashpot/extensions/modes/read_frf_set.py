@@ -64,18 +64,22 @@ def read_frfs(
 
 
 def _refuse_twice(paths: Sequence[str | Path]) -> None:
-    places = [Path(path).resolve() for path in paths]
-    twice = [place.name for i, place in enumerate(places) if place in places[:i]]
-    if twice:
-        raise ReadError(f"{twice[0]} is given twice; expected each point once")
+    resolved_paths = [Path(path).resolve() for path in paths]
+    repeated_names = [
+        resolved_path.name
+        for i, resolved_path in enumerate(resolved_paths)
+        if resolved_path in resolved_paths[:i]
+    ]
+    if repeated_names:
+        raise ReadError(f"{repeated_names[0]} is given twice; expected each point once")
 
 
 def _points_in(path: str | Path, options: ReadOptions | None) -> Iterator[tuple[str, FRF]]:
     """Each FRF of a file with the name of its point, which is empty of a single one."""
-    with channels.open_file(path, options, sure=False) as file:
+    with channels.open_file(path, options, refuse_questions=False) as file:
         groups = _groups(file)
         if len(groups) > 1:
-            other = [doubt for doubt in file.table.doubts if doubt.option != SEGMENT]
+            other = [question for question in file.table.doubts if question.option != SEGMENT]
             if other:
                 raise ReadError(other[0].message)
             # an option that names columns or a part has left one group
@@ -110,9 +114,9 @@ def _group_repeated_pairs(
     roles = [role for role in (*pair, "coherence", "sd") if len(of[role]) == len(first)]
     names = [_point(columns[i], pair[0]) or str(n) for n, i in enumerate(first, start=1)]
     pairs = zip(*(of[role] for role in roles), strict=True)
-    named = [dict(zip(indexes, roles, strict=True)) for indexes in pairs]
+    roles_by_column = [dict(zip(indexes, roles, strict=True)) for indexes in pairs]
     ticks = {of["frequency"][0]: "frequency"}
-    return [(name, ticks | group) for name, group in zip(names, named, strict=True)]
+    return [(name, ticks | group) for name, group in zip(names, roles_by_column, strict=True)]
 
 
 def _find_role_columns(columns: Sequence[Column], options: ReadOptions) -> dict[str, list[int]]:
@@ -128,8 +132,8 @@ def _find_role_columns(columns: Sequence[Column], options: ReadOptions) -> dict[
 def _point(column: Column, role: Role) -> str:
     """Return what a column's name says besides its role: its point."""
     words = column.name.split()
-    retained = [w for w in words if score(Column(w), role, ReadOptions()) < _NAMED]
-    return " ".join(retained) if len(retained) < len(words) else ""
+    point_words = [w for w in words if score(Column(w), role, ReadOptions()) < _NAMED]
+    return " ".join(point_words) if len(point_words) < len(words) else ""
 
 
 def select_first_point(file: OpenedFile) -> OpenedFile:
@@ -138,16 +142,16 @@ def select_first_point(file: OpenedFile) -> OpenedFile:
     return _select_columns(file, groups[0][1]) if len(groups) > 1 else file
 
 
-def _build_subset_frf(file: OpenedFile, chosen: dict[int, str]) -> FRF:
+def _build_subset_frf(file: OpenedFile, role_by_column: dict[int, str]) -> FRF:
     """Return the FRF in some of a table's columns, as if there were no others."""
-    opened_file = _select_columns(file, chosen)
+    opened_file = _select_columns(file, role_by_column)
     return build_frf(opened_file, determine_frf_columns(opened_file))
 
 
-def _select_columns(file: OpenedFile, chosen: dict[int, str]) -> OpenedFile:
+def _select_columns(file: OpenedFile, role_by_column: dict[int, str]) -> OpenedFile:
     """Return a file as if it held some of its columns alone, named for their roles."""
-    indexes = list(chosen)
-    columns = [replace(file.table.columns[i], name=chosen[i]) for i in indexes]
+    indexes = list(role_by_column)
+    columns = [replace(file.table.columns[i], name=role_by_column[i]) for i in indexes]
     table = replace(
         file.table, columns=tuple(columns), doubts=(),
         load=lambda requested: file.table.load([indexes[i] for i in requested]),

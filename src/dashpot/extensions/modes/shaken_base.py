@@ -58,20 +58,24 @@ def read_shaken(paths: Sequence[str | Path], options: ReadOptions) -> ShakenTest
 def _read_test(path: str | Path, options: ReadOptions) -> ShakenTest:
     with channels.open_file(path, options) as file:
         channels.refuse_summary(file)
-        chosen = _channels(file)
-        loaded, columns = loaded_whole(file, chosen)
+        channels_chosen = _channels(file)
+        loaded_columns, columns = loaded_whole(file, channels_chosen)
         base, mass = columns[-2:]
-        refuse_same(file, chosen, [base, mass])
-        starts, notes, rate = loaded.starts, [*file.table.notes, *loaded.notes], options.rate
+        refuse_same(file, channels_chosen, [base, mass])
+        starts, notes, rate = (
+            loaded_columns.starts,
+            [*file.table.notes, *loaded_columns.notes],
+            options.rate,
+        )
         if rate is None:
-            starts, remarks = starts_of(columns[0], loaded)
+            starts, remarks = starts_of(columns[0], loaded_columns)
             notes += remarks
             first = columns[0][: (*starts, len(base))[1]]
             if not np.ptp(first) > 0:
                 raise ReadError("the time stands still; give the rate, for example --rate 512Hz")
             rate = (len(first) - 1) / float(first[-1] - first[0])
-        source = channels.source(file, [c.message for c in chosen], notes)
-        return ShakenTest(rate, base, mass, starts, (source,), _ORDERS[chosen[-1].role])
+        source = channels.source(file, [c.message for c in channels_chosen], notes)
+        return ShakenTest(rate, base, mass, starts, (source,), _ORDERS[channels_chosen[-1].role])
 
 
 def _channels(file: OpenedFile) -> list[Channel]:
@@ -79,17 +83,17 @@ def _channels(file: OpenedFile) -> list[Channel]:
     columns, base_flag = file.table.columns, flag("base_acceleration")
     base = find_column(columns, str(file.options.base_acceleration), base_flag)
     ticks = channels.chosen(file, channels.add_time_role(file))
-    taken = [base, *(tick.index for tick in ticks)]
-    assignments = find_mass_motions(file, taken)
+    used_columns = [base, *(tick.index for tick in ticks)]
+    assignments = find_mass_motions(file, used_columns)
     if len(assignments) != 1:
-        listed = (
+        columns_text = (
             f": {', '.join(format_column(columns, assignment.index) for assignment in assignments)}"
             if assignments
             else ""
         )
         raise ReadError(
             f"{len(assignments)} motions beside that of the base, "
-            f"{format_column(columns, base)}{listed}; "
+            f"{format_column(columns, base)}{columns_text}; "
             f"expected one, of the mass: name it with {flag('acceleration')}=NAME, "
             f"{flag('velocity')}=NAME or {flag('displacement')}=NAME"
         )

@@ -30,11 +30,11 @@ from dashpot.vibration.modal.pole_fit import MOST_DAMPED, FRFLines, mac
 HIGHEST = 30
 ARC = 1.5 * np.pi
 NOTHING_NEW = 1e-11
-"""Of the squares of a numerator's columns: below it they follow the noise."""
+"""Share of a numerator's columns below which they follow the noise."""
 SAME_FREQUENCY, SAME_DAMPING, SAME_SHAPE = 0.01, 0.05, 0.98
 """Relative, relative, and by the modal assurance criterion: what stays from order to order."""
 NEW, FREQUENCY, DAMPING, SHAPE = range(4)
-"""How much of a pole was there at the order before."""
+"""States of a pole compared with the order before."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,10 +69,10 @@ class Stabilisation:
         return np.asarray(self.state == (SHAPE if self.points > 1 else DAMPING))
 
     def orders_with(self, mode: Mode) -> int:
-        """At how many orders a stable pole stands within the half-power band of a mode."""
-        reach = max(0.5 * mode.bandwidth, SAME_FREQUENCY * mode.frequency)
-        near = self.stable & (np.abs(self.frequency - mode.frequency) <= reach)
-        return len(np.unique(self.order[near]))
+        """Return the number of orders with a stable pole in the half-power band of a mode."""
+        max_distance = max(0.5 * mode.bandwidth, SAME_FREQUENCY * mode.frequency)
+        is_near = self.stable & (np.abs(self.frequency - mode.frequency) <= max_distance)
+        return len(np.unique(self.order[is_near]))
 
 
 def stabilisation(
@@ -93,13 +93,13 @@ def stabilisation(
     DataError
         If the band holds fewer than 8 lines.
     """
-    near = select_mode_band(points, band)
-    seen = compute_rms_accelerance(near)
-    lines = lines_of(near)
-    highest = min(highest, len(seen.frequency) // 3)
+    band_frfs = select_mode_band(points, band)
+    rms_accelerance = compute_rms_accelerance(band_frfs)
+    lines = lines_of(band_frfs)
+    highest = min(highest, len(rms_accelerance.frequency) // 3)
     rows: list[tuple[int, float, float, int]] = []
     before: tuple[ComplexArray, ComplexArray] | None = None
-    for order, poles, residues in _fractions(lines, np.abs(seen.value), highest):
+    for order, poles, residues in _fractions(lines, np.abs(rms_accelerance.value), highest):
         size = np.abs(poles)
         ratio = -poles.real / size
         state = _states(poles, residues, before)
@@ -108,7 +108,7 @@ def stabilisation(
     table = np.array(rows, dtype=float).reshape(-1, 4)
     return Stabilisation(
         table[:, 0].astype(int), table[:, 1], table[:, 2], table[:, 3].astype(int),
-        seen.frequency, np.abs(seen.value), highest, len(points.frfs),
+        rms_accelerance.frequency, np.abs(rms_accelerance.value), highest, len(points.frfs),
     )  # fmt: skip
 
 
@@ -121,20 +121,20 @@ def _fractions(
     powers = np.exp(1j * tick * np.outer(omega - omega[0], np.arange(highest + 1)))
     # the equation's error is the scatter times the denominator, which is small at a peak
     value = powers * (height / lines.sd)[..., None]
-    shown = -value * lines.value[..., None]
-    turned = value.conj().swapaxes(1, 2)
-    square = turned @ value
+    weighted_values = -value * lines.value[..., None]
+    conjugate = value.conj().swapaxes(1, 2)
+    square = conjugate @ value
     size = np.trace(square, axis1=1, axis2=2).real / len(powers.T)
     square += NOTHING_NEW * size[:, None, None] * np.eye(len(powers.T))
     # its leading block is the factor of each lower order
     factor = np.linalg.cholesky(square)
-    cross = np.linalg.solve(factor, turned @ shown)
-    whole = (shown.conj().swapaxes(1, 2) @ shown).sum(axis=0)
+    cross = np.linalg.solve(factor, conjugate @ weighted_values)
+    normal_matrix = (weighted_values.conj().swapaxes(1, 2) @ weighted_values).sum(axis=0)
     pairs = []
     for order in range(1, highest + 1):
         k = order + 1
         by = cross[:, :k, :k]
-        residual = whole[:k, :k] - (by.conj().swapaxes(1, 2) @ by).sum(axis=0)
+        residual = normal_matrix[:k, :k] - (by.conj().swapaxes(1, 2) @ by).sum(axis=0)
         c = np.append(1.0, -np.linalg.lstsq(residual[1:, 1:], residual[1:, 0], rcond=1e-14)[0])
         z = np.roots(c[::-1])
         z = z[np.abs(z) > 0]
@@ -161,7 +161,7 @@ def _states(
     if before is None or not len(before[0]) or not len(poles):
         return [NEW] * len(poles)
     old, old_residues = before
-    alike = mac(residues, old_residues)
+    mac_values = mac(residues, old_residues)
     state = []
     for i, p in enumerate(poles):
         j = int(np.argmin(np.abs(np.abs(old) - abs(p))))
@@ -169,7 +169,7 @@ def _states(
             state.append(NEW)
         elif abs((old[j].real / abs(old[j])) / (p.real / abs(p)) - 1) > SAME_DAMPING:
             state.append(FREQUENCY)
-        elif len(residues) == 1 or alike[i, j] < SAME_SHAPE:
+        elif len(residues) == 1 or mac_values[i, j] < SAME_SHAPE:
             state.append(DAMPING)
         else:
             state.append(SHAPE)

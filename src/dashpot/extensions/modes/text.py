@@ -17,29 +17,31 @@ if TYPE_CHECKING:
 
 def modes(modes: MeasuredModes) -> Text:
     """Return each mode with its errors, where modes were sought, and of several points shapes."""
-    several = bool(modes.points)
+    has_several_points = bool(modes.points)
     # the modal mass is determined by a point that is struck itself
-    last = ["MPC", "MPD, deg"] if several else ["modal mass, kg"]
+    last = ["MPC", "MPD, deg"] if has_several_points else ["modal mass, kg"]
     rows = [["mode", "frequency, Hz", "damping ratio, %", "residue, m/(N s)", *last, "stable"]]
     over_base = modes.frf.quantity.over_base
     for number, mode in enumerate(modes.modes, start=1):
         rows.append(
             [
                 str(number),
-                *(fact.cells.ascii.with_error for fact in mode.mode.facts),
+                *(reported_value.cells.ascii.with_error for reported_value in mode.mode.facts),
                 *(
                     [f"{mode.phase_collinearity:.3f}", f"{mode.phase_deviation_deg:.2g}"]
-                    if several
+                    if has_several_points
                     else [f"{mode.modal_mass:.4g}"]
                 ),
                 f"{mode.orders}/{modes.highest_order}",
             ]
         )
-    near = modes.frf.band(*modes.band)
+    band_frf = modes.frf.band(*modes.band)
     at = f" at each of {len(modes.points)} points" if modes.points else ""
-    sought = f"  {len(near.frequency)} lines, {hertz(modes.band)}, of the {modes.frf.quantity}{at}"
+    band_text = (
+        f"  {len(band_frf.frequency)} lines, {hertz(modes.band)}, of the {modes.frf.quantity}{at}"
+    )
     unit = ["  residues and masses are those of 1 kg on the base"] if over_base else []
-    lines = [*(table(rows) if modes.modes else ()), sought, *unit]
+    lines = [*(table(rows) if modes.modes else ()), band_text, *unit]
     if modes.points and modes.modes:
         lines += ["", *_shapes(modes), "", *_macs(modes)]
     if modes.against:
@@ -87,15 +89,22 @@ def _format_matched_modes(measured_modes: MeasuredModes) -> list[str]:
 
 def modes_by_mass(modes_by_mass: MassSeriesModes) -> Text:
     """Return the main mode under each mass, the stiffness there, and how near one solid comes."""
-    held = modes_by_mass.joint_modes
+    joint_modes = modes_by_mass.joint_modes
     modes = [["mass, g", "frequency, Hz", "damping ratio, %"]]
     at_poles = [["mass, g", "K', N/mm", "K'', N/mm", "model K', %", "model K'', %"]]
     pairs = zip(
-        held.masses, held.modes, held.stiffness, held.spread, held.stiffness_at_poles, strict=True
+        joint_modes.masses,
+        joint_modes.modes,
+        joint_modes.stiffness,
+        joint_modes.spread,
+        joint_modes.stiffness_at_poles,
+        strict=True,
     )
     for mass, mode, k, se, solid in pairs:
         name = f"{convert_to_unit(mass, 'g'):.5g}"
-        modes.append([name, *(fact.cells.ascii.with_error for fact in mode.facts[:2])])
+        modes.append(
+            [name, *(reported_value.cells.ascii.with_error for reported_value in mode.facts[:2])]
+        )
         at_poles.append(
             [
                 name,

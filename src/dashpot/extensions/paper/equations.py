@@ -13,7 +13,7 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import ComplexArray, FloatArray
 
 NODES = 40
-"""Of the rule that integrates the history: a ramp is a few time constants long."""
+"""Nodes of the rule that integrates the history: a ramp is a few time constants long."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Coefficients:
         return self.b[0] / self.k[0], self.b[1] / self.k[1]
 
     def times(self, seals: float) -> Coefficients:
-        """So many seals side by side."""
+        """Return the coefficients of several seals in parallel."""
         (k1, k2), (b1, b2) = self.k, self.b
         return Coefficients(seals * self.k_inf, (seals * k1, seals * k2), (seals * b1, seals * b2))
 
@@ -52,8 +52,8 @@ class Coefficients:
 
     def eq_1(self, t: FloatArray, *, speed: float, c: float) -> FloatArray:
         r"""Eq. (1): :math:`A [z(t) - z(t - c) u(t - c)]`, N; speed A in m/s, ramp time c in s."""
-        late = np.maximum(t - c, 0.0)
-        return speed * (self.z(t) - self.z(late) * (t >= c))
+        time_after_ramp = np.maximum(t - c, 0.0)
+        return speed * (self.z(t) - self.z(time_after_ramp) * (t >= c))
 
     def eq_3(self, t: FloatArray, *, speed: float, c: float) -> FloatArray:
         r"""Eq. (3), for t > c: :math:`A [z(t) - z(t - c)]`, N."""
@@ -87,20 +87,20 @@ class Coefficients:
     def _polynomials(self, m: float) -> tuple[FloatArray, FloatArray]:
         """Numerator and denominator of eq. (6), highest power of s first."""
         k0, (k1, k2), (b1, b2) = self.k_inf, self.k, self.b
-        above = np.array([b1 * b2, b1 * k2 + b2 * k1, k1 * k2])
-        below = np.array([
+        numerator = np.array([b1 * b2, b1 * k2 + b2 * k1, k1 * k2])
+        denominator = np.array([
             m * b1 * b2,
             m * b1 * k2 + m * b2 * k1,
             m * k1 * k2 + k0 * b1 * b2 + b1 * b2 * k1 + b1 * b2 * k2,
             k0 * (b1 * k2 + b2 * k1) + b1 * k1 * k2 + b2 * k1 * k2,
             k0 * k1 * k2,
         ])  # fmt: skip
-        return above, below
+        return numerator, denominator
 
     def eq_6(self, s: ComplexArray, *, mass: float) -> ComplexArray:
         """Eq. (6): X(s) / F(s) of a mass, kg, on this solid, m/N."""
-        above, below = self._polynomials(mass)
-        return np.asarray(np.polyval(above, s) / np.polyval(below, s))
+        numerator, denominator = self._polynomials(mass)
+        return np.asarray(np.polyval(numerator, s) / np.polyval(denominator, s))
 
     def poles(self, *, mass: float) -> ComplexArray:
         """Return the zeros of the denominator of eq. (6), 1/s."""
@@ -110,9 +110,9 @@ class Coefficients:
         """Eq. (7) without the sign of its factor: the accelerance's magnitude, 1/kg."""
         k0, (k1, k2), (b1, b2), (t1, t2) = self.k_inf, self.k, self.b, self.tau
         w = omega
-        above = np.sqrt((1 - t1 * t2 * w**2) ** 2 + (t1 + t2) ** 2 * w**2)
-        even = (
+        numerator = np.sqrt((1 - t1 * t2 * w**2) ** 2 + (t1 + t2) ** 2 * w**2)
+        even_part = (
             mass * t1 * t2 * w**4 - (mass + k0 * t1 * t2 + t1 * t2 * k1 + t1 * t2 * k2) * w**2 + k0
         )
         odd = (k0 * (t1 + t2) + b1 + b2) * w - mass * (t1 + t2) * w**3
-        return np.asarray(w**2 * above / np.sqrt(even**2 + odd**2))
+        return np.asarray(w**2 * numerator / np.sqrt(even_part**2 + odd**2))

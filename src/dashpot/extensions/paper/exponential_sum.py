@@ -110,29 +110,29 @@ def exponential_sum(
     at, values = at[order], values[order]
     root = None if root is None else root[order]
     if (np.diff(at) == 0).any():
-        twice = at[int(np.argmin(np.diff(at)))]
-        raise DataError(f"x = {twice:g} comes twice; average its values or shift one")
+        repeated_time = at[int(np.argmin(np.diff(at)))]
+        raise DataError(f"x = {repeated_time:g} comes twice; average its values or shift one")
     origin = float(at[0])
     name = "constant" if constant else None
     block = hold_block(at - origin, values, k_inf=name, weights=root)
     solution = solve([block], terms, signed=signed)
     proof = None if signed else certificate([block], solution)
     rates, local = np.exp(-solution.log_tau)[::-1], solution.arms[0][::-1]
-    growth = np.exp(rates * origin)
+    rescaling = np.exp(rates * origin)
     rows = _sensitivity(at - origin, rates, local, root, constant=constant)
     n = len(rates)
     # a = A e^{r origin}, so da = e^{r origin} (dA + A origin dr)
-    rows[:n] = growth[:, None] * (rows[:n] + local[:, None] * origin * rows[n : 2 * n])
-    spare = max(len(at) - len(rows), 1)
-    spread = np.linalg.norm(rows, axis=1) * np.sqrt(solution.sse / spare)
+    rows[:n] = rescaling[:, None] * (rows[:n] + local[:, None] * origin * rows[n : 2 * n])
+    dof = max(len(at) - len(rows), 1)
+    standard_errors = np.linalg.norm(rows, axis=1) * np.sqrt(solution.sse / dof)
     return ExponentialSum(
-        amplitudes=local * growth,
+        amplitudes=local * rescaling,
         rates=rates,
         constant=solution.coefficient("constant") if constant else 0.0,
         sse=solution.sse,
-        amplitude_errors=spread[:n],
-        rate_errors=spread[n : 2 * n],
-        constant_error=float(spread[-1]) if constant else 0.0,
+        amplitude_errors=standard_errors[:n],
+        rate_errors=standard_errors[n : 2 * n],
+        constant_error=float(standard_errors[-1]) if constant else 0.0,
         converged=solution.converged,
         certificate=proof,
     )
@@ -146,7 +146,7 @@ def _sensitivity(
     *,
     constant: bool,
 ) -> FloatArray:
-    """What each parameter moves per unit of each (weighted) sample: the pseudo-inverse of J."""
+    """Return the sensitivity of each parameter to each weighted sample: the pseudo-inverse of J."""
     decay = np.exp(-x[:, None] * rates)
     columns = [decay, -x[:, None] * decay * amplitudes]
     if constant:

@@ -81,16 +81,16 @@ def figure_4(
     stamp : str
         What the figure says of its origin.
     """
-    begun = float(fits[0][1][0])
+    hold_start = float(fits[0][1][0])
     t = test.time - contact
-    held = t >= begun
-    x = Scale(CLOCK, (begun, float(t[-1])), log=True)
+    in_hold = t >= hold_start
+    x = Scale(CLOCK, (hold_start, float(t[-1])), log=True)
     pens = (*SIMPLER[: len(fits) - 1], FIT)
-    drawn = test.force[held]
+    hold_force = test.force[in_hold]
     # the fit over a broad record: both are seen where they agree
     marks = [
         Line(
-            *downsample_to_extremes(t[held], drawn, bins=BINS, log=True),
+            *downsample_to_extremes(t[in_hold], hold_force, bins=BINS, log=True),
             Pen("measured", 6.0),
             "measured",
         )
@@ -98,17 +98,17 @@ def figure_4(
     panels = []
     for (name, time, force), pen in zip(fits, pens, strict=True):
         marks.append(Line(*downsample_to_extremes(time, force, bins=BINS, log=True), pen, name))
-        off = convert_to_unit(np.interp(time, t, test.force) - force, "mN")
-        rms = round_to_error(float(np.sqrt(np.mean(off**2))), digits=3)
+        residual = convert_to_unit(np.interp(time, t, test.force) - force, "mN")
+        rms = round_to_error(float(np.sqrt(np.mean(residual**2))), digits=3)
         label = "left, mN"
         panels.append(
             Panel(
                 x,
-                Scale(label, compute_padded_limits(off, np.array([-1.0, 1.0]))),
+                Scale(label, compute_padded_limits(residual, np.array([-1.0, 1.0]))),
                 (
                     Rule(0.0, REF, across=True),
                     Line(
-                        *downsample_to_extremes(time, off, bins=BINS, log=True),
+                        *downsample_to_extremes(time, residual, bins=BINS, log=True),
                         Pen(pen.colour, 1.4),
                     ),
                 ),
@@ -118,7 +118,7 @@ def figure_4(
         )
     upper = Panel(
         x,
-        Scale("force, N", compute_padded_limits(drawn, *(fit[2] for fit in fits))),
+        Scale("force, N", compute_padded_limits(hold_force, *(fit[2] for fit in fits))),
         tuple(marks),
         height=230,
     )

@@ -76,37 +76,44 @@ def table_1(table: Sequence[Coefficient]) -> TextTable:
         "", "unit", "printed", "exact record", "in steps of 1/1280 N",
         "simulation, whole history", "simulation, hold alone",
     )  # fmt: skip
-    rows, marks = [], []
+    rows, row_classes = [], []
     for item in table:
         unit = item.full.word
-        printed, exact, coarse = (
+        printed_value, exact, coarse = (
             convert_to_unit(value, item.full.reading)
             for value in (item.printed, item.noise_free, item.quantised)
         )
         rows.append((
-            item.full.symbol, unit, f"{printed:.4f}", round_to_error(exact, digits=9),
+            item.full.symbol, unit, f"{printed_value:.4f}", round_to_error(exact, digits=9),
             round_to_error(coarse, digits=7), _format_fact(item.full), _format_fact(item.hold),
         ))  # fmt: skip
-        marks.append("" if all(item.is_covered) else "doubt")
-    return TextTable(head, tuple(rows), tuple(marks))
+        row_classes.append("" if all(item.is_covered) else "doubt")
+    return TextTable(head, tuple(rows), tuple(row_classes))
 
 
-def _format_fact(fact: ReportedValue) -> str:
-    cells = fact.cells
+def _format_fact(reported_value: ReportedValue) -> str:
+    cells = reported_value.cells
     return f"{cells.value}, {cells.interval}" if cells.interval else cells.value
 
 
 def statements(rows: Sequence[Statement], part: str) -> TextTable:
-    """What the paper says beside what is found, of one part; what is left of what is compared."""
+    """Return the statements of one part of the paper with computed values and differences."""
     chosen = [row for row in rows if row.part == part]
-    compared = any(row.within_interval is not None for row in chosen)
-    head = ("where", "the paper says", "found", *(("off by", "allowed") if compared else ()))
+    has_intervals = any(row.within_interval is not None for row in chosen)
+    head = ("where", "the paper says", "found", *(("off by", "allowed") if has_intervals else ()))
     cells = []
     for row in chosen:
-        off, most = (
+        difference_text, tolerance_text = (
             "–" if value is None else f"{value:.1g}" for value in (row.difference, row.tolerance)
         )
-        cells.append((row.name, row.paper, row.reproduced, *((off, most) if compared else ())))
+        cells.append(
+            (
+                row.name,
+                row.paper,
+                row.reproduced,
+                *((difference_text, tolerance_text) if has_intervals else ()),
+            )
+        )
     return TextTable(
         head, tuple(cells), tuple("bad" if row.within_interval is False else "" for row in chosen)
     )

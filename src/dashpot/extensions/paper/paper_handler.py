@@ -17,7 +17,7 @@ PAPER_FILES = (
     "paper_hammer.truth.json", "figure_2.svg", "figure_4.svg", "figure_6.svg", "paper.json",
     "paper.html",
 )  # fmt: skip
-"""What is written of the paper."""
+"""Files of the paper."""
 
 
 def run(folder: Path, seed: int) -> CommandResult:

@@ -43,7 +43,7 @@ DEPTH, RAMP, HOLD = 8e-3, 1.0, 40.0
 SPEED = DEPTH / RAMP
 SEALS = 2
 BEFORE, RATE = 3.0, 1000.0
-"""What the paper does not say: how long the record runs before contact, s, and its rate, Hz."""
+"""Assumed record before contact, s, and rate, Hz; the paper does not give them."""
 QUANTUM = 1 / 1280
 """Resolution of the paper's load cell, N."""
 PRINTED_HZ = 12.71
@@ -219,14 +219,17 @@ class Reproduction(Serialisable):
 
     @property
     def summary(self) -> str:
-        """What was found, in a sentence or two."""
-        compared = [row for row in self.rows if row.within_interval is not None]
-        total = sum(bool(row.within_interval) for row in compared)
-        held = [sum(coefficient.is_covered[i] for coefficient in self.table) for i in (0, 1)]
+        """Summary of the result, in a sentence or two."""
+        rows_with_interval = [row for row in self.rows if row.within_interval is not None]
+        total = sum(bool(row.within_interval) for row in rows_with_interval)
+        covered_counts = [
+            sum(coefficient.is_covered[i] for coefficient in self.table) for i in (0, 1)
+        ]
         return (
-            f"{total} of {len(compared)} statements of the paper come out to their tolerance. In "
-            f"simulation {held[0]} of {len(self.table)} numbers of Table 1 lie in their 95 % "
-            f"interval by the whole history, {held[1]} by the hold alone."
+            f"{total} of {len(rows_with_interval)} statements of the paper come out to their "
+            f"tolerance. In simulation {covered_counts[0]} of {len(self.table)} numbers of Table 1 "
+            f"lie in their 95 % interval by the whole history, {covered_counts[1]} by the hold "
+            "alone."
         )
 
 
@@ -239,9 +242,9 @@ def reproduce(seed: int = 0) -> Reproduction:
         Of the noise of simulated test and hammer.
     """
     send_progress("eqs. (1) to (7)")
-    ideal = ideal_test()
-    hold_fit, two = (fit_hold_phase(ideal, arms) for arms in (1, 2))
-    coarse = fit_hold_phase(quantise_force(ideal), 2)
+    noise_free_test = ideal_test()
+    hold_fit, two = (fit_hold_phase(noise_free_test, arms) for arms in (1, 2))
+    coarse = fit_hold_phase(quantise_force(noise_free_test), 2)
     send_progress("simulated test and hammer")
     rig = simulate_relaxation(PAPER, depth=DEPTH, ramp_time=RAMP, hold_time=HOLD, seed=seed)
     hammer = simulate_impact(PAPER, mass=PAPER_MASS, seals=SEALS, seed=seed)
@@ -258,7 +261,7 @@ def reproduce(seed: int = 0) -> Reproduction:
         seed=seed,
         rows=(
             *_equations(),
-            *_compare_test_figures(ideal, hold_fit, two, coarse),
+            *_compare_test_figures(noise_free_test, hold_fit, two, coarse),
             *_compare_mass_figures(top, study),
             *_misprints(top[1]),
             *UNSAID,
@@ -272,7 +275,7 @@ def reproduce(seed: int = 0) -> Reproduction:
         one_arm=hold_fit,
         two_arms=two,
         quantised=coarse,
-        ideal=ideal,
+        ideal=noise_free_test,
         rig=rig,
         hammer=hammer,
         study=study,
@@ -299,11 +302,11 @@ def quantise_force(test: RelaxationTest) -> RelaxationTest:
 
 def paper_records(reproduction: Reproduction) -> dict[str, str]:
     """Return the records by file name, each with what it is, and the truths of the virtual ones."""
-    what = (byline("simulated by eq. (1) of the paper, not a measurement"),)
+    comments = (byline("simulated by eq. (1) of the paper, not a measurement"),)
     bench, hammer = reproduction.rig, reproduction.hammer
     return {
-        "paper.csv": write_relaxation(reproduction.ideal, comments=what),
-        "paper_steps.csv": write_relaxation(quantise_force(reproduction.ideal), comments=what),
+        "paper.csv": write_relaxation(reproduction.ideal, comments=comments),
+        "paper_steps.csv": write_relaxation(quantise_force(reproduction.ideal), comments=comments),
         "paper_rig.csv": write_relaxation(bench.test, comments=stamp(bench.truth)),
         "paper_rig.truth.json": truth_json(bench.truth),
         "paper_hammer.csv": write_impact(hammer.test, comments=stamp(hammer.truth)),
@@ -317,8 +320,10 @@ def fit_hold_phase(test: RelaxationTest, arms: int) -> HoldFit:
     .. math:: F = A k_\infty c + \sum_j A b_j (e^{c/\tau_j} - 1) e^{-t/\tau_j}
     """
     t = test.time - BEFORE
-    held = t > RAMP
-    new_exponential_sum = exponential_sum(t[held], test.force[held], terms=arms, constant=True)
+    in_hold = t > RAMP
+    new_exponential_sum = exponential_sum(
+        t[in_hold], test.force[in_hold], terms=arms, constant=True
+    )
     rates, sizes = np.array(new_exponential_sum.rates), np.array(new_exponential_sum.amplitudes)
     b = sizes / (SPEED * np.expm1(RAMP * rates))
     fast_first = np.argsort(-rates)
@@ -327,23 +332,23 @@ def fit_hold_phase(test: RelaxationTest, arms: int) -> HoldFit:
         tuple((b * rates)[fast_first]),
         tuple((1 / rates)[fast_first]),
     )
-    stated = new_exponential_sum.constant + np.exp(-np.outer(t[held], rates)) @ sizes
-    residual = stated - test.force[held]
+    fitted_force = new_exponential_sum.constant + np.exp(-np.outer(t[in_hold], rates)) @ sizes
+    residual = fitted_force - test.force[in_hold]
     rms = float(np.sqrt(np.mean(residual**2)))
-    return HoldFit(solid, t[held], stated, rms, float(np.max(np.abs(residual))))
+    return HoldFit(solid, t[in_hold], fitted_force, rms, float(np.max(np.abs(residual))))
 
 
 def peak_of(kind: Kind) -> tuple[float, float]:
-    """Where the magnitude of an FRF of the mass on two seals is highest, Hz, and how high."""
+    """Return frequency, Hz, and height of the peak of the FRF of the mass on two seals."""
     from scipy.optimize import minimize_scalar
 
     def height(hz: float) -> float:
         frf = predict_frf(SEALS * PAPER, mass=PAPER_MASS, frequency=[hz], kind=kind)
         return float(np.abs(frf.value[0]))
 
-    about = (0.99 * PRINTED_HZ, 1.01 * PRINTED_HZ)
+    frequency_range = (0.99 * PRINTED_HZ, 1.01 * PRINTED_HZ)
     solution = minimize_scalar(
-        lambda hz: -height(hz), bounds=about, method="bounded", options={"xatol": 1e-12}
+        lambda hz: -height(hz), bounds=frequency_range, method="bounded", options={"xatol": 1e-12}
     )
     return float(solution.x), height(solution.x)
 
@@ -362,16 +367,16 @@ def _compute_largest_deviation(first: FloatArray, second: FloatArray) -> float:
 
 def _equations() -> Iterator[Statement]:
     t = np.array(TIMES)
-    ours, late = _ramp(t), t[t > RAMP]
-    how = {"speed": SPEED, "c": RAMP}
+    computed, hold_time = _ramp(t), t[t > RAMP]
+    ramp_parameters = {"speed": SPEED, "c": RAMP}
 
-    def row(name: str, paper: str, text: str, off: float, tolerance: float) -> Statement:
-        return Statement("equation", name, paper, text, off, tolerance)
+    def row(name: str, paper: str, text: str, difference: float, tolerance: float) -> Statement:
+        return Statement("equation", name, paper, text, difference, tolerance)
 
     yield row(
         "eq. (1)", "force of ramp and hold: A [z(t) - z(t - c) u(t - c)]",
-        f"{round_to_error(float(ours.max()), digits=8)} N at 1 s, where it is highest",
-        _compute_largest_deviation(ours, PRINTED.eq_1(t, **how)), 1e-12,
+        f"{round_to_error(float(computed.max()), digits=8)} N at 1 s, where it is highest",
+        _compute_largest_deviation(computed, PRINTED.eq_1(t, **ramp_parameters)), 1e-12,
     )  # fmt: skip
     # a ramp that never ends, of 1 m/s
     ramp = PAPER.ramp_hold_force(t, depth=2 * t[-1], ramp_time=2 * t[-1])
@@ -380,16 +385,16 @@ def _equations() -> Iterator[Statement]:
         f"{round_to_error(convert_to_unit(float(ramp[-1]), 'N*s/mm'), digits=8)} N s/mm at 41 s",
         _compute_largest_deviation(ramp, PRINTED.z(t)), 1e-12,
     )  # fmt: skip
-    history = np.array([PRINTED.hereditary(float(at), **how) for at in late])
+    history = np.array([PRINTED.hereditary(float(at), **ramp_parameters) for at in hold_time])
     yield row(
         "eq. (3)", "the hold: A [z(t) - z(t - c)]", "the hereditary integral",
-        _compute_largest_deviation(PRINTED.eq_3(late, **how), history), 1e-13,
+        _compute_largest_deviation(PRINTED.eq_3(hold_time, **ramp_parameters), history), 1e-13,
     )  # fmt: skip
     yield row(
         "eqs. (4), (5)",
         "the hold, written out in stress and in force",
         "the hereditary integral",
-        _compute_largest_deviation(PRINTED.eq_5(late, **how), history),
+        _compute_largest_deviation(PRINTED.eq_5(hold_time, **ramp_parameters), history),
         1e-13,
     )
     two, s = PRINTED.times(SEALS), 2j * np.pi * np.array(LINES)
@@ -416,26 +421,26 @@ def _equations() -> Iterator[Statement]:
 def _transfer(two: Coefficients, s: np.ndarray) -> float:
     """Return how far eq. (6) is from 1 / (m s^2 + K(s)) at complex frequencies, as a part of it."""
     shift, lines = float(s.real[0]), s.imag / (2 * np.pi)
-    ours = predict_frf(
+    computed = predict_frf(
         SEALS * PAPER, mass=PAPER_MASS, frequency=lines, kind=Kind.RECEPTANCE, shift=shift
     )
-    return float(np.max(np.abs(two.eq_6(s, mass=PAPER_MASS) / ours.value - 1)))
+    return float(np.max(np.abs(two.eq_6(s, mass=PAPER_MASS) / computed.value - 1)))
 
 
 def _build_figure_statement(
-    name: str, paper: str, text: str, off: float, tolerance: float
+    name: str, paper: str, text: str, difference: float, tolerance: float
 ) -> Statement:
-    return Statement("figure", name, paper, text, off, tolerance)
+    return Statement("figure", name, paper, text, difference, tolerance)
 
 
 def _compare_test_figures(
-    ideal: RelaxationTest, fit: HoldFit, two: HoldFit, coarse: HoldFit
+    noise_free_test: RelaxationTest, fit: HoldFit, two: HoldFit, coarse: HoldFit
 ) -> Iterator[Statement]:
     """Figs. 1 to 4."""
     yield Statement(
         "figure", "Fig. 1", "the robotic indenter", "dashpot simulate relaxation is one"
     )
-    at = float(ideal.time[np.argmax(ideal.force)]) - BEFORE
+    at = float(noise_free_test.time[np.argmax(noise_free_test.force)]) - BEFORE
     yield _build_figure_statement(
         "Fig. 2", "8 mm in 1 s, then held for 40 s",
         f"the force is highest where the hold begins, at {at:g} s", abs(at - RAMP), 0.5 / RATE,
@@ -467,14 +472,14 @@ def _compare_mass_figures(top: tuple[float, float], study: Study) -> Iterator[St
         f"peaks at {round_to_error(top[0], digits=10)} Hz, {round_to_error(top[1], digits=9)} 1/kg",
         abs(top[0] - PRINTED_HZ), 5e-3,
     )  # fmt: skip
-    compared = study.comparison
-    if compared is not None:
+    comparison = study.comparison
+    if comparison is not None:
         yield _build_figure_statement(
             "Fig. 6, measured", f"natural frequency {PRINTED_HZ} Hz, good agreement",
-            f"the virtual hammer finds {round_to_error(compared.measured_hz, digits=5)} Hz, the "
+            f"the virtual hammer finds {round_to_error(comparison.measured_hz, digits=5)} Hz, the "
             "model "
-            f"of the relaxation test {round_to_error(compared.predicted_hz, digits=5)} Hz",
-            abs(compared.measured_hz - PRINTED_HZ), 0.05,
+            f"of the relaxation test {round_to_error(comparison.predicted_hz, digits=5)} Hz",
+            abs(comparison.measured_hz - PRINTED_HZ), 0.05,
         )  # fmt: skip
 
 
@@ -487,11 +492,11 @@ def _misprints(top: float) -> Iterator[Statement]:
         "a magnitude is not negative: the sign belongs to the complex accelerance",
     )  # fmt: skip
     # the largest x with a finite e^x
-    least = RAMP / math.log(np.finfo(float).max)
+    shortest_tau = RAMP / math.log(np.finfo(float).max)
     yield row(
         "eq. (5)", "holds e^(c/tau)",
-        f"overflows for tau below {round_to_error(convert_to_unit(least, 'ms'), digits=3)} ms; "
-        "b e^(-(t-c)/tau) (1 - e^(-c/tau)) does not",
+        f"overflows for tau below {round_to_error(convert_to_unit(shortest_tau, 'ms'), digits=3)} "
+        "ms; b e^(-(t-c)/tau) (1 - e^(-c/tau)) does not",
     )  # fmt: skip
     yield row("eq. (5)", "K_inf", "the k_inf of the other equations")
     yield row(
@@ -514,9 +519,9 @@ def _misprints(top: float) -> Iterator[Statement]:
         f"with every b_j {sentence}. No factor keeps the relaxation curve",
     )  # fmt: skip
     sentence = ", ".join(
-        f"{step:g} Hz {round_to_error(seen, digits=4)} "
-        f"({round_to_error(100 * seen / top, digits=2)} %)"
-        for step, seen in ((step, peak_on_grid(step)) for step in GRIDS)
+        f"{step:g} Hz {round_to_error(amplitude, digits=4)} "
+        f"({round_to_error(100 * amplitude / top, digits=2)} %)"
+        for step, amplitude in ((step, peak_on_grid(step)) for step in GRIDS)
     )
     yield row(
         "Fig. 6", "the peak may be cut by the sampling rate",
@@ -551,23 +556,29 @@ UNSAID = tuple(
         ("how the fit was started, and its uncertainty", "no start is needed; 95 % intervals"),
     )
 )  # fmt: skip
-"""What the paper does not say, and what is supposed here."""
+"""Quantities that the paper does not give, and their assumed values."""
 
 
 def _table(
     exact: GeneralizedMaxwell, coarse: GeneralizedMaxwell, study: Study
 ) -> Iterator[Coefficient]:
-    printed = [("k_inf", "N/m", PRINTED.k_inf)]
+    printed_values = [("k_inf", "N/m", PRINTED.k_inf)]
     for unit, letter, values in (("N/m", "k", PRINTED.k), ("N s/m", "b", PRINTED.b)):
-        printed += [(f"{letter}_{j}", unit, value) for j, value in enumerate(values, 1)]
-    full, hold = (_get_facts_by_name(fit) for fit in (study.fit, study.hold_fit))
-    for name, unit, value in printed:
-        mine, theirs = (_coefficient(solid, name) for solid in (exact, coarse))
-        yield Coefficient(name, unit, value, mine, theirs, full[name], hold[name])
+        printed_values += [(f"{letter}_{j}", unit, value) for j, value in enumerate(values, 1)]
+    full_values, hold = (_get_facts_by_name(fit) for fit in (study.fit, study.hold_fit))
+    for name, unit, value in printed_values:
+        exact_value, coarse_value = (_coefficient(solid, name) for solid in (exact, coarse))
+        yield Coefficient(
+            name, unit, value, exact_value, coarse_value, full_values[name], hold[name]
+        )
 
 
 def _get_facts_by_name(fit: Fit | None) -> dict[str, ReportedValue]:
-    return {} if fit is None else {fact.name: fact for fact in list_known_values(fit)}
+    return (
+        {}
+        if fit is None
+        else {reported_value.name: reported_value for reported_value in list_known_values(fit)}
+    )
 
 
 def _coefficient(solid: GeneralizedMaxwell, name: str) -> float:
@@ -577,7 +588,7 @@ def _coefficient(solid: GeneralizedMaxwell, name: str) -> float:
     return float((solid.k if letter == "k" else solid.arm_b)[int(j) - 1])
 
 
-def is_within_interval(fact: ReportedValue, value: float) -> bool:
+def is_within_interval(reported_value: ReportedValue, value: float) -> bool:
     """Return whether the interval of a number holds a value."""
-    low = -math.inf if math.isnan(fact.low) else fact.low
-    return bool(low <= value <= fact.high)
+    low = -math.inf if math.isnan(reported_value.low) else reported_value.low
+    return bool(low <= value <= reported_value.high)

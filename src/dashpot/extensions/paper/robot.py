@@ -53,8 +53,8 @@ class Robot:
         reference : array_like, shape (n, 3)
             Set-point in force at each control instant, m.
         """
-        wanted = np.asarray(reference, dtype=float)
-        return np.column_stack([a.follow(w) for a, w in zip(self.axes, wanted.T, strict=True)])
+        target = np.asarray(reference, dtype=float)
+        return np.column_stack([a.follow(w) for a, w in zip(self.axes, target.T, strict=True)])
 
     def read(self, positions: FloatArray) -> FloatArray:
         """Return what the encoders say of positions, m: whole counts of each axis."""
@@ -99,24 +99,24 @@ class Arm:
         """
         x, y, z = np.asarray(positions, dtype=float).T
         a, b = self.links
-        bent = (x**2 + y**2 - a**2 - b**2) / (2 * a * b)
-        if not (np.abs(bent) <= 1).all():
+        cosine = (x**2 + y**2 - a**2 - b**2) / (2 * a * b)
+        if not (np.abs(cosine) <= 1).all():
             raise DataError(
                 f"an arm of {a:g} and {b:g} m reaches from {abs(a - b):g} to {a + b:g} m from its "
                 f"axis; found {np.hypot(x, y).min():g} to {np.hypot(x, y).max():g} m"
             )
-        second = np.arccos(bent)
-        first = np.arctan2(y, x) - np.arctan2(b * np.sin(second), a + b * bent)
+        second = np.arccos(cosine)
+        first = np.arctan2(y, x) - np.arctan2(b * np.sin(second), a + b * cosine)
         return np.column_stack((first, second, z))
 
     def read(self, positions: FloatArray) -> FloatArray:
         """Return where its encoders say that it is, m: whole counts of each joint."""
         quanta = (self.count, self.count, self.encoder)
-        turned = [
+        quantised = [
             np.round(q / value) * value if value else q
             for q, value in zip(self.joints(positions).T, quanta, strict=True)
         ]
-        return self.place(np.column_stack(turned))
+        return self.place(np.column_stack(quantised))
 
 
 def misalignment(x: float, y: float, z: float) -> float:

@@ -26,15 +26,15 @@ NAMES = ("paper", "broad")
 FILES = (
     "_relaxation.csv", "_relaxation.truth.json", "_impact.csv", "_impact.truth.json", ".html",
 )  # fmt: skip
-"""What is written of each seal."""
+"""Files of each seal."""
 PUZZLE = "broad"
 """The seal that a warm test and a hammer find to be two."""
 COLD = ("_cold.csv", "_cold.truth.json")
-"""What is written of that seal in a refrigerator."""
+"""Files of that seal in a refrigerator."""
 ROOM, FRIDGE = 296.15, 273.15
 """Temperatures of its two tests, K."""
 COLD_HOLD = 20.0
-"""How long the cold test is held, s: the arms that it is for relax in a tenth of that."""
+"""Hold of the cold test, s: its arms relax in a tenth of that."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +55,16 @@ def run(folder: Path, seed: int) -> CommandResult:
     stories = {name: _story(name, folder, seed) for name in NAMES}
     lines, details = [], []
     for name, story in stories.items():
-        verdict, whole = story.verdict, results.study(story)
+        verdict, study_verdict_and_document = story.verdict, results.study(story)
         lines += [f"{name} seal. {verdict}"]
         if story.comparison is not None:
             lines += [*results.comparison(story.comparison, story.joint_comparison), ""]
-        details += ["", f"{name} seal", *whole.lines, *whole.details]
+        details += [
+            "",
+            f"{name} seal",
+            *study_verdict_and_document.lines,
+            *study_verdict_and_document.details,
+        ]
     seals = {name: _numbers(story, folder, name) for name, story in stories.items()}
     puzzle = stories[PUZZLE]
     if puzzle.measured is not None:
@@ -85,14 +90,14 @@ def _story(name: str, folder: Path, seed: int) -> Study:
     hammer = impact(seal=name, seals=SEALS, seed=seed)
     for file, text in zip(FILES, (*bench, *hammer), strict=False):
         write_output(folder / f"{name}{file}", text)
-    story = dp.report(
+    study = dp.report(
         dp.read(folder / f"{name}_relaxation.csv", kind="relaxation"),
         dp.read(folder / f"{name}_impact.csv", kind="impact"),
         mass=seal_named(name).mass,
         seals=SEALS,
     )
-    write_output(folder / f"{name}.html", workflow.html(story))
-    return story
+    write_output(folder / f"{name}.html", workflow.html(study))
+    return study
 
 
 def _fit_both_temperatures(
@@ -102,43 +107,47 @@ def _fit_both_temperatures(
     from dashpot.solids.demo_seals import SEALS as KNOWN_SEALS
 
     send_progress(f"the {PUZZLE} seal at 0 degC")
-    made = relaxation(seal=PUZZLE, seed=seed + 1, temperature=FRIDGE, hold=COLD_HOLD)
-    for file, text in zip(COLD, made, strict=True):
+    test = relaxation(seal=PUZZLE, seed=seed + 1, temperature=FRIDGE, hold=COLD_HOLD)
+    for file, text in zip(COLD, test, strict=True):
         write_output(folder / f"{PUZZLE}{file}", text)
-    warm, cold = (
+    warm_test, cold = (
         dp.read(folder / f"{PUZZLE}{file}", kind="relaxation").prepare()
         for file in (FILES[0], COLD[0])
     )
-    fit = dp.fit(warm, cold)
-    held = dp.compare(fit, measured, mass=KNOWN_SEALS[PUZZLE][1], seals=SEALS).comparison
-    return fit, held, workflow.unresolved_arm_band(fit, (warm, cold), [held.measured_hz])
+    fit = dp.fit(warm_test, cold)
+    comparison = dp.compare(fit, measured, mass=KNOWN_SEALS[PUZZLE][1], seals=SEALS).comparison
+    return (
+        fit,
+        comparison,
+        workflow.unresolved_arm_band(fit, (warm_test, cold), [comparison.measured_hz]),
+    )
 
 
-def _loss(fit: dp.Fit, bounds: StiffnessBounds, both: dp.Fit | None) -> str:
+def _loss(fit: dp.Fit, bounds: StiffnessBounds, joint_fit: dp.Fit | None) -> str:
     """Return the loss factor at a frequency, its bound, and that of bench and hammer together."""
     at = float(bounds.frequency[0])
     low, high = (float(limit[0]) for limit in bounds.loss_factor)
     value, *other = (
         float(item.model.loss_factor(omega=2 * math.pi * at))
-        for item in (fit, both)
+        for item in (fit, joint_fit)
         if item is not None
     )
     text = f"  loss factor at {at:.4g} Hz {value:.4f}, over every rubber {low:.4f} to {high:.4f}"
     return f"{text}; with the hammer {other[0]:.4f}" if other else text
 
 
-def _numbers(story: Study, folder: Path, name: str) -> dict[str, Any]:
+def _numbers(study: Study, folder: Path, name: str) -> dict[str, Any]:
     return {
         "report": str(folder / f"{name}.html"),
-        "fit": story.fit,
-        "comparison": None if story.comparison is None else _agreement(story.comparison),
+        "fit": study.fit,
+        "comparison": None if study.comparison is None else _agreement(study.comparison),
         "joint_comparison": (
-            None if story.joint_comparison is None else _agreement(story.joint_comparison)
+            None if study.joint_comparison is None else _agreement(study.joint_comparison)
         ),
     }
 
 
 def _agreement(comparison: dp.Comparison) -> dict[str, Any]:
     """Return a comparison's document without its two FRFs, line by line."""
-    whole = comparison.to_dict().items()
-    return {key: value for key, value in whole if key not in {"predicted", "measured"}}
+    items = comparison.to_dict().items()
+    return {key: value for key, value in items if key not in {"predicted", "measured"}}

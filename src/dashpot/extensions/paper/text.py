@@ -22,11 +22,13 @@ def render_reproduction(reproduction: Reproduction) -> Text:
 
 
 def _row(coefficient: Coefficient) -> tuple[str, ...]:
-    printed = f"{convert_to_unit(coefficient.printed, coefficient.full.reading):.4f}"
-    intervals = (fact.cells.interval for fact in (coefficient.full, coefficient.hold))
-    return (coefficient.name, printed, *intervals, coefficient.full.cells.unit)
+    printed_text = f"{convert_to_unit(coefficient.printed, coefficient.full.reading):.4f}"
+    intervals = (
+        reported_value.cells.interval for reported_value in (coefficient.full, coefficient.hold)
+    )
+    return (coefficient.name, printed_text, *intervals, coefficient.full.cells.unit)
 
 
 def _statement(row: Statement) -> list[str]:
-    off = f" (off by {row.difference:.1g})" if row.difference is not None else ""
-    return [f"  {row.name}: {row.paper}", f"    {row.reproduced}{off}"]
+    difference_text = f" (off by {row.difference:.1g})" if row.difference is not None else ""
+    return [f"  {row.name}: {row.paper}", f"    {row.reproduced}{difference_text}"]

@@ -43,9 +43,7 @@ def _get_typed_list(
     return results
 
 
-def get_text(
-    plugin: Plugin, item: Mapping[str, Any], key: str, otherwise: str | None = None
-) -> str:
+def get_text(plugin: Plugin, item: Mapping[str, Any], key: str, default: str | None = None) -> str:
     """Return a text in an item of what a plug-in returned.
 
     Raises
@@ -53,7 +51,7 @@ def get_text(
     ReadError
         If it is no text, or is missing and nothing stands in its place.
     """
-    text = item.get(key, otherwise)
+    text = item.get(key, default)
     if not isinstance(text, str):
         plugin.wrong(f"'{key}' of type {type(text).__name__}", "a text")
     return format_plain_line(text)

@@ -48,18 +48,18 @@ class PluggedTest(EqualByValue, HasSummary):
 
     @property
     def _table_columns(self) -> Series:
-        """Its columns by their names."""
+        """Columns by their names."""
         return {column.role or column.name: (column.values, column.unit) for column in self.columns}
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which file it is, and its columns."""
-        named = ", ".join(
+        """Summary: the file and its columns."""
+        columns_text = ", ".join(
             f"{column.role or column.name} [{column.unit or '?'}]" for column in self.columns
         )
         return describe_record_source(
             self.source, len(self.columns[0].values)
-        ), f"for '{self.kind}': {named}"
+        ), f"for '{self.kind}': {columns_text}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -93,5 +93,5 @@ class PluggedFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
 
     @property
     def _headline(self) -> str:
-        """Its first number, and whose it is."""
+        """First number of the result, and its plug-in."""
         return f"{self.found[0].text}, by '{self.kind}' of {self.by}, not verified by dashpot"

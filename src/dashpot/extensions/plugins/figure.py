@@ -25,18 +25,19 @@ def draw_plugin_result(fit: PluggedFit, *, stamp: str = "") -> Picture:
     """
     origin = format_stamp(fit.sources) if fit.sources else ""
     caption = f"Numbers of '{fit.kind}' of {fit.by}, each with its interval."
-    panels = tuple((_panel(fact),) for fact in fit.found)
+    panels = tuple((_panel(reported_value),) for reported_value in fit.found)
     return Picture("plugged", caption, panels, 1, stamp or origin)
 
 
-def _panel(fact: ReportedValue) -> Panel:
+def _panel(reported_value: ReportedValue) -> Panel:
     value, low, high = (
-        fact.to_display_unit(number) for number in (fact.value, fact.low, fact.high)
+        reported_value.to_display_unit(number)
+        for number in (reported_value.value, reported_value.low, reported_value.high)
     )
-    ends = [number for number in (low, high) if math.isfinite(number)]
-    reach = max([abs(end - value) for end in ends] + [0.1 * abs(value) or 1.0])
-    label = f"{fact.label}, {fact.word or '1'}"
-    across = Scale(label, (value - 1.2 * reach, value + 1.2 * reach))
+    limits = [number for number in (low, high) if math.isfinite(number)]
+    half_range = max([abs(end - value) for end in limits] + [0.1 * abs(value) or 1.0])
+    label = f"{reported_value.label}, {reported_value.word or '1'}"
+    horizontal = Scale(label, (value - 1.2 * half_range, value + 1.2 * half_range))
     marks = [Dots(np.array([value]), np.array([0.5]), "fit", "value")]
-    lines = [Line(np.array(ends), np.full(2, 0.5), FIT, "interval")] if len(ends) == 2 else []
-    return Panel(across, Scale("", (0.0, 1.0)), (*lines, *marks), height=_HEIGHT)
+    lines = [Line(np.array(limits), np.full(2, 0.5), FIT, "interval")] if len(limits) == 2 else []
+    return Panel(horizontal, Scale("", (0.0, 1.0)), (*lines, *marks), height=_HEIGHT)

@@ -55,17 +55,17 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
         plugin.raise_failure(error)
     if not isinstance(entries, dict):
         plugin.wrong(f"a {type(entries).__name__}", _EXPECTED)
-    strange = sorted(map(str, entries.keys() - _KNOWN))
-    if strange:
-        plugin.wrong(f"the key '{strange[0]}'", _EXPECTED)
-    facts = tuple(_fact(plugin, entry) for entry in get_items(plugin, entries, "numbers"))
-    if not facts:
+    unknown_keys = sorted(map(str, entries.keys() - _KNOWN))
+    if unknown_keys:
+        plugin.wrong(f"the key '{unknown_keys[0]}'", _EXPECTED)
+    reported_values = tuple(_fact(plugin, entry) for entry in get_items(plugin, entries, "numbers"))
+    if not reported_values:
         plugin.wrong("no numbers", _EXPECTED)
     all_checks = tuple(_check(plugin, entry) for entry in get_items(plugin, entries, "checks"))
     checks = (*all_checks, *caution_checks(sources_of(records)))
     notes = get_texts(plugin, entries, "notes")
     return PluggedFit(
-        plugin.name, plugin.package_version, facts, checks, notes, sources_of(records)
+        plugin.name, plugin.package_version, reported_values, checks, notes, sources_of(records)
     )
 
 
@@ -89,8 +89,8 @@ def _fact(plugin: Plugin, item: Mapping[str, Any]) -> ReportedValue:
     error = _number(plugin, item, "error", name)
     if error < 0:
         plugin.wrong(f"'{name}' with the standard error {error:g}", "one of 0 or more")
-    half = NORMAL * error  # an interval alone: that is what a document keeps
-    return ReportedValue(name, value, value - half, value + half, unit, words=words)
+    half_width = NORMAL * error  # an interval alone: that is what a document keeps
+    return ReportedValue(name, value, value - half_width, value + half_width, unit, words=words)
 
 
 def _number(plugin: Plugin, item: Mapping[str, Any], key: str, name: str) -> float:

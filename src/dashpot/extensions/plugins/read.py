@@ -24,34 +24,38 @@ def read_plugged(path: str | Path, *, options: ReadOptions | None = None) -> Plu
     ReadError
         If the file cannot be read, or holds no column of numbers.
     """
-    with channels.open_file(path, options) as opened:
-        every = opened.table.columns
-        numeric = [i for i, column in enumerate(every) if column.content in {"number", "clock"}]
+    with channels.open_file(path, options) as opened_file:
+        all_columns = opened_file.table.columns
+        numeric = [
+            i for i, column in enumerate(all_columns) if column.content in {"number", "clock"}
+        ]
         if not numeric:
             raise ReadError("no column of numbers is in it; expected at least one")
-        roles = _roles(opened)
-        loaded = channels.load(opened.table, numeric, opened.options.segment)
+        roles = _roles(opened_file)
+        loaded_columns = channels.load(opened_file.table, numeric, opened_file.options.segment)
         columns = []
-        for place, index in enumerate(numeric):
-            role, name = roles.get(index), every[index].name.strip().casefold()
-            text = opened.options.get_units_by_name().get(name, every[index].unit)
-            word = opened.unit_word(index, role) if role else text
+        for position, index in enumerate(numeric):
+            role, name = roles.get(index), all_columns[index].name.strip().casefold()
+            text = opened_file.options.get_units_by_name().get(name, all_columns[index].unit)
+            word = opened_file.unit_word(index, role) if role else text
             unit = units.find_unit(word) if word else None
-            values = loaded.values[:, place].copy()
+            values = loaded_columns.values[:, position].copy()
             columns.append(
                 PluggedColumn(
-                    every[index].label(index + 1),
+                    all_columns[index].label(index + 1),
                     role or "",
                     "" if unit is None else units.si_unit(unit.dimension).word,
                     values if unit is None else channels.si(values, unit),
                 )
             )
-        notes = [*opened.table.notes, *loaded.notes]
+        notes = [*opened_file.table.notes, *loaded_columns.notes]
         sentences = [
             f"{column.role or '-'}: {column.name} [{column.unit or '?'}]" for column in columns
         ]
         return PluggedTest(
-            opened.options.kind or "", tuple(columns), channels.source(opened, sentences, notes)
+            opened_file.options.kind or "",
+            tuple(columns),
+            channels.source(opened_file, sentences, notes),
         )
 
 

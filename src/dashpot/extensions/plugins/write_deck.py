@@ -37,14 +37,14 @@ def make_writer(plugin: Plugin) -> Target:
         )
         function = plugin.load()
         model = deck.model
-        plain = {
+        parameters = {
             "k_inf": float(model.k_inf), "b": float(model.b), "k": list(map(float, model.k)),
             "tau": list(map(float, model.tau)), "temperature": deck.specimen.temperature,
             "length": deck.specimen.length, "band": deck.band and list(deck.band),
             "verdict": deck.fit.verdict.use if deck.fit else None,
         }  # fmt: skip
         try:
-            cards = function(plain, units=deck.units.name, name=plugin.name)
+            cards = function(parameters, units=deck.units.name, name=plugin.name)
         except Exception as error:  # noqa: BLE001  others' code may raise anything
             plugin.raise_failure(error)
         if not isinstance(cards, str) or not cards.strip():

@@ -65,27 +65,28 @@ def every_pair_tested(untested: Sequence[str]) -> Finding:
 
 @criterion("departure that is not excluded, over the tolerance", "<=", 1.0,
            "our choice: 5 % of the stiffness, 0.02 of the loss angle in rad")  # fmt: skip
-def departure_excluded(departure: float, angle: float) -> Finding:
+def departure_excluded(excluded_departure: float, angle: float) -> Finding:
     """The sweeps exclude a departure from separability of 5 % and of 0.02 rad."""
     return Finding(
-        f"Departures above {100 * departure:.2g} % and {angle:.2g} rad are excluded at 95 %",
-        max(departure / 0.05, angle / 0.02),
+        f"Departures above {100 * excluded_departure:.2g} % and {angle:.2g} rad are excluded at 95 "
+        "%",
+        max(excluded_departure / 0.05, angle / 0.02),
         "A smaller departure would stay unseen",
         "Measure more frequencies, or lower the noise.",
-        failure=f"A departure of {100 * departure:.2g} % or {angle:.2g} rad from a separable "
-        "stiffness is not excluded",
+        failure=f"A departure of {100 * excluded_departure:.2g} % or {angle:.2g} rad from a "
+        "separable stiffness is not excluded",
     )
 
 
 @criterion("rms residual of the worst sweep", "<=", 0.1, "our choice", grade="stop")
-def sweeps_followed(residual: float, *, where: str) -> Finding:
+def sweeps_followed(residual: float, *, sweep_text: str) -> Finding:
     """The map follows every sweep to 10 %."""
     return Finding(
         f"The map follows every sweep to {100 * residual:.2g} %",
         residual,
         "The stiffness is not the product of three laws",
         "Check the compression and amplitude of every file. Fit them one by one.",
-        failure=f"The map misses the sweep at {where} by {100 * residual:.2g} %",
+        failure=f"The map misses the sweep at {sweep_text} by {100 * residual:.2g} %",
     )
 
 
@@ -164,12 +165,12 @@ def loss_factor_determined(half_width: float, *, loss_factor: float) -> Finding:
 
 
 @criterion(source="by definition", grade="note")
-def repeatability_known(repeats: int, *, stated: bool) -> Finding:
+def repeatability_known(repeats: int, *, is_stated: bool) -> Finding:
     """Repeated sweeps, or the user, say how well a setting is repeated."""
     if repeats:
         text = f"{format_count(repeats, 'repeated sweep')} show the scatter between sweeps"
         return Finding(text, always_passes=True)
-    if stated:
+    if is_stated:
         return Finding("The scatter between sweeps was stated", always_passes=True)
     return Finding(
         "No sweep was repeated. Scatter between sweeps would count as a departure",

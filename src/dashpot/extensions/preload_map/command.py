@@ -97,9 +97,9 @@ def command(
     if mass is None and seals != 1.0:
         raise click.UsageError("--seals counts the parts under a mass: add --mass MASS")
     detections = detect_file_kinds(files, options)
-    stated = {name: value for name, value in choices.items() if value is not None}
+    given_options = {name: value for name, value in choices.items() if value is not None}
     if any(detected.stored for detected in detections.values()):
-        if compressions or amplitudes or stated:
+        if compressions or amplitudes or given_options:
             raise click.UsageError(
                 "a saved map is not fitted again: only --mass, --seals and outputs go with it"
             )
@@ -112,7 +112,7 @@ def command(
             files, options=options, compressions=compressions, amplitudes=amplitudes, mass=mass,
             seals=seals,
         )  # fmt: skip
-        preload_map = fit_preload_map(sweeps, mass=mass, seals=seals, **stated)
+        preload_map = fit_preload_map(sweeps, mass=mass, seals=seals, **given_options)
     if picture:
         write_figure(picture, preload_map.plot())
     if output:

@@ -55,24 +55,27 @@ def _chosen(preload_map: PreloadMap, compression: float, amplitude: float | None
 
 def _storage(preload_map: PreloadMap) -> Panel:
     marks: list[Mark] = []
-    ends: list[FloatArray] = []
+    drawn_values: list[FloatArray] = []
     for i, c in enumerate(preload_map.compressions.tolist()):
         at = preload_map.evaluate(preload_map.grid, compression=c)
         value, error = (convert_to_unit(entry, "N/mm") for entry in
                         (at.value.real, at.storage_error))  # fmt: skip
-        here = _chosen(preload_map, c, preload_map.reference_amplitude)
+        is_chosen = _chosen(preload_map, c, preload_map.reference_amplitude)
         marks += [
             Area(at.frequency, value - error, value + error, "fit", "" if i else "95 % limits"),
             Line(at.frequency, value, FIT, "" if i else "map"),
-            Dots(preload_map.frequency[here], convert_to_unit(preload_map.value.real[here], "N/mm"),
+            Dots(preload_map.frequency[is_chosen],
+            convert_to_unit(preload_map.value.real[is_chosen], "N/mm"),
                  "measured", "" if i else "measured", 3.0),
             Tag(float(at.frequency[-1]), float(value[-1]),
                 f"{convert_to_unit(c, 'mm'):.3g} mm", "fit", end=True),
         ]  # fmt: skip
-        ends += [value - error, value + error]
-    moved = preload_map.reference_amplitude
-    note = "" if moved is None else f"at an amplitude of {convert_to_unit(moved, 'mm'):.3g} mm"
-    limits = compute_padded_limits(*ends)
+        drawn_values += [value - error, value + error]
+    amplitude = preload_map.reference_amplitude
+    note = (
+        "" if amplitude is None else f"at an amplitude of {convert_to_unit(amplitude, 'mm'):.3g} mm"
+    )
+    limits = compute_padded_limits(*drawn_values)
     return Panel(
         _scale(preload_map), Scale("storage stiffness K′, N/mm", limits), tuple(marks),
         title="stiffness at each compression", note=note,
@@ -81,50 +84,52 @@ def _storage(preload_map: PreloadMap) -> Panel:
 
 def _loss(preload_map: PreloadMap) -> Panel:
     marks: list[Mark] = []
-    ends: list[FloatArray] = [np.zeros(1)]
+    drawn_values: list[FloatArray] = [np.zeros(1)]
     c = preload_map.reference_compression
     levels: list[float | None] = preload_map.amplitudes.tolist() or [None]
-    shown = [levels[0], levels[-1]] if len(levels) > 1 else levels
-    for i, X in enumerate(shown):
+    shown_levels = [levels[0], levels[-1]] if len(levels) > 1 else levels
+    for i, X in enumerate(shown_levels):
         at = preload_map.evaluate(preload_map.grid, compression=c, amplitude=X)
         eta, error = at.value.imag / at.value.real, at.loss_factor_error
-        here = _chosen(preload_map, c, X)
-        measured = preload_map.value[here].imag / preload_map.value[here].real
+        is_chosen = _chosen(preload_map, c, X)
+        measured = preload_map.value[is_chosen].imag / preload_map.value[is_chosen].real
         if not i:
             marks.append(Area(at.frequency, eta - error, eta + error, "fit", "95 % limits"))
-            ends += [eta - error, eta + error]
+            drawn_values += [eta - error, eta + error]
         marks += [
             Line(at.frequency, eta, FIT, "" if i else "map"),
-            Dots(preload_map.frequency[here], measured, "measured", "" if i else "measured", 3.0),
+            Dots(
+                preload_map.frequency[is_chosen], measured, "measured", "" if i else "measured", 3.0
+            ),
         ]
         if X is not None:
             name = f"{convert_to_unit(X, 'mm'):.3g} mm"
             marks.append(Tag(float(at.frequency[-1]), float(eta[-1]), name, "fit", end=True))
-        ends += [eta, measured]
-    limits = compute_padded_limits(*ends)
+        drawn_values += [eta, measured]
+    limits = compute_padded_limits(*drawn_values)
     return Panel(
         _scale(preload_map), Scale("loss factor K″/K′, 1", limits), tuple(marks),
-        title="loss factor at two amplitudes" if len(shown) > 1 else "loss factor",
+        title="loss factor at two amplitudes" if len(shown_levels) > 1 else "loss factor",
         note=f"at a compression of {convert_to_unit(c, 'mm'):.3g} mm",
     )  # fmt: skip
 
 
 def _over_compression(preload_map: PreloadMap) -> Panel:
     levels = preload_map.compressions
-    places = np.linspace(float(levels[0]), float(levels[-1]), _POINTS)
+    compressions = np.linspace(float(levels[0]), float(levels[-1]), _POINTS)
     f = np.array([preload_map.middle_frequency])
-    curve = [preload_map.evaluate(f, compression=float(c)) for c in places]
+    curve = [preload_map.evaluate(f, compression=float(c)) for c in compressions]
     dots = [preload_map.evaluate(f, compression=float(c)) for c in levels]
-    return _across(preload_map, (places, curve), (levels, dots), "compression, mm")
+    return _across(preload_map, (compressions, curve), (levels, dots), "compression, mm")
 
 
 def _over_amplitude(preload_map: PreloadMap) -> Panel:
     levels, c = preload_map.amplitudes, preload_map.reference_compression
-    places = np.geomspace(float(levels[0]), float(levels[-1]), _POINTS)
+    amplitudes = np.geomspace(float(levels[0]), float(levels[-1]), _POINTS)
     f = np.array([preload_map.middle_frequency])
-    curve = [preload_map.evaluate(f, compression=c, amplitude=float(X)) for X in places]
+    curve = [preload_map.evaluate(f, compression=c, amplitude=float(X)) for X in amplitudes]
     dots = [preload_map.evaluate(f, compression=c, amplitude=float(X)) for X in levels]
-    return _across(preload_map, (places, curve), (levels, dots), "amplitude, mm")
+    return _across(preload_map, (amplitudes, curve), (levels, dots), "amplitude, mm")
 
 
 def _across(
@@ -134,19 +139,19 @@ def _across(
     label: str,
 ) -> Panel:
     """Return the storage stiffness over one variable: places, m, and the map there."""
-    places, curve = convert_to_unit(line[0], "mm"), line[1]
+    abscissae, curve = convert_to_unit(line[0], "mm"), line[1]
     name = label.split(",", maxsplit=1)[0]
-    low, high, log = float(places[0]), float(places[-1]), name == "amplitude"
+    low, high, log = float(abscissae[0]), float(abscissae[-1]), name == "amplitude"
     margin = (_EDGE - 1) * (high - low)
     value = convert_to_unit(np.array([at.value.real[0] for at in curve]), "N/mm")
     error = convert_to_unit(np.array([at.storage_error[0] for at in curve]), "N/mm")
-    shown = convert_to_unit(np.array([at.value.real[0] for at in levels[1]]), "N/mm")
+    storage_values = convert_to_unit(np.array([at.value.real[0] for at in levels[1]]), "N/mm")
     marks: tuple[Mark, ...] = (
-        Area(places, value - error, value + error, "fit", "95 % limits"),
-        Line(places, value, FIT, "map"),
+        Area(abscissae, value - error, value + error, "fit", "95 % limits"),
+        Line(abscissae, value, FIT, "map"),
         Dots(
             convert_to_unit(levels[0], "mm"),
-            shown,
+            storage_values,
             "measured",
             "map at a measured level",
             5.0,

@@ -154,7 +154,7 @@ def fit_preload_map(
     repeats = int(lines.sweep.max()) + 1 - len(preload_map.cells)
     preload_map = replace(
         preload_map,
-        checks=_run_checks(preload_map, law, repeats=repeats, stated=repeatability is not None),
+        checks=_run_checks(preload_map, law, repeats=repeats, is_stated=repeatability is not None),
     )
     return preload_map if mass is None else add_resonances(preload_map, mass, seals)
 
@@ -167,11 +167,13 @@ def add_resonances(preload_map: PreloadMap, mass: Quantity, seals: float = 1.0) 
     DataError
         If one lies outside the measured band.
     """
-    each = tuple(
+    resonances = tuple(
         preload_map.find_resonance(mass, seals=seals, compression=c)
         for c in preload_map.compressions.tolist()
     )
-    return replace(preload_map, mass=convert_to_si(mass, "mass"), seals=seals, resonances=each)
+    return replace(
+        preload_map, mass=convert_to_si(mass, "mass"), seals=seals, resonances=resonances
+    )
 
 
 class _SeparableLaw(NamedTuple):
@@ -191,20 +193,20 @@ def _select_band(
 ) -> list[PreloadSweep]:
     if band is None:
         return list(sweeps)
-    chosen = []
+    selected_sweeps = []
     for sweep in sweeps:
-        inside = (sweep.frequency >= band[0]) & (sweep.frequency <= band[1])
-        if not inside.any():
+        in_band = (sweep.frequency >= band[0]) & (sweep.frequency <= band[1])
+        if not in_band.any():
             raise DataError(
                 f"{sweep.name} has no line from {band[0]:.4g} to {band[1]:.4g} Hz: widen the band "
                 "(--band), or leave the file out"
             )
-        weight = None if sweep.weight is None else sweep.weight[inside]
-        chosen.append(
-            replace(sweep, frequency=sweep.frequency[inside], value=sweep.value[inside],
+        weight = None if sweep.weight is None else sweep.weight[in_band]
+        selected_sweeps.append(
+            replace(sweep, frequency=sweep.frequency[in_band], value=sweep.value[in_band],
                     weight=weight)
         )  # fmt: skip
-    return chosen
+    return selected_sweeps
 
 
 def _require_linked(lines: StiffnessLines, layout: Layout) -> None:
@@ -242,7 +244,7 @@ def _fit_law(
     ln_master = of_magnitude @ magnitude.beta + 1j * (of_angle @ angle.beta)
     sd = [max(scatter.line, _LEAST_SCATTER) / curve.strength for scatter in scatters]
     model, angle_left = _fit_arms(tones, np.exp(ln_master), sd)
-    followed = model.complex_stiffness(omega=2 * np.pi * tones) * np.exp(1j * angle_left)
+    fitted_stiffness = model.complex_stiffness(omega=2 * np.pi * tones) * np.exp(1j * angle_left)
     to_k, to_angle = _invert_curve(model, tones, sd)
     zeros = np.zeros
     q = of_angle.shape[1]
@@ -259,7 +261,7 @@ def _fit_law(
     covariance = (
         L_magnitude @ magnitude.covariance @ L_magnitude.T + L_angle @ angle.covariance @ L_angle.T
     )
-    gap = np.log(followed) - ln_master
+    gap = np.log(fitted_stiffness) - ln_master
     # the curve is known worse than its lines where the sweeps share only some of them
     noise = np.concatenate((gap.real / sd[0], gap.imag / sd[1]))
     freedom = max(2 * n - len(model.tau) - 2, 1)
@@ -306,15 +308,16 @@ def _estimate(
     lines: StiffnessLines, y: FloatArray, main: FloatArray, scatter: SweepScatter
 ) -> _AdditiveCoefficients:
     weighted = main * lines.weight[:, None]
-    back = np.linalg.pinv(weighted, rcond=_RANK)
+    pseudoinverse = np.linalg.pinv(weighted, rcond=_RANK)
     sweeps = (lines.sweep[:, None] == np.arange(int(lines.sweep.max()) + 1)) * lines.weight[:, None]
     line, sweep = (
         (sd * t_quantile(0.95, dof) / NORMAL) ** 2
         for sd, dof in ((scatter.line, scatter.dof), (scatter.sweep, scatter.sweep_dof))
     )
-    by_sweep = back @ sweeps
+    by_sweep = pseudoinverse @ sweeps
     return _AdditiveCoefficients(
-        back @ (y * lines.weight), line * (back @ back.T) + sweep * (by_sweep @ by_sweep.T)
+        pseudoinverse @ (y * lines.weight),
+        line * (pseudoinverse @ pseudoinverse.T) + sweep * (by_sweep @ by_sweep.T),
     )
 
 
@@ -336,19 +339,19 @@ def _fit_arms(
     low, high = 1 / omega.max() / _BEYOND_BAND, _BEYOND_BAND / omega.min()
     tau = np.geomspace(low, high, round(_ARMS_PER_DECADE * float(np.log10(high / low))) + 1)
     columns = build_arm_columns(omega, tau)
-    n, turned = len(omega), 0.0
+    n, added_stiffness = len(omega), 0.0
     target = np.concatenate((1 / sd[0], zeros := np.zeros(n), [0.0]))
     positive = np.append(np.ones(len(tau) + 1, dtype=bool), False)
     for _ in range(_ITERATIONS):
-        A = columns / (master * np.exp(-1j * turned))[:, None]
+        A = columns / (master * np.exp(-1j * added_stiffness))[:, None]
         turn = np.concatenate((zeros, 1 / sd[1], [1 / _ANGLE_SD]))
         rows = np.vstack((A.real / sd[0][:, None], A.imag / sd[1][:, None], 0 * A.real[:1]))
-        target[-1] = -turned / _ANGLE_SD
+        target[-1] = -added_stiffness / _ANGLE_SD
         k, _ = solve_linear(np.column_stack((rows, turn)), target, positive=positive)
-        turned += float(k[-1])
+        added_stiffness += float(k[-1])
     carries = k[1:-1] > _LEAST_SHARE * float(k[:-1].sum())
     model = GeneralizedMaxwell(float(k[0]), tuple(k[1:-1][carries]), tuple(tau[carries]))
-    return model, turned
+    return model, added_stiffness
 
 
 def _invert_curve(
@@ -363,10 +366,10 @@ def _invert_curve(
     rows = np.vstack((A.real / sd[0][:, None], A.imag / sd[1][:, None]))
     turn = np.concatenate((np.zeros(n), 1 / sd[1]))
     free = np.flatnonzero(np.array((model.k_inf, *model.k)) > 0)
-    back = np.linalg.pinv(np.column_stack((rows[:, free], turn)), rcond=_RANK)
+    pseudoinverse = np.linalg.pinv(np.column_stack((rows[:, free], turn)), rcond=_RANK)
     to_k = np.zeros((rows.shape[1], 2 * n))
-    to_k[free] = back[:-1]
-    return to_k, back[-1]
+    to_k[free] = pseudoinverse[:-1]
+    return to_k, pseudoinverse[-1]
 
 
 def _measure_cells(lines: StiffnessLines, preload_map: PreloadMap) -> tuple[MapCell, ...]:
@@ -374,23 +377,25 @@ def _measure_cells(lines: StiffnessLines, preload_map: PreloadMap) -> tuple[MapC
     cells = []
     for i, c in enumerate(lines.compressions.tolist()):
         for j, X in enumerate(lines.amplitudes.tolist()):
-            here = (lines.compression == i) & (lines.amplitude == j)
-            if not here.any():
+            is_cell = (lines.compression == i) & (lines.amplitude == j)
+            if not is_cell.any():
                 continue
-            moved = None if np.isnan(X) else X
+            amplitude = None if np.isnan(X) else X
             expected = preload_map.evaluate(
-                lines.frequency[here], compression=c, amplitude=moved
+                lines.frequency[is_cell], compression=c, amplitude=amplitude
             ).value
-            gap = preload_map.value[here] / expected - 1
+            gap = preload_map.value[is_cell] / expected - 1
             rms = float(np.sqrt(np.mean(np.abs(gap) ** 2)))
             cells.append(
-                MapCell(c, moved, len(set(lines.sweep[here].tolist())), int(here.sum()), rms)
+                MapCell(
+                    c, amplitude, len(set(lines.sweep[is_cell].tolist())), int(is_cell.sum()), rms
+                )
             )
     return tuple(cells)
 
 
 def _run_checks(
-    preload_map: PreloadMap, law: _SeparableLaw, *, repeats: int, stated: bool
+    preload_map: PreloadMap, law: _SeparableLaw, *, repeats: int, is_stated: bool
 ) -> tuple[Check, ...]:
     criteria = {
         "compression and frequency": checks.compression_and_frequency_separable,
@@ -399,13 +404,13 @@ def _run_checks(
     }
     untested = [test.pair for test in preload_map.pairs if not test.tested]
     worst = max(preload_map.cells, key=lambda cell: cell.residual)
-    where = f"{convert_to_unit(worst.compression, 'mm'):.4g} mm"
+    sweep_text = f"{convert_to_unit(worst.compression, 'mm'):.4g} mm"
     if worst.amplitude is not None:
-        where += f" and an amplitude of {convert_to_unit(worst.amplitude, 'mm'):.4g} mm"
+        sweep_text += f" and an amplitude of {convert_to_unit(worst.amplitude, 'mm'):.4g} mm"
     counts = {"compression": len(preload_map.compressions)}
     if len(preload_map.amplitudes) > 1:
         counts["amplitude"] = len(preload_map.amplitudes)
-    fewest = min(counts, key=lambda name: counts[name])
+    fewest_levels = min(counts, key=lambda name: counts[name])
     gaps = {
         "compression": _interpolation_error(
             preload_map.compressions, np.log(preload_map.compression_factor)
@@ -423,13 +428,13 @@ def _run_checks(
             max((test.departure_limit or 0.0 for test in preload_map.pairs), default=0.0),
             max((test.angle_limit or 0.0 for test in preload_map.pairs), default=0.0),
         ),
-        checks.sweeps_followed(worst.residual, where=where),
-        checks.levels_enough(counts[fewest], axis=fewest),
+        checks.sweeps_followed(worst.residual, sweep_text=sweep_text),
+        checks.levels_enough(counts[fewest_levels], axis=fewest_levels),
         checks.levels_dense(gaps[widest], axis=widest),
         checks.solid_follows_master_curve(law.misfit_ratio, misfit=law.misfit),
         *_judge_limits(preload_map),
         *check_machine(preload_map.source, float(np.abs(preload_map.value).max())),
-        checks.repeatability_known(repeats, stated=stated),
+        checks.repeatability_known(repeats, is_stated=is_stated),
     )
 
 
@@ -444,20 +449,24 @@ def _judge_limits(preload_map: PreloadMap) -> tuple[Check, ...]:
     """Return the checks of the limits at all measured settings."""
     f = preload_map.grid
     at = [preload_map.evaluate(f, compression=c, amplitude=X) for c, X in preload_map.settings]
-    eta = np.concatenate([each.value.imag / each.value.real for each in at])
-    error = np.concatenate([each.loss_factor_error for each in at])
+    eta = np.concatenate(
+        [cell_stiffness.value.imag / cell_stiffness.value.real for cell_stiffness in at]
+    )
+    error = np.concatenate([cell_stiffness.loss_factor_error for cell_stiffness in at])
     highest = eta + error
     measured = preload_map.value.imag / preload_map.value.real
-    spread = NORMAL * preload_map.line_scatter[1] + NORMAL * preload_map.phase_error
+    relative_limit = NORMAL * preload_map.line_scatter[1] + NORMAL * preload_map.phase_error
     i = int(measured.argmin())
-    lowest = float(measured[i]) + spread
+    lowest = float(measured[i]) + relative_limit
     ratio = error / np.maximum(eta, 1e-12)
     j = int(ratio.argmax())
     return (
         checks.part_dissipates(
             min(lowest, float(highest.min())), frequency=float(preload_map.frequency[i])
         ),
-        checks.stiffness_determined(float(max(each.magnitude_error.max() for each in at))),
+        checks.stiffness_determined(
+            float(max(cell_stiffness.magnitude_error.max() for cell_stiffness in at))
+        ),
         checks.loss_factor_determined(float(ratio[j]), loss_factor=float(eta[j])),
     )
 

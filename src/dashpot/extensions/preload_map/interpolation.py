@@ -21,7 +21,7 @@ class LevelWeights(NamedTuple):
         return self.curve - self.chord
 
 
-def compute_level_weights(levels: FloatArray, place: float) -> LevelWeights:
+def compute_level_weights(levels: FloatArray, position: float) -> LevelWeights:
     r"""Return the weights of levels at a place between the first and the last.
 
     The mean of the two parabolas through three neighbouring levels each, or the one parabola
@@ -31,21 +31,21 @@ def compute_level_weights(levels: FloatArray, place: float) -> LevelWeights:
     ----------
     levels : array, shape (n,)
         Rising.
-    place : float
+    position : float
     """
     n = len(levels)
     if n == 1:
         return LevelWeights(np.ones(1), np.ones(1))
-    i = int(np.clip(np.searchsorted(levels, place, side="right") - 1, 0, n - 2))
+    i = int(np.clip(np.searchsorted(levels, position, side="right") - 1, 0, n - 2))
     chord = np.zeros(n)
-    part = (place - levels[i]) / (levels[i + 1] - levels[i])
+    part = (position - levels[i]) / (levels[i + 1] - levels[i])
     chord[i], chord[i + 1] = 1 - part, part
     firsts = [first for first in (i - 1, i) if first >= 0 and first + 3 <= n]
     if not firsts:
         return LevelWeights(chord, chord)
     curve = np.zeros(n)
     for first in firsts:
-        curve[first : first + 3] += _lagrange(levels[first : first + 3], place) / len(firsts)
+        curve[first : first + 3] += _lagrange(levels[first : first + 3], position) / len(firsts)
     return LevelWeights(curve, chord)
 
 

@@ -67,8 +67,8 @@ def _scatter(preload_map: PreloadMap) -> str:
 
 
 def _levels(values: list[float]) -> str:
-    shown = ", ".join(f"{convert_to_unit(value, 'mm'):.3g}" for value in values)
-    return f"{shown} mm" if shown else NOT_GIVEN
+    levels_text = ", ".join(f"{convert_to_unit(value, 'mm'):.3g}" for value in values)
+    return f"{levels_text} mm" if levels_text else NOT_GIVEN
 
 
 def _pairs(preload_map: PreloadMap) -> TextTable:

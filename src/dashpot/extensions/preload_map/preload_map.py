@@ -353,7 +353,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         f = float(np.sqrt(low * high))
         map_values = self.evaluate(np.array([f]), compression=c, amplitude=X)
         storage, error = float(map_values.value.real[0]), float(map_values.storage_error[0])
-        limits = [f * float(np.sqrt(max(1 + side * error / storage, 0.0))) for side in (-1, 1)]
+        limits = [f * float(np.sqrt(max(1 + sign * error / storage, 0.0))) for sign in (-1, 1)]
         damping = float(map_values.value.imag[0]) / storage / 2
         return MapResonance(c, X, f, (limits[0], limits[1]), damping)
 
@@ -362,18 +362,18 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
     ) -> tuple[float, float | None]:
         """Return compression and amplitude, m, in the measured range."""
         c, X = convert_to_si(compression, "length"), convert_to_si(amplitude, "length")
-        least, most = float(self.compressions[0]), float(self.compressions[-1])
-        _require_within("compression", c, (least, most), "mm", SAME_COMPRESSION)
+        lowest, highest = float(self.compressions[0]), float(self.compressions[-1])
+        _require_within("compression", c, (lowest, highest), "mm", SAME_COMPRESSION)
         if not len(self.amplitudes):
             if X is not None:
                 raise DataError(
                     "no sweep stated its amplitude, so the map has none: leave the amplitude out"
                 )
-            return min(max(c, least), most), None
+            return min(max(c, lowest), highest), None
         X = float(self.amplitudes[self.reference[1]]) if X is None else X
         smallest, largest = float(self.amplitudes[0]), float(self.amplitudes[-1])
         _require_within("amplitude", X, (smallest, largest), "mm", SAME_AMPLITUDE)
-        return min(max(c, least), most), min(max(X, smallest), largest)
+        return min(max(c, lowest), highest), min(max(X, smallest), largest)
 
     def _compute_gradients(
         self,
@@ -431,12 +431,14 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
     def facts(self) -> tuple[ReportedValue, ...]:
         """Storage stiffness and loss factor at the middle frequency, and the resonances."""
         f = self.middle_frequency
-        facts = []
+        reported_values = []
         for c in self.compressions.tolist():
             map_values = self.evaluate(np.array([f]), compression=c)
             value, error = float(map_values.value.real[0]), float(map_values.storage_error[0])
             name = f"K' at {convert_to_unit(c, 'mm'):.4g} mm, {f:g} Hz"
-            facts.append(ReportedValue(name, value, value - error, value + error, unit="N/m"))
+            reported_values.append(
+                ReportedValue(name, value, value - error, value + error, unit="N/m")
+            )
         for X in self.amplitudes.tolist() or [None]:
             map_values = self.evaluate(
                 np.array([f]), compression=self.reference_compression, amplitude=X
@@ -447,8 +449,8 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
             )
             amplitude_label = "" if X is None else f"amplitude {convert_to_unit(X, 'mm'):.4g} mm, "
             name = f"loss factor at {amplitude_label}{f:g} Hz"
-            facts.append(ReportedValue(name, eta, eta - error, eta + error))
-        return (*facts, *(resonance.reported_frequency for resonance in self.resonances))
+            reported_values.append(ReportedValue(name, eta, eta - error, eta + error))
+        return (*reported_values, *(resonance.reported_frequency for resonance in self.resonances))
 
     @property
     def _table_columns(self) -> Series:
@@ -483,14 +485,14 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
     def _headline(self) -> str:
         """The stiffness at the least and at the greatest compression."""
         f = self.middle_frequency
-        ends = []
+        range_texts = []
         for c in (float(self.compressions[0]), float(self.compressions[-1])):
             value = self.evaluate(np.array([f]), compression=c).value[0]
-            ends.append(
+            range_texts.append(
                 f"{convert_to_unit(float(value.real), 'N/mm'):.4g} N/mm at "
                 f"{convert_to_unit(c, 'mm'):.4g} mm"
             )
-        headline = f"at {f:g} Hz the stiffness is {' and '.join(ends)}"
+        headline = f"at {f:g} Hz the stiffness is {' and '.join(range_texts)}"
         if not self.resonances:
             return headline
         mass = format_quantity_short(self.mass, "kg")
@@ -505,17 +507,19 @@ def build_arm_columns(omega: FloatArray, tau: FloatArray) -> ComplexArray:
 
 
 def _require_within(
-    name: str, value: float, range_: tuple[float, float], unit: str, same: float
+    name: str, value: float, range_: tuple[float, float], unit: str, relative_tolerance: float
 ) -> None:
-    """Refuse a value outside a range; one that lies beside an end by the share `same` is that end.
+    """Refuse a value outside a range, of which the ends have a relative tolerance.
 
     A loop whose amplitude was set to 0.5 mm may be measured as 0.4999 mm.
     """
     low, high = range_
-    if low * (1 - same) <= value <= high * (1 + same):
+    if low * (1 - relative_tolerance) <= value <= high * (1 + relative_tolerance):
         return
-    converted, least, most = (convert_to_unit(entry, unit) for entry in (value, low, high))
+    value_in_unit, low_in_unit, high_in_unit = (
+        convert_to_unit(entry, unit) for entry in (value, low, high)
+    )
     raise DataError(
-        f"{name} = {converted:.4g} {unit}; the sweeps cover {least:.4g} to {most:.4g} {unit}, and "
-        "a map is not extrapolated. Ask inside, or measure there"
+        f"{name} = {value_in_unit:.4g} {unit}; the sweeps cover {low_in_unit:.4g} to "
+        f"{high_in_unit:.4g} {unit}, and a map is not extrapolated. Ask inside, or measure there"
     )

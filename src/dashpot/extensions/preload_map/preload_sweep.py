@@ -63,11 +63,13 @@ class PreloadSweep(EqualByValue):
         for name, values, unit in (
             ("frequency", frequency, "Hz"), ("storage", value.real, "N/m"), ("weight", weight, ""),
         ):  # fmt: skip
-            bad = np.flatnonzero(values <= 0)
-            if bad.size:
-                where = "" if name == "frequency" else f" at {frequency[bad[0]]:.4g} Hz"
+            bad_indices = np.flatnonzero(values <= 0)
+            if bad_indices.size:
+                where_text = (
+                    "" if name == "frequency" else f" at {frequency[bad_indices[0]]:.4g} Hz"
+                )
                 raise DataError(
-                    f"the {name}{where} is {values[bad[0]]:g} {unit}".rstrip()
+                    f"the {name}{where_text} is {values[bad_indices[0]]:g} {unit}".rstrip()
                     + "; expected > 0. Leave such lines out"
                 )
         compression = convert_to_si(self.compression, "length")
@@ -76,19 +78,19 @@ class PreloadSweep(EqualByValue):
             raise DataError(f"compression = {compression:g} m; expected > 0, such as 4mm")
         if amplitude is not None and not amplitude > 0:
             raise DataError(f"amplitude = {amplitude:g} m; expected > 0")
-        for size, named, text in (
+        for size, quantity, text in (
             ("travel", compression, f"compression = {compression:g} m"),
             ("stiffness", float(np.abs(value).max()), f"stiffness = {np.abs(value).max():.3g} N/m"),
         ):
-            SIZES[size].refuse(named, f"{text}", remedy="Check its unit.")
+            SIZES[size].refuse(quantity, f"{text}", remedy="Check its unit.")
         if amplitude is not None and amplitude >= compression:
             raise DataError(
                 f"the amplitude, {format_quantity(amplitude, 'mm')}, is not below the compression, "
                 f"{format_quantity(compression, 'mm')}: the part would lose contact. Check both"
             )
-        stated = (frequency, value, compression, amplitude, weight)
+        fields_of_sweep = (frequency, value, compression, amplitude, weight)
         names = ("frequency", "value", "compression", "amplitude", "weight")
-        for name, entry in zip(names, stated, strict=True):
+        for name, entry in zip(names, fields_of_sweep, strict=True):
             object.__setattr__(self, name, entry)
 
     @property
@@ -113,25 +115,30 @@ class PreloadTable(EqualByValue, HasSummary):
     @property
     def _table_columns(self) -> Series:
         """Every line."""
-        joined = self.sweeps
-        lengths = [len(sweep.frequency) for sweep in joined]
-        moved = [np.nan if sweep.amplitude is None else float(sweep.amplitude) for sweep in joined]
-        value = np.concatenate([sweep.value for sweep in joined])
+        sweeps = self.sweeps
+        lengths = [len(sweep.frequency) for sweep in sweeps]
+        amplitudes = [
+            np.nan if sweep.amplitude is None else float(sweep.amplitude) for sweep in sweeps
+        ]
+        value = np.concatenate([sweep.value for sweep in sweeps])
         return {
-            "compression": (np.repeat([float(s.compression) for s in joined], lengths), "m"),
-            "amplitude": (np.repeat(moved, lengths), "m"),
-            "frequency": (np.concatenate([sweep.frequency for sweep in joined]), "Hz"),
+            "compression": (np.repeat([float(s.compression) for s in sweeps], lengths), "m"),
+            "amplitude": (np.repeat(amplitudes, lengths), "m"),
+            "frequency": (np.concatenate([sweep.frequency for sweep in sweeps]), "Hz"),
             "storage": (value.real, "N/m"),
             "loss": (value.imag, "N/m"),
         }
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which sweeps there are."""
+        """Summary: the sweeps."""
         compressions = sorted({float(sweep.compression) for sweep in self.sweeps})
-        shown = ", ".join(f"{convert_to_unit(c, 'mm'):.4g}" for c in compressions)
+        compressions_text = ", ".join(f"{convert_to_unit(c, 'mm'):.4g}" for c in compressions)
         lines = sum(len(sweep.frequency) for sweep in self.sweeps)
         return (
             describe_record_source(self.source, lines),
-            f"{len(self.sweeps)} sweeps of complex stiffness at compressions of {shown} mm",
+            (
+                f"{len(self.sweeps)} sweeps of complex stiffness at compressions of "
+                f"{compressions_text} mm"
+            ),
         )

@@ -110,27 +110,31 @@ class _StiffnessTable(NamedTuple):
     weight: FloatArray | None = None
 
 
-def _read_table(file: channels.OpenedFile, stated: Sequence[str] = ()) -> _StiffnessTable:
-    wanted, ratio = sweep_columns(file)
-    _require_units(file, wanted)
-    chosen = channels.with_units(file, wanted)
-    loaded, values, unit, notes = parts_of(file, chosen, ratio)
+def _read_table(file: channels.OpenedFile, stated_settings: Sequence[str] = ()) -> _StiffnessTable:
+    roles_wanted, ratio = sweep_columns(file)
+    _require_units(file, roles_wanted)
+    channels_chosen = channels.with_units(file, roles_wanted)
+    loaded_columns, values, unit, notes = parts_of(file, channels_chosen, ratio)
     if unit != "N/m":
         raise ReadError(
             f"storage and loss are in {unit}, of a material; expected a stiffness, such as N/mm: "
             "multiply by area over height"
         )
-    whole: BoolArray = np.asarray(np.isfinite(loaded.values).all(axis=1))
-    static = _load_length(file, whole, STATIC, without=MOVING)
-    moving = _load_length(file, whole, MOVING)
+    is_complete: BoolArray = np.asarray(np.isfinite(loaded_columns.values).all(axis=1))
+    static = _load_length(file, is_complete, STATIC, without=MOVING)
+    moving = _load_length(file, is_complete, MOVING)
     settings = [setting for setting in (static, moving) if setting is not None]
-    taken = [role.index for role in wanted] + [setting.column for setting in settings]
+    used_columns = [role.index for role in roles_wanted] + [setting.column for setting in settings]
     if ratio is not None:
-        taken.append(ratio)
+        used_columns.append(ratio)
     compression = None if static is None else static.values
     amplitude = None if moving is None else moving.values
     _refuse_lost_settings(
-        file, whole, taken, {"compression": compression, "amplitude": amplitude}, stated
+        file,
+        is_complete,
+        used_columns,
+        {"compression": compression, "amplitude": amplitude},
+        stated_settings,
     )
     if moving is not None:
         column = file.table.columns[moving.column]
@@ -149,7 +153,10 @@ def _read_table(file: channels.OpenedFile, stated: Sequence[str] = ()) -> _Stiff
         amplitude,
         channels.source(
             file,
-            [*(channel.message for channel in chosen), *(setting.message for setting in settings)],
+            [
+                *(channel.message for channel in channels_chosen),
+                *(setting.message for setting in settings),
+            ],
             notes,
         ),
     )
@@ -165,7 +172,7 @@ class _LengthColumn(NamedTuple):
 
 def _load_length(
     file: channels.OpenedFile,
-    whole: BoolArray,
+    is_complete: BoolArray,
     words: Sequence[str],
     *,
     without: Sequence[str] = (),
@@ -176,15 +183,15 @@ def _load_length(
         return None
     column = file.table.columns[index]
     unit = units.parse_unit(get_length_word(column, words, file.options) or "", "length")
-    numbers = channels.load(file.table, [index], file.options.segment).values[whole, 0]
+    numbers = channels.load(file.table, [index], file.options.segment).values[is_complete, 0]
     if not np.isfinite(numbers).all():
         raise ReadError(f"'{column.name}' has no number in some rows of the sweeps")
     message = f"{words[0]}: {column.name} [{unit.word}]"
     return _LengthColumn(index, np.asarray(channels.si(numbers, unit)), message)
 
 
-def _require_units(file: channels.OpenedFile, wanted: Sequence[RoleAssignment]) -> None:
-    if any(file.unit_word(column.index, column.role) is None for column in wanted):
+def _require_units(file: channels.OpenedFile, roles_wanted: Sequence[RoleAssignment]) -> None:
+    if any(file.unit_word(column.index, column.role) is None for column in roles_wanted):
         raise ReadError(
             "some columns have no unit. Write units into the header, as 'storage [N/mm]', or add "
             '--units "compression=mm,amplitude=mm,frequency=Hz,storage=N/mm,loss=N/mm" with yours'
@@ -193,50 +200,60 @@ def _require_units(file: channels.OpenedFile, wanted: Sequence[RoleAssignment]) 
 
 def _refuse_lost_settings(
     file: channels.OpenedFile,
-    whole: BoolArray,
-    taken: Sequence[int],
+    is_complete: BoolArray,
+    used_columns: Sequence[int],
     settings: Mapping[str, FloatArray | None],
-    stated: Sequence[str],
+    stated_settings: Sequence[str],
 ) -> None:
     """Raise where columns of several levels would be lost.
 
     Those of a setting that is stated, and those that name one and are no length.
     """
-    for name in stated:
+    for name in stated_settings:
         levels = settings[name]
         if levels is not None and _has_several_levels(levels):
             raise ReadError(
                 f"a column of the file has {name} values that differ: leave out --{name} for it"
             )
-    sought = [name for name, found in settings.items() if found is None and name not in stated]
+    missing_settings = [
+        name
+        for name, setting in settings.items()
+        if setting is None and name not in stated_settings
+    ]
     for index, column in enumerate(file.table.columns):
-        named = not set(SETTINGS).isdisjoint(vocabulary.tokens(column.name))
-        if not sought or index in taken or not named or column.content != "number":
+        is_setting = not set(SETTINGS).isdisjoint(vocabulary.tokens(column.name))
+        if (
+            not missing_settings
+            or index in used_columns
+            or not is_setting
+            or column.content != "number"
+        ):
             continue
-        values = channels.load(file.table, [index], file.options.segment).values[whole, 0]
+        values = channels.load(file.table, [index], file.options.segment).values[is_complete, 0]
         if np.isfinite(values).all() and _has_several_levels(values):
-            names = " or ".join(sought)
+            names = " or ".join(missing_settings)
             raise ReadError(
                 f"{column.label(index + 1)} has several values, and is not taken for the {names}. "
-                f"Convert it to a length and call it '{sought[0]} [mm]', or give its unit "
-                f'(--units "{sought[0]}=mm"), or leave the column out'
+                f"Convert it to a length and call it '{missing_settings[0]} [mm]', or give its "
+                "unit "
+                f'(--units "{missing_settings[0]}=mm"), or leave the column out'
             )
 
 
 def _split(table: _StiffnessTable, compression: FloatArray) -> Iterator[PreloadSweep]:
     """Yield the sweeps of a table: one for each setting, and for each time that it was swept."""
-    moved = table.amplitude
+    amplitudes = table.amplitude
     settings = group_levels(compression, SAME_COMPRESSION)[1]
-    if moved is not None:
-        settings = settings * (len(moved) + 1) + group_levels(moved, SAME_AMPLITUDE)[1]
+    if amplitudes is not None:
+        settings = settings * (len(amplitudes) + 1) + group_levels(amplitudes, SAME_AMPLITUDE)[1]
     for setting in dict.fromkeys(settings.tolist()):
-        for here in _visits(np.flatnonzero(settings == setting), table.frequency):
+        for indices in _visits(np.flatnonzero(settings == setting), table.frequency):
             yield PreloadSweep(
-                table.frequency[here],
-                table.value[here],
-                float(compression[here].mean()),
-                None if moved is None else float(moved[here].mean()),
-                None if table.weight is None else table.weight[here],
+                table.frequency[indices],
+                table.value[indices],
+                float(compression[indices].mean()),
+                None if amplitudes is None else float(amplitudes[indices].mean()),
+                None if table.weight is None else table.weight[indices],
                 table.source,
             )
 
@@ -247,12 +264,12 @@ def _visits(rows: IndexArray, frequency: FloatArray) -> list[IndexArray]:
     Frequencies in no order are one sweep.
     """
     steps = np.sign(np.diff(frequency[rows]))
-    turns, way = [0], 0.0
+    turns, direction = [0], 0.0
     for i, step in enumerate(steps.tolist(), 1):
-        if step and way and step != way:
+        if step and direction and step != direction:
             turns.append(i)
             step = 0.0  # noqa: PLW2901 -- a jump back says nothing of the way that follows
-        way = step or (way if turns[-1] != i else 0.0)
+        direction = step or (direction if turns[-1] != i else 0.0)
     parts = [rows[first:last] for first, last in zip(turns, [*turns[1:], len(rows)], strict=True)]
     return parts if min(map(len, parts)) >= FEWEST_FREQUENCIES else [rows]
 
@@ -292,8 +309,8 @@ def read_sweeps(
         suits none.
     """
     names = [Path(path).name for path in files]
-    for flag, stated in (("--compression", compressions), ("--amplitude", amplitudes)):
-        for pattern, value in stated:
+    for flag, stated_values in (("--compression", compressions), ("--amplitude", amplitudes)):
+        for pattern, value in stated_values:
             if pattern and not any(fnmatch(name, pattern) for name in names):
                 raise ReadError(
                     f"{flag} {pattern}:{convert_to_unit(value, 'mm'):g}mm suits none of the files: "
@@ -302,8 +319,8 @@ def read_sweeps(
     sweeps: list[PreloadSweep] = []
     for path, name in zip(files, names, strict=True):
         stated_c, stated_x = _find_stated(name, compressions), _find_stated(name, amplitudes)
-        given = {"compression": stated_c, "amplitude": stated_x}
-        roles = [role for role, value in given.items() if value is not None]
+        stated_by_name = {"compression": stated_c, "amplitude": stated_x}
+        roles = [role for role, value in stated_by_name.items() if value is not None]
         table = _load_file(path, options, roles, mass=mass, seals=seals)
         with add_name_to_errors(name):
             compression = table.compression
@@ -320,16 +337,18 @@ def read_sweeps(
     return tuple(sweeps)
 
 
-def _find_stated(name: str, stated: Sequence[tuple[str, float]]) -> float | None:
+def _find_stated(name: str, patterns_and_values: Sequence[tuple[str, float]]) -> float | None:
     """Return the last value whose pattern suits a file."""
-    suited = [value for pattern, value in stated if not pattern or fnmatch(name, pattern)]
+    suited = [
+        value for pattern, value in patterns_and_values if not pattern or fnmatch(name, pattern)
+    ]
     return suited[-1] if suited else None
 
 
 def _load_file(
     path: str | Path,
     options: ReadOptions | None,
-    stated: Sequence[str],
+    stated_settings: Sequence[str],
     *,
     mass: float | None,
     seals: float,
@@ -345,18 +364,22 @@ def _load_file(
     if detected.kind in {KIND, *SWEEP_KINDS}:
         with channels.open_file(path, options) as file:
             channels.expect(file, [KIND, *SWEEP_KINDS], "a sweep is", stated_columns=SWEEP_OPTIONS)
-            return _read_table(file, stated)
+            return _read_table(file, stated_settings)
     if detected.kind == "frf":
         with add_name_to_errors(Path(path).name):
             return _convert_frf(read_frf(path, options=options), mass, seals)
     if detected.kind in _LOOPS:
-        given: dict[str, Any] = {} if options is None else {"options": options}
-        loops = find_handler("read record", detected.kind)(path, given, {})
+        read_keywords: dict[str, Any] = {} if options is None else {"options": options}
+        loops = find_handler("read record", detected.kind)(path, read_keywords, {})
         if loops.unit != "N/m" or loops.of != "m":
             raise ReadError(f"{Path(path).name}: expected loops of force and displacement")
-        kept = _find_settled_loops(loops.frequency, loops.amplitude)
+        is_settled = _find_settled_loops(loops.frequency, loops.amplitude)
         return _StiffnessTable(
-            loops.frequency[kept], loops.value[kept], None, loops.amplitude[kept], loops.source
+            loops.frequency[is_settled],
+            loops.value[is_settled],
+            None,
+            loops.amplitude[is_settled],
+            loops.source,
         )
     raise ReadError(
         f"{Path(path).name} is {get_kind_label(detected.kind)}. A map is of storage and loss "
@@ -374,11 +397,11 @@ def _find_settled_loops(frequency: FloatArray, amplitude: FloatArray) -> BoolArr
     setting = tones * (len(amplitude) + 1) + group_levels(amplitude, SAME_AMPLITUDE)[1]
     starts = np.flatnonzero(np.diff(setting, prepend=setting[0] - 1))
     lengths = np.diff(starts, append=len(setting))
-    long = lengths >= _FEWEST_LOOPS
-    kept = np.ones(len(setting), dtype=bool)
-    kept[starts[long]] = False
-    kept[(starts + lengths - 1)[long]] = False
-    return kept
+    is_long = lengths >= _FEWEST_LOOPS
+    is_settled = np.ones(len(setting), dtype=bool)
+    is_settled[starts[is_long]] = False
+    is_settled[(starts + lengths - 1)[is_long]] = False
+    return is_settled
 
 
 def _convert_frf(frf: FRF, mass: float | None, seals: float) -> _StiffnessTable:
@@ -388,8 +411,8 @@ def _convert_frf(frf: FRF, mass: float | None, seals: float) -> _StiffnessTable:
         raise ReadError(
             "a transmissibility relates two motions; expected a force over a motion, or its inverse"
         )
-    moves = lines.quantity in _MOTIONS
-    if moves and mass is None:
+    is_motion = lines.quantity in _MOTIONS
+    if is_motion and mass is None:
         raise ReadError(
             "a motion over a force is of a mass on the part, and shows its inertia, too. State the "
             "mass: --mass 104g --seals 2"
@@ -397,7 +420,7 @@ def _convert_frf(frf: FRF, mass: float | None, seals: float) -> _StiffnessTable:
     source = frf.source[0] if frf.source else Source("FRF", "", "frf")
     receptance = lines.to(Kind.RECEPTANCE)
     direct = 1 / receptance.value
-    if not moves or mass is None:
+    if not is_motion or mass is None:
         return _StiffnessTable(lines.frequency, np.asarray(direct), None, None, source)
     value = direct + mass * lines.omega**2
     # a line errs by a part of the FRF: near the resonance that is the least part of the stiffness

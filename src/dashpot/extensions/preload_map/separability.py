@@ -135,11 +135,11 @@ def build_frequency_columns(lines: StiffnessLines) -> FloatArray:
     if lines.shares_tones:
         return _levels(lines.tone, len(lines.tones))
     u, y = lines.centred_frequency, lines.magnitude
-    others = _levels(lines.sweep, int(lines.sweep.max()) + 1)
+    sweep_columns = _levels(lines.sweep, int(lines.sweep.max()) + 1)
 
     def score(degree: int) -> float:
-        rss, rank = _fit(np.hstack((_powers(u, degree), others)), y, lines.weight)
-        return bic(rss, effective=len(y), parameters=rank, floor=_NOTHING)
+        rss, rank = _fit(np.hstack((_powers(u, degree), sweep_columns)), y, lines.weight)
+        return bic(rss, effective=len(y), parameters=rank, rounding_sse=_NOTHING)
 
     return _powers(u, min(_DEGREES, key=score))
 
@@ -151,7 +151,7 @@ def build_layouts(lines: StiffnessLines) -> tuple[Layout, Layout]:
     amplitude = _levels(lines.amplitude, len(lines.amplitudes))
     degree = min(_SHAPES, len(lines.tones) - 1)
     shapes = _powers(lines.centred_frequency, degree)[:, 1:]
-    within: dict[Pair, FloatArray] = {
+    within_columns: dict[Pair, FloatArray] = {
         "compression and frequency": _products(compression, shapes),
         "amplitude and frequency": _products(amplitude, shapes),
     }
@@ -159,32 +159,32 @@ def build_layouts(lines: StiffnessLines) -> tuple[Layout, Layout]:
     return (
         Layout(
             np.hstack((frequency, compression, amplitude)),
-            within,
+            within_columns,
             {"compression and amplitude": cells},
         ),
         Layout(
             np.hstack((frequency, amplitude)),
-            within,
+            within_columns,
             {"compression and frequency": compression, "compression and amplitude": cells},
         ),
     )
 
 
 def estimate_scatter(
-    lines: StiffnessLines, values: FloatArray, layout: Layout, stated: float
+    lines: StiffnessLines, values: FloatArray, layout: Layout, stated_scatter: float
 ) -> SweepScatter:
     """Return the scatter of lines and of whole sweeps.
 
-    That of sweeps is shown by those repeated at one setting; else it is `stated`.
+    That of sweeps is shown by those repeated at one setting; else it is `stated_scatter`.
 
     Raises
     ------
     DataError
         If too few lines are left to show any scatter.
     """
-    within = np.hstack((layout.main, *layout.within.values()))
+    within_columns = np.hstack((layout.main, *layout.within.values()))
     sweeps = _levels(lines.sweep, int(lines.sweep.max()) + 1)
-    rss, rank = _fit(np.hstack((within, sweeps)), values, lines.weight)
+    rss, rank = _fit(np.hstack((within_columns, sweeps)), values, lines.weight)
     dof = len(values) - rank
     if dof < _LEAST_DOF:
         raise DataError(
@@ -194,17 +194,23 @@ def estimate_scatter(
         )
     line = rss / dof
     cells = np.hstack(
-        (within, _products(_levels(lines.compression, len(lines.compressions)),
+        (within_columns, _products(_levels(lines.compression, len(lines.compressions)),
                            _levels(lines.amplitude, len(lines.amplitudes))))
     )  # fmt: skip
     rss_cells, rank_cells = _fit(cells, values, lines.weight)
     repeats = rank - rank_cells
-    each = len(values) / sweeps.shape[1]
+    lines_per_sweep = len(values) / sweeps.shape[1]
     if repeats > 0:
         mean_square = (rss_cells - rss) / repeats
-        sweep = float(np.sqrt(max(mean_square - line, 0.0) / each))
+        sweep = float(np.sqrt(max(mean_square - line, 0.0) / lines_per_sweep))
         return SweepScatter(float(np.sqrt(line)), dof, sweep, float(mean_square), repeats)
-    return SweepScatter(float(np.sqrt(line)), dof, stated, float(line + each * stated**2), dof)
+    return SweepScatter(
+        float(np.sqrt(line)),
+        dof,
+        stated_scatter,
+        float(line + lines_per_sweep * stated_scatter**2),
+        dof,
+    )
 
 
 def judge_pairs(
@@ -234,10 +240,10 @@ def _test_pair(
         sizes.append(_departure(pair, lines, y, layout, scatter))
     if not chances:
         return PairTest(pair, tested=False)
-    together = 1 - (1 - min(chances)) ** len(chances)
-    (size, most), (turn, most_turn) = sizes
+    chance = 1 - (1 - min(chances)) ** len(chances)
+    (size, largest), (turn, most_turn) = sizes
     return PairTest(
-        pair, True, float(together), float(np.expm1(size)), float(np.expm1(most)), turn, most_turn
+        pair, True, float(chance), float(np.expm1(size)), float(np.expm1(largest)), turn, most_turn
     )
 
 
@@ -249,16 +255,16 @@ def _chances(
     from scipy.special import fdtrc
 
     sweeps = _levels(lines.sweep, int(lines.sweep.max()) + 1)
-    others = [columns for name, columns in layout.within.items() if name != pair]
-    between = [columns for name, columns in layout.between.items() if name != pair]
+    other_columns = [columns for name, columns in layout.within.items() if name != pair]
+    between_columns = [columns for name, columns in layout.between.items() if name != pair]
     chances = []
     if pair in layout.within:
-        without = np.hstack((layout.main, sweeps, *others))
+        without = np.hstack((layout.main, sweeps, *other_columns))
         gain, rank = _gain(without, layout.within[pair], y, lines.weight)
         if rank:
             chances.append(float(fdtrc(rank, scatter.dof, gain / rank / scatter.line**2)))
     if pair in layout.between:
-        without = np.hstack((layout.main, *layout.within.values(), *between))
+        without = np.hstack((layout.main, *layout.within.values(), *between_columns))
         gain, rank = _gain(without, layout.between[pair], y, lines.weight)
         if rank:
             chances.append(float(fdtrc(rank, scatter.sweep_dof, gain / rank / scatter.mean_square)))
@@ -269,20 +275,25 @@ def _departure(
     pair: Pair, lines: StiffnessLines, y: FloatArray, layout: Layout, scatter: SweepScatter
 ) -> tuple[float, float]:
     """Return the largest departure that a pair adds over all lines, and its 95 % limit."""
-    added = [group[pair] for group in (layout.within, layout.between) if pair in group]
-    others = [
+    pair_columns = [group[pair] for group in (layout.within, layout.between) if pair in group]
+    other_columns = [
         columns
         for group in (layout.within, layout.between)
         for name, columns in group.items()
         if name != pair
     ]
-    if not added:
+    if not pair_columns:
         return 0.0, 0.0
-    known, w = np.hstack((layout.main, *others)) * lines.weight[:, None], lines.weight
+    weighted_columns, w = (
+        np.hstack((layout.main, *other_columns)) * lines.weight[:, None],
+        lines.weight,
+    )
     # the part of the columns that a separable stiffness with the other pairs does not follow
-    columns = np.hstack(added) * w[:, None]
-    own = columns - known @ np.linalg.lstsq(known, columns, rcond=_RANK)[0]
-    basis = _basis(own)
+    columns = np.hstack(pair_columns) * w[:, None]
+    independent_columns = (
+        columns - weighted_columns @ np.linalg.lstsq(weighted_columns, columns, rcond=_RANK)[0]
+    )
+    basis = _basis(independent_columns)
     if not basis.shape[1]:
         return 0.0, 0.0
     size = basis @ (basis.T @ (y * w)) / w
@@ -313,22 +324,22 @@ def _products(first: FloatArray, second: FloatArray) -> FloatArray:
 def _basis(A: FloatArray) -> FloatArray:
     """Return an orthonormal basis of the columns."""
     u, size, _ = np.linalg.svd(A, full_matrices=False)
-    least = _RANK * max(float(size.max(initial=0.0)), 1.0)
-    kept: BoolArray = size > least
-    return u[:, kept]
+    min_singular_value = _RANK * max(float(size.max(initial=0.0)), 1.0)
+    is_significant: BoolArray = size > min_singular_value
+    return u[:, is_significant]
 
 
 def _fit(A: FloatArray, y: FloatArray, weight: FloatArray) -> tuple[float, int]:
     """Return the sum of squares that columns leave, and how many are independent."""
     basis = _basis(A * weight[:, None])
-    left = y * weight - basis @ (basis.T @ (y * weight))
-    return float(left @ left), basis.shape[1]
+    residual = y * weight - basis @ (basis.T @ (y * weight))
+    return float(residual @ residual), basis.shape[1]
 
 
 def _gain(
-    without: FloatArray, added: FloatArray, y: FloatArray, weight: FloatArray
+    without: FloatArray, added_columns: FloatArray, y: FloatArray, weight: FloatArray
 ) -> tuple[float, int]:
     """Return by how much columns lower the sum of squares beside others, and their number."""
     before, rank = _fit(without, y, weight)
-    after, more = _fit(np.hstack((without, added)), y, weight)
-    return max(before - after, 0.0), more - rank
+    residual_after, rank_after = _fit(np.hstack((without, added_columns)), y, weight)
+    return max(before - residual_after, 0.0), rank_after - rank

@@ -59,8 +59,8 @@ class StiffnessLines(NamedTuple):
     def centred_frequency(self) -> FloatArray:
         """Logarithm of the frequency, from -1 to 1."""
         u = np.log(self.frequency)
-        middle, reach = (u.max() + u.min()) / 2, (u.max() - u.min()) / 2
-        return np.asarray((u - middle) / reach)
+        middle, half_range = (u.max() + u.min()) / 2, (u.max() - u.min()) / 2
+        return np.asarray((u - middle) / half_range)
 
 
 _SHARED = 0.7
@@ -80,9 +80,9 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
         raise DataError(
             f"found {len(sweeps)} sweep; a map needs sweeps at two compressions or more"
         )
-    seen: dict[tuple[object, bytes], PreloadSweep] = {}
+    sweeps_by_content: dict[tuple[object, bytes], PreloadSweep] = {}
     for sweep in sweeps:
-        first = seen.setdefault((sweep.amplitude, sweep.value.tobytes()), sweep)
+        first = sweeps_by_content.setdefault((sweep.amplitude, sweep.value.tobytes()), sweep)
         at = f"at {convert_to_unit(float(sweep.compression), 'mm'):g} mm"
         if first is not sweep:
             raise DataError(
@@ -102,18 +102,20 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
         )
     counts = [len(sweep.frequency) for sweep in sweeps]
     of_sweep = np.repeat(np.arange(len(sweeps)), counts)
-    each = np.array([float(sweep.compression) for sweep in sweeps])
-    compressions, compression = group_levels(each, SAME_COMPRESSION)
+    sweep_compressions = np.array([float(sweep.compression) for sweep in sweeps])
+    compressions, compression = group_levels(sweep_compressions, SAME_COMPRESSION)
     if len(compressions) < 2:
         raise DataError(
             f"every sweep is at {convert_to_unit(float(compressions[0]), 'mm'):.4g} mm; a map "
             "needs two compressions or more. For one, use dashpot fit"
         )
-    moved = np.array([np.nan if s.amplitude is None else float(s.amplitude) for s in sweeps])
+    sweep_amplitudes = np.array(
+        [np.nan if s.amplitude is None else float(s.amplitude) for s in sweeps]
+    )
     amplitudes, amplitude = (
         (np.array([np.nan]), np.zeros(len(sweeps), dtype=int))
         if unknown
-        else group_levels(moved, SAME_AMPLITUDE)
+        else group_levels(sweep_amplitudes, SAME_AMPLITUDE)
     )
     frequency = np.concatenate([sweep.frequency for sweep in sweeps])
     value = np.concatenate([sweep.value for sweep in sweeps])

@@ -52,17 +52,17 @@ def find_length_column(
     ReadError
         If several have.
     """
-    found = [
+    length_columns = [
         i
         for i, column in enumerate(table.columns)
         if _is_length(column, get_length_word(column, words, options))
         and not set(words).isdisjoint(vocabulary.tokens(column.name))
         and set(without).isdisjoint(vocabulary.tokens(column.name))
     ]
-    if len(found) > 1:
-        names = " and ".join(f"'{table.columns[i].name}'" for i in found)
+    if len(length_columns) > 1:
+        names = " and ".join(f"'{table.columns[i].name}'" for i in length_columns)
         raise ReadError(f"{names} could each be the {words[0]}; rename all but one")
-    return found[0] if found else None
+    return length_columns[0] if length_columns else None
 
 
 def get_length_word(column: Column, words: Sequence[str], options: ReadOptions) -> str | None:

@@ -38,8 +38,8 @@ def tabulate_frequencies(preload_map: PreloadMap, tolerance: float = TOLERANCE) 
         f = np.geomspace(low, high, points + 1)
         middle = (f[1:] + f[:-1]) / 2
         K = preload_map.model.complex_stiffness(omega=2 * np.pi * f)
-        between = preload_map.model.complex_stiffness(omega=2 * np.pi * middle)
-        if np.max(np.abs((K[1:] + K[:-1]) / 2 / between - 1)) <= tolerance:
+        interpolated = preload_map.model.complex_stiffness(omega=2 * np.pi * middle)
+        if np.max(np.abs((K[1:] + K[:-1]) / 2 / interpolated - 1)) <= tolerance:
             return np.asarray(f)
         points *= 2
     raise ExportError(
@@ -82,16 +82,16 @@ def render_abaqus(preload_map: PreloadMap, units: UnitSystem) -> str:
     """
     f = tabulate_frequencies(preload_map)
     fields = 2 if len(preload_map.amplitudes) else 1
-    stiff: list[str] = []
+    stiffness_lines: list[str] = []
     damped: list[str] = []
     # field variables change slowest, the last of them first
     for c, X in sorted(preload_map.settings, key=lambda setting: (setting[1] or 0.0, setting[0])):
         K = preload_map.evaluate(f, compression=c, amplitude=X).value
-        where = [c] if X is None else [c, X]
-        tail = ", ".join(["", *(text(value / units.length) for value in where)])
+        levels = [c] if X is None else [c, X]
+        tail = ", ".join(["", *(text(value / units.length) for value in levels)])
         for at, value in zip(f.tolist(), K.tolist(), strict=True):
             hertz = text(units.frequency(at))
-            stiff.append(f"{text(units.stiffness(value.real))}, {hertz}, {tail}")
+            stiffness_lines.append(f"{text(units.stiffness(value.real))}, {hertz}, {tail}")
             damped.append(f"{text(value.imag / value.real)}, {hertz}, {tail}")
     return "\n".join([
         *_head("**", preload_map, units, "connector behavior over frequency and field variables"),
@@ -100,7 +100,7 @@ def render_abaqus(preload_map: PreloadMap, units: UnitSystem) -> str:
         "** acts along component 1, in direct or subspace-based steady-state dynamics",
         "*CONNECTOR BEHAVIOR, NAME=SEAL",
         f"*CONNECTOR ELASTICITY, COMPONENT=1, DEPENDENCIES={fields}",
-        *stiff,
+        *stiffness_lines,
         f"*CONNECTOR DAMPING, COMPONENT=1, TYPE=STRUCTURAL, DEPENDENCIES={fields}",
         *damped,
         "",
@@ -130,13 +130,15 @@ def render_matlab(preload_map: PreloadMap) -> str:
     return "\n".join([*lines, ""])
 
 
-def _head(mark: str, preload_map: PreloadMap, units: UnitSystem, what: str) -> Sequence[str]:
+def _head(
+    comment_sign: str, preload_map: PreloadMap, units: UnitSystem, title: str
+) -> Sequence[str]:
     low, high = preload_map.band
     return (
-        f"{mark} {byline(what)}",
-        f"{mark} units: {', '.join(units.words)}; verdict: {preload_map.verdict.use}",
-        f"{mark} measured from {low:.6g} to {high:.6g} Hz; do not leave the table",
-        f"{mark} not solver-verified: no solver runs this form in dashpot's tests",
+        f"{comment_sign} {byline(title)}",
+        f"{comment_sign} units: {', '.join(units.words)}; verdict: {preload_map.verdict.use}",
+        f"{comment_sign} measured from {low:.6g} to {high:.6g} Hz; do not leave the table",
+        f"{comment_sign} not solver-verified: no solver runs this form in dashpot's tests",
     )
 
 
@@ -155,5 +157,9 @@ def _wrap(start: str, values: FloatArray, end: str) -> list[str]:
     words = [f"{value:.9g}".replace("nan", "NaN") for value in values.tolist()]
     rows = [" ".join(words[i : i + _LINE]) for i in range(0, len(words), _LINE)]
     # a column in MATLAB: rows stand below each other
-    joined = [row.replace(" ", "; ") for row in rows]
-    return [f"{start} ...", *(f"  {row}; ..." for row in joined[:-1]), f"  {joined[-1]}{end}"]
+    rows_with_semicolons = [row.replace(" ", "; ") for row in rows]
+    return [
+        f"{start} ...",
+        *(f"  {row}; ..." for row in rows_with_semicolons[:-1]),
+        f"  {rows_with_semicolons[-1]}{end}",
+    ]

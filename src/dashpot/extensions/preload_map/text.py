@@ -31,10 +31,10 @@ def format_preload_map(preload_map: PreloadMap) -> Text:
     lines += table([list(PAIR_HEAD), *(list(list_pair_cells(test)) for test in preload_map.pairs)])
     if preload_map.resonances:
         lines += table([["compression, mm", "resonance, Hz", "95 % interval", "damping ratio"], *(
-            [f"{convert_to_unit(each.compression, 'mm'):.4g}", value, f"{low} to {high}",
-             format_rounded(each.damping, digits=3)]
-            for each in preload_map.resonances
-            for value, low, high in [each.reported_frequency.cell_texts]
+            [f"{convert_to_unit(cell.compression, 'mm'):.4g}", value, f"{low} to {high}",
+             format_rounded(cell.damping, digits=3)]
+            for cell in preload_map.resonances
+            for value, low, high in [cell.reported_frequency.cell_texts]
         )])  # fmt: skip
     settings = [list(SETTING_HEAD), *(list(list_setting_cells(cell)) for cell in preload_map.cells)]
     return Text(lines, table(settings))

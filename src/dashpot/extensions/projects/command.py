@@ -68,22 +68,22 @@ def command(*, project: str, expect: str | None) -> CommandResult:
         for path in paths:
             path.unlink(missing_ok=True)
     try:
-        place = open_project(project)
+        opened_project = open_project(project)
     except ReadError:
         if not paths or expect is not None:
             raise
         return _make_cleanup_result(
             project, [path.relative_to(project).as_posix() for path in paths]
         )
-    checks = verify(place, page=workflow.html, expect=expect)
-    every = [
+    checks = verify(opened_project, page=workflow.html, expect=expect)
+    check_lines = [
         f"  {'ok' if check.passed else '--'}  {check.message}"
         for check in checks
         if not check.failed
     ]
     return CommandResult(
-        Verification(project, place.head, checks),
-        Text([f"history {place.head}"], every),
+        Verification(project, opened_project.head, checks),
+        Text([f"history {opened_project.head}"], check_lines),
         checks,
         must_pass=True,
         verdict=verdict(checks, headline=_format_headline(checks)),
@@ -91,19 +91,21 @@ def command(*, project: str, expect: str | None) -> CommandResult:
 
 
 def _make_cleanup_result(folder: str, remaining: list[str]) -> CommandResult:
-    """What is said of a folder that is no project."""
+    """Return the result for a folder that is no project."""
     from dashpot.extensions.projects.verification import check_half_written_files
 
     check = check_half_written_files(Path(folder))
     verification = Verification(folder, "", (check,))
     did = "left" if check.failed else "cleared"
-    gone = f"{format_count(len(remaining), 'half-written file')} {did}"
+    removed_text = f"{format_count(len(remaining), 'half-written file')} {did}"
     text = Text([f"{did} {name}" for name in remaining], [])
-    return CommandResult(verification, text, (check,), verdict=verdict((check,), headline=gone))
+    return CommandResult(
+        verification, text, (check,), verdict=verdict((check,), headline=removed_text)
+    )
 
 
 def _format_headline(checks: Iterable[Check]) -> str:
-    """What to say where nothing failed: no more than was judged."""
+    """Return the headline where nothing failed."""
     open_ = [check.message for check in checks if check.passed is None]
-    more = f". {len(open_)} not checked: {decapitalise_sentence(open_[0])}" if open_ else ""
-    return f"every result follows from its raw files again{more}"
+    open_text = f". {len(open_)} not checked: {decapitalise_sentence(open_[0])}" if open_ else ""
+    return f"every result follows from its raw files again{open_text}"

@@ -247,31 +247,31 @@ def convert_document(document: Any) -> Any:
 
     A digest of a former version is left out: what it was computed from is no longer there.
     """
-    return _convert(document, "", "", former=False)
+    return _convert(document, "", "", is_former=False)
 
 
-def _convert(value: Any, schema: str, parent: str, *, former: bool) -> Any:
+def _convert(value: Any, schema: str, parent: str, *, is_former: bool) -> Any:
     if isinstance(value, list):
-        return [_convert(item, schema, parent, former=former) for item in value]
+        return [_convert(item, schema, parent, is_former=is_former) for item in value]
     if not isinstance(value, dict):
-        return RENAMED_CHECKS.get(value, value) if former and parent == _FAILED else value
-    stated = value.get("schema")
-    if isinstance(stated, str):
-        schema, parent, former = stated, "", stated in RENAMED_KEYS
-    if not former:
-        return {key: _convert(item, schema, key, former=False) for key, item in value.items()}
+        return RENAMED_CHECKS.get(value, value) if is_former and parent == _FAILED else value
+    stated_schema = value.get("schema")
+    if isinstance(stated_schema, str):
+        schema, parent, is_former = stated_schema, "", stated_schema in RENAMED_KEYS
+    if not is_former:
+        return {key: _convert(item, schema, key, is_former=False) for key, item in value.items()}
     keys = {**EVERYWHERE, **RENAMED_KEYS[schema]}
     entries = {}
     for key, item in value.items():
         if key == "schema" and parent == "":
             entries[key] = name_present_schema(schema)
         elif key != "digest" or parent:
-            place = f"{parent}.{key}"
-            below = _FAILED if place == "verdict.because" else key
-            name = keys.get(place, key)
+            key_path = f"{parent}.{key}"
+            child = _FAILED if key_path == "verdict.because" else key
+            name = keys.get(key_path, key)
             if name in entries or (name != key and name in value):
                 raise ReadError(f'the keys "{key}" and "{name}" of the document are one: drop one')
-            entries[name] = _convert(item, schema, below, former=True)
+            entries[name] = _convert(item, schema, child, is_former=True)
     return _name_check(entries) if parent == "checks" else entries
 
 

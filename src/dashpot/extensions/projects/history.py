@@ -22,7 +22,7 @@ from dashpot.base.file_writing import write_atomic
 from dashpot.base.version import software
 
 GENESIS = "0" * 64
-"""What the first line names as the hash of the line before it."""
+"""Hash of the line before the first."""
 _HEAD = re.compile(rb"(0|[1-9]\d{0,17}) ([0-9a-f]{64})\n(?:[1-9]\d{0,17} ([0-9a-f]{64})\n)?")
 
 
@@ -101,8 +101,8 @@ class History:
     @property
     def is_truncated(self) -> bool:
         """Whether lines were cut off its end."""
-        retained = self.written <= len(self.lines)
-        return not (retained and self.head in {"", *(line.hash for line in self.lines)})
+        has_all_lines = self.written <= len(self.lines)
+        return not (has_all_lines and self.head in {"", *(line.hash for line in self.lines)})
 
     @property
     def has_matching_head(self) -> bool:
@@ -160,10 +160,10 @@ def append(folder: Path, content: dict[str, Any]) -> str:
             "written; put the file back from a copy before anything is added to it"
         )
     file = file_of(folder)
-    whole = b"".join(line + b"\n" for line in history.raw)
+    all_lines = b"".join(line + b"\n" for line in history.raw)
     # an operation that was cut short never happened; its half line must not stay
-    if file.exists() and file.read_bytes() != whole:
-        write_atomic(file, whole)
+    if file.exists() and file.read_bytes() != all_lines:
+        write_atomic(file, all_lines)
     entry = {
         "line": len(history.lines) + 1,
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -172,43 +172,43 @@ def append(folder: Path, content: dict[str, Any]) -> str:
         "software": software(),
         "previous": history.last,
     }
-    text, mark = format_hashed_line(entry)
+    text, line_hash = format_hashed_line(entry)
     head = head_of(folder)
     sentence = f"{len(history.lines)} {history.last}\n"
-    write_atomic(head, f"{sentence}{entry['line']} {mark}\n".encode())
+    write_atomic(head, f"{sentence}{entry['line']} {line_hash}\n".encode())
     with file.open("ab") as log:
         log.write(text + b"\n")
         log.flush()
         os.fsync(log.fileno())
-    write_atomic(head, f"{entry['line']} {mark}\n".encode())
-    return mark
+    write_atomic(head, f"{entry['line']} {line_hash}\n".encode())
+    return line_hash
 
 
 def format_hashed_line(entry: dict[str, Any]) -> tuple[bytes, str]:
     """Return a line as it is written, and its hash: that of its bytes before the hash."""
     body = json.dumps({key: value for key, value in entry.items() if key != "hash"}).encode()[:-1]
-    mark = sha256(body)
-    return body + _end(mark), mark
+    line_hash = sha256(body)
+    return body + _end(line_hash), line_hash
 
 
-def _end(mark: str) -> bytes:
-    return f', "hash": "{mark}"}}'.encode()
+def _end(line_hash: str) -> bytes:
+    return f', "hash": "{line_hash}"}}'.encode()
 
 
-def _as_written(text: bytes, mark: str) -> bool:
+def _as_written(text: bytes, line_hash: str) -> bool:
     """Return whether the bytes of a line are those that its hash is of."""
-    if text.endswith(_end(mark)) and sha256(text.removesuffix(_end(mark))) == mark:
+    if text.endswith(_end(line_hash)) and sha256(text.removesuffix(_end(line_hash))) == line_hash:
         return True
-    return _as_written_before(text, mark)
+    return _as_written_before(text, line_hash)
 
 
-def _as_written_before(text: bytes, mark: str) -> bool:
-    """The same of a line of the second edition, whose hash was that of its content, sorted."""
+def _as_written_before(text: bytes, line_hash: str) -> bool:
+    """Return the same for a line of the second edition, hashed by its sorted content."""
     entry = json.loads(text)
     without = {key: value for key, value in entry.items() if key != "hash"}
     ordered = json.dumps(without, sort_keys=True, ensure_ascii=False)
-    same = sha256(ordered.encode("utf-8", "surrogatepass")) == mark
-    return same and json.dumps(entry).encode() == text
+    is_same = sha256(ordered.encode("utf-8", "surrogatepass")) == line_hash
+    return is_same and json.dumps(entry).encode() == text
 
 
 def sha256(content: bytes) -> str:
@@ -219,8 +219,8 @@ def sha256(content: bytes) -> str:
 def _is_whole(text: bytes, before: list[bytes]) -> bool:
     try:
         entry, last = json.loads(text), json.loads(before[-1]) if before else {"hash": GENESIS}
-        whole = _as_written(text, str(entry["hash"]))
-        return bool(whole and entry["previous"] == last["hash"])
+        is_unchanged = _as_written(text, str(entry["hash"]))
+        return bool(is_unchanged and entry["previous"] == last["hash"])
     except (ValueError, TypeError, KeyError, RecursionError):
         return False
 
@@ -231,9 +231,9 @@ def _line(text: bytes, number: int) -> HistoryLine:
     try:
         entry = json.loads(text)
         line = msgspec.convert(entry, type=HistoryLine)
-        strange = entry.keys() - {attribute.name for attribute in fields(HistoryLine)}
-        if strange:
-            raise ValueError(f"it has {min(strange)!r}")
+        unknown_keys = entry.keys() - {attribute.name for attribute in fields(HistoryLine)}
+        if unknown_keys:
+            raise ValueError(f"it has {min(unknown_keys)!r}")
         return line
     except (msgspec.ValidationError, ValueError, RecursionError) as error:
         raise ReadError(
@@ -242,7 +242,7 @@ def _line(text: bytes, number: int) -> HistoryLine:
 
 
 def _head(folder: Path) -> tuple[int, str, str]:
-    """How many lines there were, the hash of the last, and of one that was about to be written."""
+    """Return the number of lines, the hash of the last, and that of a line about to be written."""
     try:
         match = _HEAD.fullmatch(head_of(folder).read_bytes())
     except FileNotFoundError:

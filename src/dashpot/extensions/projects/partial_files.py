@@ -21,5 +21,5 @@ def is_partial_file(name: str) -> bool:
 def find_partial_files(folder: str | Path) -> list[Path]:
     """Return the files that runs which were killed left in a folder and below it."""
     paths = (path for path in Path(folder).rglob(f".*{PART}") if is_partial_file(path.name))
-    until = time.time() - _ABANDONED_AFTER
-    return sorted(path for path in paths if path.is_file() and path.lstat().st_mtime < until)
+    newest_time = time.time() - _ABANDONED_AFTER
+    return sorted(path for path in paths if path.is_file() and path.lstat().st_mtime < newest_time)

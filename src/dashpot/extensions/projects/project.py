@@ -89,8 +89,8 @@ def create(folder: str | Path) -> Project:
 
 
 def _write_about(folder: Path, name: str) -> None:
-    about = f'schema = "{SCHEMA}"\nname = {json.dumps(name)}\n'
-    write_atomic(folder / "dashpot.toml", about.encode())
+    header_text = f'schema = "{SCHEMA}"\nname = {json.dumps(name)}\n'
+    write_atomic(folder / "dashpot.toml", header_text.encode())
 
 
 def open_project(folder: str | Path) -> Project:
@@ -103,22 +103,22 @@ def open_project(folder: str | Path) -> Project:
     """
     path = validate_path(folder)
     try:
-        about = parsed_toml((path / "dashpot.toml").read_bytes())
+        project_table = parsed_toml((path / "dashpot.toml").read_bytes())
     except (FileNotFoundError, NotADirectoryError):
         if not path.exists():
-            made = "A project is the folder that dashpot report --project FOLDER made."
-            raise ReadError(f"{missing(path)} {made}") from None
-        what = "it is a file" if path.is_file() else "it has no dashpot.toml"
+            advice = "A project is the folder that dashpot report --project FOLDER made."
+            raise ReadError(f"{missing(path)} {advice}") from None
+        reason = "it is a file" if path.is_file() else "it has no dashpot.toml"
         raise ReadError(
-            f"{path} is not a project: {what}; expected the folder that dashpot report --project "
+            f"{path} is not a project: {reason}; expected the folder that dashpot report --project "
             "FOLDER made"
         ) from None
     except ReadError as error:
         raise ReadError(f"{path / 'dashpot.toml'}: {error}") from None
-    if name_present_schema(str(about.get("schema"))) != SCHEMA:
+    if name_present_schema(str(project_table.get("schema"))) != SCHEMA:
         raise ReadError(
-            f"{path / 'dashpot.toml'} has schema {about.get('schema')!r}; expected {SCHEMA!r} or a "
-            "former version. Update dashpot if a newer one made the project"
+            f"{path / 'dashpot.toml'} has schema {project_table.get('schema')!r}; expected "
+            f"{SCHEMA!r} or a former version. Update dashpot if a newer one made the project"
         )
     return Project(path)
 
@@ -161,17 +161,19 @@ def record(project: Project, job: Job, *, page: Callable[[Study], str]) -> tuple
             path: sha256((project.folder / path).read_bytes()) for path in paths_of(retained_job)
         }
         study = run(resolve_job_paths(project, retained_job))
-        made = contents(study, page)
-        name = name_of(to_document(retained_job), made["records/.json"])
-        outputs = {place.replace("/.", f"/{name}."): block for place, block in made.items()}
-        about = parsed_toml((project.folder / "dashpot.toml").read_bytes())
-        if about.get("schema") != SCHEMA:  # what is added is of the present version
-            _write_about(project.folder, str(about.get("name", project.folder.name)))
-        stated = profiles(retained_job)
-        for place, content in (stated | outputs).items():
-            (project.folder / place).parent.mkdir(exist_ok=True)
-            write_atomic(project.folder / place, content)
-        inputs |= {place: sha256(content) for place, content in stated.items()}
+        new_contents = contents(study, page)
+        name = name_of(to_document(retained_job), new_contents["records/.json"])
+        outputs = {
+            file_path.replace("/.", f"/{name}."): block for file_path, block in new_contents.items()
+        }
+        project_table = parsed_toml((project.folder / "dashpot.toml").read_bytes())
+        if project_table.get("schema") != SCHEMA:  # what is added is of the present version
+            _write_about(project.folder, str(project_table.get("name", project.folder.name)))
+        profile_files = profiles(retained_job)
+        for file_path, content in (profile_files | outputs).items():
+            (project.folder / file_path).parent.mkdir(exist_ok=True)
+            write_atomic(project.folder / file_path, content)
+        inputs |= {file_path: sha256(content) for file_path, content in profile_files.items()}
         append(
             project.folder,
             to_plain_value(
@@ -201,8 +203,8 @@ def contents(study: Study, page: Callable[[Study], str]) -> dict[str, bytes]:
         ).encode(),
         "reports/.html": page(study).encode(),
         **{
-            f"records/.{what}.json": to_json(fit).encode()
-            for what, fit in fits.items()
+            f"records/.{fit_name}.json": to_json(fit).encode()
+            for fit_name, fit in fits.items()
             if fit is not None
         },
     }
@@ -219,17 +221,17 @@ class ResultNumbers(Serialisable):
 
     @property
     def fit(self) -> dict[str, Any]:
-        """Of the chosen solid."""
+        """Document of the chosen solid."""
         return numbers(self.study.fit.to_dict())
 
     @property
     def alternatives(self) -> list[dict[str, Any]]:
-        """Of the solids with one and with two arms."""
+        """Documents of the solids with one and with two arms."""
         return [numbers(fit.to_dict()) for fit in self.study.alternatives]
 
     @property
     def hammer_results(self) -> dict[str, Any]:
-        """Of what there is where a hammer was used."""
+        """Documents of the results with a hammer."""
         names = ("joint", "comparison", "joint_comparison")
         entries = {name: getattr(self.study, name) for name in names}
         return {
@@ -238,18 +240,18 @@ class ResultNumbers(Serialisable):
         }
 
 
-def numbers(whole: dict[str, Any]) -> dict[str, Any]:
+def numbers(document: dict[str, Any]) -> dict[str, Any]:
     """Return a result's document without its sampled arrays and its texts."""
     dropped = {
         "predicted", "measured", "profiles", "checks", "source", "steps", "verdict", "message",
     }  # fmt: skip
-    return {key: value for key, value in whole.items() if key not in dropped}
+    return {key: value for key, value in document.items() if key not in dropped}
 
 
 def profiles(job: Job) -> dict[str, bytes]:
     """Return the reading profiles of a job, where the user said anything, by their place."""
-    stated = {dump_profile(options) for options in (job.reading, job.reading_impact)}
-    texts = [text.encode() for text in sorted(stated - {dump_profile(ReadOptions())})]
+    profile_names = {dump_profile(options) for options in (job.reading, job.reading_impact)}
+    texts = [text.encode() for text in sorted(profile_names - {dump_profile(ReadOptions())})]
     return {f"profiles/{sha256(text)[:NAME]}.toml": text for text in texts}
 
 
@@ -277,30 +279,30 @@ def resolve_project_path(project: Project, path: str) -> Path:
         If it is not, by whatever link.
     """
     root = project.folder.resolve()
-    place = (root / path).resolve()
-    if not place.is_relative_to(root):
+    resolved_path = (root / path).resolve()
+    if not resolved_path.is_relative_to(root):
         raise ReadError(f"{path} leads out of the project; nothing outside it is read")
-    return place
+    return resolved_path
 
 
 def _keep(project: Project, path: str) -> str:
     """Copy a file into ``raw/`` unless it is there; return its place inside the project."""
     source = open_raw(path)
     content = b"".join(source.blocks())
-    named = Path(source.name)
+    file_name = Path(source.name)
     raw = project.folder / "raw"
     raw.mkdir(exist_ok=True)
-    place = raw / named
-    if place.exists() and place.read_bytes() != content:
-        place = raw / f"{named.stem}-{sha256(content)[:NAME]}{named.suffix}"
-    if not place.exists():
-        write_atomic(place, content)
-    elif place.read_bytes() != content:
+    target = raw / file_name
+    if target.exists() and target.read_bytes() != content:
+        target = raw / f"{file_name.stem}-{sha256(content)[:NAME]}{file_name.suffix}"
+    if not target.exists():
+        write_atomic(target, content)
+    elif target.read_bytes() != content:
         raise DataError(
-            f"{place} is no longer the copy of {path} that it was: put it back, or remove it "
+            f"{target} is no longer the copy of {path} that it was: put it back, or remove it "
             "and run 'dashpot verify'"
         )
-    return f"raw/{place.name}"
+    return f"raw/{target.name}"
 
 
 def keep_report(
@@ -308,5 +310,5 @@ def keep_report(
 ) -> tuple[Study, Path, Project]:
     """Run a job in the project of a folder; return its study, its report and the project."""
     project = create(folder)
-    study, place = record(project, job, page=page)
-    return study, place, project
+    study, page_path = record(project, job, page=page)
+    return study, page_path, project

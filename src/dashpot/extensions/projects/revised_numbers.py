@@ -26,32 +26,35 @@ _LABELS = frozenset({"schema", "id", "digest", "message"})
 """Keys that name a document, or word it, and hold no number of it."""
 
 
-def split_common(before: Any, after: Any) -> tuple[Any, Any, dict[str, tuple[Any, Any]]]:
+def split_common(before: Any, second: Any) -> tuple[Any, Any, dict[str, tuple[Any, Any]]]:
     """Return two documents without their revised numbers, and both values of each of those.
 
     A key that one of them lacks stays in the other, unless the first version did not know it yet.
     """
     revised: dict[str, tuple[Any, Any]] = {}
 
-    def split(old: Any, new: Any, where: str) -> tuple[Any, Any]:
+    def split(old: Any, new: Any, key_path: str) -> tuple[Any, Any]:
         if isinstance(old, dict) and isinstance(new, dict):
-            was: dict[str, Any] = {}
-            now: dict[str, Any] = {}
+            first_part: dict[str, Any] = {}
+            second_part: dict[str, Any] = {}
             for key in sorted((old.keys() | new.keys()) - _LABELS):
                 if key in REVISED_NUMBERS and key in old and key in new:
-                    revised[f"{where}.{key}".lstrip(".")] = (old[key], new[key])
+                    revised[f"{key_path}.{key}".lstrip(".")] = (old[key], new[key])
                 elif key in old and key in new:
-                    was[key], now[key] = split(old[key], new[key], f"{where}.{key}")
+                    first_part[key], second_part[key] = split(
+                        old[key], new[key], f"{key_path}.{key}"
+                    )
                 elif key in old:
-                    was[key] = old[key]
+                    first_part[key] = old[key]
                 elif key not in _ADDED:
-                    now[key] = new[key]
-            return was, now
+                    second_part[key] = new[key]
+            return first_part, second_part
         if isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
             items = [
-                split(*pair, f"{where}[{i}]") for i, pair in enumerate(zip(old, new, strict=True))
+                split(*pair, f"{key_path}[{i}]")
+                for i, pair in enumerate(zip(old, new, strict=True))
             ]
-            return [one for one, _ in items], [other for _, other in items]
+            return [key for key, _ in items], [other for _, other in items]
         return old, new
 
-    return (*split(before, after, ""), revised)
+    return (*split(before, second, ""), revised)

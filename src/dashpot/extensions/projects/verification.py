@@ -100,16 +100,16 @@ def check_half_written_files(folder: Path) -> Check:
 
 def _check_expected_hash(history: History, expect: str) -> Check:
     hashes = [line.hash for line in history.lines]
-    place = hashes.index(expect) if expect in hashes else None
-    return verification_checks.history_expected(expect, place, len(hashes))
+    line_index = hashes.index(expect) if expect in hashes else None
+    return verification_checks.history_expected(expect, line_index, len(hashes))
 
 
-def _file(project: Project, listed: FileEntry, number: int) -> Check:
-    path = resolve_project_path(project, listed.file)
+def _file(project: Project, entry: FileEntry, number: int) -> Check:
+    path = resolve_project_path(project, entry.file)
     if not path.is_file():
-        return verification_checks.file_present(listed.file, number)
-    same = sha256(path.read_bytes()) == listed.sha256
-    return verification_checks.file_unchanged(listed.file, number, same=same)
+        return verification_checks.file_present(entry.file, number)
+    is_same = sha256(path.read_bytes()) == entry.sha256
+    return verification_checks.file_unchanged(entry.file, number, is_same=is_same)
 
 
 def _find_unlisted_files(project: Project, history: History) -> list[str]:
@@ -118,8 +118,8 @@ def _find_unlisted_files(project: Project, history: History) -> list[str]:
         entry.file for line in history.lines for entry in (*line.inputs, *line.outputs)
     }
     files = (path for path in project.folder.rglob("*") if path.is_file() or path.is_symlink())
-    whole = (path for path in files if not is_partial_file(path.name))
-    return sorted({path.relative_to(project.folder).as_posix() for path in whole} - names)
+    complete_files = (path for path in files if not is_partial_file(path.name))
+    return sorted({path.relative_to(project.folder).as_posix() for path in complete_files} - names)
 
 
 # -- the work, done again -------------------------------------------------------------------------
@@ -131,57 +131,62 @@ def _compare_with_rerun(
     job = from_json(json.dumps(line.job))
     if not isinstance(job, Job):
         raise ReadError(f"line {line.line} of history.jsonl holds no job: it was changed")
-    needed = {*paths_of(job), *profiles(job)}
-    unlisted = sorted(needed - {entry.file for entry in (*line.inputs, *line.outputs)})
+    input_files = {*paths_of(job), *profiles(job)}
+    unlisted = sorted(input_files - {entry.file for entry in (*line.inputs, *line.outputs)})
     if unlisted:
         return [verification_checks.inputs_listed(unlisted, line.line)]
-    made = contents(run(resolve_job_paths(project, job)), page)
-    retained = {
+    rerun_files = contents(run(resolve_job_paths(project, job)), page)
+    recorded_files = {
         _kind(output.file): resolve_project_path(project, output.file).read_bytes()
         for output in line.outputs
     }
-    documents = [place for place in retained if place.endswith(".json")]
-    versions = {_is_former(retained[place]) for place in documents}
+    documents = [file_key for file_key in recorded_files if file_key.endswith(".json")]
+    versions = {_is_former(recorded_files[file_key]) for file_key in documents}
     versions.add(_is_former(json.dumps(line.job).encode()))
-    former = True in versions
+    is_former = True in versions
     # another version may word and draw the same numbers otherwise
-    alike = line.software == software() and not former
+    is_same_version = line.software == software() and not is_former
     names = {match[1] for output in line.outputs if (match := _NAMED.search(output.file))}
-    other = retained.keys() != made.keys() or len(names) != 1
-    if other or (alike and names != {name_of(line.job, retained["records/.json"])}):
+    other = recorded_files.keys() != rerun_files.keys() or len(names) != 1
+    if other or (is_same_version and names != {name_of(line.job, recorded_files["records/.json"])}):
         return [
             verification_checks.result_recomputed(float("inf"), "it keeps other files", line.line)
         ]
-    if any(entry.file not in needed for entry in line.inputs):
+    if any(entry.file not in input_files for entry in line.inputs):
         return [
             verification_checks.result_recomputed(
                 float("inf"), "its job reads fewer files", line.line
             )
         ]
     if len(versions) > 1:
-        where = "its job and documents are of different versions"
-        return [verification_checks.result_recomputed(float("inf"), where, line.line)]
-    if former:
+        location = "its job and documents are of different versions"
+        return [verification_checks.result_recomputed(float("inf"), location, line.line)]
+    if is_former:
         return [
-            *_compare_with_former(line, retained, made, documents),
-            verification_checks.page_redrawn(line.line, same=False, is_same=False),
+            *_compare_with_former(line, recorded_files, rerun_files, documents),
+            verification_checks.page_redrawn(line.line, is_same_page=False, is_same=False),
         ]
-    worst, where = max(
-        _json_difference(retained[place], made[place], place, words=alike) for place in documents
+    worst, location = max(
+        _json_difference(
+            recorded_files[file_key], rerun_files[file_key], file_key, words=is_same_version
+        )
+        for file_key in documents
     )
-    same = alike and same_page(retained["reports/.html"], made["reports/.html"])
+    is_same = is_same_version and same_page(
+        recorded_files["reports/.html"], rerun_files["reports/.html"]
+    )
     return [
-        verification_checks.result_recomputed(worst, where, line.line),
-        verification_checks.page_redrawn(line.line, same=same, is_same=alike),
+        verification_checks.result_recomputed(worst, location, line.line),
+        verification_checks.page_redrawn(line.line, is_same_page=is_same, is_same=is_same_version),
     ]
 
 
 _NAMED = re.compile(rf"/([0-9a-f]{{{NAME}}})\.")
 
 
-def _kind(place: str) -> str:
+def _kind(file_path: str) -> str:
     """Return a place without the name of the result: ``records/0123456789abcdef.fit.json``."""
-    return _NAMED.sub("/.", place)
+    return _NAMED.sub("/.", file_path)
 
 
 def _is_former(content: bytes) -> bool:
@@ -195,77 +200,84 @@ def _is_former(content: bytes) -> bool:
 
 
 def _compare_with_former(
-    line: HistoryLine, retained: dict[str, bytes], new_files: dict[str, bytes], documents: list[str]
+    line: HistoryLine,
+    recorded_files: dict[str, bytes],
+    new_files: dict[str, bytes],
+    documents: list[str],
 ) -> list[Check]:
     """Compare what documents of a former version and the present ones both hold."""
     faults: list[str] = []
     written: dict[str, Any] = {}
-    for place in documents:
+    for file_key in documents:
         try:
-            before = json.loads(retained[place], object_pairs_hook=require_unique_keys)
+            before = json.loads(recorded_files[file_key], object_pairs_hook=require_unique_keys)
         except (ValueError, RecursionError):
-            faults.append(f"{place} is no JSON")
+            faults.append(f"{file_key} is no JSON")
             continue
-        if place != "records/.json" and has_edited_fit(before):  # which holds parts of fits
-            faults.append(f"{place} holds a fit that was changed by hand")
-        written[place] = numbers(convert_document(before))
+        if file_key != "records/.json" and has_edited_fit(before):  # which holds parts of fits
+            faults.append(f"{file_key} holds a fit that was changed by hand")
+        written[file_key] = numbers(convert_document(before))
     result = written.get("records/.json", {})
     for name in ("fit", "joint"):
         alone = written.get(f"records/.{name}.json")
-        held = numbers(result.get(name) or {})
-        if alone is not None and held | {DIGEST: ""} != alone | {DIGEST: ""}:
+        embedded_fit = numbers(result.get(name) or {})
+        if alone is not None and embedded_fit | {DIGEST: ""} != alone | {DIGEST: ""}:
             faults.append(f"the result and its {name}.json hold different fits")
     if faults:
         return [verification_checks.result_recomputed(float("inf"), faults[0], line.line)]
-    worst, where, revised = 0.0, "", set()
-    for place, before in written.items():
-        old, new, differing = split_common(before, numbers(json.loads(new_files[place])))
-        worst, where = max((worst, where), find_largest_difference(old, new, place))
+    worst, location, revised = 0.0, "", set()
+    for file_key, before in written.items():
+        old, new, differing = split_common(before, numbers(json.loads(new_files[file_key])))
+        worst, location = max((worst, location), find_largest_difference(old, new, file_key))
         revised |= {
             name.rpartition(".")[2]
-            for name, (was, now) in differing.items()
-            if find_largest_difference(was, now)[0] > verification_checks.SAME
+            for name, (old_value, new_value) in differing.items()
+            if find_largest_difference(old_value, new_value)[0] > verification_checks.SAME
         }
     if worst == float("inf"):
-        return [verification_checks.result_recomputed(worst, where, line.line)]
+        return [verification_checks.result_recomputed(worst, location, line.line)]
     by = line.software.get("dashpot", "another version")
     reasons = {name: reason for name, reason in REVISED_NUMBERS.items() if name in revised}
     return [
-        verification_checks.former_result_recomputed(worst, where, line.line, by),
+        verification_checks.former_result_recomputed(worst, location, line.line, by),
         verification_checks.uncertainty_unrevised(reasons, line.line, by),
     ]
 
 
-def _json_difference(content: bytes, again: bytes, place: str, *, words: bool) -> tuple[float, str]:
+def _json_difference(
+    content: bytes, new_content: bytes, file_key: str, *, words: bool
+) -> tuple[float, str]:
     try:
         before, after = (
             json.loads(content, object_pairs_hook=require_unique_keys),
-            json.loads(again),
+            json.loads(new_content),
         )
     except (ValueError, RecursionError):
-        return float("inf"), f"{place} is no JSON"
+        return float("inf"), f"{file_key} is no JSON"
     if not words and isinstance(before, dict):
         before, after = numbers(before), numbers(after)
-    return find_largest_difference(before, after, place)
+    return find_largest_difference(before, after, file_key)
 
 
-def find_largest_difference(retained: Any, again: Any, where: str = "") -> tuple[float, str]:
+def find_largest_difference(
+    recorded: Any, recomputed: Any, location: str = ""
+) -> tuple[float, str]:
     """Return the largest relative difference between two documents, and its place."""
-    if not (isinstance(retained, dict | list) and isinstance(again, type(retained))):
+    if not (isinstance(recorded, dict | list) and isinstance(recomputed, type(recorded))):
         compute = (
-            _compute_gap_difference if where.endswith(".gap") else _compute_relative_difference
+            _compute_gap_difference if location.endswith(".gap") else _compute_relative_difference
         )
-        return compute(retained, again), f"{where} was {retained!r} and is {again!r}"
-    if where.endswith("model.arms"):
-        retained, again = _merge_coincident_arms(retained), _merge_coincident_arms(again)
-    before, after = parts_of(retained, where), parts_of(again, where)
+        return compute(recorded, recomputed), f"{location} was {recorded!r} and is {recomputed!r}"
+    if location.endswith("model.arms"):
+        recorded, recomputed = _merge_coincident_arms(recorded), _merge_coincident_arms(recomputed)
+    before, after = parts_of(recorded, location), parts_of(recomputed, location)
     if before.keys() != after.keys():
-        otherwise = "other keys" if isinstance(retained, dict) else "another length"
-        return float("inf"), f"{where or 'the document'} has {otherwise}"
+        difference_text = "other keys" if isinstance(recorded, dict) else "another length"
+        return float("inf"), f"{location or 'the document'} has {difference_text}"
     pairs = (
-        find_largest_difference(before[place], after[place], place.lstrip("."))
-        for place in before
-        if place != f"{where}.{DIGEST}"
+        find_largest_difference(before[key_path], after[key_path], key_path.lstrip("."))
+        for key_path in before
+        if key_path != f"{location}.{DIGEST}"
     )
     return max(pairs, default=(0.0, ""), key=lambda item: item[0])
 
@@ -277,8 +289,8 @@ def _merge_coincident_arms(arms: Any) -> Any:
     split it in any way, as rounding of the processor will have it.
     """
     keys = {"k", "tau", "b"}
-    listed = isinstance(arms, list)
-    if not listed or not all(isinstance(arm, dict) and keys <= arm.keys() for arm in arms):
+    is_list = isinstance(arms, list)
+    if not is_list or not all(isinstance(arm, dict) and keys <= arm.keys() for arm in arms):
         return arms
     merged: list[Any] = []
     for arm in arms:
@@ -290,41 +302,46 @@ def _merge_coincident_arms(arms: Any) -> Any:
     return merged
 
 
-def _compute_relative_difference(text: Any, again: Any) -> float:
+def _compute_relative_difference(text: Any, other: Any) -> float:
     """Return relative difference of two values; of texts that of the numbers in them, if any."""
-    if repr(text) == repr(again):  # as NaN equals nothing
+    if repr(text) == repr(other):  # as NaN equals nothing
         return 0.0
-    if _is_number(text) and _is_number(again) and text != again:
-        number, scale = abs(Decimal(text) - Decimal(again)), max(abs(text), abs(again))
+    if _is_number(text) and _is_number(other) and text != other:
+        number, scale = abs(Decimal(text) - Decimal(other)), max(abs(text), abs(other))
         # what is not finite is no rounding of what is
         return float(number / Decimal(scale)) if number.is_finite() else float("inf")
-    if isinstance(text, str) and isinstance(again, str):
-        same = _same_words(text, again)
+    if isinstance(text, str) and isinstance(other, str):
+        is_same = _same_words(text, other)
     else:
-        same = text == again and isinstance(text, bool) == isinstance(again, bool)
-    return 0.0 if same else float("inf")
+        is_same = text == other and isinstance(text, bool) == isinstance(other, bool)
+    return 0.0 if is_same else float("inf")
 
 
-def _compute_gap_difference(gap: Any, again: Any) -> float:
+def _compute_gap_difference(gap: Any, other_gap: Any) -> float:
     """Return the difference of two gaps, which are fractions: all digits of a small one round."""
-    if _is_number(gap) and _is_number(again) and math.isfinite(gap) and math.isfinite(again):
-        return float(abs(gap - again))
-    return _compute_relative_difference(gap, again)
+    if (
+        _is_number(gap)
+        and _is_number(other_gap)
+        and math.isfinite(gap)
+        and math.isfinite(other_gap)
+    ):
+        return float(abs(gap - other_gap))
+    return _compute_relative_difference(gap, other_gap)
 
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def same_page(content: bytes, again: bytes) -> bool:
+def same_page(content: bytes, other_content: bytes) -> bool:
     """Tell whether two pages say and show the same, but for how a last digit is rounded.
 
     The files inside a page are compared as what they are.
     """
-    if content == again:
+    if content == other_content:
         return True
     try:
-        before, after = (_decode_embedded_files(text.decode()) for text in (content, again))
+        before, after = (_decode_embedded_files(text.decode()) for text in (content, other_content))
     except ValueError:
         return False
     return _same_words(before, after)
@@ -342,11 +359,11 @@ def _decode_embedded_files(page: str) -> str:
 _NUMBER = re.compile(r"(-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)", re.ASCII)
 
 
-def _same_words(text: str, again: str) -> bool:
+def _same_words(text: str, other_text: str) -> bool:
     """Tell whether two texts differ in nothing but the last printed digit of their numbers."""
-    if text == again:
+    if text == other_text:
         return True
-    before, after = _NUMBER.split(text), _NUMBER.split(again)
+    before, after = _NUMBER.split(text), _NUMBER.split(other_text)
     return before[::2] == after[::2] and all(
         # of 13 and 12.71 the finer counts: who prints fewer digits has not computed another number
         a == b or _is_rounded(a, b)

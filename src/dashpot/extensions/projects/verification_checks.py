@@ -40,8 +40,8 @@ def history_whole(lines: int, written: int, *, shortened: bool, headed: bool) ->
     """No line is missing from the end of the history."""
     if not lines and not written:
         return Finding("The history has no line that its head could be of")
-    lost = "is missing" if not written else f"is older: it is of line {written} of {lines}"
-    instead = f"history.head {lost}, so lines cut off the end would not be seen"
+    state_text = "is missing" if not written else f"is older: it is of line {written} of {lines}"
+    instead = f"history.head {state_text}, so lines cut off the end would not be seen"
     if shortened:
         instead = f"The history has {lines} of {written} lines"
         if lines >= written:
@@ -57,15 +57,15 @@ def history_whole(lines: int, written: int, *, shortened: bool, headed: bool) ->
 
 
 @criterion(source="the hash that was noted when that line was the last", grade="stop")
-def history_expected(expected: str, place: int | None, lines: int) -> Finding:
+def history_expected(expected: str, line_index: int | None, lines: int) -> Finding:
     """The history contains the line whose hash was noted."""
-    since = "" if place is None else f"; {lines - 1 - place} lines were added since"
+    added_text = "" if line_index is None else f"; {lines - 1 - line_index} lines were added since"
     return Finding(
-        f"The history has the line {expected[:16]}... that is expected{since}",
+        f"The history has the line {expected[:16]}... that is expected{added_text}",
         failure=f"The history has no line {expected[:16]}... It was shortened or rewritten, or the "
         "hash is of another project",
         remedy=Remedy("Check the hash, or restore history.jsonl from a copy.", "expect"),
-        always_fails=place is None,
+        always_fails=line_index is None,
     )
 
 
@@ -100,13 +100,13 @@ def inputs_listed(files: Sequence[str], number: int) -> Finding:
 
 
 @criterion("files", "<=", 0, "a note: a run that was killed leaves some", grade="note")
-def files_listed(added: Sequence[str]) -> Finding:
+def files_listed(unlisted: Sequence[str]) -> Finding:
     """Every file in the project's folder is in its history."""
-    more = "" if len(added) <= LISTED else f" and {len(added) - LISTED} more"
+    more_text = "" if len(unlisted) <= LISTED else f" and {len(unlisted) - LISTED} more"
     return Finding(
         "Every file is in the history",
-        len(added),
-        failure=f"The history does not list {', '.join(added[:LISTED])}{more}",
+        len(unlisted),
+        failure=f"The history does not list {', '.join(unlisted[:LISTED])}{more_text}",
         remedy="Move them out of the project, if they do not belong there.",
     )
 
@@ -114,40 +114,40 @@ def files_listed(added: Sequence[str]) -> Finding:
 @criterion("files", "<=", 0, "a note: they hold nothing that was finished", grade="note")
 def nothing_half_written(remaining: Sequence[str]) -> Finding:
     """No incomplete file of an interrupted run is left."""
-    more = "" if len(remaining) <= LISTED else f" and {len(remaining) - LISTED} more"
+    more_text = "" if len(remaining) <= LISTED else f" and {len(remaining) - LISTED} more"
     return Finding(
         "Runs that were killed left no half-written file",
         len(remaining),
-        failure=f"Runs that were killed left {', '.join(remaining[:LISTED])}{more}",
+        failure=f"Runs that were killed left {', '.join(remaining[:LISTED])}{more_text}",
         remedy=Remedy("Clear them.", "overwrite"),
     )
 
 
 @criterion(source="SHA-256 of its bytes", grade="stop")
-def file_unchanged(file: str, number: int, *, same: bool) -> Finding:
+def file_unchanged(file: str, number: int, *, is_same: bool) -> Finding:
     """No recorded file was changed."""
     return Finding(
         f"{file} (line {number}) is as it was",
         failure=f"{file} (line {number}) has changed since it was recorded",
         remedy="Restore it from a copy.",
-        always_fails=not same,
+        always_fails=not is_same,
     )
 
 
 @criterion("relative difference", "<=", SAME, "our choice: below what is printed", grade="stop")
-def result_recomputed(worst: float, where: str, number: int) -> Finding:
+def result_recomputed(worst: float, location: str, number: int) -> Finding:
     """Every result can be recomputed from its raw files."""
     result = f"The result of line {number}, computed again from its raw files, "
     return Finding(
         f"{result}is the same (largest relative difference {worst:.2g})",
         worst,
-        failure=f"{result}differs: {where}",
+        failure=f"{result}differs: {location}",
         remedy="Make the result again, and compare the versions.",
     )
 
 
 @criterion("relative difference", "<=", SAME, "as of `result_recomputed`", grade="limit")
-def former_result_recomputed(worst: float, where: str, number: int, by: str) -> Finding:
+def former_result_recomputed(worst: float, location: str, number: int, by: str) -> Finding:
     """The model of an earlier version can be recomputed from the raw files of its result."""
     result = (
         f"The result of line {number}, made by dashpot {by} and computed again by this version,"
@@ -155,8 +155,8 @@ def former_result_recomputed(worst: float, where: str, number: int, by: str) -> 
     return Finding(
         f"{result} has the same model (largest relative difference {worst:.2g})",
         worst,
-        failure=f"{result} has another number: {where}. Either this version computes it otherwise, "
-        "or result and history were changed together",
+        failure=f"{result} has another number: {location}. Either this version computes it "
+        "otherwise, or result and history were changed together",
         remedy="Make the result again, and use the new one.",
     )
 
@@ -175,14 +175,14 @@ def uncertainty_unrevised(reasons: Mapping[str, str], number: int, by: str) -> F
 
 
 @criterion("parts that differ", "<=", 0, "by definition", grade="stop")
-def page_redrawn(number: int, *, same: bool, is_same: bool) -> Finding:
+def page_redrawn(number: int, *, is_same_page: bool, is_same: bool) -> Finding:
     """Every report shows what its result says."""
     page = f"The report of line {number}"
     if not is_same:
         return Finding(f"{page} was made by other versions, so its words are not checked")
     return Finding(
         f"{page}, drawn again, is the same",
-        0 if same else 1,
+        0 if is_same_page else 1,
         failure=f"{page} does not show what its result shows: it was changed",
         remedy="Make the report again.",
     )

@@ -138,7 +138,7 @@ def _bushing(deck: Deck, nominal: float) -> DeckText:
 
 def _curve(axis: str, slope: float, length: float) -> list[str]:
     """Return the block of a straight force or torque curve through zero."""
-    straight = axis.startswith("F")
-    reach = _REACH / length if straight else 180.0
-    rows = [f" {text(x)} {text(slope * x + 0.0)}" for x in (-reach, 0.0, reach)]
-    return [f"[{axis}_CURVE]", f"{{ {'x' if straight else 'ang'} {axis.lower()} }}", *rows]
+    is_force_axis = axis.startswith("F")
+    max_abscissa = _REACH / length if is_force_axis else 180.0
+    rows = [f" {text(x)} {text(slope * x + 0.0)}" for x in (-max_abscissa, 0.0, max_abscissa)]
+    return [f"[{axis}_CURVE]", f"{{ {'x' if is_force_axis else 'ang'} {axis.lower()} }}", *rows]

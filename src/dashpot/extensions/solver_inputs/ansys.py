@@ -78,13 +78,16 @@ def _table(
     """Return an element type for each way, a real constant of two tables for each share of it."""
     cards, tables = ["/PREP7"], []
     constants: dict[tuple[int, float], int] = {}
-    for way in range(row.ways):
-        cards += [f"ET,{first_id + way},COMBIN14", f"KEYOPT,{first_id + way},2,{way + 1}"]
+    for direction in range(row.ways):
+        cards += [
+            f"ET,{first_id + direction},COMBIN14",
+            f"KEYOPT,{first_id + direction},2,{direction + 1}",
+        ]
     for shares in row.shares:
-        for way, solid in row.springs(shares):
-            if (way, shares[way]) in constants:
+        for direction, solid in row.springs(shares):
+            if (direction, shares[direction]) in constants:
                 continue
-            number = constants[way, shares[way]] = first_id + len(constants)
+            number = constants[direction, shares[direction]] = first_id + len(constants)
             tables.append(deck.table(*requested, solid=solid, damping="damping"))
             cards += _real_constant(deck, number, tables[-1])
     for i, station in enumerate(row.stations):
@@ -93,9 +96,9 @@ def _table(
             cards.append(f"N,{node},{','.join(words)}")
     for i, station in enumerate(row.stations):
         a, b = row.nodes(i, first_id)
-        for way, _ in row.springs(station.shares):
-            constant = constants[way, station.shares[way]]
-            cards += [f"TYPE,{first_id + way}", f"REAL,{constant}", f"E,{a},{b}"]
+        for direction, _ in row.springs(station.shares):
+            constant = constants[direction, station.shares[direction]]
+            cards += [f"TYPE,{first_id + direction}", f"REAL,{constant}", f"E,{a},{b}"]
     return deck.format_text(
         "!",
         "springs and dampers against frequency for Ansys Mechanical APDL",

@@ -122,12 +122,12 @@ def calculix(
             "U1 of node 2 under a unit force: the receptance, real block then",
             "imaginary block at each frequency; the dummies only keep the eigensolver busy",
         ]
-    verified, *more = (
+    verified, *further_remarks = (
         [CYCLED]
         if deck.nonlinear_elements.parts
         else [*format_procedures("calculix", "arms"), _ARMS_ACT]
     )
-    remarks = [*more, *remarks, *slider_remarks(deck)]
+    remarks = [*further_remarks, *remarks, *slider_remarks(deck)]
     return deck.format_text("**", title, cards, verified=verified, remarks=remarks)
 
 
@@ -135,14 +135,14 @@ def _springs(deck: Deck, row: SpringRow, nominal: float, first_id: int) -> DeckT
     """Return a spring of K' for each way of each station, along an axis of its frame."""
     cards, element = pairs_of_nodes(row, first_id), first_id
     for number, (_, frame, shares, members) in enumerate(groups_of(row, first_id), start=1):
-        for way, solid in row.springs(shares):
+        for direction, solid in row.springs(shares):
             K = complex(solid.complex_stiffness(omega=2 * np.pi * nominal)).real
-            name = f"SEAL_{number}_{way + 1}"
+            name = f"SEAL_{number}_{direction + 1}"
             cards += [
                 f"*ELEMENT, TYPE=SPRING2, ELSET={name}",
                 *(f"{element + i}, {a}, {b}" for i, (a, b) in enumerate(members)),
                 f"*SPRING, ELSET={name}, ORIENTATION=SEAL_FRAME_{frame}",
-                f"{way + 1}, {way + 1}",
+                f"{direction + 1}, {direction + 1}",
                 text(deck.units.stiffness(K)),
             ]
             element += len(members)

@@ -47,7 +47,7 @@ def felupe(
     require_positive(bulk_modulus=bulk_modulus, unit=" Pa", optional=True)
     bulk = _RUBBER * (modulus or 0.0) if bulk_modulus is None else bulk_modulus
     lame = deck.units.stress(bulk) - 2 / 3 * long_term
-    verified, *more = format_procedures("felupe", "prony")
+    verified, *further_remarks = format_procedures("felupe", "prony")
     return deck.format_text(
         "#",
         "small-strain material for FElupe",
@@ -69,7 +69,7 @@ def felupe(
         ],
         verified=verified,
         remarks=[
-            *more,
+            *further_remarks,
             "MU is the long-term shear modulus; the moduli G add to it, and the bulk modulus is",
             f"constant; `step` is the time step of the job, in {deck.units.words[2]}",
         ],

@@ -113,11 +113,11 @@ def _parts(
     parts: dict[tuple[int, float], list[int]] = {}
     cards: list[str] = []
     for shares in row.shares:
-        for way, solid in row.springs(shares):
-            if (way, shares[way]) in parts:
+        for direction, solid in row.springs(shares):
+            if (direction, shares[direction]) in parts:
                 continue
             indices: list[int] = []
-            parts[way, shares[way]] = indices
+            parts[direction, shares[direction]] = indices
             for material in _linear(deck.with_solid(solid)):
                 indices.append(next(numbers))
                 cards += _part(indices[-1], first_id, material)
@@ -128,11 +128,13 @@ def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
     """Return the network of each way of each station, along a vector of its own."""
     cards = ["*KEYWORD", "*NODE"]
     for i, station in enumerate(row.stations):
-        place = "".join(f"{format_fixed_width(value, 16):>16}" for value in station.place)
-        cards += [f"{node:>8}{place}" for node in row.nodes(i, first_id)]
+        coordinates_text = "".join(
+            f"{format_fixed_width(value, 16):>16}" for value in station.place
+        )
+        cards += [f"{node:>8}{coordinates_text}" for node in row.nodes(i, first_id)]
     vectors = {
-        (frame, way): rank
-        for rank, (frame, way) in enumerate(
+        (frame, direction): rank
+        for rank, (frame, direction) in enumerate(
             itertools.product(
                 dict.fromkeys(station.frame for station in row.stations), range(row.ways)
             ),
@@ -142,7 +144,10 @@ def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
     cards += [
         "*DEFINE_SD_ORIENTATION",
         "$#     vid       iop        xt        yt        zt      nid1      nid2",
-        *(format_fields(vid, 0, *frame[way], 0, 0) for (frame, way), vid in vectors.items()),
+        *(
+            format_fields(vid, 0, *frame[direction], 0, 0)
+            for (frame, direction), vid in vectors.items()
+        ),
         *_section(first_id),
     ]
     parts, sentences = _parts(deck, row, first_id)
@@ -150,10 +155,10 @@ def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
     element = itertools.count(first_id)
     for i, item in enumerate(row.stations):
         a, b = row.nodes(i, first_id)
-        for way, _ in row.springs(item.shares):
+        for direction, _ in row.springs(item.shares):
             cards += [
-                f"{next(element):>8}{part:>8}{a:>8}{b:>8}{vectors[item.frame, way]:>8}"
-                for part in parts[way, item.shares[way]]
+                f"{next(element):>8}{part:>8}{a:>8}{b:>8}{vectors[item.frame, direction]:>8}"
+                for part in parts[direction, item.shares[direction]]
             ]
     return deck.format_text(
         "$",

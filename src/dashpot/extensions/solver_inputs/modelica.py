@@ -81,11 +81,11 @@ def _factor(si: float) -> str:
     return "" if si == 1 else f"{text(si)}*".replace(".*", ".0*")
 
 
-def _parameter(name: str, unit: str, value: float, about: str) -> str:
+def _parameter(name: str, unit: str, value: float, description: str) -> str:
     number = text(value)
     number = number.replace(".e", ".0e") if ".e" in number else number
     number += "0" * number.endswith(".")
-    return f'  parameter Real {name}(unit="{unit}", min=0.0) = {number} "{about}";'
+    return f'  parameter Real {name}(unit="{unit}", min=0.0) = {number} "{description}";'
 
 
 def _connect(a: str, component: str, b: str) -> list[str]:

@@ -58,7 +58,7 @@ def opensees(
         if network
         else _write_material(deck, first_tag, tcl=tcl)
     )
-    verification, *more = (
+    verification, *further_remarks = (
         [LOOPS_VERIFIED]
         if deck.nonlinear_elements.parts
         else format_procedures("opensees", deck.form, with_dashpot=deck.b > 0)
@@ -70,7 +70,7 @@ def opensees(
         f"{'network of zeroLength elements' if network else 'uniaxial material'} for OpenSees",
         cards,
         verified=verification,
-        remarks=[*more, *remarks],
+        remarks=[*further_remarks, *remarks],
     )
 
 
@@ -177,8 +177,10 @@ _TCL_HEAD = (
 
 def _argument(value: str) -> str:
     """Return an argument in Python syntax: kinds and flags are quoted, numbers and names not."""
-    plain = value in _NAMES or value[0].isdigit() or (value[0] == "-" and value[1:2].isdigit())
-    return value if plain else repr(value)
+    is_unquoted = (
+        value in _NAMES or value[0].isdigit() or (value[0] == "-" and value[1:2].isdigit())
+    )
+    return value if is_unquoted else repr(value)
 
 
 def _python(command: str, values: Sequence[str]) -> str:

@@ -91,8 +91,8 @@ def random_base(
             )
         if _spread((model,)):
             peak = model_modes(model, kilograms)[0].frequency
-            wide, flat = np.array(_WIDE) * peak, np.array([psd, psd], dtype=float)
-            return _integrate_table(model, kilograms, *_table(wide, flat), 0.0)
+            frequency_range, flat_psd = np.array(_WIDE) * peak, np.array([psd, psd], dtype=float)
+            return _integrate_table(model, kilograms, *_table(frequency_range, flat_psd), 0.0)
         system = System((point_mass("mass", kilograms),), (Mount(model, ("mass", "ground")),))
         return random_response(system, response="mass.z", psd=psd)
     f, table = _table(frequency, psd)
@@ -126,8 +126,8 @@ def random_limits(
         As in :func:`random_base`.
     """
     if frequency is None:
-        relaxed = np.sqrt(model.k_inf / mass) / (2 * np.pi)
-        f, table = _table(np.array(_WHITE) * relaxed, np.array([psd, psd], dtype=float))
+        resonance = np.sqrt(model.k_inf / mass) / (2 * np.pi)
+        f, table = _table(np.array(_WHITE) * resonance, np.array([psd, psd], dtype=float))
     else:
         f, table = _table(frequency, psd)
     modes = model_modes(model, mass)
@@ -136,13 +136,13 @@ def random_limits(
     carried, relative = _over_base(model, mass, 2 * np.pi * at, coupled)
     per_force = limits(lines, Kind.ACCELERANCE) / (2 * np.pi * lines) ** 2
 
-    def reach(ends: FloatArray, own: ComplexArray) -> tuple[float, float]:
-        low, high = (np.interp(at, lines, row) for row in ends)
+    def reach(limits: FloatArray, nominal: ComplexArray) -> tuple[float, float]:
+        low, high = (np.interp(at, lines, row) for row in limits)
         # beside a line that nothing limits, the straight line to it is no number
-        high = np.nan_to_num(np.maximum(high, np.abs(own)), nan=np.inf, posinf=np.inf)
-        powers = [np.minimum(low, np.abs(own)), np.where(S > 0, high, 0.0)]
-        small, large = (float(np.sqrt(np.trapezoid(power**2 * S, at))) for power in powers)
-        return small, large
+        high = np.nan_to_num(np.maximum(high, np.abs(nominal)), nan=np.inf, posinf=np.inf)
+        powers = [np.minimum(low, np.abs(nominal)), np.where(S > 0, high, 0.0)]
+        small, larger = (float(np.sqrt(np.trapezoid(power**2 * S, at))) for power in powers)
+        return small, larger
 
     return RandomLimits(
         reach(limits(lines, Kind.TRANSMISSIBILITY), carried),
@@ -188,7 +188,7 @@ def random_response(
         As :func:`random_base`; or if a body is held in a motion in which the ground shakes, or
         nothing holds it.
     """
-    follow, place = _following(system, base, along), system.participation(response)
+    follow, participation = _following(system, base, along), system.participation(response)
     if frequency is None:
         density = float(np.asarray(psd, dtype=float))
         if not (np.isfinite(density) and density >= 0):
@@ -198,7 +198,7 @@ def random_response(
                 "the arms of a part reach over more than ten decades of time, too many for white "
                 "noise of the base; give a psd over frequencies"
             )
-        return _white(system, follow, place, density)
+        return _white(system, follow, participation, density)
     f, table = _table(frequency, psd)
     modes = complex_modes(system)
     lines = _lines(f, [m for m in modes if m.oscillates])
@@ -206,11 +206,11 @@ def random_response(
     s, push = 2j * np.pi * lines, system.mass_matrix @ follow
     values = np.zeros(len(lines), dtype=complex)
     for mode in modes:
-        gain = complex((place @ mode.shape) * (mode.shape @ push))
+        gain = complex((participation @ mode.shape) * (mode.shape @ push))
         values -= gain / (s - mode.pole)
         if mode.oscillates:
             values -= gain.conjugate() / (s - mode.pole.conjugate())
-    carried = place @ follow + s**2 * values
+    carried = participation @ follow + s**2 * values
     return _integrate_response(lines, S, carried, values)
 
 
@@ -221,7 +221,7 @@ def _spread(solids: Iterable[Solid]) -> bool:
 
 
 def _following(system: System, base: str, along: Vector) -> FloatArray:
-    """How the degrees of freedom move with a ground that takes the bodies along, shape (n,)."""
+    """Return the rigid motion of the degrees of freedom with a ground, shape (n,)."""
     if base not in system.grounds:
         raise DataError(f"'{base}' is no ground; known: {', '.join(system.grounds)}")
     direction = dict(zip(MOTIONS, unit_vector(along), strict=False))
@@ -236,8 +236,10 @@ def _following(system: System, base: str, along: Vector) -> FloatArray:
     return R
 
 
-def _white(system: System, follow: FloatArray, place: FloatArray, density: float) -> RandomResponse:
-    """By the states of the first-order form: of those alone that die away.
+def _white(
+    system: System, follow: FloatArray, participation: FloatArray, density: float
+) -> RandomResponse:
+    """Return the response to white noise by the stable states of the first-order form.
 
     The others, undamped motions, must not be shaken: in an ordered Schur form they then rest.
     """
@@ -246,16 +248,16 @@ def _white(system: System, follow: FloatArray, place: FloatArray, density: float
     A, n = state_space(system).A, len(system.dofs)
     size = np.ones(len(A))  # velocities in units in which they are as large as displacements
     size[n : 2 * n] = np.sqrt(np.abs(A[n : 2 * n, :n]).max())
-    even = A * size / size[:, None]
+    scaled_matrix = A * size / size[:, None]
     pushed = np.zeros(len(A))
     pushed[n : 2 * n] = -follow / size[n : 2 * n]
-    still = _STILL * float(np.linalg.norm(even, ord=np.inf))
+    tolerance = _STILL * float(np.linalg.norm(scaled_matrix, ord=np.inf))
 
     def dies_away(re: float, im: float) -> bool:
         size = float(np.hypot(re, im))
-        return re < -_UNDAMPED * size and size > still  # a slow arm dies away slowly
+        return re < -_UNDAMPED * size and size > tolerance  # a slow arm dies away slowly
 
-    triangle, basis, count = schur(even, sort=dies_away)
+    triangle, basis, count = schur(scaled_matrix, sort=dies_away)
     if np.abs(basis[:, count:].T @ pushed).max(initial=0.0) > _FOLLOWS * np.linalg.norm(pushed):
         ratio = np.abs(np.linalg.eigvals(triangle[count:, count:])).min() / (2 * np.pi)
         raise DataError(
@@ -263,13 +265,13 @@ def _white(system: System, follow: FloatArray, place: FloatArray, density: float
             f"nothing damps a motion that it shakes, at {ratio:.4g} Hz; give that part a damping, "
             "or a psd over frequencies"
         )
-    stable, driven = basis[:, :count], basis[:, :count].T @ pushed
+    stable, stable_input = basis[:, :count], basis[:, :count].T @ pushed
     inner = triangle[:count, :count]
-    variance = solve_continuous_lyapunov(inner, -density / 2 * np.outer(driven, driven))
+    variance = solve_continuous_lyapunov(inner, -density / 2 * np.outer(stable_input, stable_input))
     P = np.outer(size, size) * (stable @ variance @ stable.T)
-    pull = place @ A[n : 2 * n]
-    change, speed = (place @ P[i : i + n, i : i + n] @ place for i in (0, n))
-    return _response(float(pull @ P @ pull), float(change), float(speed))
+    acceleration_row = participation @ A[n : 2 * n]
+    change, speed = (participation @ P[i : i + n, i : i + n] @ participation for i in (0, n))
+    return _response(float(acceleration_row @ P @ acceleration_row), float(change), float(speed))
 
 
 def _table(frequency: npt.ArrayLike, psd: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -304,8 +306,8 @@ def _lines(f: FloatArray, modes: Sequence[Mode | ComplexMode], count: int = _LIN
     grids = [np.geomspace(f[0], f[-1], count), f]
     for mode in modes:
         width = mode.frequency * max(mode.damping_ratio, 1e-6)
-        away = width * np.sinh(np.linspace(0, np.arcsinh(_ABOUT), count // 2))
-        grids += [mode.frequency + away, mode.frequency - away]
+        distances = width * np.sinh(np.linspace(0, np.arcsinh(_ABOUT), count // 2))
+        grids += [mode.frequency + distances, mode.frequency - distances]
     at = np.unique(np.concatenate(grids))
     return np.asarray(at[(at >= f[0]) & (at <= f[-1])])
 
@@ -318,7 +320,7 @@ def _density(at: FloatArray, f: FloatArray, table: FloatArray) -> FloatArray:
 def _integrate_response(
     f: FloatArray, S: FloatArray, carried: ComplexArray, relative: ComplexArray
 ) -> RandomResponse:
-    """From transmissibility, and relative motion per acceleration of the base."""
+    """Return the response from transmissibility, and relative motion per acceleration."""
     change = np.abs(relative) ** 2
     return _response(
         float(np.trapezoid(np.abs(carried) ** 2 * S, f)),

@@ -37,25 +37,29 @@ class FreeModes(EqualByValue):
 
     def __post_init__(self) -> None:
         f = samples("frequency", self.frequency)
-        place = np.array(self.place, dtype=float)
+        positions = np.array(self.place, dtype=float)
         shape = np.array(self.shapes, dtype=float)
-        if place.ndim != 2 or place.shape[1] != 3 or shape.shape != (len(f), len(place), 3):
+        if (
+            positions.ndim != 2
+            or positions.shape[1] != 3
+            or shape.shape != (len(f), len(positions), 3)
+        ):
             raise DataError(
                 f"modes need places of shape (p, 3) and shapes of (modes, p, 3); found "
-                f"{place.shape} and {shape.shape} for {len(f)} frequencies"
+                f"{positions.shape} and {shape.shape} for {len(f)} frequencies"
             )
-        if not (np.isfinite(place).all() and np.isfinite(shape).all()):
+        if not (np.isfinite(positions).all() and np.isfinite(shape).all()):
             raise DataError("a place or a shape of the modes is not finite")
         if (f < 0).any():
             raise DataError(f"a mode has a frequency of {f.min():g} Hz; expected numbers >= 0")
         zeta = _expand_damping_ratios(self.damping_ratio, len(f))
-        still = np.flatnonzero(np.abs(shape).max(axis=(1, 2)) == 0)
-        if still.size:
+        zero_modes = np.flatnonzero(np.abs(shape).max(axis=(1, 2)) == 0)
+        if zero_modes.size:
             raise DataError(
-                f"mode {int(still[0]) + 1} of {len(f)}, at {f[still[0]]:.5g} Hz, does not move any "
-                "of its points"
+                f"mode {int(zero_modes[0]) + 1} of {len(f)}, at {f[zero_modes[0]]:.5g} Hz, does "
+                "not move any of its points"
             )
-        checked = {"frequency": f, "place": place, "shapes": shape, "damping_ratio": zeta}
+        checked = {"frequency": f, "place": positions, "shapes": shape, "damping_ratio": zeta}
         for name, value in checked.items():
             object.__setattr__(self, name, frozen(value))
 
@@ -64,12 +68,12 @@ class FreeModes(EqualByValue):
 
     def only(self, chosen: npt.ArrayLike) -> FreeModes:
         """Some of the modes, by a mask or by their numbers."""
-        which = np.asarray(chosen)
+        indices = np.asarray(chosen)
         return replace(
             self,
-            frequency=self.frequency[which],
-            shapes=self.shapes[which],
-            damping_ratio=self.damping_ratio[which],
+            frequency=self.frequency[indices],
+            shapes=self.shapes[indices],
+            damping_ratio=self.damping_ratio[indices],
         )
 
     def evaluate_shapes(self, place: npt.ArrayLike) -> tuple[FloatArray, float]:
@@ -79,20 +83,20 @@ class FreeModes(EqualByValue):
         point, and of second order between points along a line.
         """
         p = np.asarray(place, dtype=float)
-        away = np.linalg.norm(self.place - p, axis=1)
-        near = np.argsort(away, kind="stable")[:_NEIGHBOUR_COUNT]
-        first = int(near[0])
-        legs = self.place[near[1:]] - self.place[first]
+        distances = np.linalg.norm(self.place - p, axis=1)
+        neighbours = np.argsort(distances, kind="stable")[:_NEIGHBOUR_COUNT]
+        first = int(neighbours[0])
+        legs = self.place[neighbours[1:]] - self.place[first]
         square = np.einsum("ij,ij->i", legs, legs)
         difference = square > 0
-        if away[first] == 0 or not difference.any():
-            return self.shapes[:, first], float(away[first])
-        others, legs, square = near[1:][difference], legs[difference], square[difference]
+        if distances[first] == 0 or not difference.any():
+            return self.shapes[:, first], float(distances[first])
+        others_used, legs, square = neighbours[1:][difference], legs[difference], square[difference]
         share = np.clip(legs @ (p - self.place[first]) / square, 0.0, 1.0)
         norm = np.linalg.norm(self.place[first] + share[:, None] * legs - p, axis=1)
         # of connections as near, the shortest
         best = int(np.lexsort((square, np.round(norm, 12)))[0])
-        t, other = float(share[best]), int(others[best])
+        t, other = float(share[best]), int(others_used[best])
         return (1 - t) * self.shapes[:, first] + t * self.shapes[:, other], float(norm[best])
 
     @property
@@ -133,12 +137,12 @@ class FreeModes(EqualByValue):
     def _as_rigid(self) -> tuple[FloatArray, FloatArray]:
         """Return the rigid motion next to each shape, (r, 3p), and its six numbers, (r, 6)."""
         x, y, z = self.place.T
-        nil, item = np.zeros_like(x), np.ones_like(x)
+        zeros, item = np.zeros_like(x), np.ones_like(x)
         R = np.stack(
             [
-                np.stack((item, nil, nil, nil, z, -y), axis=1),
-                np.stack((nil, item, nil, -z, nil, x), axis=1),
-                np.stack((nil, nil, item, y, -x, nil), axis=1),
+                np.stack((item, zeros, zeros, zeros, z, -y), axis=1),
+                np.stack((zeros, item, zeros, -z, zeros, x), axis=1),
+                np.stack((zeros, zeros, item, y, -x, zeros), axis=1),
             ],
             axis=1,
         ).reshape(-1, 6)

@@ -23,7 +23,7 @@ from dashpot.numerics.harmonic_balance import AlternatingFrequencyTime, find_roo
 from dashpot.solids.rate_independent import AmplitudeDependent
 
 _SCAN = np.log(10) * np.linspace(-7, 7, 1401)
-"""Where answers are looked for: ln of the stretch over that without friction."""
+"""Search grid of answers: ln of the stretch over that without friction."""
 _SAMPLES = 256
 """Samples of a cycle in time; half as many are wrong by 0.03 %."""
 _LAPS, _CLOSED = 200, 1e-8
@@ -38,13 +38,13 @@ def with_friction(system: System) -> list[int]:
     DataError
         If none has.
     """
-    loose = [i for i, mount in enumerate(system.mounts) if mount.friction is not None]
-    if not loose:
+    friction_mounts = [i for i, mount in enumerate(system.mounts) if mount.friction is not None]
+    if not friction_mounts:
         raise DataError(
             "no mount of the system has friction: its response does not depend on the amplitude; "
             "take system.frf"
         )
-    return loose
+    return friction_mounts
 
 
 def with_slope(
@@ -52,8 +52,8 @@ def with_slope(
 ) -> tuple[ComplexArray, ComplexArray]:
     """Stiffness, N/m, and its derivative by ln X."""
     h = 1e-5
-    above, below = (part.equivalent(omega, X * np.exp(step)) for step in (h, -h))
-    return part.equivalent(omega, X), np.asarray((above - below) / (2 * h))
+    stiffer, softer = (part.equivalent(omega, X * np.exp(step)) for step in (h, -h))
+    return part.equivalent(omega, X), np.asarray((stiffer - softer) / (2 * h))
 
 
 class LinearSubsystem:
@@ -67,18 +67,20 @@ class LinearSubsystem:
             )
         if base is not None and base not in system.base_dofs:
             raise DataError(f"'{base}' is no ground motion; known: {', '.join(system.base_dofs)}")
-        loose = with_friction(system)
+        without_friction = with_friction(system)
         self.friction = [
-            dependent for i in loose if (dependent := system.mounts[i].friction) is not None
+            dependent
+            for i in without_friction
+            if (dependent := system.mounts[i].friction) is not None
         ]
         self.linear = replace(
             system, mounts=tuple(replace(mount, friction=None) for mount in system.mounts)
         )
-        self.E = system.stretch[loose]
+        self.E = system.stretch[without_friction]
         self.push = None if force is None else system.participation(force)
         if base is not None:
             self.G = system.base_stretch[:, system.base_dofs.index(base)]
-            self.ground = self.G[loose]
+            self.ground = self.G[without_friction]
 
     def compliance(self, omega: float) -> ComplexArray:
         """Stretch of the mounts with friction per force of theirs, m/N, shape (p, p)."""
@@ -92,10 +94,15 @@ class LinearSubsystem:
         else:
             K = self.linear.spring_stiffness(1j * omega)
             drive, change = -(K * self.G) @ self.linear.stretch, self.ground
-        without, spread = level * (R @ drive), R @ self.E.T
+        without, spread_matrix = level * (R @ drive), R @ self.E.T
         stretch = self.E @ without + level * change
         return BalanceEquation(
-            self.friction, omega, stretch, np.asarray(self.E @ spread), without, spread
+            self.friction,
+            omega,
+            stretch,
+            np.asarray(self.E @ spread_matrix),
+            without,
+            spread_matrix,
         )
 
 
@@ -156,9 +163,9 @@ class BalanceEquation:
         if len(e) > 1 or not e.any():
             return True
         N, slope = with_slope(self.friction[0], np.asarray(self.omega), np.abs(e))
-        whole = 1 + complex(self.compliance[0, 0]) * N[0]
+        total = 1 + complex(self.compliance[0, 0]) * N[0]
         return bool(
-            (whole.conjugate() * (whole + complex(self.compliance[0, 0]) * slope[0])).real > 0
+            (total.conjugate() * (total + complex(self.compliance[0, 0]) * slope[0])).real > 0
         )
 
     def _newton(self, before: ComplexArray | None) -> ComplexArray:
@@ -210,12 +217,12 @@ def several_harmonics(
 
     C = [rest.compliance(h * line.omega) for h in harmonics]
     size, p = float(np.abs(first).max()), len(first)
-    between = AlternatingFrequencyTime(harmonics, _SAMPLES)
+    transform = AlternatingFrequencyTime(harmonics, _SAMPLES)
 
     def pulls(e: ComplexArray) -> ComplexArray:
-        dt, path = 2 * np.pi / line.omega / _SAMPLES, between.path(e)
+        dt, path = 2 * np.pi / line.omega / _SAMPLES, transform.path(e)
         loops = [_steady(part, dt, item) for part, item in zip(line.friction, path, strict=True)]
-        return between.harmonics_of(np.array(loops))
+        return transform.harmonics_of(np.array(loops))
 
     def stretches(z: FloatArray) -> ComplexArray:
         real, imaginary = z.reshape(2, len(harmonics), p)

@@ -114,18 +114,22 @@ def response_at_level(
         raise DataError("frequency and amplitude must be above 0")
     if tuple(harmonics[:1]) != (1,) or any(h % 2 == 0 or h < 1 for h in harmonics):
         raise DataError(f"harmonics = {harmonics!r}; expected odd numbers, 1 first")
-    place = system.participation(response)
+    participation = system.participation(response)
     rest = LinearSubsystem(system, force=force, base=base)
     pairs = []
     before: ComplexArray | None = None
     for hz, size in zip(f.tolist(), levels.tolist(), strict=True):
         line = rest.line(2 * np.pi * hz, size)
         answer = before = line.solve_from_previous(before)
-        pull, third = line.pull(answer), 0.0
+        third_harmonic, third_amplitude = line.pull(answer), 0.0
         if len(harmonics) > 1 and answer.any():
-            answer, pull, third = several_harmonics(rest, line, answer, harmonics)
-        motion = line.without - line.spread @ pull
-        pairs.append((place @ motion, np.abs(answer), line.is_stable(before), third))
+            answer, third_harmonic, third_amplitude = several_harmonics(
+                rest, line, answer, harmonics
+            )
+        motion = line.without - line.spread @ third_harmonic
+        pairs.append(
+            (participation @ motion, np.abs(answer), line.is_stable(before), third_amplitude)
+        )
     motions, stretch, stable, share = zip(*pairs, strict=True)
     return LevelResponse(
         f, levels, np.array(motions), np.array(stretch).T, np.array(stable), np.array(share)
@@ -167,9 +171,11 @@ def responses_at(
             f"{len(line.stretch)} mounts have friction: every answer is found for one such mount; "
             "response_at_level follows one answer for several"
         )
-    place = system.participation(response)
+    participation = system.participation(response)
     answers = line.all_answers()
-    motion = [place @ (line.without - line.spread @ line.pull(answer)) for answer in answers]
+    motion = [
+        participation @ (line.without - line.spread @ line.pull(answer)) for answer in answers
+    ]
     count = len(answers)
     return LevelResponse(
         np.full(count, hz),
@@ -214,20 +220,20 @@ def backbone(
     mount : int
         Which mount's stretch; the first that has friction where none is named.
     """
-    loose = with_friction(system)
-    mount = loose[0] if mount is None else mount
+    without_friction = with_friction(system)
+    mount = without_friction[0] if mount is None else mount
     rows = []
     for X in samples("amplitude", np.atleast_1d(amplitude)).tolist():
-        shares = np.ones(len(loose))
+        shares = np.ones(len(without_friction))
         for _ in range(100):
             mounts = list(system.mounts)
-            for i, share in zip(loose, shares, strict=True):
+            for i, share in zip(without_friction, shares, strict=True):
                 mounts[i] = replace(mounts[i], amplitude=X * max(float(share), 1e-9))
             new_mode = newton_modes(replace(system, mounts=tuple(mounts)))[mode - 1]
             magnitude = np.abs(system.stretch @ new_mode.shape)
             if not magnitude[mount] > 0:
                 raise DataError(f"mode {mode} does not stretch mount {mount}")
-            before, shares = shares, magnitude[loose] / magnitude[mount]
+            before, shares = shares, magnitude[without_friction] / magnitude[mount]
             if np.abs(shares / before - 1).max() < 1e-9:
                 break
         rows.append((X, new_mode.frequency, new_mode.damping_ratio))
@@ -255,5 +261,5 @@ def can_fold(
         m; broadcasts with omega.
     """
     K, slope = with_slope(part, np.asarray(omega, dtype=float), np.asarray(amplitude, dtype=float))
-    inside = K.imag * (K.imag + slope.imag)
-    return np.asarray(np.abs(slope.real) > 2 * np.sqrt(np.maximum(inside, 0.0)))
+    discriminant = K.imag * (K.imag + slope.imag)
+    return np.asarray(np.abs(slope.real) > 2 * np.sqrt(np.maximum(discriminant, 0.0)))

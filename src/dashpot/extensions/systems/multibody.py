@@ -57,8 +57,8 @@ class Body:
     def __post_init__(self) -> None:
         require_positive(f"body '{self.name}': ", mass=self.mass, unit=" kg")
         unknown = [motion for motion in self.free if motion not in MOTIONS]
-        moves = self.free or self.modes is not None
-        if unknown or not moves or len(set(self.free)) < len(self.free):
+        moves_freely = self.free or self.modes is not None
+        if unknown or not moves_freely or len(set(self.free)) < len(self.free):
             raise DataError(
                 f"body '{self.name}': free = {self.free!r}; expected different names from "
                 f"{', '.join(MOTIONS)}"
@@ -76,17 +76,17 @@ class Body:
     def mass_matrix(self) -> FloatArray:
         """Mass and inertia of the free motions, and 1 of each mode, shape (motions, motions)."""
         tensor = np.array(self.inertia, dtype=float)
-        full = np.zeros((6, 6))
-        full[:3, :3] = self.mass * np.eye(3)
-        full[3:, 3:] = np.diag(tensor) if tensor.ndim == 1 else tensor
+        full_matrix = np.zeros((6, 6))
+        full_matrix[:3, :3] = self.mass * np.eye(3)
+        full_matrix[3:, 3:] = np.diag(tensor) if tensor.ndim == 1 else tensor
         rows = [MOTIONS.index(motion) for motion in self.free]
         matrix = np.eye(len(self.motions))
-        matrix[: len(rows), : len(rows)] = full[np.ix_(rows, rows)]
+        matrix[: len(rows), : len(rows)] = full_matrix[np.ix_(rows, rows)]
         return matrix
 
     @property
     def motions(self) -> tuple[str, ...]:
-        """Those that are free, then the modes."""
+        """Free motions, then the modes."""
         count = 0 if self.modes is None else len(self.modes)
         return (*self.free, *(f"q{i + 1}" for i in range(count)))
 
@@ -210,7 +210,7 @@ class Point:
 
 
 def motion_of(point: Point, centre: Vector) -> FloatArray:
-    r"""How the six motions of its body about `centre` move a point along its direction, shape (6,).
+    r"""Return the motion of a point by the six motions of its body about `centre`, shape (6,).
 
     .. math:: d \cdot (u + \theta \times r) = d \cdot u + (r \times d) \cdot \theta
 
@@ -275,9 +275,11 @@ class System:
         names = [body.name for body in self.bodies] + list(self.grounds)
         if not self.bodies:
             raise DataError("a system needs at least one body")
-        twice = sorted({name for name in names if names.count(name) > 1})
-        if twice:
-            raise DataError(f"'{twice[0]}' names two things in the system; names must differ")
+        repeated_names = sorted({name for name in names if names.count(name) > 1})
+        if repeated_names:
+            raise DataError(
+                f"'{repeated_names[0]}' names two things in the system; names must differ"
+            )
         for mount in self.mounts:
             for name in mount.between:
                 if name not in names:
@@ -309,15 +311,18 @@ class System:
             body's mass and inertia are there for them.
         """
         if body not in [body.name for body in self.bodies]:
-            listed = ", ".join(body.name for body in self.bodies)
-            raise DataError(f"no body '{body}'; the system has {listed}")
-        bent = modes.only(~modes.rigid)
-        bodies = [replace(item, modes=bent) if item.name == body else item for item in self.bodies]
+            names_text = ", ".join(body.name for body in self.bodies)
+            raise DataError(f"no body '{body}'; the system has {names_text}")
+        elastic_modes = modes.only(~modes.rigid)
+        bodies = [
+            replace(item, modes=elastic_modes) if item.name == body else item
+            for item in self.bodies
+        ]
         return replace(self, bodies=tuple(bodies))
 
     @cached_property
     def _columns(self) -> dict[str, int]:
-        """Where each motion of the bodies, then of the grounds, stands in a row."""
+        """Column of each motion of the bodies, then of the grounds."""
         return {name: i for i, name in enumerate(self.dofs + self.base_dofs)}
 
     # -- matrices -------------------------------------------------------------------------------
@@ -456,12 +461,12 @@ class System:
             - self._row(Point(mount.between[1], mount.at, mount.along, mount.rotary))
             for mount in self.mounts
         ]
-        held = [
+        fixed_motions = [
             f"{body.name}.{motion}"
             for body in self.bodies
             for motion in body.motions[len(body.free) :]
         ]
-        rows += [self._row(dof) for dof in held]
+        rows += [self._row(dof) for dof in fixed_motions]
         return np.array(rows).reshape(len(rows), columns)
 
     def _row(self, place: str | Point) -> FloatArray:

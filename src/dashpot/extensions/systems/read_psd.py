@@ -46,27 +46,29 @@ def read_psd(text: str | Path, *, options: ReadOptions | None = None) -> BasePSD
         If neither a file nor a density is meant, a column is not found, or its unit is none of a
         squared acceleration per Hz.
     """
-    typed = _TYPED.match(str(text))
-    if typed and not Path(text).is_file():
-        return BasePSD(float(typed[1]) * _factor(typed[2], f"'{text}'"))
+    matched_text = _TYPED.match(str(text))
+    if matched_text and not Path(text).is_file():
+        return BasePSD(float(matched_text[1]) * _factor(matched_text[2], f"'{text}'"))
     with channels.open_file(text, options) as file:
         (lines,) = channels.answered(file, [assign(file.table, "frequency", file.options)])
-        others = [
+        other_columns = [
             i
             for i, column in enumerate(file.table.columns)
             if column.content == "number" and i != lines.index
         ]
-        if len(others) != 1:
+        if len(other_columns) != 1:
             raise ReadError(
-                f"{len(others)} columns beside the frequency; expected one, the density of the "
-                f"base's acceleration in {_WORDS}; the columns are "
+                f"{len(other_columns)} columns beside the frequency; expected one, the density of "
+                f"the base's acceleration in {_WORDS}; the columns are "
                 f"{list_columns(file.table.columns)}"
             )
-        column = file.table.columns[others[0]]
-        factor = _factor(column.unit or "", f"'{column.label(others[0] + 1)}'")
+        column = file.table.columns[other_columns[0]]
+        factor = _factor(column.unit or "", f"'{column.label(other_columns[0] + 1)}'")
         hertz = file.unit(lines.index, "frequency")
-        loaded = channels.load(file.table, [lines.index, others[0]], file.options.segment)
-        rows, notes = channels.select_complete_rows(loaded)
+        loaded_columns = channels.load(
+            file.table, [lines.index, other_columns[0]], file.options.segment
+        )
+        rows, notes = channels.select_complete_rows(loaded_columns)
         if (rows[:, 1] < 0).any():
             raise ReadError("a density falls below 0; expected one that is not in dB")
         names = [file.table.columns[lines.index].name, column.name]
@@ -77,18 +79,18 @@ def read_psd(text: str | Path, *, options: ReadOptions | None = None) -> BasePSD
         )
 
 
-def _factor(word: str, what: str) -> float:
+def _factor(word: str, source: str) -> float:
     """Return what one of a unit is in (m/s^2)^2/Hz."""
-    plain = word.strip()
-    if plain in _CUBED:
-        return _CUBED[plain]
-    squared, _, per = plain.rpartition("/")
+    unit_text = word.strip()
+    if unit_text in _CUBED:
+        return _CUBED[unit_text]
+    squared, _, denominator = unit_text.rpartition("/")
     power = next((power for power in _POWERS if squared.rstrip().endswith(power)), None)
     unit = None
-    if power and per.strip().lower() == "hz":
+    if power and denominator.strip().lower() == "hz":
         root = squared.rstrip().removesuffix(power).rstrip()
         unit = units.find_unit(root.removeprefix("(").removesuffix(")"), "acceleration")
     if unit is None:
-        text = f"the unit '{plain}'" if plain else "no unit"
-        raise DataError(f"{what} has {text}; expected a density in {_WORDS}")
+        text = f"the unit '{unit_text}'" if unit_text else "no unit"
+        raise DataError(f"{source} has {text}; expected a density in {_WORDS}")
     return unit.factor**2

@@ -26,14 +26,14 @@ def shake_mass(on: MountedMass, psd: str, bounded: Callable[..., FRFBounds] | No
     """
     base = read_psd(psd)
     f, mass, coupled = base.frequency, on.load.mass, on.load.coupled
-    how: dict[str, Any] = {"psd": base.density, "frequency": f, "coupled": coupled}
-    response, limits = random_base(on.solid, mass=mass, **how), None
+    options: dict[str, Any] = {"psd": base.density, "frequency": f, "coupled": coupled}
+    response, limits = random_base(on.solid, mass=mass, **options), None
     if bounded is not None:
         limits = random_limits(
             on.solid,
             lambda at, kind: bounded(frequency=at, kind=kind).unmeasured,
             mass=mass,
-            **how,
+            **options,
         )
     if f is None:
         return ShakenMass(response, "white noise", None, limits)
@@ -55,10 +55,10 @@ def shake_system(
     """
     noise = read_psd(psd)
 
-    def respond(system: System, place: Point) -> RandomResponse:
+    def respond(system: System, position: Point) -> RandomResponse:
         return random_response(
             system,
-            response=place,
+            response=position,
             psd=noise.density,
             frequency=noise.frequency,
             base=base,

@@ -16,14 +16,14 @@ def format_shaken_mass(prediction: Prediction) -> list[str]:
     mass = prediction.random
     assert mass is not None  # noqa: S101
     band, response = mass.band, mass.response
-    reach = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
-    does = (
-        f"  shaken by {mass.of}{reach}, the mass has {response.acceleration:.4g} m/s^2 rms and "
+    band_text = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
+    sentence = (
+        f"  shaken by {mass.of}{band_text}, the mass has {response.acceleration:.4g} m/s^2 rms and "
         f"the seals move {format_quantity(response.stretch, 'mm')} rms, {response.crossings:.4g} "
         "times a "
         "second"
     )
-    lines = [does]
+    lines = [sentence]
     if (limits := mass.limits) is not None:
         text, name = _format_limits(limits.acceleration), _format_limits(limits.stretch, "mm")
         low, high = limits.band_hz
@@ -32,7 +32,7 @@ def format_shaken_mass(prediction: Prediction) -> list[str]:
     return lines
 
 
-def _format_limits(ends: tuple[float, float], unit: str = "1") -> str:
+def _format_limits(limits: tuple[float, float], unit: str = "1") -> str:
     """Return limits as text; an infinite upper one is "unlimited"."""
-    low, high = (convert_to_unit(end, unit) for end in ends)
+    low, high = (convert_to_unit(end, unit) for end in limits)
     return f"{low:.3g} to {f'{high:.3g}' if math.isfinite(high) else 'unlimited'}"

@@ -108,16 +108,16 @@ def _merge_arm_states(
     rates: list[float] = []
     bases: list[FloatArray] = []
     columns: list[FloatArray] = []
-    left = np.sort(tau)
-    while len(left):
-        value = left[0]
-        alike = np.abs(tau / value - 1) < 1e-12  # only rounding parts them
-        left = left[left > value * (1 + 1e-12)]
-        rows = stretch[alike]
+    other_taus = np.sort(tau)
+    while len(other_taus):
+        value = other_taus[0]
+        is_same_tau = np.abs(tau / value - 1) < 1e-12  # only rounding parts them
+        other_taus = other_taus[other_taus > value * (1 + 1e-12)]
+        rows = stretch[is_same_tau]
         _, size, right = np.linalg.svd(rows, full_matrices=False)
         basis = right[size > 1e-10 * max(size.max(initial=0.0), 1e-300)]
         share = np.zeros((len(tau), len(basis)))
-        share[alike] = rows @ basis.T
+        share[is_same_tau] = rows @ basis.T
         rates += [1 / float(value)] * len(basis)
         bases.append(basis)
         columns.append(share)
@@ -176,8 +176,8 @@ def respond(
     """
     t = increasing("time", samples("time", time, minimum=2))
     F = np.zeros((len(system.dofs), len(t)))
-    for place, values in (force or {}).items():
-        F += np.outer(system.participation(place), _history(f"force at {place}", values, t))
+    for point, values in (force or {}).items():
+        F += np.outer(system.participation(point), _history(f"force at {point}", values, t))
     u = np.zeros((len(system.base_dofs), len(t)))
     for name, values in (base or {}).items():
         if name not in system.base_dofs:
@@ -195,7 +195,7 @@ def _march(form: StateSpace, t: FloatArray, F: FloatArray, u: FloatArray) -> Flo
     # inputs: force and displacement, straight over a step; ground velocity, constant over it
     B = np.concatenate((form.force, form.base, form.base_velocity), axis=1)
     start = np.concatenate((F[:, :-1], u[:, :-1], slope))
-    rise = np.concatenate((np.diff(F, axis=1) / steps, slope, np.zeros_like(slope)))
+    derivative = np.concatenate((np.diff(F, axis=1) / steps, slope, np.zeros_like(slope)))
     z = np.zeros((len(form.A), len(t)))
     z[:, 0] = form.base_velocity @ u[:, 0]  # the impulse of a step through the dashpots
     exact: dict[float, tuple[FloatArray, FloatArray, FloatArray]] = {}
@@ -204,7 +204,7 @@ def _march(form: StateSpace, t: FloatArray, F: FloatArray, u: FloatArray) -> Flo
         if h not in exact:
             exact[h] = _step(form.A, B, h)
         free, hold, ramp = exact[h]
-        z[:, i + 1] = free @ z[:, i] + hold @ start[:, i] + ramp @ rise[:, i]
+        z[:, i + 1] = free @ z[:, i] + hold @ start[:, i] + ramp @ derivative[:, i]
     return z
 
 
@@ -243,9 +243,9 @@ def _step(A: FloatArray, B: FloatArray, h: float) -> tuple[FloatArray, FloatArra
     return exponential[:n, :n], exponential[:n, n : n + m], exponential[:n, n + m :]
 
 
-def _history(what: str, values: npt.ArrayLike, t: FloatArray) -> FloatArray:
-    history = samples(what, values)
-    same_length(time=t, **{what: history})
+def _history(owner: str, values: npt.ArrayLike, t: FloatArray) -> FloatArray:
+    history = samples(owner, values)
+    same_length(time=t, **{owner: history})
     return history
 
 
@@ -310,8 +310,8 @@ def complex_modes(system: System) -> tuple[ComplexMode, ...]:
     poles, vectors = np.linalg.eig(state_space(system).A)
     n = len(system.dofs)
     # rounding may leave a hair of an imaginary part on a real pole
-    hair = 1e-9 * np.abs(poles) + 1e-13 * np.abs(poles).max()
-    poles = np.where(np.abs(poles.imag) <= hair, poles.real, poles)
+    tolerance = 1e-9 * np.abs(poles) + 1e-13 * np.abs(poles).max()
+    poles = np.where(np.abs(poles.imag) <= tolerance, poles.real, poles)
     rigid = _rigid_below(system)
     indices = np.flatnonzero((poles.imag >= 0) & (np.abs(poles) > rigid))
     with np.errstate(all="ignore"):  # the slope of an arm at its own rate
@@ -337,18 +337,18 @@ def newton_modes(system: System, *, iterations: int = 100) -> tuple[ComplexMode,
     results: list[complex] = []
     modes = []
     for start in _find_newton_starts(system):
-        s, near = _newton(system, start, results, iterations, 1e-6)
-        s, there = _newton(system, s, results, iterations, 1e-14)
+        s, is_near = _newton(system, start, results, iterations, 1e-6)
+        s, is_converged = _newton(system, s, results, iterations, 1e-14)
         s = s if s.imag >= 0 else s.conjugate()
         results.append(s)
         vector = np.linalg.svd(system.dynamic_stiffness(s))[2][-1].conj()
         shape = _normalise_shape(system, s, vector, system.spring_slope(s))
-        modes.append(ComplexMode(s, shape, converged=near and there))
+        modes.append(ComplexMode(s, shape, converged=is_near and is_converged))
     return tuple(sorted(modes, key=lambda mode: mode.frequency))
 
 
 def _find_newton_starts(system: System) -> list[complex]:
-    """Where to look for each mode: the stiffness at its own frequency, not the glassy one."""
+    """Return starting points of the modes: with the stiffness at their own frequency."""
     E = system.stretch
     inverse = np.linalg.inv(system.mass_matrix)
     glass = np.array([spring.linearised_solid.k_0 for spring in system.springs])

@@ -17,13 +17,13 @@ def output_blocked(difference: float | None, *, valid_from: float | None) -> Fin
     """The output of the mount moves at least 20 dB less than its input at every line."""
     if difference is None:
         return Finding("The motion of the output was not given, so it is not known to be blocked")
-    where = (
+    range_text = (
         "No line is valid" if valid_from is None else f"Lines are valid from {valid_from:.3g} Hz on"
     )
     return Finding(
         f"The output moves at least {difference:.3g} dB less than the input",
         difference,
-        where,
+        range_text,
         Remedy("Narrow the band, or use a heavier mass.", "exact"),
         failure=f"Input over output is only {difference:.3g} dB at its worst line, and "
         f"{BLOCKED:g} dB are needed",
@@ -67,13 +67,13 @@ def blocking_mass_rigid(highest: float, rigid_to: float | None) -> Finding:
 
 
 @criterion("lines in a third octave", ">=", LEAST_LINES, "ISO 10846-2, ISO 10846-3")
-def third_octaves_resolved(fewest: int, *, centre: float) -> Finding:
+def third_octaves_resolved(fewest_lines: int, *, centre: float) -> Finding:
     """Every third octave has at least five lines."""
     return Finding(
-        f"Every third octave has {fewest} lines or more",
-        fewest,
-        failure=f"The third octave at {centre:g} Hz has {format_count(fewest, 'line')}, of which "
-        "no mean is taken",
+        f"Every third octave has {fewest_lines} lines or more",
+        fewest_lines,
+        failure=f"The third octave at {centre:g} Hz has {format_count(fewest_lines, 'line')}, of "
+        "which no mean is taken",
         remedy="Measure with a finer frequency resolution.",
     )
 
@@ -111,11 +111,11 @@ def mount_dissipates(highest: float, *, centre: float) -> Finding:
 @criterion(
     "storage over size of the stiffness", ">", 0.0, "the storage stiffness of a spring is positive"
 )
-def mount_acts_as_spring(least: float, *, frequency: float) -> Finding:
+def mount_acts_as_spring(min_cosine: float, *, frequency: float) -> Finding:
     """Force and input displacement are in phase at every line, as those of a spring."""
     return Finding(
         "The storage stiffness is above zero at every line",
-        least,
+        min_cosine,
         failure=f"The storage stiffness is below zero at {frequency:.4g} Hz: a mass, or a "
         "resonance of the mount, is in the path",
         remedy=Remedy("Narrow the band. Check the polarity of the channels.", "band"),
@@ -128,16 +128,16 @@ def third_octaves_in_valid_band(
 ) -> Finding:
     """The third octaves lie in the valid band of the fit, or limits include unresolved arms."""
     (first, last), (low, high) = lines, band
-    beyond = max(last / high, low / first) if high > 0 else math.inf
+    extrapolation = max(last / high, low / first) if high > 0 else math.inf
     return Finding(
         f"The lines lie in the valid band of the fit, {low:.2g} to {high:.2g} Hz"
-        if beyond <= 1
+        if extrapolation <= 1
         else "The intervals include every arm that the record does not exclude",
-        beyond,
+        extrapolation,
         "Its intervals contain standard errors alone there",
         Remedy("Narrow the band, or give the record behind the fit.", "record"),
         failure=f"The fit covers {low:.2g} to {high:.2g} Hz, and the table reaches "
-        f"{beyond:.3g} times further",
+        f"{extrapolation:.3g} times further",
         always_passes=has_record,
     )
 

@@ -89,12 +89,12 @@ def _draw_level(sheet: TransferStiffness, frequency_scale: Scale) -> Panel:
         marks.append(Line(f, formula, REF, "indirect method"))
         shown_levels.append(formula[shown_lines])
     marks.append(Dots(centre, level, "measured", "third octaves"))
-    least, most = compute_padded_limits(*shown_levels)
-    middle, reach = (least + most) / 2, max((most - least) / 2, _LEAST_REACH)
+    lower, upper = compute_padded_limits(*shown_levels)
+    middle, half_range = (lower + upper) / 2, max((upper - lower) / 2, _LEAST_REACH)
     last = bands[-1]
     return Panel(
         frequency_scale,
-        Scale("level, dB re 1 N/m", (middle - reach, middle + reach)),
+        Scale("level, dB re 1 N/m", (middle - half_range, middle + half_range)),
         tuple(marks),
         title="level of the transfer stiffness",
         note=f"{convert_to_unit(last.stiffness, 'N/mm'):.4g} N/mm at {last.centre:g} Hz",
@@ -104,8 +104,10 @@ def _draw_level(sheet: TransferStiffness, frequency_scale: Scale) -> Panel:
 def _draw_loss_factor(sheet: TransferStiffness, frequency_scale: Scale) -> Panel:
     f, (low, high) = sheet.frequency, sheet.loss_factor_limits
     bands = [band for band in sheet.bands if band.valid] or list(sheet.bands)
-    ends = np.array([band.loss_factor_limits for band in bands]).T
-    least, most = compute_padded_limits(ends[0], ends[1], np.array([0.0]))
+    loss_factor_limits = np.array([band.loss_factor_limits for band in bands]).T
+    lower, upper = compute_padded_limits(
+        loss_factor_limits[0], loss_factor_limits[1], np.array([0.0])
+    )
     marks: tuple[Mark, ...] = (
         *_mark_unblocked(sheet),
         Area(f, low, high, "fit", "95 % limits"),
@@ -117,4 +119,4 @@ def _draw_loss_factor(sheet: TransferStiffness, frequency_scale: Scale) -> Panel
             "third octaves",
         ),
     )
-    return Panel(frequency_scale, Scale("loss factor", (least, most)), marks, title="loss factor")
+    return Panel(frequency_scale, Scale("loss factor", (lower, upper)), marks, title="loss factor")

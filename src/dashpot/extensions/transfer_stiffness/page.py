@@ -65,10 +65,10 @@ def _describe_bands(sheet: TransferStiffness) -> str:
 
 
 def _make_band_table(sheet: TransferStiffness) -> TextTable:
-    judged = sheet.method != "predicted"
+    has_limits = sheet.method != "predicted"
     head = (
         "Hz", "lines", "dB re 1 N/m", "from", "to", "loss factor", "from", "to",
-        "blocked by, dB", "indirect formula, dB", *(("valid",) if judged else ()),
+        "blocked by, dB", "indirect formula, dB", *(("valid",) if has_limits else ()),
     )  # fmt: skip
     rows = []
     for band in sheet.bands:
@@ -80,7 +80,7 @@ def _make_band_table(sheet: TransferStiffness) -> TextTable:
             *(round_to_error(end, digits=3) for end in band.loss_factor_limits),
             "" if gap is None else f"{gap:.1f}",
             "" if formula is None else f"{formula:.2f}",
-            *(("yes" if band.valid else "no",) if judged else ()),
+            *(("yes" if band.valid else "no",) if has_limits else ()),
         ))  # fmt: skip
     return TextTable(
         head, tuple(rows), tuple("" if band.valid else "doubt" for band in sheet.bands)

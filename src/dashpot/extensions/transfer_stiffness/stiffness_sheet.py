@@ -90,7 +90,7 @@ class BandStiffness(Serialisable):
 
     @property
     def level(self) -> float:
-        """In dB re 1 N/m."""
+        """Level, dB re 1 N/m."""
         return float(compute_level(np.array(self.stiffness)))
 
     @property
@@ -101,7 +101,7 @@ class BandStiffness(Serialisable):
 
     @property
     def indirect_level(self) -> float | None:
-        """The same of what the formula of the indirect method gives, dB."""
+        """Level by the formula of the indirect method, dB."""
         return None if self.indirect is None else float(compute_level(np.array(self.indirect)))
 
     @property
@@ -206,7 +206,7 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
 
     @property
     def interval_note(self) -> str:
-        """What the intervals leave out beyond the valid band of a fit; else empty."""
+        """Sentence on what the intervals leave out beyond the valid band of a fit; else empty."""
         if not any(
             check.failed and check.name == "third_octaves_in_valid_band" for check in self.checks
         ):
@@ -220,7 +220,7 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
 
     @property
     def loss_factor(self) -> FloatArray:
-        """Of each line."""
+        """Loss factor of each line."""
         return np.asarray(self.value.imag / self.value.real)
 
     @property
@@ -299,25 +299,30 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
 
     def csv(self, *, lines: bool = False) -> str:
         """Return the third octaves as a table, or the lines, below what they are of."""
-        notes = [byline("transfer stiffness of " + ", ".join(one.file for one in self.source))]
-        if any(one.simulated for one in self.source):
+        notes = [
+            byline("transfer stiffness of " + ", ".join(source.file for source in self.source))
+        ]
+        if any(source.simulated for source in self.source):
             notes.append("SIMULATED: the test behind this table was simulated")
         columns = self._line_columns if lines else self._table_columns
         head = ",".join(f"{name} [{unit}]" if unit else name for name, (_, unit) in columns.items())
         rows = zip(*(values for values, _ in columns.values()), strict=True)
-        above = (f"# {note}" for note in notes)
-        return "\n".join((*above, head, *(",".join(map(_format_cell, row)) for row in rows))) + "\n"
+        comment_lines = (f"# {note}" for note in notes)
+        return (
+            "\n".join((*comment_lines, head, *(",".join(map(_format_cell, row)) for row in rows)))
+            + "\n"
+        )
 
     @property
     def _headline(self) -> str:
         """The stiffness of the first and of the last third octave that is valid."""
         valid = [band for band in self.bands if band.valid] or list(self.bands)
-        ends = [
+        end_texts = [
             f"{convert_to_unit(band.stiffness, 'N/mm'):.4g} N/mm ({band.level:.2f} dB) at "
             f"{band.centre:g} Hz"
             for band in (valid[0], valid[-1])
         ]
-        return "the transfer stiffness is " + " to ".join(dict.fromkeys(ends))
+        return "the transfer stiffness is " + " to ".join(dict.fromkeys(end_texts))
 
 
 def _replace_none(value: float | None) -> float:

@@ -19,13 +19,13 @@ def render_transfer_stiffness(sheet: TransferStiffness) -> Text:
     lines = [f"  {describe_method(sheet)}"]
     if sheet.transmissibility is not None:
         start = sheet.valid_from
-        where = "nowhere" if start is None else f"from {start:.4g} Hz on"
-        lines.append(f"  the output moves {BLOCKED:g} dB less than the input {where}")
+        range_text = "nowhere" if start is None else f"from {start:.4g} Hz on"
+        lines.append(f"  the output moves {BLOCKED:g} dB less than the input {range_text}")
     has_output = sheet.transmissibility is not None
     # a prediction needs no blocked output: "valid" would be read as the valid band of its fit
-    judged = has_output and sheet.method != "predicted"
-    head = [*_HEAD, *(["blocked, dB"] if has_output else []), *(["valid"] if judged else [])]
-    rows = (_format_row(band, has_output=has_output, is_checked=judged) for band in sheet.bands)
+    has_limits = has_output and sheet.method != "predicted"
+    head = [*_HEAD, *(["blocked, dB"] if has_output else []), *(["valid"] if has_limits else [])]
+    rows = (_format_row(band, has_output=has_output, is_checked=has_limits) for band in sheet.bands)
     lines += table([head, *rows])
     lines += [f"  {sheet.interval_note}"] if sheet.interval_note else []
     details = [["Hz", "dB re 1 N/m", "95 % interval", "indirect formula, dB", "lines"]]

@@ -38,9 +38,9 @@ def list_third_octaves(low: float, high: float) -> tuple[ThirdOctave, ...]:
     last = int(np.floor(10 * np.log10(high / _EDGE_RATIO) + _EDGE_TOLERANCE))
     bands = []
     for n in range(first, last + 1):
-        decade, place = divmod(n, 10)
+        decade, band_index = divmod(n, 10)
         centre = float(10 ** (n / 10))
-        nominal = float(f"{_NOMINAL[place] * 10.0**decade:.12g}")
+        nominal = float(f"{_NOMINAL[band_index] * 10.0**decade:.12g}")
         bands.append(ThirdOctave(nominal, centre, centre / _EDGE_RATIO, centre * _EDGE_RATIO))
     return tuple(bands)
 
@@ -123,9 +123,9 @@ def compute_band_means(
     total_power, total_stiffness = np.asarray(add(power)), np.asarray(add(stiffness))
     mean = np.sqrt(total_power / count)
     noise = np.asarray(add(2 * power * random**2)) / total_power
-    spread = np.sqrt(np.asarray(add((power * random) ** 2))) / total_power
+    relative_sd = np.sqrt(np.asarray(add((power * random) ** 2))) / total_power
     shifts = np.asarray(add(power * common.real)) / total_power
-    error = np.sqrt(spread**2 + (shifts**2).sum(axis=0))
+    error = np.sqrt(relative_sd**2 + (shifts**2).sum(axis=0))
     middle = mean * np.sqrt(np.maximum(1 - noise, 0.0))
     factor = np.exp(quantile * error)
     limits = np.array([middle / factor, np.maximum(middle * factor, mean)])
@@ -133,8 +133,8 @@ def compute_band_means(
     eta = total_stiffness.imag / total_stiffness.real
     turn = np.asarray(add(stiffness * common)) / total_stiffness
     random_turn = np.sqrt(np.asarray(add(power * random**2))) / np.abs(total_stiffness)
-    half = quantile * (1 + eta**2) * np.sqrt(random_turn**2 + (turn.imag**2).sum(axis=0))
-    return BandMeans(mean, limits, eta, np.array([eta - half, eta + half]))
+    half_width = quantile * (1 + eta**2) * np.sqrt(random_turn**2 + (turn.imag**2).sum(axis=0))
+    return BandMeans(mean, limits, eta, np.array([eta - half_width, eta + half_width]))
 
 
 def estimate_line_noise(stiffness: ComplexArray) -> float:

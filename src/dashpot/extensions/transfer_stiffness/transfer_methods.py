@@ -254,17 +254,17 @@ def _select_lines(frf: FRF, request: _Request) -> FRF:
 
 
 def _estimate_relative_noise(
-    frf: FRF, smooth: ComplexArray
+    frf: FRF, smooth_frf: ComplexArray
 ) -> tuple[FloatArray, tuple[Check, ...]]:
     """Return the relative random error of each line, with a check where the FRF states none.
 
-    There it is that of neighbouring lines of `smooth`, a stiffness.
+    There it is that of neighbouring lines of `smooth_frf`, a stiffness.
     """
     scatter = frf.random_sd
     if scatter is not None:
         return np.asarray(scatter / np.abs(frf.value)), ()
-    noise = estimate_line_noise(smooth)
-    return np.full(len(smooth), noise), (checks.line_noise_stated(noise),)
+    noise = estimate_line_noise(smooth_frf)
+    return np.full(len(smooth_frf), noise), (checks.line_noise_stated(noise),)
 
 
 def _measure_direct(frf: FRF, request: _Request) -> TransferStiffness:
@@ -336,8 +336,8 @@ def _measure_indirect(frf: FRF, request: _Request) -> TransferStiffness:
     ones = np.ones_like(T)
     slope = 1 / (1 - T)
     # of a relative motion R = T - 1 the sensors' ratio is that of R
-    sensed = ones if frf.quantity is Kind.TRANSMISSIBILITY else (T - 1) / T
-    ratio = np.array([errors.gain * sensed, 1j * errors.phase * sensed])
+    sensor_ratio = ones if frf.quantity is Kind.TRANSMISSIBILITY else (T - 1) / T
+    ratio = np.array([errors.gain * sensor_ratio, 1j * errors.phase * sensor_ratio])
     standard = _MeasuredLines(
         lines.frequency, -inertia * T, noise, np.array([*ratio, mass_share * ones])
     )
@@ -486,13 +486,13 @@ def _compute_limits(
     if exact:
         return corrected
     low, high = corrected.stiffness_limits
-    least, most = corrected.loss_factor_limits
+    lower, upper = corrected.loss_factor_limits
     value, eta = standard.stiffness, standard.loss_factor
     return BandMeans(
         value,
         np.array([np.minimum(low, value), np.maximum(high, value)]),
         eta,
-        np.array([np.minimum(least, eta), np.maximum(most, eta)]),
+        np.array([np.minimum(lower, eta), np.maximum(upper, eta)]),
     )
 
 
@@ -528,7 +528,7 @@ def _build_band(
 ) -> BandStiffness:
     lines = slice(*span)
     low, high = means.stiffness_limits[:, i].tolist()
-    least, most = means.loss_factor_limits[:, i].tolist()
+    lower, upper = means.loss_factor_limits[:, i].tolist()
     output_motion = None if transmissibility is None else np.abs(transmissibility[lines]).max()
     count = span[1] - span[0]
     return BandStiffness(
@@ -537,7 +537,7 @@ def _build_band(
         float(means.stiffness[i]),
         (low, high),
         float(means.loss_factor[i]),
-        (least, most),
+        (lower, upper),
         None if output_motion is None else float(-compute_level(output_motion)),
         None if indirect is None else float(np.sqrt((np.abs(indirect[lines]) ** 2).mean())),
         count >= LEAST_LINES and (exact or bool(blocked[lines].all())),
@@ -548,13 +548,13 @@ def _build_band(
 def _run_checks(sheet: TransferStiffness) -> tuple[Check, ...]:
     """Return the checks of a measured sheet."""
     bands = sheet.bands
-    fewest = min(bands, key=lambda band: band.lines)
+    fewest_lines = min(bands, key=lambda band: band.lines)
     # the check of the output judges the bands that are not valid
     valid_bands = [band for band in bands if band.valid] or list(bands)
     widest = max(valid_bands, key=lambda band: band.half_width)
     lossless = min(valid_bands, key=lambda band: band.loss_factor_limits[1])
     cosine = sheet.value.real / np.abs(sheet.value)
-    least = int(cosine.argmin())
+    min_index = int(cosine.argmin())
     difference = sheet.level_difference
     least_difference = None if difference is None else float(difference.min())
     T = sheet.transmissibility
@@ -566,10 +566,12 @@ def _run_checks(sheet: TransferStiffness) -> tuple[Check, ...]:
     return (
         output_check,
         checks.blocking_mass_rigid(float(sheet.frequency[-1]), sheet.rigid_to),
-        checks.third_octaves_resolved(fewest.lines, centre=fewest.centre),
+        checks.third_octaves_resolved(fewest_lines.lines, centre=fewest_lines.centre),
         checks.level_determined(widest.half_width, centre=widest.centre),
         checks.mount_dissipates(lossless.loss_factor_limits[1], centre=lossless.centre),
-        checks.mount_acts_as_spring(float(cosine[least]), frequency=float(sheet.frequency[least])),
+        checks.mount_acts_as_spring(
+            float(cosine[min_index]), frequency=float(sheet.frequency[min_index])
+        ),
     )
 
 

@@ -85,24 +85,24 @@ def _is_same_condition(first: EndStiffness, second: EndStiffness) -> bool:
 
 
 @criterion("probability by chance", ">=", 0.01, "Wald's test at 1 %; or alike within 0.1 %")
-def depth_and_time_separable(chance: float | None, spread: float | None) -> Finding:
+def depth_and_time_separable(chance: float | None, deviation: float | None) -> Finding:
     """The relative relaxation is the same at every compression.
 
-    A `spread` of None is a spring's, a `chance` of None that of an arm that is not known.
+    A `deviation` of None is a spring's, a `chance` of None that of an arm that is not known.
     """
-    if spread is None:
+    if deviation is None:
         return Finding("A spring does not relax at any depth")
     if chance is None:
         return Finding("An arm of one depth is not identified, so the shapes cannot be compared")
-    message = f"The shape of relaxation differs between depths by up to {100 * spread:.2g} %"
-    reason = "too little to matter" if spread < NEGLIGIBLE_DIFFERENCE else "no more than chance"
+    message = f"The shape of relaxation differs between depths by up to {100 * deviation:.2g} %"
+    reason = "too little to matter" if deviation < NEGLIGIBLE_DIFFERENCE else "no more than chance"
     return Finding(
         f"{message}, {reason}. One quasi-linear model serves every depth",
         chance,
         failure=f"{message}, more than chance (probability {chance:.1g}). One quasi-linear model "
         "does not serve every depth",
         remedy="Use the stiffnesses of each depth.",
-        always_passes=spread < NEGLIGIBLE_DIFFERENCE,
+        always_passes=deviation < NEGLIGIBLE_DIFFERENCE,
     )
 
 
@@ -120,11 +120,11 @@ def hold_long_enough(end: EndOfHold | None) -> Finding:
     """At the end of the hold, no spectrum that fits the record still falls much."""
     if end is None:
         return Finding("Each depth has its own stiffnesses, so the end of the hold is not checked")
-    falling = end.slope_limit / max(end.k_end[1], 1e-300)
+    slope_ratio = end.slope_limit / max(end.k_end[1], 1e-300)
     return Finding(
         f"When the hold ends, after {end.end_time:.4g} s, the stiffness still falls by up to "
-        f"{100 * falling:.2g} % per factor of 2.7 in time",
-        falling,
+        f"{100 * slope_ratio:.2g} % per factor of 2.7 in time",
+        slope_ratio,
         "So k_inf is extrapolated, with no lower limit. The test gives the stiffness at the end "
         "of the hold",
         Remedy("Hold longer, or give the drift of the load cell.", "machine", "drift=..."),
@@ -167,7 +167,7 @@ def k_end_determined(
     """The interval of the stiffness at the end of the hold is less than half of it wide."""
     remainder = float(model.relaxation(max(test.hold_time for test in tests)))
     if end is not None:
-        (low, high), most, what = end.k_end, max(remainder, 1e-300), "this stiffness"
+        (low, high), reference, reference_name = end.k_end, max(remainder, 1e-300), "this stiffness"
         message = (
             f"When the hold ends the stiffness is {convert_to_unit(low, 'N/mm'):.3g} to "
             f"{format_quantity(high, 'N/mm', '.3g')}"
@@ -175,13 +175,13 @@ def k_end_determined(
     else:
         low = max(model.k_inf - 2 * se, 0.0)
         high = model.k_inf + 2 * se
-        most = remainder
-        what = "k_inf"
+        reference = remainder
+        reference_name = "k_inf"
         message = (
             f"Noise leaves {format_quantity(high - low, 'N/mm', '.3g')} of k_inf open, of "
             f"{format_quantity(remainder, 'N/mm', '.3g')} at the end of the hold"
         )
-    if not (np.isfinite(high) and most > 0):
+    if not (np.isfinite(high) and reference > 0):
         return Finding(
             "The record sets no limit to k_inf",
             np.inf,
@@ -191,14 +191,14 @@ def k_end_determined(
         )
     return Finding(
         message,
-        (high - low) / most,
-        f"The record does not determine {what}",
+        (high - low) / reference,
+        f"The record does not determine {reference_name}",
         Remedy(
             "Record a baseline of 10 s, or give drift and compliance.",
             "machine",
             "drift=...,compliance=...",
         ),
-        grade="stop" if high - low > most else None,
+        grade="stop" if high - low > reference else None,
     )
 
 
@@ -213,13 +213,13 @@ def arms_where_force_relaxes(model: GeneralizedMaxwell, test: RampHold) -> Findi
         return Finding("The hold is too short to judge how the force relaxes")
     tenth = max(len(force) // 10, 1)
     peak = max(float(np.abs(test.force).max()), 1e-300)
-    fall = float(force[:tenth].mean() - force[-tenth:].mean())
+    force_fall = float(force[:tenth].mean() - force[-tenth:].mean())
     return Finding(
-        f"The force falls by {100 * fall / peak:.2g} % of its peak in the hold",
-        fall / peak,
+        f"The force falls by {100 * force_fall / peak:.2g} % of its peak in the hold",
+        force_fall / peak,
         "The model has no arm to follow it",
         Remedy("Use at least one arm.", "arms"),
-        always_passes=bool(model.arms) or fall <= 7 * test.force_noise * np.sqrt(2 / tenth),
+        always_passes=bool(model.arms) or force_fall <= 7 * test.force_noise * np.sqrt(2 / tenth),
     )
 
 
@@ -233,9 +233,10 @@ def ramp_accounted_for(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> 
         return Finding("A spring does not change with the ramp")
     c = max(test.ramp_time for test in tests)
     bias = [tau / c * -np.expm1(-c / tau) - 1.0 for tau in model.tau]
-    listed = ", ".join(f"k_{j} by {100 * b:.2g} %" for j, b in enumerate(bias, start=1))
+    biases_text = ", ".join(f"k_{j} by {100 * b:.2g} %" for j, b in enumerate(bias, start=1))
     return Finding(
-        f"The ramp of {c:.3g} s is included in the fit. A step in its place would change {listed}",
+        f"The ramp of {c:.3g} s is included in the fit. A step in its place would change "
+        f"{biases_text}",
         float(min(bias)),
     )
 
@@ -306,14 +307,14 @@ def force_residual_small(test: RampHold, residual: FloatArray) -> Finding:
     `residual` is of the last samples up to the end of the hold, N. What wanders slowly counts as
     noise, which the limits hold; a model that misses the noise of each sample by so much is none.
     """
-    misfit, where = worst_misfit(test, residual)
+    misfit, location_text = worst_misfit(test, residual)
     peak = float(np.abs(test.force).max())
     of_samples = max(noise_of_force(test), FINE_ENOUGH * peak)
     noise = max(of_samples, slow_noise(residual, peak))
     ratio = misfit / noise if noise > 0 else 1.0
     return Finding(
-        f"The model misses the force by {format_quantity(misfit, 'mN', '.3g')} rms {where}; "
-        f"{format_quantity(noise, 'mN', '.3g')} would be noise",
+        f"The model misses the force by {format_quantity(misfit, 'mN', '.3g')} rms "
+        f"{location_text}; {format_quantity(noise, 'mN', '.3g')} would be noise",
         ratio,
         "Stiffening, friction, slip, or a late force may cause this. The arms mean nothing then",
         "Check the motion and the clocks, and repeat the test.",
@@ -363,7 +364,7 @@ def residuals_steady(
     other_grade=f"limit if k(T) is {100 * SAME_STIFFNESS:g} % outside its limits",
 )
 def hold_and_full_agree(
-    full: GeneralizedMaxwell,
+    full_model: GeneralizedMaxwell,
     hold: GeneralizedMaxwell | None,
     error: FloatArray,
     *,
@@ -377,20 +378,24 @@ def hold_and_full_agree(
     """
     if hold is None:
         return Finding("Eq. 5 does not apply to this history, so the two methods are not compared")
-    n, same_order = full.arms, hold.arms == full.arms
-    ours, theirs = np.array([full.k_inf]), np.array([hold.k_inf])
+    n, same_order = full_model.arms, hold.arms == full_model.arms
+    full_values, hold_values = np.array([full_model.k_inf]), np.array([hold.k_inf])
     labels, sigma = ["k_inf"], error[:1]
     if same_order:
-        ours = np.array((full.k_inf, *full.k, *full.tau))
-        theirs = np.array((hold.k_inf, *hold.k, *hold.tau))
+        full_values = np.array((full_model.k_inf, *full_model.k, *full_model.tau))
+        hold_values = np.array((hold.k_inf, *hold.k, *hold.tau))
         labels += [f"{kind}_{j}" for kind in ("k", "tau") for j in range(1, n + 1)]
         # an error of ln tau is relative as it stands
-        sigma = np.concatenate((error[: 1 + n], np.array(full.tau) * error[1 + n : 1 + 2 * n]))
+        sigma = np.concatenate(
+            (error[: 1 + n], np.array(full_model.tau) * error[1 + n : 1 + 2 * n])
+        )
     # a plateau of nothing has no relative change: it is measured by the whole stiffness
-    whole = np.where(ours > ROUNDING * full.k_0, ours, max(full.k_0, 1e-300))
-    difference = (theirs - ours) / whole
+    scale = np.where(
+        full_values > ROUNDING * full_model.k_0, full_values, max(full_model.k_0, 1e-300)
+    )
+    difference = (hold_values - full_values) / scale
     size = np.abs(difference)
-    excess = np.abs(theirs - ours) > 3.0 * sigma
+    excess = np.abs(hold_values - full_values) > 3.0 * sigma
     failed = excess & (size > MAX_METHOD_DIFFERENCE)
     worst = int(np.argmax(np.where(failed, 1e9, 0.0) + size))
     orders = "" if same_order else f" with {format_arm_count(hold.arms)}"
@@ -404,7 +409,7 @@ def hold_and_full_agree(
         # eq. 5 knows an ideal ramp alone: that its arms differ is no fault of the recorded motion,
         # and k_inf is an extrapolation of both
         grade="limit"
-        if (failed[0] if end is None else _is_outside_limits(full, hold, end))
+        if (failed[0] if end is None else _is_outside_limits(full_model, hold, end))
         else None,
     )
 
@@ -428,19 +433,20 @@ def filter_bias(
             remedy=Remedy("Leave the filter out.", "filter"),
             always_fails=True,
         )
-    slow = by.kind == "lowpass" and by.cutoff < 5 / fastest
+    is_slow_filter = by.kind == "lowpass" and by.cutoff < 5 / fastest
     message = (
         f"{by} changes, by eq. 5 on the hold, {_format_changes(changes['hold'])}. With the "
         "whole record "
     )
     if by.linear:
-        most = max(changes["full"].values(), key=abs)
+        largest_change = max(changes["full"].values(), key=abs)
         message += (
-            f"it changes at most {100 * most:+.3g} %, because the displacement is filtered too"
+            f"it changes at most {100 * largest_change:+.3g} %, because the displacement is "
+            "filtered too"
         )
     else:
         message += f"it changes {_format_changes(changes['full'])}"
-    if slow:
+    if is_slow_filter:
         message += f". The cut-off is below 5/tau_1 = {5 / fastest:.3g} Hz"
     if by.causal:
         message += ". A causal filter delays the force"
@@ -448,15 +454,17 @@ def filter_bias(
         message,
         max(abs(change) for entry in changes.values() for change in entry.values()),
         remedy=Remedy("Fit the raw record.", "filter"),
-        always_fails=slow or by.causal,
+        always_fails=is_slow_filter or by.causal,
     )
 
 
-def _is_outside_limits(full: GeneralizedMaxwell, hold: GeneralizedMaxwell, end: EndOfHold) -> bool:
+def _is_outside_limits(
+    full_model: GeneralizedMaxwell, hold: GeneralizedMaxwell, end: EndOfHold
+) -> bool:
     """Return whether eq. 5 has another stiffness at the end of the hold than the records allow."""
-    ours, theirs = (float(model.relaxation(end.end_time)) for model in (full, hold))
+    full_k, hold_k = (float(model.relaxation(end.end_time)) for model in (full_model, hold))
     low, high = end.k_end
-    return max(low - theirs, theirs - high) > SAME_STIFFNESS * ours
+    return max(low - hold_k, hold_k - high) > SAME_STIFFNESS * full_k
 
 
 # -- measures -------------------------------------------------------------------------------------
@@ -473,11 +481,11 @@ def record_window(tests: Sequence[RampHold]) -> tuple[float, float]:
 def wander(residual: FloatArray) -> float:
     """Return the mean power at 6 to 24 cycles per record over that at 60 to 240."""
     cycles, power = slow_periodogram(residual, 240)
-    slow, medium = (
+    slow_power, medium = (
         float(power[(cycles >= low) & (cycles <= high)].mean())
         for low, high in ((6, 24), (60, 240))
     )
-    return slow / medium if medium > 0 else 1.0
+    return slow_power / medium if medium > 0 else 1.0
 
 
 def worst_misfit(test: RampHold, residual: FloatArray) -> tuple[float, str]:
@@ -494,8 +502,8 @@ def worst_misfit(test: RampHold, residual: FloatArray) -> tuple[float, str]:
 def largest_rms(residual: FloatArray, parts: Sequence[tuple[str, BoolArray]]) -> tuple[float, str]:
     """Return the largest rms of some parts of a residual, and the words for that part."""
     pairs = [
-        (float(np.sqrt(np.mean(residual[part] ** 2))), where)
-        for where, part in parts
+        (float(np.sqrt(np.mean(residual[part] ** 2))), location)
+        for location, part in parts
         if np.count_nonzero(part) >= 5
     ]
     return max(pairs, default=(0.0, "in the record"))

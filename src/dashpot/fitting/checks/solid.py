@@ -58,7 +58,9 @@ def uncertainty_estimated(*, is_estimated: bool) -> Finding:
 @criterion("ratio of neighbouring tau", ">=", MIN_TAU_RATIO)
 def arms_distinct(model: GeneralizedMaxwell) -> Finding:
     """Neighbouring relaxation times differ enough to be two."""
-    ratios = [slow / fast for fast, slow in zip(model.tau, model.tau[1:], strict=False)]
+    ratios = [
+        slow_tau / fast_tau for fast_tau, slow_tau in zip(model.tau, model.tau[1:], strict=False)
+    ]
     if not ratios:
         return Finding("There is at most one arm")
     j = int(np.argmin(ratios))
@@ -89,7 +91,7 @@ def arms_supported(
     """
     n = model.arms
     group = list(zip(model.k, model.tau, error[1 : 1 + n], error[1 + n : 1 + 2 * n], strict=True))
-    weak = " and ".join(
+    weak_arms = " and ".join(
         f"arm {j} (k = {amount(k, unit)}, tau = {tau:.3g} s)"
         for j, (k, tau, sk, st) in enumerate(group, start=1)
         if not (k > MIN_K_OVER_SE * sk and st < MAX_SE_LN_TAU)
@@ -102,14 +104,14 @@ def arms_supported(
     return Finding(
         "Every arm is above the noise",
         value if np.isfinite(value) else None,
-        always_passes=n > 0 and not weak,
-        failure=f"{weak} is hardly known, though the record rejects fewer arms. {error_text}"
+        always_passes=n > 0 and not weak_arms,
+        failure=f"{weak_arms} is hardly known, though the record rejects fewer arms. {error_text}"
         if arms_selected
-        else f"{weak} cannot be separated from noise. {error_text}",
+        else f"{weak_arms} cannot be separated from noise. {error_text}",
         remedy="Hold longer, or reduce slow noise."
         if arms_selected
         else Remedy("Use fewer arms.", "arms", f"{max(n - 1, 0)}"),
-        always_fails=bool(weak),
+        always_fails=bool(weak_arms),
         grade="note" if arms_selected else None,
     )
 
@@ -127,23 +129,23 @@ def tau_inside_window(
     subject: str,
     *,
     end_names: tuple[str, str] = ("", ""),
-    within: bool = False,
+    is_closed: bool = False,
     remedy: Remedy | str = Remedy("Use fewer arms, or measure over a wider range.", "arms"),  # noqa: B008
 ) -> Finding:
     """Every relaxation time lies in the range that the data cover.
 
-    `window` is in s; `within` it, an arm at an end of it is outside.
+    `window` is in s; `is_closed` it, an arm at an end of it is outside.
     """
     low, high = window
-    holds = np.less if within else np.less_equal
+    holds = np.less if is_closed else np.less_equal
     outside = [tau for tau in model.tau if not (holds(low, tau) and holds(tau, high))]
     span = f"{low:.3g} s{end_names[0]} to {high:.3g} s{end_names[1]}"
-    listed = ", ".join(f"{tau:.3g} s" for tau in outside)
+    taus_text = ", ".join(f"{tau:.3g} s" for tau in outside)
     return Finding(
         f"Every relaxation time lies in what {subject} can show, {span}",
         min(outside, default=None),
         always_passes=bool(model.arms) and not outside,
-        failure=f"A relaxation time, {listed}, lies outside what {subject} can show, {span}. "
+        failure=f"A relaxation time, {taus_text}, lies outside what {subject} can show, {span}. "
         "Only the tail of this arm was measured, so its k and tau are extrapolated",
         remedy=remedy,
         limit=high,
@@ -184,12 +186,12 @@ def residuals_white(kappa: float, rms: float, noise: float | None = None) -> Fin
 )
 def order_agreed(choice: OrderChoice) -> Finding:
     """BIC and significance agree on the number of arms, below the largest that was tried."""
-    chosen = format_arm_count(choice.arms)
-    message = f"BIC and significance choose {chosen}"
+    chosen_text = format_arm_count(choice.arms)
+    message = f"BIC and significance choose {chosen_text}"
     if not choice.has_agreement:
         message = (
             f"BIC supports {format_arm_count(choice.by_bic)}, the significance of k and tau "
-            f"{format_arm_count(choice.by_significance)}; {chosen} taken"
+            f"{format_arm_count(choice.by_significance)}; {chosen_text} taken"
         )
     if choice.in_noise_metric:
         message += ". The noise is as slow as the arms, so fits in its own metric were judged"
@@ -205,23 +207,25 @@ def order_agreed(choice: OrderChoice) -> Finding:
 
 
 @criterion("arms that the data support", "<=", source="the requested number; BIC and significance")
-def arms_enough(shortage: Shortage | None, arms: int, *, unit: str) -> Finding:
+def arms_enough(arm_shortage: Shortage | None, arms: int, *, unit: str) -> Finding:
     """The requested number of arms is enough: the data support no further one.
 
     `unit` is that of the residual.
     """
-    if shortage is None:
+    if arm_shortage is None:
         return Finding("The data support no further arm", float(arms), limit=float(arms))
-    few, more = shortage.arms, shortage.supported
-    leave = "leaves" if few == 1 else "leave"
-    remainder, less = (format_residual(rms, unit) for rms in (shortage.rms, shortage.supported_rms))
+    arm_count, supported_count = arm_shortage.arms, arm_shortage.supported
+    verb = "leaves" if arm_count == 1 else "leave"
+    remainder, supported_text = (
+        format_residual(rms, unit) for rms in (arm_shortage.rms, arm_shortage.supported_rms)
+    )
     return Finding(
-        f"{sentence(format_arm_count(few))[:-1]} {leave} {remainder} rms, {format_arm_count(more)} "
-        f"leave {less}",
-        float(more),
+        f"{sentence(format_arm_count(arm_count))[:-1]} {verb} {remainder} rms, "
+        f"{format_arm_count(supported_count)} leave {supported_text}",
+        float(supported_count),
         "What too few arms miss is in no interval",
-        Remedy(f"Use {format_arm_count(more)}.", "arms", f"{more}"),
-        limit=float(few),
+        Remedy(f"Use {format_arm_count(supported_count)}.", "arms", f"{supported_count}"),
+        limit=float(arm_count),
     )
 
 

@@ -113,9 +113,11 @@ class ArmColumns:
             self.problem.solve_linear(np.array([t, slope])) for t in times for slope in _SLOPES
         ]
         optima: list[Optimum] = []
-        for near in sorted(grid_optima, key=lambda optimum: optimum.cost):
-            if all(abs(near.theta[0] - optimum.theta[0]) > 2 / _PER_FOLD for optimum in optima):
-                optima.append(near)
+        for grid_optimum in sorted(grid_optima, key=lambda optimum: optimum.cost):
+            if all(
+                abs(grid_optimum.theta[0] - optimum.theta[0]) > 2 / _PER_FOLD for optimum in optima
+            ):
+                optima.append(grid_optimum)
             if len(optima) == count:
                 break
         return optima
@@ -225,7 +227,7 @@ class FractionalFit(SelectedModel):
 
     @cached_property
     def covariance(self) -> FloatArray:
-        """Of k_inf, k_0, ln tau and alpha, and b: k_0 is k_inf and the k of the element."""
+        """Return the covariance of k_inf, k_0, ln tau, alpha and b; k_0 sums both springs."""
         names = ["k_inf", "k", "ln_tau", "alpha", *(["b"] if "b" in self.parameters else [])]
         rows = [self.estimate.names.index(name) for name in names]
         covariance = self.estimate.covariance[np.ix_(rows, rows)]
@@ -251,7 +253,7 @@ class FractionalFit(SelectedModel):
 
     @property
     def stiffnesses(self) -> dict[str, float]:
-        """Those that an error of the depth scales, by their rows."""
+        """Stiffnesses that an error of the depth scales, by their rows."""
         return {"k_inf": self.solid.k_inf, "k": self.k}
 
 
@@ -327,8 +329,10 @@ class FamilySelection:
         """Return the other family, as a fit keeps it; `band` is what the data inform, Hz."""
         if self.other is None:
             return None
-        solid, _, rise, explains = self.other
-        return build_alternative(self.best.solid, solid, rise, band, explains=explains, extra=extra)
+        solid, _, bic_difference, explains = self.other
+        return build_alternative(
+            self.best.solid, solid, bic_difference, band, explains=explains, extra=extra
+        )
 
     def checks(self, alternative: Alternative | None) -> tuple[Check, ...]:
         """Return what to ask of a solid that was taken beside another family."""
@@ -364,32 +368,42 @@ def chosen_family(
     if family == "maxwell":
         return FamilySelection(arms, arms)
     fit = fit or fit_fractional(arms.data)
-    fewest = min(arms, fit, key=lambda selection: selection.solution.sse)
-    effective = fewest.estimate.effective
-    floor = arms.solution.samples * rounding_rms(arms.data.peak) ** 2
+    lowest_selection = min(arms, fit, key=lambda selection: selection.solution.sse)
+    effective = lowest_selection.estimate.effective
+    rounding_sse = arms.solution.samples * rounding_rms(arms.data.peak) ** 2
 
     def criterion(contender: _Contender) -> float:
-        return bic(contender.sse, effective=effective, parameters=contender.parameters, floor=floor)
+        return bic(
+            contender.sse,
+            effective=effective,
+            parameters=contender.parameters,
+            rounding_sse=rounding_sse,
+        )
 
     def is_as_good(contender: _Contender, best: _Contender) -> bool:
-        value, least = (
-            deviance(item.sse, effective=effective, floor=floor) for item in (contender, best)
+        value, lowest_deviance = (
+            deviance(item.sse, effective=effective, rounding_sse=rounding_sse)
+            for item in (contender, best)
         )
         return not is_significant_fall(
-            value - least, max(best.parameters - contender.parameters, 1)
+            value - lowest_deviance, max(best.parameters - contender.parameters, 1)
         )
 
     def spread(contender: _Contender) -> float:
         # many arms leave less of few samples by chance alone
-        return (contender.sse + floor) / max(effective - contender.parameters, 1.0)
+        return (contender.sse + rounding_sse) / max(effective - contender.parameters, 1.0)
 
-    single, several = _candidate(fit), _list_orders(arms)
-    selected = several[0]
-    better = criterion(single) + VERY_STRONG < criterion(selected) and not fit.is_at_edge
-    best, others = (single, several) if better or family == "fractional" else (selected, [single])
-    least = criterion(best) + VERY_STRONG
-    explain = [other for other in others if criterion(other) < least or is_as_good(other, best)]
-    other = (explain or others)[0]
+    single, arm_solutions = _candidate(fit), _list_orders(arms)
+    selected = arm_solutions[0]
+    is_better = criterion(single) + VERY_STRONG < criterion(selected) and not fit.is_at_edge
+    best, contenders = (
+        (single, arm_solutions) if is_better or family == "fractional" else (selected, [single])
+    )
+    bic_limit = criterion(best) + VERY_STRONG
+    explain = [
+        other for other in contenders if criterion(other) < bic_limit or is_as_good(other, best)
+    ]
+    other = (explain or contenders)[0]
     return FamilySelection(
         best.family,
         arms,
@@ -411,7 +425,9 @@ def _candidate(selection: SelectedModel) -> _Contender:
 def _list_orders(arms: SelectedModel) -> list[_Contender]:
     """Return the number of arms that was taken, and the larger ones that were tried."""
     contender = _candidate(arms)
-    more = [score.solution for score in arms.scores if score.solution.order > arms.solution.order]
+    larger_solutions = [
+        score.solution for score in arms.scores if score.solution.order > arms.solution.order
+    ]
     count = 1 + len(arms.solution.groups)
     return [
         contender,
@@ -422,7 +438,7 @@ def _list_orders(arms: SelectedModel) -> list[_Contender]:
                 solution.sse,
                 contender.parameters + count * (solution.order - arms.solution.order),
             )
-            for solution in more
+            for solution in larger_solutions
         ),
     ]
 
@@ -441,23 +457,32 @@ def with_linear_fractional(
         Of the same tests.
     """
     pairs = [
-        (mine[-min(len(mine), len(other)) :], other[-min(len(mine), len(other)) :])
-        for mine, other in zip(residuals, fit.estimate.residuals, strict=True)
+        (residual[-min(len(residual), len(other)) :], other[-min(len(residual), len(other)) :])
+        for residual, other in zip(residuals, fit.estimate.residuals, strict=True)
     ]
     sse = np.array([[part @ part for part in pair] for pair in pairs]).sum(axis=0)
     effective = fit.estimate.effective
-    mine, other_sse = sse.tolist()
-    fall = deviance(other_sse, effective=effective) - deviance(mine, effective=effective)
+    own_sse, other_sse = sse.tolist()
+    deviance_fall = deviance(other_sse, effective=effective) - deviance(
+        own_sse, effective=effective
+    )
     law = nonlinear_fit.elastic_law
     parameters = (
         len(nonlinear_fit.estimate.parameters)
         + len(nonlinear_fit.estimate.nuisance)
         + (len(law.knots) if law else 0)
     )
-    rise = fall + (len(fit.estimate.names) - parameters) * float(np.log(effective))
-    explains = rise < VERY_STRONG or not is_significant_fall(fall, 1)
+    bic_difference = deviance_fall + (len(fit.estimate.names) - parameters) * float(
+        np.log(effective)
+    )
+    explains = bic_difference < VERY_STRONG or not is_significant_fall(deviance_fall, 1)
     other = build_alternative(
-        nonlinear_fit.solid, fit.solid, rise, nonlinear_fit.band, explains=explains, extra=RAMPS
+        nonlinear_fit.solid,
+        fit.solid,
+        bic_difference,
+        nonlinear_fit.band,
+        explains=explains,
+        extra=RAMPS,
     )
     checks = (*nonlinear_fit.checks, model_families_distinguished(other))
     return replace(
@@ -496,9 +521,9 @@ def _find_disagreement(first: Solid, second: Solid, f: FloatArray) -> FloatArray
 
 
 def build_alternative(
-    mine: Solid,
+    own_solid: Solid,
     other: Solid,
-    rise: float,
+    bic_difference: float,
     band: tuple[float, float],
     *,
     explains: bool,
@@ -508,8 +533,8 @@ def build_alternative(
 
     Parameters
     ----------
-    mine, other : Solid
-    rise : float
+    own_solid, other : Solid
+    bic_difference : float
         BIC of the other, less that of the fit's own.
     band : (float, float)
         What the data inform, Hz.
@@ -518,24 +543,26 @@ def build_alternative(
     extra : str
         What would distinguish the two.
     """
-    frequency = divergence_frequency(mine, other, band)
+    frequency = divergence_frequency(own_solid, other, band)
     if isinstance(other, FractionalZener):
         name = f"a fractional model (alpha = {other.alpha:.3g})"
     else:
         arms = other.maxwell.arms
         name = f"a solid with {arms} arm{'s' * (arms != 1)}"
-    both = f"{name} explains the data too (BIC {rise:+.3g})"
+    both_text = f"{name} explains the data too (BIC {bic_difference:+.3g})"
     if not explains:
-        message = f"{name} does not explain the data; its BIC is {rise:.3g} higher"
+        message = f"{name} does not explain the data; its BIC is {bic_difference:.3g} higher"
     elif frequency is None:
-        message = f"{both}. It predicts the same up to {HEARD:g} Hz"
+        message = f"{both_text}. It predicts the same up to {HEARD:g} Hz"
     else:
         at = max(10.0, 10.0 ** np.ceil(np.log10(frequency)))
-        a, b = (complex(solid.complex_stiffness(omega=2 * np.pi * at)) for solid in (mine, other))
-        then = sentence(f"{extra} separates them")
-        message = (
-            f"{both}. From {frequency:.2g} Hz on the two differ: at {at:g} Hz the loss factor is "
-            f"{a.imag / a.real:.3g} by this model and {b.imag / b.real:.3g} by the other, the "
-            f"stiffness {100 * (b.real / a.real - 1):+.2g} %. {then}"
+        a, b = (
+            complex(item.complex_stiffness(omega=2 * np.pi * at)) for item in (own_solid, other)
         )
-    return Alternative(other, rise, explains, frequency, sentence(message))
+        advice = sentence(f"{extra} separates them")
+        message = (
+            f"{both_text}. From {frequency:.2g} Hz on the two differ: at {at:g} Hz the loss factor "
+            f"is {a.imag / a.real:.3g} by this model and {b.imag / b.real:.3g} by the other, the "
+            f"stiffness {100 * (b.real / a.real - 1):+.2g} %. {advice}"
+        )
+    return Alternative(other, bic_difference, explains, frequency, sentence(message))

@@ -38,7 +38,7 @@ MAX_ERROR = 0.025, 0.1
 )
 def lines_explained(scale: float, *, known_sd: bool, coherent: bool = False) -> Finding:
     """The model fits the FRF to within its scatter."""
-    why = "A second mode, leakage or amplitude may cause this"
+    reason = "A second mode, leakage or amplitude may cause this"
     advice = Remedy(
         "Check the mass and its unit. Then narrow the band, or allow more arms.", "band"
     )
@@ -46,19 +46,19 @@ def lines_explained(scale: float, *, known_sd: bool, coherent: bool = False) -> 
         return Finding(
             f"The model misses the FRF by {scale:.2g} times its noise",
             scale,
-            why,
+            reason,
             advice,
             grade="stop" if scale > 10 * EXPLAINED else None,
         )
-    weighed = (
+    weighting_text = (
         "It has coherence but no number of hits, so the misfit gave the scatter"
         if coherent
         else "It has neither coherence nor scatter, so every line counted alike"
     )
     return Finding(
-        f"The model misses the FRF by {100 * scale:.2g} %. {weighed}",
+        f"The model misses the FRF by {100 * scale:.2g} %. {weighting_text}",
         scale,
-        why,
+        reason,
         advice,
         limit=UNEXPLAINED,
         grade="stop" if scale > 5 * UNEXPLAINED else None,
@@ -74,11 +74,12 @@ def lines_explained(scale: float, *, known_sd: bool, coherent: bool = False) -> 
     fit_status=Status.TESTS_DISAGREE,
 )
 def hammer_agrees_with_relaxation_test(
-    number: int, ratio: float, *, missed: float = np.inf
+    number: int, ratio: float, *, residual_ratio: float = np.inf
 ) -> Finding:
     """The joint model still fits the relaxation test.
 
-    `missed` is the rms force that the joint model adds to the residual, over the peak force.
+    `residual_ratio` is the rms force that the joint model adds to the residual, over the peak
+    force.
     """
     return Finding(
         f"With the joint model relaxation test {number} has {ratio:.3g} times the squared residual "
@@ -86,7 +87,7 @@ def hammer_agrees_with_relaxation_test(
         ratio,
         _CONTRADICTION,
         REMEDY,
-        always_passes=missed < IMMATERIAL,
+        always_passes=residual_ratio < IMMATERIAL,
         grade="stop" if ratio > CONTRADICTED else None,
     )
 
@@ -105,12 +106,12 @@ def cables_described(band_error: BandError, peak: float) -> Finding:
 
 
 @criterion("distance in standard deviations", "<=", STRAINED, "root mean square of all parameters")
-def hammer_agrees_with_earlier_fit(off: float) -> Finding:
+def hammer_agrees_with_earlier_fit(deviation: float) -> Finding:
     """The hammer test agrees with the earlier fit."""
     return Finding(
-        f"The joint model moves the parameters of the earlier fit by {off:.2g} of their standard "
-        "deviations",
-        off,
+        f"The joint model moves the parameters of the earlier fit by {deviation:.2g} of their "
+        "standard deviations",
+        deviation,
         _CONTRADICTION,
         REMEDY,
     )
@@ -152,17 +153,17 @@ REMEDIES: dict[str, Remedy | str] = {
     "delay": "Check the delay between hammer and accelerometer.",
     "stiffness": "Check number, length and compression of the seals.",
 }
-"""What to do where the fit wants another than was known."""
+"""Remedies where the fit contradicts a known quantity."""
 
 
 class Believable(Protocol):
     """Criterion on the departure of a quantity from its prior."""
 
-    def __call__(self, off: float, sd: float) -> Check:
+    def __call__(self, deviation: float, sd: float) -> Check:
         """Return the answer."""
 
 
-def _plausible(quantity: str, ends: Status | None = None) -> Believable:
+def _plausible(quantity: str, end_status: Status | None = None) -> Believable:
     remedy = REMEDIES[quantity]
 
     @criterion(
@@ -171,17 +172,17 @@ def _plausible(quantity: str, ends: Status | None = None) -> Believable:
         STRAINED,
         source="1.2 % of normal errors are beyond",
         other_grade=f"stop beyond {4 * STRAINED:g}",
-        fit_status=ends,
+        fit_status=end_status,
         name=f"{quantity}_plausible",
         question=f"The fitted {quantity} agrees with its prior.",
     )
-    def evaluate(off: float, sd: float) -> Finding:
+    def evaluate(deviation: float, sd: float) -> Finding:
         return Finding(
-            f"The fitted {quantity} differs from the known one by {abs(off) / sd:.2g} standard "
-            "deviations",
-            abs(off) / sd,
+            f"The fitted {quantity} differs from the known one by {abs(deviation) / sd:.2g} "
+            "standard deviations",
+            abs(deviation) / sd,
             remedy=remedy,
-            grade="stop" if abs(off) > 4 * STRAINED * sd else None,
+            grade="stop" if abs(deviation) > 4 * STRAINED * sd else None,
         )
 
     return evaluate
@@ -195,20 +196,22 @@ gain_plausible, delay_plausible, stiffness_plausible = map(
 
 
 @criterion("fall of BIC", "<=", DECISIVE_BIC, "0 beside arms that are not known", grade="note")
-def dashpot_not_missed(fall: float | None, text: str, b: float, *, sure: bool = True) -> Finding:
+def dashpot_not_missed(
+    deviance_fall: float | None, text: str, b: float, *, is_determined: bool = True
+) -> Finding:
     """A parallel dashpot would not improve the fit much.
 
-    `text` is the solid beside it, in words; `sure` is one of which every part is known.
+    `text` is the solid beside it, in words; `is_determined` is one of which every part is known.
     """
-    if fall is None:
+    if deviance_fall is None:
         return Finding(f"The model has a parallel dashpot of {b:.3g} N s/m")
     return Finding(
         "A parallel dashpot explains the FRF no better",
-        fall,
+        deviance_fall,
         failure=f"A parallel dashpot of {b:.3g} N s/m beside {text} explains the FRF better "
-        f"(BIC falls by {fall:.3g})",
+        f"(BIC falls by {deviance_fall:.3g})",
         remedy=Remedy("Add a dashpot.", "dashpot"),
-        limit=DECISIVE_BIC if sure else 0.0,
+        limit=DECISIVE_BIC if is_determined else 0.0,
     )
 
 

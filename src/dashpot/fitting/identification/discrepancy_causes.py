@@ -141,8 +141,8 @@ def explain_discrepancy(
         return None
     before, threshold, ranked = _rank_causes(best_candidate, refit)
     explanations = [
-        _build_explanation(cause, candidate, before, law, compression, leads=not place)
-        for place, (cause, candidate) in enumerate(ranked)
+        _build_explanation(cause, candidate, before, law, compression, is_leading=not rank)
+        for rank, (cause, candidate) in enumerate(ranked)
     ]
     if not explanations[0].is_sufficient and _find_failed_checks(best_candidate) == {
         "lines_explained"
@@ -193,9 +193,11 @@ def _rank_causes(
     scale = min(candidate.line_scale for candidate in candidates)
     candidates = [_refit_at_scale(candidate, scale) for candidate in candidates]
     before = _refit_at_scale(best_candidate, scale)
-    least = min(candidate.criterion for candidate in candidates)
+    lowest_criterion = min(candidate.criterion for candidate in candidates)
     # an arm that the model lacks also distinguishes causes: only a decisive lead counts
-    threshold = least + max(DECISIVE_BIC, LACKING * (before.criterion - least))
+    threshold = lowest_criterion + max(
+        DECISIVE_BIC, LACKING * (before.criterion - lowest_criterion)
+    )
     by = sorted(
         zip(free, candidates, strict=True),
         key=lambda pair: (is_contradicted(pair[1]), max(pair[1].criterion, threshold)),
@@ -238,24 +240,24 @@ def agreement(candidate: Candidate, priors: NuisancePriors | None = None) -> lis
     ]
     all_checks += [
         checks.hammer_agrees_with_relaxation_test(
-            i, chi2 / relaxation.samples, missed=_compute_excess_force(relaxation, chi2)
+            i, chi2 / relaxation.samples, residual_ratio=_compute_excess_force(relaxation, chi2)
         )
         for i, (relaxation, chi2) in enumerate(
             zip(problem.relaxations, candidate.relaxation_chi2, strict=True), 1
         )
     ]
-    earlier = candidate.model_prediction.earlier[0]
-    if len(earlier):
-        off = float(np.sqrt(np.mean(earlier**2)))
-        all_checks.append(checks.hammer_agrees_with_earlier_fit(off))
+    earlier_residuals = candidate.model_prediction.earlier[0]
+    if len(earlier_residuals):
+        rms_deviation = float(np.sqrt(np.mean(earlier_residuals**2)))
+        all_checks.append(checks.hammer_agrees_with_earlier_fit(rms_deviation))
     return all_checks + _check_rig_nuisances(candidate.point, priors or problem.priors)
 
 
 def _compute_excess_force(relaxation: RelaxationData, chi2: float) -> float:
     """Return the rms force that a joint fit adds to a test's residual, over the largest force."""
-    added = max(chi2 - relaxation.samples, 0.0) / relaxation.block.samples
+    excess_chi2 = max(chi2 - relaxation.samples, 0.0) / relaxation.block.samples
     peak = float(np.abs(relaxation.block.exact.target).max())
-    return float(np.sqrt(added)) / (relaxation.weight * peak) if peak > 0 else np.inf
+    return float(np.sqrt(excess_chi2)) / (relaxation.weight * peak) if peak > 0 else np.inf
 
 
 def _check_rig_nuisances(point: Parameters, priors: NuisancePriors) -> list[Check]:
@@ -268,7 +270,7 @@ def _check_rig_nuisances(point: Parameters, priors: NuisancePriors) -> list[Chec
     ]
     if mass is not None:
         pairs.insert(0, (checks.mass_plausible, point.mass - mass.mean, mass.sd))
-    return [judge(off, sd) for judge, off, sd in pairs if 0 < sd < np.inf]
+    return [judge(deviation, sd) for judge, deviation, sd in pairs if 0 < sd < np.inf]
 
 
 def _free_quantity(
@@ -294,13 +296,13 @@ def _build_explanation(
     law: ElasticLaw | None,
     compression: float | None,
     *,
-    leads: bool,
+    is_leading: bool,
 ) -> Explanation:
     explains = not is_contradicted(candidate)
     value, error = _read_free_quantity(candidate, cause.quantity)
     supposed = float(getattr(before.problem.priors, cause.quantity).mean)
     message = cause.phrase
-    if explains and leads:
+    if explains and is_leading:
         message = _SENTENCES[cause.quantity](value, error)
         message += (
             f", not {format_quantity(supposed, 'g', '.5g')}" if cause.quantity == "mass" else ""
@@ -322,9 +324,9 @@ def _build_explanation(
 
 def _read_free_quantity(candidate: Candidate, quantity: str) -> tuple[float, float]:
     """Return what a free quantity came to, and its standard error."""
-    place = candidate.problem.index[quantity]
+    parameter_index = candidate.problem.index[quantity]
     value = float(getattr(candidate.point, quantity))
-    return value, value * float(np.sqrt(candidate.covariance[place, place]))
+    return value, value * float(np.sqrt(candidate.covariance[parameter_index, parameter_index]))
 
 
 def _format_compensating_quantity(cause: DiscrepancyCause, candidate: Candidate) -> str:
@@ -338,8 +340,8 @@ def _format_compensating_quantity(cause: DiscrepancyCause, candidate: Candidate)
 
 
 def _format_stiffness_change(value: float, error: float) -> str:
-    more = "stiffer" if value > 1 else "softer"
-    return f"{with_error(100 * abs(value - 1), 100 * error)} % {more}"
+    comparative = "stiffer" if value > 1 else "softer"
+    return f"{with_error(100 * abs(value - 1), 100 * error)} % {comparative}"
 
 
 def format_seal_count_hint(value: float) -> str:
@@ -347,8 +349,8 @@ def format_seal_count_hint(value: float) -> str:
     times = max(value, 1 / value)
     if round(times) < 2 or abs(times / round(times) - 1) > _LIKE_A_COUNT:
         return ""
-    many = f"{round(times)} times as many seals" if value > 1 else f"one seal in {round(times)}"
-    return f". So would be {many}"
+    remedy = f"{round(times)} times as many seals" if value > 1 else f"one seal in {round(times)}"
+    return f". So would be {remedy}"
 
 
 _SENTENCES: dict[str, Callable[[float, float], str]] = {
@@ -371,7 +373,7 @@ _SENTENCES: dict[str, Callable[[float, float], str]] = {
 def _format_other_compression(
     cause: DiscrepancyCause, value: float, law: ElasticLaw | None, compression: float | None
 ) -> str:
-    """At which other compression the law has this stiffness, in words."""
+    """Return the compression at which the law has this stiffness, in words."""
     if cause.name != "stiffness" or law is None or law.kind == "linear":
         return ""
     shape = np.asarray(law.ratio)

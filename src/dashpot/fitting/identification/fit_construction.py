@@ -80,15 +80,15 @@ class AlternativeCandidate(NamedTuple):
     @property
     def worst_misfit_ratio(self) -> float:
         """Root of what the best leaves of a test over what the other does, of the worst test."""
-        mine, other = (_compute_misfits(candidate) for candidate in (self.best, self.other))
-        return float(np.sqrt(np.max(mine / np.maximum(other, 1e-300))))
+        own_misfits, other = (_compute_misfits(candidate) for candidate in (self.best, self.other))
+        return float(np.sqrt(np.max(own_misfits / np.maximum(other, 1e-300))))
 
     def alternative(self, band: tuple[float, float]) -> Alternative:
         """Return the other family as a fit keeps it; `band` is what the tests inform, Hz."""
-        problem, rise = self.best.problem, self.other.bic - self.best.bic
+        problem, bic_difference = self.best.problem, self.other.bic - self.best.bic
         single = not problem.relaxations and problem.constraints.before is None
         return build_alternative(
-            self.best.point.model, self.other.point.model, rise, band,
+            self.best.point.model, self.other.point.model, bic_difference, band,
             explains=self.explains, extra=_ALONE if single else _JOINT,
         )  # fmt: skip
 
@@ -108,18 +108,20 @@ def chosen_rival(
         The best element.
     family : "fractional" or "auto"
     """
-    several = [arms, *(other for other in candidates if other.arms > arms.arms)]
-    better = candidate.bic + VERY_STRONG < arms.bic and not is_at_bound(candidate)
-    best, others = (candidate, several) if family == "fractional" or better else (arms, [candidate])
-    explain = [other for other in others if _explains(other, best)]
-    return AlternativeCandidate(best, (explain or others)[0], bool(explain))
+    arm_candidates = [arms, *(other for other in candidates if other.arms > arms.arms)]
+    is_better = candidate.bic + VERY_STRONG < arms.bic and not is_at_bound(candidate)
+    best, contenders = (
+        (candidate, arm_candidates) if family == "fractional" or is_better else (arms, [candidate])
+    )
+    explain = [other for other in contenders if _explains(other, best)]
+    return AlternativeCandidate(best, (explain or contenders)[0], bool(explain))
 
 
 def reselect_family(
-    rival: AlternativeCandidate, free: Callable[[Candidate], Candidate]
+    family_rival: AlternativeCandidate, free: Callable[[Candidate], Candidate]
 ) -> AlternativeCandidate:
-    """The same two where what the tests contradict is free: else a wrong mass chooses the solid."""
-    best, other = free(rival.best), free(rival.other)
+    """Return the same two fits with the contradicted quantity free: a wrong mass misleads."""
+    best, other = free(family_rival.best), free(family_rival.other)
     return AlternativeCandidate(best, other, _explains(other, best))
 
 
@@ -131,7 +133,7 @@ def is_at_bound(candidate: Candidate) -> bool:
 
 
 def family_checks(
-    best: Candidate, rival: AlternativeCandidate | None, other: Alternative | None
+    best: Candidate, alternative: AlternativeCandidate | None, other: Alternative | None
 ) -> list[Check]:
     """Ask of an element whether it is known and explains the tests, of either for the other."""
     all_checks = []
@@ -141,9 +143,11 @@ def family_checks(
                 float(np.sqrt(best.covariance[3, 3])), edge=is_at_bound(best)
             )
         )
-        if rival is not None:
-            all_checks.append(fractional_model_suffices(rival.worst_misfit_ratio, rival.other.arms))
-    return all_checks if rival is None else [*all_checks, model_families_distinguished(other)]
+        if alternative is not None:
+            all_checks.append(
+                fractional_model_suffices(alternative.worst_misfit_ratio, alternative.other.arms)
+            )
+    return all_checks if alternative is None else [*all_checks, model_families_distinguished(other)]
 
 
 def _compute_misfits(candidate: Candidate) -> np.ndarray:
@@ -152,10 +156,12 @@ def _compute_misfits(candidate: Candidate) -> np.ndarray:
 
 
 def _explains(other: Candidate, best: Candidate) -> bool:
-    more = len(best.theta) - len(other.theta)
-    rise = other.bic - best.bic
-    fall = rise + more * float(np.log(best.samples))
-    return rise < VERY_STRONG or not is_significant_fall(fall, max(more, 1))
+    extra_parameters = len(best.theta) - len(other.theta)
+    bic_difference = other.bic - best.bic
+    deviance_fall = bic_difference + extra_parameters * float(np.log(best.samples))
+    return bic_difference < VERY_STRONG or not is_significant_fall(
+        deviance_fall, max(extra_parameters, 1)
+    )
 
 
 # What the rig of a hammer may add to a response that no channel shows.
@@ -189,14 +195,14 @@ def compute_hammer_rig_sensitivity(best: Candidate, rig: HammerRig) -> FloatArra
         With what its user says of the cables.
     """
     problem = best.problem
-    columns = (
+    rows = (
         stack_real_rows(_compute_rig_doubts(best, rig) / problem.frf_data.sd[:, None])
         / problem.scale
     )
     first = sum(len(rows) for rows in best.model_prediction.tests)
-    slope = best.model_prediction.slope[first : first + len(columns)]
+    slope = best.model_prediction.slope[first : first + len(rows)]
     covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
-    return np.asarray(covariance @ (slope.T @ columns))
+    return np.asarray(covariance @ (slope.T @ rows))
 
 
 def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
@@ -205,32 +211,30 @@ def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
     response = data.response(point.seal_under_hammer, point.mass)
     s, accelerance = response.s, response.accelerance
     seals = s**2 / accelerance - point.mass * s**2
-    there = complex((data.seals * point.seal_under_hammer).stiffness_at(2j * np.pi * data.peak_hz))
-    cable, loss = rig.cable_sd * abs(there.real), DEFAULT_UNCERTAINTIES["loss of the cable"].size
+    peak_k = complex((data.seals * point.seal_under_hammer).stiffness_at(2j * np.pi * data.peak_hz))
+    cable, loss = (rig.cable_sd * abs(peak_k.real), DEFAULT_UNCERTAINTIES["loss of the cable"].size)
     ones = np.ones_like(s)
-    added = np.column_stack((
+    rig_columns = np.column_stack((
         cable * ones,
         1j * cable * loss * ones,
-        -DEFAULT_UNCERTAINTIES["table"].size * seals**2 / abs(there.real),
+        -DEFAULT_UNCERTAINTIES["table"].size * seals**2 / abs(peak_k.real),
         DEFAULT_UNCERTAINTIES["mass that moves along"].size * point.mass * s**2,
     ))  # fmt: skip
-    by = -(accelerance**2 / s**2)[:, None] * added
-    shown, *_ = data.slopes(response, point.gain, point.delay, by)
+    by = -(accelerance**2 / s**2)[:, None] * rig_columns
+    line_slopes, *_ = data.slopes(response, point.gain, point.delay, by)
     error = data.lines.shift_sd
     if error <= 0:
-        return shown
+        return line_slopes
     step = _DECAY_STEP * error
-    after, before = (
-        replace(data, lines=replace(data.lines, shift=data.lines.shift + way)).predict(
-            replace(data, lines=replace(data.lines, shift=data.lines.shift + way)).response(
-                point.seal_under_hammer, point.mass
-            ),
-            point.gain,
-            point.delay,
-        )
-        for way in (step, -step)
+    shifted = (
+        replace(data, lines=replace(data.lines, shift=data.lines.shift + change))
+        for change in (step, -step)
     )
-    return np.column_stack((shown, error * (after - before) / (2 * step)))
+    raised, lowered = (
+        item.predict(item.response(point.seal_under_hammer, point.mass), point.gain, point.delay)
+        for item in shifted
+    )
+    return np.column_stack((line_slopes, error * (raised - lowered) / (2 * step)))
 
 
 # Construction of a fit: errors, nuisances, changes.
@@ -250,9 +254,9 @@ def build_identified_fit(
     fit: Fit | None,
     doubtful: Sequence[RelaxationData],
     request: int | str,
-    most: int,
+    requested_arms: int,
     discrepancy: Discrepancy | None,
-    rival: AlternativeCandidate | None,
+    family_rival: AlternativeCandidate | None,
     dashpot: tuple[Check, ...],
     rig: HammerRig,
 ) -> Fit:
@@ -269,7 +273,7 @@ def build_identified_fit(
         physical = physical + np.outer(*[values - _physical(best, discrepancy.other)[1]] * 2)
     residual, samples = _residual(best)
     band = data_band(best, before)
-    other = None if rival is None else rival.alternative(band)
+    other = None if family_rival is None else family_rival.alternative(band)
     estimate = ParameterEstimate(
         names,
         physical,
@@ -283,7 +287,7 @@ def build_identified_fit(
         errors = estimate.errors_of_vibration(point.model.maxwell, in_band)
     all_checks = (
         *_checks(best, covariance, before, discrepancy, errors),
-        *family_checks(best, rival, other),
+        *family_checks(best, family_rival, other),
         *dashpot,
     )
     of_noise, estimate = estimate, estimate.with_rig(unmeasured)
@@ -295,7 +299,7 @@ def build_identified_fit(
         SolidEstimate(
             point.model,
             estimate,
-            has_fewer_arms=request != "auto" and most > point.model.maxwell.arms,
+            has_fewer_arms=request != "auto" and requested_arms > point.model.maxwell.arms,
             at_bound=is_at_bound(best),
         ),
         Evidence(
@@ -341,9 +345,9 @@ def end_of_data(
         return None
     omega = 2 * np.pi * float(best.problem.frf_data.lines.frequency[0])
     slope = model.arm_slopes(np.array([1j * omega]))[0][0].real
-    reach = of_arms.quantile(0.95) * float(np.sqrt(max(slope @ covariance @ slope, 0.0)))
+    half_width = of_arms.quantile(0.95) * float(np.sqrt(max(slope @ covariance @ slope, 0.0)))
     storage = float(solid.complex_stiffness(omega=omega).real)
-    low, high = max(storage - reach, 0.0), storage + reach
+    low, high = max(storage - half_width, 0.0), storage + half_width
     return EndOfHold(
         end_time=1 / omega,
         k_end=(low, high),
@@ -372,18 +376,24 @@ def _physical(
     best: Candidate, model: Solid | None = None
 ) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
     """Names, values and covariance of the solid's parameters; values of another model, if given."""
-    problem, sought = best.problem, best.problem.sought
+    problem, parametrisation = best.problem, best.problem.sought
 
     def physical(theta: FloatArray) -> FloatArray:
         b = [np.exp(theta[problem.index["b"]])] if problem.dashpot else []
-        return np.append(sought.physical(theta[: sought.size])[1], b)
+        return np.append(parametrisation.physical(theta[: parametrisation.size])[1], b)
 
-    names = sought.physical(best.theta[: sought.size])[0] + ("b",) * problem.dashpot
+    names = (
+        parametrisation.physical(best.theta[: parametrisation.size])[0] + ("b",) * problem.dashpot
+    )
     quantity = best.estimate.derive_quantity(physical)
     if model is None:
         return names, quantity.values, quantity.covariance
     b = [model.maxwell.b] if problem.dashpot else []
-    return names, np.append(sought.physical(sought.pack(model))[1], b), quantity.covariance
+    return (
+        names,
+        np.append(parametrisation.physical(parametrisation.pack(model))[1], b),
+        quantity.covariance,
+    )
 
 
 def _compute_rig_sensitivity(
@@ -399,24 +409,26 @@ def _compute_rig_sensitivity(
     was moved by.
     """
     size = len(covariance)
-    pulls = [data.compute_rig_gradient(best.point.model)[:size] for data in doubtful]
+    gradients = [data.compute_rig_gradient(best.point.model)[:size] for data in doubtful]
     before = best.problem.constraints.before
     if before is not None and best.problem.earlier is not None:
-        places, _, root = best.problem.earlier
-        pulls.append(np.zeros((size, len(places))))
-        pulls[-1][places] = np.linalg.solve(
+        earlier_indices, _, root = best.problem.earlier
+        gradients.append(np.zeros((size, len(earlier_indices))))
+        gradients[-1][earlier_indices] = np.linalg.solve(
             root @ root.T, _compute_rig_covariance_root(before, best)
         )
     of_hammer = _slope_of_physical(best) @ compute_hammer_rig_sensitivity(best, rig)
     indices = np.where(np.isfinite(covariance), covariance, 0.0)
-    return np.hstack([*(indices @ pull for pull in pulls), of_hammer])
+    return np.hstack([*(indices @ gradient for gradient in gradients), of_hammer])
 
 
 def _slope_of_physical(best: Candidate) -> FloatArray:
     """Return derivative of the solid's parameters by the flat vector."""
-    problem, sought = best.problem, best.problem.sought
-    slope = np.zeros((sought.size + problem.dashpot, len(best.theta)))
-    slope[: sought.size, : sought.size] = sought.physical(best.theta[: sought.size])[2]
+    problem, parametrisation = best.problem, best.problem.sought
+    slope = np.zeros((parametrisation.size + problem.dashpot, len(best.theta)))
+    slope[: parametrisation.size, : parametrisation.size] = parametrisation.physical(
+        best.theta[: parametrisation.size]
+    )[2]
     if problem.dashpot:
         slope[-1, problem.index["b"]] = np.exp(best.theta[problem.index["b"]])
     return slope
@@ -426,8 +438,8 @@ def _compute_rig_covariance_root(before: Fit, best: Candidate) -> FloatArray:
     """A root of what rigs add to the covariance of an earlier fit, in the rows that are kept."""
     estimate = before.estimate
     rows = best.problem.earlier_rows
-    more = (estimate.covariance - estimate.noise_only.covariance)[np.ix_(rows, rows)]
-    values, vectors = np.linalg.eigh(more)
+    added_covariance = (estimate.covariance - estimate.noise_only.covariance)[np.ix_(rows, rows)]
+    values, vectors = np.linalg.eigh(added_covariance)
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
@@ -481,16 +493,16 @@ def _find_loss_factor_band(
 
         return errors
 
-    every, noise = errors_by(estimate), errors_by(of_noise)
+    full_errors, noise = errors_by(estimate), errors_by(of_noise)
     # an error by a covariance costs little: so many lines place the ends to a few per cent
     lines = sorted({*np.geomspace(*band, 8 * LINES_IN_BAND).tolist(), peak})
-    errors = every if every(peak)[1] <= WELL_KNOWN else noise
+    errors = full_errors if full_errors(peak)[1] <= WELL_KNOWN else noise
     values, band_error = find_loss_factor_band(
         errors, band, {line: errors(line) for line in lines}, included_line=peak
     )
-    if errors is every:
+    if errors is full_errors:
         return values, band_error
-    entries = {line: every(line) for line in band_error.frequency}
+    entries = {line: full_errors(line) for line in band_error.frequency}
     return values, replace(
         band_error,
         stiffness=tuple(error[0] for error in entries.values()),
@@ -499,7 +511,7 @@ def _find_loss_factor_band(
 
 
 def data_band(best: Candidate, before: Fit | None) -> tuple[float, float]:
-    """Where the tests inform the solid: an octave about the peak, and what relaxation sees."""
+    """Return the valid band: an octave about the peak, and that of the relaxation test."""
     frf_data = best.problem.frf_data
     low = max(frf_data.peak_hz / 2, float(frf_data.lines.frequency[0]))
     high = min(frf_data.peak_hz * 2, float(frf_data.lines.frequency[-1]))
@@ -579,17 +591,37 @@ def _compare_parameters(
         return errors[row] * (value if row.startswith("ln_") else 1.0)
 
     changes = []
-    for title, unit, was, there, now, here in rows:
+    for title, unit, value_before, error_before, value_after, error_after in rows:
         if title == "k_inf":
-            most = None if end is None else end.k_inf[1]
+            upper_limit = None if end is None else end.k_inf[1]
             changes.append(
                 ParameterChange(
-                    title, was, None, now, None, unit, before.intervals()["k_inf"][1], most
+                    title,
+                    value_before,
+                    None,
+                    value_after,
+                    None,
+                    unit,
+                    before.intervals()["k_inf"][1],
+                    upper_limit,
                 )
             )
             continue
-        reference = None if was is None or there not in old else error(old, there, was)
-        changes.append(ParameterChange(title, was, reference, now, error(new, here, now), unit))
+        reference = (
+            None
+            if value_before is None or error_before not in old
+            else error(old, error_before, value_before)
+        )
+        changes.append(
+            ParameterChange(
+                title,
+                value_before,
+                reference,
+                value_after,
+                error(new, error_after, value_after),
+                unit,
+            )
+        )
     return tuple(changes)
 
 

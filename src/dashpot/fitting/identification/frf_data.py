@@ -57,9 +57,9 @@ class FRFData:
     reach: float = REACH
 
     def reaching(self, remainder: float) -> FRFData:
-        """As far as lines tell of which a part of so much is left unexplained."""
-        reach = min(max(1 / np.sqrt(ABOVE * max(remainder, 1e-300)), REACH), FARTHEST)
-        return replace(self, reach=float(reach))
+        """Return the data with the reach at which a part of that size stays unexplained."""
+        slowest_factor = min(max(1 / np.sqrt(ABOVE * max(remainder, 1e-300)), REACH), FARTHEST)
+        return replace(self, reach=float(slowest_factor))
 
     def response(self, model: Solid, mass: float) -> Response:
         """Return the mass on seals, one of which is `model`, to the end of the record."""
@@ -77,8 +77,8 @@ class FRFData:
         of a sensor between both ends, :math:`g\,e^{-s d}\,m A / m_0`.
         """
         share, base = self._over_base(response.mass)
-        seen = gain * np.exp(-self.lines.s * delay)
-        return np.asarray(seen * (share * response.accelerance - base) + base)
+        line_gain = gain * np.exp(-self.lines.s * delay)
+        return np.asarray(line_gain * (share * response.accelerance - base) + base)
 
     def slopes(
         self, response: Response, gain: float, delay: float, by: ComplexArray
@@ -88,18 +88,18 @@ class FRFData:
         `by` is that of the accelerance by those parameters, shape (n, q).
         """
         share, base = self._over_base(response.mass)
-        seen = gain * np.exp(-self.lines.s * delay)
-        moving = seen * share * response.accelerance
-        shown = moving - seen * base
+        line_gain = gain * np.exp(-self.lines.s * delay)
+        moving = line_gain * share * response.accelerance
+        moving_part = moving - line_gain * base
         extra = moving if self.weighed_mass is not None else 0 * moving
-        return (seen * share)[:, None] * by, extra, shown, -self.lines.s * shown
+        return (line_gain * share)[:, None] * by, extra, moving_part, -self.lines.s * moving_part
 
     def _over_base(self, mass: float) -> tuple[float, float]:
-        """What the accelerance is multiplied by, and its value where the mass does not move."""
+        """Return the factor on the accelerance, and its value where the mass does not move."""
         if self.weighed_mass is None:
             return 1.0, 0.0
-        rests = self.kind is Kind.TRANSMISSIBILITY
-        return mass / self.weighed_mass, rests / self.weighed_mass
+        is_over_base = self.kind is Kind.TRANSMISSIBILITY
+        return mass / self.weighed_mass, is_over_base / self.weighed_mass
 
     def misfit(self, predicted: ComplexArray) -> FloatArray:
         """Weighted differences, real then imaginary, shape (2n,)."""
@@ -171,18 +171,18 @@ def frf_data_of(
         )
     lines = measured.only(keep)
     scatter, size = lines.random_sd, np.abs(lines.value)
-    certain = scatter is not None
+    has_scatter = scatter is not None
     if scatter is None and lines.single_average_sd is not None:
         # of an unknown number of hits: the lines' shares of the misfit, which shows its size
         share = np.hypot(lines.single_average_sd / size, FLOOR)
         scatter = size * share / np.sqrt(np.mean(share**2))
     sd = _size(lines, frf.quantity, mass) if scatter is None else np.hypot(scatter, FLOOR * size)
-    weighed = mass if over_base else None
-    return FRFData(lines, sd, certain, float(seals), peak, frf.quantity, weighed)
+    rig_mass = mass if over_base else None
+    return FRFData(lines, sd, has_scatter, float(seals), peak, frf.quantity, rig_mass)
 
 
 def _size(lines: FRF, kind: Kind, mass: float | None) -> FloatArray:
-    """How large what was measured is, of which an unknown error is a part: T, and not T - 1."""
+    """Return the magnitude of the measured part to which relative errors apply: T, not T - 1."""
     if kind is Kind.TRANSMISSIBILITY:
         return np.asarray(np.abs(lines.to(kind, mass=mass).value) / mass)
     return np.abs(lines.value)

@@ -87,7 +87,7 @@ def identify(
     arms: int | Literal["auto"] = "auto",
     family: FamilyOption = "maxwell",
     rig: HammerRig = HammerRig(),  # noqa: B008
-    known: KnownSolid = KnownSolid(),  # noqa: B008
+    known_solid: KnownSolid = KnownSolid(),  # noqa: B008
     bench: FitOptions = FitOptions(),  # noqa: B008
 ) -> Fit:
     r"""Find the solid of one seal from the FRF of a mass on `seals` of them.
@@ -128,7 +128,7 @@ def identify(
         earlier fit without its tests is a prior of its own family alone.
     rig : HammerRig
         How well mass and channels are known.
-    known : KnownSolid
+    known_solid : KnownSolid
         What the solid must also obey, and whether it has a dashpot beside its arms.
     bench : FitOptions
         How the tests are fitted that no earlier fit is of.
@@ -153,29 +153,29 @@ def identify(
     frf_data = frf_data_of(frf, seals=seals_of(seals), band=si_range(band, "frequency"), mass=mass)
     before = before_hammer(records, fit, convert_to_si(temperature, "temperature"), family, bench)
     point = point_of(before.primary_fit, mass, seals, compression)
-    priors, constraints = priors_of(mass, rig, point), constraints_of(known, before)
-    whole = IdentificationProblem(before.relaxations, frf_data, priors, constraints)
-    parallel_dashpot = known.parallel_dashpot
+    priors, constraints = priors_of(mass, rig, point), constraints_of(known_solid, before)
+    full_problem = IdentificationProblem(before.relaxations, frf_data, priors, constraints)
+    parallel_dashpot = known_solid.parallel_dashpot
     dashpots = (False, True) if parallel_dashpot == "auto" else (bool(parallel_dashpot),)
-    problems = [replace(whole, dashpot=dashpot) for dashpot in dashpots]
+    problems = [replace(full_problem, dashpot=dashpot) for dashpot in dashpots]
     numbers = numbers_of(arms, before.arms)
     problems = _reaching(problems, max(numbers))
-    best, candidates, rival = _best(problems, numbers, before, family)
+    best, candidates, family_rival = _best(problems, numbers, before, family)
     scale = best.line_scale
     final = _last_descent(replace(best.problem, scale=scale), best.theta)
-    earlier = before.primary_fit
+    earlier_fit = before.primary_fit
     element = (
         before.fractional_fit if isinstance(best.problem.sought, FractionalElement) else before.arms
     )
     discrepancy = explain_discrepancy(
         final,
         lambda problem: _solve_from_start(problem, final.point, numbers, element),
-        law=None if earlier is None else earlier.elastic_law,
+        law=None if earlier_fit is None else earlier_fit.elastic_law,
         compression=None if point is None else point.compression,
     )
-    if discrepancy is not None and rival is not None:
-        rival = reselect_family(
-            rival,
+    if discrepancy is not None and family_rival is not None:
+        family_rival = reselect_family(
+            family_rival,
             lambda candidate: refit_with_free_cause(candidate, discrepancy.explanations[0].name),
         )
     orders = [candidate.copy_with_scale(scale) for candidate in candidates]
@@ -187,13 +187,13 @@ def identify(
         orders,
         frf=frf,
         tests=records,
-        before=earlier,
+        before=earlier_fit,
         fit=element,
         doubtful=before.doubtful,
         request=arms,
-        most=max(numbers),
+        requested_arms=max(numbers),
         discrepancy=discrepancy,
-        rival=rival,
+        family_rival=family_rival,
         # where two tests disagree, a dashpot only hides it
         dashpot=()
         if discrepancy
@@ -207,10 +207,10 @@ def _with_choices(fit: Fit, bench: FitOptions) -> Fit:
     """Return a fit whose last step names how its relaxation tests were fitted, if that was said."""
     if not bench.choices:
         return fit
-    *earlier, last = fit.steps
-    stated = tuple((f"test {name}", str(value)) for name, value in bench.choices.items())
-    step = replace(last, parameters=(*last.parameters, *stated))
-    return replace(fit, provenance=replace(fit.provenance, steps=(*earlier, step)))
+    *earlier_steps, last = fit.steps
+    stated_values = tuple((f"test {name}", str(value)) for name, value in bench.choices.items())
+    step = replace(last, parameters=(*last.parameters, *stated_values))
+    return replace(fit, provenance=replace(fit.provenance, steps=(*earlier_steps, step)))
 
 
 def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidate:
@@ -223,8 +223,8 @@ def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidat
     if final.optimum.stationary:
         return final
     candidate = descend(problem, final.theta, tolerance=FINE_TOLERANCE)
-    settled = final.cost - candidate.cost <= SETTLED
-    stationary = candidate.optimum.stationary or bool(settled)
+    is_settled = final.cost - candidate.cost <= SETTLED
+    stationary = candidate.optimum.stationary or bool(is_settled)
     return replace(candidate, optimum=replace(candidate.optimum, stationary=stationary))
 
 
@@ -246,23 +246,23 @@ def _best(
     best = _chosen(candidates)
     if candidate is None:
         return best, candidates, None
-    rival = chosen_rival(best, candidates, candidate, family)
-    return rival.best, candidates if rival.best is best else [], rival
+    family_rival = chosen_rival(best, candidates, candidate, family)
+    return family_rival.best, candidates if family_rival.best is best else [], family_rival
 
 
 def _fit_fractional(problems: Sequence[IdentificationProblem], before: PriorTests) -> Candidate:
     """Return the best fractional element, from the linear start of dynamic stiffness."""
-    sought, tries = FractionalElement.from_relaxations(before.relaxations), []
+    element, attempts = FractionalElement.from_relaxations(before.relaxations), []
     for problem in (
-        replace(identification_problem, sought=sought) for identification_problem in problems
+        replace(identification_problem, sought=element) for identification_problem in problems
     ):
         starts = []
         columns = ArmColumns(_stiffness_blocks(problem))
-        for near in (columns.best(), *columns.starts(ELEMENT_STARTS)):
-            *rest, k = near.beta.tolist()
+        for grid_start in (columns.best(), *columns.starts(ELEMENT_STARTS)):
+            *rest, k = grid_start.beta.tolist()
             fixed = dict(zip(columns.stack.names, rest, strict=True))
             k_inf, b = max(fixed["k_inf"], 0.0), max(fixed.get("b", 0.0), 0.0)
-            tau, alpha = float(np.exp(near.theta[0])), float(near.theta[1])
+            tau, alpha = float(np.exp(grid_start.theta[0])), float(grid_start.theta[1])
             solid = FractionalZener(k_inf + k, k_inf, tau, alpha, b)
             starts.append((solid, _mass(problem, fixed)))
         if before.fractional_fit is not None and isinstance(
@@ -274,19 +274,19 @@ def _fit_fractional(problems: Sequence[IdentificationProblem], before: PriorTest
                 problem,
                 problem.pack(_start(problem, *start)),
                 tolerance=COARSE_TOLERANCE,
-                most=ROUGH,
+                max_steps=ROUGH,
             )
             for start in starts
             if start[1] > 0 and start[0].k_0 > 0
         ]
         rough.sort(key=lambda candidate: candidate.cost)
-        tries += [
+        attempts += [
             descend(problem, candidate.theta, tolerance=COARSE_TOLERANCE)
             for candidate in rough[:FINISHED]
         ]
-    if not tries:
+    if not attempts:
         raise FitError("no fractional model explains the FRF; widen --band, or fit arms")
-    return min(tries, key=lambda candidate: candidate.bic)
+    return min(attempts, key=lambda candidate: candidate.bic)
 
 
 # -- the best solid for each number of arms ---------------------------------------------------
@@ -297,11 +297,11 @@ def _solve_every_order(
 ) -> list[Candidate]:
     """Return the optimum for every number of arms, or for fewer where the data reject so many."""
     candidates = [best for problem in problems for best in _candidates(problem, numbers, before)]
-    fewer = 0 if problems[0].constraints.before is not None else min(numbers)
-    while not candidates and fewer > 0:
-        fewer -= 1
+    fewest_arms = 0 if problems[0].constraints.before is not None else min(numbers)
+    while not candidates and fewest_arms > 0:
+        fewest_arms -= 1
         candidates = [
-            best for problem in problems for best in _candidates(problem, [fewer], before)
+            best for problem in problems for best in _candidates(problem, [fewest_arms], before)
         ]
     if not candidates:
         raise FitError("no model with arms of positive stiffness explains the FRF; widen --band")
@@ -309,7 +309,7 @@ def _solve_every_order(
 
 
 def _candidates(
-    whole: IdentificationProblem,
+    whole_problem: IdentificationProblem,
     numbers: Sequence[int],
     before: Fit | None,
     *,
@@ -320,13 +320,13 @@ def _candidates(
     From a `start` in place of the linear ones, which know of no difference between the tests.
     """
     linear = (
-        enumerate(_linear(whole, max(numbers)))
+        enumerate(_linear(whole_problem, max(numbers)))
         if start is None
         else [(start.model.maxwell.arms, [start])]
     )
     candidates: list[Candidate] = []
     for number in numbers:
-        problem = replace(whole, sought=Arms(number))
+        problem = replace(whole_problem, sought=Arms(number))
         # found one after another, in the order of `numbers`: no more of them than are tried
         starts = next((points for arms, points in linear if arms == number), [])
         best = _lowest(problem, [*starts, *_spread(problem, before)])
@@ -335,20 +335,20 @@ def _candidates(
             candidates and best.cost > ASTRAY * candidates[-1].cost
         ):
             candidates.append(best)
-        least = min((candidate.bic for candidate in candidates), default=np.inf)
-        if candidates and (candidates[-1].exact or best.bic > least + WORSE):
+        lowest_bic = min((candidate.bic for candidate in candidates), default=np.inf)
+        if candidates and (candidates[-1].exact or best.bic > lowest_bic + WORSE):
             break
     return candidates
 
 
 def _lowest(problem: IdentificationProblem, starts: Sequence[Parameters]) -> Candidate:
     """Return the lowest optimum from several starts, or the first that nothing is left of."""
-    tries: list[Candidate] = []
+    attempts: list[Candidate] = []
     for start in starts:
-        tries.append(descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE))
-        if tries[-1].exact:
+        attempts.append(descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE))
+        if attempts[-1].exact:
             break
-    return min(tries, key=lambda candidate: candidate.cost)
+    return min(attempts, key=lambda candidate: candidate.cost)
 
 
 def _solve_from_start(
@@ -357,9 +357,9 @@ def _solve_from_start(
     """Return the best of a problem with no more arms than a start has, from there."""
     if isinstance(problem.sought, FractionalElement):
         return descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
-    most = start.model.maxwell.arms
-    fewer = [number for number in numbers if number < most]
-    candidates = _candidates(problem, [*fewer, most], before, start=start)
+    start_arms = start.model.maxwell.arms
+    smaller_numbers = [number for number in numbers if number < start_arms]
+    candidates = _candidates(problem, [*smaller_numbers, start_arms], before, start=start)
     # where an arm has left every candidate, as it is
     return (
         _chosen(candidates)
@@ -388,10 +388,14 @@ def _chosen(candidates: Sequence[Candidate]) -> Candidate:
             if candidate.problem.dashpot == dashpot
         }
         if ladder:
-            sure = [candidate.copy_with_scale(scale).significant for candidate in ladder.values()]
+            are_significant = [
+                candidate.copy_with_scale(scale).significant for candidate in ladder.values()
+            ]
             bics = [candidate.bic for candidate in ladder.values()]
             best.append(
-                ladder[select_model_order([*ladder], bics, sure, decisive=DECISIVE_BIC).arms]
+                ladder[
+                    select_model_order([*ladder], bics, are_significant, decisive=DECISIVE_BIC).arms
+                ]
             )
     return min(best, key=lambda candidate: candidate.bic)
 
@@ -400,53 +404,58 @@ def _arms_enough(
     best: Candidate, request: int | Literal["auto"], before: Fit | None
 ) -> tuple[Check, ...]:
     """Return whether the data support no further arm, where their number was asked for."""
-    sought = best.problem.sought
-    if request == "auto" or not isinstance(sought, Arms) or best.exact:
+    parametrisation = best.problem.sought
+    if request == "auto" or not isinstance(parametrisation, Arms) or best.exact:
         return ()
-    few, shortage = sought.count, None
-    others = [few + index for index in range(1, EXTRA_ARMS + 1)]
-    candidates = [best, *_candidates(best.problem, others, before)]
+    arm_count, shortage = parametrisation.count, None
+    larger_numbers = [arm_count + index for index in range(1, EXTRA_ARMS + 1)]
+    candidates = [best, *_candidates(best.problem, larger_numbers, before)]
     scale = min(candidates, key=lambda candidate: candidate.bic).line_scale
-    sure = [candidate.copy_with_scale(scale).significant for candidate in candidates]
+    are_significant = [candidate.copy_with_scale(scale).significant for candidate in candidates]
     numbers = [candidate.arms for candidate in candidates]
     bics = [candidate.bic for candidate in candidates]
-    more = select_model_order(numbers, bics, sure, decisive=DECISIVE_BIC).arms
-    if more > few:
+    supported_count = select_model_order(numbers, bics, are_significant, decisive=DECISIVE_BIC).arms
+    if supported_count > arm_count:
         lines = best.problem.frf_data.lines.s
         samples = 2 * len(lines) + sum(
             relaxation.samples for relaxation in best.problem.relaxations
         )
-        other = candidates[numbers.index(more)]
+        other = candidates[numbers.index(supported_count)]
         residuals = (float(np.sqrt(candidate.chi2 / samples)) for candidate in (best, other))
-        shortage = Shortage(few, more, *residuals)
-    return (arms_enough(shortage, few, unit="sd"),)
+        shortage = Shortage(arm_count, supported_count, *residuals)
+    return (arms_enough(shortage, arm_count, unit="sd"),)
 
 
 def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
     """Whether a parallel dashpot, beside the arms or in place of one, lowers the criterion."""
-    sought = best.problem.sought
+    parametrisation = best.problem.sought
     if best.problem.dashpot:
-        return dashpot_not_missed(None, sought.format_model_order(), best.point.model.maxwell.b)
+        return dashpot_not_missed(
+            None, parametrisation.format_model_order(), best.point.model.maxwell.b
+        )
     if best.exact:
-        return dashpot_not_missed(0.0, sought.format_model_order(), 0.0)
-    tries = []
-    if isinstance(sought, Arms):
-        least = 0 if before is None else before.model.arms
-        for arms in range(max(sought.count - 1, least), sought.count + 1):
+        return dashpot_not_missed(0.0, parametrisation.format_model_order(), 0.0)
+    attempts = []
+    if isinstance(parametrisation, Arms):
+        fewest_arms = 0 if before is None else before.model.arms
+        for arms in range(max(parametrisation.count - 1, fewest_arms), parametrisation.count + 1):
             problem = replace(best.problem, dashpot=True, sought=Arms(arms))
-            tries += [(problem, start) for start in _spread(problem, before)]
+            attempts += [(problem, start) for start in _spread(problem, before)]
     else:
         problem, point = replace(best.problem, dashpot=True), best.point
-        tries = [(problem, replace(point, model=_add_parallel_dashpot(problem, point.model)))]
+        attempts = [(problem, replace(point, model=_add_parallel_dashpot(problem, point.model)))]
     candidates = [
         descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
-        for problem, start in tries
+        for problem, start in attempts
     ]
     other = min(candidates, key=lambda candidate: candidate.bic)
-    sure = best.copy_with_scale(best.line_scale).significant
+    is_significant = best.copy_with_scale(best.line_scale).significant
     b = other.point.model.maxwell.b
     return dashpot_not_missed(
-        best.bic - other.bic, other.problem.sought.format_model_order(), b, sure=sure
+        best.bic - other.bic,
+        other.problem.sought.format_model_order(),
+        b,
+        is_determined=is_significant,
     )
 
 
@@ -466,12 +475,12 @@ def _mass(problem: IdentificationProblem, fixed: Mapping[str, float]) -> float:
     return fixed["mass@frf"] if prior is None else prior.mean
 
 
-def _linear(problem: IdentificationProblem, most: int) -> Iterator[list[Parameters]]:
+def _linear(problem: IdentificationProblem, max_arms: int) -> Iterator[list[Parameters]]:
     """Starts from the engine, of none, 1, 2, ... arms: none where it finds no mass.
 
     Dynamic stiffness is linear in the stiffnesses of the solid.
     """
-    for solution in iterate_orders(_stiffness_blocks(problem), most):
+    for solution in iterate_orders(_stiffness_blocks(problem), max_arms):
         k = solution.arms[0]
         model = GeneralizedMaxwell(
             max(solution.coefficient("k_inf"), 0.0),
@@ -501,17 +510,15 @@ def _spread(problem: IdentificationProblem, before: Fit | None) -> list[Paramete
     if new < 0:
         return []
     starts = []
-    for reach in (1.0, 6.0) if new > 1 else (1.0,):
-        tau = (
-            np.geomspace(1 / (reach * omega), reach / omega, new) if new > 1 else [1 / omega] * new
-        )
+    for span in (1.0, 6.0) if new > 1 else (1.0,):
+        tau = np.geomspace(1 / (span * omega), span / omega, new) if new > 1 else [1 / omega] * new
         model = base + GeneralizedMaxwell(0.0, (part * level / max(new, 1),) * new, tuple(tau))
         if model.arms == arms:
             starts.append(_start(problem, model, mass))
     return starts
 
 
-def _reaching(problems: list[IdentificationProblem], most: int) -> list[IdentificationProblem]:
+def _reaching(problems: list[IdentificationProblem], max_arms: int) -> list[IdentificationProblem]:
     """They seek arms as slow as lines can show without a measurement: computed, without scatter."""
     identification_problem = problems[-1]
     if (
@@ -520,12 +527,14 @@ def _reaching(problems: list[IdentificationProblem], most: int) -> list[Identifi
         or identification_problem.constraints.before is not None
     ):
         return problems
-    whole = replace(
+    far_reaching = replace(
         identification_problem, frf_data=replace(identification_problem.frf_data, reach=FARTHEST)
     )
-    least = min(solution.sse for solution in iterate_orders(_stiffness_blocks(whole), most))
+    lowest_sse = min(
+        solution.sse for solution in iterate_orders(_stiffness_blocks(far_reaching), max_arms)
+    )
     data = identification_problem.frf_data.reaching(
-        float(np.sqrt(least / (2 * len(identification_problem.frf_data.lines.s))))
+        float(np.sqrt(lowest_sse / (2 * len(identification_problem.frf_data.lines.s))))
     )
     return [replace(problem, frf_data=data) for problem in problems]
 

@@ -95,7 +95,7 @@ class NuisancePriors:
 
     @property
     def priors_by_name(self) -> dict[str, Prior | None]:
-        """By name, in the order of the vector."""
+        """Priors by name, in the order of the vector."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
 
@@ -175,7 +175,7 @@ class IdentificationProblem:
             if prior is None or prior.sd > 0
         ]
         names = ["b"] * self.dashpot + free
-        return {name: place for place, name in enumerate(names, start=self.sought.size)}
+        return {name: index for index, name in enumerate(names, start=self.sought.size)}
 
     @property
     def log_tau_range(self) -> tuple[float, float]:
@@ -219,7 +219,7 @@ class IdentificationProblem:
 
     @cached_property
     def rig(self) -> tuple[list[int], FloatArray, FloatArray]:
-        """Which of the vector is known of the rig, its mean and its standard deviation."""
+        """Return the indices of the rig's parameters, their means and standard deviations."""
         entries = {
             name: (0.0, prior.sd / DELAY_UNIT)
             if name == "delay"
@@ -232,46 +232,46 @@ class IdentificationProblem:
 
     @cached_property
     def earlier(self) -> tuple[list[int], FloatArray, FloatArray] | None:
-        """Which physical parameters an earlier fit knows, its values, a root of its covariance."""
+        """Return indices, values and covariance root of the parameters of an earlier fit."""
         before = self.constraints.before
         if before is None:
             return None
-        retained, places = self.sought.extract_earlier_values(before)
-        place_of = dict(zip(retained, places, strict=True))
+        earlier_values, indices = self.sought.extract_earlier_values(before)
+        place_of = dict(zip(earlier_values, indices, strict=True))
         # with all that its rig may have done it could not show that the tests disagree
         covariance, rows = before.estimate.noise_only.covariance, self.earlier_rows
         names = [before.estimate.parameters[i] for i in rows]
         root = np.asarray(np.linalg.cholesky(covariance[np.ix_(rows, rows)]))
         return (
             [place_of[name] for name in names],
-            np.array([retained[name] for name in names]),
+            np.array([earlier_values[name] for name in names]),
             root,
         )
 
     @cached_property
     def earlier_rows(self) -> list[int]:
-        """Which rows of the covariance of an earlier fit are kept."""
+        """Rows of the covariance of an earlier fit that are kept."""
         before = self.constraints.before
         if before is None:
             return []
-        retained = self.sought.extract_earlier_values(before)[0]
+        earlier_values = self.sought.extract_earlier_values(before)[0]
         variance = np.diag(before.estimate.noise_only.covariance)
         return [
             i for i, name in enumerate(before.estimate.parameters)
-            if name in retained and np.isfinite(variance[i]) and variance[i] > 0
+            if name in earlier_values and np.isfinite(variance[i]) and variance[i] > 0
         ]  # fmt: skip
 
     def build_problem(self, start: FloatArray) -> least_squares.Problem:
-        """It as least squares, about a start: every logarithm kept where doubles can follow."""
+        """Return the least-squares problem about a start; logarithms stay within doubles."""
         low, high = start - 25.0, start + 12.0
-        ends = self.sought.ends(self.log_tau_range)
-        sought = slice(self.sought.size - len(ends), self.sought.size)
-        low[sought], high[sought] = ends.T
+        log_tau_limits = self.sought.ends(self.log_tau_range)
+        tau_slice = slice(self.sought.size - len(log_tau_limits), self.sought.size)
+        low[tau_slice], high[tau_slice] = log_tau_limits.T
         if "delay" in self.index:
             low[self.index["delay"]], high[self.index["delay"]] = -1e3, 1e3
         return least_squares.Problem(
             lambda theta: ModelPrediction(self, theta).rows,
-            [Parameter(*ends) for ends in zip(low.tolist(), high.tolist(), strict=True)],
+            [Parameter(*limits) for limits in zip(low.tolist(), high.tolist(), strict=True)],
             priors=len(ModelPrediction(self, start).prior_residuals[0]),
         )
 
@@ -285,7 +285,7 @@ class ModelPrediction:
 
     @cached_property
     def point(self) -> Parameters:
-        """In physical terms."""
+        """Return the parameters in physical terms."""
         return self.problem.unpack(self.theta)
 
     @property
@@ -304,30 +304,30 @@ class ModelPrediction:
 
     @cached_property
     def lines(self) -> FloatArray:
-        """Those of the lines, real then imaginary, shape (2n,)."""
+        """Residuals of the lines, real then imaginary, shape (2n,)."""
         problem, p = self.problem, self.point
-        shown = problem.frf_data.predict(self._response, p.gain, p.delay)
-        return problem.frf_data.misfit(shown) / problem.scale
+        fitted_lines = problem.frf_data.predict(self._response, p.gain, p.delay)
+        return problem.frf_data.misfit(fitted_lines) / problem.scale
 
     @cached_property
     def prior_residuals(self) -> tuple[FloatArray, FloatArray]:
-        """Those of everything known beforehand, shape (r,), and their slope (r, p)."""
+        """Residuals of the priors, shape (r,), and their slope (r, p)."""
         at, mean, sd = self.problem.rig
         rig = (self.theta[at] - mean) / sd, np.eye(len(self.theta))[at] / sd[:, None]
-        off, slopes = zip(rig, *self._iterate_solid_constraints(), self.earlier, strict=True)
-        return np.concatenate(list(map(np.atleast_1d, off))), np.vstack(slopes)
+        residuals, slopes = zip(rig, *self._iterate_solid_constraints(), self.earlier, strict=True)
+        return np.concatenate(list(map(np.atleast_1d, residuals))), np.vstack(slopes)
 
     @cached_property
     def earlier(self) -> tuple[FloatArray, FloatArray]:
-        """How far the solid is from the earlier fit, in its standard deviations; empty without."""
+        """Deviation of the solid from the earlier fit, in standard deviations; empty without."""
         slope = np.zeros((0, len(self.theta)))
         if self.problem.earlier is None:
             return np.empty(0), slope
-        places, old, root = self.problem.earlier
+        indices, old, root = self.problem.earlier
         _, values, gradient = self.problem.sought.physical(self._numbers)
-        slope = np.zeros((len(places), len(self.theta)))
-        slope[:, : len(self._numbers)] = np.linalg.solve(root, gradient[places])
-        return np.asarray(np.linalg.solve(root, values[places] - old)), slope
+        slope = np.zeros((len(indices), len(self.theta)))
+        slope[:, : len(self._numbers)] = np.linalg.solve(root, gradient[indices])
+        return np.asarray(np.linalg.solve(root, values[indices] - old)), slope
 
     @property
     def slope(self) -> FloatArray:
@@ -369,7 +369,7 @@ class ModelPrediction:
         problem, response, p = self.problem, self._response, self.point
         s, data = response.s, problem.frf_data
         values = problem.sought.differentiate_stiffness(self._numbers, s)
-        sensed = 1 / response.receptance - p.mass * s**2
+        stiffness = 1 / response.receptance - p.mass * s**2
 
         def differentiate_lost_poles(
             truncation: TruncationLoss,
@@ -386,7 +386,7 @@ class ModelPrediction:
             )
 
         by = response.slope(
-            self._differentiate_impedance(s, values, sensed), differentiate_lost_poles
+            self._differentiate_impedance(s, values, stiffness), differentiate_lost_poles
         )
         by, *rest = data.slopes(response, p.gain, p.delay, by)
         units = {"mass": 1.0, "gain": 1.0, "delay": DELAY_UNIT}
@@ -439,13 +439,13 @@ class ModelPrediction:
         values = differentiate_poles(self.problem.sought, self._numbers, at)[0]
         by = self._differentiate_impedance(at, values, -p.mass * at**2)[0]
         change = -by * complex(residues(solid.maxwell, p.mass, at)[0])
-        longer = (pole.conjugate() * change).real / size
+        growth = (pole.conjugate() * change).real / size
         if constraints.natural_frequency is not None:
             yield constraints.natural_frequency.standardise(
-                size / (2 * np.pi), longer / (2 * np.pi)
+                size / (2 * np.pi), growth / (2 * np.pi)
             )
         if constraints.damping_ratio is not None:
-            slope = (pole.real * longer / size - change.real) / size
+            slope = (pole.real * growth / size - change.real) / size
             yield constraints.damping_ratio.standardise(-pole.real / size, slope)
 
 
@@ -466,17 +466,17 @@ class Candidate:
 
     @property
     def arms(self) -> int:
-        """Of the solid, or of those that stand for it."""
+        """Number of arms of the solid or of its approximation."""
         return self.point.model.maxwell.arms
 
     @property
     def cost(self) -> float:
-        """What was minimised."""
+        """Minimised cost."""
         return self.optimum.cost
 
     @cached_property
     def model_prediction(self) -> ModelPrediction:
-        """What it makes of every test."""
+        """Prediction of every test."""
         return ModelPrediction(self.problem, self.theta)
 
     @property
@@ -496,7 +496,7 @@ class Candidate:
 
     @property
     def covariance(self) -> FloatArray:
-        """Of the flat parameter vector."""
+        """Covariance of the flat parameter vector."""
         return self.estimate.covariance
 
     @property
@@ -538,7 +538,7 @@ class Candidate:
 
     @property
     def criterion(self) -> float:
-        """That with the noise as it is weighted."""
+        """Information criterion with the noise as it is weighted."""
         return self._compute_bic(self.cost)
 
     def _compute_bic(self, total: float) -> float:
@@ -564,30 +564,37 @@ class Candidate:
 
     @property
     def chi2(self) -> float:
-        """Of the lines and of the relaxation tests."""
+        """Chi-square of the lines and of the relaxation tests."""
         return self.line_misfit / self.problem.scale**2 + sum(self.relaxation_chi2)
 
     @property
     def line_scale(self) -> float:
-        """What the standard deviation of the lines must be multiplied by to explain the misfit."""
-        spare = max(2 * len(self.problem.frf_data.lines.s) - len(self.theta), 1)
-        rms = float(np.sqrt(self.line_misfit / spare))
+        """Factor on the standard deviation of the lines that explains the misfit."""
+        dof = max(2 * len(self.problem.frf_data.lines.s) - len(self.theta), 1)
+        rms = float(np.sqrt(self.line_misfit / dof))
         return max(rms, 1.0 if self.problem.frf_data.known_sd else SMALLEST_SCATTER)
 
     def copy_with_scale(self, scale: float) -> Candidate:
-        """As it was found, its covariance with the scatter of the lines scaled."""
+        """Return the candidate with its covariance scaled by the scatter of the lines."""
         problem = replace(self.problem, scale=scale)
         return Candidate(problem, problem.build_problem(self.theta).solve_linear(self.theta))
 
 
 def descend(
-    problem: IdentificationProblem, start: FloatArray, *, tolerance: float, most: int = 200
+    problem: IdentificationProblem, start: FloatArray, *, tolerance: float, max_steps: int = 200
 ) -> Candidate:
-    """To the nearest optimum, in at most so many steps.
+    """Return the nearest optimum, in at most so many steps.
 
     Until a step promises to lower chi-square by less than that part of it.
     """
-    whole = problem.build_problem(start)
+    whole_problem = problem.build_problem(start)
     return Candidate(
-        problem, require_optimum(whole, [start], most=most, finished=SHORT, flat=tolerance)
+        problem,
+        require_optimum(
+            whole_problem,
+            [start],
+            max_steps=max_steps,
+            step_tolerance=SHORT,
+            cost_tolerance=tolerance,
+        ),
     )

@@ -58,7 +58,7 @@ class Arms:
 
     @property
     def size(self) -> int:
-        """How many numbers there are."""
+        """Number of parameters."""
         return 1 + 2 * self.count
 
     def pack(self, solid: Solid) -> FloatArray:
@@ -84,7 +84,7 @@ class Arms:
         return RelaxationResiduals(force - rows.target, np.concatenate(parts, axis=1), rows.dashpot)
 
     def ends(self, log_tau: tuple[float, float]) -> FloatArray:
-        """Between which its last numbers are sought, those of relaxation times."""
+        """Return the limits of the last parameters, those of relaxation times."""
         return np.tile(log_tau, (self.count, 1))
 
     def physical(self, numbers: FloatArray) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
@@ -105,13 +105,13 @@ class Arms:
         return differentiate_poles(self, numbers, s)[0]
 
     def extract_earlier_values(self, before: Fit) -> tuple[dict[str, float], list[int]]:
-        """What an earlier fit found, by name, and which of the physical parameters those are."""
+        """Return the values of an earlier fit, by name, and their indices."""
         old = Arms(before.model.arms)
         names, values, _ = old.physical(old.pack(before.model))
         # faster arms than the earlier fit has are new: it says nothing about them
         new, count = self.count - old.count, self.count
-        places = [0, *range(1 + new, 1 + count), *range(1 + count + new, 1 + 2 * count)]
-        return dict(zip(names, values.tolist(), strict=True)), places
+        indices = [0, *range(1 + new, 1 + count), *range(1 + count + new, 1 + 2 * count)]
+        return dict(zip(names, values.tolist(), strict=True)), indices
 
     def is_identified(self, error: FloatArray) -> bool:
         """Return whether standard errors of the numbers leave none unknown."""
@@ -168,8 +168,8 @@ class FractionalElement:
         """Return the numbers of a solid."""
         assert isinstance(solid, FractionalZener)  # noqa: S101  # nothing else is an element
         k_inf, value = solid.k_inf, solid.k_0 - solid.k_inf
-        ends = [max(number, FADED * max(solid.k_0, 1e-300)) for number in (k_inf, value)]
-        return np.array([*np.log(ends), np.log(solid.tau), solid.alpha])
+        springs = [max(number, FADED * max(solid.k_0, 1e-300)) for number in (k_inf, value)]
+        return np.array([*np.log(springs), np.log(solid.tau), solid.alpha])
 
     def unpack(self, numbers: FloatArray, b: float) -> FractionalZener:
         """Return the solid of the numbers, beside a dashpot b."""
@@ -187,7 +187,7 @@ class FractionalElement:
         return RelaxationResiduals(spring + column - rows.target, slopes, rows.dashpot)
 
     def ends(self, log_tau: tuple[float, float]) -> FloatArray:
-        """Between which ln tau and alpha are sought: its flank alone may be in sight."""
+        """Return the limits of ln tau and alpha."""
         return np.array([(log_tau[0] - SOUGHT, log_tau[1] + SOUGHT), ALPHA])
 
     def physical(self, numbers: FloatArray) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
@@ -198,7 +198,7 @@ class FractionalElement:
         return ELEMENT, np.array([k_inf, k_inf + value, *numbers[2:]]), gradient
 
     def arm_gradient(self, numbers: FloatArray) -> FloatArray:
-        """Of the arms that stand for it."""
+        """Return the gradient of the arms that approximate the element."""
         return self.unpack(numbers, 0.0).arm_gradient() @ self.physical(numbers)[2]
 
     def differentiate_stiffness(self, numbers: FloatArray, s: ComplexArray) -> ComplexArray:
@@ -206,9 +206,11 @@ class FractionalElement:
         (k_inf, value, tau), alpha = np.exp(numbers[:3]), numbers[3]
         power = (s * tau) ** alpha
         column = value * (1 - 1 / (1 + power))
-        turned = column / (1 + power)
+        rotated_column = column / (1 + power)
         spring = np.full(len(s), k_inf)
-        return np.column_stack((spring, column, alpha * turned, np.log(s * tau) * turned))
+        return np.column_stack(
+            (spring, column, alpha * rotated_column, np.log(s * tau) * rotated_column)
+        )
 
     def extract_earlier_values(self, before: Fit) -> tuple[dict[str, float], list[int]]:
         """Return what an earlier fit found."""
@@ -224,27 +226,29 @@ class FractionalElement:
         return solid.k_0 - solid.k_inf > GONE * solid.k_0
 
     def format_model_order(self) -> str:
-        """In words."""
+        """Return the model order in words."""
         return "a fractional element"
 
 
 Parametrisation: TypeAlias = Arms | FractionalElement
-"""How a solid is written as `size` free numbers."""
+"""Representation of a solid by `size` free numbers."""
 
 
 def differentiate_poles(
-    sought: Parametrisation, numbers: FloatArray, p: ComplexArray
+    parametrisation: Parametrisation, numbers: FloatArray, p: ComplexArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """Derivative of the stiffness of its arms, and of its slope, by the numbers: (n, size)."""
-    gradient = sought.arm_gradient(numbers)
-    by_arms, slope_by_arms = sought.unpack(numbers, 0.0).maxwell.arm_slopes(p)
+    gradient = parametrisation.arm_gradient(numbers)
+    by_arms, slope_by_arms = parametrisation.unpack(numbers, 0.0).maxwell.arm_slopes(p)
     return by_arms @ gradient, slope_by_arms @ gradient
 
 
-def is_at_edge(sought: Parametrisation, numbers: FloatArray, log_tau: tuple[float, float]) -> bool:
+def is_at_edge(
+    parametrisation: Parametrisation, numbers: FloatArray, log_tau: tuple[float, float]
+) -> bool:
     """Return whether a relaxation time or a slope stands at an end of what is sought."""
-    low, high = (ends := sought.ends(log_tau)).T
-    last = numbers[len(numbers) - len(ends) :]
+    low, high = (limits := parametrisation.ends(log_tau)).T
+    last = numbers[len(numbers) - len(limits) :]
     return bool(np.any((last < low + _AT_EDGE) | (last > high - _AT_EDGE)))
 
 

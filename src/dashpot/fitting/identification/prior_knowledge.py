@@ -46,7 +46,7 @@ class HammerRig:
 
     @property
     def cable_sd(self) -> float:
-        """What cables may add, over the stiffness of the seals."""
+        """Error by cables, over the stiffness of the seals."""
         return DEFAULT_UNCERTAINTIES["cable"].size if self.cable is None else self.cable
 
     def with_machine(self, machine: Machine | None) -> HammerRig:
@@ -115,16 +115,18 @@ class KnownSolid:
             object.__setattr__(self, name, self.pair(name))
 
     def pair(self, name: str) -> tuple[float, float] | None:
-        """One of the three with its standard deviation, SI units; None if it is not known."""
+        """Return a quantity with its standard deviation, SI units; None if it is not known."""
         return _pair(name, getattr(self, name), _DIMENSIONS[name])
 
 
 def _pair(
-    name: str, provided: Quantity | tuple[Quantity, Quantity] | None, dimension: Dimension
+    name: str, given_values: Quantity | tuple[Quantity, Quantity] | None, dimension: Dimension
 ) -> tuple[float, float] | None:
-    if provided is None:
+    if given_values is None:
         return None
-    value, sd = si_range(provided if isinstance(provided, tuple) else (provided, 0.0), dimension)
+    value, sd = si_range(
+        given_values if isinstance(given_values, tuple) else (given_values, 0.0), dimension
+    )
     if not (isfinite(value) and value > 0):
         raise DataError(f"{name} = {value!r}; expected a number > 0")
     if name == "damping_ratio" and value >= 1:

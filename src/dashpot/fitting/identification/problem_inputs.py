@@ -74,10 +74,10 @@ def before_hammer(
     before = _select_family_fit("maxwell", fit) or fit_tests(list(records), **bench.choices)
     if temperature is not None:
         before = before.at_temperature(temperature)
-    same = len(records) == 1 and before.method in get_choice_values(Method)
+    is_same_fit = len(records) == 1 and before.method in get_choice_values(Method)
     # a test by itself has one temperature
     alone = FitOptions(method=bench.method, law=bench.law, thorough=bench.thorough).choices
-    fits = [before] if same else [fit_tests(record, **alone) for record in records]
+    fits = [before] if is_same_fit else [fit_tests(record, **alone) for record in records]
     relaxation_datasets, doubtful = (
         tuple(
             build_relaxation_data(record, before, single_fit=fit, for_limits=claimed)
@@ -115,7 +115,7 @@ def _without_tests(fit: Fit | None, temperature: float | None, family: str) -> P
 def point_of(
     before: Fit | None, mass: float | None, seals: float, compression: float | None
 ) -> OperatingPoint | None:
-    """Where the seals are under the hammer; None if that makes no difference, or is not known."""
+    """Return the operating point under the hammer; None if not needed or not known."""
     law = None if before is None else before.elastic_law
     if before is None or law is None or law.kind == "linear":
         return None
@@ -128,15 +128,15 @@ def point_of(
 
 def numbers_of(arms: int | str, before: Fit | None) -> list[int]:
     """Return the numbers of arms to try: from those of the earlier fit on, or as asked."""
-    least = 0 if before is None else before.model.arms
+    fewest_arms = 0 if before is None else before.model.arms
     if arms == "auto":
-        return list(range(least, least + MOST_ARMS + 1))
+        return list(range(fewest_arms, fewest_arms + MOST_ARMS + 1))
     if not isinstance(arms, int | np.integer) or arms < 0:
         raise FitError(f'arms = {arms!r}; expected a number >= 0 or "auto"')
-    if arms < least:
+    if arms < fewest_arms:
         raise FitError(
-            f"arms = {arms}, but the relaxation test alone has {least}: ask for at least as many, "
-            "one more for what only the hammer sees"
+            f"arms = {arms}, but the relaxation test alone has {fewest_arms}: ask for at least as "
+            "many, one more for what only the hammer sees"
         )
     return [int(arms)]
 
@@ -157,7 +157,7 @@ def priors_of(mass: float | None, rig: HammerRig, point: OperatingPoint | None) 
 
 
 def constraints_of(solid_prior: KnownSolid, before: PriorTests) -> Constraints:
-    """What the solid must obey: what is known of it, and an earlier fit that has no tests here."""
+    """Return the constraints on the solid: its priors, and an earlier fit without its tests."""
 
     def prior(name: str) -> Prior | None:
         pair = solid_prior.pair(name)

@@ -114,9 +114,9 @@ def tangent_determined(law: ElasticLaw, ramps: int) -> Finding:
     """
     if law.kind == "linear":
         return Finding("The elastic law is linear: its tangent is its secant")
-    many = f"{ramps} ramps of different rate or depth" if ramps > 1 else "one ramp"
+    ramps_text = f"{ramps} ramps of different rate or depth" if ramps > 1 else "one ramp"
     return Finding(
-        f"The tangent stiffness comes from {many}; two are needed",
+        f"The tangent stiffness comes from {ramps_text}; two are needed",
         float(ramps),
         "It is right to 5 % if all arms share one elastic law and the motion is that of the "
         "seal. Otherwise it can be 11 to 46 % off. The secant at the depth stays right",
@@ -240,25 +240,23 @@ def clocks_agree(results: Sequence[tuple[float, float, float]]) -> Finding:
 
 def _compare_with_prior(
     results: Sequence[tuple[float, float, float, float]],
-    what: str,
+    noun: str,
     scale: float,
     unit: str,
     name: str,
 ) -> Finding:
     if not results:
-        return Finding(f"No {what} is fitted")
-    distances = [abs(value - mean) / sd if sd > 0 else 0.0 for value, mean, sd, _ in results]
-    worst = int(np.argmax(distances))
+        return Finding(f"No {noun} is fitted")
+    deviations = [abs(value - mean) / sd if sd > 0 else 0.0 for value, mean, sd, _ in results]
+    worst = int(np.argmax(deviations))
     value, mean, *_ = results[worst]
-    matters = any(
-        abs(value - mean) > max(3 * sd, departure) for value, mean, sd, departure in results
-    )
+    is_notable = any(abs(value - mean) > max(3 * sd, limit) for value, mean, sd, limit in results)
     test_label = f" of test {worst + 1}" if len(results) > 1 else ""
     return Finding(
-        f"The fitted {what}{test_label} ({scale * value:.3g} {unit}) differs from {name} "
-        f"({scale * mean:.3g} {unit}) by {distances[worst]:.2g} standard deviations",
-        distances[worst],
+        f"The fitted {noun}{test_label} ({scale * value:.3g} {unit}) differs from {name} "
+        f"({scale * mean:.3g} {unit}) by {deviations[worst]:.2g} standard deviations",
+        deviations[worst],
         "It hides a misfit",
         "Record a longer baseline, or let the load cell warm up.",
-        grade="limit" if matters else None,
+        grade="limit" if is_notable else None,
     )

@@ -164,9 +164,11 @@ def build_ramp_law(
     """Return the value of an optimum, with its covariance and its residuals."""
     k, log_tau, solid = optimum.k[0], optimum.log_tau, optimum.weighted.solid
     order = np.argsort(log_tau)
-    there = order[k[1:][order] > 0]
+    arm_order = order[k[1:][order] > 0]
     model = GeneralizedMaxwell(
-        float(k[0]), tuple(k[1:][there].tolist()), tuple(np.exp(log_tau[there]).tolist())
+        float(k[0]),
+        tuple(k[1:][arm_order].tolist()),
+        tuple(np.exp(log_tau[arm_order]).tolist()),
     )
     first = len(optimum.optimum.theta)
 
@@ -175,7 +177,7 @@ def build_ramp_law(
         log_tau, shape = solid.split_parameters(values[:first])
         k = values[first : first + 1 + len(log_tau)]
         return np.concatenate(
-            (k[:1], k[1 + there], log_tau[there], shape / (solid.weights @ shape))
+            (k[:1], k[1 + arm_order], log_tau[arm_order], shape / (solid.weights @ shape))
         )
 
     # each encoder's step scales every stiffness of its test
@@ -183,7 +185,7 @@ def build_ramp_law(
     scaled = np.zeros(len(optimum.optimum.values))
     scaled[first : first + len(k)] = depth_error * k
     estimate = optimum.estimate(hold).add_parameter_error(scaled)
-    covariance, names = estimate.derive_quantity(seal).covariance, parameter_names(len(there))
+    covariance, names = (estimate.derive_quantity(seal).covariance, parameter_names(len(arm_order)))
     nuisance = optimum.nuisance
     errors = dict(zip(nuisance, estimate.standard_error[-len(nuisance) :].tolist(), strict=True))
     residuals = tuple(_residual(test, i, model, optimum) for i, test in enumerate(tests))
@@ -292,10 +294,10 @@ def select_elastic_law(
     if law != "nonlinear" and all(quality.is_adequate for quality in linear_qualities):
         score = ElasticLawScore(LINEAR, elastic_law_of(optimum), 0.0, optimum.ramp, optimum.hold)
         return build_ramp_law(tests, hold, linear_qualities, optimum, (score,))
-    shown = int(rows.ramp.sum()) // _ROWS_PER_KNOT
+    max_knots = int(rows.ramp.sum()) // _ROWS_PER_KNOT
     finer = DEPTHS_LADDER if len(set(rows.depths)) >= _SEVERAL else ()
     nonlinear_laws = [
-        item for item in (*LADDER, *finer) if item.knots <= max(shown, LADDER[0].knots)
+        item for item in (*LADDER, *finer) if item.knots <= max(max_knots, LADDER[0].knots)
     ]
     laws = {"linear": [LINEAR], "nonlinear": nonlinear_laws, "auto": [LINEAR, *nonlinear_laws]}[law]
     start = recorded_hold(rows, hold)
@@ -318,11 +320,11 @@ def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortag
         The holds by the number of arms that was asked for.
     """
     arms = len(hold.log_tau)
-    more = fit_hold_only(downsample(tests))
-    supported = len(more.log_tau)
+    hold_only = fit_hold_only(downsample(tests))
+    supported = len(hold_only.log_tau)
     if supported <= arms:
         return None
-    return Shortage(arms, supported, _rms(hold), _rms(more))
+    return Shortage(arms, supported, _rms(hold), _rms(hold_only))
 
 
 def _rms(hold: HoldEstimate) -> float:
@@ -360,14 +362,14 @@ def _bic(optimum: RampHoldOptimum, hold: HoldEstimate, correlation: Sequence[flo
     for i, kappa in enumerate(correlation):
         on = float(np.sum(rows.ramp & (rows.record == i))) / kappa
         # a ramp followed closer than its noise is luck
-        least = min(rows.noise[i], optimum.hold[i])
+        noise_level = min(rows.noise[i], optimum.hold[i])
         effective_count = rows.select_hold(i).sum() / hold.correlation[i]
-        total += deviance(max(optimum.ramp[i], least) ** 2, effective=on)
+        total += deviance(max(optimum.ramp[i], noise_level) ** 2, effective=on)
         total += deviance(optimum.hold[i] ** 2, effective=effective_count)
         effective += on
-    arms, bends = len(optimum.log_tau), optimum.weighted.solid.bends.stop
+    arms, knot_count = len(optimum.log_tau), optimum.weighted.solid.bends.stop
     delays = len(optimum.nuisance) - 2 * len(rows.depths)
-    free = 2 * arms + max(bends - 1, 0) + delays
+    free = 2 * arms + max(knot_count - 1, 0) + delays
     return bic_of_deviance(total, effective=max(effective, 2.0), parameters=free)
 
 
@@ -375,8 +377,8 @@ def _select_law(scores: Sequence[ElasticLawScore]) -> ElasticLawScore:
     """Return the law of the least BIC if it gains and matters, else the linear one."""
     best = min(scores, key=lambda score: score.bic)
     linear = scores[0]
-    worth = linear.bic - best.bic > LEAST_GAIN and best.gap > LEAST_GAP
-    return best if worth else linear
+    is_better = linear.bic - best.bic > LEAST_GAIN and best.gap > LEAST_GAP
+    return best if is_better else linear
 
 
 def _with_delay(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
@@ -400,13 +402,22 @@ def _with_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOp
     if fastest - np.log(4.0) <= tau_bounds(rows).low:
         return optimum
     trial = optimum.weighted.descend(np.append(fastest - np.log(4.0), optimum.optimum.theta))
-    fall = optimum.optimum.cost - trial.cost
-    if solid.split_parameters(trial.theta)[0].min() > fastest - np.log(2.0) or fall < LEAST_GAIN:
+    cost_fall = optimum.optimum.cost - trial.cost
+    if (
+        solid.split_parameters(trial.theta)[0].min() > fastest - np.log(2.0)
+        or cost_fall < LEAST_GAIN
+    ):
         return optimum
-    more = fit_ramp_and_hold(solid, hold, optimum, trial.theta, value=optimum.weighted.nuisances)
-    faster = float(more.log_tau.min()) < fastest - np.log(2.0)
-    gain = _bic(optimum, hold, more.ramp_correlation) - _bic(more, hold, more.ramp_correlation)
-    return more if faster and bool((more.k[0, 1:] > 0).all()) and gain > LEAST_GAIN else optimum
+    refined = fit_ramp_and_hold(solid, hold, optimum, trial.theta, value=optimum.weighted.nuisances)
+    is_faster = float(refined.log_tau.min()) < fastest - np.log(2.0)
+    gain = _bic(optimum, hold, refined.ramp_correlation) - _bic(
+        refined, hold, refined.ramp_correlation
+    )
+    return (
+        refined
+        if is_faster and bool((refined.k[0, 1:] > 0).all()) and gain > LEAST_GAIN
+        else optimum
+    )
 
 
 def _assess_linear_law(
@@ -441,9 +452,9 @@ def _joint(
     rows: DownsampledRows, hold: HoldEstimate, log_tau: FloatArray, noise: Sequence[float]
 ) -> RampHoldOptimum:
     """Fit the linear law to ramp and hold at equal weight, first without, then with a delay."""
-    even = np.array(noise) * np.sqrt(hold.correlation)
+    equal_noise = np.array(noise) * np.sqrt(hold.correlation)
     solid = QuasiLinear(rows, np.array([0.0, rows.depth]))
-    sd = spread(rows, even, even)
+    sd = spread(rows, equal_noise, equal_noise)
     first = Weighted(solid, sd, build_nuisances(rows))
     best = first.descend(log_tau)
     with_delay = Weighted(solid, sd, build_nuisances(rows, delay_derivative(first, best)))

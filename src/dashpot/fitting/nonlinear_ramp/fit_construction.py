@@ -170,7 +170,7 @@ def ramp_checks(
     worst = int(np.argmax(law.relative_residuals))
     values = law.optimum.nuisance
     error = np.sqrt(np.diag(law.estimate.covariance))
-    deepest = int(np.argmax(rows.depths))
+    deepest_index = int(np.argmax(rows.depths))
     residual_check = checks.ramp_residual_small(
         law.relative_residuals[worst],
         max(rows.noise[worst], law.hold.rms[worst]) / rows.peak(worst),
@@ -185,9 +185,9 @@ def ramp_checks(
         checks.tangent_determined(law.law, different_ramps(tests)),
         checks.k_inf_plausible(
             law.model,
-            float(np.hypot(error[0], law.hold.plateau_error[deepest])),
-            end_stiffness(tests[deepest], rows.priors[deepest].offset.mean),
-            tests[deepest].hold_time,
+            float(np.hypot(error[0], law.hold.plateau_error[deepest_index])),
+            end_stiffness(tests[deepest_index], rows.priors[deepest_index].offset.mean),
+            tests[deepest_index].hold_time,
         ),
         checks.offset_plausible(
             [

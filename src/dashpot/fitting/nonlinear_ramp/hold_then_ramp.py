@@ -94,12 +94,12 @@ class RampHoldOptimum:
 
     @property
     def log_tau(self) -> FloatArray:
-        """Of every arm, shape (N,)."""
+        """Logarithm of the relaxation time of every arm, shape (N,)."""
         return self.weighted.solid.split_parameters(self.optimum.theta)[0]
 
     @property
     def shape(self) -> FloatArray:
-        """Of the law at its knots, of mean 1."""
+        """Shape of the law at its knots, of mean 1."""
         return self.weighted.solid.split_parameters(self.optimum.theta)[1]
 
     @property
@@ -127,7 +127,7 @@ class RampHoldOptimum:
             best,
             noises=[white_noise(best, noise_ratio**2)],
             prior_variance=noise_ratio**2,
-            resting=plateau,
+            is_bounded=plateau,
             is_fixed=np.append(is_absent, best.theta[len(self.log_tau) :] <= 0),
         )
 
@@ -141,12 +141,12 @@ def fit_hold_only(
     """Fit the holds without their ramps: as many arms as BIC supports, or `arms`."""
     bounds = tau_bounds(rows)
     blocks = [_hold_block(rows, i, bounds) for i in range(len(rows.depths))]
-    fewest = min(block.samples for block in blocks)
-    max_order = max(min(max_arms if arms is None else arms, (fewest - 3) // 2), 0)
-    arm_penalty = (1 + len(blocks)) * float(np.log(fewest)) if arms is None else 0.0
+    fewest_samples = min(block.samples for block in blocks)
+    max_order = max(min(max_arms if arms is None else arms, (fewest_samples - 3) // 2), 0)
+    arm_penalty = (1 + len(blocks)) * float(np.log(fewest_samples)) if arms is None else 0.0
     solutions = solve_orders(blocks, max_order, negligible=arm_penalty)
-    chosen = _select_order(rows, blocks, solutions) if arms is None else solutions[-1]
-    return _build_hold_estimate(rows, blocks, chosen)
+    solution = _select_order(rows, blocks, solutions) if arms is None else solutions[-1]
+    return _build_hold_estimate(rows, blocks, solution)
 
 
 def _hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
@@ -184,13 +184,14 @@ def _select_order(
     sizes = [block.samples for block in blocks]
     largest = np.split(full_jacobian(blocks, solutions[-1]).residual, np.cumsum(sizes)[:-1])
     effective = sum(noise_of(residual).effective for residual in largest)
-    floor = sum(size * rounding(rows, i) ** 2 for i, size in enumerate(sizes))
+    rounding_sse = sum(size * rounding(rows, i) ** 2 for i, size in enumerate(sizes))
     penalty = float(np.log(effective / sum(sizes) * rows.count[~rows.ramp].sum()))
     per_arm = 1 + len(blocks)
     return min(
         solutions,
         key=lambda s: (
-            deviance(s.sse, effective=effective, floor=floor) + per_arm * s.order * penalty
+            deviance(s.sse, effective=effective, rounding_sse=rounding_sse)
+            + per_arm * s.order * penalty
         ),
     )
 
@@ -245,11 +246,11 @@ def build_nuisances(rows: DownsampledRows, delay: FloatArray | None = None) -> N
             columns.append(record_rows * delay)
             priors.append(prior.delay)
     peak = float(np.abs(rows.force).max())
-    least = 1e-12 * peak
+    rounding_limit = 1e-12 * peak
     return Nuisances(
         tuple(names),
         np.column_stack(columns),
-        tuple(Prior(prior.mean, max(prior.sd, least)) for prior in priors),
+        tuple(Prior(prior.mean, max(prior.sd, rounding_limit)) for prior in priors),
     )
 
 

@@ -100,13 +100,13 @@ def assess_linear_fit(
     unread : float
         Force on the ramp that what the encoder leaves of the motion stands for, N.
     """
-    floor = NEGLIGIBLE * peak
+    negligible = NEGLIGIBLE * peak
     by_chance = 1.0 + 3.0 / np.sqrt(2.0 * max(samples, 1.0))
-    quiet = ramp <= max(SOUND_RAMP, by_chance) * noise
-    straight = discrepancy <= SOUND_SHAPE * by_chance
+    is_small = ramp <= max(SOUND_RAMP, by_chance) * noise
+    is_structureless = discrepancy <= SOUND_SHAPE * by_chance
     unread = min(SOUND_SHAPE * unread, UNREAD * peak)
-    followed = (quiet and straight) or ramp <= max(floor, unread)
-    valid = bool(followed and (hold <= SOUND_HOLD * single or hold <= floor))
+    is_followed = (is_small and is_structureless) or ramp <= max(negligible, unread)
+    valid = bool(is_followed and (hold <= SOUND_HOLD * single or hold <= negligible))
     return LinearFitQuality(ramp / max(noise, 1e-300), hold / max(single, 1e-300), valid)
 
 
@@ -128,14 +128,14 @@ def assess_residuals(
     ramp = residuals[: -len(hold_part)][onset - corner :]
     # the colour of the noise shows in a stretch of it
     noises = noise_of(ramp), noise_of(hold_residuals[: 4 * len(ramp)])
-    rms, least = (float(np.sqrt(np.mean(part**2))) for part in (ramp, hold_residuals))
+    rms, hold_rms = (float(np.sqrt(np.mean(part**2))) for part in (ramp, hold_residuals))
     peak = float(np.abs(test.force[: test.hold.stop]).max())
     return assess_linear_fit(
         rms,
         float(np.sqrt(np.mean(hold_part**2))),
-        least,
-        noise=max(sample_noise(test.force_noise, least), slow_noise(hold_residuals, peak)),
-        discrepancy=rms / max(least, 1e-300) * float(np.sqrt(noises[0].kappa / noises[1].kappa)),
+        hold_rms,
+        noise=max(sample_noise(test.force_noise, hold_rms), slow_noise(hold_residuals, peak)),
+        discrepancy=rms / max(hold_rms, 1e-300) * float(np.sqrt(noises[0].kappa / noises[1].kappa)),
         samples=len(ramp) / noises[1].kappa,
         peak=peak,
         unread=peak / test.depth * _compute_motion_residual(test, slice(onset, corner)),
@@ -198,7 +198,7 @@ class HoldBlocks:
 
     @cached_property
     def blocks(self) -> tuple[DataBlock, ...]:
-        """By eq. 5, or, where the plate creeps, as the answer to the recorded motion."""
+        """Blocks of eq. 5 or, where the plate creeps, of the response to the recorded motion."""
         return tuple(
             compress_tests([record], FitSetup("hold", ()))[0]
             if eq5_obstacle(record) is None
@@ -207,25 +207,28 @@ class HoldBlocks:
         )
 
     def compute_hold_residual(self, i: int, start: FloatArray) -> FloatArray:
-        """What as many arms as `start` has, or as many as it supports, leave of one hold alone."""
+        """Return the residual of one hold alone, with at most as many arms as it supports."""
         block = self.blocks[i]
         arms = min(max(len(start), _FEWEST_HOLD_ARMS), max_determinable_arms([block]))
         # a start with two arms in one place, as at the edge of its shorter window, leads nowhere
-        near = start if len(start) == arms and _has_distinct_times(start, block.window) else None
-        least = bic_penalty_per_arm([block])
-        solution = solve([block], arms, log_tau_start=near, negligible=least)
+        initial = start if len(start) == arms and _has_distinct_times(start, block.window) else None
+        negligible = bic_penalty_per_arm([block])
+        solution = solve([block], arms, log_tau_start=initial, negligible=negligible)
         return compute_residual(solution, block.exact)
 
     def fit_hold_equation(self, model: GeneralizedMaxwell) -> GeneralizedMaxwell | None:
-        """What eq. 5 on all holds says with as many arms as another solid, where it applies."""
+        """Return the solid of eq. 5 on all holds with as many arms as a model, if it applies."""
         sample_count = sum(len(record.time[record.hold]) for record in self.records)
         if sample_count <= 1 + 2 * model.arms or any(
             eq5_obstacle(record) for record in self.records
         ):
             return None
-        near = np.log(model.tau)
+        log_tau_start = np.log(model.tau)
         solution = solve(
-            self.blocks, model.arms, near=near, negligible=bic_penalty_per_arm(self.blocks)
+            self.blocks,
+            model.arms,
+            near_log_tau=log_tau_start,
+            negligible=bic_penalty_per_arm(self.blocks),
         )
         return solid_of(solution)
 
@@ -236,8 +239,8 @@ def _terms_of_hold(record: RampHold) -> tuple[str, ...]:
 
 
 def _has_distinct_times(log_tau: FloatArray, window: tuple[float, float]) -> bool:
-    inside = np.clip(np.sort(log_tau), *np.log(window))
-    return bool(np.all(np.diff(inside) > _SAME_ARM))
+    clipped = np.clip(np.sort(log_tau), *np.log(window))
+    return bool(np.all(np.diff(clipped) > _SAME_ARM))
 
 
 def assess_linearity(holds: HoldBlocks, data: FitData, options: FitOptions) -> LinearityResult:
@@ -245,7 +248,9 @@ def assess_linearity(holds: HoldBlocks, data: FitData, options: FitOptions) -> L
     determinable_arms = min(options.max_arms, max_determinable_arms(data.blocks))
     arm_count = determinable_arms if options.count is None else options.count
     auto, point = options.count is None, options.point is not None
-    first = fit_all_orders(data, arm_count, auto=auto, thorough=options.thorough, only=point)
+    first = fit_all_orders(
+        data, arm_count, auto=auto, thorough=options.thorough, only_max_arms=point
+    )
     linearity = LinearityResult(first, None, _evaluate_holds(holds, first))
     if not linearity.is_linear and arm_count < determinable_arms:
         # too few arms are no reason to bend the law
@@ -265,9 +270,9 @@ def assess_linearity(holds: HoldBlocks, data: FitData, options: FitOptions) -> L
 
 def _evaluate_holds(holds: HoldBlocks, first: InitialFit) -> LinearFitQuality | None:
     """Return how well the best arms explain every record to its noise, ramp and hold alike."""
-    least = _AS_GOOD * first.solutions[-1].sse
-    near = next(solution for solution in first.solutions if solution.sse <= least)
-    return _find_worst_record(holds, first.residuals, near.log_tau)
+    sse_limit = _AS_GOOD * first.solutions[-1].sse
+    smallest = next(solution for solution in first.solutions if solution.sse <= sse_limit)
+    return _find_worst_record(holds, first.residuals, smallest.log_tau)
 
 
 def _find_worst_record(
@@ -324,8 +329,8 @@ class DelayedMotion(NamedTuple):
         filtered: bool = False,
     ) -> DelayedMotion:
         """Return the data of records; as they are where no lags are said."""
-        still = (0.0,) * len(records)
-        return cls(HoldBlocks(records), data_of(records, design), lags or still, filtered)
+        no_lags = (0.0,) * len(records)
+        return cls(HoldBlocks(records), data_of(records, design), lags or no_lags, filtered)
 
     def coefficients(self, function: Callable[[str], float]) -> Callable[[str], float]:
         """The value of a column by its name, a delay with what the motion was made late by."""
@@ -334,15 +339,15 @@ class DelayedMotion(NamedTuple):
 
     @property
     def steps(self) -> tuple[Step, ...]:
-        """What was done to the motion."""
+        """Steps that were applied to the motion."""
         if not any(self.lags):
             return ()
         delay_text = " and ".join(format_quantity(lag, "ms", ".3g") for lag in self.lags)
         parameters = (("lag_s", ", ".join(f"{lag:.6g}" for lag in self.lags)),)
-        how = f"put the motion behind a low-pass of {delay_text}"
+        description = f"put the motion behind a low-pass of {delay_text}"
         if not self.filtered:
-            how = f"took the motion {delay_text} later"
-        return (Step("lag", parameters, f"{how}, as the force comes"),)
+            description = f"took the motion {delay_text} later"
+        return (Step("lag", parameters, f"{description}, as the force comes"),)
 
 
 def select_delayed_motion(
@@ -379,26 +384,30 @@ def _generate_delayed_motions(
     if any(lags):
         yield DelayedMotion.from_records(shifted, FitSetup("full"), lags)
     if any(large_delays) and not any(record.machine.force_filter for record in records):
-        behind = [*map(_set_force_filter, records, large_delays)]
-        yield DelayedMotion.from_records(behind, FitSetup("full"), large_delays, filtered=True)
+        filtered_records = [*map(_set_force_filter, records, large_delays)]
+        yield DelayedMotion.from_records(
+            filtered_records, FitSetup("full"), large_delays, filtered=True
+        )
 
 
 def _shift_motion(record: RampHold, lag: float) -> tuple[RampHold, float]:
     """The record with its motion late by whole samples, whose counts are as they were read."""
     step = record.step
-    many = round(lag / step) if is_evenly_sampled(record.time) else 0
-    if not many:
+    sample_count = round(lag / step) if is_evenly_sampled(record.time) else 0
+    if not sample_count:
         return record, 0.0
 
     def delay_values(values: FloatArray) -> FloatArray:
-        return np.concatenate((np.full(many, values[0]), values[:-many]))
+        return np.concatenate((np.full(sample_count, values[0]), values[:-sample_count]))
 
-    provided = (
+    machine_deflection = (
         None if record.machine_deflection is None else delay_values(record.machine_deflection)
     )
     return replace(
-        record, displacement=delay_values(record.displacement), machine_deflection=provided
-    ), many * step
+        record,
+        displacement=delay_values(record.displacement),
+        machine_deflection=machine_deflection,
+    ), sample_count * step
 
 
 def _set_force_filter(record: RampHold, lag: float) -> RampHold:

@@ -144,17 +144,17 @@ def ramp_obstacle(test: RampHold) -> str | None:
 
 
 def _downsample_record(test: RampHold, number: int, first: int) -> tuple[npt.NDArray[Any], ...]:
-    obstacle = ramp_obstacle(test)
-    if obstacle is not None:
-        raise FitError(obstacle)
+    refusal = ramp_obstacle(test)
+    if refusal is not None:
+        raise FitError(refusal)
     x = denoise_displacement(test)[0]
     time, force = test.time[: len(x)] - test.time[0], test.force[: len(x)]
     corner = relaxes_from(test)
     on = median(np.diff(time[first:corner]))
-    after = median(np.diff(time[corner : corner + _FEWEST]))
+    median_step = median(np.diff(time[corner : corner + _FEWEST]))
     cuts = distinct(np.concatenate((
         _place_ramp_blocks(time[first:corner], on) + first,
-        _place_hold_blocks(time[corner:], after, _IN_HOLD) + corner,
+        _place_hold_blocks(time[corner:], median_step, _IN_HOLD) + corner,
     )))  # fmt: skip
     count = np.diff(np.append(cuts, len(x))).astype(float)
     mean_time, mean_x, mean_force = (
@@ -174,17 +174,17 @@ def relaxes_from(test: RampHold) -> int:
     stop = int(np.searchsorted(test.time, test.ramp_end + window))
     soon = test.force[start : max(stop, start + 1)]
     peak = int(np.argmax(soon))
-    rise = float(soon[peak] - soon[0])
-    rises_on = rise > _CLEAR * test.force_noise + _RISEN * float(soon[peak])
+    initial_rise = float(soon[peak] - soon[0])
+    rises_on = initial_rise > _CLEAR * test.force_noise + _RISEN * float(soon[peak])
     return int(start) + peak if rises_on else int(start)
 
 
 def _place_ramp_blocks(time: FloatArray, interval: float) -> IndexArray:
     """Return where blocks start that widen from both corners of a ramp."""
-    half = int(np.searchsorted(time, 0.5 * (time[0] + time[-1])))
-    rising = _place_hold_blocks(time[:half], interval, _IN_RAMP)
-    falling = len(time) - _place_hold_blocks(-time[half:][::-1], interval, _IN_RAMP)[1:]
-    return np.concatenate((rising, [half], falling))
+    middle = int(np.searchsorted(time, 0.5 * (time[0] + time[-1])))
+    first_half = _place_hold_blocks(time[:middle], interval, _IN_RAMP)
+    second_half = len(time) - _place_hold_blocks(-time[middle:][::-1], interval, _IN_RAMP)[1:]
+    return np.concatenate((first_half, [middle], second_half))
 
 
 def _place_hold_blocks(time: FloatArray, interval: float, blocks: int) -> IndexArray:
@@ -244,7 +244,7 @@ class QuasiLinear:
         return theta[:arms], theta[arms:] if self.bends.stop else np.ones(2)
 
     def columns(self, log_tau: FloatArray) -> FloatArray:
-        """Of k_inf and every k under each hat: its path, and each arm's elongation, (M, 1+N, P)."""
+        """Return columns of k_inf and every k under each hat: path and elongations, (M, 1+N, P)."""
         _, mean, passed = self._steps(log_tau)
         arms = _run_recursion(passed[:, :, None], mean[:, :, None] * self._moved[:, None, :])
         return np.concatenate((self.hats[:, None, :], arms), axis=1)
@@ -270,16 +270,16 @@ def hat_integrals(x: FloatArray, knots: FloatArray) -> FloatArray:
     width = np.diff(knots)
     i = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(width) - 1)
     part = np.clip(x, 0.0, knots[-1]) - knots[i]
-    half = 0.5 * width
-    below = np.zeros((len(knots), len(knots)))
+    half_width = 0.5 * width
+    lower_integrals = np.zeros((len(knots), len(knots)))
     for m in range(1, len(knots)):
-        below[m] = below[m - 1]
-        below[m, m - 1 : m + 1] += half[m - 1]
-    values = below[i]
+        lower_integrals[m] = lower_integrals[m - 1]
+        lower_integrals[m, m - 1 : m + 1] += half_width[m - 1]
+    values = lower_integrals[i]
     right = 0.5 * part**2 / width[i]
-    every = np.arange(len(x))
-    values[every, i] += part - right
-    values[every, i + 1] += right
+    row_index = np.arange(len(x))
+    values[row_index, i] += part - right
+    values[row_index, i + 1] += right
     values[:, 0] += np.minimum(x, 0.0)
     values[:, -1] += np.maximum(x - knots[-1], 0.0)
     return values
@@ -341,13 +341,13 @@ class Weighted:
         self.sets = int(self._set[-1]) + 1
         self._member = (self._set[:, None] == np.arange(self.sets)) * 1.0
         self.root = np.sqrt(solid.rows.count) / sd
-        mean, spread = np.array(nuisances.priors).T.reshape(2, -1)
+        mean, prior_sd = np.array(nuisances.priors).T.reshape(2, -1)
         data = self.root * solid.rows.force
         # how far the mean of the shape is from 1 is the last row
         self._size = float(np.linalg.norm(data[solid.rows.ramp]))
-        self.target = np.concatenate((data, mean / spread, [0.0]))
+        self.target = np.concatenate((data, mean / prior_sd, [0.0]))
         self._known = self._white(nuisances.columns)
-        self._known[len(sd) : -1] = np.diag(1.0 / spread)
+        self._known[len(sd) : -1] = np.diag(1.0 / prior_sd)
 
     def _white(self, columns: FloatArray) -> FloatArray:
         """Columns of the rows in units of their noise, rows of zeros for what is known before."""
@@ -371,25 +371,25 @@ class Weighted:
 
     def problem(self, arms: int) -> Problem:
         """Return the problem of so many arms, their ln tau inside the window of the rows."""
-        solid, stiff = self.solid, self.sets * (1 + arms)
-        bends = solid.weights[solid.bends]
+        solid, stiffness_count = self.solid, self.sets * (1 + arms)
+        bend_weights = solid.weights[solid.bends]
 
         def model(theta: FloatArray) -> Rows:
             log_tau, shape = solid.split_parameters(theta)
             mean = float(solid.weights @ shape)
-            hats, shape = solid.columns(log_tau), shape / mean
-            columns = hats @ shape
+            hat_columns, shape = solid.columns(log_tau), shape / mean
+            columns = hat_columns @ shape
             value = (self._member[:, :, None] * columns[:, None, :]).reshape(len(columns), -1)
             A = np.concatenate((self._white(value), self._known), axis=1)
 
             def slope(beta: FloatArray) -> FloatArray:
-                k = self._expand_by_row(beta[:stiff])
+                k = self._expand_by_row(beta[:stiffness_count])
                 by_tau = solid.slopes(log_tau, shape, columns[:, 1:]) * k[:, 1:]
                 force = np.sum(columns * k, axis=1)
-                by_shape = (np.einsum("mnp,mn->mp", hats[:, :, solid.bends], k)
-                            - np.outer(force, bends)) / mean  # fmt: skip
+                by_shape = (np.einsum("mnp,mn->mp", hat_columns[:, :, solid.bends], k)
+                            - np.outer(force, bend_weights)) / mean  # fmt: skip
                 values = self._white(np.concatenate((by_tau, by_shape), axis=1))
-                values[-1, arms:] = self._size * bends
+                values[-1, arms:] = self._size * bend_weights
                 return values
 
             y = self.target.copy()
@@ -398,10 +398,10 @@ class Weighted:
 
         return Problem(
             model,
-            [Parameter(*tau_bounds(solid.rows))] * arms + [Parameter(0.0)] * len(bends),
-            positive=np.arange(stiff + len(self.nuisances.names)) < stiff,
+            [Parameter(*tau_bounds(solid.rows))] * arms + [Parameter(0.0)] * len(bend_weights),
+            positive=np.arange(stiffness_count + len(self.nuisances.names)) < stiffness_count,
             priors=len(self.nuisances.names) + 1,
-            gauge=self._normalise_shape if len(bends) else None,
+            gauge=self._normalise_shape if len(bend_weights) else None,
         )
 
     def _normalise_shape(self, theta: FloatArray) -> FloatArray:
@@ -412,4 +412,6 @@ class Weighted:
     def descend(self, theta: FloatArray) -> Optimum:
         """Return the nearest optimum, ln tau in the window of the rows, shape >= 0 of mean 1."""
         problem = self.problem(len(self.solid.split_parameters(theta)[0]))
-        return require_optimum(problem, [theta], most=_STEPS, flat=_FINISHED / len(self.root))
+        return require_optimum(
+            problem, [theta], max_steps=_STEPS, cost_tolerance=_FINISHED / len(self.root)
+        )

@@ -50,28 +50,28 @@ def compute_arm_elongations(
     # beside the steps of each stretch, what the one before it ends with
     values = np.zeros((count, STRETCH + 2))
     values[:, :STRETCH] = steps.reshape(count, STRETCH)
-    both = np.empty((2 if derivative else 1, len(z), count, STRETCH))
+    columns = np.empty((2 if derivative else 1, len(z), count, STRETCH))
     index = np.arange(STRETCH + 1.0)
     for j, value in enumerate(z):
         power = np.exp(-value * index)
         mean = -np.expm1(-value) / value
-        ends = compute_exponential_cumsum(
+        block_ends = compute_exponential_cumsum(
             values[:, :STRETCH] @ power[STRETCH - 1 :: -1], value * STRETCH
         )
-        values[1:, STRETCH] = ends[:-1]
-        np.matmul(values[:, :-1], _compute_responses(mean * power), out=both[0, j])
+        values[1:, STRETCH] = block_ends[:-1]
+        np.matmul(values[:, :-1], _compute_responses(mean * power), out=columns[0, j])
         if derivative:
             delayed = index * power
             late_ends = values[:, :STRETCH] @ delayed[STRETCH - 1 :: -1]
-            late_ends[1:] += delayed[STRETCH] * ends[:-1]
+            late_ends[1:] += delayed[STRETCH] * block_ends[:-1]
             values[1:, STRETCH + 1] = compute_exponential_cumsum(late_ends, value * STRETCH)[:-1]
             elongations = _compute_responses((mean - power[1]) * power + mean * value * delayed)
             np.matmul(
                 values,
                 np.concatenate((elongations, mean * value * power[None, 1:])),
-                out=both[1, j],
+                out=columns[1, j],
             )
-    q, p = (item.reshape(len(z), count * STRETCH) for item in (both[0], both[-1]))
+    q, p = (item.reshape(len(z), count * STRETCH) for item in (columns[0], columns[-1]))
     if x[0] != 0.0:
         passed = z[:, None] * np.arange(q.shape[1])
         remainder = x[0] * np.exp(-passed)
@@ -101,8 +101,8 @@ def compute_exponential_cumsum(values: FloatArray, z: float) -> FloatArray:
 
 def _triangle(kernel: FloatArray) -> FloatArray:
     """Return the matrix whose row j holds kernel[i - j] at every i >= j."""
-    lag, later = _lags(len(kernel))
-    return np.where(later, kernel[lag], 0.0)
+    lag, lower_indices = _lags(len(kernel))
+    return np.where(lower_indices, kernel[lag], 0.0)
 
 
 @lru_cache(maxsize=64)
@@ -148,7 +148,7 @@ class DelayedForce(NamedTuple):
     def from_arms(
         cls, arms: FloatArray, k: FloatArray, tau: FloatArray, k_g: float, speed: FloatArray
     ) -> DelayedForce:
-        """From the arms' elongations and the speed of the motion over the window."""
+        """Return the force from the arms' elongations and the speed of the motion in the window."""
         return cls(arms @ (k / tau) - k_g * speed, arms, k, tau, k_g)
 
 
@@ -193,9 +193,9 @@ def compute_delayed_lags(
 
 def reverse_before_start(values: FloatArray, start: int) -> FloatArray:
     """Return the values before `start`, the last first, then zeros."""
-    out = np.zeros(len(values))
-    out[:start] = values[:start][::-1]
-    return out
+    reversed_values = np.zeros(len(values))
+    reversed_values[:start] = values[:start][::-1]
+    return reversed_values
 
 
 _NEVER_NEGATIVE = {"k_inf", "b", "glass", "flow"}
@@ -303,7 +303,7 @@ class DataBlock:
 
     @property
     def exact(self) -> DataBlock:
-        """The same data with every sample as a row; itself if nothing was compressed."""
+        """Block with every sample as a row; itself if nothing was compressed."""
         return self if self.full is None else self.full()
 
     def with_column(self, name: str, column: FloatArray) -> DataBlock:
@@ -317,17 +317,17 @@ class DataBlock:
         return self.with_column(name, delayed_force.column)
 
     def append_column(
-        self, name: str, column: FloatArray, *, full: Callable[[], DataBlock] | None = None
+        self, name: str, column: FloatArray, *, make_full: Callable[[], DataBlock] | None = None
     ) -> DataBlock:
         """Return the block with one more fixed column in its own coordinates, which are steady."""
         fixed = self.rows(np.zeros(0), False).fixed
-        wider = np.concatenate((fixed.T, column[None])).T
+        extended = np.concatenate((fixed.T, column[None])).T
 
         def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
-            return self.rows(log_tau, derivative)._replace(fixed=wider)
+            return self.rows(log_tau, derivative)._replace(fixed=extended)
 
         names = (*self.fixed_names, name)
-        return replace(self, rows=rows, fixed_names=names, sampling=None, full=full)
+        return replace(self, rows=rows, fixed_names=names, sampling=None, full=make_full)
 
     @property
     def target(self) -> FloatArray:
@@ -351,13 +351,15 @@ class DataBlock:
         low, high = np.log(self.window)
         return float(low), float(high)
 
-    def transform_rows(self, change: Callable[[FloatArray], FloatArray], **facts: Any) -> DataBlock:
-        """The block with the same linear change made to target and columns; `facts` as new."""
+    def transform_rows(
+        self, change: Callable[[FloatArray], FloatArray], **fields: Any
+    ) -> DataBlock:
+        """The block with the same linear change made to target and columns; `fields` as new."""
 
         def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
             return self.rows(log_tau, derivative).map_parts(change)
 
-        return replace(self, rows=rows, **{**_DROPPED_FIELDS, **facts})
+        return replace(self, rows=rows, **{**_DROPPED_FIELDS, **fields})
 
     def map_relaxation_times(
         self,
@@ -372,25 +374,25 @@ class DataBlock:
         Rows at ``log_tau(...)`` of the times asked for, springs and arms times `factor`; `stretch`
         is the slope of that map, `window` that of the times asked for.
         """
-        stiff = np.where(stiffnesses(self.fixed_names), factor, 1.0)
+        row_factors = np.where(stiffnesses(self.fixed_names), factor, 1.0)
 
-        def rows(asked: FloatArray, derivative: bool) -> Evaluation:
-            evaluation = self.rows(log_tau(asked), derivative)
+        def rows(log_tau_values: FloatArray, derivative: bool) -> Evaluation:
+            evaluation = self.rows(log_tau(log_tau_values), derivative)
             arms = factor * evaluation.arms
             slopes = stretch * factor * evaluation.d_arms if derivative else arms
-            return Evaluation(evaluation.target, evaluation.fixed * stiff, arms, slopes)
+            return Evaluation(evaluation.target, evaluation.fixed * row_factors, arms, slopes)
 
         return replace(self, rows=rows, window=window, sampling=None, full=None, widen=None)
 
     def scale_rows(self, factor: float, fixed_names: tuple[str, ...] | None = None) -> DataBlock:
         """Return every row times one factor, 1/sd; with other names, if they are given."""
-        full, names = self.full, fixed_names or self.fixed_names
+        make_full, names = self.full, fixed_names or self.fixed_names
         return self.transform_rows(
             lambda part: factor * part,
             fixed_names=names,
             floor=factor**2 * self.floor,
             variance=None if self.variance is None else factor**2 * self.variance,
-            full=None if full is None else lambda: full().scale_rows(factor, names),
+            full=None if make_full is None else lambda: make_full().scale_rows(factor, names),
         )
 
 
@@ -400,11 +402,11 @@ def design_rows(target: FloatArray, fixed: FloatArray, columns: Columns) -> Rows
     The columns are returned in the coordinates of `target`: weighted, and projected if the
     data were.
     """
-    none = np.empty((len(target), 0))
+    no_columns = np.empty((len(target), 0))
 
     def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
         if not len(log_tau):
-            return Evaluation(target, fixed, none, none)
+            return Evaluation(target, fixed, no_columns, no_columns)
         return Evaluation(target, fixed, *columns(np.exp(log_tau), derivative))
 
     return rows
@@ -424,8 +426,8 @@ def design_block(
             f"the fixed columns have shape {fixed.shape}, expected "
             f"{(rows, len(fixed_names))}: one row per target value, one column per name"
         )
-    made = design_rows(target, fixed, columns)
-    return DataBlock(made, fixed_names, window, rows)
+    rows_block = design_rows(target, fixed, columns)
+    return DataBlock(rows_block, fixed_names, window, rows)
 
 
 def prior_block(
@@ -454,10 +456,10 @@ def prior_block(
     """
     scale = unit / sd
     fixed, target = rows * scale[:, None], mean * scale
-    none = np.zeros((len(mean), 0))
+    no_columns = np.zeros((len(mean), 0))
 
     def evaluate_prior(log_tau: FloatArray, _derivative: bool) -> Evaluation:
-        arms = np.zeros((len(mean), len(log_tau))) if len(log_tau) else none
+        arms = np.zeros((len(mean), len(log_tau))) if len(log_tau) else no_columns
         return Evaluation(target, fixed, arms, arms)
 
     return DataBlock(

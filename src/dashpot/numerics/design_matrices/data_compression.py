@@ -76,7 +76,7 @@ class DataCompression:
 
     @property
     def samples(self) -> int:
-        """How many samples are compressed."""
+        """Number of samples that are compressed."""
         return self.stages[0][-1].stop if self.stages else len(self.nodes)
 
     def project(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -88,32 +88,34 @@ class DataCompression:
         rest = values - last
         z = _apply_stages(rest, self.stages)
         energy = _squares(rest)
-        floor = energy - _squares(z)
-        if (floor < PLAIN * energy).any():
-            z, floor = self._explicit(rest)
-        return z + last * self.root_weight, floor
+        remainder_sse = energy - _squares(z)
+        if (remainder_sse < PLAIN * energy).any():
+            z, remainder_sse = self._explicit(rest)
+        return z + last * self.root_weight, remainder_sse
 
     def nodes_of(self, values: FloatArray) -> FloatArray:
         """Compress and forget the floor: all that inner products with smooth functions need."""
         return _apply_stages(values, self.stages)
 
     def compute_stacked_nodes(self, sequences: Sequence[FloatArray]) -> FloatArray:
-        """As `nodes_of`, for sequences of shape (M,), as rows: one by one while they are long."""
+        """Return `nodes_of` for sequences of shape (M,) as rows, one by one while they are long."""
         first = np.stack([_apply_stages(sequence, self.stages[:1]) for sequence in sequences])
         return _apply_stages(first, self.stages[1:])
 
     def _explicit(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """As `project`, the floor summed from what every basis leaves."""
-        floor = np.zeros(values.shape[:-1])
+        """Return the projection with the remainder summed explicitly, without cancellation."""
+        remainder_sse = np.zeros(values.shape[:-1])
         for sections in self.stages:
             parts = []
             for section in sections:
                 pieces, z = _cut(values, section)
                 if len(section.basis) > 1:
-                    floor = floor + _aside(pieces, z.reshape(*pieces.shape[:-1], -1), section.basis)
+                    remainder_sse = remainder_sse + _aside(
+                        pieces, z.reshape(*pieces.shape[:-1], -1), section.basis
+                    )
                 parts.append(z)
             values = np.concatenate(parts, axis=-1)
-        return values, floor
+        return values, remainder_sse
 
 
 def project_values(
@@ -121,13 +123,13 @@ def project_values(
 ) -> tuple[FloatArray, FloatArray | float]:
     """Compress values, shape (..., M), that stand one plan after the other."""
     parts, first = [], 0
-    floor: FloatArray | float = 0.0
+    remainder_sse: FloatArray | float = 0.0
     for plan in plans:
-        part, aside = plan.project(values[..., first : first + plan.samples])
+        part, part_sse = plan.project(values[..., first : first + plan.samples])
         parts.append(part)
-        floor = floor + aside
+        remainder_sse = remainder_sse + part_sse
         first += plan.samples
-    return np.concatenate(parts, axis=-1), floor
+    return np.concatenate(parts, axis=-1), remainder_sse
 
 
 def _apply_stages(values: FloatArray, stages: Sequence[tuple[_RecordSection, ...]]) -> FloatArray:
@@ -209,10 +211,13 @@ def uniform_step(position: FloatArray) -> float | None:
     grid = step * _COUNTED[: len(position)]
     for first in range(0, len(position), IN_CACHE):
         span = position[first : first + IN_CACHE]
-        off = span - grid[: len(span)]
-        off -= float(position[0]) + step * first
+        deviation = span - grid[: len(span)]
+        deviation -= float(position[0]) + step * first
         # the sum of squares, which is cheaper, bounds the largest
-        if off @ off > tolerance**2 and max(float(off.max()), -float(off.min())) > tolerance:
+        if (
+            deviation @ deviation > tolerance**2
+            and max(float(deviation.max()), -float(deviation.min())) > tolerance
+        ):
             return None
     return step
 
@@ -227,9 +232,9 @@ def make_sample_plan(count: int) -> DataCompression:
     sections: list[_RecordSection] = []
     start = 0
     # ever longer pieces while they are short beside their distance from the start, then the rest
-    until = [*(min(count, NODES * longer) for longer in PIECES[1:]), count]
+    stops = [*(min(count, NODES * length_factor) for length_factor in PIECES[1:]), count]
     rest = [(length, count) for length in PIECES[::-1]]
-    for length, stop in [*zip(PIECES, until, strict=True), *rest]:
+    for length, stop in [*zip(PIECES, stops, strict=True), *rest]:
         pieces = (stop - start) // length
         if pieces > 0:
             nodes, root, basis = _piece(length)
@@ -296,8 +301,8 @@ def gauss(
     orthonormal polynomials P, and the eigenvectors of P'xP turn them into W.
     """
     middle = 0.5 * (position[0] + position[-1])
-    half = 0.5 * (position[-1] - position[0])
-    u = (position - middle) / half
+    half_length = 0.5 * (position[-1] - position[0])
+    u = (position - middle) / half_length
     chebyshev = np.empty((len(u), count))
     chebyshev[:, 0] = root_weight
     chebyshev[:, 1] = root_weight * u
@@ -309,7 +314,7 @@ def gauss(
     value, vector = np.linalg.eigh(0.5 * (jacobi + jacobi.T))
     vector = vector * np.where(vector[0] < 0, -1.0, 1.0)
     total = float(np.linalg.norm(root_weight))
-    return middle + half * value, total * vector[0], q @ vector
+    return middle + half_length * value, total * vector[0], q @ vector
 
 
 # Space of all relaxation kernels of a window.
@@ -360,7 +365,7 @@ class Kernels(NamedTuple):
 
     @classmethod
     def from_window(cls, window: tuple[float, float], *, per_fold: float, rank: float) -> Kernels:
-        """For relaxation times in `window`, s.
+        """Return the kernels of relaxation times in `window`, s.
 
         `per_fold` fixed times per factor e; directions weaker than `rank` of the strongest are
         left out.
@@ -368,8 +373,8 @@ class Kernels(NamedTuple):
         shortest, longest = window
         # kernels scale with the clock: they are made for a window that starts at one
         folds = round(float(np.log(longest / shortest)) + 0.05, 1)
-        tau, lags, right, left = _make_unit_kernels(folds, per_fold, rank)
-        return cls(tau * shortest, lags * shortest, right, left)
+        tau, lags, right, left_factors = _make_unit_kernels(folds, per_fold, rank)
+        return cls(tau * shortest, lags * shortest, right, left_factors)
 
     def space(
         self, exact: DataBlock, change: Callable[[FloatArray], FloatArray] = np.asarray
@@ -378,22 +383,22 @@ class Kernels(NamedTuple):
 
         `change` is a linear one of the rows.
         """
-        out = np.zeros(())
+        projected = np.zeros(())
         for first in range(0, len(self.tau), AT_ONCE):
             part = slice(first, first + AT_ONCE)
             arms = change(exact.evaluate(np.log(self.tau[part]), False).arms)
-            out = out + arms @ self.right[part]
-        return out
+            projected = projected + arms @ self.right[part]
+        return projected
 
     def columns(self, operator: FloatArray) -> Columns:
         r"""Return columns :math:`A\, S^{-1} U' e(\tau)` and their slopes, for A of shape (n, r)."""
-        full = operator @ self.left_factors
+        full_columns = operator @ self.left_factors
 
         def columns(at: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
             x = self.lags[:, None] / at
             decay = np.exp(-x)
-            arms = full @ decay
-            return (arms, full @ (x * decay)) if derivative else (arms, arms)
+            arms = full_columns @ decay
+            return (arms, full_columns @ (x * decay)) if derivative else (arms, arms)
 
         return columns
 
@@ -428,10 +433,10 @@ def reduced_block(exact: DataBlock, *, tau_range: tuple[float, float] | None = N
     """
     kernels = Kernels.from_window(tau_range or exact.window, per_fold=TIMES_PER_FOLD, rank=RANK)
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
-    every = np.concatenate((kernels.space(exact), fixed, target[:, None]), axis=1)
-    factor = every[:0]
-    for first in range(0, len(every), ROWS_AT_ONCE):
-        rows = np.concatenate((factor, every[first : first + ROWS_AT_ONCE]))
+    all_columns = np.concatenate((kernels.space(exact), fixed, target[:, None]), axis=1)
+    factor = all_columns[:0]
+    for first in range(0, len(all_columns), ROWS_AT_ONCE):
+        rows = np.concatenate((factor, all_columns[first : first + ROWS_AT_ONCE]))
         factor = np.asarray(np.linalg.qr(rows, mode="r"))
     factor = _to_its_floor(factor)
     return replace(
@@ -470,8 +475,10 @@ def compact_block(block: DataBlock, *, excess: float) -> DataBlock:
         (shortest / excess, longest * excess), per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK
     )
     evaluation = block.evaluate(np.log(kernels.tau), False)
-    every = (evaluation.arms @ kernels.right, evaluation.fixed, evaluation.target[:, None])
-    factor = _to_its_floor(np.asarray(np.linalg.qr(np.concatenate(every, axis=1), mode="r")))
+    column_groups = (evaluation.arms @ kernels.right, evaluation.fixed, evaluation.target[:, None])
+    factor = _to_its_floor(
+        np.asarray(np.linalg.qr(np.concatenate(column_groups, axis=1), mode="r"))
+    )
     return replace(
         block,
         rows=kernels.rows(factor),

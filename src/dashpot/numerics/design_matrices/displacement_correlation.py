@@ -93,7 +93,7 @@ class ConvolvedMotion(EqualByValue):
     steps: MotionSteps | None = None
 
     def with_fixed(self, column: FloatArray, values: FloatArray | None = None) -> ConvolvedMotion:
-        """The same with one more fixed column, shape (n,), `values` its correlation if known."""
+        """Return the motion with a further fixed column, shape (n,), and its correlation."""
         fixed = np.concatenate((self.fixed.T, column[None])).T
         crossed = column @ fixed
         size = len(crossed)
@@ -137,20 +137,20 @@ class ConvolvedMotion(EqualByValue):
         else:
             products = _products(arm, self.energy)
             gram[..., arm_rows, arm_rows] = products.qq
-            there = slice(q + arms, y)
+            offset_rows = slice(q + arms, y)
             slopes = arm.dg[..., None, :] * arm.sums + arm.g[..., None, :] * arm.slopes
-            _mirror(gram, slice(q), there, slopes[..., :q, :])
-            _mirror(gram, y, there, arm.dg * arm.y + arm.g * arm.dy)
-            _mirror(gram, arm_rows, there, products.qp)
-            gram[..., there, there] = products.pp
+            _mirror(gram, slice(q), offset_rows, slopes[..., :q, :])
+            _mirror(gram, y, offset_rows, arm.dg * arm.y + arm.g * arm.dy)
+            _mirror(gram, arm_rows, offset_rows, products.qp)
+            gram[..., offset_rows, offset_rows] = products.pp
         values = np.diagonal(gram, axis1=-2, axis2=-1)[..., arm_rows]
         is_rounded = values < arm.g * arm.g * self.rounding
         if is_rounded.any():
-            gone = np.zeros((*tau.shape[:-1], size), dtype=bool)
-            gone[..., arm_rows] = is_rounded
+            is_vanishing = np.zeros((*tau.shape[:-1], size), dtype=bool)
+            is_vanishing[..., arm_rows] = is_rounded
             if derivative:
-                gone[..., there] = is_rounded
-            gram[gone[..., :, None] | gone[..., None, :]] = 0.0
+                is_vanishing[..., offset_rows] = is_rounded
+            gram[is_vanishing[..., :, None] | is_vanishing[..., None, :]] = 0.0
         return gram
 
     def products(self, tau: FloatArray, sequences: FloatArray) -> FloatArray:
@@ -161,11 +161,11 @@ class ConvolvedMotion(EqualByValue):
 
     def _arm_sums(self, tau: FloatArray, force: Force) -> _ArmSums:
         z = self.step / tau
-        lost = np.expm1(-z)
-        a, g = 1 + lost, -lost / z
+        decay_less_one = np.expm1(-z)
+        a, g = 1 + decay_less_one, -decay_less_one / z
         x = z[..., None] * self.lags.nodes
         decay = self.lags.root_weight * np.exp(-x)
-        falling = x * decay
+        decay_slope = x * decay
         values = force.sequence[..., None]
         return _ArmSums(
             z,
@@ -173,9 +173,9 @@ class ConvolvedMotion(EqualByValue):
             g,
             g - a,
             np.swapaxes(decay @ self.sequences.T, -1, -2),
-            np.swapaxes(falling @ self.sequences.T, -1, -2),
+            np.swapaxes(decay_slope @ self.sequences.T, -1, -2),
             (decay @ values)[..., 0],
-            (falling @ values)[..., 0],
+            (decay_slope @ values)[..., 0],
         )
 
 
@@ -226,7 +226,7 @@ def correlation_rows(shared: ConvolvedMotion, force: Force, exact: DataBlock) ->
 
 
 def _factor_of_samples(evaluation: Evaluation, *, derivative: bool) -> FloatArray:
-    """The same factor by the columns themselves: dearer, and no digit is lost by squaring."""
+    """Return the same factor from the columns themselves: slower, without loss of digits."""
     slopes = [evaluation.d_arms] if derivative else []
     columns = np.column_stack((evaluation.fixed, evaluation.arms, *slopes, evaluation.target))
     if not np.isfinite(columns).all():
@@ -256,18 +256,18 @@ def _products(arm: _ArmSums, energy: float) -> _Products:
     arms = arm.z.shape[-1]
     ds = arm.slopes[..., -3, :]
     a, da = arm.a[..., None, :], (arm.a * arm.z)[..., None, :]
-    ends = a * arm.sums[..., -2:, :]
+    end_terms = a * arm.sums[..., -2:, :]
     d_ends = da * arm.sums[..., -2:, :] + a * arm.slopes[..., -2:, :]
     # before the window less its last sample: values and derivatives at once
-    both = np.concatenate((ends, d_ends), axis=-1)
-    gained = _swap_axes(both * _SIGNS) @ both
-    den, num = _quotient(arm, energy, gained[..., :arms, :arms])
+    end_terms_and_slopes = np.concatenate((end_terms, d_ends), axis=-1)
+    products = _swap_axes(end_terms_and_slopes * _SIGNS) @ end_terms_and_slopes
+    den, num = _quotient(arm, energy, products[..., :arms, :arms])
     u = num / den
-    num_k = ds[..., None, :] + gained[..., :arms, arms:]
+    num_k = ds[..., None, :] + products[..., :arms, arms:]
     den_k = -_swap_axes(a) * da
     u_k = (num_k - u * den_k) / den
     crossed = _swap_axes(u_k) * den_k
-    u_jk = gained[..., arms:, arms:] - crossed - _swap_axes(crossed) + u * (_swap_axes(da) * da)
+    u_jk = products[..., arms:, arms:] - crossed - _swap_axes(crossed) + u * (_swap_axes(da) * da)
     g, dg = arm.g[..., None, :], arm.dg[..., None, :]
     gg, g_dg = _swap_axes(g) * g, _swap_axes(g) * dg
     cross = _swap_axes(g_dg) * u_k
@@ -280,15 +280,17 @@ def _products(arm: _ArmSums, energy: float) -> _Products:
 
 def _values(arm: _ArmSums, energy: float) -> FloatArray:
     """Inner products of arms alone."""
-    ends = arm.a[..., None, :] * arm.sums[..., -2:, :]
-    den, num = _quotient(arm, energy, _swap_axes(ends * _SIGNS) @ ends)
+    end_values = arm.a[..., None, :] * arm.sums[..., -2:, :]
+    den, num = _quotient(arm, energy, _swap_axes(end_values * _SIGNS) @ end_values)
     return np.asarray(arm.g[..., :, None] * arm.g[..., None, :] * num / den)
 
 
-def _quotient(arm: _ArmSums, energy: float, gained: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _quotient(
+    arm: _ArmSums, energy: float, end_products: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     s = arm.sums[..., -3, :]
     den = -np.expm1(-(arm.z[..., :, None] + arm.z[..., None, :]))
-    return den, s[..., :, None] + s[..., None, :] - energy + gained
+    return den, s[..., :, None] + s[..., None, :] - energy + end_products
 
 
 def _swap_axes(a: FloatArray) -> FloatArray:
@@ -316,12 +318,12 @@ def upper_factor(gram: FloatArray) -> FloatArray:
         except np.linalg.LinAlgError:  # so it is asked again, with all that follows
             pass
     values = np.diagonal(gram, axis1=-2, axis2=-1)
-    there = ~(values <= 0)  # what is no number is not passed over
-    scale = np.sqrt(np.where(there, values, 0.0))
-    shrink = np.where(there, 1 / np.where(there, scale, 1.0), 0.0)
-    unit = gram * (shrink[..., :, None] * shrink[..., None, :])
-    if not there.all():
-        unit += (~there)[..., None] * np.eye(unit.shape[-1])
+    is_positive = ~(values <= 0)  # what is no number is not passed over
+    scale = np.sqrt(np.where(is_positive, values, 0.0))
+    inverse_scale = np.where(is_positive, 1 / np.where(is_positive, scale, 1.0), 0.0)
+    unit = gram * (inverse_scale[..., :, None] * inverse_scale[..., None, :])
+    if not is_positive.all():
+        unit += (~is_positive)[..., None] * np.eye(unit.shape[-1])
     ridge = 0.0
     if unit.shape[-1] > DEPENDENT_COUNT:
         ridge = ROUNDING
@@ -363,7 +365,7 @@ def correlate_displacement(
     if start:
         before = lags.nodes_of(reverse_before_start(d, start))
     lagged = np.fft.rfft(d, size)
-    bare = ConvolvedMotion(
+    without_columns = ConvolvedMotion(
         fixed=fixed,
         fixed_gram=fixed.T @ fixed,
         sequences=before[None],
@@ -376,18 +378,18 @@ def correlate_displacement(
         count=stop,
         step=float(time[-1] - time[0]) / (len(time) - 1),
     )
-    steps = _correlate_window_steps(bare, d, moving)
-    rows = [_correlate_column(bare, column, x, d, steps) for column in fixed.T]
+    steps = _correlate_window_steps(without_columns, d, moving)
+    rows = [_correlate_column(without_columns, column, x, d, steps) for column in fixed.T]
     nodes = lags.compute_stacked_nodes([*rows, steps, d[::-1]])
     sequences = np.concatenate((nodes[:-1], before[None], nodes[-1:]))
-    after = float(x[stop] - x[stop - 1] if stop < len(x) else d[-1])
-    return replace(bare, sequences=sequences, steps=MotionSteps(d, after, steps))
+    last_step = float(x[stop] - x[stop - 1] if stop < len(x) else d[-1])
+    return replace(without_columns, sequences=sequences, steps=MotionSteps(d, last_step, steps))
 
 
 def _steps(x: FloatArray) -> tuple[FloatArray, int]:
     """The steps of a motion from zero, and where they end: what it still moves by is rounding."""
-    off = np.abs(x - x[-1])
-    moving = int(np.flatnonzero(off > REST_SHARE * off.max())[-1:].sum()) + 2
+    end_distance = np.abs(x - x[-1])
+    moving = int(np.flatnonzero(end_distance > REST_SHARE * end_distance.max())[-1:].sum()) + 2
     d = x.copy()
     d[1:] -= x[:-1]
     d[moving - 1 : moving] = x[-1] - x[moving - 2]
@@ -420,11 +422,11 @@ def _correlate_column(
     if not np.array_equal(column, x[start:stop]):
         return motion.lag(column)
     # from the last lag to the first
-    falls = x[stop - 1] * d
+    correlation = x[stop - 1] * d
     if start:
-        falls -= x[start - 1] * reverse_before_start(d, start)[::-1]
-    falls[1:] -= values[:0:-1]
-    return np.cumsum(falls)[::-1]
+        correlation -= x[start - 1] * reverse_before_start(d, start)[::-1]
+    correlation[1:] -= values[:0:-1]
+    return np.cumsum(correlation)[::-1]
 
 
 def correlation_block(
@@ -451,9 +453,9 @@ def _make_force_block(
         return widen(name, delayed_force.column, lags)
 
     def widen(name: str, column: FloatArray, lags: FloatArray | None = None) -> DataBlock:
-        wider = shared.with_fixed(column, lags)
-        more = force._replace(fixed=np.append(force.fixed, target @ column))
-        return _make_force_block(exact.with_column(name, column), wider, more, target)
+        extended = shared.with_fixed(column, lags)
+        extended_force = force._replace(fixed=np.append(force.fixed, target @ column))
+        return _make_force_block(exact.with_column(name, column), extended, extended_force, target)
 
     return replace(
         exact,

@@ -88,41 +88,41 @@ def hold_block(
     compress : bool
         False keeps every sample as a row.
     """
-    ideal = _Ideal(depth, ramp_time, ramp, k_inf, offset, drift)
+    ideal_ramp = _Ideal(depth, ramp_time, ramp, k_inf, offset, drift)
     time, step = _validate_samples(time, force, weights)
-    plans = _plans(time, weights, ideal, step, compress=compress)
-    starts = (0.0, ideal.ramp_time)
+    plans = _plans(time, weights, ideal_ramp, step, compress=compress)
+    starts = (0.0, ideal_ramp.ramp_time)
     at = np.concatenate([plan.nodes + start for plan, start in zip(plans, starts, strict=False)])
     root = np.concatenate([plan.root_weight for plan in plans])
-    spring = np.full(len(at), ideal.depth)
-    if ideal.ramp:
-        spring = ideal.depth / ideal.ramp_time * np.minimum(at, ideal.ramp_time)
-    fixed = {ideal.spring: spring, ideal.offset: 1.0, ideal.drift: at}
+    spring = np.full(len(at), ideal_ramp.depth)
+    if ideal_ramp.ramp:
+        spring = ideal_ramp.depth / ideal_ramp.ramp_time * np.minimum(at, ideal_ramp.ramp_time)
+    fixed = {ideal_ramp.spring: spring, ideal_ramp.offset: 1.0, ideal_ramp.drift: at}
     fixed.pop(None, None)
     matrix = np.empty((len(at), len(fixed)))
     for i, column in enumerate(fixed.values()):
         matrix[:, i] = root * column
     names = tuple(filter(None, fixed))
-    target, floor = project_values(plans, force if weights is None else force * weights)
-    rows = design_rows(target, matrix, _columns(plans, ideal))
+    target, remainder_sse = project_values(plans, force if weights is None else force * weights)
+    rows = design_rows(target, matrix, _columns(plans, ideal_ramp))
     window = window_of(time, plans[-1].step)
     if len(target) == len(time):
         return DataBlock(rows, names, window, len(time))
-    full = partial(
+    make_full = partial(
         hold_block, time, force, depth=depth, ramp_time=ramp_time, ramp=ramp, k_inf=k_inf,
         offset=offset, drift=drift, weights=weights, compress=False,
     )  # fmt: skip
     # the columns follow from the clock and all but the data
-    certain = weights is None and step is not None
+    is_plain = weights is None and step is not None
     block = DataBlock(
         rows,
         names,
         window,
         len(time),
-        floor=float(floor),
+        floor=float(remainder_sse),
         accuracy=ACCURACY,
-        sampling=(len(time), float(time[0]), step, ideal) if certain else None,
-        full=full,
+        sampling=(len(time), float(time[0]), step, ideal_ramp) if is_plain else None,
+        full=make_full,
     )
     return _widening(block, plans)
 
@@ -135,8 +135,8 @@ def window_of(time: FloatArray, step: float | None = None) -> tuple[float, float
     if step is not None:
         return 2 * step, 10 * float(time[-1] - time[0])
     steps = np.diff(time)
-    fine = float(np.partition(steps, len(steps) // 50)[len(steps) // 50])
-    return 2 * fine, 10 * float(time[-1] - time[0])
+    fine_step = float(np.partition(steps, len(steps) // 50)[len(steps) // 50])
+    return 2 * fine_step, 10 * float(time[-1] - time[0])
 
 
 def _widening(block: DataBlock, plans: tuple[DataCompression, ...]) -> DataBlock:
@@ -144,8 +144,8 @@ def _widening(block: DataBlock, plans: tuple[DataCompression, ...]) -> DataBlock
 
     def widen(name: str, column: FloatArray) -> DataBlock:
         at_nodes, _ = project_values(plans, column)
-        whole = partial(block.exact.with_column, name, column)
-        return _widening(block.append_column(name, at_nodes, full=whole), plans)
+        make_full = partial(block.exact.with_column, name, column)
+        return _widening(block.append_column(name, at_nodes, make_full=make_full), plans)
 
     return replace(block, widen=widen)
 
@@ -153,69 +153,69 @@ def _widening(block: DataBlock, plans: tuple[DataCompression, ...]) -> DataBlock
 def _plans(
     time: FloatArray,
     weights: FloatArray | None,
-    ideal: _Ideal,
+    ideal_ramp: _Ideal,
     step: float | None,
     *,
     compress: bool,
 ) -> tuple[DataCompression, ...]:
     """Return the hold's compression, after the ramp's if the record has it."""
     plan = compression if compress else make_identity_plan
-    if not ideal.ramp:
+    if not ideal_ramp.ramp:
         return (plan(time, weights, step=step),)
-    first = int(np.searchsorted(time, ideal.ramp_time))
+    first = int(np.searchsorted(time, ideal_ramp.ramp_time))
     if first == 0 or first == len(time):
         raise DataError(
-            f"ramp_time = {ideal.ramp_time:g} s leaves {first} of {len(time)} samples on the ramp; "
-            "expected some on the ramp and some on the hold"
+            f"ramp_time = {ideal_ramp.ramp_time:g} s leaves {first} of {len(time)} samples on the "
+            "ramp; expected some on the ramp and some on the hold"
         )
-    on, after = (None, None) if weights is None else (weights[:first], weights[first:])
+    on, weights_after = (None, None) if weights is None else (weights[:first], weights[first:])
     return (
         plan(time[:first], on, step=step),
-        plan(time[first:] - ideal.ramp_time, after, step=step),
+        plan(time[first:] - ideal_ramp.ramp_time, weights_after, step=step),
     )
 
 
-def _columns(plans: tuple[DataCompression, ...], ideal: _Ideal) -> Columns:
+def _columns(plans: tuple[DataCompression, ...], ideal_ramp: _Ideal) -> Columns:
     *ramps, hold = plans
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
-        hold_columns, held_slope = _hold(hold, tau, ideal, derivative=derivative)
+        hold_columns, held_slope = _hold(hold, tau, ideal_ramp, derivative=derivative)
         if not ramps:
             return hold_columns, held_slope
         ramp = ramps[0]
         x = ramp.nodes[:, None] / tau
-        scale = ideal.depth / ideal.ramp_time * ramp.root_weight[:, None]
-        rise = -tau * np.expm1(-x)
-        arms = np.concatenate((scale * rise, hold_columns))
+        scale = ideal_ramp.depth / ideal_ramp.ramp_time * ramp.root_weight[:, None]
+        arm_elongation = -tau * np.expm1(-x)
+        arms = np.concatenate((scale * arm_elongation, hold_columns))
         if not derivative:
             return arms, arms
-        slope = scale * (rise - ramp.nodes[:, None] * np.exp(-x))
+        slope = scale * (arm_elongation - ramp.nodes[:, None] * np.exp(-x))
         return arms, np.concatenate((slope, held_slope))
 
     return columns
 
 
 def _hold(
-    plan: DataCompression, tau: FloatArray, ideal: _Ideal, *, derivative: bool
+    plan: DataCompression, tau: FloatArray, ideal_ramp: _Ideal, *, derivative: bool
 ) -> tuple[FloatArray, FloatArray]:
     # a column is a row until the end: long rows are fast
     s = plan.nodes / -tau[:, None]
     decay = np.exp(s)
-    decay *= ideal.depth * plan.root_weight
-    if ideal.ramp_time > 0:
-        x = ideal.ramp_time / tau
-        lost = np.expm1(-x)
-        mean = -lost / x
+    decay *= ideal_ramp.depth * plan.root_weight
+    if ideal_ramp.ramp_time > 0:
+        x = ideal_ramp.ramp_time / tau
+        decay_less_one = np.expm1(-x)
+        mean = -decay_less_one / x
         arms = mean[:, None] * decay
     else:
         arms = decay
     if not derivative:
         return arms.T, arms.T
     s *= arms
-    if ideal.ramp_time <= 0:
+    if ideal_ramp.ramp_time <= 0:
         return arms.T, -s.T
     # d/d ln tau of g(c/tau) is g - e^{-c/tau}
-    decay *= (mean - (1 + lost))[:, None]
+    decay *= (mean - (1 + decay_less_one))[:, None]
     decay -= s
     return arms.T, decay.T
 
@@ -229,8 +229,8 @@ def _validate_samples(
         if array is not None and np.shape(array) != time.shape:
             raise DataError(f"{name} have shape {np.shape(array)}, time has {time.shape}")
     step = uniform_step(time)
-    rising = step is not None or bool((time[1:] > time[:-1]).all())
-    if not (len(time) >= 3 and time[0] >= 0 and rising):
+    is_rising = step is not None or bool((time[1:] > time[:-1]).all())
+    if not (len(time) >= 3 and time[0] >= 0 and is_rising):
         raise DataError("time must hold at least 3 strictly increasing values from 0 on")
     if weights is not None and not np.min(weights) > 0:
         raise DataError("weights are 1/sd of each sample: every one must be > 0")
@@ -324,30 +324,32 @@ def recorded_block(
 
     limits = window_of(time, step)
     # the first sample from which on every weight is 1
-    even = 0 if weights is None else int(np.flatnonzero(weights[:stop] != 1)[-1:].sum()) + 1
-    near = tau_range is None or tau_range[1] <= MAX_SLOWNESS * limits[1]
+    first_even = 0 if weights is None else int(np.flatnonzero(weights[:stop] != 1)[-1:].sum()) + 1
+    is_fast = tau_range is None or tau_range[1] <= MAX_SLOWNESS * limits[1]
     # the correlation of a plate that all but rests is rounding beside that of its whole way
-    rests = even > 0 and np.ptp(x[even - 1 : stop]) <= REST_SHARE * np.ptp(x[:stop])
+    is_at_rest = first_even > 0 and np.ptp(x[first_even - 1 : stop]) <= REST_SHARE * np.ptp(
+        x[:stop]
+    )
     if (
         x[0] != 0
         or len(time) <= SMALL_BLOCK
         or step is None
-        or even > stop // 2
-        or not near
-        or rests
+        or first_even > stop // 2
+        or not is_fast
+        or is_at_rest
     ):
-        whole = replace(exact(start, stop, weights), window=limits)
+        whole_block = replace(exact(start, stop, weights), window=limits)
         if tau_range is None and stop - start < MIN_REDUCED_SAMPLES:
-            return whole
-        return reduced_block(whole, tau_range=tau_range)
-    if even <= start:
-        whole = replace(exact(start, stop), window=limits)
-        return correlation_block(whole, time, x, start=start, stop=stop)
-    before = replace(exact(start, even, weights), window=limits)
-    after = replace(exact(even, stop), window=limits)
+            return whole_block
+        return reduced_block(whole_block, tau_range=tau_range)
+    if first_even <= start:
+        whole_block = replace(exact(start, stop), window=limits)
+        return correlation_block(whole_block, time, x, start=start, stop=stop)
+    before = replace(exact(start, first_even, weights), window=limits)
+    even_block = replace(exact(first_even, stop), window=limits)
     return _stack_blocks(
         reduced_block(before, tau_range=tau_range),
-        correlation_block(after, time, x, start=even, stop=stop),
+        correlation_block(even_block, time, x, start=first_even, stop=stop),
     )
 
 
@@ -417,8 +419,8 @@ def arm_columns(
         return compute_arm_elongations(x, step / tau, derivative=derivative)
     displacement = np.diff(x)[:, None]
     z = np.diff(time)[:, None] / tau
-    lost = np.expm1(-z)
-    decay, mean = 1 + lost, -lost / z
+    decay_less_one = np.expm1(-z)
+    decay, mean = 1 + decay_less_one, -decay_less_one / z
     q = recursion(decay, mean * displacement, np.full(len(tau), x[0]))
     if not derivative:
         return q, q
@@ -444,15 +446,17 @@ def recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> F
         parts = padded.reshape(stretches, length, *values.shape[1:])
         return np.ascontiguousarray(parts.swapaxes(0, 1))
 
-    out = reshape_by_step(np.concatenate((first[None], increments)))
-    u, since = np.zeros(out.shape[1:]), reshape_by_step(decay)
+    solution = reshape_by_step(np.concatenate((first[None], increments)))
+    u, decay_to_step = np.zeros(solution.shape[1:]), reshape_by_step(decay)
     for i in range(length):
-        u = u * since[i] + out[i]
-        out[i] = u
+        u = u * decay_to_step[i] + solution[i]
+        solution[i] = u
         if i:
-            since[i] *= since[i - 1]
+            decay_to_step[i] *= decay_to_step[i - 1]
     carry = np.zeros_like(u)
     for b in range(1, stretches):
-        carry[b] = carry[b - 1] * since[-1, b - 1] + u[b - 1]
-    out += since * carry
-    return np.asarray(out.swapaxes(0, 1).reshape(stretches * length, *out.shape[2:])[:total])
+        carry[b] = carry[b - 1] * decay_to_step[-1, b - 1] + u[b - 1]
+    solution += decay_to_step * carry
+    return np.asarray(
+        solution.swapaxes(0, 1).reshape(stretches * length, *solution.shape[2:])[:total]
+    )

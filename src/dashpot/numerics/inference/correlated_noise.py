@@ -107,18 +107,18 @@ class ResidualSeries:
 
     @cached_property
     def sequence(self) -> tuple[FloatArray, FloatArray | None]:
-        """Its :func:`initial_sequence`."""
+        """Initial sequence of the residuals, see :func:`initial_sequence`."""
         return initial_sequence(self.values)
 
     @cached_property
     def durbin_watson(self) -> float:
-        """Of neighbours, as a :class:`Noise` has it."""
+        """Durbin-Watson statistic of neighbours, as in :class:`Noise`."""
         steps = np.diff(self.values)
         return float(steps @ steps / (self.values @ self.values))
 
     @cached_property
     def means(self) -> ResidualSeries:
-        """Its means over a few samples."""
+        """Return the series of means over a few samples."""
         return ResidualSeries(block_means(self.values, len(self.values) // _MEANS))
 
 
@@ -144,23 +144,25 @@ class JacobianColumns:
 
     @cached_property
     def even(self) -> FloatArray:
-        """What makes the columns orthonormal over all that was fitted with them, shape (r, s)."""
+        """Matrix that makes the columns orthonormal over all fitted data, shape (r, s)."""
         return np.eye(self.matrix.shape[1]) if self.shared else _turn(self.gram)[0]
 
     @property
     def absorbed_count(self) -> float:
-        """How many residuals of white noise the columns take out of this record."""
+        """Number of residuals of white noise that the columns absorb in this record."""
         return float(np.trace(self.gram)) if self.shared else float(self.matrix.shape[1])
 
-    def means(self, few: int) -> JacobianColumns:
-        """Of means over a few samples."""
-        short = block_means(self.matrix.T, few).T
-        return JacobianColumns(np.sqrt(few) * short if self.shared else short, shared=self.shared)
+    def means(self, samples_per_mean: int) -> JacobianColumns:
+        """Return the columns of means over a few samples."""
+        short = block_means(self.matrix.T, samples_per_mean).T
+        return JacobianColumns(
+            np.sqrt(samples_per_mean) * short if self.shared else short, shared=self.shared
+        )
 
-    def spectra(self, least: int) -> tuple[int, ComplexArray]:
-        """Return the transforms, a row each, padded to `least` samples or more, and to how many."""
-        if self._size < least:
-            self._size = find_fast_length(least)
+    def spectra(self, min_size: int) -> tuple[int, ComplexArray]:
+        """Return the transforms as rows, padded to `min_size` samples or more, and their length."""
+        if self._size < min_size:
+            self._size = find_fast_length(min_size)
             rows = np.ascontiguousarray(self.matrix.T)
             self._spectra = np.asarray(np.fft.rfft(rows, self._size))
         return self._size, self._spectra
@@ -190,27 +192,38 @@ def noise_of(
     """
     series = ResidualSeries(residual) if isinstance(residual, np.ndarray) else residual
     columns = JacobianColumns(jacobian) if isinstance(jacobian, np.ndarray) else jacobian
-    fine = _estimate_noise(series, columns, rounding=rounding)
-    few = len(series.values) // _MEANS
-    if few < _FEWEST or fine.autocovariance[0] <= rounding**2:
-        return fine
-    slow = None if columns is None else columns.means(few)
-    coarse = _estimate_noise(series.means, slow)
+    fine_noise = _estimate_noise(series, columns, rounding=rounding)
+    samples_per_mean = len(series.values) // _MEANS
+    if samples_per_mean < _FEWEST or fine_noise.autocovariance[0] <= rounding**2:
+        return fine_noise
+    mean_columns = None if columns is None else columns.means(samples_per_mean)
+    coarse = _estimate_noise(series.means, mean_columns)
     # a sum over so many lags of white means scatters by that
     chance = np.sqrt(len(coarse.autocovariance) / _MEANS)
-    if few * coarse.power <= (1 + _BY_CHANCE * chance) * fine.power:
-        return fine
-    return _join_noise_scales(fine, coarse.autocovariance, few)
+    if samples_per_mean * coarse.power <= (1 + _BY_CHANCE * chance) * fine_noise.power:
+        return fine_noise
+    return _join_noise_scales(fine_noise, coarse.autocovariance, samples_per_mean)
 
 
-def _join_noise_scales(fine: Noise, slow: FloatArray, few: int) -> Noise:
+def _join_noise_scales(
+    fine_noise: Noise, slow_autocovariance: FloatArray, samples_per_mean: int
+) -> Noise:
     """The noise whose autocovariance beyond what every sample shows is that of means over a few."""
-    gamma, cut = fine.autocovariance, len(fine.autocovariance)
-    lag = np.arange(cut, max(few * len(slow), cut))
+    gamma, cut = fine_noise.autocovariance, len(fine_noise.autocovariance)
+    lag = np.arange(cut, max(samples_per_mean * len(slow_autocovariance), cut))
     # between one mean and its neighbour it is at least what neighbours share
-    interpolated = np.interp(lag / few, np.arange(1, len(slow) + 1), np.append(slow[1:], 0.0))
-    joined = np.concatenate((gamma, interpolated))
-    return Noise(fine.samples, joined, _kappa(joined), fine.durbin_watson)
+    interpolated = np.interp(
+        lag / samples_per_mean,
+        np.arange(1, len(slow_autocovariance) + 1),
+        np.append(slow_autocovariance[1:], 0.0),
+    )
+    joined_autocovariance = np.concatenate((gamma, interpolated))
+    return Noise(
+        fine_noise.samples,
+        joined_autocovariance,
+        _kappa(joined_autocovariance),
+        fine_noise.durbin_watson,
+    )
 
 
 def _estimate_noise(
@@ -218,22 +231,24 @@ def _estimate_noise(
 ) -> Noise:
     """Return what the correlations of neighbours say, up to the lag at which chance takes over."""
     n = len(series.values)
-    retained, gamma = series.sequence
+    kept_autocovariance, gamma = series.sequence
     parameters = 0.0 if columns is None else columns.absorbed_count
     whitened = n / max(n - parameters, 1.0)
-    if retained[0] <= rounding**2:
-        return Noise(n, retained[:1] * whitened, 1.0, 2.0)
-    kappa = _kappa(retained)
+    if kept_autocovariance[0] <= rounding**2:
+        return Noise(n, kept_autocovariance[:1] * whitened, 1.0, 2.0)
+    kappa = _kappa(kept_autocovariance)
     if columns is not None and parameters * kappa > _WORTH_GIVING_BACK * n:
         if gamma is None:
             gamma = autocovariance(series.values, max(int(_MOST_END * n), 1))
-        retained = _restore_autocovariance(gamma, kappa, columns)
-        if len(retained) == len(gamma) < n:
-            retained = _restore_autocovariance(autocovariance(series.values), kappa, columns)
-        kappa = _kappa(retained)
+        kept_autocovariance = _restore_autocovariance(gamma, kappa, columns)
+        if len(kept_autocovariance) == len(gamma) < n:
+            kept_autocovariance = _restore_autocovariance(
+                autocovariance(series.values), kappa, columns
+            )
+        kappa = _kappa(kept_autocovariance)
     else:
-        retained = retained * whitened
-    return Noise(n, retained, kappa, series.durbin_watson)
+        kept_autocovariance = kept_autocovariance * whitened
+    return Noise(n, kept_autocovariance, kappa, series.durbin_watson)
 
 
 def _kappa(gamma: FloatArray) -> float:
@@ -245,24 +260,24 @@ def _restore_autocovariance(
 ) -> FloatArray:
     """The autocovariance with what the fit took out of it, cut; uncut if all lags are too few."""
     n, parameters = len(columns.matrix), max(columns.absorbed_count, 1e-9)
-    absorbed, retained = _compute_absorbed_autocovariance(columns, len(gamma)), gamma
+    absorbed, restored_gamma = _compute_absorbed_autocovariance(columns, len(gamma)), gamma
     for _ in range(_ITERATIONS):
-        provided = gamma + gamma[0] * min(kappa, n / (2.0 * parameters)) * absorbed / n
-        retained = provided[: geyer_cut(provided)]
-        if len(retained) == len(gamma) < n:
+        restored = gamma + gamma[0] * min(kappa, n / (2.0 * parameters)) * absorbed / n
+        restored_gamma = restored[: geyer_cut(restored)]
+        if len(restored_gamma) == len(gamma) < n:
             break
-        kappa = _kappa(retained)
-    return retained
+        kappa = _kappa(restored_gamma)
+    return restored_gamma
 
 
 def _compute_absorbed_autocovariance(columns: JacobianColumns, lags: int) -> FloatArray:
     r"""Return :math:`\sum_k \sum_i Q_{ik} Q_{i+l,k}` at l = 0 .. `lags` - 1."""
-    even = columns.even
+    even_spectra = columns.even
     size, spectra = columns.spectra(len(columns.matrix) + lags)
     rows, power = spectra.view(np.float64), np.empty(size // 2 + 1)
     for first in range(0, len(power), _AT_ONCE):
-        turned = even.T @ rows[:, 2 * first : 2 * (first + _AT_ONCE)]
-        squares = (turned * turned).sum(axis=0)
+        rotated = even_spectra.T @ rows[:, 2 * first : 2 * (first + _AT_ONCE)]
+        squares = (rotated * rotated).sum(axis=0)
         power[first : first + _AT_ONCE] = squares[::2] + squares[1::2]
     return np.asarray(np.fft.irfft(power, size)[:lags])
 
@@ -306,32 +321,32 @@ def geyer_cut(gamma: FloatArray) -> int:
 
 
 def geyer_cuts(gamma: FloatArray) -> IndexArray:
-    """As :func:`geyer_cut`, of many autocovariances (..., n) at once."""
+    """Return :func:`geyer_cut` of many autocovariances (..., n) at once."""
     pairs = gamma[..., :-1:2] + gamma[..., 1::2]
     positive = np.logical_and.accumulate(~(pairs <= 0.0), axis=-1).sum(axis=-1)
-    whole = positive == pairs.shape[-1]
-    return np.asarray(np.where(whole, gamma.shape[-1], np.maximum(2 * positive, 1)))
+    is_all_positive = positive == pairs.shape[-1]
+    return np.asarray(np.where(is_all_positive, gamma.shape[-1], np.maximum(2 * positive, 1)))
 
 
 def sandwich(
     jacobians: Sequence[FloatArray] | Directions,
     noises: Sequence[Noise],
     *,
-    others: Sequence[Callable[[FloatArray], FloatArray]] = (),
+    other_columns: Sequence[Callable[[FloatArray], FloatArray]] = (),
 ) -> FloatArray:
     r"""Return the covariance of the parameters, shape (p, p), from one Jacobian per record.
 
     Each record keeps its own noise: the middle of the sandwich is
-    :math:`\sum_r J_r^T \Gamma_r J_r`. `others` adds errors that are not constant in time: a
+    :math:`\sum_r J_r^T \Gamma_r J_r`. `other_columns` adds errors that are not constant in time: a
     function for each record that makes, of columns of its Jacobian (n, r), their products (m, r)
     with m independent errors of unit variance. A parameter that the data do not determine has an
     infinite variance and no correlation.
     """
     information = jacobians if isinstance(jacobians, Directions) else directions(jacobians)
-    return information.covariance(information.sum_noise_gain(noises), others=others)
+    return information.covariance(information.sum_noise_gain(noises), other_columns=other_columns)
 
 
-def noise_gain_ratio(information: Directions, met: Sequence[FloatArray]) -> float:
+def noise_gain_ratio(information: Directions, noise_along: Sequence[FloatArray]) -> float:
     r"""Return how much more of the noise meets one direction of the parameters than another.
 
     The ratio u of the largest to the smallest eigenvalue of :math:`(J^TJ)^{-1} J^T\Gamma J`: 1 for
@@ -342,13 +357,15 @@ def noise_gain_ratio(information: Directions, met: Sequence[FloatArray]) -> floa
     Parameters
     ----------
     information : Directions
-    met : sequence of array, shape (r, r)
+    noise_along : sequence of array, shape (r, r)
         The noise of each record along them; further columns are no data.
     """
     if not information.turn.size:
         return 1.0
-    turn, _ = _turn(np.sum([columns.gram for columns in information.columns[: len(met)]], axis=0))
-    shares = np.linalg.eigvalsh(turn.T @ np.sum(met, axis=0) @ turn)
+    turn, _ = _turn(
+        np.sum([columns.gram for columns in information.columns[: len(noise_along)]], axis=0)
+    )
+    shares = np.linalg.eigvalsh(turn.T @ np.sum(noise_along, axis=0) @ turn)
     return float(shares[-1] / shares[0]) if shares[0] > 0.0 else np.inf
 
 
@@ -386,12 +403,12 @@ def toeplitz_form(columns: JacobianColumns, gamma: FloatArray) -> FloatArray:
     circulant[-(lags - 1) :] = gamma[:0:-1]
     # a cut autocovariance need not be positive definite; a power spectrum must not be negative
     spectrum = np.maximum(np.fft.rfft(circulant).real, 0.0)
-    twice = np.full(len(spectrum), 2.0)
-    twice[0] = 1.0
+    line_weights = np.full(len(spectrum), 2.0)
+    line_weights[0] = 1.0
     if size % 2 == 0:
-        twice[-1] = 1.0
+        line_weights[-1] = 1.0
     # real and imaginary parts in turn, so that one real product serves both
-    rows, power = spectra.view(np.float64), np.repeat(spectrum * twice / size, 2)
+    rows, power = spectra.view(np.float64), np.repeat(spectrum * line_weights / size, 2)
     form = np.zeros((len(rows), len(rows)))
     for first in range(0, len(power), 2 * _AT_ONCE):
         span = slice(first, first + 2 * _AT_ONCE)
@@ -432,19 +449,22 @@ class Directions(NamedTuple):
         )
 
     def compute_record_gain(self, record: int, noise: Noise) -> FloatArray:
-        """That of one record."""
+        """Return the gain of one record."""
         return toeplitz_form(self.columns[record], noise.autocovariance)
 
     def covariance(
-        self, gained: FloatArray, *, others: Sequence[Callable[[FloatArray], FloatArray]] = ()
+        self,
+        noise_along: FloatArray,
+        *,
+        other_columns: Sequence[Callable[[FloatArray], FloatArray]] = (),
     ) -> FloatArray:
         """Return the covariance of the parameters (p, p), infinite where the data say nothing."""
-        middle = gained.copy()
-        for shares, columns in zip(others, self.columns, strict=False):
+        middle = noise_along.copy()
+        for shares, columns in zip(other_columns, self.columns, strict=False):
             row = shares(columns.matrix)
             middle += row.T @ row
-        spread = np.linalg.solve(self.gram, self.turn.T)
-        covariance = spread.T @ middle @ spread
+        inverse_map = np.linalg.solve(self.gram, self.turn.T)
+        covariance = inverse_map.T @ middle @ inverse_map
         covariance[self.is_undetermined, :] = 0.0
         covariance[:, self.is_undetermined] = 0.0
         covariance[self.is_undetermined, self.is_undetermined] = np.inf
@@ -476,17 +496,19 @@ def directions(
 def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:
     """The directions that J'J knows, orthonormal by it, and which parameters have lost a part."""
     scale = np.sqrt(np.diag(information))
-    certain = scale > 0.0
-    scale = np.where(certain, scale, 1.0)
-    values, vectors = np.linalg.eigh(information / np.outer(scale, scale) - np.diag(~certain * 1.0))
+    is_determined = scale > 0.0
+    scale = np.where(is_determined, scale, 1.0)
+    values, vectors = np.linalg.eigh(
+        information / np.outer(scale, scale) - np.diag(~is_determined * 1.0)
+    )
     sharp = values > _SINGULAR * max(values[-1], 0.0)
     dull = np.abs(vectors[:, ~sharp]).max(axis=1, initial=0.0)
     turn = vectors[:, sharp] / (np.sqrt(values[sharp]) * scale[:, None])
-    return turn, ~certain | (dull > np.sqrt(_SINGULAR))
+    return turn, ~is_determined | (dull > np.sqrt(_SINGULAR))
 
 
 def _turn_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
-    """As :func:`_turn`, by the singular values of J itself."""
+    """Return :func:`_turn` by the singular values of J itself."""
     size = np.linalg.norm(jacobian, axis=0)
     value = size > 0.0
     scale = np.where(value, size, 1.0)
@@ -537,24 +559,28 @@ def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
     return basis.block.transform_rows(lambda part: whiten @ part)
 
 
-def marginal(free: FloatArray, doubts: FloatArray) -> Callable[[FloatArray], FloatArray]:
+def marginal(free: FloatArray, error_columns: FloatArray) -> Callable[[FloatArray], FloatArray]:
     """Return what makes noise of covariance 1 + C C' white, free columns projected out.
 
     Parameters
     ----------
     free : array, shape (n, q)
         Columns of which nothing is known.
-    doubts : array, shape (n, m)
+    error_columns : array, shape (n, m)
         C, known columns times their standard deviation.
     """
     private = np.linalg.qr(free)[0]
-    axes, stretch, _ = np.linalg.svd(doubts - private @ (private.T @ doubts), full_matrices=False)
-    shrink = 1 - 1 / np.sqrt(1 + stretch**2)
+    axes, stretch, _ = np.linalg.svd(
+        error_columns - private @ (private.T @ error_columns), full_matrices=False
+    )
+    shrink_factor = 1 - 1 / np.sqrt(1 + stretch**2)
 
     def white(columns: FloatArray) -> FloatArray:
         residual = columns - private @ (private.T @ columns)
-        along = axes.T @ residual
-        return np.asarray(residual - axes @ (shrink.reshape(-1, *[1] * (along.ndim - 1)) * along))
+        components = axes.T @ residual
+        return np.asarray(
+            residual - axes @ (shrink_factor.reshape(-1, *[1] * (components.ndim - 1)) * components)
+        )
 
     return white
 
@@ -574,29 +600,29 @@ class ReducedBasis(NamedTuple):
     block: DataBlock
 
 
-def reduced_basis(exact: DataBlock, few: int) -> ReducedBasis:
+def reduced_basis(exact: DataBlock, samples_per_mean: int) -> ReducedBasis:
     """Return the span of a block that has every sample as a row, in the order of time.
 
-    Of means over `few` neighbours; found once.
+    Of means over `samples_per_mean` neighbours; found once.
     """
     bases = _bases(exact)
-    if few not in bases:
-        bases[few] = _make_reduced_basis(exact, few)
-    return bases[few]
+    if samples_per_mean not in bases:
+        bases[samples_per_mean] = _make_reduced_basis(exact, samples_per_mean)
+    return bases[samples_per_mean]
 
 
 @cache_on_record
 def _bases(_: DataBlock) -> dict[int, ReducedBasis]:
-    """Those that were found of a block, by how many neighbours are one."""
+    """Return the reduced bases of a block, by the number of averaged neighbours."""
     return {}
 
 
-def _make_reduced_basis(exact: DataBlock, few: int) -> ReducedBasis:
+def _make_reduced_basis(exact: DataBlock, length: int) -> ReducedBasis:
     kernels = Kernels.from_window(exact.window, per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK)
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
 
     def means(columns: FloatArray) -> FloatArray:
-        return np.sqrt(few) * block_means(columns.T, few).T if few > 1 else columns
+        return np.sqrt(length) * block_means(columns.T, length).T if length > 1 else columns
 
     space = kernels.space(exact, means)
     basis, factor = compute_blockwise_qr(np.concatenate((space, means(fixed)), axis=1))
@@ -605,11 +631,13 @@ def _make_reduced_basis(exact: DataBlock, few: int) -> ReducedBasis:
     return ReducedBasis(JacobianColumns(basis), replace(exact, rows=rows, accuracy=FEW_DIGITS))
 
 
-def compute_blockwise_qr(tall: FloatArray) -> tuple[FloatArray, FloatArray]:
+def compute_blockwise_qr(tall_matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Q and R of a tall matrix, by pieces that a cache holds."""
-    pieces = [np.linalg.qr(tall[i : i + AT_ONCE]) for i in range(0, len(tall), AT_ONCE)]
+    pieces = [
+        np.linalg.qr(tall_matrix[i : i + AT_ONCE]) for i in range(0, len(tall_matrix), AT_ONCE)
+    ]
     turn, factor = np.linalg.qr(np.concatenate([piece.R for piece in pieces]))
-    basis, row, at = np.empty((len(tall), turn.shape[1])), 0, 0
+    basis, row, at = np.empty((len(tall_matrix), turn.shape[1])), 0, 0
     for values, (rows, columns) in ((piece.Q, piece.Q.shape) for piece in pieces):
         np.matmul(values, turn[at : at + columns], out=basis[row : row + rows])
         row, at = row + rows, at + columns
@@ -657,11 +685,11 @@ class NoiseGain:
     def _compute_gain(self, change: FloatArray) -> float:
         change = change / max(float(np.abs(change).max()), 1e-150)  # a walk may go very far
         parts = np.split(change, self._cuts)
-        met = sum(
+        principal_gain = sum(
             float(variance @ (axes.T @ part) ** 2)
             for part, (variance, axes) in zip(parts, self._principal, strict=True)
         )
-        return met / max(float(change @ change), 1e-300)
+        return principal_gain / max(float(change @ change), 1e-300)
 
 
 def compute_averaging_length(noise: Noise) -> int:
@@ -676,15 +704,20 @@ def compute_averaging_length(noise: Noise) -> int:
 
 def _principal(basis: ReducedBasis, noise: Noise) -> tuple[FloatArray, FloatArray]:
     """Return the variances of the noise along its principal axes, and these as columns."""
-    gamma, few = noise.autocovariance, compute_averaging_length(noise)
-    met = toeplitz_form(basis.basis, gamma if few == 1 else _average_autocovariance(gamma, few))
-    variance, axes = np.linalg.eigh(met)
+    gamma, samples_per_mean = noise.autocovariance, compute_averaging_length(noise)
+    noise_along = toeplitz_form(
+        basis.basis,
+        gamma if samples_per_mean == 1 else _average_autocovariance(gamma, samples_per_mean),
+    )
+    variance, axes = np.linalg.eigh(noise_along)
     return np.maximum(variance, gamma[0]), axes
 
 
-def _average_autocovariance(gamma: FloatArray, few: int) -> FloatArray:
-    """The autocovariance, of `few` lags at least, of means over neighbours, times their number."""
-    share = 1 - np.abs(np.arange(1 - few, few)) / few
+def _average_autocovariance(gamma: FloatArray, samples_per_mean: int) -> FloatArray:
+    """Return the autocovariance of means over `samples_per_mean` neighbours, times that number."""
+    share = 1 - np.abs(np.arange(1 - samples_per_mean, samples_per_mean)) / samples_per_mean
     # from the lag -(few - 1) on, and as far as any is left
-    both = np.concatenate((gamma[few - 1 : 0 : -1], gamma, np.zeros(2 * few)))
-    return np.asarray(np.convolve(both, share, "valid")[::few])
+    two_sided = np.concatenate(
+        (gamma[samples_per_mean - 1 : 0 : -1], gamma, np.zeros(2 * samples_per_mean))
+    )
+    return np.asarray(np.convolve(two_sided, share, "valid")[::samples_per_mean])

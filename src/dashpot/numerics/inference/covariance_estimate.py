@@ -46,7 +46,7 @@ class DerivedQuantity(NamedTuple):
 
     @property
     def standard_error(self) -> FloatArray:
-        """Of each value."""
+        """Standard error of each value."""
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
 
@@ -77,7 +77,7 @@ class Estimate:
 
     @property
     def kappa(self) -> float:
-        """How many residuals are worth one."""
+        """Number of residuals for each independent one."""
         return len(self.optimum.residual) / self.effective
 
     @property
@@ -87,26 +87,26 @@ class Estimate:
 
     @property
     def standard_error(self) -> FloatArray:
-        """Of theta, then beta."""
+        """Standard errors of theta, then beta."""
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
     def quantile(self, level: float = 0.95) -> float:
         """Return standard errors in half a two-sided interval: Student's t."""
         return t_quantile(level, self.dof)
 
-    def derive_quantity(self, what: Callable[[FloatArray], FloatArray]) -> DerivedQuantity:
+    def derive_quantity(self, function: Callable[[FloatArray], FloatArray]) -> DerivedQuantity:
         """Return what follows from theta and beta, by its gradient (delta method)."""
-        here, steps = self.optimum.values, self.optimum.steps
-        values = np.asarray(what(here))
-        G = np.zeros((len(values), len(here)))
+        optimum_values, steps = self.optimum.values, self.optimum.steps
+        values = np.asarray(function(optimum_values))
+        G = np.zeros((len(values), len(optimum_values)))
         for i in np.flatnonzero(np.diag(self.covariance) > 0):
-            down, up = here.copy(), here.copy()
-            down[i], up[i] = here[i] + np.array(steps[i])
-            G[:, i] = (what(up) - what(down)) / (up[i] - down[i])
+            shifted_down, up = optimum_values.copy(), optimum_values.copy()
+            shifted_down[i], up[i] = optimum_values[i] + np.array(steps[i])
+            G[:, i] = (function(up) - function(shifted_down)) / (up[i] - shifted_down[i])
         return DerivedQuantity(values, propagate_covariance(self.covariance, G), G)
 
     def add_parameter_error(self, by: FloatArray) -> Estimate:
-        """With one more error, that moves theta and beta by so much."""
+        """Return the estimate with one more error, which changes theta and beta by so much."""
         return replace(self, covariance=self.covariance + np.outer(by, by))
 
     def profile(self, index: int, *, level: float = 0.95) -> list[ProfileSlice]:
@@ -122,18 +122,18 @@ class Estimate:
         best, parameter = self.optimum, self.optimum.problem.parameters[index]
         count = [noise.samples for noise in self.noises]
         power = float(np.average([noise.power for noise in self.noises], weights=count))
-        reach, middle = self.quantile(level), float(best.theta[index])
+        half_width, middle = self.quantile(level), float(best.theta[index])
         width = float(self.standard_error[index])
         sized = 0 < width < np.inf
-        rest, along = np.delete(best.theta, index), self.covariance[: len(best.theta), index]
-        tangent = np.delete(along, index) / width**2 if sized else np.zeros(len(rest))
-        first = reach * width / _SLICES if sized else parameter.scale
+        rest, direction = np.delete(best.theta, index), self.covariance[: len(best.theta), index]
+        tangent = np.delete(direction, index) / width**2 if sized else np.zeros(len(rest))
+        first = half_width * width / _SLICES if sized else parameter.scale
 
         def solve_slice(value: float, start: FloatArray) -> ProfileSlice | None:
             """Return what is held has no error; None where the model says nothing."""
             try:
                 optimum = best.problem.fix_parameter(index, value).solve(
-                    [start], flat=_END_TOLERANCE / sum(count)
+                    [start], cost_tolerance=_END_TOLERANCE / sum(count)
                 )
                 return None if optimum is None else slice_of(value, optimum)
             except DataError:
@@ -148,35 +148,44 @@ class Estimate:
             root = float(np.sqrt(max(new_optimum.cost - best.cost, 0.0) / power))
             return ProfileSlice(root, replace(self, optimum=optimum, covariance=covariance))
 
-        def side(way: float, limit: float) -> list[ProfileSlice]:
-            inside: list[ProfileSlice] = []
-            last, (here, near, root) = (middle - first, rest - first * tangent), (middle, rest, 0.0)
-            step, excess, worse = first, np.nan, np.inf
+        def side(sign: float, limit: float) -> list[ProfileSlice]:
+            slices: list[ProfileSlice] = []
+            last, (value_here, nuisances_here, root) = (
+                (middle - first, rest - first * tangent),
+                (middle, rest, 0.0),
+            )
+            step, excess, worse_root = first, np.nan, np.inf
             for _ in range(_TRIALS):
-                met = (
-                    root > reach * (1 - _END_TOLERANCE)
-                    or abs(excess - here) < _END_TOLERANCE * first
+                is_at_target = (
+                    root > half_width * (1 - _END_TOLERANCE)
+                    or abs(excess - value_here) < _END_TOLERANCE * first
                 )
-                if met or here == limit:
+                if is_at_target or value_here == limit:
                     break
                 # the root of a parabola's deviance is straight: a secant, kept off the ends
-                share = (reach - root) / (worse - root) if worse < np.inf else 0.5
-                far = min(step, abs(limit - here))
-                far = far if np.isnan(excess) else min(max(share, 0.1), 0.9) * abs(excess - here)
-                value = here + way * far
+                share = (half_width - root) / (worse_root - root) if worse_root < np.inf else 0.5
+                step_length = min(step, abs(limit - value_here))
+                step_length = (
+                    step_length
+                    if np.isnan(excess)
+                    else min(max(share, 0.1), 0.9) * abs(excess - value_here)
+                )
+                value = value_here + sign * step_length
                 # the others begin where the last two lead
-                start = near + (near - last[1]) * ((value - here) / (here - last[0]))
+                start = nuisances_here + (nuisances_here - last[1]) * (
+                    (value - value_here) / (value_here - last[0])
+                )
                 new = solve_slice(value, start)
-                if new is None or new.root > reach * (1 + _END_TOLERANCE):
-                    excess, worse = value, np.inf if new is None else new.root
+                if new is None or new.root > half_width * (1 + _END_TOLERANCE):
+                    excess, worse_root = value, np.inf if new is None else new.root
                     continue
-                inside.append(new)
-                step *= min(max(reach / _SLICES / max(new.root - root, 1e-9), 0.5), 2.0)
-                last, (here, near, root) = (
-                    (here, near),
+                slices.append(new)
+                step *= min(max(half_width / _SLICES / max(new.root - root, 1e-9), 0.5), 2.0)
+                last, (value_here, nuisances_here, root) = (
+                    (value_here, nuisances_here),
                     (value, np.delete(new.estimate.optimum.theta, index), new.root),
                 )
-            return inside
+            return slices
 
         centre = slice_of(middle, best.problem.fix_parameter(index, middle).solve_linear(rest))
         return [*side(-1.0, parameter.low)[::-1], centre, *side(1.0, parameter.high)]
@@ -215,7 +224,7 @@ def estimate(
     parts: Sequence[int] = (),
     rounding: float = 0.0,
     noises: Sequence[Noise] = (),
-    resting: BoolArray | None = None,
+    is_bounded: BoolArray | None = None,
     is_fixed: BoolArray | None = None,
     prior_variance: float | None = None,
     finely: bool = False,
@@ -231,7 +240,7 @@ def estimate(
         Rms that rounding alone leaves.
     noises : sequence of Noise
         Of each record, where it is known otherwise (:func:`white_noise`).
-    resting : array, shape (q,), optional
+    is_bounded : array, shape (q,), optional
         Coefficients whose error is wanted, as a bound, where they rest at zero, too.
     is_fixed : array, shape (p,), optional
         Thetas that have no error: such as press against an end that is no mere window.
@@ -253,8 +262,8 @@ def estimate(
         noise_of(residual, columns, rounding=rounding)
         for residual, columns in (records[:-1] if count else records)
     )
-    if resting is not None:
-        free = free | np.concatenate((np.zeros(len(optimum.theta), dtype=bool), resting))
+    if is_bounded is not None:
+        free = free | np.concatenate((np.zeros(len(optimum.theta), dtype=bool), is_bounded))
         information = directions(np.split(optimum.jacobian[:, free], cuts))
     weights = [*noises]
     if count:
@@ -272,11 +281,11 @@ def white_noise(optimum: Optimum, variance: float | None = None) -> Noise:
     What they show is their sum of squares over n less the free parameters.
     """
     n = len(optimum.residual)
-    spare = max(n - int(optimum.free.sum()), 1)
-    return Noise(n, np.array([optimum.sse / spare if variance is None else variance]), 1.0, 2.0)
+    dof = max(n - int(optimum.free.sum()), 1)
+    return Noise(n, np.array([optimum.sse / dof if variance is None else variance]), 1.0, 2.0)
 
 
-def score(optimum: Optimum, effective: float, *, floor: float = 0.0) -> float:
+def score(optimum: Optimum, effective: float, *, rounding_sse: float = 0.0) -> float:
     """Return the BIC of an optimum, theta and beta counted, in so many independent residuals.
 
     Of noise that is known :func:`~dashpot.numerics.inference.model_order.bic_of_deviance`.
@@ -286,8 +295,10 @@ def score(optimum: Optimum, effective: float, *, floor: float = 0.0) -> float:
     optimum : Optimum
     effective : float
         Of the model that leaves least, for what another leaves more is no noise.
-    floor : float
+    rounding_sse : float
         Sum of squares that rounding alone leaves.
     """
     count = len(optimum.values)
-    return bic(optimum.sse, effective=max(effective, 2.0), parameters=count, floor=floor)
+    return bic(
+        optimum.sse, effective=max(effective, 2.0), parameters=count, rounding_sse=rounding_sse
+    )

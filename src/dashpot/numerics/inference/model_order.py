@@ -88,15 +88,15 @@ class Shortage(NamedTuple):
     supported_rms: float
 
 
-def deviance(sse: float, *, effective: float, floor: float = 0.0) -> float:
+def deviance(sse: float, *, effective: float, rounding_sse: float = 0.0) -> float:
     r"""Return :math:`M_\mathrm{eff} \ln(S + S_0)`: what BIC has without its parameters.
 
     As :func:`bic`; sums of squares below 1e-300 are taken for that.
     """
-    return effective * float(np.log(max(sse + floor, 1e-300)))
+    return effective * float(np.log(max(sse + rounding_sse, 1e-300)))
 
 
-def bic(sse: float, *, effective: float, parameters: int, floor: float = 0.0) -> float:
+def bic(sse: float, *, effective: float, parameters: int, rounding_sse: float = 0.0) -> float:
     r"""Return :math:`M_\mathrm{eff} \ln(S + S_0) + p \ln M_\mathrm{eff}`.
 
     Parameters
@@ -107,10 +107,10 @@ def bic(sse: float, *, effective: float, parameters: int, floor: float = 0.0) ->
         Effective number of independent residuals.
     parameters : int
         Number of fitted parameters p, nuisance terms included.
-    floor : float
+    rounding_sse : float
         :math:`S_0`, the sum of squares that rounding alone leaves; a gain below it is no gain.
     """
-    fits = deviance(sse, effective=effective, floor=floor)
+    fits = deviance(sse, effective=effective, rounding_sse=rounding_sse)
     return fits + parameters * float(np.log(effective))
 
 
@@ -129,9 +129,9 @@ def is_well_determined(k: FloatArray, se_k: FloatArray, se_ln_tau: FloatArray) -
     return np.asarray((k > MIN_K_OVER_SE * se_k) & (se_ln_tau < MAX_SE_LN_TAU))
 
 
-def is_significant_fall(fall: float, parameters: int) -> bool:
-    """Return True if chance alone would not lower a deviance by `fall` with so many parameters."""
-    return chi2_sf(fall, parameters) < MAX_CHANCE
+def is_significant_fall(deviance_fall: float, parameters: int) -> bool:
+    """Return whether `deviance_fall` is more than chance gives with so many parameters."""
+    return chi2_sf(deviance_fall, parameters) < MAX_CHANCE
 
 
 def chi2_sf(value: float, dof: int) -> float:
@@ -145,12 +145,12 @@ def chi2_sf(value: float, dof: int) -> float:
     >>> round(chi2_sf(11.829, 2), 5)
     0.0027
     """
-    half = max(value, 0.0) / 2.0
-    if half == 0.0:
+    half_value = max(value, 0.0) / 2.0
+    if half_value == 0.0:
         return 1.0
-    chance = erfc(sqrt(half)) if dof % 2 else exp(-half)
+    chance = erfc(sqrt(half_value)) if dof % 2 else exp(-half_value)
     for nu in range(2 - dof % 2, dof, 2):
-        chance += exp(nu / 2.0 * log(half) - half - lgamma(nu / 2.0 + 1.0))
+        chance += exp(nu / 2.0 * log(half_value) - half_value - lgamma(nu / 2.0 + 1.0))
     return min(chance, 1.0)
 
 
@@ -159,7 +159,7 @@ def select_model_order(
     bics: Sequence[float],
     significances: Sequence[bool],
     *,
-    exhausted: bool = True,
+    is_exhausted: bool = True,
     in_noise_metric: bool = False,
     decisive: float = np.inf,
 ) -> OrderChoice:
@@ -171,7 +171,7 @@ def select_model_order(
         Candidates.
     bics, significances : sequences
         Score of each candidate, and whether all of its arms are significant.
-    exhausted : bool
+    is_exhausted : bool
         False if larger numbers could still fit better and were not tried.
     in_noise_metric : bool
         How the scores were made; kept in the choice.
@@ -179,13 +179,16 @@ def select_model_order(
         How much worse than the best BIC the choice may be.
     """
     by_bic = arms[int(np.argmin(bics))]
-    by_significance = max((n for n, yes in zip(arms, significances, strict=True) if yes), default=0)
+    by_significance = max(
+        (n for n, is_significant in zip(arms, significances, strict=True) if is_significant),
+        default=0,
+    )
     allowed = (n for n, score in zip(arms, bics, strict=True) if score <= min(bics) + decisive)
-    chosen = min(n for n in allowed if n >= min(by_bic, by_significance))
+    arm_count = min(n for n in allowed if n >= min(by_bic, by_significance))
     return OrderChoice(
-        chosen,
+        arm_count,
         by_bic,
         by_significance,
-        capped=not exhausted and chosen == max(arms),
+        capped=not is_exhausted and arm_count == max(arms),
         in_noise_metric=in_noise_metric,
     )

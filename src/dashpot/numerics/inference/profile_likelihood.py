@@ -66,9 +66,9 @@ class ProfileTrace:
         start: float,
         sign: float,
         limit: float,
-        ends: tuple[float, float],
+        limits: tuple[float, float],
     ) -> None:
-        self.asked, self.start, self.limit, self.ends = target, start, limit, ends
+        self.asked, self.start, self.limit, self.ends = target, start, limit, limits
         self.sign = sign
         self.rise = max(_RISE, float(np.sqrt(limit)) / _RISES)
         self.step, self.root, self.at = sign * target.step, 0.0, start
@@ -82,17 +82,17 @@ class ProfileTrace:
     @property
     def points(self) -> list[tuple[float, float]]:
         """Values and deviances on the way out."""
-        met = self.walked
+        visited = self.walked
         if self.leapt and self.root <= np.sqrt(self.limit):
             # a leap that the walk has passed says nothing of the way
-            passed = met and (self.leapt[0][0] - met[-1][0]) * self.step <= 0
-            met = met if passed else met + self.leapt
+            passed = visited and (self.leapt[0][0] - visited[-1][0]) * self.step <= 0
+            visited = visited if passed else visited + self.leapt
         if not np.isfinite(self.without):
-            return met
-        far = self.ends[int(self.sign > 0)]
-        least = [(value, min(deviance, self.without)) for value, deviance in met]
-        there = far in (self.start, met[-1][0] if met else self.start)
-        return least if there else [*least, (far, self.without)]
+            return visited
+        end_value = self.ends[int(self.sign > 0)]
+        lowest_points = [(value, min(deviance, self.without)) for value, deviance in visited]
+        has_reached_end = end_value in (self.start, visited[-1][0] if visited else self.start)
+        return lowest_points if has_reached_end else [*lowest_points, (end_value, self.without)]
 
     def update_without_arm(self, without: float) -> None:
         """Take note of the deviance without its arm, which no value of the arm's exceeds."""
@@ -102,19 +102,19 @@ class ProfileTrace:
 
     def update_walk(self, deviance: float) -> bool:
         """Take note of the deviance at the goal; True if the walk goes on from there."""
-        rise = float(np.sqrt(deviance)) - self.root
-        self.step *= min(max(self.rise / max(rise, 1e-3), 0.1), 3.0)
-        near = rise <= 2.0 * self.rise
-        if near:
+        root_rise = float(np.sqrt(deviance)) - self.root
+        self.step *= min(max(self.rise / max(root_rise, 1e-3), 0.1), 3.0)
+        is_close = root_rise <= 2.0 * self.rise
+        if is_close:
             self.walked.append((self.goal, deviance))
-            self.at, self.root = self.goal, self.root + rise
+            self.at, self.root = self.goal, self.root + root_rise
         else:
             # too far to interpolate to: walk towards it in smaller steps
             self.leapt = [(self.goal, deviance)]
             self.leaps += 1
-        self.ended = (near and deviance > self.limit) or self.leaps > _LEAPS
+        self.ended = (is_close and deviance > self.limit) or self.leaps > _LEAPS
         self._aim()
-        return near
+        return is_close
 
     def _aim(self) -> None:
         self.goal = min(max(self.at + self.step, self.ends[0]), self.ends[1])
@@ -199,19 +199,19 @@ class BatchedDescent:
         """Learn from one trial each of the descents `on`; True where that is enough."""
         solved_trials = self.known
         gain = solved_trials.sse[on] - trials.sse
-        better = gain > 0
-        retained = on[better]
-        self.here[retained] = trial[better]
-        for mine, new in zip(solved_trials, trials, strict=True):
-            mine[retained] = new[better]
+        is_better = gain > 0
+        kept_rows = on[is_better]
+        self.here[kept_rows] = trial[is_better]
+        for own_trial, new in zip(solved_trials, trials, strict=True):
+            own_trial[kept_rows] = new[is_better]
         damping = self.damping[on]
-        self.damping[on] = np.where(better, np.maximum(0.1 * damping, 1e-9), 10 * damping)
+        self.damping[on] = np.where(is_better, np.maximum(0.1 * damping, 1e-9), 10 * damping)
         # where the parabola has failed it is believed nearby only
-        gone = np.abs(self.move[on]).max(axis=1, initial=0.0)
+        distance_moved = np.abs(self.move[on]).max(axis=1, initial=0.0)
         self.reach[on] = np.where(
-            better,
-            np.minimum(2.0 * np.maximum(gone, self.reach[on]), _MAX_STEP),
-            _STEP_REDUCTION * gone,
+            is_better,
+            np.minimum(2.0 * np.maximum(distance_moved, self.reach[on]), _MAX_STEP),
+            _STEP_REDUCTION * distance_moved,
         )
         self.tried[on] += 1
         self.move[on], self.promised[on] = self._step(on)
@@ -231,29 +231,33 @@ class BatchedDescent:
         size = curvature[:, arms, arms]
         stretch = np.where(size > 0, size, 1.0)
         curvature[:, arms, arms] = size + stretch * RIDGE + (size <= 0)
-        both = np.concatenate((self.known.residual_curvature[on], gradient[:, :, None]), axis=2)
-        solved = np.linalg.solve(curvature, both)
-        share, first = solved[..., :-1], solved[..., -1]
+        right_sides = np.concatenate(
+            (self.known.residual_curvature[on], gradient[:, :, None]), axis=2
+        )
+        solutions = np.linalg.solve(curvature, right_sides)
+        share, first = solutions[..., :-1], solutions[..., -1]
         # what the move takes off the residual bends nothing where it leads
         reduction = np.vecdot(first, gradient) / np.maximum(self.known.sse[on], 1e-300)
         remainder = np.maximum(1.0 - reduction * reduction, 0.0)[:, None, None]
         believed = _moderate(remainder * share)[:, None, None]
         curvature += np.where(believed, remainder, 0.0) * self.known.residual_curvature[on]
         curvature[:, arms, arms] += stretch * self.damping[on][:, None]
-        move = np.linalg.solve(curvature, gradient[:, :, None])[..., 0]
-        longest = np.abs(move).max(axis=1, keepdims=True)
-        move = move * np.minimum(1.0, self.reach[on][:, None] / np.maximum(longest, 1e-300))
-        return move, np.vecdot(move, gradient)
+        step = np.linalg.solve(curvature, gradient[:, :, None])[..., 0]
+        longest = np.abs(step).max(axis=1, keepdims=True)
+        step = step * np.minimum(1.0, self.reach[on][:, None] / np.maximum(longest, 1e-300))
+        return step, np.vecdot(step, gradient)
 
 
 def _moderate(share: FloatArray) -> BoolArray:
     """Return which of some curvatures of residuals, in parts of J'J, are moderate."""
     # the eigenvalues of the ratio are real, and none is larger than the root of their squares
-    least, most = _BENT
-    believed = (share * share.swapaxes(1, 2)).sum(axis=(1, 2)) < min(-least, most) ** 2
+    lowest, highest = _BENT
+    believed = (share * share.swapaxes(1, 2)).sum(axis=(1, 2)) < min(-lowest, highest) ** 2
     if not believed.all():
-        doubted = np.linalg.eigvals(share[~believed]).real
-        believed[~believed] = (doubted.min(axis=1) > least) & (doubted.max(axis=1) < most)
+        doubtful_eigenvalues = np.linalg.eigvals(share[~believed]).real
+        believed[~believed] = (doubtful_eigenvalues.min(axis=1) > lowest) & (
+            doubtful_eigenvalues.max(axis=1) < highest
+        )
     return np.asarray(believed)
 
 
@@ -314,13 +318,13 @@ def profiles(
         A walk ends where the deviance exceeds this, or where the data say no more: at the edge
         of their window, or where a stiffness has grown out of all proportion.
     """
-    together = _SimultaneousProfiles(stack, optimum)
+    simultaneous = _SimultaneousProfiles(stack, optimum)
     walks = [
-        ProfileTrace(target, together.value(target), sign, limit, together.range(target))
+        ProfileTrace(target, simultaneous.value(target), sign, limit, simultaneous.range(target))
         for target in targets
         for sign in (-1.0, 1.0)
     ]
-    together.walk(walks)
+    simultaneous.walk(walks)
     results = []
     for low, high in zip(walks[::2], walks[1::2], strict=True):
         points = [*reversed(low.points), (low.start, 0.0), *high.points]
@@ -351,10 +355,16 @@ class _SimultaneousProfiles:
 
         columns = reshape_by_node(rows.phi[:, self.fixed :])
         slopes = difference * reshape_by_node(rows.slope)
-        change, rise, fall = np.diff(columns, axis=0), slopes[:-1], slopes[1:]
+        change, slope_0, slope_1 = np.diff(columns, axis=0), slopes[:-1], slopes[1:]
         # node, group, power of the part of the way to the next node, row
         self.cubics = np.stack(
-            (columns[:-1], rise, 3 * change - 2 * rise - fall, rise + fall - 2 * change), axis=2
+            (
+                columns[:-1],
+                slope_0,
+                3 * change - 2 * slope_0 - slope_1,
+                slope_0 + slope_1 - 2 * change,
+            ),
+            axis=2,
         )
         turn = _DERIVED / difference ** np.arange(3.0)[:, None]
         self.apart, self.turn = float(difference), turn.reshape(4, -1)
@@ -382,25 +392,26 @@ class _SimultaneousProfiles:
 
     def walk(self, walks: Sequence[ProfileTrace]) -> None:
         """Walk every side to its end."""
-        sides = _Sides([walk.asked for walk in walks], self.fixed, self.arms)
+        sides = _Sides([trace.asked for trace in walks], self.fixed, self.arms)
         self._spare(walks, sides)
         residual = np.tile(self.optimum.log_tau, (len(walks), 1))
-        goal = np.array([walk.goal for walk in walks])
+        goals = np.array([trace.goal for trace in walks])
         descents = self._descents(residual, walks)
         trials = descents.known
-        while on := [i for i, walk in enumerate(walks) if not walk.ended]:
-            for i in self._run_trials(descents, goal, sides, np.array(on)):
-                walk, at, foretold = walks[i], walks[i].at, np.zeros(self.arms)
-                sse, there = descents.best(i)
-                if walk.update_walk(self._deviance(walk, trials.beta[i], there, sse)):
-                    foretold = (there - residual[i]) * (walk.goal - walk.at) / (walk.at - at)
-                    residual[i] = there
-                far = max(map(abs, foretold.tolist()), default=0.0)
+        while on := [i for i, trace in enumerate(walks) if not trace.ended]:
+            for i in self._run_trials(descents, goals, sides, np.array(on)):
+                trace, at, foretold = walks[i], walks[i].at, np.zeros(self.arms)
+                sse, log_tau = descents.best(i)
+                if trace.update_walk(self._deviance(trace, trials.beta[i], log_tau, sse)):
+                    foretold = (log_tau - residual[i]) * (trace.goal - trace.at) / (trace.at - at)
+                    residual[i] = log_tau
+                largest_change = max(map(abs, foretold.tolist()), default=0.0)
                 descents.start(
                     i,
-                    residual[i] + min(1.0, _FORETOLD_SHARE / max(far, _FORETOLD_SHARE)) * foretold,
+                    residual[i]
+                    + min(1.0, _FORETOLD_SHARE / max(largest_change, _FORETOLD_SHARE)) * foretold,
                 )
-                goal[i] = walk.goal
+                goals[i] = trace.goal
 
     def _spare(self, walks: Sequence[ProfileTrace], sides: _Sides) -> None:
         """Let each arm's walks know what it costs to do without the arm."""
@@ -410,7 +421,7 @@ class _SimultaneousProfiles:
         if not of_arm:
             return
         first = [walks[i] for i in of_arm.values()]
-        none = _Sides(
+        arm_sides = _Sides(
             [ProfileTarget(Coordinate.LINEAR, self.fixed + arm, 0.0, 0.0) for arm in of_arm],
             self.fixed,
             self.arms,
@@ -418,53 +429,55 @@ class _SimultaneousProfiles:
         values = self.optimum.log_tau
         descents = self._descents(np.tile(values, (len(first), 1)), first)
         # the others keep their places: one that took the arm's would be the arm
-        between = (values[none.arm][:, None] + values) / 2.0
-        low = np.where(values > values[none.arm][:, None], between, self.reach[0])
-        high = np.where(values < values[none.arm][:, None], between, self.reach[1])
+        midpoints = (values[arm_sides.arm][:, None] + values) / 2.0
+        low = np.where(values > values[arm_sides.arm][:, None], midpoints, self.reach[0])
+        high = np.where(values < values[arm_sides.arm][:, None], midpoints, self.reach[1])
         on = np.arange(len(first))
         while on.size:
-            within = low[on], high[on]
-            ended = self._run_trials(descents, np.zeros(len(first)), none, on, within)
+            bounds = low[on], high[on]
+            ended = self._run_trials(descents, np.zeros(len(first)), arm_sides, on, bounds)
             on = on[~np.isin(on, ended)]  # `numpy.setdiff1d` imports masked arrays
-        place = {arm: [i] for i, arm in enumerate(of_arm)}
-        for walk, arm, column in zip(walks, sides.owner.tolist(), sides.column, strict=True):
+        indices_by_arm = {arm: [i] for i, arm in enumerate(of_arm)}
+        for trace, arm, column in zip(walks, sides.owner.tolist(), sides.column, strict=True):
             # a plateau that falls may have any of the arms, slower than all, in its place
-            falls = walk.sign < 0 and column in self.plateaus
-            for i in place[arm] if arm >= 0 else range(len(first) * falls):
+            is_falling = trace.sign < 0 and column in self.plateaus
+            for i in indices_by_arm[arm] if arm >= 0 else range(len(first) * is_falling):
                 sse, log_tau = descents.best(i)
-                walk.update_without_arm(self._deviance(walk, descents.known.beta[i], log_tau, sse))
+                trace.update_without_arm(
+                    self._deviance(trace, descents.known.beta[i], log_tau, sse)
+                )
 
     def _descents(self, start: FloatArray, walks: Sequence[ProfileTrace]) -> BatchedDescent:
-        tolerance = np.array([1e-3 * walk.asked.scale for walk in walks])
+        tolerance = np.array([1e-3 * trace.asked.scale for trace in walks])
         return BatchedDescent(start, len(self.optimum.beta), tolerance)
 
     def _run_trials(
         self,
         descents: BatchedDescent,
-        goal: FloatArray,
+        goals: FloatArray,
         sides: _Sides,
         on: IndexArray,
-        within: tuple[FloatArray, FloatArray] | None = None,
+        bounds: tuple[FloatArray, FloatArray] | None = None,
     ) -> IndexArray:
         """Try each of the descents `on` once, in reach; those that are at their end."""
-        low, high = within or self.reach
+        low, high = bounds or self.reach
         # `numpy.clip` takes as long as all of this
         trial = np.minimum(np.maximum(descents.here[on] + descents.move[on], low), high)
-        trial = sides.set_fixed_times(trial, goal, on)
-        return on[descents.take(trial, self._solve_trials(trial, goal[on], sides, on), on)]
+        trial = sides.set_fixed_times(trial, goals, on)
+        return on[descents.take(trial, self._solve_trials(trial, goals[on], sides, on), on)]
 
     def _deviance(
-        self, walk: ProfileTrace, beta: FloatArray, log_tau: FloatArray, sse: float
+        self, trace: ProfileTrace, beta: FloatArray, log_tau: FloatArray, sse: float
     ) -> float:
-        gain = walk.asked.relative_gain
+        gain = trace.asked.relative_gain
         times = 1.0 if gain is None else gain(beta, log_tau)
-        return max(float(sse) - self.best, 0.0) / (walk.asked.scale * times)
+        return max(float(sse) - self.best, 0.0) / (trace.asked.scale * times)
 
     def _phi(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Design matrix (A, p, n), and columns, slopes and curves of arms (A, G, N, 3, n)."""
-        place = (log_tau.ravel() - self.reach[0]) / self.apart
-        node = np.minimum(np.maximum(place.astype(int), 0), len(self.cubics) - 1)
-        weights = (place - node)[:, None] ** _POWERS @ self.turn
+        grid_position = (log_tau.ravel() - self.reach[0]) / self.apart
+        node = np.minimum(np.maximum(grid_position.astype(int), 0), len(self.cubics) - 1)
+        weights = (grid_position - node)[:, None] ** _POWERS @ self.turn
         values = weights.reshape(-1, 1, 3, 4) @ self.cubics[node]
         trials, rows = len(log_tau), len(self.target)
         values = values.reshape(trials, self.arms, self.groups, 3, rows).swapaxes(1, 2)
@@ -474,56 +487,58 @@ class _SimultaneousProfiles:
         return phi, values
 
     def _solve_trials(
-        self, log_tau: FloatArray, goal: FloatArray, sides: _Sides, on: IndexArray
+        self, log_tau: FloatArray, goals: FloatArray, sides: _Sides, on: IndexArray
     ) -> SolvedTrials:
         phi, values = self._phi(log_tau)
         row, arm, column = np.arange(len(on)), sides.arm[on], sides.column[on]
-        amount, base = sides.amount(log_tau, goal, on), phi[row, column]
+        amount, base = sides.amount(log_tau, goals, on), phi[row, column]
         target = self.target - amount[:, None] * base
         # where a relaxation time is held no coefficient is
         linear = ~sides.log_tau[on]
         normal = _Normal(phi)
         normal.leave_out(row[linear], column[linear])
-        aim = phi @ target[:, :, None]
-        beta = normal.solve_moments(aim)[..., 0]
+        projected_target = phi @ target[:, :, None]
+        beta = normal.solve_moments(projected_target)[..., 0]
         # what must not be negative rests at zero, the worst first
         while (signed := np.where(self.restricted, beta, 0.0)).min() < 0:
             worst, negative = signed.argmin(axis=1), signed.min(axis=1) < 0
             normal.leave_out(row[negative], worst[negative])
-            beta = normal.solve_moments(aim)[..., 0]
+            beta = normal.solve_moments(projected_target)[..., 0]
         residual = target - (beta[:, None, :] @ phi)[:, 0]
         beta[row, column] += amount
         stiffness = beta[:, self.fixed :].reshape(len(on), self.groups, self.arms)
-        turned = (values[..., 1, :] * stiffness[..., None]).sum(axis=1)
+        rotated = (values[..., 1, :] * stiffness[..., None]).sum(axis=1)
         # columns, slopes and curves meet the residual
-        met = (values @ residual[:, None, None, :, None])[..., 0]
-        second = (stiffness * met[..., 2]).sum(axis=1)
+        moments = (values @ residual[:, None, None, :, None])[..., 0]
+        second = (stiffness * moments[..., 2]).sum(axis=1)
         # k = exp(ln b - ln tau): the stiffness of an arm whose b is held falls as its ln tau rises
-        falls = amount * sides.log_b[on]
-        at_zero, rising, _ = met.reshape(len(on), -1, 3)[row, np.maximum(column - self.fixed, 0)].T
-        second[row, arm] -= falls * (2.0 * rising - at_zero)
-        turned[row, arm] -= falls[:, None] * base
+        goal_slope = amount * sides.log_b[on]
+        at_zero, moment_slope, _ = moments.reshape(len(on), -1, 3)[
+            row, np.maximum(column - self.fixed, 0)
+        ].T
+        second[row, arm] -= goal_slope * (2.0 * moment_slope - at_zero)
+        rotated[row, arm] -= goal_slope[:, None] * base
         # a coefficient and its own tau meet in the residual
         meets = np.zeros((*beta.shape, self.arms))
-        place = np.arange(self.groups * self.arms)
-        meets[:, self.fixed + place, place % self.arms] = met[..., 1].reshape(len(on), -1)
-        moment = phi @ turned.swapaxes(1, 2)
-        both = normal.solve_moments(np.concatenate((moment, meets), axis=2))
-        along, across = both[..., : self.arms], both[..., self.arms :]
-        outside = turned - along.swapaxes(1, 2) @ phi
-        crossed = meets.swapaxes(1, 2) @ (along - 0.5 * across)
-        bent = crossed + crossed.swapaxes(1, 2)
+        diagonal = np.arange(self.groups * self.arms)
+        meets[:, self.fixed + diagonal, diagonal % self.arms] = moments[..., 1].reshape(len(on), -1)
+        moment = phi @ rotated.swapaxes(1, 2)
+        solutions = normal.solve_moments(np.concatenate((moment, meets), axis=2))
+        arm_part, meet_part = solutions[..., : self.arms], solutions[..., self.arms :]
+        outside = rotated - arm_part.swapaxes(1, 2) @ phi
+        crossed = meets.swapaxes(1, 2) @ (arm_part - 0.5 * meet_part)
+        curvature_part = crossed + crossed.swapaxes(1, 2)
         index = np.arange(self.arms)
-        bent[:, index, index] -= second
-        moves = np.ones(log_tau.shape)
-        moves[row, arm] = linear
-        pairs = moves[:, :, None] * moves[:, None, :]
+        curvature_part[:, index, index] -= second
+        is_free = np.ones(log_tau.shape)
+        is_free[row, arm] = linear
+        pairs = is_free[:, :, None] * is_free[:, None, :]
         return SolvedTrials(
             np.vecdot(residual, residual),
             beta,
-            np.vecdot(outside, residual[:, None, :]) * moves,
+            np.vecdot(outside, residual[:, None, :]) * is_free,
             outside @ outside.swapaxes(1, 2) * pairs,
-            bent * pairs,
+            curvature_part * pairs,
         )
 
 
@@ -535,8 +550,8 @@ class _Normal:
         length = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
         self.length = np.where(length > 0, length, 1.0)[:, :, None]
         self.gram = gram / (self.length * self.length.swapaxes(1, 2))
-        place = np.arange(gram.shape[1])
-        self.gram[:, place, place] = 1.0 + RIDGE
+        diagonal = np.arange(gram.shape[1])
+        self.gram[:, diagonal, diagonal] = 1.0 + RIDGE
         self.free = np.ones_like(self.length)
 
     def leave_out(self, row: IndexArray, column: IndexArray) -> None:
@@ -565,14 +580,14 @@ class _Sides:
         #: the arm that each belongs to; -1 of a fixed column
         self.owner: IndexArray = np.where(self.column >= fixed, self.arm, -1)
 
-    def set_fixed_times(self, log_tau: FloatArray, goal: FloatArray, on: IndexArray) -> FloatArray:
+    def set_fixed_times(self, log_tau: FloatArray, goals: FloatArray, on: IndexArray) -> FloatArray:
         """Return the trials with a held relaxation time at its goal."""
-        there = np.flatnonzero(self.log_tau[on])
-        log_tau[there, self.arm[on][there]] = goal[on][there]
+        fixed_time_rows = np.flatnonzero(self.log_tau[on])
+        log_tau[fixed_time_rows, self.arm[on][fixed_time_rows]] = goals[on][fixed_time_rows]
         return log_tau
 
-    def amount(self, log_tau: FloatArray, goal: FloatArray, on: IndexArray) -> FloatArray:
+    def amount(self, log_tau: FloatArray, goals: FloatArray, on: IndexArray) -> FloatArray:
         """Return the coefficient that is held, zero where none is."""
         values = log_tau[np.arange(len(on)), self.arm[on]]
-        of_b = np.exp(np.minimum(np.where(self.log_b[on], goal - values, 0.0), 600.0))
-        return np.where(self.log_b[on], of_b, np.where(self.log_tau[on], 0.0, goal))
+        of_b = np.exp(np.minimum(np.where(self.log_b[on], goals - values, 0.0), 600.0))
+        return np.where(self.log_b[on], of_b, np.where(self.log_tau[on], 0.0, goals))

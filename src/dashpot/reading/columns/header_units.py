@@ -54,7 +54,7 @@ _SPECIAL_RATIOS = {
 
 
 def parse_response_unit(word: str) -> Ratio | None:
-    """What a unit such as ``(m/s^2)/N``, ``1/kg``, ``g/g`` or ``mm/(m/s^2)`` says; None if nothing.
+    """Return the ratio of a unit such as ``(m/s^2)/N``, ``1/kg`` or ``g/g``; None if it is none.
 
     >>> millimetres = parse_response_unit("mm/g")
     >>> millimetres.kind.value, millimetres.order, parse_response_unit("furlong/N")
@@ -66,9 +66,9 @@ def parse_response_unit(word: str) -> Ratio | None:
     impedance = units.find_unit(text, "damping")
     if impedance:
         return Ratio(Kind.DYNAMIC_STIFFNESS, impedance.factor, 1)
-    swapped = re.fullmatch(r"\(?1/(\w+)\)?\s*[*·]\s*(.+)", text)  # (1/N)*(m/s^2)
-    if swapped:
-        return _parse_unit_ratio(swapped[2], swapped[1])
+    swapped_match = re.fullmatch(r"\(?1/(\w+)\)?\s*[*·]\s*(.+)", text)  # (1/N)*(m/s^2)
+    if swapped_match:
+        return _parse_unit_ratio(swapped_match[2], swapped_match[1])
     # each / may be the one between them: (m/s^2)/m/s^2
     cuts = [i for i, letter in enumerate(text[:_LONGEST_UNIT]) if letter == "/"]
     return next(filter(None, (_parse_unit_ratio(text[:i], text[i + 1 :]) for i in cuts)), None)
@@ -81,7 +81,7 @@ def bare_ratio(word: str) -> Ratio | None:
 
 
 def undecibel(word: str) -> str | None:
-    """What decibels are of, such as g/g in ``dB re 1 g/g``, dB if of nothing; None if no decibels.
+    """Return the unit of decibels, such as g/g in ``dB re 1 g/g``; None if they are no decibels.
 
     >>> undecibel("dB re 1 g/g"), undecibel("dB ref 1 g/N"), undecibel("dB"), undecibel("g/g")
     ('g/g', 'g/N', 'dB', None)
@@ -102,17 +102,21 @@ def _parse_unit_ratio(top: str, bottom: str) -> Ratio | None:
         a, b = units.find_unit(top, upper), units.find_unit(bottom, lower)
         if a is not None and b is not None:
             return Ratio(kind, a.factor / b.factor)
-    over, under = _find_motion_unit(top), _find_motion_unit(bottom)
+    numerator, denominator = _find_motion_unit(top), _find_motion_unit(bottom)
     force = units.find_unit(top, "force")
-    if force and under:  # of an impedance or an apparent mass the derivatives are still to be taken
-        return Ratio(Kind.DYNAMIC_STIFFNESS, force.factor / under[1], under[0])
-    if over is None or under is None:
+    if (
+        force and denominator
+    ):  # of an impedance or an apparent mass the derivatives are still to be taken
+        return Ratio(Kind.DYNAMIC_STIFFNESS, force.factor / denominator[1], denominator[0])
+    if numerator is None or denominator is None:
         return None
-    return Ratio(Kind.TRANSMISSIBILITY, over[1] / under[1], under[0] - over[0])
+    return Ratio(
+        Kind.TRANSMISSIBILITY, numerator[1] / denominator[1], denominator[0] - numerator[0]
+    )
 
 
 def _find_motion_unit(word: str) -> tuple[int, float] | None:
-    """How often the displacement was differentiated in a motion of this unit, and its factor."""
+    """Return the order of the derivative of a motion of this unit, and its factor."""
     for order, dimension in enumerate(_MOTIONS):
         unit = units.find_unit(word, dimension)
         if unit is not None:
@@ -259,8 +263,8 @@ def _split_factored_unit(text: str) -> tuple[str, str] | None:
 
 def _unit_before(text: str) -> tuple[str, str] | None:
     match = _UNIT_FIRST.match(text)
-    certain = match is not None and units.find_unit(match[1])
-    return (match[2].strip(), match[1].strip()) if match and certain else None
+    is_unit = match is not None and units.find_unit(match[1])
+    return (match[2].strip(), match[1].strip()) if match and is_unit else None
 
 
 def _split_bracketed_unit(text: str) -> tuple[str, str | None] | None:
@@ -325,11 +329,11 @@ def join_units(first: str, second: str) -> str:
 
 def strip_brackets(word: str) -> str:
     """Return a unit without the brackets around it, or lost at one end; (m/s^2)/N keeps its own."""
-    bare = word.strip().strip("\"'").strip()
-    inner = bare.lstrip("[({<").rstrip("])}>").strip()
+    stripped = word.strip().strip("\"'").strip()
+    inner = stripped.lstrip("[({<").rstrip("])}>").strip()
     if inner.count("(") == inner.count(")"):
         return inner
-    return bare[1:-1].strip() if bare[0] in "[{<" and bare[-1] in "]}>" else bare
+    return stripped[1:-1].strip() if stripped[0] in "[{<" and stripped[-1] in "]}>" else stripped
 
 
 def state_unit(column: Column) -> Column:

@@ -121,10 +121,10 @@ class NamedColumns:
             self.best_scores[role] = max(scores, default=0.0)
         return self.best_scores[role]
 
-    def has(self, *roles: Role, least: float = 1.5) -> bool:
+    def has(self, *roles: Role, min_score: float = 1.5) -> bool:
         """Return whether each role is named by the user, or has a column of that score."""
         return all(
-            self.has_named_column(option_of(role)) or self._find_best_score(role) >= least
+            self.has_named_column(option_of(role)) or self._find_best_score(role) >= min_score
             for role in roles
         )
 
@@ -138,13 +138,13 @@ class NamedColumns:
         except ReadError:  # it is of another file, or its reader says so
             return False
 
-    def has_time(self, least: float = 1.5) -> bool:
+    def has_time(self, min_score: float = 1.5) -> bool:
         """Return whether there is a clock, or the user states the rate."""
-        return self.has("time", least=least) or self.options.rate is not None
+        return self.has("time", min_score=min_score) or self.options.rate is not None
 
     def has_ramp_columns(self) -> bool:
         """Return whether there are the columns of a ramp and hold, by name or by unit alone."""
-        return self.has_time(least=1.0) and self.has("force", "displacement", least=1.0)
+        return self.has_time(min_score=1.0) and self.has("force", "displacement", min_score=1.0)
 
     def has_acceleration(self) -> bool:
         """Return whether there is an acceleration."""
@@ -152,9 +152,11 @@ class NamedColumns:
 
     def has_response(self) -> bool:
         """Return whether there is a complex value over frequency."""
-        if self.has("frequency", least=1.0) and self.has("real", "imaginary"):
+        if self.has("frequency", min_score=1.0) and self.has("real", "imaginary"):
             return True  # over what is called the linear axis, in Hz
-        has_magnitude = self.has("magnitude", least=1.0)  # by its unit alone, such as a2/a1 [g/g]
+        has_magnitude = self.has(
+            "magnitude", min_score=1.0
+        )  # by its unit alone, such as a2/a1 [g/g]
         return (
             has_magnitude and self.has("frequency", "phase") and not self.has_motion_as_magnitude()
         )
@@ -178,11 +180,11 @@ class NamedColumns:
             for unit in magnitude_units
         )
 
-    def _find_likely_columns(self, role: Role, least: float) -> list[int]:
+    def _find_likely_columns(self, role: Role, min_score: float) -> list[int]:
         return [
             i
             for i, value in score_columns(self.table, role, self.options).items()
-            if value >= least
+            if value >= min_score
         ]
 
     def has_sweep(self) -> bool:
@@ -222,16 +224,20 @@ class NamedColumns:
         header = " ".join(self.table.header).casefold()
         names = map(str.casefold, self.unique_names)
         has_compliance = any("compliance" in name and "machine" not in name for name in names)
-        has_compliance = has_compliance or self.has("creep_compliance", least=2.5)  # J(t), in 1/Pa
+        has_compliance = has_compliance or self.has(
+            "creep_compliance", min_score=2.5
+        )  # J(t), in 1/Pa
         header_says_creep = "creep" in header and "relax" not in header
         # where the user names the columns, the record decides
         return has_compliance or (
             header_says_creep and not self.has_named_column("displacement", "force")
         )
 
-    def has_coordinates(self, *more: str) -> bool:
-        """Return whether columns are named x, y, z and as in `more`."""
-        return {"x", "y", "z", *more} <= set(map(vocabulary.normalise_name, self.unique_names))
+    def has_coordinates(self, *further_names: str) -> bool:
+        """Return whether columns are named x, y, z and as in `further_names`."""
+        return {"x", "y", "z", *further_names} <= set(
+            map(vocabulary.normalise_name, self.unique_names)
+        )
 
     def satisfies(self, kind: FileKind) -> bool:
         """Return whether the rule of a kind of an extension holds."""
@@ -306,7 +312,9 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool] | None], ...] 
     (
         "impact",
         "it has time and an acceleration",
-        lambda s: s.has_time() and s.has_acceleration() and not s.has("displacement", least=2.5),
+        lambda s: (
+            s.has_time() and s.has_acceleration() and not s.has("displacement", min_score=2.5)
+        ),
     ),
     (
         "creep",
@@ -341,7 +349,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool] | None], ...] 
     (
         "cld",
         "it has displacement and force, and no clock",
-        lambda s: not s.has_time() and s.has("force", "displacement", least=2.5),
+        lambda s: not s.has_time() and s.has("force", "displacement", min_score=2.5),
     ),
     ("frf", "it has frequency, and a part of a complex value", NamedColumns.has_partial_response),
     (
@@ -393,10 +401,10 @@ def detect_table_kind(table: FileTable, options: ReadOptions) -> tuple[FileKind,
     # the stress and strain of a sweep are amplitudes
     if columns.has_named_column("stress", "strain") and not is_sweep:
         named_kinds.add("stress-strain")
-    rules = sorted(_RULES, key=lambda rule: rule[0] not in named_kinds)
+    ordered_rules = sorted(_RULES, key=lambda rule: rule[0] not in named_kinds)
     kind, reason = next(
         (kind, reason)
-        for kind, reason, holds in rules
+        for kind, reason, holds in ordered_rules
         if (holds(columns) if holds else columns.satisfies(kind))
     )
     if kind == "dma":
@@ -430,10 +438,14 @@ def parse_file_kind(kind_name: str) -> tuple[FileKind, str]:
     plugin = find_plugin("kinds", kind_name)
     if plugin is not None:
         return "plug-in", f"for {plugin.label}, as stated"
-    nearest = get_close_matches(kind_name, KINDS_OF_FILE, 1)
+    nearest_names = get_close_matches(kind_name, KINDS_OF_FILE, 1)
     raise ReadError(
         f"'{kind_name}' is no kind of file. "
-        + (f"Did you mean '{nearest[0]}'?" if nearest else f"Kinds are {', '.join(KINDS_OF_FILE)}.")
+        + (
+            f"Did you mean '{nearest_names[0]}'?"
+            if nearest_names
+            else f"Kinds are {', '.join(KINDS_OF_FILE)}."
+        )
         + format_plugin_names("kinds")
     )
 
@@ -554,14 +566,19 @@ def _has_amplitude_sweep(table: FileTable, options: ReadOptions) -> bool:
         return False
     frequency = _find_role_columns(table, ("frequency",), options)
     temperature = _find_role_columns(table, ("temperature",), options)
-    loaded = table.load([*frequency, amplitudes[0], *temperature])
-    block = np.repeat(np.arange(len(loaded.starts)), np.diff((*loaded.starts, len(loaded.values))))
-    is_valid = np.all(np.isfinite(loaded.values), axis=1) & np.all(loaded.values[:, :2] > 0, axis=1)
-    rows, block = loaded.values[is_valid], block[is_valid]
+    loaded_columns = table.load([*frequency, amplitudes[0], *temperature])
+    block = np.repeat(
+        np.arange(len(loaded_columns.starts)),
+        np.diff((*loaded_columns.starts, len(loaded_columns.values))),
+    )
+    is_valid = np.all(np.isfinite(loaded_columns.values), axis=1) & np.all(
+        loaded_columns.values[:, :2] > 0, axis=1
+    )
+    rows, block = loaded_columns.values[is_valid], block[is_valid]
     temperature_group = np.zeros(len(rows), dtype=np.intp)
     if rows.shape[1] > 2:
         temperature_group = group_values(rows[:, 2], _TEMPERATURE_WIDTH)
-    elif any("temp" in line.casefold() for line in chain(*loaded.above)):
+    elif any("temp" in line.casefold() for line in chain(*loaded_columns.above)):
         temperature_group = block
     conditions = np.stack(
         (group_values(np.log10(rows[:, 0]), ONE_FREQUENCY_DECADES), temperature_group)

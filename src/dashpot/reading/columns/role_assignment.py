@@ -33,7 +33,7 @@ EXAMPLE = {
     "phase": "deg", "velocity": "m/s", "creep_compliance": "1/MPa", "stress": "MPa", "strain": "%",
     "stretch": "1", "complex_modulus": "MPa", "loss_angle": "deg",
 }  # fmt: skip
-"""What a role is measured in most often."""
+"""Most common unit of a role."""
 _LESS = (
     (vocabulary.COMMANDED, 1.5, None),
     (vocabulary.EXTREMES, 1.0, False),
@@ -50,7 +50,7 @@ _SENSITIVITY = compile_on_use(
 _PLACE = {
     "displacement": 1, "force": 2, "hammer": 1, "storage": 1, "loss": 2, "modulus": 1,
 }  # fmt: skip
-"""Where a role stands in a table that says nothing, counted from 0."""
+"""Most common column of a role in a table without names, counted from 0."""
 _ANGULAR = ("w", "omega", "ω", "angular", "kreisfrequenz")
 _ROLES: tuple[Role, ...] = get_args(Role)
 _SUITED = "_suited"
@@ -88,9 +88,9 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> RoleAssignment
         If the options name a column that is not there.
     """
     option = "force" if role == "hammer" and not options.hammer else option_of(role)
-    named = getattr(options, option, None)
-    if named:
-        index = find_column(table.columns, str(named), flag(option))
+    names_or_option = getattr(options, option, None)
+    if names_or_option:
+        index = find_column(table.columns, str(names_or_option), flag(option))
         return RoleAssignment(role, index, f"named by {flag(option)}")
     suited = _rank_columns(table, role, options)
     if not suited:
@@ -100,16 +100,18 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> RoleAssignment
     reason = _reason(table.columns[index], role)
     if len(equals) > 1:
         names = _names(table)
-        named = [format_column(table.columns, i, names) for i in sorted(equals)[:_LISTED]]
-        more = len(equals) - len(named)
-        alike = join_words([*named, f"{more} more"] if more else named)
+        names_or_option = [format_column(table.columns, i, names) for i in sorted(equals)[:_LISTED]]
+        unlisted_count = len(equals) - len(names_or_option)
+        equals_text = join_words(
+            [*names_or_option, f"{unlisted_count} more"] if unlisted_count else names_or_option
+        )
         if len(equals) > _COPIES or not _same_numbers(table, equals, role, options):
             message = (
-                f"{alike} could each be the {_word(role)}; say which, for example "
+                f"{equals_text} could each be the {_word(role)}; say which, for example "
                 f'{flag(option)}="{handle(table.columns, index, names)}"'
             )
             return Question(message, f"{flag(option)}=NAME", choices=len(equals))
-        reason = f"{alike} hold the same numbers"
+        reason = f"{equals_text} hold the same numbers"
     rivals = tuple(i for _, i in suited[len(equals) :])
     return RoleAssignment(role, index, reason, rivals)
 
@@ -141,11 +143,11 @@ def _same_numbers(
     for j, unit in enumerate(new_units):
         if unit is not None:
             values[:, j] = unit.factor * values[:, j] + unit.offset
-    whole = values[np.isfinite(values).all(axis=1)]
-    if not len(whole) or not len(whole) > 0.5 * len(values):
+    complete_rows = values[np.isfinite(values).all(axis=1)]
+    if not len(complete_rows) or not len(complete_rows) > 0.5 * len(values):
         return False
-    difference = np.abs(whole - whole[:, :1]).max(axis=0)
-    return bool((difference <= _ROUNDED * np.ptp(whole[:, 0])).all())
+    difference = np.abs(complete_rows - complete_rows[:, :1]).max(axis=0)
+    return bool((difference <= _ROUNDED * np.ptp(complete_rows[:, 0])).all())
 
 
 def _rank_columns(table: FileTable, role: Role, options: ReadOptions) -> list[tuple[float, int]]:
@@ -156,7 +158,9 @@ def _rank_columns(table: FileTable, role: Role, options: ReadOptions) -> list[tu
     return [(value, -i) for value, i in sorted(scored, reverse=True)]
 
 
-def accelerations(table: FileTable, taken: Sequence[int], options: ReadOptions) -> tuple[int, ...]:
+def accelerations(
+    table: FileTable, taken_columns: Sequence[int], options: ReadOptions
+) -> tuple[int, ...]:
     """Return every acceleration column, as named or as found."""
     if options.acceleration:
         return tuple(
@@ -164,20 +168,20 @@ def accelerations(table: FileTable, taken: Sequence[int], options: ReadOptions) 
         )
     columns = table.columns
     return _likely_accelerations(
-        table, options, lambda i: i not in taken and not _is_force(columns[i])
+        table, options, lambda i: i not in taken_columns and not _is_force(columns[i])
     )
 
 
 def _likely_accelerations(
     table: FileTable, options: ReadOptions, free: Callable[[int], bool] = lambda _: True
 ) -> tuple[int, ...]:
-    every = score_columns(table, "acceleration", options).items()
-    likely = {i: value for i, value in every if free(i)}
-    best = max(likely.values(), default=0.0)
+    scored_columns = score_columns(table, "acceleration", options).items()
+    likely_columns = {i: value for i, value in scored_columns if free(i)}
+    best = max(likely_columns.values(), default=0.0)
     if best < 1.0:  # named so, but in volts or the like: the question is the unit
-        named = (i for i, column in enumerate(table.columns) if _is_named_acceleration(column))
-        return tuple(filter(free, named))
-    return tuple(i for i, value in likely.items() if value >= _floor(best))
+        candidates = (i for i, column in enumerate(table.columns) if _is_named_acceleration(column))
+        return tuple(filter(free, candidates))
+    return tuple(i for i, value in likely_columns.items() if value >= _floor(best))
 
 
 def _floor(best: float) -> float:
@@ -197,7 +201,7 @@ def _is_named_acceleration(column: Column) -> bool:
 
 
 def score_columns(table: FileTable, role: Role, options: ReadOptions) -> Mapping[int, float]:
-    """How well the name and unit of each column suit a role, by index; none of what cannot play it.
+    """Return the score of each suitable column for a role, by index.
 
     A table keeps what was found, for there may be thousands of columns.
     """
@@ -226,14 +230,14 @@ def scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
 
 @lru_cache(maxsize=1 << 16)
 def _compute_file_scores(name: str, unit: str | None, content: Content) -> Mapping[Role, float]:
-    """What the file alone says of columns that differ by a number, or whose names say nothing."""
+    """Return the scores by the file of columns that differ by a number or have vague names."""
     return _scores(Column(name, unit, content), _NOTHING_SAID)
 
 
 def _scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
     words = {column.unit, _get_stated_unit(column, "time", options, by_role=False)} - {None, ""}
-    possible = {*vocabulary.matches(column.name), *chain(*map(_measured_by, words))}
-    entries = {role: _score(column, role, options) for role in possible}
+    possible_roles = {*vocabulary.matches(column.name), *chain(*map(_measured_by, words))}
+    entries = {role: _score(column, role, options) for role in possible_roles}
     return {role: value for role, value in entries.items() if value}
 
 
@@ -253,14 +257,14 @@ def _score(column: Column, role: Role, options: ReadOptions) -> float:
         return 0.5
     if role == "strain" and vocabulary.has_word(column.name, vocabulary.SIDEWAYS):
         return 0.5
-    for words, less, of_time in _LESS:
+    for words, penalty, of_time in _LESS:
         if of_time in {None, role == "time"} and vocabulary.has_word(column.name, words):
-            value -= less
+            value -= penalty
     return value
 
 
 def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
-    """How well the name says a role, one more where the unit fits; 0 if the unit forbids it."""
+    """Return the score of a name for a role, one more where the unit fits; 0 if it does not."""
     message = vocabulary.matches(column.name)
     value = message.get(role, 0.0)
     is_named = value >= vocabulary.LEAST_SCORE
@@ -273,8 +277,8 @@ def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
     # "Force" in mm is no force; "x" in N may well be one
     if role == "magnitude":
         return float(max(message.values(), default=0.0) < 2.0)
-    same = (s for r, s in message.items() if DIMENSION.get(r) == DIMENSION[role])
-    return float(max(same, default=0.0) < 2.0)
+    same_dimension_scores = (s for r, s in message.items() if DIMENSION.get(r) == DIMENSION[role])
+    return float(max(same_dimension_scores, default=0.0) < 2.0)
 
 
 def _fits(word: str, role: Role) -> bool | None:
@@ -318,15 +322,15 @@ def _reason(column: Column, role: Role) -> str:
 def acceleration_question(table: FileTable) -> Question:
     """Ask for the accelerations where no column shows itself as one."""
     numbers = [i for i, c in enumerate(table.columns) if c.content == "number"]
-    named = [
+    column_options = [
         f'--column acceleration="{handle(table.columns, i)}"' for i in numbers[2:4] or numbers[-1:]
     ]
     message = (
         f"none of its columns ({_all_columns(table)}) looks like acceleration. Name each "
-        f"by its name or number: {' '.join(named)}"
+        f"by its name or number: {' '.join(column_options)}"
     )
     return Question(
-        message, "--column acceleration=NAME", role="acceleration", example=" ".join(named)
+        message, "--column acceleration=NAME", role="acceleration", example=" ".join(column_options)
     )
 
 
@@ -373,14 +377,14 @@ def _nothing(table: FileTable, role: Role) -> Question:
 
 def ask(table: FileTable, questions: Sequence[Question]) -> str:
     """Return all questions in one sentence each; what no column was found for, in one for all."""
-    lacking = [question for question in questions if question.role]
-    if len(lacking) < 2:
+    missing_roles = [question for question in questions if question.role]
+    if len(missing_roles) < 2:
         return ". ".join(item.message for item in questions)
-    examples = " ".join(item.example for item in reversed(lacking))
+    examples = " ".join(item.example for item in reversed(missing_roles))
     message = (
         f"none of its columns ({_all_columns(table)}) looks like "
-        f"{join_words([item.role for item in lacking], 'or')}. Name each by its name or number: "
-        f"{examples}"
+        f"{join_words([item.role for item in missing_roles], 'or')}. Name each by its name or "
+        f"number: {examples}"
     )
     return ". ".join([message, *(question.message for question in questions if not question.role)])
 
@@ -406,8 +410,8 @@ def _all_say_something(table: FileTable) -> bool:
 def _example(table: FileTable, role: Role) -> str:
     """Return a column that could be meant: one whose name says nothing else."""
     numbers = [i for i, c in enumerate(table.columns) if c.content == "number"] or [0]
-    place = _PLACE.get(role, 0)
-    at = numbers[min(place, len(numbers) - 1)]
+    example_index = _PLACE.get(role, 0)
+    at = numbers[min(example_index, len(numbers) - 1)]
     free = (i for i in (at, *numbers) if not _says(table.columns[i]))
     return handle(table.columns, next(free, at), _names(table))
 
@@ -416,17 +420,17 @@ def format_wrong_unit(column: Column, role: Role) -> str:
     """Return the sentence for a column whose label is no unit of its role."""
     dimension = DIMENSION[role]
     example = EXAMPLE.get(role, "")
-    sensed = "100mV/g" if role == "acceleration" else f"22.5mV/{example}"
+    sensor_unit = "100mV/g" if role == "acceleration" else f"22.5mV/{example}"
     word = column.unit or ""
     names = units.dimensions(word)
     kind = f"a unit of {' or '.join(names)}" if names else "no unit known"
     weight = find_weight(word) if role == "force" else ""
-    weighed = f'; if they are a weight, add --units "force={weight}"' if weight else ""
+    weight_hint = f'; if they are a weight, add --units "force={weight}"' if weight else ""
     return (
         f"column '{column.name}' is labelled '{column.unit}', {kind}, where a unit of {dimension} "
         f"is expected: the label is wrong, or the signal was never calibrated; if its numbers are "
-        f'{example}, add --units "{role}={example}"{weighed}; if they are volts, give the '
-        f'sensitivity, for example --units "{role}={sensed}"'
+        f'{example}, add --units "{role}={example}"{weight_hint}; if they are volts, give the '
+        f'sensitivity, for example --units "{role}={sensor_unit}"'
     )
 
 
@@ -448,7 +452,7 @@ def find_column(columns: Sequence[Column], name_or_number: str, option: str) -> 
     ReadError
         If there is no such column, or the name stands twice.
     """
-    wanted = name_or_number.strip().casefold()
+    requested_name = name_or_number.strip().casefold()
     for spell in (str.casefold, vocabulary.normalise_name):
         key = spell(name_or_number.strip())
         hits = [i for i, c in enumerate(columns) if c.name and spell(c.name.strip()) == key]
@@ -460,8 +464,8 @@ def find_column(columns: Sequence[Column], name_or_number: str, option: str) -> 
                 f"{option} {name_or_number}: columns {numbers} have that name; give the number "
                 "instead"
             )
-    if wanted.isdigit() and 1 <= int(wanted) <= len(columns):
-        return int(wanted) - 1
+    if requested_name.isdigit() and 1 <= int(requested_name) <= len(columns):
+        return int(requested_name) - 1
     raise ReadError(
         f"{option} {name_or_number}: there is no such column; the columns are "
         f"{list_columns(columns)}"
@@ -477,26 +481,28 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
         If no unit is given, or the one given is unknown or measures something else.
     """
     dimension = DIMENSION[role]
-    stated, word = options.unit_of(role, column.name), get_unit_word(column, role, options)
+    stated_unit, word = options.unit_of(role, column.name), get_unit_word(column, role, options)
     label, header = _label(column, number, role), _with_unit(column, role)
     advice = f'add --units "{role}={_unit_like(column, role)}"'
     if column.content == "clock" and role == "time":
-        return _clock_unit(label, stated)
+        return _clock_unit(label, stated_unit)
     if word is None:
-        besides = f" and, stated beside its numbers, {column.factor}" if column.factor else ""
+        factor_text = f" and, stated beside its numbers, {column.factor}" if column.factor else ""
         raise ReadError(
-            f"{label} has no unit{besides}; {advice}, or write the unit into the header as "
+            f"{label} has no unit{factor_text}; {advice}, or write the unit into the header as "
             f"'{header}'"
         )
-    if stated is None:
+    if stated_unit is None:
         _refuse_stated_factor(column, word, role, label)
         _refuse_factor(word, dimension, role, label)
         word = _determine_frequency_unit(word, column, label) if role == "frequency" else word
     try:
-        sensed = sensitivity(word, dimension, column.unit) or parse_unit_multiple(word, dimension)
-        return sensed or _find_part_unit(word, role) or units.parse_unit(word, dimension)
+        unit_and_factor = sensitivity(word, dimension, column.unit) or parse_unit_multiple(
+            word, dimension
+        )
+        return unit_and_factor or _find_part_unit(word, role) or units.parse_unit(word, dimension)
     except DataError as error:
-        wrong = stated is None and units.find_unit(word) is not None
+        wrong = stated_unit is None and units.find_unit(word) is not None
         text = format_wrong_unit(column, role) if wrong else f"{label}: {error}; {advice}"
         if " or " in word:
             text = f"{label} stands under two units, {word}: say which is right: {advice}"
@@ -526,12 +532,14 @@ def _refuse_factor(word: str, dimension: Dimension, role: Role, label: str) -> N
     unit = result and (units.find_unit(result[1], dimension) or _find_part_unit(result[1], role))
     if not result or not unit or sensitivity(word, dimension, None):
         return
-    factor, plain = result[0], unit.word
-    more, less = format_unit_multiple(unit, factor), format_unit_multiple(unit, 1 / factor)
+    factor, plain_unit = result[0], unit.word
+    larger, smaller = (format_unit_multiple(unit, factor), format_unit_multiple(unit, 1 / factor))
     raise ReadError(
-        f"{label} stands under '{word}', a factor and a unit: if its numbers are {plain} as they "
-        f'stand, add --units "{role}={plain}"; if {factor:g} times each is, --units '
-        f'"{role}={more}"; if they are {factor:g} times too large already, --units "{role}={less}"'
+        f"{label} stands under '{word}', a factor and a unit: if its numbers are {plain_unit} as "
+        "they "
+        f'stand, add --units "{role}={plain_unit}"; if {factor:g} times each is, --units '
+        f'"{role}={larger}"; if they are {factor:g} times too large already, --units '
+        f'"{role}={smaller}"'
     )
 
 
@@ -570,28 +578,29 @@ def _unit_like(column: Column, role: Role) -> str:
     return "50" * ("full scale" in column.factor) + EXAMPLE.get(role, "UNIT")
 
 
-def _clock_unit(label: str, stated: str | None) -> Unit:
+def _clock_unit(label: str, stated_unit: str | None) -> Unit:
     """Seconds, in which clock times are read whatever stands over them."""
-    if stated is None or stated == "s" or vocabulary.clock_order(stated):
+    if stated_unit is None or stated_unit == "s" or vocabulary.clock_order(stated_unit):
         return units.parse_unit("s", "time")
     raise ReadError(
-        f"{label} holds clock times, which have no unit such as '{stated}'; leave that out, or say "
+        f"{label} holds clock times, which have no unit such as '{stated_unit}'; leave that out, "
+        "or say "
         'how they are written, for example --units "time=mm:ss" or --units "time=d/m/y"'
     )
 
 
-def no_units(table: FileTable, lacking: Sequence[RoleAssignment]) -> str:
+def no_units(table: FileTable, missing_units: Sequence[RoleAssignment]) -> str:
     """Ask for the units of several columns that have none, in one sentence."""
-    columns = [table.columns[assignment.index] for assignment in lacking]
-    group = list(zip(columns, lacking, strict=True))
+    columns = [table.columns[assignment.index] for assignment in missing_units]
+    group = list(zip(columns, missing_units, strict=True))
     labels = [_label(column, assignment.index + 1, assignment.role) for column, assignment in group]
-    provided = [
+    unit_options = [
         f"{assignment.role}={_unit_like(column, assignment.role)}" for column, assignment in group
     ]
     return (
         f"{labels[0]} has no unit, nor has {join_words(labels[1:], 'or')}; add --units "
-        f'"{",".join(dict.fromkeys(provided))}", or write them into the header, as '
-        f"'{_with_unit(columns[0], lacking[0].role)}'"
+        f'"{",".join(dict.fromkeys(unit_options))}", or write them into the header, as '
+        f"'{_with_unit(columns[0], missing_units[0].role)}'"
     )
 
 
@@ -618,8 +627,8 @@ def format_column(columns: Sequence[Column], index: int, names: Counter[str] | N
     unit = f" [{column.unit}]" if column.unit else ""
     if handle(columns, index, names) == column.name:
         return f"'{column.name}{unit}'"
-    named = f" '{column.name}'" if column.name else ""
-    return f"column {index + 1}{named}{unit}"
+    quoted_name = f" '{column.name}'" if column.name else ""
+    return f"column {index + 1}{quoted_name}{unit}"
 
 
 def handle(columns: Sequence[Column], index: int, names: Counter[str] | None = None) -> str:
@@ -658,7 +667,7 @@ def _unlike(table: FileTable) -> tuple[Column, ...]:
 
 @cache_on_record
 def _all_columns(table: FileTable) -> str:
-    """What each question about a table lists: of thousands of columns it is put together once."""
+    """Return the list of columns for a question, made once for thousands of columns."""
     return list_columns(table.columns)
 
 
@@ -666,9 +675,9 @@ def list_columns(columns: Sequence[Column]) -> str:
     """Return all columns with their numbers, for a message."""
     filled = [i for i, c in enumerate(columns) if c.content != "blank"]
     names = _count_column_names(columns)
-    shown = [
+    shown_texts = [
         f"{i + 1} {format_column(columns, i, names) if columns[i].name else '(no name)'}"
         for i in filled[:_LISTED]
     ]
-    more = len(filled) - len(shown)
-    return ", ".join(shown) + (f" and {more} more" if more else "")
+    unlisted_count = len(filled) - len(shown_texts)
+    return ", ".join(shown_texts) + (f" and {unlisted_count} more" if unlisted_count else "")

@@ -33,7 +33,7 @@ OF_A_PART: MappingProxyType[str, Dimension] = MappingProxyType({
     "storage": "stiffness", "loss": "stiffness", "modulus": "stiffness",
     "creep_compliance": "compliance", "complex_modulus": "stiffness",
 })  # fmt: skip
-"""What a role of a material measures on a part."""
+"""Role on a part for each role of a material."""
 
 # Names that say exactly this; German and other compounds are met as parts of a word.
 _FIRST: dict[Role, str] = {
@@ -167,7 +167,7 @@ OF_BASE = (
 )  # fmt: skip
 """Words for what is shaken, of two that move."""
 LEAST_SCORE = 1.5
-"""How well a name says a role at least, so that it counts: the score of a second meaning."""
+"""Lowest score with which a name counts for a role: that of a second meaning."""
 WHOLE_TIME = ("run",)
 """Clocks of all that an instrument did, before this record too."""
 _HUMP = compile_on_use(r"(?<=[a-zäöüß]{2})(?=[A-ZÄÖÜ])")
@@ -242,8 +242,10 @@ def tokens(name: str) -> list[str]:
 def has_word(name: str, words: tuple[str, ...]) -> bool:
     """Return whether one of the words stands in the name, alone or (CJK) as a part."""
     name = replace_channel_number(name)
-    single, inside = _split_search_words(words)
-    return not single.isdisjoint(_split_name_words(name)) or any(word in name for word in inside)
+    single, inner_words = _split_search_words(words)
+    return not single.isdisjoint(_split_name_words(name)) or any(
+        word in name for word in inner_words
+    )
 
 
 @lru_cache(maxsize=1 << 16)
@@ -261,8 +263,8 @@ def _split_search_words(words: tuple[str, ...]) -> tuple[frozenset[str], tuple[s
 
 def _may_mean(spelling: str) -> bool:
     """Return whether a word is worth a look at its roles: of thousands of names most are not."""
-    certain = spelling in FIRST or spelling in SECOND
-    return certain or spelling[-2:] in _ENDS or not spelling.isascii()
+    is_certain = spelling in FIRST or spelling in SECOND
+    return is_certain or spelling[-2:] in _ENDS or not spelling.isascii()
 
 
 def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
@@ -322,14 +324,14 @@ def matches(name: str) -> MappingProxyType[Role, float]:
 @lru_cache(maxsize=1 << 16)
 def _matches(name: str) -> MappingProxyType[Role, float]:
     scores: dict[Role, float] = {}
-    whole = unicodedata.normalize("NFKC", name).casefold().strip().replace(" ", "_")
+    whole_name = unicodedata.normalize("NFKC", name).casefold().strip().replace(" ", "_")
     names = tokens(name)
     stems = {word.rstrip("0123456789") for word in names} - {*names, ""}
-    for word in {whole, *names, *stems}:
-        less = 0.3 if word in stems else 0.0  # T beats T2, Force beats Force 1
+    for word in {whole_name, *names, *stems}:
+        penalty = 0.3 if word in stems else 0.0  # T beats T2, Force beats Force 1
         for spelling in filter(_may_mean, {word, remove_accents(word)}):
             for role, value in _roles(spelling):
-                scores[role] = max(value - less, scores.get(role, 0.0))
+                scores[role] = max(value - penalty, scores.get(role, 0.0))
     for phrase in map("_".join, pairwise(names)):  # "tan delta 2"
         for role in FIRST.get(remove_accents(phrase), ()):
             scores[role] = 3.0

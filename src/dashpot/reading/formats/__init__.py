@@ -15,20 +15,22 @@ from dashpot.reading.table import FileTable
 from dashpot.registry import FORMATS, find_handler
 
 _PLUGGED = "plugin_format"
-_MAGIC = tuple((mark, form.name) for form in FORMATS.values() for mark in form.marks)
+_MAGIC = tuple((signature, form.name) for form in FORMATS.values() for signature in form.marks)
 
 
 def format_of(raw: RawFile) -> str:
     """Return the name of the format, which is that of a module of this folder."""
     head = raw.head(4096)
-    bare = head.removeprefix(b"\xef\xbb\xbf")
-    for mark, name in _MAGIC:
-        if bare.startswith(mark):
+    head_without_bom = head.removeprefix(b"\xef\xbb\xbf")
+    for signature, name in _MAGIC:
+        if head_without_bom.startswith(signature):
             return name
-    if re.match(rb"\A\s*+-1[ \t]*+[\r\n]\s*+\d++b?(\s|\Z)", bare):
+    if re.match(rb"\A\s*+-1[ \t]*+[\r\n]\s*+\d++b?(\s|\Z)", head_without_bom):
         return "uff"
-    opens = bare.lstrip().startswith((b"{", b"[{")) and not bare.startswith(b"{\\rtf")
-    return "trios" if opens else "text"
+    is_json = head_without_bom.lstrip().startswith(
+        (b"{", b"[{")
+    ) and not head_without_bom.startswith(b"{\\rtf")
+    return "trios" if is_json else "text"
 
 
 def read_table(raw: RawFile, options: ReadOptions) -> FileTable:
@@ -51,22 +53,22 @@ def read_table(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def _table(raw: RawFile, options: ReadOptions) -> FileTable:
-    name, called = format_of(raw), ""
+    name, plugin_label = format_of(raw), ""
     if options.format is not None:
         from dashpot.registry.plugins import require_plugin
 
-        name, called = _PLUGGED, require_plugin("formats", options.format).full_label
+        name, plugin_label = _PLUGGED, require_plugin("formats", options.format).full_label
     if options.sheet is not None and not FORMATS[name].sheets:
         raise ReadError(
             f"--file-part sheet={options.sheet}: this file has no sheets or groups; leave it out"
         )
-    reads = import_module(FORMATS[name].module)
-    reader: Callable[[RawFile, ReadOptions], FileTable] = reads.read
+    module = import_module(FORMATS[name].module)
+    reader: Callable[[RawFile, ReadOptions], FileTable] = module.read
     try:
         if not FORMATS[name].sandboxed:
             return reader(raw, options)
         from dashpot.reading.sandbox.parent_process import run_in_child
 
-        return run_in_child(called or name, reader, raw, options)
+        return run_in_child(plugin_label or name, reader, raw, options)
     except (MemoryError, OSError) as error:
         raise ReadError(f"cannot be read: {type(error).__name__} {error}") from None

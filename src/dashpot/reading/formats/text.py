@@ -46,7 +46,7 @@ _MARKUP = compile_on_use(
     rb"\A(?:\xef\xbb\xbf)?\s{0,99}(<(?:!doctype\b|html\b|head\b|body\b|table\b|\?xml\b)|\{\\rtf)",
     re.I,
 )
-"""How a web page, a document of XML or rich text begins."""
+"""Start of a web page, a document of XML or rich text."""
 _MIN_TABLE_ROWS = 6
 """Fewest rows of a table; one on its side has fewer, each of as many times so many numbers."""
 _STEADY = 6
@@ -65,25 +65,26 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     ReadError
         If the file is binary, holds no table of numbers, or its commas can be read two ways.
     """
-    marked = _MARKUP.match(raw.head(_HEADS[0]))
-    if marked:
+    markup_match = _MARKUP.match(raw.head(_HEADS[0]))
+    if markup_match:
         raise ReadError(
-            f"is a document ('{marked[1].decode()}'), not a table, as some programs save it under "
-            "the name of a workbook: open it in a spreadsheet program and save it as xlsx or csv"
+            f"is a document ('{markup_match[1].decode()}'), not a table, as some programs save it "
+            "under the name of a workbook: open it in a spreadsheet program and save it as xlsx or "
+            "csv"
         )
     encoding = options.encoding or find_encoding(raw.head(_HEADS[0]))
     raw, encoding = _without_complex(raw, encoding)
     for size in _HEADS:
-        lines, whole = _lines(raw, encoding, size, detected=options.encoding is None)
-        if not whole and len(lines) < _STEADY and size < _HEADS[-1]:
+        lines, is_complete = _lines(raw, encoding, size, detected=options.encoding is None)
+        if not is_complete and len(lines) < _STEADY and size < _HEADS[-1]:
             continue  # too few to break here, whatever they are
         lines = [*[""] * min(options.skip_rows, len(lines)), *lines[options.skip_rows :]]
         dialect = find_dialect(lines, delimiter=options.delimiter, decimal=options.decimal)
-        if whole or (dialect is not None and len(lines) - dialect.first >= _STEADY):
+        if is_complete or (dialect is not None and len(lines) - dialect.first >= _STEADY):
             break
     if dialect is None:
         raise ReadError(_no_table(lines, options))
-    if whole and _lies(lines[dialect.first :], dialect):
+    if is_complete and _lies(lines[dialect.first :], dialect):
         raise ReadError(
             f"its channels stand in rows: line {dialect.first + 1} begins with "
             f"'{lines[dialect.first].partition(dialect.delimiter)[0].strip()[:40]}' and holds "
@@ -113,7 +114,7 @@ def _without_complex(raw: RawFile, encoding: str) -> tuple[RawFile, str]:
 def _lines(raw: RawFile, encoding: str, size: int, *, detected: bool) -> tuple[list[str], bool]:
     """Return the lines of the first bytes, and whether that is the whole file."""
     head = raw.head(size)
-    whole = len(head) == raw.size
+    is_complete = len(head) == raw.size
     if b"\0" in head.rstrip(b"\0\r\n ") and not encoding.startswith(
         ("utf-16", "utf-32", "utf_16", "utf_32")
     ):
@@ -121,7 +122,7 @@ def _lines(raw: RawFile, encoding: str, size: int, *, detected: bool) -> tuple[l
             "not a text file (zero bytes), and no format that dashpot knows by its "
             "content; export it as text (csv, txt)"
         )
-    if not whole:  # an incremental decoder waits for the rest of a character cut in two
+    if not is_complete:  # an incremental decoder waits for the rest of a character cut in two
         text = "".join(_partial(head, encoding, detected=detected))
         return text.split("\n")[:-2], False  # the last line is cut
     text = "".join(decode_blocks([head], encoding, detected=detected))
@@ -129,25 +130,25 @@ def _lines(raw: RawFile, encoding: str, size: int, *, detected: bool) -> tuple[l
 
 
 def _partial(head: bytes, encoding: str, *, detected: bool) -> list[str]:
-    out = []
+    rows = []
     try:
         for text in decode_blocks([head], encoding, detected=detected):
-            out.append(text)
+            rows.append(text)
     except ReadError:
         # the last character is cut in two; anything else fails again when the rows are read
-        if not out:
+        if not rows:
             raise
-    return out
+    return rows
 
 
 def _table(
     raw: RawFile, encoding: str, lines: list[str], dialect: Dialect, options: ReadOptions
 ) -> FileTable:
-    above = lines[: dialect.first]
-    header = [line for line in above if line.strip()]
-    new_header = read_header(above, dialect)
+    lines_above = lines[: dialect.first]
+    header = [line for line in lines_above if line.strip()]
+    new_header = read_header(lines_above, dialect)
     notes = list(filter(None, (new_header.misfit, new_header.uneven)))
-    remarks, doubts = _rows_above(above, dialect)
+    remarks, questions = _rows_above(lines_above, dialect)
     notes += [
         *remarks,
         *_factors(header),
@@ -169,8 +170,8 @@ def _table(
             dialect,
             indexes,
             Heading(new_header.columns, _clock_orders(new_header, options), title(header)),
-            sure=options.decimal is not None,
-            patience=raw.patience,
+            is_decimal_certain=options.decimal is not None,
+            time_budget=raw.patience,
         )
 
     return FileTable(
@@ -185,7 +186,7 @@ def _table(
         simulated=any(
             "simulated" in line.casefold() for line in header if re.match(r"\A\s*+[#%$!/*;]", line)
         ),
-        doubts=tuple(doubts),
+        doubts=tuple(questions),
         hints=(*filter(None, [new_header.misfit]), *_hints(header)),
     )
 
@@ -200,8 +201,8 @@ def _lies(lines: Sequence[str], dialect: Dialect) -> bool:
 def _factors(header: Sequence[str]) -> list[Caution]:
     """Note a line of the header that states a factor: none is applied, and any may be meant."""
     for line in header:
-        stated = _FACTOR.search(line[:500])
-        numbers = _NUMBER.findall(stated.string[stated.end() : 500]) if stated else []
+        match = _FACTOR.search(line[:500])
+        numbers = _NUMBER.findall(match.string[match.end() : 500]) if match else []
         if any(float(number.replace(",", ".")) != 1.0 for number in numbers):
             text = line.strip().replace("\t", " ")[:60]
             message = f"the header says '{text}'; no factor is applied to the numbers"
@@ -223,23 +224,23 @@ def _odd_first_row(lines: Sequence[str], dialect: Dialect) -> list[str]:
         return []  # as it nearly always is: no more are read
     if any(_significant(first[i]) > _OF_A_FACTOR for i in dialect.numbers):
         return []  # what is printed with so many digits is measured
-    others = [list(iterate_row_decimals(row)) for row in rows]
+    other_decimals = [list(iterate_row_decimals(row)) for row in rows]
     like = list(iterate_row_decimals(second))
-    if len(others) < _STEADY - 2 or any(row != like for row in others):
+    if len(other_decimals) < _STEADY - 2 or any(row != like for row in other_decimals):
         return []
     message = f"line {dialect.first + 1}, the first row, is printed otherwise than those below it"
     return [Caution(f"{message}: '{lines[0].strip()[:60]}'; if it is none, take it out")]
 
 
 def _significant(cell: str) -> int:
-    """How many significant digits a number is printed with; trailing zeros count for none."""
+    """Return the number of significant digits of a printed number, without trailing zeros."""
     mantissa = cell.lower().partition("e")[0]
     return len("".join(filter(str.isdigit, mantissa)).strip("0"))
 
 
-def _rows_above(above: Sequence[str], dialect: Dialect) -> tuple[list[str], list[Question]]:
+def _rows_above(lines_above: Sequence[str], dialect: Dialect) -> tuple[list[str], list[Question]]:
     """Note a row of numbers right above the table that is not like its rows; ask about several."""
-    filled = [(number, line) for number, line in enumerate(above, start=1) if line.strip()]
+    filled = [(number, line) for number, line in enumerate(lines_above, start=1) if line.strip()]
     odd = list(takewhile(lambda pair: dialect.resembles_row(pair[1]), reversed(filled)))
     if not odd:
         return [], []
@@ -267,7 +268,7 @@ def _multiplies(line: str, dialect: Dialect) -> bool:
 
 
 def _clock_orders(header: Header, options: ReadOptions) -> tuple[str, ...]:
-    """How the clock times of each column are written: as the user says, else as the header."""
+    """Return the order of date parts of each column: as the user states, else as the header."""
     return tuple(
         (column.content == "clock" and clock_order(options.unit_of("time", column.name))) or clock
         for column, clock in zip(header.columns, header.clocks, strict=True)
@@ -337,12 +338,12 @@ def _no_table(lines: Sequence[str], options: ReadOptions) -> str:
     filled = [line for line in lines if line.strip()]
     if not filled:
         return "holds nothing but blank lines; export the test again"
-    tried = ""
+    tried_text = ""
     if options.delimiter or options.decimal:
-        tried = " with the delimiter and decimal mark given (leave out --text-format)"
-    wide = [(number, line) for number, line in enumerate(lines, 1) if is_overlong(line)]
-    if 2 * len(wide) >= len(filled):
-        number, line = wide[-1]
+        tried_text = " with the delimiter and decimal mark given (leave out --text-format)"
+    overlong_lines = [(number, line) for number, line in enumerate(lines, 1) if is_overlong(line)]
+    if 2 * len(overlong_lines) >= len(filled):
+        number, line = overlong_lines[-1]
         return (
             f"line {number} has {len(line)} characters and {most_cells(line)} cells, and at most "
             f"{LONGEST} characters and {COLUMNS} cells of a line are read; export fewer channels, "
@@ -354,8 +355,8 @@ def _no_table(lines: Sequence[str], options: ReadOptions) -> str:
             f"each number shares its cell with its unit, such as '{filled[-1].strip()[:40]}': "
             "write the units into the header and take them out of the cells"
         )
-    ends = ((line.strip()[0], line.strip()[-1], line.count('"')) for line in filled)
-    if all(end == ('"', '"', 2) for end in ends):
+    line_ends = ((line.strip()[0], line.strip()[-1], line.count('"')) for line in filled)
+    if all(end == ('"', '"', 2) for end in line_ends):
         return (
             f"every line stands in quotes as one cell, such as {first}: take the quotes out, or "
             "export the table again with a cell for each number"
@@ -365,11 +366,11 @@ def _no_table(lines: Sequence[str], options: ReadOptions) -> str:
         for line in filled
     ):
         return (
-            f"no numbers under the header{tried}: {len(filled)} lines of text, "
+            f"no numbers under the header{tried_text}: {len(filled)} lines of text, "
             f"the first is '{first}'; expected rows of numbers below the column names"
         )
     return (
-        f"no table of numbers found{tried} in {len(filled)} lines, the first is "
+        f"no table of numbers found{tried_text} in {len(filled)} lines, the first is "
         f"'{first}'; expected rows of equally many numbers, parted by one kind of delimiter "
         "(--text-format delimiter=, decimal= or skip= says it)"
     )

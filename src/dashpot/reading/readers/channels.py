@@ -45,15 +45,15 @@ Judged: TypeAlias = Callable[
     [Mapping[Role, float], Mapping[Role, str], AbstractSet[Role]],
     Sequence[tuple[Role, Sequence[Check]]],
 ]
-"""What is asked of the sizes of a test, had its units been said otherwise."""
+"""Function that checks the sizes of a test with other units."""
 _OVERLOAD = 9.9e37
-"""What SCPI instruments send for an infinite or an invalid reading."""
+"""Number that SCPI instruments send for an infinite or an invalid reading."""
 _NINES = 999.0
 """The least number of nines alone that loggers write for no reading: 999, -9999, 999.99."""
 _RATE_TOLERANCE = 0.01
 """Part of a step by which the steps of an even clock, and a rate said of it, may differ from it."""
 _FAR = 5.0
-"""How far beyond all other numbers of its column it then stands."""
+"""Factor of such a number over all others of its column."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ class OpenedFile:
         return answer if isinstance(answer, RoleAssignment) else None
 
     def find_unambiguous_column(self, role: Role) -> RoleAssignment | None:
-        """As `column`, but where several could play the role it is asked which.
+        """Return the column of a role; ask where several could play it.
 
         Raises
         ------
@@ -108,19 +108,20 @@ class Channel:
 
 @contextmanager
 def open_file(
-    path: str | Path, options: ReadOptions | None, *, sure: bool = True
+    path: str | Path, options: ReadOptions | None, *, refuse_questions: bool = True
 ) -> Iterator[OpenedFile]:
     """Open a file for a reader: whatever is wrong within is said with the file's name.
 
     Raises
     ------
     ReadError
-        If it cannot be read, or, where it must be `sure`, its numbers can be read two ways.
+        If it cannot be read, or, where it must be `refuse_questions`, its numbers can be read two
+        ways.
     """
     options = (options or ReadOptions()).for_file(path)
     file = pop_cached_file(path, options) or open_table(open_raw(path), options)
     with add_name_to_errors(file.raw.name):
-        if sure and file.table.doubts:
+        if refuse_questions and file.table.doubts:
             raise ReadError(file.table.doubts[0].message)
         yield file
 
@@ -130,7 +131,9 @@ def open_table(raw: RawFile, options: ReadOptions) -> OpenedFile:
     table = read_table(raw, options)
     if options.window_decay is not None and table.doubts:
         questions = [
-            doubt for doubt in table.doubts if not doubt.option.startswith(flag("window_decay"))
+            question
+            for question in table.doubts
+            if not question.option.startswith(flag("window_decay"))
         ]
         table = replace(table, doubts=tuple(questions))
     return OpenedFile(raw, table, options)
@@ -139,7 +142,7 @@ def open_table(raw: RawFile, options: ReadOptions) -> OpenedFile:
 _LEFT_OPEN: dict[object, OpenedFile] = {}
 """Files that were looked at and are about to be read."""
 _MAX_KEPT = 16
-"""How many of them are kept."""
+"""Number of them that are kept."""
 
 
 def cache_open_file(path: str | Path, file: OpenedFile) -> None:
@@ -191,7 +194,11 @@ def refuse_summary(file: OpenedFile) -> None:
 
 
 def expect(
-    file: OpenedFile, accepted: Sequence[FileKind], want: str, *, stated_columns: Sequence[str]
+    file: OpenedFile,
+    accepted: Sequence[FileKind],
+    wanted_kind: str,
+    *,
+    stated_columns: Sequence[str],
 ) -> None:
     """Refuse a file that is surely of another kind, with the command that takes it.
 
@@ -202,7 +209,7 @@ def expect(
     ReadError
     """
     if not any(getattr(file.options, name) for name in stated_columns):
-        refuse_kind(file.table, file.options, accepted, want)
+        refuse_kind(file.table, file.options, accepted, wanted_kind)
 
 
 def choose(file: OpenedFile, roles: Sequence[Role]) -> list[Channel]:
@@ -217,16 +224,16 @@ def choose(file: OpenedFile, roles: Sequence[Role]) -> list[Channel]:
 
 
 def chosen(
-    file: OpenedFile, roles: Sequence[Role], *, besides: Sequence[Question] = ()
+    file: OpenedFile, roles: Sequence[Role], *, other_questions: Sequence[Question] = ()
 ) -> list[RoleAssignment]:
-    """Return the columns that play the roles; `besides` is asked with what they leave open.
+    """Return the columns that play the roles; `other_questions` is asked with what they leave open.
 
     Raises
     ------
     ReadError
         With every question that the file leaves open, in one sentence each.
     """
-    answers = [*(assign(file.table, role, file.options) for role in roles), *besides]
+    answers = [*(assign(file.table, role, file.options) for role in roles), *other_questions]
     if any(isinstance(answer, Question) for answer in answers):
         kind, reason = detect_table_kind(file.table, file.options)
         if kind == "not-a-test":
@@ -260,7 +267,7 @@ def answered(
     return [answer for answer in assignments if isinstance(answer, RoleAssignment)]
 
 
-def with_units(file: OpenedFile, chosen: Sequence[RoleAssignment]) -> list[Channel]:
+def with_units(file: OpenedFile, assignments: Sequence[RoleAssignment]) -> list[Channel]:
     """Return assigned columns with their units.
 
     Raises
@@ -268,24 +275,24 @@ def with_units(file: OpenedFile, chosen: Sequence[RoleAssignment]) -> list[Chann
     ReadError
         With every unit that is missing, unknown or wrong, and how to give it.
     """
-    lacking = [
+    without_unit = [
         assignment
-        for assignment in chosen
+        for assignment in assignments
         if file.unit_word(assignment.index, assignment.role) is None
     ]
-    several = lacking if len(lacking) > 1 else []
-    channels, requested = [], [no_units(file.table, several)] if several else []
-    for item in chosen:
-        if item in several:
+    grouped = without_unit if len(without_unit) > 1 else []
+    channels, requested = [], [no_units(file.table, grouped)] if grouped else []
+    for item in assignments:
+        if item in grouped:
             continue
         try:
             unit = file.unit(item.index, item.role)
         except ReadError as error:
             requested.append(str(error))
             continue
-        why = f" ({item.reason})" if item.reason else ""
+        reason_text = f" ({item.reason})" if item.reason else ""
         label = file.table.columns[item.index].label(item.index + 1)
-        message = f"{item.role}: {label} [{unit.word}]{why}"
+        message = f"{item.role}: {label} [{unit.word}]{reason_text}"
         channels.append(Channel(item.role, item.index, unit, message))
     if requested:
         raise ReadError("; ".join(requested))
@@ -312,7 +319,9 @@ def refuse_sizes(
     return notes
 
 
-def refuse_all_sizes(file: OpenedFile, chosen: Sequence[Channel], function: Judged) -> list[str]:
+def refuse_all_sizes(
+    file: OpenedFile, channels_chosen: Sequence[Channel], function: Judged
+) -> list[str]:
     """Ask at once for every unit that is to be answered; return notes on unusual sizes.
 
     Who obeys the first question may well have to be asked the next: each is taken to be obeyed
@@ -328,29 +337,30 @@ def refuse_all_sizes(file: OpenedFile, chosen: Sequence[Channel], function: Judg
     ------
     ReadError
     """
-    meant = {channel.role: channel.unit for channel in chosen}
-    stated = {channel.role for channel in chosen if is_stated(file, channel)}
+    unit_of = {channel.role: channel.unit for channel in channels_chosen}
+    stated_roles = {channel.role for channel in channels_chosen if is_stated(file, channel)}
     questions: list[str] = []
     while True:
         times = {
-            channel.role: meant[channel.role].factor / channel.unit.factor for channel in chosen
+            channel.role: unit_of[channel.role].factor / channel.unit.factor
+            for channel in channels_chosen
         }
-        words = {role: unit.word for role, unit in meant.items()}
+        words = {role: unit.word for role, unit in unit_of.items()}
         failed = [
             (role, check)
-            for role, checks in function(times, words, stated)
-            if role not in stated
+            for role, checks in function(times, words, stated_roles)
+            if role not in stated_roles
             for check in checks
             if check.failed
         ]
-        stops = [item for item in failed if item[1].grade == "stop"]
-        if not stops:
+        stop_checks = [item for item in failed if item[1].grade == "stop"]
+        if not stop_checks:
             break
-        role, check = stops[0]
+        role, check = stop_checks[0]
         questions.append(check.message_with_option)
-        stated.add(role)
+        stated_roles.add(role)
         likelier = check.remedy.value.partition("=")[2] if check.remedy else ""
-        meant[role] = units.find_unit(likelier, meant[role].dimension) or meant[role]
+        unit_of[role] = units.find_unit(likelier, unit_of[role].dimension) or unit_of[role]
     if questions:
         raise ReadError(" ".join(questions))
     return [Caution(check.message_with_option, check.message_with_remedy) for _, check in failed]
@@ -379,11 +389,13 @@ def refuse_other_rate(file: OpenedFile) -> None:
         unit = file.unit(answer.index, "time")
     except ReadError:
         return
-    ticks = load(file.table, [answer.index], file.options.segment, sure=False).values[:, 0]
+    ticks = load(file.table, [answer.index], file.options.segment, refuse_questions=False).values[
+        :, 0
+    ]
     steps = np.diff(si(ticks[np.isfinite(ticks)], unit))
     step = median(steps) if len(steps) else 0.0
-    even = step > 0 and np.mean(np.abs(steps / step - 1) < _RATE_TOLERANCE) > 1 - _RATE_TOLERANCE
-    if even and abs(rate * step - 1) > _RATE_TOLERANCE:
+    is_even = step > 0 and np.mean(np.abs(steps / step - 1) < _RATE_TOLERANCE) > 1 - _RATE_TOLERANCE
+    if is_even and abs(rate * step - 1) > _RATE_TOLERANCE:
         raise ReadError(
             f"--rate {rate:g}Hz, but the clock in "
             f"{format_column(file.table.columns, answer.index)} runs "
@@ -395,25 +407,25 @@ def refuse_other_rate(file: OpenedFile) -> None:
 def format_role_options(file: OpenedFile, columns: Sequence[tuple[Role, int]]) -> str:
     """Return the options that give roles to columns, with the usual units, as they are typed."""
     words = [f'{flag(role)}="{handle(file.table.columns, index)}"' for role, index in columns]
-    usual = dict.fromkeys(f"{role}={EXAMPLE[role]}" for role, _ in columns)
-    return f'{" ".join(words)} --units "{",".join(usual)}"'
+    unit_options = dict.fromkeys(f"{role}={EXAMPLE[role]}" for role, _ in columns)
+    return f'{" ".join(words)} --units "{",".join(unit_options)}"'
 
 
-def rivals(file: OpenedFile, chosen: Sequence[Channel]) -> list[str]:
+def rivals(file: OpenedFile, channels_chosen: Sequence[Channel]) -> list[str]:
     """Say which other columns could have played a role, where one was clearly better."""
-    taken = {channel.index for channel in chosen}
+    taken_columns = {channel.index for channel in channels_chosen}
     columns = file.table.columns
     notes = []
-    for item in chosen:
+    for item in channels_chosen:
         if item.role == "acceleration":  # there may be several
             continue
         answer = file.column(item.role)
-        others = [i for i in answer.rivals if i not in taken] if answer else []
-        if others:
-            listed = ", ".join(format_column(columns, i) for i in others[:3])
+        other_columns = [i for i in answer.rivals if i not in taken_columns] if answer else []
+        if other_columns:
+            columns_text = ", ".join(format_column(columns, i) for i in other_columns[:3])
             notes.append(
-                f"{item.role} is {format_column(columns, item.index)}; {listed} could be too: "
-                f"{flag(item.role)}=NAME chooses"
+                f"{item.role} is {format_column(columns, item.index)}; {columns_text} could be "
+                f"too: {flag(item.role)}=NAME chooses"
             )
     return notes
 
@@ -450,9 +462,11 @@ def si(values: FloatArray, unit: Unit) -> FloatArray:
     return values
 
 
-def convert_signals_to_si(values: FloatArray, chosen: Sequence[Channel]) -> dict[Role, FloatArray]:
+def convert_signals_to_si(
+    values: FloatArray, selection: Sequence[Channel]
+) -> dict[Role, FloatArray]:
     """Return the columns of loaded values, in the order chosen, in SI units by their role."""
-    columns = ((channel, np.ascontiguousarray(values[:, j])) for j, channel in enumerate(chosen))
+    columns = ((channel, np.ascontiguousarray(values[:, j])) for j, channel in enumerate(selection))
     return {channel.role: si(column, channel.unit) for channel, column in columns}
 
 
@@ -462,24 +476,34 @@ def add_time_role(file: OpenedFile, *roles: Role) -> list[Role]:
 
 
 def load(
-    table: FileTable, indexes: Sequence[int], segment: int | None, *, sure: bool = True
+    table: FileTable, indexes: Sequence[int], segment: int | None, *, refuse_questions: bool = True
 ) -> LoadedColumns:
     """Return the numbers of some columns: of the segment asked for, overload marks left out.
 
     Raises
     ------
     ReadError
-        If there is no such segment, or, where it must be `sure`, its numbers leave a doubt.
+        If there is no such segment, or, where it must be `refuse_questions`, its numbers leave a
+        doubt.
     """
-    loaded = part(table.load(indexes), segment)
-    if sure and loaded.doubts:
-        raise ReadError(loaded.doubts[0][1].message)
-    ends = (np.fmax.reduce(loaded.values, initial=0.0), -np.fmin.reduce(loaded.values, initial=0.0))
-    tops = np.fmax(*ends)
-    far = np.flatnonzero(tops >= _NINES)
-    marked = [j for j, top in zip(far.tolist(), tops[far].tolist(), strict=True) if _is_mark(top)]
-    notes = [note for j in marked for note in _without_marks(loaded.values[:, j], tops[j])]
-    return replace(loaded, notes=(*loaded.notes, *notes)) if notes else loaded
+    loaded_data = part(table.load(indexes), segment)
+    if refuse_questions and loaded_data.doubts:
+        raise ReadError(loaded_data.doubts[0][1].message)
+    extremes = (
+        np.fmax.reduce(loaded_data.values, initial=0.0),
+        -np.fmin.reduce(loaded_data.values, initial=0.0),
+    )
+    tops = np.fmax(*extremes)
+    large_indices = np.flatnonzero(tops >= _NINES)
+    marked_columns = [
+        j
+        for j, top in zip(large_indices.tolist(), tops[large_indices].tolist(), strict=True)
+        if _is_mark(top)
+    ]
+    notes = [
+        note for j in marked_columns for note in _without_marks(loaded_data.values[:, j], tops[j])
+    ]
+    return replace(loaded_data, notes=(*loaded_data.notes, *notes)) if notes else loaded_data
 
 
 def _is_mark(top: float) -> bool:
@@ -491,75 +515,82 @@ def _without_marks(column: FloatArray, top: float) -> list[str]:
     """Take the marks of no reading, of the largest size, out of a column, with a note."""
     size = np.abs(column)
     if top >= _OVERLOAD:
-        marks = size >= _OVERLOAD
+        is_overload = size >= _OVERLOAD
         message = "values of 9.9e37 or more are an instrument's overload mark, not numbers"
     else:
-        marks = size == top
-        rest = float(np.fmax.reduce(size[~marks], initial=0.0))
-        if not marks.any() or rest * _FAR > top:
+        is_overload = size == top
+        rest = float(np.fmax.reduce(size[~is_overload], initial=0.0))
+        if not is_overload.any() or rest * _FAR > top:
             return []
         message = (
-            f"values of {column[marks][0]:.10g}, far beyond all others, are a mark of no reading"
+            f"values of {column[is_overload][0]:.10g}, far beyond all others, are a mark of "
+            "no reading"
         )
-    column[marks] = np.nan
-    return [f"{marks.sum()} {message}"]
+    column[is_overload] = np.nan
+    return [f"{is_overload.sum()} {message}"]
 
 
-def load_test(file: OpenedFile, chosen: Sequence[Channel], least: int = 8) -> LoadedColumns:
+def load_test(
+    file: OpenedFile, channels_chosen: Sequence[Channel], min_count: int = 8
+) -> LoadedColumns:
     """Return the numbers of the chosen columns of a test, in the file's units.
 
     Raises
     ------
     ReadError
-        If there are fewer than `least` rows.
+        If there are fewer than `min_count` rows.
     """
-    loaded = load(file.table, [channel.index for channel in chosen], file.options.segment)
-    count = len(loaded.values)
-    if count < least:
+    loaded_columns = load(
+        file.table, [channel.index for channel in channels_chosen], file.options.segment
+    )
+    count = len(loaded_columns.values)
+    if count < min_count:
         plural = "s" * (count != 1)
-        raise ReadError(f"only {count} row{plural} of numbers; a test needs at least {least}")
-    return loaded
+        raise ReadError(f"only {count} row{plural} of numbers; a test needs at least {min_count}")
+    return loaded_columns
 
 
-def filled_down(loaded: LoadedColumns, roles: Sequence[Role]) -> LoadedColumns:
+def filled_down(loaded_columns: LoadedColumns, roles: Sequence[Role]) -> LoadedColumns:
     """Return the rows, a temperature that stands once for each block filled down, and a note.
 
     So it is where it stands in less than half of the rows that lack nothing else.
     """
     if "temperature" not in roles:
-        return loaded
-    place = roles.index("temperature")
-    column = loaded.values[:, place]
-    whole: BoolArray = np.all(np.isfinite(np.delete(loaded.values, place, axis=1)), axis=1)
+        return loaded_columns
+    temperature_index = roles.index("temperature")
+    column = loaded_columns.values[:, temperature_index]
+    is_complete: BoolArray = np.all(
+        np.isfinite(np.delete(loaded_columns.values, temperature_index, axis=1)), axis=1
+    )
     finite = np.isfinite(column)
     first = int(np.argmax(finite))
-    stands = int(np.count_nonzero(finite & whole))
-    late = not finite.any() or whole[:first].any()
-    if late or 2 * stands >= np.count_nonzero(whole):
-        return loaded
-    values = loaded.values.copy()
-    values[:, place] = column[
+    complete_count = int(np.count_nonzero(finite & is_complete))
+    is_late = not finite.any() or is_complete[:first].any()
+    if is_late or 2 * complete_count >= np.count_nonzero(is_complete):
+        return loaded_columns
+    values = loaded_columns.values.copy()
+    values[:, temperature_index] = column[
         np.maximum.accumulate(np.where(finite, np.arange(len(column)), first))
     ]
     note = (
-        f"the temperature stands in {stands} of {np.count_nonzero(whole)} rows, from "
-        f"{loaded.format_row_position(first)} on; each holds for the rows below it"
+        f"the temperature stands in {complete_count} of {np.count_nonzero(is_complete)} rows, from "
+        f"{loaded_columns.format_row_position(first)} on; each holds for the rows below it"
     )
-    return replace(loaded, values=values, notes=(*loaded.notes, note))
+    return replace(loaded_columns, values=values, notes=(*loaded_columns.notes, note))
 
 
-def select_complete_rows(loaded: LoadedColumns) -> tuple[FloatArray, tuple[str, ...]]:
+def select_complete_rows(loaded_columns: LoadedColumns) -> tuple[FloatArray, tuple[str, ...]]:
     """Return the rows that lack no number, and notes: of loading, and how many are left out."""
-    whole = np.isfinite(loaded.values).all(axis=1)
-    missing = np.flatnonzero(~whole)
+    is_complete = np.isfinite(loaded_columns.values).all(axis=1)
+    missing = np.flatnonzero(~is_complete)
     if not missing.size:
-        return loaded.values, loaded.notes
-    first = loaded.format_row_position(int(missing[0]))
+        return loaded_columns.values, loaded_columns.notes
+    first = loaded_columns.format_row_position(int(missing[0]))
     note = f"{missing.size} rows lack a number and were left out, first {first}"
-    return loaded.values[whole], (*loaded.notes, note)
+    return loaded_columns.values[is_complete], (*loaded_columns.notes, note)
 
 
-def part(loaded: LoadedColumns, segment: int | None) -> LoadedColumns:
+def part(loaded_columns: LoadedColumns, segment: int | None) -> LoadedColumns:
     """Return the segment asked for, or everything.
 
     Raises
@@ -568,33 +599,35 @@ def part(loaded: LoadedColumns, segment: int | None) -> LoadedColumns:
         If there is no such segment.
     """
     if segment is None:
-        return loaded
-    count = len(loaded.starts)
+        return loaded_columns
+    count = len(loaded_columns.starts)
     if segment > count:
         plural = "s" * (count != 1)
         raise ReadError(f"--file-part segment={segment}, but the file has {count} segment{plural}")
-    keep = np.zeros(len(loaded.values), dtype=bool)
-    keep[slices(loaded.starts, len(keep))[segment - 1]] = True
-    doubts = tuple(doubt for doubt in loaded.doubts if doubt[0] in {None, segment - 1})
-    return replace(rows(loaded, keep), doubts=doubts)
+    keep = np.zeros(len(loaded_columns.values), dtype=bool)
+    keep[slices(loaded_columns.starts, len(keep))[segment - 1]] = True
+    questions = tuple(
+        question for question in loaded_columns.doubts if question[0] in {None, segment - 1}
+    )
+    return replace(rows(loaded_columns, keep), doubts=questions)
 
 
-def rows(loaded: LoadedColumns, keep: BoolArray) -> LoadedColumns:
+def rows(loaded_columns: LoadedColumns, keep: BoolArray) -> LoadedColumns:
     """Return some of the rows as one segment; each still knows its line."""
-    if keep.all() and len(loaded.starts) == 1:
-        return loaded
+    if keep.all() and len(loaded_columns.starts) == 1:
+        return loaded_columns
     indices = np.flatnonzero(keep)
     lines: tuple[tuple[int, int], ...] = ()
-    if loaded.lines:
-        firsts = {first for first, _ in loaded.lines}
+    if loaded_columns.lines:
+        firsts = {first for first, _ in loaded_columns.lines}
         # a new run wherever a row is left out or the file itself breaks
         runs = [
             i
             for i, row in enumerate(indices)
             if i == 0 or indices[i - 1] != row - 1 or row in firsts
         ]
-        lines = tuple((i, loaded.line(int(indices[i]))) for i in runs)
-    return LoadedColumns(loaded.values[indices], (0,), ("",), lines, loaded.notes)
+        lines = tuple((i, loaded_columns.line(int(indices[i]))) for i in runs)
+    return LoadedColumns(loaded_columns.values[indices], (0,), ("",), lines, loaded_columns.notes)
 
 
 # From one file or several to the record of a base that is shaken and the mass on it.
@@ -603,17 +636,18 @@ def rows(loaded: LoadedColumns, keep: BoolArray) -> LoadedColumns:
 _SLOWER: tuple[Role, ...] = ("velocity", "displacement")
 
 
-def find_mass_motions(file: OpenedFile, taken: Sequence[int]) -> list[RoleAssignment]:
+def find_mass_motions(file: OpenedFile, taken_columns: Sequence[int]) -> list[RoleAssignment]:
     """Return the motions beside the base's: those named, else accelerations, else the others."""
     options = file.options
-    named = [role for role in _SLOWER if getattr(options, role)]
+    roles_named = [role for role in _SLOWER if getattr(options, role)]
     assignments: list[RoleAssignment] = []
-    if options.acceleration or not named:
+    if options.acceleration or not roles_named:
         assignments = [
             RoleAssignment("acceleration", i, "of the mass")
-            for i in accelerations(file.table, taken, options)
+            for i in accelerations(file.table, taken_columns, options)
         ]
     assignments += filter(
-        None, map(file.find_unambiguous_column, named if named or assignments else _SLOWER)
+        None,
+        map(file.find_unambiguous_column, roles_named if roles_named or assignments else _SLOWER),
     )
-    return [assignment for assignment in assignments if assignment.index not in taken]
+    return [assignment for assignment in assignments if assignment.index not in taken_columns]

@@ -22,7 +22,7 @@ from dashpot.signals.clock import JUMP_RATIO, NEIGHBOUR_STEPS, find_clock_jumps
 
 
 _LAST = 5.0
-"""How much longer than all others the last step may be before it is worth a word."""
+"""Largest ratio of the last step to all others without a note."""
 _FULL = 0.98
 """Part of the travel at which a ramp counts as over; what is left of it, as begun."""
 _LOUD_SHARE = 0.1
@@ -38,7 +38,7 @@ _MAX_REPEATED_SHARE = 1e-3
 
 
 def drop_missing(
-    loaded: LoadedColumns, names: Sequence[str], *, protect: BoolArray
+    loaded_columns: LoadedColumns, names: Sequence[str], *, protect: BoolArray
 ) -> tuple[BoolArray, list[str]]:
     """Return which rows are whole, and a note on those that are not.
 
@@ -47,7 +47,7 @@ def drop_missing(
     ReadError
         If a number is missing where `protect` is true, or in more than half of the rows.
     """
-    holes = ~np.isfinite(loaded.values)
+    holes = ~np.isfinite(loaded_columns.values)
     keep = np.logical_not(np.any(holes, axis=1))
     rows = np.flatnonzero(~keep)
     if rows.size == 0:
@@ -56,11 +56,13 @@ def drop_missing(
     def lacks(row: int) -> str:
         return " and ".join(name for name, hole in zip(names, holes[row], strict=True) if hole)
 
-    places = ", ".join(f"{loaded.format_row_position(int(row))} ({lacks(row)})" for row in rows[:3])
-    more = f" and {rows.size - 3} more" if rows.size > 3 else ""
+    rows_text = ", ".join(
+        f"{loaded_columns.format_row_position(int(row))} ({lacks(row)})" for row in rows[:3]
+    )
+    more_text = f" and {rows.size - 3} more" if rows.size > 3 else ""
     if rows.size > 0.5 * len(keep):
         raise ReadError(
-            f"{rows.size} of {len(keep)} rows lack a number, first at {places}{more}; "
+            f"{rows.size} of {len(keep)} rows lack a number, first at {rows_text}{more_text}; "
             "the columns may be recorded at different rates: export them on one time base"
         )
     guarded = rows[protect[rows] & (rows < len(keep) - 1)]  # a last row may well be cut off
@@ -68,45 +70,45 @@ def drop_missing(
         row = int(guarded[0])
         plural = "s" * (rows.size > 1)
         raise ReadError(
-            f"{loaded.format_row_position(row)} lacks {lacks(row)} within the ramp or the start of "
-            f"the hold, where every sample counts ({rows.size} such row{plural} in all); "
+            f"{loaded_columns.format_row_position(row)} lacks {lacks(row)} within the ramp or the "
+            f"start of the hold, where every sample counts ({rows.size} such row{plural} in all); "
             "repair or repeat the record there"
         )
     return keep, [
-        f"{rows.size} of {len(keep)} rows lack a number and were left out: {places}{more}"
+        f"{rows.size} of {len(keep)} rows lack a number and were left out: {rows_text}{more_text}"
     ]
 
 
-def without_padding(loaded: LoadedColumns) -> LoadedColumns:
+def without_padding(loaded_columns: LoadedColumns) -> LoadedColumns:
     """Return the rows, time first, without those at the end that only fill a buffer.
 
     That is the last row again and again, or rows of one number (0, -1, NaN) or all alike at which
     the clock does not rise.
     """
-    values = loaded.values
+    values = loaded_columns.values
     if len(values) < 3 or values[-1, 0] > values[-2, 0]:
-        return loaded
+        return loaded_columns
     is_repeated = np.all((values == values[-1]) | np.isnan(values) & np.isnan(values[-1]), axis=1)
     first = int(np.flatnonzero(~is_repeated)[-1]) + 1 if not is_repeated.all() else 0
     if not first:
-        return loaded
+        return loaded_columns
     if values[first, 0] > values[first - 1, 0]:
         first += 1  # the last sample, and its copies
     elif len(values) - first == 1 and len(set(np.nan_to_num(values[-1]).tolist())) > 1:
-        return loaded  # one odd row is a fault of the clock
-    retained = [start < first for start in loaded.starts]
+        return loaded_columns  # one odd row is a fault of the clock
+    is_kept_segment = [start < first for start in loaded_columns.starts]
     numbers = ", ".join(f"{value:.6g}" for value in values[-1])
     count = len(values) - first
     note = (
         f"rows at the end that only fill the file were left out: {count}, from "
-        f"{loaded.format_row_position(first)} on ({numbers})"
+        f"{loaded_columns.format_row_position(first)} on ({numbers})"
     )
     return replace(
-        loaded,
+        loaded_columns,
         values=values[:first],
-        starts=loaded.starts[: sum(retained)],
-        segments=loaded.segments[: sum(retained)],
-        notes=(*loaded.notes, note),
+        starts=loaded_columns.starts[: sum(is_kept_segment)],
+        segments=loaded_columns.segments[: sum(is_kept_segment)],
+        notes=(*loaded_columns.notes, note),
     )
 
 
@@ -116,31 +118,33 @@ def ramp_window(time: FloatArray, displacement: FloatArray) -> BoolArray:
     The fastest relaxation that a ramp shows has about the time of the ramp, so the arms are
     determined within ten ramp times of hold.
     """
-    certain = np.isfinite(time) & np.isfinite(displacement)
+    is_complete = np.isfinite(time) & np.isfinite(displacement)
     window = np.zeros(len(time), dtype=bool)
-    if certain.sum() < 8:
+    if is_complete.sum() < 8:
         return window
-    t, x = time[certain], displacement[certain]
+    t, x = time[is_complete], displacement[is_complete]
     low, high = float(np.min(x)), float(np.max(x))
     if high <= low:
         return window
     magnitude = np.abs(x - x[0])
     indices = np.flatnonzero(magnitude > 0.02 * magnitude.max())
-    full = np.flatnonzero(magnitude > 0.98 * magnitude.max())
-    onset, end = t[max(int(indices[0]) - 1, 0)], t[int(full[0])]
-    filled = np.interp(np.arange(len(time)), np.flatnonzero(certain), t)
+    full_indices = np.flatnonzero(magnitude > 0.98 * magnitude.max())
+    onset, end = t[max(int(indices[0]) - 1, 0)], t[int(full_indices[0])]
+    filled = np.interp(np.arange(len(time)), np.flatnonzero(is_complete), t)
     return np.asarray((filled >= onset) & (filled <= end + 10 * max(end - onset, 0.0)))
 
 
 def ramp_samples(displacement: FloatArray) -> tuple[int, int]:
     """Return the first and the last sample of the first travel; equal where nothing moves."""
     magnitude = np.abs(displacement - displacement[0])
-    far = float(magnitude.max())
-    full = int(np.argmax(magnitude > _FULL * far))
-    return full - int(np.argmax(magnitude[full::-1] <= (1 - _FULL) * far)), full
+    max_magnitude = float(magnitude.max())
+    first_full = int(np.argmax(magnitude > _FULL * max_magnitude))
+    return first_full - int(
+        np.argmax(magnitude[first_full::-1] <= (1 - _FULL) * max_magnitude)
+    ), first_full
 
 
-def drop_repeats(time: FloatArray, loaded: LoadedColumns) -> tuple[BoolArray, list[str]]:
+def drop_repeats(time: FloatArray, loaded_data: LoadedColumns) -> tuple[BoolArray, list[str]]:
     """Return which samples to keep so that time rises, and a note on the repeats left out.
 
     Raises
@@ -150,22 +154,22 @@ def drop_repeats(time: FloatArray, loaded: LoadedColumns) -> tuple[BoolArray, li
     """
     keep = np.ones(len(time), dtype=bool)
     steps = np.diff(time)
-    falls = np.flatnonzero(steps < 0)
-    if falls.size:
-        i = int(falls[0])
-        part = ", read one part with --file-part segment=N" if len(loaded.starts) > 1 else ""
+    fall_indices = np.flatnonzero(steps < 0)
+    if fall_indices.size:
+        i = int(fall_indices[0])
+        part = ", read one part with --file-part segment=N" if len(loaded_data.starts) > 1 else ""
         forward = steps[steps > 0]
         rate = f"--rate {1 / median(forward):.6g}Hz" if forward.size else "--rate 1000Hz"
         raise ReadError(
             f"time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "
-            f"{loaded.format_row_position(i + 1)}: the clock was reset or rows are out of order "
-            f"({falls.size} such place{'s' * (falls.size > 1)}); split the file there{part}, or "
-            f"give {rate} if the rows are evenly sampled throughout"
+            f"{loaded_data.format_row_position(i + 1)}: the clock was reset or rows are out of "
+            f"order ({fall_indices.size} such place{'s' * (fall_indices.size > 1)}); split the "
+            f"file there{part}, or give {rate} if the rows are evenly sampled throughout"
         )
     repeats = np.flatnonzero(steps == 0) + 1
     if repeats.size == 0:
         return keep, []
-    first = loaded.format_row_position(int(repeats[0]))
+    first = loaded_data.format_row_position(int(repeats[0]))
     if repeats.size > max(1.0, _MAX_REPEATED_SHARE * len(time)):
         raise ReadError(
             f"{repeats.size} of {len(time)} time stamps repeat the one before, first "
@@ -187,10 +191,10 @@ def _mean_rate(time: FloatArray) -> str:
     return f"{(ticks[-1] - ticks[0]) / (time[ticks[-1]] - time[ticks[0]]):.6g}"
 
 
-def clock_notes(time: FloatArray, *, stated: bool = False) -> list[str]:
+def clock_notes(time: FloatArray, *, is_stated: bool = False) -> list[str]:
     """Say where the clock leaps, and if the unit of time may be wrong, so fast or slow it is.
 
-    A unit that is `stated` by the user, or by every cell, is not doubted.
+    A unit that is `is_stated` by the user, or by every cell, is not doubted.
     """
     steps = np.diff(time)
     step = median(steps) if len(time) > 1 else 0.0
@@ -208,7 +212,7 @@ def clock_notes(time: FloatArray, *, stated: bool = False) -> list[str]:
     read = "milliseconds or minutes read as seconds" if rate > 1e6 else "these milliseconds"
     text = f"sampled at {rate:.3g} Hz, if the unit of time is right: are {read}?"
     message = f'{text} Say it with --units "time=ms"'
-    return [message if stated else Caution(message, text)]
+    return [message if is_stated else Caution(message, text)]
 
 
 def round_steps(time: FloatArray, unit: Unit) -> list[str]:
@@ -256,8 +260,8 @@ def _leaps(time: FloatArray) -> list[str]:
         f"are {leap.expected_step:.3g} s: it jumped, or the record was interrupted"
         for leap in leaps[:_MAX_LISTED]
     ]
-    more = len(leaps) - len(notes)
-    return [*notes, f"the clock does so at {more} more places"] if more else notes
+    unlisted = len(leaps) - len(notes)
+    return [*notes, f"the clock does so at {unlisted} more places"] if unlisted else notes
 
 
 def has_swapped_signals(displacement: FloatArray, force: FloatArray) -> bool:
@@ -270,26 +274,26 @@ def compute_active_fraction(signal: FloatArray) -> float:
 
     A hammer's pulses are over in a few samples, what it strikes rings on.
     """
-    away = np.abs(signal - median(signal))
-    return float(np.mean(away > _LOUD_SHARE * away.max()))
+    deviation = np.abs(signal - median(signal))
+    return float(np.mean(deviation > _LOUD_SHARE * deviation.max()))
 
 
 def _relaxes(values: FloatArray) -> float:
     """Share of its range that a signal falls back from its peak by the end of a long tail."""
-    away = np.abs(values - values[0])
-    peak = int(np.argmax(away))
-    if away[peak] <= 0 or peak > 0.5 * len(values):
+    change = np.abs(values - values[0])
+    peak = int(np.argmax(change))
+    if change[peak] <= 0 or peak > 0.5 * len(values):
         return 0.0
-    tail = away[int(0.9 * len(away)) :]
-    return float((away[peak] - median(tail)) / away[peak])
+    last_part = change[int(0.9 * len(change)) :]
+    return float((change[peak] - median(last_part)) / change[peak])
 
 
 def _creeps(values: FloatArray) -> float:
     """Share of its range by which a signal that peaks late still moves in its later half."""
-    away = np.abs(values - values[0])
-    if int(np.argmax(away)) <= 0.5 * len(values):
+    change = np.abs(values - values[0])
+    if int(np.argmax(change)) <= 0.5 * len(values):
         return 0.0
-    return float(np.ptp(away[int(0.5 * len(away)) :]) / away.max())
+    return float(np.ptp(change[int(0.5 * len(change)) :]) / change.max())
 
 
 # Signals with their own clocks: pairs of columns, time and signal.
@@ -334,12 +338,12 @@ def since_the_step(table: FileTable, options: ReadOptions) -> RoleAssignment | Q
     )
 
 
-def interpolate_to_force_clock(loaded: LoadedColumns, ratio: float = 1.0) -> LoadedColumns:
+def interpolate_to_force_clock(loaded_columns: LoadedColumns, ratio: float = 1.0) -> LoadedColumns:
     """Return time, displacement and force at the instants of the force.
 
     Parameters
     ----------
-    loaded : LoadedColumns
+    loaded_columns : LoadedColumns
         Time of the force, displacement, force, time of the displacement.
     ratio : float
         The unit of the displacement's time in that of the force's.
@@ -349,29 +353,30 @@ def interpolate_to_force_clock(loaded: LoadedColumns, ratio: float = 1.0) -> Loa
     ReadError
         If the displacement's clock falls, or the two share no time.
     """
-    time, change, force, ticks = loaded.values.T
+    time, change, force, ticks = loaded_columns.values.T
     ticks = ratio * ticks
     value = np.isfinite(ticks) & np.isfinite(change)
-    falls = np.flatnonzero(np.diff(ticks[value]) <= 0)
-    if falls.size:
-        row = int(np.flatnonzero(value)[falls[0] + 1])
+    fall_indices = np.flatnonzero(np.diff(ticks[value]) <= 0)
+    if fall_indices.size:
+        row = int(np.flatnonzero(value)[fall_indices[0] + 1])
         raise ReadError(
-            f"the clock of the displacement does not rise at {loaded.format_row_position(row)}; "
-            "name one clock for both with --column time=NAME"
+            "the clock of the displacement does not rise at "
+            f"{loaded_columns.format_row_position(row)}; name one clock for both with --column "
+            "time=NAME"
         )
-    begin = np.min(ticks, where=value, initial=np.inf)
+    start = np.min(ticks, where=value, initial=np.inf)
     end = np.max(ticks, where=value, initial=-np.inf)
-    both = np.isfinite(time) & np.isfinite(force) & (time >= begin) & (time <= end)
-    if not both.any():
+    has_both = np.isfinite(time) & np.isfinite(force) & (time >= start) & (time <= end)
+    if not has_both.any():
         raise ReadError(
             "the clocks of displacement and force share no time; name one clock for both "
             "with --column time=NAME"
         )
-    shared = channels.rows(loaded, both)
-    at_forces = np.interp(time[both], ticks[value], change[value])
+    shared = channels.rows(loaded_columns, has_both)
+    at_forces = np.interp(time[has_both], ticks[value], change[value])
     note = (
-        f"displacement and force have clocks of their own: {both.sum()} of {len(time)} rows of "
+        f"displacement and force have clocks of their own: {has_both.sum()} of {len(time)} rows of "
         "force lie within both, and the displacement was interpolated to their instants"
     )
-    values = np.column_stack([time[both], at_forces, force[both]])
+    values = np.column_stack([time[has_both], at_forces, force[has_both]])
     return replace(shared, values=values, notes=(*shared.notes, note))

@@ -42,7 +42,7 @@ _REASONS_WITHOUT_CLOCK: Mapping[str, str] = MappingProxyType({
     "harmonic": "it goes to and fro; it has no clock",
     "creep": "its force is held; it has no clock",
 })  # fmt: skip
-"""Of kinds whose fit needs a clock, by the loading that a record without one shows."""
+"""Reasons why a kind needs a clock, by the loading that a record without one shows."""
 _LEAST_SAMPLES = 8
 """Fewest samples that show a motion."""
 _MATERIAL_ROLES: tuple[Role, ...] = ("strain", "stress")
@@ -72,11 +72,11 @@ def recognise(
     """
     options = options or ReadOptions()
     options = options if kind is None else replace(options, kind=kind)
-    opened = open_or_identify(path, options)
-    if isinstance(opened, Recognised):
-        return opened
+    opened_file = open_or_identify(path, options)
+    if isinstance(opened_file, Recognised):
+        return opened_file
     # where the kind is said, only who reads the file next loads its numbers
-    file = opened if options.kind else channels.read_once(opened)
+    file = opened_file if options.kind else channels.read_once(opened_file)
     with add_name_to_errors(file.raw.name):
         kind, reason = recognise_opened(file)
         is_base_excited = kind == "impact" and file.options.base_acceleration is not None
@@ -159,11 +159,13 @@ def _load_signals_by_row(
 ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
     """Return row number and the two signals; None where the columns are ambiguous."""
     try:
-        chosen = channels.choose(file, pair)
-        values, _ = channels.select_complete_rows(channels.load_test(file, chosen, _LEAST_SAMPLES))
+        channels_chosen = channels.choose(file, pair)
+        values, _ = channels.select_complete_rows(
+            channels.load_test(file, channels_chosen, _LEAST_SAMPLES)
+        )
     except ReadError:
         return None
-    signals = channels.convert_signals_to_si(values, chosen)
+    signals = channels.convert_signals_to_si(values, channels_chosen)
     displacement, force = (signals[role] for role in pair)
     return np.arange(len(displacement), dtype=float), displacement, force
 
@@ -171,8 +173,8 @@ def _load_signals_by_row(
 def _load_motion(file: OpenedFile, pair: tuple[Role, ...]) -> tuple[FloatArray, ...]:
     """Return time and signals; nothing of an ambiguous or invalid record: its reader says why."""
     try:
-        chosen, clocks = moving_columns(file, *pair)
-        values, _ = load_signals(file, chosen, clocks)
+        channels_chosen, clocks = moving_columns(file, *pair)
+        values, _ = load_signals(file, channels_chosen, clocks)
         return tuple(
             validate_measured(role, values[role], minimum=_LEAST_SAMPLES)
             for role in ("time", *pair)
@@ -218,7 +220,7 @@ def _identify_toml(path: str | Path) -> Recognised | None:
 
 
 def _identify_folder(path: Path) -> Recognised:
-    for kind, mark, reason in _FOLDER_KINDS:
-        if next(path.glob(mark), None) is not None:
+    for kind, file_mark, reason in _FOLDER_KINDS:
+        if next(path.glob(file_mark), None) is not None:
             return Recognised(kind, reason)
     return Recognised("folder", "it is a folder")

@@ -45,7 +45,7 @@ from dashpot.reading.table import Column, FileTable, LoadedColumns
 _MIN_PHASE_LINES = 8
 """Fewest lines that show how far a phase goes."""
 _FULL_TURN, _MAX_UNWRAPPED = 2 * np.pi, 60.0
-"""How far a phase goes in radians, once around; and unwrapped, over ten modes."""
+"""Range of a phase in radians, wrapped and unwrapped over ten modes."""
 
 
 def as_a_ratio(file: OpenedFile) -> OpenedFile:
@@ -62,26 +62,36 @@ def as_a_ratio(file: OpenedFile) -> OpenedFile:
     pair = find_amplitude_phase_pairs(file.table, file.options)
     if pair is None:
         return file
-    over, under = _sort_signal_pair(file, pair)
+    numerator, denominator = _sort_signal_pair(file, pair)
     columns = file.table.columns
     lines = file.find_unambiguous_column("frequency")
     if lines is None:
         return file
-    radian = [file.unit(phase_columns.phase, "phase").factor for phase_columns in (over, under)]
-    unit = f"({columns[over.amplitude].unit})/({columns[under.amplitude].unit})"
-    name = f"{columns[over.amplitude].name} over {columns[under.amplitude].name}"
-    wanted = [lines.index, over.amplitude, over.phase, under.amplitude, under.phase]
+    radian = [
+        file.unit(phase_columns.phase, "phase").factor for phase_columns in (numerator, denominator)
+    ]
+    unit = f"({columns[numerator.amplitude].unit})/({columns[denominator.amplitude].unit})"
+    name = f"{columns[numerator.amplitude].name} over {columns[denominator.amplitude].name}"
+    column_indices = [
+        lines.index,
+        numerator.amplitude,
+        numerator.phase,
+        denominator.amplitude,
+        denominator.phase,
+    ]
 
     def load(indexes: Sequence[int]) -> LoadedColumns:
-        loaded = file.table.load(wanted)
-        frequency, size, phase, size_under, phase_under = loaded.values.T
-        angles = (over.phase, phase, radian[0]), (under.phase, phase_under, radian[1])
+        loaded_columns = file.table.load(column_indices)
+        frequency, size, phase, size_under, phase_under = loaded_columns.values.T
+        angles = (numerator.phase, phase, radian[0]), (denominator.phase, phase_under, radian[1])
         for index, angle, factor in angles:
             refuse_angle(file, index, angle, factor)
-        turned = radian[0] * phase - radian[1] * phase_under
+        phase_difference = radian[0] * phase - radian[1] * phase_under
         share = np.divide(size, size_under, out=np.full(len(size), np.nan), where=size_under > 0)
-        matrix = np.column_stack([frequency, share * np.cos(turned), share * np.sin(turned)])
-        return replace(loaded, values=matrix[:, list(indexes)])
+        matrix = np.column_stack(
+            [frequency, share * np.cos(phase_difference), share * np.sin(phase_difference)]
+        )
+        return replace(loaded_columns, values=matrix[:, list(indexes)])
 
     table = replace(
         file.table,
@@ -92,8 +102,8 @@ def as_a_ratio(file: OpenedFile) -> OpenedFile:
         ),
         load=load,
     )
-    named = replace(file.options, frequency="1", real="2", imaginary="3", coherence=None)
-    return replace(file, table=table, options=named)
+    ratio_options = replace(file.options, frequency="1", real="2", imaginary="3", coherence=None)
+    return replace(file, table=table, options=ratio_options)
 
 
 def _sort_signal_pair(
@@ -103,17 +113,17 @@ def _sort_signal_pair(
     first, second = pair
     if first.is_force or second.is_force:
         return (second, first) if first.is_force else (first, second)
-    columns, named = file.table.columns, file.options.base_acceleration
-    if named is not None:
-        index = find_column(columns, named, flag("base_acceleration"))
-        below = [phase_columns.amplitude == index for phase_columns in pair]
+    columns, named_column = file.table.columns, file.options.base_acceleration
+    if named_column is not None:
+        index = find_column(columns, named_column, flag("base_acceleration"))
+        is_base = [phase_columns.amplitude == index for phase_columns in pair]
     else:
-        below = [
+        is_base = [
             vocabulary.has_word(columns[phase_columns.amplitude].name, vocabulary.OF_BASE)
             for phase_columns in pair
         ]
-    if sum(below) == 1:
-        return (second, first) if below[0] else (first, second)
+    if sum(is_base) == 1:
+        return (second, first) if is_base[0] else (first, second)
     raise ReadError(
         f"{format_column(columns, first.amplitude)} and {format_column(columns, second.amplitude)} "
         f"are two motions; say which of them is the base, for example {flag('base_acceleration')}="
@@ -123,15 +133,16 @@ def _sort_signal_pair(
 
 def refuse_angle(file: OpenedFile, index: int, phase: FloatArray, radian: float) -> None:
     """Ask for the unit of a phase that goes over one turn of the other unit, unless it was said."""
-    stated = file.options.unit_of("phase", file.table.columns[index].name)
-    reach = float(np.nanmax(np.abs(phase), initial=0.0))
-    if stated or len(phase) < _MIN_PHASE_LINES or reach == 0:
+    stated_unit = file.options.unit_of("phase", file.table.columns[index].name)
+    max_phase = float(np.nanmax(np.abs(phase), initial=0.0))
+    if stated_unit or len(phase) < _MIN_PHASE_LINES or max_phase == 0:
         return
     in_degrees = radian != 1.0
-    if reach <= _FULL_TURN if in_degrees else reach > _MAX_UNWRAPPED:
+    if max_phase <= _FULL_TURN if in_degrees else max_phase > _MAX_UNWRAPPED:
         word, other = ("deg", "rad") if in_degrees else ("rad", "deg")
         raise ReadError(
-            f"the phase goes to {reach:.3g}, in {word} as the file has it: is the unit {other}? "
+            f"the phase goes to {max_phase:.3g}, in {word} as the file has it: is the unit "
+            f"{other}? "
             f'Then add --units "phase={other}"; if it is meant so, say it: --units "phase={word}"'
         )
 
@@ -162,8 +173,8 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
         channels.expect(
             file, ["frf", "transmissibility"], "an FRF is", stated_columns=["real", "magnitude"]
         )
-        whole = as_a_ratio(file)
-        return build_frf(whole, determine_frf_columns(whole))
+        converted_file = as_a_ratio(file)
+        return build_frf(converted_file, determine_frf_columns(converted_file))
 
 
 def build_frf(file: OpenedFile, columns: FRFColumns) -> FRF:
@@ -175,8 +186,8 @@ def build_frf(file: OpenedFile, columns: FRFColumns) -> FRF:
         If its numbers cannot be those of an FRF.
     """
     index, (kind, factor, order), hertz, radian = columns
-    loaded = channels.load(file.table, range(len(file.table.columns)), None)
-    column = {role: loaded.values[:, i] for role, i in index.items()}
+    loaded_columns = channels.load(file.table, range(len(file.table.columns)), None)
+    column = {role: loaded_columns.values[:, i] for role, i in index.items()}
     value: ComplexArray = np.asarray(
         column["real"] + 1j * column["imaginary"]
         if "real" in index
@@ -185,12 +196,12 @@ def build_frf(file: OpenedFile, columns: FRFColumns) -> FRF:
     if not value.any():
         raise ReadError("the FRF is 0 at every line; export its values, or name their columns")
     _refuse_high(file, index["frequency"], hertz * float(column["frequency"].max()))
-    sd, several = _deviation(file.table)
-    several += _lags(file.table, index)
-    stated = _comments(file.table.header)
-    shift, remarks = _shift(file, stated, hertz * column["frequency"])
-    several += remarks
-    several += [line for line in file.table.header if "sha256" in line]
+    sd, notes = _deviation(file.table)
+    notes += _lags(file.table, index)
+    metadata = _comments(file.table.header)
+    shift, remarks = _shift(file, metadata, hertz * column["frequency"])
+    notes += remarks
+    notes += [line for line in file.table.header if "sha256" in line]
     scale = _compute_derivative_factor(factor, order, hertz * column["frequency"], shift)
     names = [c.name for c in file.table.columns]
     return FRF(
@@ -198,16 +209,16 @@ def build_frf(file: OpenedFile, columns: FRFColumns) -> FRF:
         coherence=None
         if "coherence" not in column
         else _normalise_coherence(file, index["coherence"], column["coherence"]),
-        sd=None if sd is None else loaded.values[:, sd] * np.abs(scale),
-        shift=shift, shift_sd=stated.get("shift sd", 0.0), record=stated.get("record"),
-        averages=int(stated.get("averages", 0)),
-        source=(channels.source(file, names, (*file.table.notes, *several, *loaded.notes)),),
+        sd=None if sd is None else loaded_columns.values[:, sd] * np.abs(scale),
+        shift=shift, shift_sd=metadata.get("shift sd", 0.0), record=metadata.get("record"),
+        averages=int(metadata.get("averages", 0)),
+        source=(channels.source(file, names, (*file.table.notes, *notes, *loaded_columns.notes)),),
         units="SI",
     )  # fmt: skip
 
 
 def _shift(
-    file: OpenedFile, stated: Mapping[str, float], frequency: FloatArray
+    file: OpenedFile, metadata: Mapping[str, float], frequency: FloatArray
 ) -> tuple[float, list[str]]:
     """Return the decay of the exponential window that the values carry, 1/s, and notes.
 
@@ -216,11 +227,11 @@ def _shift(
     ReadError
         If the file states a window, and neither it nor the user says how fast it decays.
     """
-    if file.options.window_decay is None and "shift" in stated:
-        return stated["shift"], []
+    if file.options.window_decay is None and "shift" in metadata:
+        return metadata["shift"], []
     steps = np.diff(frequency)
     step = float(np.median(steps)) if steps.size else 0.0
-    record = stated.get("record") or (1 / step if step > 0 else None)
+    record = metadata.get("record") or (1 / step if step > 0 else None)
     decay, windowed, notes = window_rate(file.table.header, file.options, record)
     if windowed and decay is None:
         refuse_unknown_window_rate(notes[0])
@@ -240,8 +251,8 @@ def _deviation(table: FileTable) -> tuple[int | None, list[str]]:
     indices = [i for i, c in enumerate(table.columns) if c.name.casefold() == "sd"]
     if len(indices) < 2:
         return next(iter(indices), None), []
-    listed = " and ".join(str(i + 1) for i in indices)
-    return None, [f"columns {listed} are called sd; none is taken"]
+    columns_text = " and ".join(str(i + 1) for i in indices)
+    return None, [f"columns {columns_text} are called sd; none is taken"]
 
 
 class FRFColumns(NamedTuple):
@@ -299,19 +310,19 @@ def _columns(file: OpenedFile) -> dict[Role, int]:
 
 def _lacking(file: OpenedFile, index: Mapping[Role, int]) -> str:
     """Return what to say of columns that make no FRF."""
-    listed = list_columns(file.table.columns)
+    columns_text = list_columns(file.table.columns)
     parts = {"magnitude", "phase"} & index.keys()
     if "frequency" in index and len(parts) == 1:
         part, other = ("magnitude", "phase") if "magnitude" in parts else ("phase", "magnitude")
         return (
             f"there is a {part} and no {other}: an FRF is both, and only both show stiffness "
             f"and damping; export the {other} too, or name its column with {flag(other)}=NAME; the "
-            f"columns are {listed}"
+            f"columns are {columns_text}"
         )
     return (
         "no frequency response found; expected columns such as 'frequency [Hz], "
         "real [(m/s^2)/N], imaginary [(m/s^2)/N]' (or magnitude and phase); the columns are "
-        f"{listed}"
+        f"{columns_text}"
     )
 
 
@@ -346,13 +357,13 @@ def _kind(file: OpenedFile, role: Role, index: int) -> Ratio:
             "or motion per motion such as g/g or mm/g (of a mass over a base that moves); add "
             f'--units "{role}=(m/s^2)/N" or --units "{role}=g/g", or write it into the header'
         )
-    stated = _get_stated_kind(file.table, over_base=new_ratio.kind.over_base)
-    if stated is None or stated is new_ratio.kind:
+    stated_kind = _get_stated_kind(file.table, over_base=new_ratio.kind.over_base)
+    if stated_kind is None or stated_kind is new_ratio.kind:
         return new_ratio
-    if stated.over_base and new_ratio.kind.over_base:
-        return new_ratio._replace(kind=stated)
+    if stated_kind.over_base and new_ratio.kind.over_base:
+        return new_ratio._replace(kind=stated_kind)
     raise ReadError(
-        f"the comment says {stated.value}, but the unit '{column.unit}' is that of "
+        f"the comment says {stated_kind.value}, but the unit '{column.unit}' is that of "
         f"{new_ratio.kind.value}; correct one of them"
     )
 
@@ -368,7 +379,7 @@ def _get_stated_kind(table: FileTable, *, over_base: bool) -> Kind | None:
 def _compute_derivative_factor(
     factor: float, order: int, frequency: FloatArray, shift: float
 ) -> float | ComplexArray:
-    """What makes a motion over a motion one of the same derivative: a factor, and s to a power."""
+    """Return the factor, with a power of s, that makes both motions the same derivative."""
     if order == 0:
         return factor
     s = 2j * np.pi * frequency + shift
@@ -421,8 +432,8 @@ def _normalise_coherence(file: OpenedFile, index: int, coherence: FloatArray) ->
 def _polar(
     file: OpenedFile, index: dict[Role, int], column: dict[Role, FloatArray], radian: float
 ) -> ComplexArray:
-    magnitude, named = column["magnitude"], file.table.columns[index["magnitude"]]
-    words = (named.unit, file.options.unit_of("magnitude", named.name))
+    magnitude, named_column = column["magnitude"], file.table.columns[index["magnitude"]]
+    words = (named_column.unit, file.options.unit_of("magnitude", named_column.name))
     if any(undecibel(word) for word in words if word):
         magnitude = 10 ** (magnitude / 20)  # dB re 1 of the unit given by --units
     elif np.nanmin(magnitude, initial=0.0) < 0:

@@ -70,11 +70,11 @@ def stated_rest(file: OpenedFile, specimen: Specimen) -> tuple[Specimen, list[st
     }
     if not entries:
         return specimen, []
-    stated = f"the header says {' and '.join(repr(line) for line in list(entries.values())[:2])}"
+    source = f"the header says {' and '.join(repr(line) for line in list(entries.values())[:2])}"
     if len(entries) > 1:
-        return specimen, [f"{stated}; no rest before the record is taken from it"]
+        return specimen, [f"{source}; no rest before the record is taken from it"]
     rest = next(iter(entries))
-    return replace(specimen, rested=rest), [f"rest of {rest:g} s before the record: {stated}"]
+    return replace(specimen, rested=rest), [f"rest of {rest:g} s before the record: {source}"]
 
 
 def _rest_before(name: str) -> bool:
@@ -86,25 +86,25 @@ def _merge_stated_temperature(
     file: OpenedFile, specimen: Specimen, recorded: FloatArray | None
 ) -> tuple[Specimen, list[str]]:
     """Return the specimen with the temperature of a column, K, or else of the header, and notes."""
-    where = "the header"
+    source_text = "the header"
     entries = {kelvin: f"'{line}'" for kelvin, line in _temperatures(file.table.header)}
     if recorded is not None:
-        where = "the file"
+        source_text = "the file"
         middle = round(median(recorded), 2)
         entries = {middle: f"{format_quantity(middle, 'degC')} in its column of temperature"}
         specimen = replace(specimen, warmed=_rise(recorded))
     if not entries:
         return specimen, []
-    text = f"{where} says {' and '.join(list(entries.values())[:2])}"
+    text = f"{source_text} says {' and '.join(list(entries.values())[:2])}"
     if specimen.temperature is not None:
-        others = [
+        other_temperatures = [
             entry for entry in entries if abs(entry - specimen.temperature) >= SAME_TEMPERATURE
         ]
-        if not others:
+        if not other_temperatures:
             return specimen, []
         quantity = format_quantity(specimen.temperature, "degC")
         return (
-            replace(specimen, stated_temperature=others[0]),
+            replace(specimen, stated_temperature=other_temperatures[0]),
             [f"{text}; the temperature is {quantity}, as given"],
         )
     if len(entries) > 1:
@@ -118,7 +118,7 @@ def _merge_stated_temperature(
 
 
 def _load_temperature_column(
-    file: OpenedFile, taken: Sequence[Channel]
+    file: OpenedFile, used_channels: Sequence[Channel]
 ) -> tuple[FloatArray | None, list[str]]:
     """Return the column of temperature of a test, K, if there is one beside those taken, and notes.
 
@@ -130,7 +130,7 @@ def _load_temperature_column(
         If the column was named and has no unit.
     """
     assignment, notes = channels.find_optional_column(file, "temperature")
-    if assignment is None or assignment.index in {channel.index for channel in taken}:
+    if assignment is None or assignment.index in {channel.index for channel in used_channels}:
         return None, notes
     try:
         (channel,) = channels.with_units(file, [assignment])
@@ -138,38 +138,44 @@ def _load_temperature_column(
         if file.options.temperature is not None:
             raise
         return None, notes
-    loaded = channels.load(file.table, [channel.index], file.options.segment, sure=False)
-    kelvin = channels.si(loaded.values[:, 0], channel.unit)
+    loaded_columns = channels.load(
+        file.table, [channel.index], file.options.segment, refuse_questions=False
+    )
+    kelvin = channels.si(loaded_columns.values[:, 0], channel.unit)
     kelvin = kelvin[np.isfinite(kelvin)]
     return kelvin if len(kelvin) else None, [*notes, *channels.rivals(file, [channel])]
 
 
 def _rise(kelvin: FloatArray) -> float:
-    """By how much a straight line through the readings rises from the first to the last."""
-    since = np.linspace(-0.5, 0.5, len(kelvin))
-    square = float(since @ since)
-    return float(since @ kelvin) / square if square > 0 else 0.0
+    """Return the rise of a straight line through the readings, from the first to the last."""
+    relative_time = np.linspace(-0.5, 0.5, len(kelvin))
+    square = float(relative_time @ relative_time)
+    return float(relative_time @ kelvin) / square if square > 0 else 0.0
 
 
-def temperatures_of_segments(file: OpenedFile, loaded: LoadedColumns) -> FloatArray | None:
+def temperatures_of_segments(file: OpenedFile, loaded_columns: LoadedColumns) -> FloatArray | None:
     """Return the temperature of each row, K, if the lines over its segments state several.
 
     A segment over which nothing is stated is as warm as the one before it.
     """
-    stated = [
+    temperature_sets = [
         {kelvin for kelvin, _ in _temperatures(lines, titles=True)}
-        for lines in (file.table.header, *loaded.above[1:])
+        for lines in (file.table.header, *loaded_columns.above[1:])
     ]
-    several = len(set().union(*stated)) > 1
-    if not several or not stated[0] or any(len(kelvin) > 1 for kelvin in stated):
+    has_several = len(set().union(*temperature_sets)) > 1
+    if (
+        not has_several
+        or not temperature_sets[0]
+        or any(len(kelvin) > 1 for kelvin in temperature_sets)
+    ):
         return None
-    lengths = np.diff((*loaded.starts, len(loaded.values)))
-    sums = accumulate((max(k, default=np.nan) for k in stated), _or_before)
+    lengths = np.diff((*loaded_columns.starts, len(loaded_columns.values)))
+    sums = accumulate((max(k, default=np.nan) for k in temperature_sets), _or_before)
     return np.repeat(list(sums), lengths)
 
 
-def _or_before(before: float, stated: float) -> float:
-    return before if np.isnan(stated) else stated
+def _or_before(before: float, stated_value: float) -> float:
+    return before if np.isnan(stated_value) else stated_value
 
 
 def _temperatures(header: tuple[str, ...], *, titles: bool = False) -> Iterator[tuple[float, str]]:
@@ -191,11 +197,11 @@ def _quantities(
         if number is None:
             continue
         name, inner = split_unit(text[: number.start()].rstrip(" :=;,|"))
-        behind = text[number.end() :].lstrip(" ;,|[(").split()
-        word = inner or (behind[0].rstrip(";,|])") if behind else "")
+        following_words = text[number.end() :].lstrip(" ;,|[(").split()
+        word = inner or (following_words[0].rstrip(";,|])") if following_words else "")
         unit = units.find_unit(word, dimension)
-        titled = titles and len(behind) == 1 and name.split()[-1:] in _AT
-        if unit is not None and (titled or (is_name(name) and (not inner or not behind))):
+        titled = titles and len(following_words) == 1 and name.split()[-1:] in _AT
+        if unit is not None and (titled or (is_name(name) and (not inner or not following_words))):
             yield float(number[0].replace(",", ".")) * unit.factor + unit.offset, text
 
 
@@ -260,12 +266,14 @@ def stated_window(header: Sequence[str], record: float | None = None) -> StatedW
     lines = [_strip_comment_marks(line) for line in header]
     lines = [line for line in lines if _WINDOW.search(line) or _DECAY.search(line)]
     lines = [line for line in lines if not _OTHER_WINDOWS.search(line)]
-    stated = [line for line in lines if _EXPONENTIAL.search(line) or _decaying_window(line)]
-    stated = [line for line in stated if not _NO_WINDOW.search(line)]
-    if not stated:
+    window_lines = [line for line in lines if _EXPONENTIAL.search(line) or _decaying_window(line)]
+    window_lines = [line for line in window_lines if not _NO_WINDOW.search(line)]
+    if not window_lines:
         return None
-    rates = list(_decay_rates([*stated, *(line for line in lines if line not in stated)], record))
-    message = f"'{stated[0]}'"
+    rates = list(
+        _decay_rates([*window_lines, *(line for line in lines if line not in window_lines)], record)
+    )
+    message = f"'{window_lines[0]}'"
     if any(rate == 0 for rate in rates):
         return None
     if rates and max(rates) < 1.01 * min(rates):
@@ -307,8 +315,10 @@ def refuse_unknown_window_rate(message: str) -> None:
 
 def _strip_comment_marks(line: str) -> str:
     """Return a line without its marks."""
-    marks = " \t#%$!/*;'"
-    return " ".join(line[:_LONGEST_COMMENT].replace('"', " ").lstrip(marks).rstrip(" \t;'").split())
+    comment_characters = " \t#%$!/*;'"
+    return " ".join(
+        line[:_LONGEST_COMMENT].replace('"', " ").lstrip(comment_characters).rstrip(" \t;'").split()
+    )
 
 
 def _decaying_window(line: str) -> bool:
@@ -329,11 +339,11 @@ def _decay_rates(lines: Sequence[str], record: float | None) -> Iterator[float]:
             yield from _decay_rate(line, value, number[0], record)
 
 
-def _decay_rate(line: str, value: float, typed: str, record: float | None) -> Iterator[float]:
+def _decay_rate(line: str, value: float, number_text: str, record: float | None) -> Iterator[float]:
     """The decay rate of one line; nothing where its unit does not show."""
     words = re.findall(r"[\[(]([^\])]{0,60})[\])]", line)
-    behind = line.partition(typed)[2].split()
-    words += [behind[0].strip("[]();,")] if behind else []
+    following_words = line.partition(number_text)[2].split()
+    words += [following_words[0].strip("[]();,")] if following_words else []
     if _END.search(line):
         part = value / 100 if "%" in line else value
         if record is not None and 0 < part < 1:

@@ -27,7 +27,7 @@ from dashpot.reading.table import LoadedColumns
 
 HITS = "hits, a hammer force and an acceleration, are"
 _RINGS_ON = 5.0
-"""How much longer than its hammer what is struck is in motion, at least."""
+"""Smallest ratio of the duration of a response to that of its hammer."""
 _PULSES = 0.02
 """Part of a record that a hammer's pulses hardly fill."""
 _PEAKS: dict[Role, tuple[Callable[[float, str], Check], ...]] = {
@@ -54,10 +54,10 @@ def read_impact(
 
 
 def hits_in(
-    paths: str | Path | Sequence[str | Path], options: ReadOptions, want: str
+    paths: str | Path | Sequence[str | Path], options: ReadOptions, wanted_kind: str
 ) -> ImpactTest:
     """Return the hammer test in files, refusing any other with what the command wants."""
-    tests = read_impacts(paths, options=options, want=want)
+    tests = read_impacts(paths, options=options, wanted_kind=wanted_kind)
     return tests[0] if len(tests) == 1 else _join_tests(tests)
 
 
@@ -65,46 +65,46 @@ def read_impacts(
     paths: str | Path | Sequence[str | Path],
     *,
     options: ReadOptions | None = None,
-    want: str = HITS,
+    wanted_kind: str = HITS,
 ) -> list[ImpactTest]:
     """Return the hammer test in each of several files of one set-up, as `read_impact` reads them.
 
     What is a hit is then judged by the hardest of its own file.
     """
     options = options or ReadOptions()
-    listed = [paths] if isinstance(paths, str | Path) else list(paths)
-    if not listed:
+    path_list = [paths] if isinstance(paths, str | Path) else list(paths)
+    if not path_list:
         raise ReadError("no impact file given")
     if options.cycle is not None:
         raise ReadError(
-            f"{listed[0]}: cycle {options.cycle} is asked for, but a hammer file holds hits, no "
+            f"{path_list[0]}: cycle {options.cycle} is asked for, but a hammer file holds hits, no "
             "loadings; leave the cycle out"
         )
-    tests = [_read_test(path, options, want) for path in listed]
-    _refuse_copies(tests, listed)
+    tests = [_read_test(path, options, wanted_kind) for path in path_list]
+    _refuse_copies(tests, path_list)
     names = tests[0].channels
-    for test, path in zip(tests, listed, strict=True):
+    for test, path in zip(tests, path_list, strict=True):
         if test.channels != names:
             raise ReadError(
-                f"{path}: accelerations are {', '.join(test.channels)}, but {listed[0]} has "
+                f"{path}: accelerations are {', '.join(test.channels)}, but {path_list[0]} has "
                 f"{', '.join(names)}; give files of one set-up"
             )
         if not same_rate(tests[0].rate, test.rate, min(len(test.time), len(tests[0].time))):
             raise ReadError(
-                f"{path} is sampled at {test.rate:.6g} Hz, but {listed[0]} at "
+                f"{path} is sampled at {test.rate:.6g} Hz, but {path_list[0]} at "
                 f"{tests[0].rate:.6g} Hz; give files of one rate together"
             )
     return tests
 
 
-def _refuse_copies(tests: Sequence[ImpactTest], listed: Sequence[str | Path]) -> None:
+def _refuse_copies(tests: Sequence[ImpactTest], path_list: Sequence[str | Path]) -> None:
     """One file given twice is not twice as many hits."""
     hashes = [tuple(source.sha256 for source in test.source) for test in tests]
-    for i, one in enumerate(hashes):
-        if one in hashes[:i]:
+    for i, file_hash in enumerate(hashes):
+        if file_hash in hashes[:i]:
             raise ReadError(
-                f"{listed[i]} holds the same bytes as {listed[hashes.index(one)]}: its hits would "
-                "count twice; give each file once"
+                f"{path_list[i]} holds the same bytes as {path_list[hashes.index(file_hash)]}: its "
+                "hits would count twice; give each file once"
             )
 
 
@@ -142,82 +142,88 @@ def _joined_rate(tests: Sequence[ImpactTest]) -> float | None:
 
 def _longest_record(time: FloatArray, starts: Sequence[int]) -> float:
     """Length of the longest continuous record, s."""
-    ends = [*starts[1:], len(time)]
-    return max(float(time[end - 1] - time[start]) for start, end in zip(starts, ends, strict=True))
+    stops = [*starts[1:], len(time)]
+    return max(float(time[end - 1] - time[start]) for start, end in zip(starts, stops, strict=True))
 
 
 def joined_starts(tests: Sequence[tuple[int, tuple[int, ...]]]) -> tuple[int, ...]:
     """Return the first samples of the records of joined tests, of the length and starts of each."""
-    begins = np.cumsum([0, *(length for length, _ in tests[:-1])]).tolist()
-    pairs = zip(begins, tests, strict=True)
-    return tuple(begin + start for begin, (_, starts) in pairs for start in starts)
+    record_starts = np.cumsum([0, *(length for length, _ in tests[:-1])]).tolist()
+    pairs = zip(record_starts, tests, strict=True)
+    return tuple(record_start + start for record_start, (_, starts) in pairs for start in starts)
 
 
-def _read_test(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
+def _read_test(path: str | Path, options: ReadOptions, wanted_kind: str) -> ImpactTest:
     with channels.open_file(path, options) as file:
         channels.refuse_summary(file)
-        channels.expect(file, ["impact"], want, stated_columns=["acceleration", "hammer"])
-        chosen, rate = _channels(file), file.options.rate
-        loaded, columns = loaded_whole(file, chosen)
-        notes = [*file.table.notes, *channels.rivals(file, chosen[:-1]), *loaded.notes]
+        channels.expect(file, ["impact"], wanted_kind, stated_columns=["acceleration", "hammer"])
+        channels_chosen, rate = _channels(file), file.options.rate
+        loaded_columns, columns = loaded_whole(file, channels_chosen)
+        notes = [
+            *file.table.notes,
+            *channels.rivals(file, channels_chosen[:-1]),
+            *loaded_columns.notes,
+        ]
         if rate is None:
             time, *signals = columns
-            starts, remarks = starts_of(time, loaded)
+            starts, remarks = starts_of(time, loaded_columns)
         else:
-            time, signals = np.arange(len(loaded.values)) / rate, columns
-            starts = loaded.starts
+            time, signals = np.arange(len(loaded_columns.values)) / rate, columns
+            starts = loaded_columns.starts
             remarks = [f"time counted from the rows at {rate:g} Hz, as given"]
         notes += remarks
         decay, windowed, sentences = window_rate(
             file.table.header, file.options, _longest_record(time, starts)
         )
         notes += sentences
-        source = channels.source(file, [c.message for c in chosen], notes)
+        source = channels.source(file, [c.message for c in channels_chosen], notes)
         try:
             test = ImpactTest(
-                time, signals[0], np.array(signals[1:]), starts, _names(file, chosen),
+                time, signals[0], np.array(signals[1:]), starts, _names(file, channels_chosen),
                 source=(source,), window_rate=math.nan if windowed and decay is None else decay,
                 units="SI",
             )  # fmt: skip
         except DataError as error:
             advice = "; if the rows are evenly sampled, give the rate, for example --rate 2048Hz"
-            more = advice if "even sampling" in str(error) and rate is None else ""
-            raise ReadError(f"{error}{more}") from None
-        refuse_same(file, chosen, signals)
-        _refuse_swapped(file, chosen, signals)
-        _refuse_sizes(file, chosen, time, signals)
+            hint = advice if "even sampling" in str(error) and rate is None else ""
+            raise ReadError(f"{error}{hint}") from None
+        refuse_same(file, channels_chosen, signals)
+        _refuse_swapped(file, channels_chosen, signals)
+        _refuse_sizes(file, channels_chosen, time, signals)
         return test
 
 
-def _names(file: OpenedFile, chosen: Sequence[Channel]) -> tuple[str, ...]:
+def _names(file: OpenedFile, channels_chosen: Sequence[Channel]) -> tuple[str, ...]:
     """Return what the accelerations are called."""
-    names = [file.table.columns[c.index].name for c in chosen if c.role == "acceleration"]
+    names = [file.table.columns[c.index].name for c in channels_chosen if c.role == "acceleration"]
     return tuple(name or f"acceleration {k}" for k, name in enumerate(names, start=1))
 
 
 def _channels(file: OpenedFile) -> list[Channel]:
     """Return time unless a rate is given, the hammer, and every acceleration."""
-    shown = accelerations(file.table, (), file.options)
-    questions = [] if shown else [acceleration_question(file.table)]
-    chosen = channels.chosen(file, channels.add_time_role(file, "hammer"), besides=questions)
-    indices = accelerations(file.table, [c.index for c in chosen], file.options)
+    acceleration_columns = accelerations(file.table, (), file.options)
+    questions = [] if acceleration_columns else [acceleration_question(file.table)]
+    channels_chosen = channels.chosen(
+        file, channels.add_time_role(file, "hammer"), other_questions=questions
+    )
+    indices = accelerations(file.table, [c.index for c in channels_chosen], file.options)
     if not indices:
         raise ReadError(acceleration_question(file.table).message)
     message = "named by --column acceleration" if file.options.acceleration else ""
     responses = [RoleAssignment("acceleration", i, message) for i in indices]
-    return channels.with_units(file, [*chosen, *responses])
+    return channels.with_units(file, [*channels_chosen, *responses])
 
 
 def _refuse_sizes(
     file: OpenedFile,
-    chosen: Sequence[Channel],
+    channels_chosen: Sequence[Channel],
     time: FloatArray,
     signals: Sequence[FloatArray],
 ) -> None:
     """Ask for the units again that make a size no hammer test has."""
-    of_signals = chosen[-len(signals) :]
+    of_signals = channels_chosen[-len(signals) :]
     requested: list[tuple[Channel, list[Check]]] = []
-    for channel in chosen[: -len(signals)]:
+    for channel in channels_chosen[: -len(signals)]:
         step = median(np.diff(time))
         rates = (size_checks.hammer_sampled, size_checks.hammer_not_oversampled) if step > 0 else ()
         requested.append((channel, [ask(1 / step, channel.unit.word) for ask in rates]))
@@ -227,35 +233,42 @@ def _refuse_sizes(
     channels.refuse_sizes(file, requested)
 
 
-def refuse_same(file: OpenedFile, chosen: Sequence[Channel], signals: Sequence[FloatArray]) -> None:
+def refuse_same(
+    file: OpenedFile, channels_chosen: Sequence[Channel], signals: Sequence[FloatArray]
+) -> None:
     """Refuse one channel exported twice: two do not measure the same to the last digit."""
-    named = [
-        format_column(file.table.columns, channel.index) for channel in chosen[-len(signals) :]
+    column_names = [
+        format_column(file.table.columns, channel.index)
+        for channel in channels_chosen[-len(signals) :]
     ]
     for j, signal in enumerate(signals):
         for i in range(j):
             if np.ptp(signal) > 0 and np.array_equal(signals[i], signal):
                 raise ReadError(
-                    f"{named[i]} and {named[j]} hold the same numbers: one channel stands there "
-                    "twice; name the columns with --column hammer=NAME and --column "
+                    f"{column_names[i]} and {column_names[j]} hold the same numbers: one channel "
+                    "stands there twice; name the columns with --column hammer=NAME and --column "
                     "acceleration=NAME"
                 )
 
 
 def _refuse_swapped(
-    file: OpenedFile, chosen: Sequence[Channel], signals: Sequence[FloatArray]
+    file: OpenedFile, channels_chosen: Sequence[Channel], signals: Sequence[FloatArray]
 ) -> None:
     """Propose the swap where the 'hammer' rings and an 'acceleration' is short pulses."""
     if file.options.hammer or file.options.force:
         return
-    of_hammer, *others = zip(
-        chosen[-len(signals) :], map(cleaning.compute_active_fraction, signals), strict=True
+    of_hammer, *other_fractions = zip(
+        channels_chosen[-len(signals) :],
+        map(cleaning.compute_active_fraction, signals),
+        strict=True,
     )
-    pulses = [other for other in others if other[1] * _RINGS_ON < of_hammer[1] and other[1] > 0]
+    pulses = [
+        other for other in other_fractions if other[1] * _RINGS_ON < of_hammer[1] and other[1] > 0
+    ]
     if of_hammer[1] < _PULSES or len(pulses) != 1:
         return
     hammer = pulses[0][0].index
-    swapped = {hammer: of_hammer[0].index}
+    swapped_columns = {hammer: of_hammer[0].index}
     raise ReadError(
         "hammer and acceleration look swapped: the column read as hammer rings on while the one "
         f"read as acceleration ({format_column(file.table.columns, hammer)}) is short pulses; if "
@@ -265,8 +278,8 @@ def _refuse_swapped(
             [
                 ("hammer", hammer),
                 *(
-                    ("acceleration", swapped.get(channel.index, channel.index))
-                    for channel, _ in others
+                    ("acceleration", swapped_columns.get(channel.index, channel.index))
+                    for channel, _ in other_fractions
                 ),
             ],
         )
@@ -274,36 +287,38 @@ def _refuse_swapped(
 
 
 def loaded_whole(
-    file: OpenedFile, chosen: Sequence[Channel]
+    file: OpenedFile, channels_chosen: Sequence[Channel]
 ) -> tuple[LoadedColumns, list[FloatArray]]:
     """Return the rows of some channels, and each in SI units; refuse one where a sample lacks."""
     channels.refuse_other_rate(file)
-    loaded = channels.load_test(file, chosen)
+    loaded_columns = channels.load_test(file, channels_chosen)
     if file.options.rate is None:
-        loaded = cleaning.without_padding(loaded)
-    holes = np.flatnonzero(~np.isfinite(loaded.values).all(axis=1))
+        loaded_columns = cleaning.without_padding(loaded_columns)
+    holes = np.flatnonzero(~np.isfinite(loaded_columns.values).all(axis=1))
     if holes.size:
         raise ReadError(
-            f"{loaded.format_row_position(int(holes[0]))} lacks a number ({holes.size} such "
-            f"row{'s' * (holes.size > 1)}); an impact record needs every sample: cut the record "
-            "there or export it again"
+            f"{loaded_columns.format_row_position(int(holes[0]))} lacks a number ({holes.size} "
+            f"such row{'s' * (holes.size > 1)}); an impact record needs every sample: cut the "
+            "record there or export it again"
         )
-    return loaded, [channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)]
+    return loaded_columns, [
+        channels.si(loaded_columns.values[:, j], c.unit) for j, c in enumerate(channels_chosen)
+    ]
 
 
-def starts_of(time: FloatArray, loaded: LoadedColumns) -> tuple[tuple[int, ...], list[str]]:
+def starts_of(time: FloatArray, loaded_columns: LoadedColumns) -> tuple[tuple[int, ...], list[str]]:
     """First samples of the records: the segments, and wherever an even clock jumps."""
     steps = np.diff(time)
     step = float(np.median(steps)) if steps.size else 0.0
     if step <= 0:
-        return loaded.starts, []
-    jumps = [int(i) + 1 for i in np.flatnonzero(np.abs(steps - step) > 0.5 * step)]
-    new = [jump for jump in jumps if jump not in loaded.starts]
+        return loaded_columns.starts, []
+    jump_indices = [int(i) + 1 for i in np.flatnonzero(np.abs(steps - step) > 0.5 * step)]
+    new = [jump for jump in jump_indices if jump not in loaded_columns.starts]
     if len(new) > 0.1 * len(time):  # an uneven clock, which the record itself refuses
-        return loaded.starts, []
+        return loaded_columns.starts, []
 
     notes = [
-        f"the clock jumps at {loaded.format_row_position(b)}: a new record starts there"
+        f"the clock jumps at {loaded_columns.format_row_position(b)}: a new record starts there"
         for b in new[:3]
     ]
-    return tuple(sorted({*loaded.starts, *new})), notes
+    return tuple(sorted({*loaded_columns.starts, *new})), notes

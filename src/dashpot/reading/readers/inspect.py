@@ -53,7 +53,7 @@ _WELCOME = {
 }  # fmt: skip
 """Roles that are shown where they are found, and not asked for."""
 _CURVES: frozenset[Role] = frozenset({"modulus", "creep_compliance"})
-"""What is over the time since a step."""
+"""Roles that are given over the time since a step."""
 _UNCLOCKED = ("cld", "stress-strain")
 """Kinds whose time is, too."""
 
@@ -147,8 +147,9 @@ class Inspection(Plottable):
         return (
             f"{self.file}: {self.kind} ({self.reason}), {self.rows} rows",
             *(
-                f"  {one.number}  {one.name or '(no name)'} [{one.unit or '?'}]  {one.role or '-'}"
-                for one in self.columns
+                f"  {column.number}  {column.name or '(no name)'} [{column.unit or '?'}]  "
+                f"{column.role or '-'}"
+                for column in self.columns
             ),
             *(f"  ASK {question.message}" for question in self.questions),
         )
@@ -160,12 +161,12 @@ class Inspection(Plottable):
         Shape (rows, columns), NaN where there is no number. For a picture: it is no part of the
         inspection's value, nor of its document.
         """
-        retained: FloatArray | None = vars(self).get(_COURSE)
-        return retained
+        stored_course: FloatArray | None = vars(self).get(_COURSE)
+        return stored_course
 
     @property
     def use(self) -> str:
-        """Which command wants such a file, or why none does; empty where that is not known."""
+        """Command that takes such a file, or why none does; empty where that is not known."""
         return get_kind_command(self.kind)
 
 
@@ -186,9 +187,9 @@ def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Ins
 
 def inspect_other_path(path: str | Path, detection: Recognised) -> Inspection:
     """Return the inspection of a file without a table."""
-    place = Path(path)
-    if place.is_dir():
-        return Inspection(place.name, "", "folder", detection.kind, detection.reason)
+    resolved_path = Path(path)
+    if resolved_path.is_dir():
+        return Inspection(resolved_path.name, "", "folder", detection.kind, detection.reason)
     raw = open_raw(path)
     form = _DOCUMENT if detection.stored else "toml"
     return Inspection(raw.name, raw.sha256, form, detection.kind, detection.reason)
@@ -202,15 +203,15 @@ def inspect_opened(file: OpenedFile) -> Inspection:
     numbers = [i for i, c in enumerate(table.columns) if c.content in {"number", "clock"}]
     if table.large:
         numbers = [i for i in numbers if i in roles] or numbers[:1]
-    loaded = channels.load(table, numbers, options.segment, sure=False)
-    by_index = {i: loaded.values[:, j] for j, i in enumerate(numbers)}
-    time = _time(file, by_index, roles, len(loaded.values))
-    rate, even, duration = _sampling(time, loaded.starts)
-    warnings = [*table.notes, *loaded.notes]
+    loaded_columns = channels.load(table, numbers, options.segment, refuse_questions=False)
+    by_index = {i: loaded_columns.values[:, j] for j, i in enumerate(numbers)}
+    time = _time(file, by_index, roles, len(loaded_columns.values))
+    rate, is_even, duration = _sampling(time, loaded_columns.starts)
+    warnings = [*table.notes, *loaded_columns.notes]
     by_hand = kind in KINDS_OF_FILE and KINDS_OF_FILE[kind].by_hand
-    if time is not None and not loaded.doubts and not by_hand:
+    if time is not None and not loaded_columns.doubts and not by_hand:
         warnings += cleaning.clock_notes(time[np.isfinite(time)])
-    doubts = [question for _, question in loaded.doubts]
+    open_questions = [question for _, question in loaded_columns.doubts]
     if kind == "relaxation" and not questions and _look_swapped(by_index, roles):
         warnings.append("displacement and force look swapped")
     refuse_sizes = find_handler("refuse sizes", kind)
@@ -221,13 +222,13 @@ def inspect_opened(file: OpenedFile) -> Inspection:
     inspection = Inspection(
         file=raw.name, sha256=raw.sha256, format=table.format, kind=kind, reason=reason,
         encoding=table.encoding, delimiter=table.delimiter, decimal=table.decimal,
-        header=table.header, rows=len(loaded.values),
-        columns=_columns(file, _first(numbers, loaded.values), roles),
-        rate=rate, even=even, duration=duration, segments=_segments(loaded, time),
-        warnings=tuple(warnings), questions=(*table.doubts, *doubts, *questions),
+        header=table.header, rows=len(loaded_columns.values),
+        columns=_columns(file, _first(numbers, loaded_columns.values), roles),
+        rate=rate, even=is_even, duration=duration, segments=_segments(loaded_columns, time),
+        warnings=tuple(warnings), questions=(*table.doubts, *open_questions, *questions),
         simulated=table.simulated,
     )  # fmt: skip
-    vars(inspection)[_COURSE] = _course(len(table.columns), numbers, loaded.values)
+    vars(inspection)[_COURSE] = _course(len(table.columns), numbers, loaded_columns.values)
     return inspection
 
 
@@ -236,8 +237,8 @@ def _look_swapped(by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, 
     change, pushed = entries["displacement"], entries["force"]
     if change is None or pushed is None:
         return False
-    whole = np.isfinite(change) & np.isfinite(pushed)
-    return bool(whole.any()) and cleaning.has_swapped_signals(change[whole], pushed[whole])
+    has_both = np.isfinite(change) & np.isfinite(pushed)
+    return bool(has_both.any()) and cleaning.has_swapped_signals(change[has_both], pushed[has_both])
 
 
 def _judge_sizes(
@@ -247,16 +248,16 @@ def _judge_sizes(
     refuse_sizes: Callable[..., None],
 ) -> None:
     """Ask what who reads strain and stress asks of their sizes."""
-    played = {role for role, _ in roles.values()}
-    elongated: Role = "strain" if "strain" in played else "stretch"
-    if not {elongated, "stress"} <= played:
+    assigned_roles = {role for role, _ in roles.values()}
+    elongated: Role = "strain" if "strain" in assigned_roles else "stretch"
+    if not {elongated, "stress"} <= assigned_roles:
         return
-    chosen = channels.choose(file, [elongated, "stress"])
-    strain, stress = (channel.unit.factor * by_index[channel.index] for channel in chosen)
-    whole = np.isfinite(strain) & np.isfinite(stress)
-    strain, stress = strain[whole] - (elongated == "stretch"), stress[whole]
+    channels_chosen = channels.choose(file, [elongated, "stress"])
+    strain, stress = (channel.unit.factor * by_index[channel.index] for channel in channels_chosen)
+    has_both = np.isfinite(strain) & np.isfinite(stress)
+    strain, stress = strain[has_both] - (elongated == "stretch"), stress[has_both]
     if len(stress):
-        refuse_sizes(file, chosen, strain, stress)
+        refuse_sizes(file, channels_chosen, strain, stress)
 
 
 def _course(columns: int, numbers: Sequence[int], values: FloatArray) -> FloatArray:
@@ -273,9 +274,11 @@ def _columns(
 ) -> tuple[InspectedColumn, ...]:
     columns = []
     for i, column in enumerate(file.table.columns):
-        role, why = roles.get(i, _NO_ROLE)
+        role, role_reason = roles.get(i, _NO_ROLE)
         unit = file.unit_word(i, role) if role else column.unit
-        columns.append(InspectedColumn(i + 1, column.name, unit, role, why, first.get(i, ())))
+        columns.append(
+            InspectedColumn(i + 1, column.name, unit, role, role_reason, first.get(i, ()))
+        )
     return tuple(columns)
 
 
@@ -319,16 +322,18 @@ def _assign_kind_roles(
     )
     roles = {clock.index: (clock.role, clock.reason) for clock in clocks}
     questions: list[Question] = []
-    wanted = _roles_of(file, kind, clocked=bool(clocks))
-    curve = not _CURVES.isdisjoint(wanted)
-    for role in wanted:
-        since = curve and role == "time"
-        assignment = since_the_step(table, options) if since else assign(table, role, options)
+    roles_wanted = _roles_of(file, kind, clocked=bool(clocks))
+    curve = not _CURVES.isdisjoint(roles_wanted)
+    for role in roles_wanted:
+        is_elapsed = curve and role == "time"
+        assignment = since_the_step(table, options) if is_elapsed else assign(table, role, options)
         if isinstance(assignment, RoleAssignment):
-            played, _ = roles.get(assignment.index, (role, ""))
-            if played != role and {played, role} <= set(RAMP_ROLES):  # who reads it asks this, too
+            assigned_role, _ = roles.get(assignment.index, (role, ""))
+            if assigned_role != role and {assigned_role, role} <= set(
+                RAMP_ROLES
+            ):  # who reads it asks this, too
                 message = channels.format_role_conflict(
-                    table.columns, assignment.index, played, role
+                    table.columns, assignment.index, assigned_role, role
                 )
                 questions.append(Question(message, f"{flag(role)}=NAME"))
                 continue
@@ -343,17 +348,17 @@ def _none(assignment: RoleAssignment | Question) -> bool:
     return isinstance(assignment, RoleAssignment) or not assignment.choices
 
 
-def _find_accelerations(file: OpenedFile, taken: list[int]) -> list[RoleAssignment]:
+def _find_accelerations(file: OpenedFile, taken_columns: list[int]) -> list[RoleAssignment]:
     """The accelerations, or those of a shaken base and its mass, whose motion may be another."""
-    named, columns = file.options.base_acceleration, file.table.columns
-    if named is not None:
-        base = find_column(columns, named, flag("base_acceleration"))
+    named_column, columns = file.options.base_acceleration, file.table.columns
+    if named_column is not None:
+        base = find_column(columns, named_column, flag("base_acceleration"))
         of_base = RoleAssignment("acceleration", base, "named as that of the base")
-        return [of_base, *find_mass_motions(file, [base, *taken])]
+        return [of_base, *find_mass_motions(file, [base, *taken_columns])]
     message = "its name or unit says acceleration"
     return [
         RoleAssignment("acceleration", i, message)
-        for i in accelerations(file.table, taken, file.options)
+        for i in accelerations(file.table, taken_columns, file.options)
     ]
 
 
@@ -367,13 +372,13 @@ def _get_usual_roles(kind: str) -> tuple[Role, ...]:
 def _roles_of(file: OpenedFile, kind: str, *, clocked: bool) -> list[Role]:
     """The roles that a file of a kind should fill, without a time or a hammer it does not need."""
     find_roles = find_handler("roles", kind)
-    wanted = find_roles(file) if find_roles else _get_usual_roles(kind)
+    roles_wanted = find_roles(file) if find_roles else _get_usual_roles(kind)
     if kind in SWEEP_KINDS:
         with suppress(ReadError):  # what is lacking is asked of the caller
-            wanted = tuple(assignment.role for assignment in sweep_columns(file)[0])
+            roles_wanted = tuple(assignment.role for assignment in sweep_columns(file)[0])
     options = file.options
     needless = {"time": clocked or options.rate, "hammer": options.base_acceleration}
-    return [role for role in wanted if not needless.get(role)]
+    return [role for role in roles_wanted if not needless.get(role)]
 
 
 def _make_role_questions(
@@ -427,19 +432,21 @@ def _sampling(
     if forward.size == 0:
         return None, True, None
     step = median(forward)
-    even = bool(np.abs(steps - step).max() <= 0.2 * step)
-    return 1 / step, even, float(np.nanmax(time) - np.nanmin(time))
+    is_even = bool(np.abs(steps - step).max() <= 0.2 * step)
+    return 1 / step, is_even, float(np.nanmax(time) - np.nanmin(time))
 
 
-def _segments(loaded: LoadedColumns, time: FloatArray | None) -> tuple[Segment, ...]:
-    stops = (*loaded.starts[1:], len(loaded.values))
+def _segments(loaded_columns: LoadedColumns, time: FloatArray | None) -> tuple[Segment, ...]:
+    stops = (*loaded_columns.starts[1:], len(loaded_columns.values))
     segments = []
-    for name, start, stop in zip(loaded.segments, loaded.starts, stops, strict=True):
-        ends: tuple[float | None, ...] = (None, None)
+    for name, start, stop in zip(
+        loaded_columns.segments, loaded_columns.starts, stops, strict=True
+    ):
+        time_range: tuple[float | None, ...] = (None, None)
         if time is not None and stop > start:
-            ends = tuple(
+            time_range = tuple(
                 None if math.isnan(end) else end
                 for end in (time[start].item(), time[stop - 1].item())
             )
-        segments.append(Segment(name, stop - start, *ends))
+        segments.append(Segment(name, stop - start, *time_range))
     return tuple(segments)

@@ -61,29 +61,31 @@ def relaxation_in(file: OpenedFile, specimen: Specimen) -> RelaxationTest:
     channels.refuse_summary(file)
     _require_relaxation_kind(file, SWEEP_KINDS)
     try:
-        chosen, clocks = moving_columns(file)
+        channels_chosen, clocks = moving_columns(file)
     except ReadError:
         _require_relaxation_kind(file)
         raise
-    values, notes = load_signals(file, chosen, clocks)
+    values, notes = load_signals(file, channels_chosen, clocks)
     time, displacement, force = (values[role] for role in ("time", "displacement", "force"))
-    _refuse_swapped(file, chosen, displacement, force)
-    notes += _refuse_sizes(file, chosen, time, displacement, force)
-    specimen, sentences = add_specimen_temperature(file, specimen, chosen)
+    _refuse_swapped(file, channels_chosen, displacement, force)
+    notes += _refuse_sizes(file, channels_chosen, time, displacement, force)
+    specimen, sentences = add_specimen_temperature(file, specimen, channels_chosen)
     specimen, rested = stated_rest(file, specimen)
-    source = channels.source(file, [c.message for c in chosen], [*notes, *sentences, *rested])
+    source = channels.source(
+        file, [c.message for c in channels_chosen], [*notes, *sentences, *rested]
+    )
     return RelaxationTest(time, displacement, force, specimen, source, units="SI")
 
 
 def load_signals(
-    file: OpenedFile, chosen: Sequence[Channel], clocks: Sequence[Channel] = ()
+    file: OpenedFile, channels_chosen: Sequence[Channel], clocks: Sequence[Channel] = ()
 ) -> tuple[dict[Role, FloatArray], list[str]]:
     """Return the signals of a test by role, in SI units on one rising clock, and notes.
 
     Parameters
     ----------
     file : OpenedFile
-    chosen : sequence of Channel
+    channels_chosen : sequence of Channel
         The time unless a rate is given, what moves, what pushes.
     clocks : sequence of Channel
         The clock of what moves, where it has its own.
@@ -94,39 +96,43 @@ def load_signals(
         If rows are missing where they matter, or a clock falls.
     """
     channels.refuse_other_rate(file)
-    moving = chosen[-2].role
-    loaded = channels.load_test(file, [*chosen, *clocks])
+    moving = channels_chosen[-2].role
+    loaded_columns = channels.load_test(file, [*channels_chosen, *clocks])
     if clocks:
-        loaded = interpolate_to_force_clock(loaded, clocks[0].unit.factor / chosen[0].unit.factor)
+        loaded_columns = interpolate_to_force_clock(
+            loaded_columns, clocks[0].unit.factor / channels_chosen[0].unit.factor
+        )
     elif not file.options.rate:
-        loaded = cleaning.without_padding(loaded)
-    values = channels.convert_signals_to_si(loaded.values, chosen)
-    notes = [*file.table.notes, *channels.rivals(file, chosen), *loaded.notes]
+        loaded_columns = cleaning.without_padding(loaded_columns)
+    values = channels.convert_signals_to_si(loaded_columns.values, channels_chosen)
+    notes = [*file.table.notes, *channels.rivals(file, channels_chosen), *loaded_columns.notes]
     rate = file.options.rate
     if rate is not None:
-        values["time"] = np.arange(len(loaded.values)) / rate
+        values["time"] = np.arange(len(loaded_columns.values)) / rate
         notes.append(f"time counted from the rows at {rate:g} Hz, as given")
-    if len(loaded.starts) > 1:
-        notes.append(check_joined_segments(values["time"], loaded))
-    if not np.isfinite(loaded.values).all():
+    if len(loaded_columns.starts) > 1:
+        notes.append(check_joined_segments(values["time"], loaded_columns))
+    if not np.isfinite(loaded_columns.values).all():
         window = cleaning.ramp_window(values["time"], values[moving])
-        keep, dropped = cleaning.drop_missing(loaded, [c.role for c in chosen], protect=window)
+        keep, dropped = cleaning.drop_missing(
+            loaded_columns, [c.role for c in channels_chosen], protect=window
+        )
         notes += dropped
         values = {role: column[keep] for role, column in values.items()}
-        loaded = channels.rows(loaded, keep)
-    keep, dropped = cleaning.drop_repeats(values["time"], loaded)
+        loaded_columns = channels.rows(loaded_columns, keep)
+    keep, dropped = cleaning.drop_repeats(values["time"], loaded_columns)
     notes += dropped
     if not keep.all():
         values = {role: column[keep] for role, column in values.items()}
-    stated = rate is not None or channels.is_stated(file, chosen[0])
-    clock = cleaning.clock_notes(values["time"], stated=stated)
-    if not (stated or clock):
-        clock = cleaning.round_steps(values["time"], chosen[0].unit)
+    is_clock_stated = rate is not None or channels.is_stated(file, channels_chosen[0])
+    clock = cleaning.clock_notes(values["time"], is_stated=is_clock_stated)
+    if not (is_clock_stated or clock):
+        clock = cleaning.round_steps(values["time"], channels_chosen[0].unit)
     return values, [*notes, *clock]
 
 
 def signals(
-    file: OpenedFile, *roles: Role, least: int = 8, clock_matters: bool = True
+    file: OpenedFile, *roles: Role, min_count: int = 8, clock_matters: bool = True
 ) -> tuple[list[Channel], dict[Role, FloatArray], list[str]]:
     """Return two signals in SI units, as :func:`load_signals`, or row by row without a clock.
 
@@ -141,16 +147,16 @@ def signals(
     left_out = []
     if file.options.rate or file.find_unambiguous_column("time"):
         try:
-            chosen = channels.choose(file, channels.add_time_role(file, *roles))
-            return chosen, *load_signals(file, chosen)
+            channels_chosen = channels.choose(file, channels.add_time_role(file, *roles))
+            return channels_chosen, *load_signals(file, channels_chosen)
         except ReadError as error:
             if clock_matters:
                 raise
             left_out.append(f"the clock is left out: {error}")
-    chosen = channels.choose(file, roles)
-    rows, gaps = channels.select_complete_rows(channels.load_test(file, chosen, least))
-    notes = [*file.table.notes, *channels.rivals(file, chosen), *gaps, *left_out]
-    return chosen, channels.convert_signals_to_si(rows, chosen), notes
+    channels_chosen = channels.choose(file, roles)
+    rows, gaps = channels.select_complete_rows(channels.load_test(file, channels_chosen, min_count))
+    notes = [*file.table.notes, *channels.rivals(file, channels_chosen), *gaps, *left_out]
+    return channels_chosen, channels.convert_signals_to_si(rows, channels_chosen), notes
 
 
 _MIN_RAMP_STEPS = 5
@@ -159,19 +165,21 @@ _MIN_RAMP_STEPS = 5
 
 def _refuse_sizes(
     file: OpenedFile,
-    chosen: Sequence[Channel],
+    channels_chosen: Sequence[Channel],
     time: FloatArray,
     displacement: FloatArray,
     force: FloatArray,
 ) -> list[str]:
     """Ask for the units again that make a size no test of a seal has; notes on unusual ones."""
-    travel, rise = float(np.ptp(displacement)), float(np.ptp(force))
-    begun, full = cleaning.ramp_samples(displacement)
-    away = np.abs(force - force[begun])
+    travel, force_range = float(np.ptp(displacement)), float(np.ptp(force))
+    ramp_start, ramp_stop = cleaning.ramp_samples(displacement)
+    force_change = np.abs(force - force[ramp_start])
     # a record that begins in its hold shows neither
-    pressed = bool(away[full] > 0.5 * rise and away[full] >= away[-1])
-    shown = pressed and full - begun >= _MIN_RAMP_STEPS
-    took = float(time[full] - time[begun]) if shown else 0.0
+    has_loading = bool(
+        force_change[ramp_stop] > 0.5 * force_range and force_change[ramp_stop] >= force_change[-1]
+    )
+    has_ramp = has_loading and ramp_stop - ramp_start >= _MIN_RAMP_STEPS
+    ramp_time = float(time[ramp_stop] - time[ramp_start]) if has_ramp else 0.0
     lasted = float(np.ptp(time))
     change = find_rate_change(time)
 
@@ -181,28 +189,35 @@ def _refuse_sizes(
         )
 
     def evaluate_sizes(
-        times: Mapping[Role, float], unit: Mapping[Role, str], stated: AbstractSet[Role]
+        times: Mapping[Role, float], unit: Mapping[Role, str], stated_roles: AbstractSet[Role]
     ) -> list[tuple[Role, list[Check]]]:
-        far, push = travel * times["displacement"], rise * times["force"]
+        motion_range, push = travel * times["displacement"], force_range * times["force"]
         clock = times.get("time", 1.0)
-        ramp = 0.0 if "displacement" in stated else took * clock
+        ramp = 0.0 if "displacement" in stated_roles else ramp_time * clock
         # a speed is made of both: of an unusual travel that is too fast the travel is asked first
-        fast = bool(ramp) and size_checks.ramp_not_fast(far / ramp, "s").failed
-        moves, pushes, ticks = unit["displacement"], unit["force"], unit.get("time", "s")
+        is_too_fast = bool(ramp) and size_checks.ramp_not_fast(motion_range / ramp, "s").failed
+        motion_unit, pushes, ticks = unit["displacement"], unit["force"], unit.get("time", "s")
         of_seal = replace(
-            size_checks.travel_of_a_seal(far, moves), grade="stop" if fast else "note"
+            size_checks.travel_of_a_seal(motion_range, motion_unit),
+            grade="stop" if is_too_fast else "note",
         )
         answers: dict[Role, list[Check]] = {
             "force": [
                 size_checks.size_possible("force", push, pushes, role="force"),
                 size_checks.force_of_a_seal(push, pushes),
-                size_checks.force_of_a_bench(push, pushes, travel=far),
-                size_checks.stiffness_of_a_seal(push, pushes, travel=far, travel_unit=moves),
+                size_checks.force_of_a_bench(push, pushes, travel=motion_range),
+                size_checks.stiffness_of_a_seal(
+                    push, pushes, travel=motion_range, travel_unit=motion_unit
+                ),
             ],
             "displacement": [
-                size_checks.size_possible("travel", far, moves, role="displacement"),
+                size_checks.size_possible("travel", motion_range, motion_unit, role="displacement"),
                 of_seal,
-                *([size_checks.travel_of_a_bench(far, moves, force=push)] if pressed else []),
+                *(
+                    [size_checks.travel_of_a_bench(motion_range, motion_unit, force=push)]
+                    if has_loading
+                    else []
+                ),
             ],
             "time": [
                 size_checks.time_of_a_test(lasted * clock, ticks),
@@ -210,16 +225,19 @@ def _refuse_sizes(
                 size_checks.size_possible("ramp", ramp, ticks, role="time"),
                 size_checks.ramp_not_slow(ramp, ticks),
                 *([] if change is None else [check_step_unit(change, ticks)]),
-                *([size_checks.ramp_not_fast(far / ramp, ticks)] if ramp else []),
+                *([size_checks.ramp_not_fast(motion_range / ramp, ticks)] if ramp else []),
             ],
         }
         return [(role, answers[role]) for role in answers if role in unit]
 
-    return channels.refuse_all_sizes(file, chosen, evaluate_sizes)
+    return channels.refuse_all_sizes(file, channels_chosen, evaluate_sizes)
 
 
 def _refuse_swapped(
-    file: OpenedFile, chosen: Sequence[Channel], displacement: FloatArray, force: FloatArray
+    file: OpenedFile,
+    channels_chosen: Sequence[Channel],
+    displacement: FloatArray,
+    force: FloatArray,
 ) -> None:
     """Propose the swap where the 'displacement' relaxes, unless the user named the columns."""
     if (
@@ -228,7 +246,7 @@ def _refuse_swapped(
         or not cleaning.has_swapped_signals(displacement, force)
     ):
         return
-    index = {channel.role: channel.index for channel in chosen}
+    index = {channel.role: channel.index for channel in channels_chosen}
     raise ReadError(
         "displacement and force look swapped: the column read as force is held while the one read "
         "as displacement relaxes; if so, add "
@@ -238,14 +256,14 @@ def _refuse_swapped(
     )
 
 
-def _require_relaxation_kind(file: OpenedFile, besides: Sequence[FileKind] = ()) -> None:
+def _require_relaxation_kind(file: OpenedFile, other_kinds: Sequence[FileKind] = ()) -> None:
     """Refuse another kind of file; a sweep may hold the columns of a relaxation test too.
 
     What lacks a clock alone is asked for its rate.
     """
     channels.expect(
         file,
-        ["relaxation", "cld", "cyclic", *besides],
+        ["relaxation", "cld", "cyclic", *other_kinds],
         "a ramp and a hold is",
         stated_columns=["displacement", "force"],
     )
@@ -269,18 +287,18 @@ def moving_columns(
     return [of_force, *signals], [of_displacement]
 
 
-def check_joined_segments(time: FloatArray, loaded: LoadedColumns) -> str:
+def check_joined_segments(time: FloatArray, loaded_columns: LoadedColumns) -> str:
     """Note that segments were joined; refuse it where their clocks start again."""
-    names = [f"{i + 1} {name}".strip() for i, name in enumerate(loaded.segments)]
-    listed = ", ".join(names[:8]) + (" ..." if len(names) > 8 else "")
-    for start in loaded.starts[1:]:
+    names = [f"{i + 1} {name}".strip() for i, name in enumerate(loaded_columns.segments)]
+    segments_text = ", ".join(names[:8]) + (" ..." if len(names) > 8 else "")
+    for start in loaded_columns.starts[1:]:
         if time[start] < time[start - 1]:
             raise ReadError(
-                f"{len(names)} segments ({listed}), and the clock starts again at "
-                f"{loaded.format_row_position(start)}; choose one, for example --file-part "
+                f"{len(names)} segments ({segments_text}), and the clock starts again at "
+                f"{loaded_columns.format_row_position(start)}; choose one, for example --file-part "
                 "segment=1"
             )
-    return f"{len(names)} segments joined into one record: {listed}"
+    return f"{len(names)} segments joined into one record: {segments_text}"
 
 
 # Motion: the columns of time and displacement alone.
@@ -299,10 +317,12 @@ def read_trajectory(path: str | Path, *, options: ReadOptions | None = None) -> 
     with channels.open_file(path, options) as file:
         channels.refuse_other_rate(file)
         rate = file.options.rate
-        chosen = channels.choose(file, channels.add_time_role(file, "displacement"))
-        rows, sentences = channels.select_complete_rows(channels.load_test(file, chosen, 2))
-        values = channels.convert_signals_to_si(rows, chosen)
+        channels_chosen = channels.choose(file, channels.add_time_role(file, "displacement"))
+        rows, sentences = channels.select_complete_rows(
+            channels.load_test(file, channels_chosen, 2)
+        )
+        values = channels.convert_signals_to_si(rows, channels_chosen)
         time = np.arange(len(rows)) / rate if rate else values["time"]
         notes = [*file.table.notes, *sentences]
-        source = channels.source(file, [c.message for c in chosen], notes)
+        source = channels.source(file, [c.message for c in channels_chosen], notes)
         return Trajectory(time, values["displacement"], source=source)

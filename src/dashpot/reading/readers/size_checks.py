@@ -23,12 +23,12 @@ _SMALLER = {
     "kgf": "N", "lbf": "N", "min": "s", "h": "s", "s": "ms", "ms": "us",
     "g": "m/s^2", "m/s^2": "mm/s^2", "m/s": "mm/s",
 }  # fmt: skip
-"""What a unit is mistaken for most often, where its numbers are too large."""
+"""Likely unit where the numbers are too large."""
 _LARGER = {
     "mm": "m", "cm": "m", "in": "mm", "um": "mm", "nm": "um", "nN": "N", "uN": "N", "mN": "N",
     "N": "kN", "kN": "MN", "us": "s", "ms": "s", "s": "min", "mm/s^2": "m/s^2", "m/s^2": "g",
 }  # fmt: skip
-"""So too, where they are too small."""
+"""Likely unit where the numbers are too small."""
 _COARSE = {"mm", "cm", "in", "ft"}
 """Units of length in which no one writes a few micrometres."""
 
@@ -49,18 +49,18 @@ def make_size_criterion(
 
     `measure` is the size with its rule, limit and unit, such as ``"travel <= 0.2 m"``.
     """
-    what, rule, limit, symbol = measure.rsplit(maxsplit=3)
+    quantity_name, rule, limit, symbol = measure.rsplit(maxsplit=3)
     # what goes with one over time is too large where time is too small
-    large = (rule == "<=") != (role == "time" and symbol != "s")
-    likely = _SMALLER if large else _LARGER
+    is_too_large = (rule == "<=") != (role == "time" and symbol != "s")
+    likely_units = _SMALLER if is_too_large else _LARGER
 
     @criterion(
-        f"{what}, {symbol}", rule, float(limit), f"our choice: {reason}",
+        f"{quantity_name}, {symbol}", rule, float(limit), f"our choice: {reason}",
         grade=grade, name=name, question=question,
     )  # fmt: skip
     def evaluate(size: float, unit: str) -> Finding:
         text = f"{message} {format_quantity_short(size, symbol)}"
-        return Finding(text, size, **make_unit_advice(text, role, unit, likely))
+        return Finding(text, size, **make_unit_advice(text, role, unit, likely_units))
 
     return evaluate
 
@@ -156,17 +156,17 @@ time_of_a_test = make_size_criterion(
     "our choice: rates change by 10 and 100, units by 1,000",
     grade="stop",
 )
-def clock_unit_constant(before: float, after: float, at: float, unit: str) -> Finding:
+def clock_unit_constant(before: float, step_after: float, at: float, unit: str) -> Finding:
     """The time steps have one unit from first to last."""
-    decades = abs(np.log10(after / before))
-    off = abs(decades - 3 * max(round(decades / 3), 1))
+    decades = abs(np.log10(step_after / before))
+    distance_from_thousand = abs(decades - 3 * max(round(decades / 3), 1))
     message = (
         f"The clock's steps go from {format_quantity_short(before, 's')} to "
-        f"{format_quantity_short(after, 's')} at {at:.6g} s"
+        f"{format_quantity_short(step_after, 's')} at {at:.6g} s"
     )
     return Finding(
         message,
-        float(10**off),
+        float(10**distance_from_thousand),
         failure=f"{message}. Its unit may change there",
         remedy=Remedy(f"Correct the clock there, or confirm {unit}.", "units", f"time={unit}"),
     )
@@ -192,9 +192,9 @@ def size_possible(kind: str, size: float, unit: str, *, role: str) -> Finding:
         f"{message}, where {format_quantity_short(low, row.unit)} to "
         f"{format_quantity_short(high, row.unit)} is expected"
     )
-    likely = _SMALLER if size > high else _LARGER
-    far = max(size / high, low / size) if size > 0 else 0.0
-    return Finding(message, far, **make_unit_advice(expected, role, unit, likely))
+    likely_units = _SMALLER if size > high else _LARGER
+    excess_factor = max(size / high, low / size) if size > 0 else 0.0
+    return Finding(message, excess_factor, **make_unit_advice(expected, role, unit, likely_units))
 
 
 ramp_not_fast = make_size_criterion(
@@ -245,11 +245,11 @@ hammer_not_oversampled = make_size_criterion(
 def stress_of_a_rubber(stress: float, unit: str) -> Finding:
     """The stress is possible in rubber or foam."""
     message = f"The stress reaches {format_quantity_short(stress, 'Pa')}"
-    likely = {"Pa": "MPa", "kPa": "MPa"} if stress < 1e6 else {"GPa": "MPa", "MPa": "Pa"}
+    likely_units = {"Pa": "MPa", "kPa": "MPa"} if stress < 1e6 else {"GPa": "MPa", "MPa": "Pa"}
     return Finding(
         message,
         convert_to_unit(stress, "MPa"),
-        **make_unit_advice(message, "stress", unit, likely),
+        **make_unit_advice(message, "stress", unit, likely_units),
     )
 
 
@@ -258,9 +258,9 @@ class _Advice(TypedDict):
     remedy: Remedy
 
 
-def make_unit_advice(message: str, role: str, unit: str, likely: dict[str, str]) -> _Advice:
+def make_unit_advice(message: str, role: str, unit: str, likely_units: dict[str, str]) -> _Advice:
     """Return the question after a unit, and the unit that is likelier."""
-    likelier = likely.get(unit)
+    likelier = likely_units.get(unit)
     question = f"{message}, in {unit} as the file has it."
     words = f"Give the unit of the {role}, or confirm {unit}."
     if likelier is not None:

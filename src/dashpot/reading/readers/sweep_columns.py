@@ -29,9 +29,9 @@ _ROLES: tuple[Role, ...] = ("frequency", "storage", "loss")
 SWEEP_OPTIONS = ("storage", "magnitude")
 """Options that say that a file is a sweep."""
 _ROUNDED = 1.05
-"""What a loss factor may be of loss over storage, for the digits printed and the harmonics."""
+"""Tolerance of a loss factor over loss and storage, for printed digits and harmonics."""
 _FAR = 1.5
-"""What it may be before it is asked which of them is right, and moduli of two blocks likewise."""
+"""Deviation at which the user is asked which is right, also for moduli of two blocks."""
 _A_SWEEP = 3
 """Frequencies of a block, at least."""
 
@@ -64,14 +64,14 @@ def swept(file: OpenedFile) -> tuple[LoadedColumns, dict[Role, FloatArray], str,
     ReadError
         With what the file leaves open.
     """
-    wanted, ratio = sweep_columns(file)
-    parts = parts_of(file, channels.with_units(file, wanted), ratio)
+    roles_wanted, ratio = sweep_columns(file)
+    parts = parts_of(file, channels.with_units(file, roles_wanted), ratio)
     if "temperature" not in parts[1] and temperatures_of_segments(file, parts[0]) is None:
         refuse_unlike_blocks(*parts[:2])
     return parts
 
 
-def refuse_unlike_blocks(loaded: LoadedColumns, values: Mapping[Role, FloatArray]) -> None:
+def refuse_unlike_blocks(loaded_columns: LoadedColumns, values: Mapping[Role, FloatArray]) -> None:
     """Ask for one block where no temperature parts blocks that sweep the same frequencies.
 
     Raises
@@ -79,8 +79,8 @@ def refuse_unlike_blocks(loaded: LoadedColumns, values: Mapping[Role, FloatArray
     ReadError
         If the moduli of one are half as much again as those of another, or more.
     """
-    whole: BoolArray = np.all(np.isfinite(loaded.values), axis=1)
-    blocks = [np.flatnonzero(part) for part in _blocks(loaded, whole)]
+    is_complete: BoolArray = np.all(np.isfinite(loaded_columns.values), axis=1)
+    blocks = [np.flatnonzero(part) for part in _blocks(loaded_columns, is_complete)]
     sweeps = [
         (np.log(values["frequency"][at]), np.log(values["storage"][at]))
         for at in blocks
@@ -90,10 +90,10 @@ def refuse_unlike_blocks(loaded: LoadedColumns, values: Mapping[Role, FloatArray
     for f, storage in sweeps[1:]:
         order = np.argsort(sweeps[0][0])
         first, reference = sweeps[0][0][order], sweeps[0][1][order]
-        within = (f >= first[0]) & (f <= first[-1])
-        if not within.any() or len(set(f.tolist())) < _A_SWEEP:
+        in_range = (f >= first[0]) & (f <= first[-1])
+        if not in_range.any() or len(set(f.tolist())) < _A_SWEEP:
             continue
-        times = math.exp(median(np.abs(storage - np.interp(f, first, reference))[within]))
+        times = math.exp(median(np.abs(storage - np.interp(f, first, reference))[in_range]))
         if times >= _FAR:
             raise ReadError(
                 f"its blocks sweep the same frequencies, and their moduli differ {times:.3g} "
@@ -102,10 +102,12 @@ def refuse_unlike_blocks(loaded: LoadedColumns, values: Mapping[Role, FloatArray
             )
 
 
-def _blocks(loaded: LoadedColumns, whole: BoolArray) -> list[BoolArray]:
+def _blocks(loaded_columns: LoadedColumns, is_complete: BoolArray) -> list[BoolArray]:
     """Return which of the whole rows stand in each block."""
-    of_row = np.searchsorted(np.array(loaded.starts), np.arange(len(whole)), side="right")
-    return [of_row[whole] == number for number in range(1, len(loaded.starts) + 1)]
+    of_row = np.searchsorted(
+        np.array(loaded_columns.starts), np.arange(len(is_complete)), side="right"
+    )
+    return [of_row[is_complete] == number for number in range(1, len(loaded_columns.starts) + 1)]
 
 
 def _parts(file: OpenedFile) -> dict[Role, RoleAssignment | Question]:
@@ -139,13 +141,14 @@ def _hint(file: OpenedFile, assignments: Mapping[Role, RoleAssignment | Question
 
 def _told_apart(file: OpenedFile, columns: Sequence[RoleAssignment]) -> None:
     """Refuse one column for storage and loss."""
-    both = [column.index for column in columns if column.role in {"storage", "loss"}]
-    if len(both) == len(set(both)):
+    modulus_columns = [column.index for column in columns if column.role in {"storage", "loss"}]
+    if len(modulus_columns) == len(set(modulus_columns)):
         return
     raise ReadError(
-        f"only '{file.table.columns[both[0]].name}' could be storage or loss, and it is not both; "
-        "expected a column of each, or of storage and loss factor, or of |K*| and loss angle: name "
-        "the columns with --column ROLE=NAME (storage, loss, loss-factor; magnitude, phase)"
+        f"only '{file.table.columns[modulus_columns[0]].name}' could be storage or loss, and it is "
+        "not both; expected a column of each, or of storage and loss factor, or of |K*| and loss "
+        "angle: name the columns with --column ROLE=NAME (storage, loss, loss-factor; magnitude, "
+        "phase)"
     )
 
 
@@ -193,8 +196,8 @@ def _is_size(
     """
     columns, storage = file.table.columns, assignments["storage"]
     if file.options.magnitude or vocabulary.says_size(columns[size.index].name):
-        named = isinstance(storage, RoleAssignment) and storage.index != size.index
-        return bool(file.options.magnitude) or not named
+        is_named = isinstance(storage, RoleAssignment) and storage.index != size.index
+        return bool(file.options.magnitude) or not is_named
     if isinstance(storage, Question) or (
         vocabulary.matches(columns[storage.index].name).get("storage", 0.0) < 1.5
     ):
@@ -209,7 +212,7 @@ def _is_size(
 
 
 def parts_of(
-    file: OpenedFile, chosen: Sequence[Channel], ratio: int | None
+    file: OpenedFile, channels_chosen: Sequence[Channel], ratio: int | None
 ) -> tuple[LoadedColumns, dict[Role, FloatArray], str, list[str]]:
     """Return what was loaded, the values in SI by role with storage and loss, their unit and notes.
 
@@ -220,17 +223,17 @@ def parts_of(
     ReadError
         If storage and loss are of two kinds, or an angle is not that of a solid.
     """
-    column_by_role = {c.role: c for c in chosen}
+    column_by_role = {c.role: c for c in channels_chosen}
     base = column_by_role["storage" if "storage" in column_by_role else "complex_modulus"]
-    indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
+    indexes = [c.index for c in channels_chosen] + ([] if ratio is None else [ratio])
     assignment = file.column("loss_factor") if "loss" in column_by_role else None
     columns = [*indexes, *([assignment.index] if assignment else [])]
-    loaded = channels.load(file.table, columns, file.options.segment)
-    reported = loaded.values[:, -1]
-    loaded = replace(loaded, values=loaded.values[:, : len(indexes)])
-    loaded = channels.filled_down(loaded, [c.role for c in chosen])
-    rows, gaps = channels.select_complete_rows(loaded)
-    values = channels.convert_signals_to_si(rows, chosen)
+    loaded_columns = channels.load(file.table, columns, file.options.segment)
+    reported = loaded_columns.values[:, -1]
+    loaded_columns = replace(loaded_columns, values=loaded_columns.values[:, : len(indexes)])
+    loaded_columns = channels.filled_down(loaded_columns, [c.role for c in channels_chosen])
+    rows, gaps = channels.select_complete_rows(loaded_columns)
+    values = channels.convert_signals_to_si(rows, channels_chosen)
     warmth = [column_by_role["temperature"]] if "temperature" in column_by_role else []
     notes = [*file.table.notes, *gaps, *channels.rivals(file, warmth)]
     if "loss" in column_by_role:
@@ -241,11 +244,11 @@ def parts_of(
                 "expected both in one kind of unit, such as MPa or N/mm"
             )
         if assignment is not None:
-            reported = reported[np.isfinite(loaded.values).all(axis=1)]
+            reported = reported[np.isfinite(loaded_columns.values).all(axis=1)]
             notes += _check_loss_factor(
                 file, column_by_role["loss"].index, assignment.index, reported, values
             )
-        return loaded, values, si_unit(base.unit.dimension).word, notes
+        return loaded_columns, values, si_unit(base.unit.dimension).word, notes
     if ratio is None:
         angle = column_by_role["loss_angle"]
         tangent = np.tan(_solid_angle(file, angle, values["loss_angle"]))
@@ -262,7 +265,7 @@ def parts_of(
         )
     values["loss"] = values["storage"] * tangent
     notes.append(f"loss is storage times {message}")
-    return loaded, values, si_unit(base.unit.dimension).word, notes
+    return loaded_columns, values, si_unit(base.unit.dimension).word, notes
 
 
 def _check_loss_factor(

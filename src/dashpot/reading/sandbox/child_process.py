@@ -21,13 +21,13 @@ _LONGEST = 2000
 
 def main() -> None:
     """Read a request from stdin, write the answer to stdout, and leave without ceremony."""
-    with os.fdopen(os.dup(1), "wb") as out:
+    with os.fdopen(os.dup(1), "wb") as output:
         os.dup2(2, 1)  # what a library prints is not the answer
-        _serve(sys.stdin.buffer, out)
+        _serve(sys.stdin.buffer, output)
     os._exit(0)
 
 
-def _serve(stream: BinaryIO, out: BinaryIO) -> None:
+def _serve(stream: BinaryIO, output: BinaryIO) -> None:
     request = message_protocol.receive(stream)
     gc.disable()  # soon all is gone; of sixty thousand channels it costs a fifth to look for it
     limits.confine(request["seconds"])
@@ -38,18 +38,18 @@ def _serve(stream: BinaryIO, out: BinaryIO) -> None:
         function = getattr(import_module(module), name)
         if request["columns"] is not None:
             function = partial(function, columns=request["columns"])
-        message_protocol.send_reply(out, run_parser(request["format"], function, raw, options))
+        message_protocol.send_reply(output, run_parser(request["format"], function, raw, options))
     except DashpotError as error:
-        message_protocol.send(out, {"error": str(error)[:_LONGEST]})
+        message_protocol.send(output, {"error": str(error)[:_LONGEST]})
 
 
 def run_parser(
-    what: str,
+    format_name: str,
     function: Callable[[RawFile, ReadOptions], message_protocol.Reply],
     raw: RawFile,
     options: ReadOptions,
 ) -> message_protocol.Reply:
-    """Return what a foreign parser makes of a file of the format `what`.
+    """Return what a foreign parser makes of a file of the format `format_name`.
 
     Raises
     ------
@@ -62,13 +62,13 @@ def run_parser(
         raise
     except (MemoryError, SystemError):  # NumPy raises this where it has no memory to select rows
         raise ReadError(
-            f"takes more than {limits.MEMORY >> 30} GiB of memory to read as {what}; "
+            f"takes more than {limits.MEMORY >> 30} GiB of memory to read as {format_name}; "
             "export a part of it, or as text"
         ) from None
     except OSError as error:
         raise ReadError(f"cannot be read: {type(error).__name__} {error}") from None
     except BaseException as error:  # noqa: BLE001
         raise ReadError(
-            f"a broken or unknown variety of {what}: {type(error).__name__}: {error}; "
+            f"a broken or unknown variety of {format_name}: {type(error).__name__}: {error}; "
             "export it again, or as text"
         ) from None

@@ -13,7 +13,7 @@ LARGEST = 1 << 28
 VALUES = LARGEST // 8
 
 
-def check_value_count(count: int, what: str) -> None:
+def check_value_count(count: int, subject: str) -> None:
     """Raise a ReadError if that many numbers, in all arrays together, are no test.
 
     Raises
@@ -23,8 +23,8 @@ def check_value_count(count: int, what: str) -> None:
     """
     if count > VALUES:
         raise ReadError(
-            f"{what} {count} numbers in all, and at most {VALUES} are read; export fewer channels, "
-            "a part of the test or a lower rate"
+            f"{subject} {count} numbers in all, and at most {VALUES} are read; export fewer "
+            "channels, a part of the test or a lower rate"
         )
 
 
@@ -41,16 +41,16 @@ def confine(seconds: float) -> None:
         import resource
     except ImportError:
         return
-    whole = math.ceil(seconds)
-    for which, most in (
+    whole_seconds = math.ceil(seconds)
+    for key, maximum in (
         (resource.RLIMIT_AS, MEMORY),
-        (resource.RLIMIT_CPU, whole + 5),  # both ends, should the parent be gone
+        (resource.RLIMIT_CPU, whole_seconds + 5),  # both ends, should the parent be gone
         (resource.RLIMIT_CORE, 0),
     ):
-        held = (index for index in resource.getrlimit(which) if index != resource.RLIM_INFINITY)
-        least = min([most, *held])
+        current = (index for index in resource.getrlimit(key) if index != resource.RLIM_INFINITY)
+        new_limit = min([maximum, *current])
         try:
-            resource.setrlimit(which, (least, least))
+            resource.setrlimit(key, (new_limit, new_limit))
         except (OSError, ValueError):  # macOS refuses a limit below what is mapped
             continue
-    signal.alarm(whole + 5)
+    signal.alarm(whole_seconds + 5)

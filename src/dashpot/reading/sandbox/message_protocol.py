@@ -90,7 +90,7 @@ def send_reply(stream: BinaryIO, table: Reply) -> None:
         "notes": table.notes, "header": table.header, "hints": table.hints,
         "cautions": [i for i, note in enumerate(table.notes) if isinstance(note, Caution)],
     }  # fmt: skip
-    blocks = (table.load(range(*of)).values.T for of in _blocks(rows, width))
+    blocks = (table.load(range(*columns)).values.T for columns in _blocks(rows, width))
     send(stream, head, (np.ascontiguousarray(block, float).data.cast("B") for block in blocks))
 
 
@@ -131,8 +131,8 @@ def _table(stream: BinaryIO, head: dict[str, Any]) -> FileTable:
     _validate_size(8 * rows * len(columns))
     values = np.empty((rows, len(columns)))
     for first, stop in _blocks(rows, len(columns)):
-        whole = np.frombuffer(exactly(stream, 8 * rows * (stop - first)))
-        values[:, first:stop] = whole.reshape(stop - first, rows).T
+        block_values = np.frombuffer(exactly(stream, 8 * rows * (stop - first)))
+        values[:, first:stop] = block_values.reshape(stop - first, rows).T
     return FileTable(
         format=_validate_type(head["format"], str),
         columns=columns,
@@ -148,9 +148,9 @@ def _table(stream: BinaryIO, head: dict[str, Any]) -> FileTable:
 
 
 def _blocks(rows: int, width: int) -> Iterator[tuple[int, int]]:
-    """Where each block of columns begins and ends: one column, or thousands of short ones."""
-    many = max(1, _BLOCK // max(1, rows))
-    return ((first, min(first + many, width)) for first in range(0, width, many))
+    """Yield the first and last column of each block: one column, or thousands of short ones."""
+    block_width = max(1, _BLOCK // max(1, rows))
+    return ((first, min(first + block_width, width)) for first in range(0, width, block_width))
 
 
 def _validate_type(value: Any, kind: type) -> Any:
@@ -165,8 +165,8 @@ def _strings(values: Any) -> tuple[str, ...]:
 
 def _notes(notes: tuple[str, ...], cautions: Any) -> tuple[str, ...]:
     """Return the notes, those at the places given as cautions."""
-    places = {_count(place) for place in _validate_type(cautions, list)}
-    return tuple(Caution(note) if i in places else note for i, note in enumerate(notes))
+    caution_indices = {_count(index) for index in _validate_type(cautions, list)}
+    return tuple(Caution(note) if i in caution_indices else note for i, note in enumerate(notes))
 
 
 def _count(value: Any) -> int:

@@ -26,7 +26,7 @@ _MARK = "--read-for-dashpot"
 CHILD_ENVIRONMENT = {"MALLOC_ARENA_MAX": "1", "POLARS_MAX_THREADS": "1"}
 """Each thread of polars sets aside 64 MB of addresses in an arena: a GiB is full before a file."""
 CHILD_OPTIONS = ("sheet", "segment", "format", "rate")
-"""What is said to a reader in a child."""
+"""Options that a reader in a child process receives."""
 _frozen_children: list[str] = []
 
 
@@ -44,7 +44,7 @@ def frozen_support() -> None:
 
 
 def run_in_child(
-    what: str,
+    format_name: str,
     function: Callable[..., A],
     raw: RawFile,
     options: ReadOptions,
@@ -55,8 +55,8 @@ def run_in_child(
 
     Where `columns` of a large file are asked for, the function takes them as its third argument.
 
-    The function reads files of the format `what` and stands at the top of a module of dashpot; of
-    the options it gets the sheet, the segment and the rate.
+    The function reads files of the format `format_name` and stands at the top of a module of
+    dashpot; of the options it gets the sheet, the segment and the rate.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def run_in_child(
     """
     seconds = raw_file.compute_time_allowed(raw.size)
     request = {
-        "format": what, "function": [function.__module__, function.__name__],
+        "format": format_name, "function": [function.__module__, function.__name__],
         "seconds": seconds, "name": raw.name, "path": raw.path and str(raw.path.absolute()),
         "options": {name: getattr(options, name) for name in CHILD_OPTIONS},
         "columns": None if columns is None else [int(index) for index in columns],
@@ -79,7 +79,9 @@ def run_in_child(
         except message_protocol.ProtocolError:
             reply = None
     if reply is None:
-        raise ReadError(_death(what, child.returncode, seconds if timed_out.is_set() else None))
+        raise ReadError(
+            _death(format_name, child.returncode, seconds if timed_out.is_set() else None)
+        )
     return cast("A", reply)
 
 
@@ -140,17 +142,18 @@ def _command() -> list[str]:
     return interpreter("dashpot.reading.sandbox.child_process", "-W", "ignore")
 
 
-def _death(what: str, code: int, seconds: float | None) -> str:
+def _death(format_name: str, code: int, seconds: float | None) -> str:
     """Return the sentence on a child that gave no answer."""
     if seconds is not None:
         return (
-            f"took more than {seconds:.0f} s to read as {what}: it is damaged, or unpacks to far "
-            "more than a test; export it again, or as text"
+            f"took more than {seconds:.0f} s to read as {format_name}: it is damaged, or unpacks "
+            "to far more than a test; export it again, or as text"
         )
-    how = f"exit code {code}"
+    exit_text = f"exit code {code}"
     with suppress(ValueError):
-        how = signal.Signals(-code).name
+        exit_text = signal.Signals(-code).name
     return (
         f"damaged, or unpacks to more than the {limits.MEMORY >> 30} GiB of memory that reading "
-        f"may take: the reader of {what} files ended with {how}; export it again, or as text"
+        f"may take: the reader of {format_name} files ended with {exit_text}; export it again, or "
+        "as text"
     )

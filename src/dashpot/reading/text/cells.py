@@ -27,9 +27,13 @@ _WRITTEN: dict[Mark, str] = {
     ".,": r"[+-]?(?:\d++[.,]?\d*+|[.,]\d++)",
 }
 _EXPONENT = r"(?:[eEdD][+-]?\d{1,4})?"
-_PLAIN = {mark: compile_on_use(rf"\A{name}{_EXPONENT}\Z") for mark, name in _WRITTEN.items()}
+_PLAIN = {
+    decimal_mark: compile_on_use(rf"\A{name}{_EXPONENT}\Z")
+    for decimal_mark, name in _WRITTEN.items()
+}
 _ALL_PLAIN = {
-    mark: compile_on_use(rf"\A(?:{name}{_EXPONENT}\n)++\Z") for mark, name in _WRITTEN.items()
+    decimal_mark: compile_on_use(rf"\A(?:{name}{_EXPONENT}\n)++\Z")
+    for decimal_mark, name in _WRITTEN.items()
 }
 # a group that gives nothing back (`)++`) is lost in Python 3.11.2 from the second match on
 GROUPS: dict[Mark, str] = {
@@ -38,8 +42,10 @@ GROUPS: dict[Mark, str] = {
 }
 """The thousands behind the first digits of a number, by its decimal mark."""
 _GROUPED = {
-    mark: compile_on_use(rf"\A[+-]?[1-9]\d{{0,2}}{groups}(?:{re.escape(mark)}\d*+)?\Z")
-    for mark, groups in GROUPS.items()
+    decimal_mark: compile_on_use(
+        rf"\A[+-]?[1-9]\d{{0,2}}{groups}(?:{re.escape(decimal_mark)}\d*+)?\Z"
+    )
+    for decimal_mark, groups in GROUPS.items()
 }
 EITHER_WAY = compile_on_use(r"\A[+-]?[1-9]\d{0,2}([.,])\d{3}\Z")
 """``1,234``: a thousand or one and a bit."""
@@ -53,25 +59,25 @@ _BEGINS = frozenset("0123456789+-.,")
 _BLANKS = compile_on_use(r"\"([^\"]*)\"|(\S+)")
 
 
-def number(cell: str, mark: Mark) -> float | None:
+def number(cell: str, decimal_mark: Mark) -> float | None:
     """Return the number in a cell, or None."""
-    if _PLAIN[mark].match(cell):
+    if _PLAIN[decimal_mark].match(cell):
         return float(cell.replace(",", ".").replace("d", "e").replace("D", "e"))
-    if _is_grouped(cell, mark):
-        whole, _, part = cell.partition("." if mark == "." else ",")
-        return float(re.sub(r"[^\d+-]", "", whole) + "." + part)
+    if _is_grouped(cell, decimal_mark):
+        integer_text, _, part = cell.partition("." if decimal_mark == "." else ",")
+        return float(re.sub(r"[^\d+-]", "", integer_text) + "." + part)
     return None
 
 
-def is_number(cell: str, mark: Mark) -> bool:
+def is_number(cell: str, decimal_mark: Mark) -> bool:
     """Return whether :func:`number` finds one in a cell."""
     if cell[:1] not in _BEGINS and cell[:1].isascii():  # most cells that are none, soon
         return False
-    return _PLAIN[mark].match(cell) is not None or _is_grouped(cell, mark)
+    return _PLAIN[decimal_mark].match(cell) is not None or _is_grouped(cell, decimal_mark)
 
 
-def _is_grouped(cell: str, mark: Mark) -> bool:
-    grouped = _GROUPED.get(mark)
+def _is_grouped(cell: str, decimal_mark: Mark) -> bool:
+    grouped = _GROUPED.get(decimal_mark)
     return grouped is not None and grouped.match(cell) is not None
 
 
@@ -89,9 +95,9 @@ def split(line: str, delimiter: str, *, trim: bool = True) -> list[str]:
     if delimiter == " ":
         if '"' not in line:
             return line.split()
-        return [quoted or plain for quoted, plain in _BLANKS.findall(line)]
+        return [quoted or unquoted for quoted, unquoted in _BLANKS.findall(line)]
     if delimiter.startswith("fixed:"):
-        cells = _split_fixed_width(line, [int(place) for place in delimiter[6:].split(",")])
+        cells = _split_fixed_width(line, [int(position) for position in delimiter[6:].split(",")])
     elif '"' in line:
         cells = _split_quoted_cells(line, delimiter)
     else:
@@ -108,7 +114,7 @@ def drop_trailing_blanks(cells: list[str]) -> list[str]:
 
 def _split_fixed_width(line: str, breaks: Sequence[int]) -> list[str]:
     """Return the cells between the breaks; by blanks, so too many or few, if a word crosses one."""
-    if any(len(line[place - 1 : place + 1].strip()) == 2 for place in breaks):
+    if any(len(line[position - 1 : position + 1].strip()) == 2 for position in breaks):
         return line.split()
     return [line[a:b].strip() for a, b in itertools.pairwise([0, *breaks, None])]
 
@@ -119,16 +125,16 @@ def split_by_alignment(line: str, template: str) -> list[str]:
     Returns no cells unless each stands under one cell of the row, the last under its last: only
     then do the gaps show which is missing.
     """
-    places = [match.span() for match in re.finditer(r"\S+", template)]
-    cells = [""] * len(places)
+    spans = [match.span() for match in re.finditer(r"\S+", template)]
+    cells = [""] * len(spans)
     last = -1
     for match in re.finditer(r"\S+", line):
-        under = [i for i, (a, b) in enumerate(places) if match.start() < b and a < match.end()]
-        if len(under) != 1 or under[0] <= last:
+        overlapping = [i for i, (a, b) in enumerate(spans) if match.start() < b and a < match.end()]
+        if len(overlapping) != 1 or overlapping[0] <= last:
             return []
-        last = under[0]
+        last = overlapping[0]
         cells[last] = match[0]
-    return cells if last == len(places) - 1 else []
+    return cells if last == len(spans) - 1 else []
 
 
 def _split_quoted_cells(line: str, delimiter: str) -> list[str]:
@@ -141,16 +147,16 @@ def _split_quoted_cells(line: str, delimiter: str) -> list[str]:
     return [remove_quotes(cell) for cell in rows[0]] if rows else []
 
 
-def numeric(cells: Sequence[str], mark: Mark) -> list[bool]:
+def numeric(cells: Sequence[str], decimal_mark: Mark) -> list[bool]:
     """Return which cells hold a number."""
-    if are_plain(cells, mark):
+    if are_plain(cells, decimal_mark):
         return [True] * len(cells)
-    return [is_number(cell, mark) for cell in cells]
+    return [is_number(cell, decimal_mark) for cell in cells]
 
 
-def are_plain(cells: Sequence[str], mark: Mark) -> bool:
+def are_plain(cells: Sequence[str], decimal_mark: Mark) -> bool:
     """Whether there are cells, and each is a number without marks of thousands: one look at all."""
-    return _ALL_PLAIN[mark].match("\n".join([*cells, ""])) is not None
+    return _ALL_PLAIN[decimal_mark].match("\n".join([*cells, ""])) is not None
 
 
 # Columns of clock times.
@@ -192,16 +198,18 @@ def parse_clock_time(cell: str) -> Timestamp | None:
     match = _CLOCK.match(cell) if cell[:1].isdigit() else None
     if match is None:
         return None
-    date, _, _, first, second, third, part, thousandths, tenths, half, sign, *zone = match.groups(
-        default=""
+    date, _, _, first, second, third_number, part, thousandths, tenths, half_day, sign, *zone = (
+        match.groups(default="")
     )
     if tenths:  # a fraction belongs to seconds: these are minutes before them
         return Timestamp(date, 60.0 * int(first) + float(f"{second}.{tenths[1:]}"), "ms")
-    hours = int(first) % 12 + 12 * (half in "Pp") if half else int(first)
-    seconds = 60.0 * (60 * hours + int(second)) + float(f"{third or 0}.{part or thousandths or 0}")
+    hours = int(first) % 12 + 12 * (half_day in "Pp") if half_day else int(first)
+    seconds = 60.0 * (60 * hours + int(second)) + float(
+        f"{third_number or 0}.{part or thousandths or 0}"
+    )
     east = 60.0 * (60 * int(zone[0]) + int(zone[1])) if sign else 0.0  # an hour lost in autumn
     seconds += east if sign == "-" else -east
-    return Timestamp(date, seconds, "hms" if third or half or date else "")
+    return Timestamp(date, seconds, "hms" if third_number or half_day or date else "")
 
 
 def parse_clock_or_date(cell: str) -> Timestamp | None:
@@ -231,13 +239,13 @@ class ClockColumn:
             return None
         timestamps, moments = self._minutes, []
         for cell in cells:
-            head, _, tail = cell.rpartition(":")
+            head, _, seconds_text = cell.rpartition(":")
             if head not in timestamps:
                 timestamps[head] = parse_clock_time(f"{head}:00") if ":" in head else None
             minute = timestamps[head]
-            if minute is None or not _SECONDS.match(tail):
+            if minute is None or not _SECONDS.match(seconds_text):
                 return None
-            seconds = minute.seconds + float(tail.replace(",", "."))
+            seconds = minute.seconds + float(seconds_text.replace(",", "."))
             moments.append(Timestamp(minute.date, seconds, "hms"))
         return moments
 
@@ -267,11 +275,11 @@ class ClockColumn:
     def apply_day_changes(self, values: FloatArray) -> tuple[list[int], list[Question]]:
         """Add the days to the seconds; return the rows where midnight passes, and what to ask."""
         if self.doubtful:
-            three = self.doubtful.count(":") > 1
+            has_seconds = self.doubtful.count(":") > 1
             explanation = (
                 "is said to be minutes and seconds, but has three parts; if they are hours, "
                 'minutes and seconds, add --units "time=hh:mm:ss"'
-                if three
+                if has_seconds
                 else "can be hours and minutes or minutes and seconds; say which with "
                 '--units "time=hh:mm" or --units "time=mm:ss"'
             )
@@ -289,12 +297,12 @@ class ClockColumn:
 
     def _add_days(self, values: FloatArray) -> list[Question]:
         words = list(dict.fromkeys(date for _, date in self.dates))
-        stated = (self.order,) if self.order in _ORDERS else _ORDERS
-        possible = [days for order in stated if (days := _days(words, order))]
+        orders = (self.order,) if self.order in _ORDERS else _ORDERS
+        possible_days = [days for order in orders if (days := _days(words, order))]
         # days since the first are all that a record of one clock needs
-        if len({tuple(day - days[0] for day in days) for days in possible}) != 1:
-            return [_which_date(words, possible=bool(possible))]
-        day = dict(zip(words, possible[0], strict=True))
+        if len({tuple(day - days[0] for day in days) for days in possible_days}) != 1:
+            return [_which_date(words, is_possible=bool(possible_days))]
+        day = dict(zip(words, possible_days[0], strict=True))
         stops = [row for row, _ in self.dates[1:]] + [len(values)]
         for (start, word), stop in zip(self.dates, stops, strict=True):
             values[start:stop] += _DAY * day[word]
@@ -307,8 +315,8 @@ def _days(words: list[str], order: str) -> list[int]:
     return days if len(days) == len(words) else []
 
 
-def _which_date(words: list[str], *, possible: bool) -> Question:
-    if not possible:
+def _which_date(words: list[str], *, is_possible: bool) -> Question:
+    if not is_possible:
         names = (word for word in words if any(_day(word, order) for order in _ORDERS))
         wrong = next((word for word in words if word not in set(names)), words[-1]) or "no date"
         message = (
@@ -328,10 +336,10 @@ def _day(word: str, order: str) -> int | None:
     from datetime import date  # rare, and costs time to import
 
     parts = [part for part in re.split(r"[-./ ]", word) if part]
-    whole = [len(part) == 4 for part in parts]
-    if len(parts) != 3 or (any(whole) and not whole[order.index("y")]):
+    is_year = [len(part) == 4 for part in parts]
+    if len(parts) != 3 or (any(is_year) and not is_year[order.index("y")]):
         return None
-    if "." in word and order != "dmy" and not whole[0]:
+    if "." in word and order != "dmy" and not is_year[0]:
         return None  # with points the day comes first
     year, month, day = (parts[order.index(letter)] for letter in "ymd")
     short = month[:3].casefold()
@@ -356,8 +364,9 @@ _MAX_HEADER_LINES = 3
 _HOLE = "\0"
 
 
-def _build_complex_pattern(mark: str) -> re.Pattern[str]:
-    size = rf"(?:\d{{1,40}}(?:{mark}\d{{0,40}})?|{mark}\d{{1,40}})(?:[eEdD][+-]?\d{{1,4}})?"
+def _build_complex_pattern(decimal_mark: str) -> re.Pattern[str]:
+    mantissa = rf"(?:\d{{1,40}}(?:{decimal_mark}\d{{0,40}})?|{decimal_mark}\d{{1,40}})"
+    size = rf"{mantissa}(?:[eEdD][+-]?\d{{1,4}})?"
     return compile_on_use(
         rf"(?<![\w.])\"?\(?[ ]?(?P<real>[+-]?{size})[ ]?(?P<sign>\+-|[+-])[ ]?"
         rf"(?:(?P<before>{size})\*?[ijIJ]|[ijIJ]\*?(?P<behind>{size}))[ ]?\)?\"?(?![\w.])"
@@ -393,12 +402,12 @@ def parted_cells(text: str) -> str | None:
         filled = [i for i in range(rows[0], len(lines)) if lines[i].strip()]
         if len(rows) < _SHARE * len(filled):
             continue
-        bare = pattern.sub(_HOLE, lines[rows[0]]).strip()
-        sign = next((delimiter for delimiter in _DELIMITERS if delimiter in bare), " ")
-        places = _split_complex_cell(bare, sign)
+        bare_line = pattern.sub(_HOLE, lines[rows[0]]).strip()
+        sign = next((delimiter for delimiter in _DELIMITERS if delimiter in bare_line), " ")
+        cell_kinds = _split_complex_cell(bare_line, sign)
         for i in rows:
             lines[i] = _with_parts(lines[i], pattern, sign)
-        _part_names(lines, rows[0], places, sign)
+        _part_names(lines, rows[0], cell_kinds, sign)
         return "\n".join(lines)
     return None
 
@@ -418,22 +427,22 @@ def _with_parts(line: str, pattern: re.Pattern[str], delimiter: str) -> str:
     return delimiter.join(pattern.sub(parts, line).split())
 
 
-def _part_names(lines: list[str], first: int, places: list[str], sign: str) -> None:
+def _part_names(lines: list[str], first: int, cell_kinds: list[str], sign: str) -> None:
     """Give each complex column two names, and two units."""
-    named = False
+    has_complex = False
     for i in range(max(first - _MAX_HEADER_LINES, 0), first):
         cells = _split_complex_cell(lines[i].lstrip("#% "), sign)
-        if len(cells) != len(places):
+        if len(cells) != len(cell_kinds):
             continue
-        wide: list[str] = []
-        for cell, held in zip(cells, places, strict=True):
-            if _HOLE not in held:
-                wide.append(cell)
-            elif named:
-                wide += [cell, cell]
+        widened: list[str] = []
+        for cell, cell_kind in zip(cells, cell_kinds, strict=True):
+            if _HOLE not in cell_kind:
+                widened.append(cell)
+            elif has_complex:
+                widened += [cell, cell]
             else:
                 name, unit = split_unit(cell)
                 unit = f" [{unit}]" if unit else ""
-                wide += [f"{name} real{unit}", f"{name} imaginary{unit}"]
-        lines[i] = ("\t" if sign == " " else sign).join(wide)
-        named = True
+                widened += [f"{name} real{unit}", f"{name} imaginary{unit}"]
+        lines[i] = ("\t" if sign == " " else sign).join(widened)
+        has_complex = True

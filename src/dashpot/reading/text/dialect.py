@@ -80,8 +80,8 @@ class Dialect:
         parts = cell.split(line, self.delimiter, trim=False)
         if self.delimiter == " " and len(parts) < self.cells:
             parts = cell.split_by_alignment(line, template)
-        whole, width = len(parts) == self.cells, len(self.contents)
-        if not cell.drop_trailing_blanks(parts) or not (whole or self._ends_well(parts)):
+        has_all_cells, width = len(parts) == self.cells, len(self.contents)
+        if not cell.drop_trailing_blanks(parts) or not (has_all_cells or self._ends_well(parts)):
             return None
         if self.contents[0] == "blank" and parts[0] and not cell.is_number(parts[0], self.mark):
             return None  # a word where every row is blank: a key of the header
@@ -90,9 +90,11 @@ class Dialect:
 
     def _ends_well(self, names: Sequence[str]) -> bool:
         """Return whether a row of another width has all its numbers, and no number behind them."""
-        behind = names[len(self.contents) :]
-        reaches = not self.numbers or len(names) > self.numbers[-1]
-        return reaches and not any(cell.is_number(c, self.mark) for c in behind)
+        following_names = names[len(self.contents) :]
+        reaches_last_number = not self.numbers or len(names) > self.numbers[-1]
+        return reaches_last_number and not any(
+            cell.is_number(c, self.mark) for c in following_names
+        )
 
     def _is_plain(self, names: Sequence[str]) -> bool:
         """Return whether there is a plain number wherever one is expected."""
@@ -100,7 +102,7 @@ class Dialect:
 
     def _has_numbers(self, names: Sequence[str]) -> bool:
         """Whether there are numbers enough, and more than words, where numbers are expected."""
-        filled = blank = words = stated = 0
+        filled = blank = words = stated_count = 0
         for i in self.numbers:
             if self._is_value(names[i], i):
                 filled += 1
@@ -108,12 +110,12 @@ class Dialect:
                     return True
             elif cell.is_missing(names[i]):
                 blank += 1
-                stated += any(map(str.isalpha, names[i]))
+                stated_count += any(map(str.isalpha, names[i]))
             elif i == self.numbers[0]:
                 return False  # "Mean;1.2;3.4"
             else:
                 words += 1
-        if stated and stated == len(self.numbers):  # NaN in every place
+        if stated_count and stated_count == len(self.numbers):  # NaN in every place
             return True
         # a heading that holds a number or two has more words than numbers
         return filled > words and 2 * (filled + blank) > len(self.numbers)
@@ -139,10 +141,10 @@ class Dialect:
         before, last = (self._decimals(line) for line in rows[-2:])
         if not (before and last) or last[:-1] != before[:-1]:
             return False
-        printed, shorter = before[-1], last[-1]
-        if printed is None or shorter is None or shorter >= printed:
+        last_cell_before, shorter = before[-1], last[-1]
+        if last_cell_before is None or shorter is None or shorter >= last_cell_before:
             return False
-        return all(self._decimals(line)[-1:] == [printed] for line in rows[:-2])
+        return all(self._decimals(line)[-1:] == [last_cell_before] for line in rows[:-2])
 
     def _decimals(self, line: str) -> list[int | None]:
         return [decimals(text, self.mark) for text in cell.split(line, self.delimiter)]
@@ -170,20 +172,22 @@ def find_dialect(
     the pair under which most cells of equally wide neighbouring lines are numbers is taken.
     """
     windows = list(_windows(lines))
-    marks = [mark for mark in _MARKS if decimal in {None, mark}]
+    decimal_marks = [decimal_mark for decimal_mark in _MARKS if decimal in {None, decimal_mark}]
     signs = _delimiters(windows, delimiter)
-    plain = [_plainly(window, signs, marks) for window in windows]
-    full = [
+    plain_dialects = [_plainly(window, signs, decimal_marks) for window in windows]
+    cell_counts = [
         len(window) * dialect.cells if dialect else 0
-        for dialect, window in zip(plain, windows, strict=True)
+        for dialect, window in zip(plain_dialects, windows, strict=True)
     ]
-    best = plain[full.index(max(full))] if full else None
-    highest: float = max(full, default=0)
-    rest = [window for dialect, window in zip(plain, windows, strict=True) if dialect is None]
-    most = {sign: [_most_numbers(sign, window) for window in rest] for sign in signs}
-    for sign, mark, (i, window) in product(signs, marks, enumerate(rest)):
-        if most[sign][i] > highest:
-            score, dialect = _best_run(window, sign, mark, above=highest)
+    best = plain_dialects[cell_counts.index(max(cell_counts))] if cell_counts else None
+    highest: float = max(cell_counts, default=0)
+    rest = [
+        window for dialect, window in zip(plain_dialects, windows, strict=True) if dialect is None
+    ]
+    max_numbers = {sign: [_most_numbers(sign, window) for window in rest] for sign in signs}
+    for sign, decimal_mark, (i, window) in product(signs, decimal_marks, enumerate(rest)):
+        if max_numbers[sign][i] > highest:
+            score, dialect = _best_run(window, sign, decimal_mark, min_score=highest)
             if dialect is not None:
                 highest, best = score, dialect
     dialect = None if best is None else _from_the_top(lines, best)
@@ -207,9 +211,9 @@ def _fill_blank_columns(lines: Sequence[str], dialect: Dialect) -> Dialect:
 
     Such is a temperature that is written once for each block.
     """
-    none: tuple[Content, ...] = ("blank",)
-    contents = (*dialect.contents, *none * (dialect.cells - len(dialect.contents)))
-    blank = [i for i, held in enumerate(contents) if held == "blank"]
+    blank_row: tuple[Content, ...] = ("blank",)
+    contents = (*dialect.contents, *blank_row * (dialect.cells - len(dialect.contents)))
+    blank = [i for i, content in enumerate(contents) if content == "blank"]
     if not blank or dialect.delimiter == " ":
         return dialect
     texts: dict[int, list[str]] = {i: [] for i in blank}
@@ -218,13 +222,13 @@ def _fill_blank_columns(lines: Sequence[str], dialect: Dialect) -> Dialect:
         if len(row) == len(contents):
             for i in blank:
                 texts[i] += filter(None, [row[i]])
-    held = {i: _content(texts[i], dialect.mark) for i in blank if texts[i]}
-    filled = {i: name for i, name in held.items() if name in {"number", "clock"}}
+    contents_by_column = {i: _content(texts[i], dialect.mark) for i in blank if texts[i]}
+    filled = {i: name for i, name in contents_by_column.items() if name in {"number", "clock"}}
     if not filled:
         return dialect
     width = max(len(dialect.contents), max(filled) + 1)
-    whole = tuple(filled.get(i, content) for i, content in enumerate(contents[:width]))
-    return replace(dialect, contents=whole)
+    merged = tuple(filled.get(i, content) for i, content in enumerate(contents[:width]))
+    return replace(dialect, contents=merged)
 
 
 def _determine_decimal_mark(lines: Sequence[str], dialect: Dialect) -> Dialect:
@@ -237,7 +241,7 @@ def _determine_decimal_mark(lines: Sequence[str], dialect: Dialect) -> Dialect:
 
 
 def _delimiters(windows: Sequence[Sequence[str]], text: str | None) -> tuple[str, ...]:
-    """What to try: the one given, else all, and a fixed width for cells that may be blank."""
+    """Return the delimiters to try: the one given, else all, and a fixed width."""
     if text == "fixed":
         return tuple(dict.fromkeys(map(_find_column_breaks, windows)))
     if text is not None:
@@ -254,14 +258,16 @@ def _has_groups(window: Sequence[str]) -> bool:
     """Whether blanks between the numbers in cells that tabs part group thousands, all of them."""
     lines = (line for line in window if "\t" in line and len(line.split()) > 1 + line.count("\t"))
     texts = chain.from_iterable(cell.split(line, "\t") for line in lines)
-    several = [text for text in texts if len(text.split()) > 1]
-    numbers = [text for text in several if all(map(looks_like_number, text.split()))]
+    grouped_texts = [text for text in texts if len(text.split()) > 1]
+    numbers = [text for text in grouped_texts if all(map(looks_like_number, text.split()))]
     return bool(numbers) and all(
         cell.is_number(text, ".") or cell.is_number(text, ",") for text in numbers
     )
 
 
-def _plainly(window: Sequence[str], signs: Sequence[str], marks: Sequence[Mark]) -> Dialect | None:
+def _plainly(
+    window: Sequence[str], signs: Sequence[str], decimal_marks: Sequence[Mark]
+) -> Dialect | None:
     """Return the dialect by which every cell of a window is a plain number, None if there is none.
 
     No other makes more of it: in plain numbers stands no delimiter but their comma.
@@ -274,13 +280,13 @@ def _plainly(window: Sequence[str], signs: Sequence[str], marks: Sequence[Mark])
         if any(len(row) != width for row in rows):
             continue
         cells = [*chain.from_iterable(rows)]
-        for mark in marks:
+        for decimal_mark in decimal_marks:
             # under a point 1,234 may be a thousand
-            if cell.are_plain(cells, mark) and (
-                mark == "." or not all(all(cell.numeric(row, ".")) for row in rows)
+            if cell.are_plain(cells, decimal_mark) and (
+                decimal_mark == "." or not all(all(cell.numeric(row, ".")) for row in rows)
             ):
                 cell_contents: list[Content] = ["number"] * width
-                return Dialect(sign, mark, tuple(cell_contents), cells=width)
+                return Dialect(sign, decimal_mark, tuple(cell_contents), cells=width)
     return None
 
 
@@ -318,30 +324,30 @@ def _sample_lines(window: list[str]) -> list[str]:
 
 
 def _best_run(
-    lines: Sequence[str], sign: str, mark: Mark, *, above: float
+    lines: Sequence[str], sign: str, decimal_mark: Mark, *, min_score: float
 ) -> tuple[float, Dialect | None]:
-    """Score and dialect of the best run of lines of one width, if it scores above `above`."""
+    """Score and dialect of the best run of lines of one width, if it scores above `min_score`."""
     rows = [cell.split(line, sign, trim=False) for line in lines]
-    best: tuple[float, Dialect | None] = (above, None)
-    for run in _runs(rows, mark):
-        score, dialect = _score_run(run, sign, mark, above=best[0])
+    best: tuple[float, Dialect | None] = (min_score, None)
+    for run in _runs(rows, decimal_mark):
+        score, dialect = _score_run(run, sign, decimal_mark, min_score=best[0])
         if dialect.numbers and score > best[0]:
             best = score, dialect
     return best
 
 
 def _score_run(
-    run: Sequence[list[str]], sign: str, mark: Mark, *, above: float
+    run: Sequence[list[str]], sign: str, decimal_mark: Mark, *, min_score: float
 ) -> tuple[float, Dialect]:
-    """How much like a table a run of lines is, exactly if it is more than `above`; its dialect."""
+    """Return the score of a run of lines as a table, exact above `min_score`, and its dialect."""
     cells = Counter(map(len, run)).most_common(1)[0][0]
     columns = [[*filter(None, column)] for column in list(zip_longest(*run))[:cells]]
-    contents = [_content(column, mark) for column in columns]
+    contents = [_content(column, decimal_mark) for column in columns]
     while contents and contents[-1] == "blank":
         contents.pop()
-    dialect = Dialect(sign, mark, tuple(contents), cells=cells)
-    if len(run) * len(dialect.numbers) <= above:  # even without a word
-        return above, dialect
+    dialect = Dialect(sign, decimal_mark, tuple(contents), cells=cells)
+    if len(run) * len(dialect.numbers) <= min_score:  # even without a word
+        return min_score, dialect
     texts = (columns[i] for i, content in enumerate(contents) if content == "text")
     words = sum(2.0 if _hides_numbers(column) else 0.5 for column in texts)
     # a lone number on each of a few lines is a header more often than a table
@@ -349,12 +355,12 @@ def _score_run(
     return len(run) * (len(dialect.numbers) - words - lone), dialect
 
 
-def decimals(text: str, mark: Mark) -> int | None:
+def decimals(text: str, decimal_mark: Mark) -> int | None:
     """Characters behind the decimal mark of a number, None if the cell is none."""
-    if not cell.is_number(text, mark):
+    if not cell.is_number(text, decimal_mark):
         return None
-    place = max(map(text.rfind, mark))
-    return len(text) - place - 1 if place >= 0 else 0
+    mark_index = max(map(text.rfind, decimal_mark))
+    return len(text) - mark_index - 1 if mark_index >= 0 else 0
 
 
 def looks_like_number(text: str) -> bool:
@@ -369,16 +375,16 @@ def _hides_numbers(cells: Sequence[str]) -> bool:
     return 2 * glued > len(cells)
 
 
-def _runs(rows: Sequence[list[str]], mark: Mark) -> Iterator[list[list[str]]]:
+def _runs(rows: Sequence[list[str]], decimal_mark: Mark) -> Iterator[list[list[str]]]:
     """Runs of neighbouring rows that could belong to one table."""
     run: list[list[str]] = []
     mask: list[bool] = []
     for row in rows:
-        is_number = cell.numeric(row, mark)
+        is_number = cell.numeric(row, decimal_mark)
         if not all(is_number):
             is_number = [
-                now or parse_clock_time(c) is not None
-                for now, c in zip(is_number, row, strict=True)
+                is_numeric or parse_clock_time(c) is not None
+                for is_numeric, c in zip(is_number, row, strict=True)
             ]
         if run and any(is_number) and _is_similar_row(mask, is_number, row):
             run.append(row)
@@ -396,21 +402,21 @@ def _is_similar_row(mask: list[bool], is_number: list[bool], row: list[str]) -> 
     if abs(len(mask) - len(is_number)) > max(1, len(mask) // 2):
         return False
     fits = hits = 0
-    for was, now, text in zip(mask, is_number, row, strict=False):
-        fits += was == now or cell.is_missing(text)
-        hits += was and now
+    for was_number, is_now_number, text in zip(mask, is_number, row, strict=False):
+        fits += was_number == is_now_number or cell.is_missing(text)
+        hits += was_number and is_now_number
     shared = min(len(mask), len(row))
     return hits > 0 and fits >= shared - (shared > 2)
 
 
-def _content(cells: Sequence[str], mark: Mark) -> Content:
+def _content(cells: Sequence[str], decimal_mark: Mark) -> Content:
     """Return what the filled cells of a column hold, most of them."""
-    if cell.are_plain(cells, mark):
+    if cell.are_plain(cells, decimal_mark):
         return "number"
-    others = [text for text in cells if not cell.is_number(text, mark)]
-    numbers = len(cells) - len(others)
-    missing = sum(map(cell.is_missing, others))
-    clocks = sum(parse_clock_time(text) is not None for text in others)
+    other_texts = [text for text in cells if not cell.is_number(text, decimal_mark)]
+    numbers = len(cells) - len(other_texts)
+    missing = sum(map(cell.is_missing, other_texts))
+    clocks = sum(parse_clock_time(text) is not None for text in other_texts)
     if missing == len(cells):
         return "blank"
     if clocks > numbers and clocks + missing >= 0.6 * len(cells):
@@ -420,7 +426,7 @@ def _content(cells: Sequence[str], mark: Mark) -> Content:
 
 def _from_the_top(lines: Sequence[str], dialect: Dialect) -> Dialect | None:
     """Return the same dialect with the first line of its first steady run of rows."""
-    needed, first, steady = 3, -1, 0
+    needed_rows, first, steady = 3, -1, 0
     fallback = -1
     for i, line in enumerate(lines):
         if not line.strip():
@@ -433,7 +439,7 @@ def _from_the_top(lines: Sequence[str], dialect: Dialect) -> Dialect | None:
             first = i
             fallback = i if fallback < 0 else fallback
         steady += 1
-        if steady == needed:
+        if steady == needed_rows:
             return replace(dialect, first=first)
     return replace(dialect, first=fallback) if fallback >= 0 else None
 
@@ -453,8 +459,8 @@ def _find_column_breaks(lines: Sequence[str]) -> str:
     if width > _ALIGNED:
         return " "
     blank = [all(i >= len(line) or line[i] == " " for line in lines) for i in range(width)]
-    begin = blank.index(False) if False in blank else width
-    breaks = [i for i in range(begin + 1, width) if blank[i - 1] and not blank[i]]
+    start = blank.index(False) if False in blank else width
+    breaks = [i for i in range(start + 1, width) if blank[i - 1] and not blank[i]]
     return "fixed:" + ",".join(map(str, breaks)) if breaks else " "
 
 
@@ -476,15 +482,15 @@ def find_encoding(head: bytes) -> str:
     Byte-order marks, then UTF-16 by its zero bytes, then strict UTF-8, then the code page under
     which most of the words are words that a test machine says.
     """
-    for mark, name in _BYTE_ORDER_MARKS:
-        if head.startswith(mark):
+    for byte_order_mark, name in _BYTE_ORDER_MARKS:
+        if head.startswith(byte_order_mark):
             return name
     zeros = head.count(0) if 0 in head else 0
     if zeros > 0.2 * len(head):
         name = "utf-16-le" if head[1::2].count(0) >= head[0::2].count(0) else "utf-16-be"
         text = head[: len(head) // 2 * 2].decode(name, "replace")
-        plain = sum(" " <= c < "\u02ff" or c in "\t\r\n" for c in text)
-        return name if plain > 0.7 * len(text) else "utf-8"
+        plain_count = sum(" " <= c < "\u02ff" or c in "\t\r\n" for c in text)
+        return name if plain_count > 0.7 * len(text) else "utf-8"
     if head.isascii():
         return "utf-8"
     try:
@@ -497,8 +503,8 @@ def find_encoding(head: bytes) -> str:
 def _code_page(head: bytes) -> str:
     # only lines with a letter beyond ASCII can show, and the first few hundred are enough
     lines = head.splitlines()
-    whole = lines[:-1] if len(lines) > 1 else lines  # the last may be cut within a character
-    not_ascii = b"\n".join([line for line in whole if not line.isascii()][:200])
+    whole_lines = lines[:-1] if len(lines) > 1 else lines  # the last may be cut within a character
+    not_ascii = b"\n".join([line for line in whole_lines if not line.isascii()][:200])
     scored = []
     for rank, name in enumerate(("gb18030", *_EIGHT_BIT)):
         try:
@@ -529,7 +535,7 @@ _WORDS: tuple[tuple[float, Callable[[str, str], float]], ...] = (
     (-0.2, lambda word, _: sum(c in "þðýÞÐÝ" for c in word)),
     (-0.3, lambda word, _: sum("\u0400" <= c <= "\u04ff" for c in word) * (len(word) < 3)),
 )
-"""What a word beyond ASCII shows of its code page, and how much."""
+"""Evidence of non-ASCII words for a code page, with weights."""
 _UNITS = compile_on_use(r"(?:°[CF]?|[µμ][mNsV]|[ms][²³])(?![^\W\d_])")
 _DEBRIS = compile_on_use(r"(?<=[^\W\d_])[³¹¿œŸž¡£¥]|[¤¦¨¸¯](?=\w)|[\x80-\x9f\ufffd\ue000-\uf8ff]")
 
@@ -553,10 +559,10 @@ def decode_blocks(
         for block in blocks:
             text = rest + decoder.decode(block)
             ended = text.rstrip("\r")  # what follows them shows what they end
-            cut = max(ended.rfind("\n"), ended.rfind("\r")) + 1
-            rest = text[cut:]
-            if cut:
-                yield _ends(text[:cut])
+            complete_length = max(ended.rfind("\n"), ended.rfind("\r")) + 1
+            rest = text[complete_length:]
+            if complete_length:
+                yield _ends(text[:complete_length])
             elif len(rest) > _LONGEST_LINE:
                 raise ReadError(
                     f"a line of more than {_LONGEST_LINE >> 20} million characters; this is no "

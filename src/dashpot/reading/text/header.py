@@ -101,8 +101,8 @@ def _assign_uneven_units(
     pairs = list(zip(names[:width], map(strip_brackets, unit_row), strict=False))
     if any(_denies(split_unit(name)[0], word) for name, word in pairs):
         return [], f"{message}; none was taken, for under the names from the left they do not fit"
-    taken = f"{message}; they were taken for those of the columns from the left"
-    return list(unit_row[:width]), Caution(taken)
+    note = f"{message}; they were taken for those of the columns from the left"
+    return list(unit_row[:width]), Caution(note)
 
 
 def _denies(name: str, word: str) -> bool:
@@ -125,16 +125,16 @@ def _clock(name: str, word: str | None) -> str:
 
 
 def _misfit(rows: Sequence[list[str]], dialect: Dialect) -> str:
-    """What to say of a row of names that is not as wide as the table; nothing without one."""
-    wrong = next((row for row in rows if _misfits(row, dialect)), [])
-    if not wrong:
+    """Return the note on a row of names that is not as wide as the table; empty without one."""
+    misfit_row = next((row for row in rows if _misfits(row, dialect)), [])
+    if not misfit_row:
         return ""
     cells = dialect.cells or len(dialect.contents)
     message = (
-        f"the header holds {len(wrong)} names for {cells} columns ('{wrong[0][:20]}' ... "
-        f"'{wrong[-1][:20]}'), so that none was taken"
+        f"the header holds {len(misfit_row)} names for {cells} columns ('{misfit_row[0][:20]}' ... "
+        f"'{misfit_row[-1][:20]}'), so that none was taken"
     )
-    if cells == 2 * len(wrong) and dialect.delimiter == ",":
+    if cells == 2 * len(misfit_row) and dialect.delimiter == ",":
         message += (
             "; two columns for each name look like numbers cut in two at their decimal "
             "comma: export the file with ';' between the columns, or with decimal points"
@@ -144,13 +144,17 @@ def _misfit(rows: Sequence[list[str]], dialect: Dialect) -> str:
 
 def _join_quoted_lines(lines: Sequence[str]) -> list[str]:
     """Return the lines without the overlong, each quoted cell that runs over line ends in one."""
-    whole: list[str] = []
+    joined_lines: list[str] = []
     for line in lines:
-        if whole and _is_open(whole[-1]) and len(whole[-1]) + len(line) < LONGEST:
-            whole[-1] += " " + line
+        if (
+            joined_lines
+            and _is_open(joined_lines[-1])
+            and len(joined_lines[-1]) + len(line) < LONGEST
+        ):
+            joined_lines[-1] += " " + line
         elif len(line) <= LONGEST:
-            whole.append(line)
-    return whole
+            joined_lines.append(line)
+    return joined_lines
 
 
 def _is_open(line: str) -> bool:
@@ -162,8 +166,8 @@ def _is_open(line: str) -> bool:
 def _column(name: str, word: str | None, content: Content) -> Column:
     if content == "clock":  # read as seconds, whatever "hh:mm:ss" stands over it
         return Column(split_unit(name)[0], "s", content)
-    named, unit = split_heading(name, word)
-    return Column(named, add_factor_to_unit(named, unit), content)
+    column_name, unit = split_heading(name, word)
+    return Column(column_name, add_factor_to_unit(column_name, unit), content)
 
 
 def _cells(line: str, dialect: Dialect) -> list[str]:
@@ -180,7 +184,7 @@ def _cells(line: str, dialect: Dialect) -> list[str]:
     if len(parts) > 1 and not fixed and _fits(parts, dialect):
         return parts
     cuts = _other_cuts(text, dialect.delimiter)
-    return next((again for again in cuts if len(again) == width), parts)
+    return next((other_cells for other_cells in cuts if len(other_cells) == width), parts)
 
 
 def _other_cuts(text: str, delimiter: str) -> Iterator[list[str]]:
@@ -193,10 +197,10 @@ def _other_cuts(text: str, delimiter: str) -> Iterator[list[str]]:
     yield [part.strip() for part in re.split(r"\s{2,}|\t", text.strip())]
     yield re.findall(r'"([^"]*)"', text)
     words = [] if any(other in text for other in "\t;,|") else text.split()
-    meant = sum(
+    score = sum(
         bool(vocabulary.matches(word)) or units.find_unit(word) is not None for word in words
     )
-    yield words if 2 * meant >= len(words) else []  # else a sentence
+    yield words if 2 * score >= len(words) else []  # else a sentence
 
 
 _LABELS = {
@@ -207,11 +211,11 @@ _LABELS = {
 }
 
 
-def _find_labelled_cells(lines: Sequence[str], dialect: Dialect, what: str) -> list[str]:
+def _find_labelled_cells(lines: Sequence[str], dialect: Dialect, label_kind: str) -> list[str]:
     """Return the cells of a line such as ``# columns: a b c``, if it has one for each column."""
     for line in lines:
         text = uncomment(line, dialect.delimiter)
-        match = _LABELS[what].match(text)
+        match = _LABELS[label_kind].match(text)
         if match:
             names = _cells(text[match.end() :], dialect)
             if len(names) == len(dialect.contents):
@@ -272,12 +276,14 @@ def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[
     words: list[str] = []
     uneven_units: list[str] = []
     for i in range(len(rows) - 1, -1, -1):
-        row, above = rows[i], rows[i - 1] if i else []
+        row, row_above = rows[i], rows[i - 1] if i else []
         if _is_units(row, dialect):
             words = _merge_unit_rows(row, words) if words else row
         elif _is_names(row, dialect):
-            parallel = not words and len(above) == len(row) and _is_units(above, dialect)
-            words, upper = (above, rows[i - 2] if i > 1 else []) if parallel else (words, above)
+            parallel = not words and len(row_above) == len(row) and _is_units(row_above, dialect)
+            words, upper = (
+                (row_above, rows[i - 2] if i > 1 else []) if parallel else (words, row_above)
+            )
             return _fill_blank_names(row, upper, words), words, uneven_units
         elif not words and not uneven_units and len(row) > 1 and _holds_units(row):
             uneven_units = row
@@ -286,30 +292,34 @@ def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[
     return [], words, uneven_units
 
 
-def _fill_blank_names(row: Sequence[str], above: Sequence[str], words: Sequence[str]) -> list[str]:
+def _fill_blank_names(
+    row: Sequence[str], row_above: Sequence[str], words: Sequence[str]
+) -> list[str]:
     """Return the names, and where one is blank the one above it that is a name with its unit.
 
     So stands a cell that runs over both rows of names of a sheet: its text is in the upper one.
     """
     names = list(row)
-    for i, (name, upper) in enumerate(zip(row, above, strict=False)):
+    for i, (name, upper) in enumerate(zip(row, row_above, strict=False)):
         word = words[i] if i < len(words) else split_unit(upper)[1]
-        certain = (
+        is_unit = (
             word is not None
             and units.find_unit(strip_brackets(word) if word.strip() else "") is not None
         )
-        if not name and certain and vocabulary.matches(split_unit(upper)[0]):
+        if not name and is_unit and vocabulary.matches(split_unit(upper)[0]):
             names[i] = upper
     return names
 
 
-def _merge_unit_rows(above: Sequence[str], below: Sequence[str]) -> list[str]:
+def _merge_unit_rows(upper_row: Sequence[str], lower_row: Sequence[str]) -> list[str]:
     """Two rows of units as one: where they differ, what both say."""
     merged = []
-    for i in range(max(len(above), len(below))):
-        upper, lower = (strip_brackets(row[i]) if i < len(row) else "" for row in (above, below))
-        same = not upper or not lower or units.is_same_unit(upper, lower)
-        merged.append((lower or upper) if same else join_units(upper, lower))
+    for i in range(max(len(upper_row), len(lower_row))):
+        upper, lower = (
+            strip_brackets(row[i]) if i < len(row) else "" for row in (upper_row, lower_row)
+        )
+        is_same_unit = not upper or not lower or units.is_same_unit(upper, lower)
+        merged.append((lower or upper) if is_same_unit else join_units(upper, lower))
     return merged
 
 
@@ -318,8 +328,8 @@ def _fits(row: Sequence[str], dialect: Dialect) -> bool:
     count = len(row)
     while count and not row[count - 1].strip(" -[]()"):
         count -= 1
-    least = dialect.numbers[-1] + 1 if dialect.numbers else len(dialect.contents)
-    return count <= max(dialect.cells, len(dialect.contents)) and len(row) >= least
+    min_width = dialect.numbers[-1] + 1 if dialect.numbers else len(dialect.contents)
+    return count <= max(dialect.cells, len(dialect.contents)) and len(row) >= min_width
 
 
 def _is_units(row: Sequence[str], dialect: Dialect) -> bool:
@@ -334,8 +344,8 @@ def _holds_units(row: Sequence[str]) -> bool:
     if not filled or not (all(map(_is_bracketed, texts)) or _most_are_units(filled)):
         return False
     words = map(vocabulary.normalise_name, filled)
-    named = any(word in vocabulary.FIRST and word not in vocabulary.COUNTED for word in words)
-    return not named and not all(map(_is_name_over_unit, filled))
+    has_names = any(word in vocabulary.FIRST and word not in vocabulary.COUNTED for word in words)
+    return not has_names and not all(map(_is_name_over_unit, filled))
 
 
 def _most_are_units(words: Counter[str]) -> bool:
@@ -349,10 +359,10 @@ def _most_are_units(words: Counter[str]) -> bool:
 
 
 def _says_unit(word: str) -> bool:
-    certain = (
+    is_unit = (
         units.find_unit(word) is not None or vocabulary.normalise_name(word) in vocabulary.COUNTED
     )
-    return certain or _unit_shape(word)
+    return is_unit or _unit_shape(word)
 
 
 def _is_name_over_unit(word: str) -> bool:
@@ -362,8 +372,8 @@ def _is_name_over_unit(word: str) -> bool:
 
 
 def _is_bracketed(text: str) -> bool:
-    bare = text.strip()
-    return len(bare) > 1 and bare[0] in "[(" and bare[-1] in "])"
+    stripped = text.strip()
+    return len(stripped) > 1 and stripped[0] in "[(" and stripped[-1] in "])"
 
 
 def _unit_shape(word: str) -> bool:
@@ -378,26 +388,26 @@ def _is_names(row: Sequence[str], dialect: Dialect) -> bool:
     """Return whether a row as wide as the table holds words."""
     filled = [text for text in row if text]
     letters = sum(re.search(r"[^\W\d_]", text) is not None for text in filled)
-    many = letters >= 0.6 * len(filled) and len(filled) >= 0.5 * len(dialect.contents)
-    return bool(filled) and many and _fits(row, dialect)
+    has_many_letters = letters >= 0.6 * len(filled) and len(filled) >= 0.5 * len(dialect.contents)
+    return bool(filled) and has_many_letters and _fits(row, dialect)
 
 
 def _misfits(row: Sequence[str], dialect: Dialect) -> bool:
     """Return whether a row would name columns if it were as wide as the table."""
-    named = [text for text in row if vocabulary.matches(split_unit(text)[0])]
-    return len(named) > 1 and not _fits(row, dialect)
+    role_cells = [text for text in row if vocabulary.matches(split_unit(text)[0])]
+    return len(role_cells) > 1 and not _fits(row, dialect)
 
 
 def find_header_change(
     lines: Sequence[str], dialect: Dialect, columns: Sequence[Column], indexes: Sequence[int]
 ) -> str | None:
     """Return what a header inside the table says otherwise than the first, None if it is none."""
-    again = read_header(lines, dialect)
-    if again.misfit:
-        return again.misfit
-    if not _says_columns(again.columns):
+    new_header = read_header(lines, dialect)
+    if new_header.misfit:
+        return new_header.misfit
+    if not _says_columns(new_header.columns):
         return None  # a sentence, not a row of names
-    pairs = ((columns[i], again.columns[i]) for i in indexes)
+    pairs = ((columns[i], new_header.columns[i]) for i in indexes)
     return next(
         (
             f"{_format_column(new)} where the first says {_format_column(old)}"
@@ -416,13 +426,13 @@ def _says_columns(columns: Sequence[Column]) -> bool:
 
 def _contradicts(old: Column, new: Column) -> bool:
     """Return whether both have a name, or a unit, and not the same."""
-    named = (
+    has_other_name = (
         old.name
         and new.name
         and vocabulary.normalise_name(old.name) != vocabulary.normalise_name(new.name)
     )
     rated = old.unit and new.unit and not units.is_same_unit(old.unit, new.unit)
-    return bool(named or rated)
+    return bool(has_other_name or rated)
 
 
 def _format_column(column: Column) -> str:

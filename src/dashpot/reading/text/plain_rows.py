@@ -38,13 +38,13 @@ _TOGETHER = (
     (100 * 2**16 + 1, 16, 0x0000FFFF0000FFFF),
     (10_000 * 2**32 + 1, 32, 0xFFFFFFFF),
 )
-"""How digits become twos, fours and eight: the earlier count so many times, and which bits stay."""
+"""Multipliers and masks that merge digits into twos, fours and eights."""
 
 
 def _make_byte_masks(stop: int) -> IndexArray:
     """The bits of a word that are a cell's, by its length; it begins `stop` before the end."""
-    others = (min(max(stop - length, 0), _WORD) for length in range(_SEEN + 1))
-    return np.array([2**64 - 2 ** (8 * other) for other in others], np.uint64)
+    byte_counts = (min(max(stop - length, 0), _WORD) for length in range(_SEEN + 1))
+    return np.array([2**64 - 2 ** (8 * other) for other in byte_counts], np.uint64)
 
 
 _KEPT = _make_byte_masks(_WORD), _make_byte_masks(_SEEN)
@@ -63,34 +63,36 @@ class PartedLines:
 
     def numbers(self, indexes: Sequence[int], points: bytes) -> FloatArray | None:
         """Return some columns, None unless each is digits around one of the points at one place."""
-        ends, lengths = self.ends[list(indexes)], self.lengths[list(indexes)]
+        cell_ends, lengths = self.ends[list(indexes)], self.lengths[list(indexes)]
         signed = b"-" in self.text
         if signed:
-            minus = np.frombuffer(self.text, np.uint8)[ends - lengths] == ord("-")
+            minus = np.frombuffer(self.text, np.uint8)[cell_ends - lengths] == ord("-")
             lengths -= minus
-        alike: dict[tuple[int, int], list[int]] = {}
-        for place, (end, length) in enumerate(zip(ends[:, 0], lengths[:, 0], strict=True)):
+        indices_by_layout: dict[tuple[int, int], list[int]] = {}
+        for index, (end, length) in enumerate(zip(cell_ends[:, 0], lengths[:, 0], strict=True)):
             first = self.text[end - length : end]
             at = max(map(first.find, points))
             # the point, and how many characters it and its decimals are
-            alike.setdefault((first[at], len(first) - at) if at >= 0 else (0, 0), []).append(place)
-        values = np.empty(ends.shape)
-        for (point, behind), places in alike.items():
+            indices_by_layout.setdefault(
+                (first[at], len(first) - at) if at >= 0 else (0, 0), []
+            ).append(index)
+        values = np.empty(cell_ends.shape)
+        for (point, digits_after), indices in indices_by_layout.items():
             number = self._parse_whole_numbers(
-                ends[places].ravel(), lengths[places].ravel(), point, behind
+                cell_ends[indices].ravel(), lengths[indices].ravel(), point, digits_after
             )
             if number is None:
                 return None
-            values[places] = (number / 10 ** max(behind - 1, 0)).reshape(len(places), -1)
+            values[indices] = (number / 10 ** max(digits_after - 1, 0)).reshape(len(indices), -1)
         if signed:
             np.negative(values, out=values, where=minus)
         return values.T
 
     def _parse_whole_numbers(
-        self, end: IndexArray, length: IndexArray, point: int, behind: int
+        self, end: IndexArray, length: IndexArray, point: int, digits_after: int
     ) -> IndexArray | None:
         """Return the digits of cells as whole numbers, None unless all are written so."""
-        longest, pointed = int(length.max()), behind > 0
+        longest, pointed = int(length.max()), digits_after > 0
         if length.min() <= pointed or longest - pointed > _DIGITS:
             return None
         ending = np.ndarray(len(self.text) - _SEEN + 1, f"V{_SEEN}", self.text, strides=(1,))
@@ -99,21 +101,21 @@ class PartedLines:
         for stop, word, values in zip((_WORD, _SEEN), words[::-1], _KEPT, strict=True):
             if longest > stop - _WORD:
                 digits = (word ^ _ZEROS) & values.take(length)
-                if not _merge_digits(digits, stop - behind, point):
+                if not _merge_digits(digits, stop - digits_after, point):
                     return None
                 number = digits * 10 ** (stop - _WORD) + number
         if pointed:  # which counts as a zero so far
-            number -= number // 10**behind * (9 * 10 ** (behind - 1))
+            number -= number // 10**digits_after * (9 * 10 ** (digits_after - 1))
         return number.view(np.int64)
 
 
-def _merge_digits(word: IndexArray, place: int, point: int) -> bool:
+def _merge_digits(word: IndexArray, point_index: int, point: int) -> bool:
     """Make one number of eight digits, if they are, but for the point if its place is within."""
-    if 0 <= place < _WORD:
-        stands = (point ^ ord("0")) << 8 * place
-        if (word & 0xFF << 8 * place != stands).any():
+    if 0 <= point_index < _WORD:
+        point_byte = (point ^ ord("0")) << 8 * point_index
+        if (word & 0xFF << 8 * point_index != point_byte).any():
             return False
-        word ^= stands
+        word ^= point_byte
     if int(np.bitwise_or.reduce((word + _TO_HIGH) | word)) & _HIGH:
         return False
     for by, bits, index in _TOGETHER:
@@ -134,15 +136,15 @@ def split_line_cells(lines: bytes, sign: int) -> PartedLines | None:
     signs |= ended
     if sign == ord(" "):
         turns = np.flatnonzero(signs[1:] != signs[:-1]) + 1
-        begins, ends = turns[::2], turns[1::2]
+        cell_starts, stops = turns[::2], turns[1::2]
     else:
-        ends = np.flatnonzero(signs)
-        begins = np.append(_SEEN, ends[:-1] + 1)
+        stops = np.flatnonzero(signs)
+        cell_starts = np.append(_SEEN, stops[:-1] + 1)
     rows = int(np.count_nonzero(ended))
-    width, odd = divmod(len(ends), rows) if rows else (0, 1)
-    if odd or not width or not ended[ends[width - 1 :: width]].all():
+    width, odd = divmod(len(stops), rows) if rows else (0, 1)
+    if odd or not width or not ended[stops[width - 1 :: width]].all():
         return None
-    return PartedLines(text, ends.reshape(-1, width).T, (ends - begins).reshape(-1, width).T)
+    return PartedLines(text, stops.reshape(-1, width).T, (stops - cell_starts).reshape(-1, width).T)
 
 
 # Blocks of plain rows, which NumPy reads: of one width, with nothing but numbers and times wanted.
@@ -200,14 +202,14 @@ class PlainRows:
         unquoted = self._remove_quotes(text)
         if unquoted is None or not self.clocks:
             return None if unquoted is None else self._numbers_even_grouped(unquoted)
-        bare, cells = self._without_clocks(unquoted)
-        timestamps = {place: self.clocks[place].many(texts) for place, texts in cells.items()}
+        cleaned_text, cells = self._without_clocks(unquoted)
+        timestamps = {index: self.clocks[index].many(texts) for index, texts in cells.items()}
         if not timestamps or None in timestamps.values():
             return None
-        values = self._numbers_even_grouped(bare)
+        values = self._numbers_even_grouped(cleaned_text)
         if values is not None:
-            for place, moments in timestamps.items():
-                values[:, place] = self.clocks[place].add(moments or ())
+            for index, moments in timestamps.items():
+                values[:, index] = self.clocks[index].add(moments or ())
         return values
 
     def _without_clocks(self, text: str) -> tuple[str, dict[int, list[str]]]:
@@ -216,10 +218,10 @@ class PlainRows:
         rows = [line.split(sign) for line in text.split("\n")[:-1]]
         if len(set(map(len, rows))) != 1:
             return text, {}
-        columns = {place: self.indexes[place] for place in self.clocks}
+        columns = {index: self.indexes[index] for index in self.clocks}
         if len(rows[0]) <= max(columns.values()):
             return text, {}
-        cells = {place: [row[i].strip() for row in rows] for place, i in columns.items()}
+        cells = {index: [row[i].strip() for row in rows] for index, i in columns.items()}
         for row in rows:
             for i in columns.values():
                 row[i] = "0"
@@ -233,12 +235,12 @@ class PlainRows:
         values = self._numbers(self.groups.sub(_join_digit_groups, unquoted)) if matches else None
         if values is not None and self.dialect.mark == ".":
             codes = _codes(unquoted)
-            ends = np.flatnonzero((codes == ord(self.dialect.delimiter)) | (codes == 10))
+            cell_ends = np.flatnonzero((codes == ord(self.dialect.delimiter)) | (codes == 10))
             # a comma in quotes that parts no cells is a blank by now
             at = [match.end() for match in matches if "," in match[2] or " " in match[2]]
-            width = int(np.searchsorted(ends, unquoted.find("\n"))) + 1
-            columns = set((np.searchsorted(ends, at) % width).tolist())
-            self.commas |= {place for place, i in enumerate(self.indexes) if i in columns}
+            width = int(np.searchsorted(cell_ends, unquoted.find("\n"))) + 1
+            columns = set((np.searchsorted(cell_ends, at) % width).tolist())
+            self.commas |= {index for index, i in enumerate(self.indexes) if i in columns}
         return values
 
     def _numbers(self, unquoted: str) -> FloatArray | None:
@@ -271,8 +273,8 @@ class PlainRows:
 
     def _has_blanks(self, text: str) -> bool:
         """Whether a cell is blank; first by its neighbours, for the pattern tries every place."""
-        near = any(name in text for name in self.beside_blank)
-        return (near or text[:1] in {self.dialect.delimiter, "\n"}) and bool(
+        has_blank = any(name in text for name in self.beside_blank)
+        return (has_blank or text[:1] in {self.dialect.delimiter, "\n"}) and bool(
             self.blank.search(text)
         )
 
@@ -297,24 +299,26 @@ class PlainRows:
         quotes = np.flatnonzero(codes == ord('"'))
         signs = np.flatnonzero((codes == ord(sign)) | (codes == 10))
         if len(quotes) != 2 * len(signs):  # else all are quoted
-            inside = signs[np.searchsorted(quotes, signs) % 2 == 1]
-            if (codes[inside] == 10).any():
+            quoted_signs = signs[np.searchsorted(quotes, signs) % 2 == 1]
+            if (codes[quoted_signs] == 10).any():
                 return None
-            if inside.size:
+            if quoted_signs.size:
                 codes = codes.copy()
-                codes[inside] = 32
+                codes[quoted_signs] = 32
                 text = codes.tobytes().decode("latin-1")
         return text.replace('"', "")
 
-    def _from_json(self, raw: bytes, more: int) -> FloatArray | None:
+    def _from_json(self, raw: bytes, extra_cells: int) -> FloatArray | None:
         """Return the numbers of lines of one width, None unless each is written as JSON has it."""
         PlainRows.met += len(raw)
         if PlainRows.met < _MIN_CHARACTERS and "msgspec" not in sys.modules:
             return None
         sign = self.dialect.delimiter.encode()
-        if more > 1:
-            raw = raw.replace(sign * more + b"\n", sign + b"\n")
-        text = _NEGATIVE_ZERO.sub(b"-0.0", raw.translate(self.as_json, b"\n" if more else b""))
+        if extra_cells > 1:
+            raw = raw.replace(sign * extra_cells + b"\n", sign + b"\n")
+        text = _NEGATIVE_ZERO.sub(
+            b"-0.0", raw.translate(self.as_json, b"\n" if extra_cells else b"")
+        )
         import msgspec  # not before it pays
 
         try:
@@ -348,13 +352,13 @@ class PlainRows:
         return values
 
 
-def _grouped_between(sign: str, mark: cell.Mark) -> re.Pattern[str] | None:
+def _grouped_between(sign: str, decimal_mark: cell.Mark) -> re.Pattern[str] | None:
     """Finds cells with grouped thousands; none where both marks are decimal."""
-    if mark not in cell.GROUPS:
+    if decimal_mark not in cell.GROUPS:
         return None
-    digits, rest = r"[ ]*+[+-]?[1-9]\d{0,2}", rf"(?:{re.escape(mark)}\d*+)?[ ]*+"
+    digits, rest = r"[ ]*+[+-]?[1-9]\d{0,2}", rf"(?:{re.escape(decimal_mark)}\d*+)?[ ]*+"
     return compile_on_use(
-        rf"((?:(?<=[{sign}\n])|\A){digits})({cell.GROUPS[mark]})(?={rest}[{sign}\n])"
+        rf"((?:(?<=[{sign}\n])|\A){digits})({cell.GROUPS[decimal_mark]})(?={rest}[{sign}\n])"
     )
 
 

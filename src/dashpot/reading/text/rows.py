@@ -38,23 +38,23 @@ def find_undecided_columns(values: FloatArray) -> set[int]:
     a column is left.
     """
     width = values.shape[1]
-    undecided, whole = np.arange(width), np.zeros(width, bool)
-    most, stop = min(_ROWS, max(1, _CELLS // max(1, width))), 0
+    undecided, is_whole_number = np.arange(width), np.zeros(width, bool)
+    max_rows, stop = min(_ROWS, max(1, _CELLS // max(1, width))), 0
     while stop < len(values) and undecided.size:
-        start, stop = stop, stop + min(most, max(_FIRST, stop))
+        start, stop = stop, stop + min(max_rows, max(_FIRST, stop))
         part = np.abs(values[start:stop, undecided])
-        stated = np.isfinite(part) & (part > 0)
-        is_unusual = stated & ((part < 1) | (part >= 1e3))
-        digits = np.where(stated & ~is_unusual, part, 1.0) * 1e3
+        is_counted = np.isfinite(part) & (part > 0)
+        is_unusual = is_counted & ((part < 1) | (part >= 1e3))
+        digits = np.where(is_counted & ~is_unusual, part, 1.0) * 1e3
         is_unusual |= np.abs(digits - np.round(digits)) > 0.01
-        whole[undecided] |= (stated & (part == np.floor(part))).any(axis=0)
+        is_whole_number[undecided] |= (is_counted & (part == np.floor(part))).any(axis=0)
         undecided = undecided[~is_unusual.any(axis=0)]
-    return set(undecided[whole[undecided]].tolist())
+    return set(undecided[is_whole_number[undecided]].tolist())
 
 
 @dataclass(frozen=False)
 class _Marks:
-    """How the numbers of one column are written, as far as they have been read."""
+    """Marks of the numbers in one column, as far as they have been read."""
 
     decimal: str
     text: str = ""
@@ -83,9 +83,9 @@ class _Marks:
         elif _SMALL.match(text):
             self.small = True
         else:  # 1,234.5 shows what groups; 1.6, and 1600 without any mark, what does not
-            marks = sum(c in ".," for c in text)
-            self.grouped |= marks > 1
-            self.broken |= marks == 1 or len(text) > 3
+            mark_count = sum(c in ".," for c in text)
+            self.grouped |= mark_count > 1
+            self.broken |= mark_count == 1 or len(text) > 3
 
     def question(self) -> str:
         """Return a cell that can be read two ways, or ""."""
@@ -114,45 +114,50 @@ def find_ambiguous_marks(
         Places in `indexes` of the columns where commas were met beside decimal points, and of
         those whose points could part thousands.
     """  # fmt: skip
-    columns = {place: _Marks(dialect.mark) for place in {*commas, *points}}
+    columns = {index: _Marks(dialect.mark) for index in {*commas, *points}}
     for block in blocks if columns else ():
         cells = block.count("\n") + block.count(dialect.delimiter)
         # where every cell has its point, or none has, one row shows how it is used
-        alike = block.count(".") in {0, cells} and not commas
-        lines = [block.partition("\n")[0]] if alike else block.split("\n")[:-1]
+        is_consistent = block.count(".") in {0, cells} and not commas
+        lines = [block.partition("\n")[0]] if is_consistent else block.split("\n")[:-1]
         _add_rows(lines, dialect, indexes, columns)
-        if all(m.grouped or (m.broken and place not in commas) for place, m in columns.items()):
+        if all(m.grouped or (m.broken and index not in commas) for index, m in columns.items()):
             break
-    return [_which_mark(text) for marks in columns.values() if (text := marks.question())]
+    return [
+        _which_mark(text) for column_marks in columns.values() if (text := column_marks.question())
+    ]
 
 
 def _add_rows(
     lines: Sequence[str], dialect: Dialect, indexes: Sequence[int], columns: dict[int, _Marks]
 ) -> None:
-    wanted = {place: indexes[place] for place in columns}
+    column_by_index = {index: indexes[index] for index in columns}
     for line in lines:
         parts = cell.split(line, dialect.delimiter)
-        if all(i < len(parts) and columns[p].is_redundant(parts[i]) for p, i in wanted.items()):
+        if all(
+            i < len(parts) and columns[p].is_redundant(parts[i]) for p, i in column_by_index.items()
+        ):
             continue
         row = dialect.row(line)
         if row is None:
             continue
-        for place, marks in columns.items():
-            text = row[indexes[place]]
-            if len(marks.seen) < _MAX_CACHED:
-                marks.seen.add(text)
+        for index, column_marks in columns.items():
+            text = row[indexes[index]]
+            if len(column_marks.seen) < _MAX_CACHED:
+                column_marks.seen.add(text)
             if cell.number(text, dialect.mark) is not None:
-                marks.add(text)
+                column_marks.add(text)
 
 
 def _which_mark(example: str) -> Question:
     digits = re.sub("[.,]", "", example)
-    mark = "," if "," in example else "."
-    other = "." if mark == "," else ","
+    example_mark = "," if "," in example else "."
+    other = "." if example_mark == "," else ","
     value = example.replace(",", ".")
     message = (
         f"numbers such as '{example}' can mean {value} or {digits}; say which with "
-        f'--text-format decimal="{mark}" ({value}) or --text-format decimal="{other}" ({digits})'
+        f'--text-format decimal="{example_mark}" ({value}) or --text-format decimal="{other}" '
+        f"({digits})"
     )
     return Question(message, "--text-format decimal=MARK")
 
@@ -178,7 +183,7 @@ class Heading:
 
 @dataclass(frozen=False)
 class _Gathered:
-    """What has been read so far."""
+    """Rows and notes that have been read so far."""
 
     parts: list[FloatArray] = field(default_factory=list)
     rows: int = 0
@@ -195,10 +200,10 @@ class _Gathered:
         """Count a word in the place of a number; a few are enough to show."""
         if word not in self.words and len(self.words) >= _MENTIONED:
             return
-        places = self.words.setdefault(word, [0])
-        places[0] += 1
-        if len(places) <= 3:
-            places.append(line)
+        line_numbers = self.words.setdefault(word, [0])
+        line_numbers[0] += 1
+        if len(line_numbers) <= 3:
+            line_numbers.append(line)
 
     def add(self, values: FloatArray, line: int) -> None:
         """Add rows that stand on one line after the other, from this line on."""
@@ -225,16 +230,18 @@ class _Gathered:
     def notes(self) -> list[str]:
         """Return notes on the skipped lines and their places."""
         notes = []
-        for token, (count, *places) in self.words.items():
-            at = ", ".join(f"line {line}" for line in places)
-            many = f" and {count - len(places)} more" if count > len(places) else ""
-            message = f"'{token}' stands for a missing number at {at}{many}"
+        for token, (count, *numbers) in self.words.items():
+            at = ", ".join(f"line {line}" for line in numbers)
+            unlisted_text = f" and {count - len(numbers)} more" if count > len(numbers) else ""
+            message = f"'{token}' stands for a missing number at {at}{unlisted_text}"
             misread = any(map(str.isdigit, token)) and not cell.is_missing(token)
             notes.append(Caution(message) if misread else message)
         if self.remarks:
             number, words = self.remarks[0]
-            more = f" ({len(self.remarks)} such lines)" if len(self.remarks) > 1 else ""
-            notes.append(f"line {number} is a remark between rows{more}: '{words.strip()[:60]}'")
+            count_text = f" ({len(self.remarks)} such lines)" if len(self.remarks) > 1 else ""
+            notes.append(
+                f"line {number} is a remark between rows{count_text}: '{words.strip()[:60]}'"
+            )
         if self.between and self.rows:
             number, words = self.between[0]
             notes.append(
@@ -256,13 +263,13 @@ def load_rows(
     indexes: Sequence[int],
     heading: Heading | None = None,
     *,
-    sure: bool = True,
-    patience: TimeBudget | None = None,
+    is_decimal_certain: bool = True,
+    time_budget: TimeBudget | None = None,
 ) -> LoadedColumns:
     """Return the columns `indexes` of the table, from blocks of whole lines.
 
-    Unless the decimal mark is `sure`, what can be read two ways is left as a doubt. Reading may
-    cost what `patience` is left.
+    Unless `is_decimal_certain`, numbers that can be read two ways become questions.
+    Reading may cost what `time_budget` is left.
 
     Raises
     ------
@@ -270,9 +277,16 @@ def load_rows(
         If a line between the rows holds numbers as they do, but more or fewer; or if it takes too
         long.
     """
-    patience = patience or TimeBudget(None)
-    with patience.count_time_spent():
-        return _load_columns(blocks, dialect, indexes, heading or Heading(), patience, sure=sure)
+    time_budget = time_budget or TimeBudget(None)
+    with time_budget.count_time_spent():
+        return _load_columns(
+            blocks,
+            dialect,
+            indexes,
+            heading or Heading(),
+            time_budget,
+            is_decimal_certain=is_decimal_certain,
+        )
 
 
 def _load_columns(
@@ -280,12 +294,12 @@ def _load_columns(
     dialect: Dialect,
     indexes: Sequence[int],
     heading: Heading,
-    patience: TimeBudget,
+    time_budget: TimeBudget,
     *,
-    sure: bool,
+    is_decimal_certain: bool,
 ) -> LoadedColumns:
     gathered = _Gathered(segments=[heading.title])
-    reader = _Reader(dialect, tuple(indexes), heading, gathered, patience)
+    reader = _Reader(dialect, tuple(indexes), heading, gathered, time_budget)
     first = tail = ""
     line = dialect.first + 1
     for text in _drop_first_lines(blocks(), dialect.first):
@@ -301,11 +315,13 @@ def _load_columns(
     if not complete and dialect.is_cut_off(last):
         values = values[:-1]
         notes.append("the last row is cut off within its last number and was left out")
-    if not sure:
+    if not is_decimal_certain:
         points = find_undecided_columns(values)
-        below = _patient(_drop_first_lines(blocks(), dialect.first), patience, dialect.first + 1)
+        table_lines = _patient(
+            _drop_first_lines(blocks(), dialect.first), time_budget, dialect.first + 1
+        )
         commas = reader.grouped | reader.plain.commas
-        questions = find_ambiguous_marks(below, dialect, indexes, commas, points)
+        questions = find_ambiguous_marks(table_lines, dialect, indexes, commas, points)
         gathered.doubts += [(None, question) for question in questions]
     starts, names = tuple(gathered.starts), tuple(gathered.segments)
     return LoadedColumns(
@@ -325,20 +341,20 @@ def _labels(first: str, last: str, dialect: Dialect, heading: Heading) -> list[s
     top, bottom = dialect.row(first), dialect.row(last)
     if top is None or bottom is None:
         return notes
-    for i, (content, begin, end) in enumerate(zip(dialect.contents, top, bottom, strict=True)):
-        digits = max(sum(map(str.isdigit, text)) for text in (begin, end))
-        if content == "text" and "" not in {begin, end} and begin != end and digits < _DATED:
+    for i, (content, start, end) in enumerate(zip(dialect.contents, top, bottom, strict=True)):
+        digits = max(sum(map(str.isdigit, text)) for text in (start, end))
+        if content == "text" and "" not in {start, end} and start != end and digits < _DATED:
             name = heading.columns[i].label(i + 1) if heading.columns else str(i + 1)
-            notes.append(f"column '{name}' begins with '{begin[:20]}' and ends with '{end[:20]}'")
+            notes.append(f"column '{name}' begins with '{start[:20]}' and ends with '{end[:20]}'")
     return notes[:2]
 
 
-def _merge_parts(got: _Gathered, width: int) -> FloatArray:
+def _merge_parts(gathered: _Gathered, width: int) -> FloatArray:
     """The parts as one array, each column in one piece; a part is let go once it is copied."""
-    values = np.empty((got.rows, width), order="F")
-    row = got.rows
-    while got.parts:
-        part = got.parts.pop()
+    values = np.empty((gathered.rows, width), order="F")
+    row = gathered.rows
+    while gathered.parts:
+        part = gathered.parts.pop()
         values[row - len(part) : row] = part
         row -= len(part)
     return values
@@ -347,16 +363,16 @@ def _merge_parts(got: _Gathered, width: int) -> FloatArray:
 def _drop_first_lines(blocks: Iterator[str], first: int) -> Iterator[str]:
     """The text below the first lines, block by block."""
     for block in blocks:
-        cut = _after_lines(block, first)
-        first -= block.count("\n", 0, cut)
-        text = block[cut:]
+        remaining_block = _after_lines(block, first)
+        first -= block.count("\n", 0, remaining_block)
+        text = block[remaining_block:]
         if text:
             yield text
 
 
-def _patient(blocks: Iterator[str], patience: TimeBudget, line: int) -> Iterator[str]:
+def _patient(blocks: Iterator[str], time_budget: TimeBudget, line: int) -> Iterator[str]:
     for text in blocks:
-        patience.check_time_limit(line)
+        time_budget.check_time_limit(line)
         yield text
         line += line_count(text)
 
@@ -379,8 +395,8 @@ _TITLE = compile_on_use(
 
 def title(lines: Sequence[str]) -> str:
     """Return a segment's name from the lines above it: ``# segment: pause`` is "pause"."""
-    named = [match[1] for line in lines if (match := _TITLE.match(line))]
-    return named[-1].strip(' \t",;')[:60] if named else ""
+    titles = [match[1] for line in lines if (match := _TITLE.match(line))]
+    return titles[-1].strip(' \t",;')[:60] if titles else ""
 
 
 class _Reader:
@@ -391,17 +407,17 @@ class _Reader:
         dialect: Dialect,
         indexes: tuple[int, ...],
         heading: Heading,
-        got: _Gathered,
-        patience: TimeBudget,
+        gathered: _Gathered,
+        time_budget: TimeBudget,
     ) -> None:
-        self.patience = patience
+        self.patience = time_budget
         self.dialect = dialect
         self.indexes = indexes
         self.heading = heading
-        self.got = got
+        self.got = gathered
         self.clocks = {
-            place: ClockColumn(heading.clocks[i] if heading.clocks else "")
-            for place, i in enumerate(indexes)
+            index: ClockColumn(heading.clocks[i] if heading.clocks else "")
+            for index, i in enumerate(indexes)
             if dialect.contents[i] == "clock"
         }
         self.plain = PlainRows(dialect, indexes, self.clocks)
@@ -424,62 +440,62 @@ class _Reader:
         self.patience.check_time_limit(line)
         count = line_count(text)
         if self.plain.possible and count > _PATIENT:
-            cut = _after_lines(text, count // 2)
-            self.read(text[:cut], line)
-            self.read(text[cut:], line + count // 2)
+            half_block = _after_lines(text, count // 2)
+            self.read(text[:half_block], line)
+            self.read(text[half_block:], line + count // 2)
             return count
         run: list[list[float]] = []
         lines = text.split("\n")[:-1]
         self._find_like(lines)
-        for number, text_line in enumerate(lines, start=line):
+        for number, raw in enumerate(lines, start=line):
             if number % _PATIENT == 0:
                 self.patience.check_time_limit(number)
-            row = self._row(text_line, begun=bool(run)) if text_line not in self.no_rows else None
+            row = self._row(raw, follows_row=bool(run)) if raw not in self.no_rows else None
             if row is not None:
                 run.append(self._numbers(row, number))
                 continue
             if run:
                 self._add(np.array(run), number - len(run))
                 run = []
-            self._add_other_line(text_line, number)
+            self._add_other_line(raw, number)
         if run:
             self._add(np.array(run), line + len(lines) - len(run))
         return count
 
     def finish(self, values: FloatArray) -> list[str]:
         """Judge the end of the file and the clocks; return notes."""
-        between = self.got.between
-        if self.got.rows and between and self._is_malformed_row(between[0]):
-            number, text = between[0]
+        lines_between = self.got.between
+        if self.got.rows and lines_between and self._is_malformed_row(lines_between[0]):
+            number, text = lines_between[0]
             parts = cell.split(text, self.dialect.delimiter)
-            cut_off = len(between) == 1 and len(parts) < len(self.dialect.contents)
+            cut_off = len(lines_between) == 1 and len(parts) < len(self.dialect.contents)
             if not parts[0][:1].isalpha() and not cut_off:  # else a summary, or a cut-off row
                 self._refuse(number, text)
         notes = []
-        for place, clock in self.clocks.items():
-            nights, questions = clock.apply_day_changes(values[:, place])
+        for index, clock in self.clocks.items():
+            nights, questions = clock.apply_day_changes(values[:, index])
             self.got.doubts += [(None, question) for question in questions]
             notes += [f"the clock passes midnight at row {row + 1}" for row in nights[:3]]
         return notes
 
     def _add(self, values: FloatArray, line: int) -> None:
         """Add rows, once what stands before them is judged."""
-        got = self.got
-        if got.rows and got.between:
-            single = len(got.between) == 1
-            for item in (got.between[0], got.between[-1]):
+        gathered = self.got
+        if gathered.rows and gathered.between:
+            single = len(gathered.between) == 1
+            for item in (gathered.between[0], gathered.between[-1]):
                 if self._is_malformed_row(item) or (single and looks_like_number(item[1].strip())):
                     self._refuse(*item)
             change = self._find_header_change()
             self.changed = self.changed if change is None else change  # it holds until the next
-            before = len(got.starts)
-            got.part(change)
-            if self.changed and len(got.starts) > before:
+            before = len(gathered.starts)
+            gathered.part(change)
+            if self.changed and len(gathered.starts) > before:
                 advice = f"read what stands before it with --file-part segment={before}"
                 message = f"{self.changed}; split the file there, or {advice}"
-                got.doubts.append((before, Question(message, "--file-part segment=N")))
-        got.between.clear()
-        got.add(values, line)
+                gathered.doubts.append((before, Question(message, "--file-part segment=N")))
+        gathered.between.clear()
+        gathered.add(values, line)
 
     def _find_header_change(self) -> str | None:
         """Return what a second header says otherwise than the first; None if there is no header."""
@@ -498,39 +514,41 @@ class _Reader:
     def _find_like(self, lines: Sequence[str]) -> None:
         """Complete row, which shows the positions of blank cells."""
         if self.dialect.delimiter == " ":
-            full = (line for line in lines if len(line.split()) == self.dialect.cells)
-            self.like = next(full, self.like)
+            full_lines = (line for line in lines if len(line.split()) == self.dialect.cells)
+            self.like = next(full_lines, self.like)
 
-    def _row(self, line: str, *, begun: bool) -> list[str] | None:
-        """Return the cells of a line, None if it is no row; `begun` if the line before was one."""
+    def _row(self, line: str, *, follows_row: bool) -> list[str] | None:
+        """Return the cells of a line; None if it is no row. The line before may have been one."""
         row = self.dialect.row(line, self.like)
         if row is None and len(self.no_rows) < _MENTIONED and self.dialect.delimiter != " ":
             self.no_rows.add(line)  # a header may stand above every few rows
-        below = self.got.rows and self.got.between and not begun
-        if row is None or (below and not self._full(row)):  # "Maximum;8.0;1.9" below the table
+        has_gap = self.got.rows and self.got.between and not follows_row
+        if row is None or (has_gap and not self._full(row)):  # "Maximum;8.0;1.9" below the table
             return None
         return row
 
     def _numbers(self, row: Sequence[str], number: int) -> list[float]:
         """Return the numbers wanted of a row."""
         values = []
-        for place, i in enumerate(self.indexes):
-            clock = self.clocks.get(place)
+        for index, i in enumerate(self.indexes):
+            clock = self.clocks.get(index)
             value = clock.seconds(row[i]) if clock else self.dialect.value(row[i], i)
             values.append(np.nan if value is None else value)
             if value is None and row[i]:
                 self.got.note(row[i][:20], number)
             if self.dialect.mark == "." and "," in row[i] and value is not None and not clock:
-                self.grouped.add(place)
+                self.grouped.add(index)
         return values
 
     def _add_other_line(self, line: str, number: int) -> None:
         """Keep a line that is no row: a heading of the next segment, or what ends the file."""
-        between = self.got.between
+        lines_between = self.got.between
         if re.search(r"\w", line):
-            if len(between) >= _HEADING:
-                between.pop()
-            between.append((number, line[: LONGEST if len(between) < _WIDE else _NARROW]))
+            if len(lines_between) >= _HEADING:
+                lines_between.pop()
+            lines_between.append(
+                (number, line[: LONGEST if len(lines_between) < _WIDE else _NARROW])
+            )
 
     def _full(self, row: Sequence[str]) -> bool:
         """Return whether no word stands where a number is expected."""
@@ -553,17 +571,17 @@ class _Reader:
     def _refuse(self, number: int, line: str) -> None:
         parts = cell.split(line, self.dialect.delimiter)
         width = self.dialect.cells or len(self.dialect.contents)
-        shown = f"'{line.strip()[:60]}'"
+        line_text = f"'{line.strip()[:60]}'"
         if len(parts) in {width, len(self.dialect.contents)}:
             malformed_cell = self._find_malformed_cell(parts)
             raise ReadError(
                 f"line {number} has the {len(parts)} cells of the table, but {malformed_cell}: "
-                f"{shown}; "
+                f"{line_text}; "
                 "correct that line or take it out, or split the file there"
             )
         raise ReadError(
             f"line {number} has {len(parts)} cell{'s' * (len(parts) != 1)} where the table has "
-            f"{width}: {shown}; which one is missing, added or not parted cannot be known: "
+            f"{width}: {line_text}; which one is missing, added or not parted cannot be known: "
             "correct that line or take it out, or split the file there"
         )
 

@@ -57,12 +57,12 @@ def checks(
         no_unit_error(c),
         lines_resolve_the_peak(measured, predicted),
     ]
-    stiff, damped = not stiffness.failed, not (peak.failed or damping.failed)
+    stiffness_passed, damped = not stiffness.failed, not (peak.failed or damping.failed)
     if fit is not None:
-        checks.append(inside_valid_band(c, fit, borne_out=stiff and damped))
+        checks.append(inside_valid_band(c, fit, borne_out=stiffness_passed and damped))
         checks.append(damping_tested(c, fit, borne_out=damped))
     if point is not None and np.isfinite(point.compression):
-        checks.append(operating_point(point, borne_out=stiff))
+        checks.append(operating_point(point, borne_out=stiffness_passed))
     return tuple(checks)
 
 
@@ -72,7 +72,7 @@ def _no_peak(c: Comparison) -> bool:
 
 
 def _grade(limits: float) -> Grade | None:
-    """What missing the measurement by so many limits means for the prediction."""
+    """Return the grade of a prediction that misses the measurement by so many limits."""
     return "stop" if limits > MAX_LIMIT_RATIO else None
 
 
@@ -141,9 +141,9 @@ def peak_agrees(c: Comparison) -> Finding:
 def damping_agrees(c: Comparison, measured: Peak) -> Finding:
     """The predicted and the measured damping ratio are the same."""
     if c.measured_damping is None or c.predicted_damping is None:
-        which = "measured" if c.measured_damping is None else "predicted"
+        source = "measured" if c.measured_damping is None else "predicted"
         return Finding(
-            f"The {which} FRF gives no damping ratio. Its half-power band has "
+            f"The {source} FRF gives no damping ratio. Its half-power band has "
             f"{measured.half_power_lines:.1f} lines, and {100 * measured.decay:.0f} % of the "
             "response is left at the end of the record. A longer record would give one",
         )
@@ -198,9 +198,9 @@ def no_unit_error(c: Comparison) -> Finding:
 def lines_resolve_the_peak(measured: Peak, predicted: Peak) -> Finding:
     """The frequency resolution is fine enough for both peaks."""
     lines = min(measured.half_power_lines, predicted.half_power_lines)
-    which = "measured" if measured.half_power_lines <= predicted.half_power_lines else "predicted"
+    source = "measured" if measured.half_power_lines <= predicted.half_power_lines else "predicted"
     return Finding(
-        f"The half-power band of the {which} peak has {lines:.1f} lines; at least "
+        f"The half-power band of the {source} peak has {lines:.1f} lines; at least "
         f"{FEWEST_LINES:g} are needed",
         lines,
         "The frequency resolution is too coarse to give the height of this peak",
@@ -219,8 +219,8 @@ def inside_valid_band(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Fi
     band = f"the valid band of the fit ({low:.2g} to {high:.2g} Hz)"
     message = f"{peak} in {band}"
     if factor > 1:
-        where = "above" if c.measured_hz > high else "below"
-        message = f"{peak} a factor of {factor:.3g} {where} {band}"
+        side_word = "above" if c.measured_hz > high else "below"
+        message = f"{peak} a factor of {factor:.3g} {side_word} {band}"
         message += ". Yet the measurement agrees" if borne_out else ""
     return Finding(message, factor, remedy=JOINT_FIT_REMEDY, always_passes=borne_out)
 
@@ -281,58 +281,58 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
             limit=depth,
             always_fails=point.is_extrapolated,
         )
-    near = abs(at - depth) <= DEPTH_LIMIT * depth
+    is_near = abs(at - depth) <= DEPTH_LIMIT * depth
     tested = f"the {format_quantity(depth, 'mm', '.3g')} of the relaxation test"
     return Finding(
         f"{message}, close to {tested}"
-        if near
+        if is_near
         else f"{message}, not to {tested}. Yet the frequency agrees",
         at,
         failure=f"{message}; the relaxation test was at {format_quantity(depth, 'mm', '.3g')}. A "
         "stiffness that depends on depth makes the two tests differ",
         remedy=Remedy("Give the compression of the seals, if they were pressed.", "compression"),
         limit=depth,
-        always_fails=not (near or borne_out),
+        always_fails=not (is_near or borne_out),
         # a ramp that a straight law follows went through every lesser compression
         grade="limit" if point.is_extrapolated else "note",
     )
 
 
 def format_conclusion(c: Comparison) -> str:
-    """What agrees, what does not, why, and what to do, as a verdict says it."""
+    """Return the conclusion of a verdict: what agrees, what does not, why, and what to do."""
     checks = {check.name: check for check in c.checks}
     slip, tested = checks["no_unit_error"], checks.get("damping_tested")
     if slip.failed:
         return format_short_message(slip)
-    stiff = not checks["stiffness_agrees"].failed
+    has_stiffness = not checks["stiffness_agrees"].failed
     damped = not (checks["peak_agrees"].failed or checks["damping_agrees"].failed)
-    if stiff and damped and (tested is None or not tested.failed):
+    if has_stiffness and damped and (tested is None or not tested.failed):
         return f"The prediction matches the measurement: {c.resonance_match}."
-    first = _format_frequency_error(c, agrees=stiff)
+    first = _format_frequency_error(c, agrees=has_stiffness)
     if damped:
         return f"{first} {_MASS_REMEDY}"
     second = _format_damping_error(c)
-    sentences = [second, first] if stiff else [first, second]
+    sentences = [second, first] if has_stiffness else [first, second]
     if tested is not None and tested.failed:
         unmeasured = _time(tested.value or 0.0)
         sentences.append(f"The relaxation test does not cover relaxation within {unmeasured}.")
         return clip_sentences(MAX_MESSAGE_WORDS, sentences, [JOINT_FIT_REMEDY])
     return clip_sentences(
-        MAX_MESSAGE_WORDS, sentences, [JOINT_FIT_REMEDY if stiff else _MASS_REMEDY]
+        MAX_MESSAGE_WORDS, sentences, [JOINT_FIT_REMEDY if has_stiffness else _MASS_REMEDY]
     )
 
 
 def _format_frequency_error(c: Comparison, *, agrees: bool) -> str:
-    """How far the frequency of the peak is off, in a sentence."""
-    off = f"{100 * c.frequency_error:+z.1f} %"
+    """Return the error of the peak frequency, in a sentence."""
+    error_text = f"{100 * c.frequency_error:+z.1f} %"
     if agrees:
-        return f"The frequency agrees ({off})."
-    where = f"predicted at {c.predicted_hz:.4g} Hz and measured at {c.measured_hz:.4g} Hz"
-    return f"The peak is {where} ({off})."
+        return f"The frequency agrees ({error_text})."
+    peaks_text = f"predicted at {c.predicted_hz:.4g} Hz and measured at {c.measured_hz:.4g} Hz"
+    return f"The peak is {peaks_text} ({error_text})."
 
 
 def _format_damping_error(c: Comparison) -> str:
-    """How far its damping is off or, where that is not known, its height."""
+    """Return the error of the damping in a sentence or, where it is not known, of the height."""
     if c.predicted_damping is None or c.measured_damping is None:
         return f"The peak is {c.ratio_db:+z.1f} dB off."
     predicted, measured = 100 * c.predicted_damping, 100 * c.measured_damping

@@ -198,22 +198,22 @@ def find_fitted_files(fit: Fit, frf: FRF) -> set[str]:
 def _select_measured_lines(predicted: FRF, measured: FRF) -> FRF:
     """Return the prediction at the measured lines, which must be among its own."""
     predicted_frequency = predicted.frequency
-    nearest = np.rint(
+    nearest_index = np.rint(
         np.interp(measured.frequency, predicted_frequency, np.arange(len(predicted_frequency)))
     ).astype(int)
-    distance = np.abs(predicted_frequency[nearest] - measured.frequency)
+    distance = np.abs(predicted_frequency[nearest_index] - measured.frequency)
     step = float(np.median(np.diff(measured.frequency))) if len(measured.frequency) > 1 else 1.0
     if distance.max() > 1e-6 * step:
         i = int(np.argmax(distance))
         raise DataError(
             f"the prediction has no line at {measured.frequency[i]:.6g} Hz, where there is a "
-            f"measured one (its nearest is at {predicted_frequency[nearest[i]]:.6g} Hz); a "
+            f"measured one (its nearest is at {predicted_frequency[nearest_index[i]]:.6g} Hz); a "
             "measurement is not interpolated: predict at measured.frequency"
         )
     return replace(
         predicted,
         frequency=measured.frequency,
-        value=predicted.value[nearest],
+        value=predicted.value[nearest_index],
         coherence=None,
         sd=None,
     )

@@ -31,7 +31,7 @@ class ArmEvidence:
     seen_by_relaxation: bool
 
     def __str__(self) -> str:
-        """Its share of the loss, as text."""
+        """Return the share of the loss, as text."""
         return (
             f"arm tau = {self.tau:.4g} s: {100 * self.loss_share:.1f} % of the model's loss at the "
             f"measured peak, {'' if self.seen_by_relaxation else 'not '}resolved by the relaxation"
@@ -182,8 +182,8 @@ class Comparison(Plottable, Serialisable):
     @property
     def resonance_match(self) -> str:
         """Measured peak and damping with the errors of the model, as text."""
-        off = f"{100 * self.frequency_error:+z.2g} %, {self.ratio_db:+z.1f} dB"
-        peak = f"peak at {self.measured_hz:.4g} Hz ({off})"
+        error_text = f"{100 * self.frequency_error:+z.2g} %, {self.ratio_db:+z.1f} dB"
+        peak = f"peak at {self.measured_hz:.4g} Hz ({error_text})"
         if self.measured_damping is None or self.predicted_damping is None:
             return peak
         return (

@@ -86,7 +86,7 @@ class Trend:
 
     @property
     def stiffness_sure(self) -> float:
-        """What chance exceeds in one of a hundred tests without a change."""
+        """Limit that chance exceeds in one of a hundred tests without a change of stiffness."""
         return self.stiffness_line.critical_slope
 
     @property
@@ -101,12 +101,12 @@ class Trend:
 
     @property
     def damping_sure(self) -> float:
-        """As `stiffness_sure`."""
+        """Limit that chance exceeds in one of a hundred tests without a change of damping."""
         return self.damping_line.critical_slope
 
     @property
     def detectable_damping_change(self) -> float:
-        """As `detectable_stiffness_change`."""
+        """Change of damping that the test would detect, as `detectable_stiffness_change`."""
         return self.damping_line.found
 
 
@@ -118,14 +118,16 @@ def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
     have an average that is not of one mode.
     """
     step = float(np.median(np.diff(frf.frequency)))
-    reach = max(RESONANCE_BANDWIDTHS * (main.bandwidth + frf.shift / np.pi), RESONANCE_LINES * step)
-    near = np.abs(frf.frequency - main.frequency) <= reach
-    ends = float(frf.frequency[near][0]), float(frf.frequency[near][-1])
+    half_band = max(
+        RESONANCE_BANDWIDTHS * (main.bandwidth + frf.shift / np.pi), RESONANCE_LINES * step
+    )
+    near_resonance = np.abs(frf.frequency - main.frequency) <= half_band
+    band = (float(frf.frequency[near_resonance][0]), float(frf.frequency[near_resonance][-1]))
     at = int(np.argmin(np.abs(frf.frequency - main.frequency)))
     modes: list[Mode | None] = []
-    for value in (spectra.response / spectra.force)[:, near]:
+    for value in (spectra.response / spectra.force)[:, near_resonance]:
         local_frf = FRF(
-            frf.frequency[near],
+            frf.frequency[near_resonance],
             value,
             frf.quantity,
             shift=frf.shift,
@@ -133,7 +135,7 @@ def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
             pulse=frf.pulse,
             units="SI",
         )
-        new_modes = local_frf.modes(band=ends, count=1)
+        new_modes = local_frf.modes(band=band, count=1)
         modes.append(new_modes[0] if new_modes and new_modes[0].damping_ratio > 0 else None)
     masses = [_modal_mass(mode) for mode in modes if mode is not None]
     if not masses:
@@ -196,11 +198,11 @@ def trend_of_hits(hits: Sequence[Hit]) -> Trend | None:
 def _line(x: FloatArray, y: FloatArray) -> RegressionLine:
     middle, value = float(x.mean()), float(y.mean())
     x, y = x - middle, y - value
-    spread = float(np.sqrt(x @ x))
-    slope = float(x @ y) / spread**2
+    norm = float(np.sqrt(x @ x))
+    slope = float(x @ y) / norm**2
     rest, dof = y - slope * x, len(x) - 2
-    se = float(np.sqrt(rest @ rest / dof)) / spread
+    se = float(np.sqrt(rest @ rest / dof)) / norm
     number = (t_quantile(TREND_CONFIDENCE, dof) + t_quantile(POWER, dof)) * se
     return RegressionLine(
-        slope, t_quantile(CONFIDENCE, dof) * se, number, middle, value, se, spread, dof
+        slope, t_quantile(CONFIDENCE, dof) * se, number, middle, value, se, norm, dof
     )

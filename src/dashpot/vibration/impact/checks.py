@@ -50,13 +50,13 @@ def agreement(
     differences = disagreement(spectra.only(accepted))
     if differences is None:
         return qualities, accepted
-    usual = float(np.median(differences))
+    typical = float(np.median(differences))
     for i, value in zip(np.flatnonzero(accepted), differences, strict=True):
-        if value < max(OUTLIER * usual, MAX_DISAGREEMENT):
+        if value < max(OUTLIER * typical, MAX_DISAGREEMENT):
             continue
         message = (
             f"incoherent: its response differs by {100 * value:.0f} % from that of the other "
-            f"hits, where {100 * usual:.1f} % is usual"
+            f"hits, where {100 * typical:.1f} % is usual"
         )
         if np.count_nonzero(accepted) > MIN_HITS:
             qualities[i] = replace(qualities[i], faults=(*qualities[i].faults, message))
@@ -67,7 +67,7 @@ def agreement(
 
 
 def disagreement(spectra: Spectra) -> FloatArray | None:
-    """How far each response is from what another hit's FRF makes of its force, relative.
+    """Return the relative difference of each response from the FRF of the other hits.
 
     The median over the other hits, so that one bad hit does not discredit the good ones.
     """
@@ -94,9 +94,9 @@ def checks_of(
     band: tuple[float, float] | None = None,
 ) -> tuple[Check, ...]:
     """Every named question to a measured FRF, about its resonance `main` in `band`, Hz."""
-    near = frf if band is None else frf.band(*band)
-    at = resonant_line(near, main)
-    checks = [hits_enough(frf), coherence(near, at), resonance(near, main)]
+    band_frf = frf if band is None else frf.band(*band)
+    at = resonant_line(band_frf, main)
+    checks = [hits_enough(frf), coherence(band_frf, at), resonance(band_frf, main)]
     if main is not None:
         checks += [
             record_long_enough(frf, main),
@@ -154,12 +154,12 @@ def coherence(frf: FRF, at: int) -> Finding:
             "give one"
         )
     first = max(at - 1, 0)
-    least = first + int(np.argmin(frf.coherence[first : at + 2]))
-    value = float(frf.coherence[least])
-    where = "at" if least == at else "beside"
+    lowest_line = first + int(np.argmin(frf.coherence[first : at + 2]))
+    value = float(frf.coherence[lowest_line])
+    location = "at" if lowest_line == at else "beside"
     return Finding(
-        f"The coherence {where} the resonance ({frf.frequency[least]:.4g} Hz) is {value:.4f}; at "
-        f"least {COHERENT:g} is expected",
+        f"The coherence {location} the resonance ({frf.frequency[lowest_line]:.4g} Hz) is "
+        f"{value:.4f}; at least {COHERENT:g} is expected",
         value,
         "The hits differ there",
         Remedy("Strike the same place squarely, and record longer.", "hit-length"),
@@ -250,11 +250,11 @@ def _relative_cause(part: float, size: complex) -> tuple[str, Remedy]:
 
 
 def _turn(size: FloatArray) -> int | None:
-    """Where a ratio of motions peaks within its lines, or, upside down, is least."""
-    top, least, end = int(size.argmax()), int(size.argmin()), len(size) - 1
+    """Return the line at which a ratio of motions peaks, or is least if inverted."""
+    top, lowest_index, end = int(size.argmax()), int(size.argmin()), len(size) - 1
     if 0 < top < NO_TURN * end:
         return top
-    return least if top > 0 and least > 0 else None
+    return lowest_index if top > 0 and lowest_index > 0 else None
 
 
 @criterion(source="by definition")
@@ -287,17 +287,17 @@ def resonance(frf: FRF, main: Mode | None) -> Finding:
 @criterion("record, s", ">=", source=f"{TIME_CONSTANTS} time constants: FRF errors below 0.5 %")
 def record_long_enough(frf: FRF, main: Mode) -> Finding:
     """The record contains the whole decay."""
-    have = frf.record or 0.0
-    need = TIME_CONSTANTS / main.decay
-    cut = 100 * np.exp(-(main.decay + frf.shift) * have)
+    record_length = frf.record or 0.0
+    needed_length = TIME_CONSTANTS / main.decay
+    cut_percent = 100 * np.exp(-(main.decay + frf.shift) * record_length)
     return Finding(
-        f"The record lasts {have:.3g} s after the hit; {TIME_CONSTANTS} time constants of the "
-        f"decay are {need:.3g} s",
-        have,
-        f"At its end {cut:.2g} % of the response is left, which flattens the peak of the FRF. The "
-        "modes allow for that",
-        Remedy("Record longer after each hit.", "hit-length", f"{need:.3g}s"),
-        limit=need,
+        f"The record lasts {record_length:.3g} s after the hit; {TIME_CONSTANTS} time constants of "
+        f"the decay are {needed_length:.3g} s",
+        record_length,
+        f"At its end {cut_percent:.2g} % of the response is left, which flattens the peak of the "
+        "FRF. The modes allow for that",
+        Remedy("Record longer after each hit.", "hit-length", f"{needed_length:.3g}s"),
+        limit=needed_length,
     )
 
 
@@ -328,10 +328,10 @@ def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Fin
             always_fails=True,
         )
     if not window.is_stated:
-        stated = f"of {1 / window.rate:.3g} s" if window.rate > 0 else "that is none"
+        decay_text = f"of {1 / window.rate:.3g} s" if window.rate > 0 else "that is none"
         return Finding(
             f"The noise decays as under an exponential window of {1 / window.seen_rate:.3g} s, and "
-            f"a window {stated} was stated",
+            f"a window {decay_text} was stated",
             reason="One of them is wrong, and the damping with it",
             remedy=Remedy("Check the setting of the analyser.", "window-decay"),
             always_fails=True,
@@ -355,13 +355,15 @@ def lines_in_half_power_band(frf: FRF, main: Mode) -> Finding:
     """The frequency resolution is fine enough for the peak."""
     spacing = float(np.median(np.diff(frf.frequency)))
     width = main.bandwidth + frf.shift / np.pi
-    need = max(LINES / main.bandwidth, TIME_CONSTANTS / main.decay)
+    needed_length = max(LINES / main.bandwidth, TIME_CONSTANTS / main.decay)
     return Finding(
         f"The half-power band of {width:.3g} Hz has {width / spacing:.1f} lines; at least "
         f"{LINES:g} are needed. The frequency resolution is {spacing:.3g} Hz",
         width / spacing,
         "The peak lies between the lines",
-        Remedy(f"Record {need:.3g} s after each hit.", "hit-length", f"{need:.3g}s"),
+        Remedy(
+            f"Record {needed_length:.3g} s after each hit.", "hit-length", f"{needed_length:.3g}s"
+        ),
     )
 
 
@@ -383,11 +385,11 @@ def hammer_excites(frf: FRF, spectra: Spectra, main: Mode) -> Finding:
 @criterion("largest change without one hit", "<=", MAX_DISAGREEMENT)
 def hits_agree(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> Finding:
     """No single hit determines the FRF near the resonance."""
-    reach = max(main.bandwidth, 2 * float(np.median(np.diff(frf.frequency))))
-    near = np.abs(frf.frequency - main.frequency) <= reach
-    without = leave_one_out(spectra, estimator)[:, near]
-    whole = estimate(spectra, estimator)[near]
-    change = np.linalg.norm(without - whole, axis=1) / np.linalg.norm(whole)
+    half_band = max(main.bandwidth, 2 * float(np.median(np.diff(frf.frequency))))
+    near_resonance = np.abs(frf.frequency - main.frequency) <= half_band
+    without = leave_one_out(spectra, estimator)[:, near_resonance]
+    average = estimate(spectra, estimator)[near_resonance]
+    change = np.linalg.norm(without - average, axis=1) / np.linalg.norm(average)
     worst = int(np.argmax(change))
     name = [hit.name for hit in frf.hits if hit.accepted][worst]
     value = float(change[worst])
@@ -412,8 +414,8 @@ def amplitude_linear(trend: Trend | None, main: Mode) -> Finding:
             f"A change with amplitude needs more than {MIN_HITS} hits of different height"
         )
     doublings = float(np.log2(trend.range))
-    matters = min(SOFTENING, 4 * NARROW * main.damping_ratio) / doublings
-    stiffness = abs(trend.stiffness) / max(trend.stiffness_sure, matters)
+    notable_change = min(SOFTENING, 4 * NARROW * main.damping_ratio) / doublings
+    stiffness = abs(trend.stiffness) / max(trend.stiffness_sure, notable_change)
     damping = abs(trend.damping) / max(trend.damping_sure, MAX_DISAGREEMENT / doublings)
     return Finding(
         f"Hits of 1 to {trend.range:.3g} in height change the stiffness by "
@@ -437,10 +439,10 @@ def rocking_cancelled(frf: FRF, combination: Combination) -> Finding:
     )
     value = combination.ratio if weighted else combination.mean_ratio
     rocking, bounce = abs(combination.rocking) / (2 * np.pi), abs(combination.bounce) / (2 * np.pi)
-    better = "" if weighted else f". A weighted mean would leave {combination.ratio:.3f}"
+    hint = "" if weighted else f". A weighted mean would leave {combination.ratio:.3f}"
     return Finding(
         f"Rocking at {rocking:.5g} Hz remains with {value:.3f} of the bounce peak at "
-        f"{bounce:.5g} Hz{better}",
+        f"{bounce:.5g} Hz{hint}",
         value,
         remedy="Strike closer to the centre."
         if weighted
@@ -462,11 +464,11 @@ def hits_centred(frf: FRF, combination: Combination) -> Finding:
         f"accelerometers, the most of all ({100 * scatter:.0f} % scatter)"
     )
     if combination.reach is not None:
-        reach = combination.reach
+        half_distance = combination.reach
         # a slender block as long as the accelerometers are apart: rho^2 = x^2 / 3
         message += (
-            f". On a slender mass {format_quantity(2 * reach, 'mm', '.0f')} long this is a hit "
-            f"{format_quantity(value * reach / 3, 'mm', '.1f')} off centre"
+            f". On a slender mass {format_quantity(2 * half_distance, 'mm', '.0f')} long this is a "
+            f"hit {format_quantity(value * half_distance / 3, 'mm', '.1f')} off centre"
         )
     return Finding(message, value, remedy="Strike closer to the centre.")
 
@@ -518,10 +520,10 @@ def high_frequency_mass_agrees(apparent: tuple[float, float] | None, mass: float
         )
     # a part, not a mass: that is the fit's to say
     factor, se = (value / mass for value in apparent)
-    more = "above" if factor > 1 else "below"
+    side_word = "above" if factor > 1 else "below"
     message = (
         f"Above the resonance the FRF shows a mass {with_error(100 * abs(factor - 1), 100 * se)} % "
-        f"{more} the {format_quantity(mass, 'g')} given"
+        f"{side_word} the {format_quantity(mass, 'g')} given"
     )
     return Finding(
         f"{message}. The calibration is right within {100 * (factor - 1):+.1f} %",

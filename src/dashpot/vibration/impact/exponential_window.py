@@ -40,7 +40,7 @@ _FEWEST_STRETCHES = 5
 _TAPS = 65
 _FEWEST_TAPS = 9
 _PASSED = 0.3
-"""Of the sampling rate: above it a channel is noise."""
+"""Share of the sampling rate above which a channel is noise."""
 _BETA = 8.0
 _STEPS = 1.5
 """Times the variance of rounding that noise must have to be seen: below that it rounds to none."""
@@ -94,13 +94,13 @@ class ExponentialWindow(NamedTuple):
     from_start: bool = False
 
     def compute_response_only_window(self, hit: HitBlock) -> FloatArray:
-        """What the force of a hit lacks of the window, shape (n,); ones where it carries it."""
+        """Return the window that the force of a hit lacks, shape (n,); ones where it has it."""
         count = len(hit.force)
         if self.on_force or self.rate <= 0:
             return np.ones(count)
-        since = (np.arange(count) - hit.onset) / hit.rate
+        time_since_onset = (np.arange(count) - hit.onset) / hit.rate
         start = hit.since_start if self.from_start and np.isfinite(hit.since_start) else 0.0
-        return np.asarray(np.exp(-self.rate * (since + start)))
+        return np.asarray(np.exp(-self.rate * (time_since_onset + start)))
 
 
 NO_WINDOW = ExponentialWindow()
@@ -149,9 +149,9 @@ class ScatterDecay:
 
         Not `from_start` it begins with the pulse: what lies before is 1.
         """
-        half = np.maximum(rate * self.width, 1e-9)
+        half_exponent = np.maximum(rate * self.width, 1e-9)
         # the mean over a stretch, not the value in its middle
-        mean = np.exp(-2 * rate * self.time) * np.sinh(half) / half
+        mean = np.exp(-2 * rate * self.time) * np.sinh(half_exponent) / half_exponent
         mean[0] = mean[0] if from_start else 1.0
         shape = np.column_stack((mean, np.ones(len(self.time))))
         model = self.variance
@@ -184,29 +184,29 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
         Of all of them, of one length.
     """
     rates = {test.window_rate for test in tests if test.window_rate is not None}
-    stated = next((rate for rate in rates if np.isfinite(rate)), None)
-    every = _scatter_of_responses(hits)
+    stated_rate = next((rate for rate in rates if np.isfinite(rate)), None)
+    all_scatter = _scatter_of_responses(hits)
     # a window is one of all responses: a channel alone may have heard something before the pulse
-    seen = every if every and all(map(_is_windowed, every)) else []
-    ratio = max((decay.ratio for decay in every), default=float("nan"))
-    if stated is None and not seen:
+    windowed_scatter = all_scatter if all_scatter and all(map(_is_windowed, all_scatter)) else []
+    ratio = max((decay.ratio for decay in all_scatter), default=float("nan"))
+    if stated_rate is None and not windowed_scatter:
         # one is stated, and neither its decay nor a trace of it
         return ExponentialWindow(stated=bool(rates), ratio=ratio, is_stated=not rates)
-    if not seen:
-        return ExponentialWindow(stated or 0.0, stated=True, ratio=ratio)
-    rate, sd = _fitted_rate(seen)
+    if not windowed_scatter:
+        return ExponentialWindow(stated_rate or 0.0, stated=True, ratio=ratio)
+    rate, sd = _fitted_rate(windowed_scatter)
     if not np.isfinite(sd):
         return ExponentialWindow(
-            stated or 0.0, 0.0, bool(rates), True, True, ratio, rate, bool(stated)
+            stated_rate or 0.0, 0.0, bool(rates), True, True, ratio, rate, bool(stated_rate)
         )
     window = ExponentialWindow(
         rate, sd, bool(rates), True, _on_force(hits, rate), ratio, rate,
-        from_start=_begins_with_record(seen, rate),
+        from_start=_begins_with_record(windowed_scatter, rate),
     )  # fmt: skip
-    if stated is None:
+    if stated_rate is None:
         return window
-    separate = abs(stated - rate) > _CONTRADICTION_SE * sd + 0.1 * rate
-    return window._replace(rate=stated, sd=0.0, stated=True, is_stated=not separate)
+    separate = abs(stated_rate - rate) > _CONTRADICTION_SE * sd + 0.1 * rate
+    return window._replace(rate=stated_rate, sd=0.0, stated=True, is_stated=not separate)
 
 
 def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
@@ -217,14 +217,14 @@ def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
     if window.rate <= 0:
         return hit
     count = max(hit.onset - GUARD, 0)
-    since = (np.arange(len(hit.force)) - (count - 1) / 2) / hit.rate
-    more = 1 - np.exp(-window.rate * since)
+    centred_time = (np.arange(len(hit.force)) - (count - 1) / 2) / hit.rate
+    correction = 1 - np.exp(-window.rate * centred_time)
     length = len(hit.force) - hit.missing
-    more[length:] = 0.0
+    correction[length:] = 0.0
     return replace(
         hit,
-        force=hit.force + hit.offset[0] * more * window.on_force,
-        acceleration=hit.acceleration + hit.offset[1:, None] * more,
+        force=hit.force + hit.offset[0] * correction * window.on_force,
+        acceleration=hit.acceleration + hit.offset[1:, None] * correction,
     )
 
 
@@ -247,15 +247,15 @@ def scatter_decay(rows: Sequence[FloatArray], hits: Sequence[HitBlock]) -> Scatt
         Of one channel, one for each hit.
     hits : sequence of HitBlock
     """
-    quiet = min(hit.onset for hit in hits)
-    quiet -= max(GUARD, quiet // 8)
-    taps = min(_TAPS, 2 * (quiet // 4) - 1)
+    quiet_samples = min(hit.onset for hit in hits)
+    quiet_samples -= max(GUARD, quiet_samples // 8)
+    taps = min(_TAPS, 2 * (quiet_samples // 4) - 1)
     size = min(len(hit.force) - hit.missing for hit in hits)
     if taps < _FEWEST_TAPS or size < 4 * _STRETCHES + taps:
         return None
     filters = _high_pass(taps)
     squares = np.array([np.convolve(row[:size], filters, "valid") ** 2 for row in rows])
-    before = _estimate_noise_power(squares[:, : quiet - taps + 1])
+    before = _estimate_noise_power(squares[:, : quiet_samples - taps + 1])
     rounding = float(np.sum(filters**2)) / 12 * _number_step(rows) ** 2
     if not before > _STEPS * rounding:
         return None
@@ -266,11 +266,11 @@ def scatter_decay(rows: Sequence[FloatArray], hits: Sequence[HitBlock]) -> Scatt
     rate, onset = hits[0].rate, hits[0].onset
     middle = [(part.mean() + (taps - 1) / 2 - onset) / rate for part in parts]
     variance = [float(squares[:, part].mean()) for part in parts]
-    spread = 2 * (0.5 - _PASSED) * len(rows)
-    time = np.array([(quiet / 2 - onset) / rate, *middle])
+    expected_spread = 2 * (0.5 - _PASSED) * len(rows)
+    time = np.array([(quiet_samples / 2 - onset) / rate, *middle])
     values = np.array([before, *variance])
-    freedom = spread * np.array([quiet, *map(len, parts)], dtype=float)
-    width = np.array([quiet, *map(len, parts)]) / rate
+    freedom = expected_spread * np.array([quiet_samples, *map(len, parts)], dtype=float)
+    width = np.array([quiet_samples, *map(len, parts)]) / rate
     decay = ScatterDecay(time, np.maximum(values, 1e-300), freedom, width, rounding)
     return _clip_at_noise_rise(decay)
 
@@ -282,9 +282,9 @@ def _estimate_noise_power(squares: FloatArray) -> float:
     """
     parts = [part for part in np.array_split(squares, 4, axis=1) if part.shape[1] >= _FEWEST_QUIET]
     means = np.array([part.mean(axis=1) for part in parts]).ravel()
-    usual = float(np.median(means)) if len(means) else 0.0
-    retained = means[means <= _HEARD * usual]
-    return float(retained.mean()) if len(retained) else float(squares.mean())
+    typical_power = float(np.median(means)) if len(means) else 0.0
+    quiet_means = means[means <= _HEARD * typical_power]
+    return float(quiet_means.mean()) if len(quiet_means) else float(squares.mean())
 
 
 def _high_pass(taps: int) -> FloatArray:
@@ -322,45 +322,45 @@ def _clip_at_noise_rise(decay: ScatterDecay) -> ScatterDecay:
     return decay.only(keep)
 
 
-def _fitted_rate(seen: Sequence[ScatterDecay]) -> tuple[float, float]:
+def _fitted_rate(scatter_decays: Sequence[ScatterDecay]) -> tuple[float, float]:
     """Return the decay that all channels share, 1/s, and its standard error."""
-    used = [_select_noise_segments(decay) for decay in seen]
-    if not used or max(len(decay.time) for decay in used) < _FEWEST_STRETCHES:
+    noise_segments = [_select_noise_segments(decay) for decay in scatter_decays]
+    if not noise_segments or max(len(decay.time) for decay in noise_segments) < _FEWEST_STRETCHES:
         return float("nan"), np.inf
-    length = max(decay.time[-1] for decay in used)
+    length = max(decay.time[-1] for decay in noise_segments)
 
     def total(rate: float) -> float:
-        return sum(decay.deviance(rate) for decay in used)
+        return sum(decay.deviance(rate) for decay in noise_segments)
 
     grid = np.geomspace(*_SPAN, 60) / length
     values = [total(rate) for rate in grid]
     best = int(np.argmin(values))
     low, high = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
     for _ in range(40):
-        third = (high - low) / 3
-        left, right = low + third, high - third
-        if total(left) < total(right):
+        third_length = (high - low) / 3
+        lower, right = low + third_length, high - third_length
+        if total(lower) < total(right):
             high = right
         else:
-            low = left
+            low = lower
     rate = float((low + high) / 2)
-    least, step = total(rate), 0.01 * rate
-    bend = (total(rate + step) - 2 * least + total(rate - step)) / step**2
+    lowest_deviance, step = total(rate), 0.01 * rate
+    curvature = (total(rate + step) - 2 * lowest_deviance + total(rate - step)) / step**2
     # chi-square of what the model leaves, against what chance would
-    freedom = sum(len(decay.time) for decay in used) - 3 * len(used)
-    chance = sum(float(decay.freedom @ (np.log(decay.variance) + 1)) for decay in used)
-    excess = max((least - chance) / max(freedom, 1), 1.0)
-    sd = float(np.sqrt(2 * excess / bend)) if bend > 0 else np.inf
+    freedom = sum(len(decay.time) for decay in noise_segments) - 3 * len(noise_segments)
+    chance = sum(float(decay.freedom @ (np.log(decay.variance) + 1)) for decay in noise_segments)
+    excess = max((lowest_deviance - chance) / max(freedom, 1), 1.0)
+    sd = float(np.sqrt(2 * excess / curvature)) if curvature > 0 else np.inf
     return rate, sd
 
 
 def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
     """Return the stretches that neither a high mode nor rounding drowns."""
     low = max(_LINEAR * decay.rounding, _MIN_VARIANCE_SHARE * decay.variance[0])
-    above = np.flatnonzero(decay.variance[1:] > decay.variance[0])
-    below = np.flatnonzero(decay.variance[1:] < low)
-    first = 1 + (int(above[-1]) + 1 if above.size else 0)
-    end = 1 + int(below[0]) if below.size else len(decay.variance)
+    rising_indices = np.flatnonzero(decay.variance[1:] > decay.variance[0])
+    low_indices = np.flatnonzero(decay.variance[1:] < low)
+    first = 1 + (int(rising_indices[-1]) + 1 if rising_indices.size else 0)
+    end = 1 + int(low_indices[0]) if low_indices.size else len(decay.variance)
     at = np.arange(len(decay.variance))
     return decay.only((at == 0) | ((at >= first) & (at < end)))
 
@@ -371,19 +371,19 @@ def _is_windowed(decay: ScatterDecay) -> bool:
         return True
     if decay.ratio > _SLOW_DECAY_RATIO:
         return False
-    used = _select_noise_segments(decay)
-    if len(used.time) < _FEWEST_STRETCHES:
+    noise_segments = _select_noise_segments(decay)
+    if len(noise_segments.time) < _FEWEST_STRETCHES:
         return False
-    rates = np.geomspace(0.1, 3.0, 12) / used.time[-1]
-    least = min(used.deviance(float(rate)) for rate in rates)
-    return bool(used.deviance(0.0) - least > _DECISIVE_DEVIANCE)
+    rates = np.geomspace(0.1, 3.0, 12) / noise_segments.time[-1]
+    lowest_deviance = min(noise_segments.deviance(float(rate)) for rate in rates)
+    return bool(noise_segments.deviance(0.0) - lowest_deviance > _DECISIVE_DEVIANCE)
 
 
-def _begins_with_record(seen: Sequence[ScatterDecay], rate: float) -> bool:
+def _begins_with_record(scatter_decays: Sequence[ScatterDecay], rate: float) -> bool:
     """Return whether the noise before the pulse decays, too, unless it clearly does not."""
-    used = [_select_noise_segments(decay) for decay in seen]
-    flat = sum(decay.deviance(rate, from_start=False) for decay in used)
-    return flat > sum(decay.deviance(rate) for decay in used) - _WINDOW_DEVIANCE
+    segments = [_select_noise_segments(decay) for decay in scatter_decays]
+    deviance_if_constant = sum(decay.deviance(rate, from_start=False) for decay in segments)
+    return deviance_if_constant > sum(decay.deviance(rate) for decay in segments) - _WINDOW_DEVIANCE
 
 
 def _on_force(hits: Sequence[HitBlock], rate: float) -> bool:

@@ -111,10 +111,10 @@ def _end(value: str, window: str) -> float:
 def _force_window(hit: HitBlock) -> FloatArray:
     """One over the pulse, a half-cosine down over twice its length, then zero: shape (n,)."""
     pulse = hit.pulse(0.01)
-    flat = pulse.stop + max(pulse.stop - pulse.start, 4)
-    fall = 2 * max(pulse.stop - pulse.start, 4)
+    flat_stop = pulse.stop + max(pulse.stop - pulse.start, 4)
+    taper_length = 2 * max(pulse.stop - pulse.start, 4)
     at = np.arange(len(hit.force))
-    return np.asarray(0.5 * (1 + np.cos(np.pi * np.clip((at - flat) / fall, 0, 1))))
+    return np.asarray(0.5 * (1 + np.cos(np.pi * np.clip((at - flat_stop) / taper_length, 0, 1))))
 
 
 @dataclass(frozen=True)
@@ -171,9 +171,9 @@ def average_hits(
     """Transform, turn, weight and average the hits taken, and judge them all."""
     windowed = choices.window.exponential or choices.recorded.rate > 0
     qualities = [judge_hit(hit, windowed=windowed) for hit in hits]
-    good = [hit for hit, t in zip(hits, accepted, strict=True) if t]
-    transforms = _transform(hits, choices, choices.window.decay(good)).band(
-        *(choices.band or _find_excited_band(good))
+    accepted_hits = [hit for hit, t in zip(hits, accepted, strict=True) if t]
+    transforms = _transform(hits, choices, choices.window.decay(accepted_hits)).band(
+        *(choices.band or _find_excited_band(accepted_hits))
     )
     transforms = transforms.apply_signs(_signs(transforms.only(accepted), choices.polarity))
     weights, rocking = _combine(transforms.only(accepted), choices)
@@ -197,14 +197,14 @@ def average_hits(
 def _transform(hits: Sequence[HitBlock], choices: AveragingOptions, decay: float) -> ChannelSpectra:
     rate = hits[0].rate
     recorded, time = choices.recorded, np.arange(len(hits[0].force)) / rate
-    fade = np.exp(-decay * time)
+    decay_factor = np.exp(-decay * time)
     # of the response alone: the force is given the same
-    faded = [fade * recorded.compute_response_only_window(b) for b in hits]
+    faded = [decay_factor * recorded.compute_response_only_window(b) for b in hits]
     force = [f * b.force * (_force_window(b) if choices.window.force else 1.0)
              for f, b in zip(faded, hits, strict=True)]  # fmt: skip
-    response = np.array([b.acceleration * fade for b in hits]).swapaxes(0, 1)
+    response = np.array([b.acceleration * decay_factor for b in hits]).swapaxes(0, 1)
     return ChannelSpectra(
-        frequency=np.asarray(np.fft.rfftfreq(len(fade), 1 / rate), dtype=np.float64),
+        frequency=np.asarray(np.fft.rfftfreq(len(decay_factor), 1 / rate), dtype=np.float64),
         force=np.fft.rfft(force, axis=-1) / rate,
         response=np.fft.rfft(response, axis=-1) / rate,
         hits=tuple(hits),
@@ -218,8 +218,8 @@ def _find_excited_band(hits: Sequence[HitBlock]) -> tuple[float, float]:
     """Return lines above 0 Hz that the hammer excites: up to where its spectrum falls by 20 dB."""
     rate, n = hits[0].rate, len(hits[0].force)
     power = (np.abs(np.fft.rfft([b.force * _force_window(b) for b in hits])) ** 2).mean(axis=0)
-    weak = np.flatnonzero(power < FORCE_LEFT**2 * power[: max(n // 500, 2)].max())
-    top = float(weak[0]) if weak.size else np.inf
+    weak_lines = np.flatnonzero(power < FORCE_LEFT**2 * power[: max(n // 500, 2)].max())
+    top = float(weak_lines[0]) if weak_lines.size else np.inf
     return 0.5 * rate / n, min(max(top - 0.5, 8.5), ALIAS_FREE * n) * rate / n
 
 
@@ -234,18 +234,19 @@ def _signs(transforms: ChannelSpectra, polarity: Sequence[int] | None) -> FloatA
                 f"accelerometers ({', '.join(transforms.channels)})"
             )
         return values
-    near = transforms.band(*_mounts(transforms))
-    h = np.array([estimate(spectra) for spectra in near.split_channels()])
+    band_transforms = transforms.band(*_mounts(transforms))
+    h = np.array([estimate(spectra) for spectra in band_transforms.split_channels()])
     # the real part of the mobility, summed, is the velocity just after the hit
-    mobility = (h / near.s).real
+    mobility = (h / band_transforms.s).real
     kick = mobility.sum(axis=1) / np.abs(mobility).sum(axis=1)
     if kick.min() < -POLARITY_SHARE and kick.max() > POLARITY_SHARE:
-        along, against = (
-            ", ".join(np.array(transforms.channels)[side]) for side in (kick > 0, kick <= 0)
+        same_sign_names, opposite_names = (
+            ", ".join(np.array(transforms.channels)[is_of_side])
+            for is_of_side in (kick > 0, kick <= 0)
         )
         raise DataError(
-            f"accelerometers of opposite polarity: a hit moves {along} along with it but {against} "
-            "against it; check the mounting and give the polarity, such as "
+            f"accelerometers of opposite polarity: a hit moves {same_sign_names} along with it but "
+            f"{opposite_names} against it; check the mounting and give the polarity, such as "
             f"{tuple(np.where(kick > 0, 1, -1).tolist())}"
         )
     return np.full(count, -1.0 if kick.min() < -POLARITY_SHARE else 1.0)
@@ -261,21 +262,21 @@ def _combine(
         return np.array([float(name == choices.combine) for name in transforms.channels]), None
     if count < 2:
         return mean, None
-    near = transforms.band(*_mounts(transforms))
-    values = np.array([estimate(spectra) for spectra in near.split_channels()])
+    band_transforms = transforms.band(*_mounts(transforms))
+    values = np.array([estimate(spectra) for spectra in band_transforms.split_channels()])
     errors = [
         random_error(spectra, value)
-        for spectra, value in zip(near.split_channels(), values, strict=True)
+        for spectra, value in zip(band_transforms.split_channels(), values, strict=True)
     ]
     combination = null_rocking(
         FRFLines.from_measurement(
-            near.s,
+            band_transforms.s,
             values,
-            None if near.averages < 2 else np.array(errors),
-            record=near.record,
-            pulse=near.pulse,
+            None if band_transforms.averages < 2 else np.array(errors),
+            record=band_transforms.record,
+            pulse=band_transforms.pulse,
         ),
-        near.response / near.force[None],
+        band_transforms.response / band_transforms.force[None],
         choices.reach,
     )
     if choices.combine == "mean" or combination is None:
@@ -424,10 +425,10 @@ def _average_without_ringing(
         return average
     for _ in range(2):  # better poles take the earlier hit off better
         poles = _free_poles(average)
-        still = [remove_ringing(hit, poles) for hit in hits]
-        if not any(hit.calmed for hit in still):
+        hits_without_ringing = [remove_ringing(hit, poles) for hit in hits]
+        if not any(hit.calmed for hit in hits_without_ringing):
             break
-        average = average_hits(still, accepted, choices)
+        average = average_hits(hits_without_ringing, accepted, choices)
     return average
 
 
@@ -457,14 +458,16 @@ def _select_accepted_hits(
     unknown = [name for name in (*accept, *reject) if name not in faults]
     if unknown:
         raise DataError(f"there is no hit {unknown[0]!r}; the hits are {', '.join(faults)}")
-    good = {name for name, wrong in faults.items() if not wrong}
-    accepted = (good - set(reject)) | set(accept)
+    accepted_names = {name for name, reasons in faults.items() if not reasons}
+    accepted = (accepted_names - set(reject)) | set(accept)
     if not accepted:
-        why = "; ".join(
+        reasons_text = "; ".join(
             f"hit {name}: {'. Also: '.join(wrong) or 'rejected by name'}"
             for name, wrong in faults.items()
         )
-        raise DataError(f"no hit is left to average. {why}. To use one anyway, accept it by name")
+        raise DataError(
+            f"no hit is left to average. {reasons_text}. To use one anyway, accept it by name"
+        )
     return np.isin([*faults], [*accepted])
 
 
@@ -479,12 +482,12 @@ def _hits(average: Average) -> tuple[Hit, ...]:
         Hit(
             name=hit.name,
             time=hit.time,
-            accepted=bool(good),
+            accepted=bool(is_accepted),
             reasons=quality.reasons,
             peak=hit.peak,
             duration=hit.width(0.1),
         )
-        for hit, quality, good in zip(
+        for hit, quality, is_accepted in zip(
             average.hits, average.qualities, average.accepted, strict=True
         )
     )
@@ -566,9 +569,9 @@ def _sign_steps(average: Average) -> Iterator[Step]:
         message = "the hammer was recorded negative; now pushing is positive"
         yield Step("hammer_sign", (), message)
     signs = zip(transforms.channels, transforms.signs, strict=True)
-    turned = ", ".join(name for name, sign in signs if sign < 0)
-    if turned:
-        yield Step("polarity", (("turned", turned),), f"{turned}: sign turned")
+    reversed_names = ", ".join(name for name, sign in signs if sign < 0)
+    if reversed_names:
+        yield Step("polarity", (("turned", reversed_names),), f"{reversed_names}: sign turned")
 
 
 def _combine_steps(average: Average, choices: AveragingOptions) -> Iterator[Step]:

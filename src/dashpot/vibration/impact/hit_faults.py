@@ -62,8 +62,8 @@ def compute_undecayed_fraction(hit: HitBlock) -> float:
 def compute_pre_hit_motion(hit: HitBlock) -> float:
     """Return the ratio of the motion before the hit, without noise, to that after it."""
     largest_ratio = 0.0
-    for row, spread, noise in zip(hit.acceleration, hit.ringing, hit.noise[1:], strict=True):
-        motion = float(np.sqrt(max(spread**2 - noise**2, 0.0)))
+    for row, ringing_sd, noise in zip(hit.acceleration, hit.ringing, hit.noise[1:], strict=True):
+        motion = float(np.sqrt(max(ringing_sd**2 - noise**2, 0.0)))
         response_sd = float(row[hit.onset :][: max(len(row) // 16, 4)].std())
         if motion > 3 * noise / np.sqrt(max(hit.onset, 1)):
             largest_ratio = max(largest_ratio, motion / max(response_sd, 1e-300))
@@ -81,15 +81,17 @@ def find_second_pulse(hit: HitBlock) -> tuple[float, float]:
     largest_rise, offset = 0.0, 0
     for step in (1, -1):
         samples = force[peak_index::step] if step > 0 else force[peak_index::-1]
-        rise = samples - np.minimum(np.minimum.accumulate(samples), peak)
+        force_rise = samples - np.minimum(np.minimum.accumulate(samples), peak)
         # what starts below the base line rings; only what stands above it pushes
-        rise = np.minimum(rise, samples)
+        force_rise = np.minimum(force_rise, samples)
         # ringing of filters about a short pulse dies within a few samples
-        is_near = np.arange(len(rise)) < (pulse.stop - pulse.start) + 6
-        rise = np.where(is_near & (rise < 4 * SECOND_PULSE_RATIO * peak), 0.0, rise)
-        i = int(np.argmax(rise))
-        if rise[i] > largest_rise:
-            largest_rise, offset = float(rise[i]), step * i
+        is_near = np.arange(len(force_rise)) < (pulse.stop - pulse.start) + 6
+        force_rise = np.where(
+            is_near & (force_rise < 4 * SECOND_PULSE_RATIO * peak), 0.0, force_rise
+        )
+        i = int(np.argmax(force_rise))
+        if force_rise[i] > largest_rise:
+            largest_rise, offset = float(force_rise[i]), step * i
     return largest_rise / peak, offset / hit.rate
 
 
@@ -224,27 +226,27 @@ def is_flat_topped(lobe: FloatArray, noise: float) -> bool:
 
 def _compute_lobe_width(lobe: FloatArray, level: float) -> float:
     """Return samples between the first and the last crossing of a level."""
-    above = np.flatnonzero(lobe >= level)
-    return width_at(lobe, level, (int(above[0]), int(above[-1])))
+    indices_above = np.flatnonzero(lobe >= level)
+    return width_at(lobe, level, (int(indices_above[0]), int(indices_above[-1])))
 
 
 def _list_undershoot(hit: HitBlock) -> Iterator[str]:
     """Yield a doubt if the force undershoots after the pulse, as an AC-coupled channel does."""
     pulse = hit.pulse(0.02)
     end = pulse.stop + (pulse.stop - pulse.start)
-    tail = hit.force[end : len(hit.force) - hit.missing]
-    if hit.onset < 8 or len(tail) < 16:
+    after_pulse = hit.force[end : len(hit.force) - hit.missing]
+    if hit.onset < 8 or len(after_pulse) < 16:
         return
     impulse = float(hit.force[pulse].sum())
-    undershoot = -float(tail.sum()) / impulse
+    undershoot = -float(after_pulse.sum()) / impulse
     # the base line is known only as well as the mean of the samples before the hit
-    undershoot_error = 5 * hit.noise[0] * len(tail) / np.sqrt(hit.onset) / impulse
+    undershoot_error = 5 * hit.noise[0] * len(after_pulse) / np.sqrt(hit.onset) / impulse
     if undershoot < max(MAX_UNDERSHOOT, undershoot_error):
         return
     # at time t after the pulse, exp(-2 pi f t) of the undershoot is still to come
-    early_count = max(len(tail) // 50, 8)
+    early_count = max(len(after_pulse) // 50, 8)
     early_fraction = min(
-        max(-float(tail[:early_count].sum()) / float(hit.force[:end].sum()), 0.0), 0.99
+        max(-float(after_pulse[:early_count].sum()) / float(hit.force[:end].sum()), 0.0), 0.99
     )
     corner_frequency = -np.log1p(-early_fraction) * hit.rate / (2 * np.pi * early_count)
     yield (

@@ -98,22 +98,22 @@ class HitBlock:
 
     def width(self, level: float) -> float:
         """Pulse width at `level` times the peak, s, its ends found by straight lines."""
-        inside = self.pulse(level)
-        ends = inside.start, inside.stop - 1
-        return width_at(self.force, level * self.peak, ends) / self.rate
+        pulse_samples = self.pulse(level)
+        pulse_ends = pulse_samples.start, pulse_samples.stop - 1
+        return width_at(self.force, level * self.peak, pulse_ends) / self.rate
 
     def moments(self) -> tuple[float, float]:
-        """When the pulse acts on average, s from the start of the block, and its rms width, s."""
-        inside = self.pulse(0.05)
-        weights = self.force[inside] / self.force[inside].sum()
-        at = np.arange(inside.start, inside.stop) / self.rate
+        """Return the mean time of the pulse from the start of the block, and its rms width, s."""
+        pulse_samples = self.pulse(0.05)
+        weights = self.force[pulse_samples] / self.force[pulse_samples].sum()
+        at = np.arange(pulse_samples.start, pulse_samples.stop) / self.rate
         middle = float(at @ weights)
         return middle, float(np.sqrt((at - middle) ** 2 @ weights))
 
 
-def width_at(values: FloatArray, level: float, ends: tuple[int, int]) -> float:
+def width_at(values: FloatArray, level: float, pulse_ends: tuple[int, int]) -> float:
     """Samples between the crossings of a level just outside two samples, by straight lines."""
-    first, last = ends
+    first, last = pulse_ends
     width = float(last - first)
     if first > 0:
         width += (values[first] - level) / (values[first] - values[first - 1])
@@ -124,7 +124,7 @@ def width_at(values: FloatArray, level: float, ends: tuple[int, int]) -> float:
 
 @dataclass(frozen=True)
 class _PulseOnset:
-    """Where a pulse begins in its continuous record, and where its neighbours do."""
+    """Start of a pulse in its continuous record, and those of its neighbours."""
 
     test: ImpactTest
     sign: float
@@ -191,12 +191,12 @@ def _belong_together(tests: Sequence[ImpactTest]) -> None:
 def _find(test: ImpactTest) -> list[_PulseOnset]:
     """Find where the pulses begin in each continuous record of a test."""
     records = test.records()
-    quiet = [test.force[r] - np.median(test.force[r]) for r in records]
-    loudest = max(quiet, key=lambda f: float(np.abs(f).max()))
+    centred_forces = [test.force[r] - np.median(test.force[r]) for r in records]
+    loudest = max(centred_forces, key=lambda f: float(np.abs(f).max()))
     sign = 1.0 if loudest.max() >= -loudest.min() else -1.0
     peak = float((sign * loudest).max())
     pulse_onsets: list[_PulseOnset] = []
-    for record, force in zip(records, quiet, strict=True):
+    for record, force in zip(records, centred_forces, strict=True):
         noise = 1.4826 * float(np.median(np.abs(force)))
         hot = np.flatnonzero(sign * force > max(TRIGGER * peak, 8 * noise))
         if peak <= 0 or not hot.size:
@@ -205,7 +205,8 @@ def _find(test: ImpactTest) -> list[_PulseOnset]:
         onsets = [_onset(sign * force, int(i), noise) for i in firsts]
         neighbours = zip([None, *onsets], onsets, [*onsets[1:], None], strict=False)
         pulse_onsets += [
-            _PulseOnset(test, sign, record, at, last, after) for last, at, after in neighbours
+            _PulseOnset(test, sign, record, at, last, next_onset)
+            for last, at, next_onset in neighbours
         ]
     if not pulse_onsets:
         raise DataError(
@@ -219,17 +220,19 @@ def _onset(force: FloatArray, crossing: int, noise: float) -> int:
     """Walk back from the trigger to where the pulse leaves its base line."""
     top = float(force[crossing : crossing + 5].max())
     base = max(0.01 * top, 3 * noise)
-    below = np.flatnonzero(force[:crossing] <= base)
-    return int(below[-1]) + 1 if below.size else 0
+    indices_below = np.flatnonzero(force[:crossing] <= base)
+    return int(indices_below[-1]) + 1 if indices_below.size else 0
 
 
 def _pretrigger(onsets: Sequence[_PulseOnset], rate: float, pretrigger: float | None) -> int:
     if pretrigger is not None:
         require_nonnegative(pretrigger=pretrigger, unit=" s", expected="a time >= 0")
         return round(pretrigger * rate)
-    most = round(PRETRIGGER * rate)
+    max_pretrigger = round(PRETRIGGER * rate)
     # a hit without anything before it is judged later; it must not shorten the others
-    return min([most, *(hit.onset for hit in onsets if hit.onset >= min(8, most))])
+    return min(
+        [max_pretrigger, *(hit.onset for hit in onsets if hit.onset >= min(8, max_pretrigger))]
+    )
 
 
 def _length(onsets: Sequence[_PulseOnset], rate: float, before: int, record: float | None) -> int:
@@ -245,8 +248,8 @@ def _length(onsets: Sequence[_PulseOnset], rate: float, before: int, record: flo
     for hit in onsets:
         end = hit.record.stop - hit.record.start if hit.next is None else hit.next - before
         space.append(end - hit.onset + min(before, hit.onset))
-    usual = float(np.median(space))
-    return max(before + 8, min(r for r in space if r >= 0.5 * usual))
+    usual_spacing = float(np.median(space))
+    return max(before + 8, min(r for r in space if r >= 0.5 * usual_spacing))
 
 
 def _cut(hit: _PulseOnset, name: str, before: int, length: int) -> HitBlock:
@@ -255,14 +258,14 @@ def _cut(hit: _PulseOnset, name: str, before: int, length: int) -> HitBlock:
     start = hit.record.start + hit.onset - onset
     stop = min(start + length, hit.record.start + size)
     rows = np.vstack((hit.sign * test.force[start:stop], test.acceleration[:, start:stop]))
-    quiet = rows[:, : max(onset - GUARD, 0)]
-    offset, spread, noise = np.zeros((3, len(rows)))
-    if quiet.shape[1] >= 4:
-        offset, spread = quiet.mean(axis=1), quiet.std(axis=1)
+    quiet_rows = rows[:, : max(onset - GUARD, 0)]
+    offset, quiet_sd, noise = np.zeros((3, len(rows)))
+    if quiet_rows.shape[1] >= 4:
+        offset, quiet_sd = quiet_rows.mean(axis=1), quiet_rows.std(axis=1)
         rows = rows - offset[:, None]
-    if quiet.shape[1] >= 5:
+    if quiet_rows.shape[1] >= 5:
         # differences of neighbours see noise, not the slow ringing of an earlier hit
-        noise = np.diff(quiet, axis=1).std(axis=1) / np.sqrt(2)
+        noise = np.diff(quiet_rows, axis=1).std(axis=1) / np.sqrt(2)
     missing = length - (stop - start)
     rows = np.pad(rows, ((0, 0), (0, missing)))
     return HitBlock(
@@ -273,7 +276,7 @@ def _cut(hit: _PulseOnset, name: str, before: int, length: int) -> HitBlock:
         force=rows[0],
         acceleration=rows[1:],
         noise=noise,
-        ringing=spread[1:],
+        ringing=quiet_sd[1:],
         offset=offset,
         missing=missing,
         turned=hit.sign < 0,
@@ -287,8 +290,8 @@ def _cut(hit: _PulseOnset, name: str, before: int, length: int) -> HitBlock:
 def _past(hit: _PulseOnset) -> FloatArray:
     """Accelerations before a hit, well after the one before."""
     rate, record = hit.test.rate, hit.record
-    since = 0 if hit.previous is None else (hit.previous + hit.onset) // 2
-    first = max(hit.onset - round(HISTORY * rate), since)
+    history_start = 0 if hit.previous is None else (hit.previous + hit.onset) // 2
+    first = max(hit.onset - round(HISTORY * rate), history_start)
     return hit.test.acceleration[
         :, record.start + first : record.start + max(hit.onset - GUARD, first)
     ]
@@ -301,18 +304,20 @@ def remove_ringing(hit: HitBlock, poles: Sequence[complex]) -> HitBlock:
     top of that. With the poles known, up to a second of record before the hit shows how.
     The hit is returned as it is if that explains less than half of the motion.
     """
-    past = hit.past
-    if past.shape[1] < 4 * (2 * len(poles) + 1) or not poles:
+    ringing = hit.past
+    if ringing.shape[1] < 4 * (2 * len(poles) + 1) or not poles:
         return hit
-    before = (np.arange(past.shape[1]) - past.shape[1] - GUARD) / hit.rate
+    before = (np.arange(ringing.shape[1]) - ringing.shape[1] - GUARD) / hit.rate
     basis = _decays(before, np.array(poles))
-    c, *_ = np.linalg.lstsq(basis, past.T, rcond=1e-10)
-    residual = past.T - basis @ c
-    if residual.var() > (1 - EXPLAINED) * past.var():
+    c, *_ = np.linalg.lstsq(basis, ringing.T, rcond=1e-10)
+    residual = ringing.T - basis @ c
+    if residual.var() > (1 - EXPLAINED) * ringing.var():
         return hit
-    after = (np.arange(len(hit.force)) - hit.onset) / hit.rate
+    time_since_onset = (np.arange(len(hit.force)) - hit.onset) / hit.rate
     return replace(
-        hit, acceleration=hit.acceleration - (_decays(after, np.array(poles)) @ c).T, calmed=True
+        hit,
+        acceleration=hit.acceleration - (_decays(time_since_onset, np.array(poles)) @ c).T,
+        calmed=True,
     )
 
 

@@ -77,18 +77,18 @@ def null_rocking(
     weights = _weights(hits[:, :, at_peak].reshape(len(hits), -1))
     # what is left is small: only lines about the two modes distinguish it from other modes' skirts
     omega, pair = lines.s.imag, (bounce.imag, rocking.imag)
-    near = (omega > min(pair) / FREQUENCY_FACTOR) & (omega < max(pair) * FREQUENCY_FACTOR)
-    if np.count_nonzero(near) > FEWEST:
-        lines, hits = lines.only(near), hits[:, :, near]
+    is_near_poles = (omega > min(pair) / FREQUENCY_FACTOR) & (omega < max(pair) * FREQUENCY_FACTOR)
+    if np.count_nonzero(is_near_poles) > FEWEST:
+        lines, hits = lines.only(is_near_poles), hits[:, :, is_near_poles]
         poles = poles[
             (poles.imag > min(pair) / FREQUENCY_FACTOR)
             & (poles.imag < max(pair) * FREQUENCY_FACTOR)
         ]
     residues = residues_at(lines, poles)[:, :2]
-    tall = [float(np.abs(pole_kernel(lines, p)).max()) for p in (bounce, rocking)]
+    peak_heights = [float(np.abs(pole_kernel(lines, p)).max()) for p in (bounce, rocking)]
 
     def ratio(w: FloatArray) -> float:
-        heights = np.abs(w @ residues) * tall
+        heights = np.abs(w @ residues) * peak_heights
         return float(heights[1] / heights[0])
 
     return Combination(
@@ -109,16 +109,16 @@ def _poles(lines: FRFLines, hits: ComplexArray) -> ComplexArray | None:
     the strongest pattern over hits and accelerometers does not.
     """
     n = hits.shape[2]
-    together = lines.value.mean(axis=0)
+    mean_frf = lines.value.mean(axis=0)
     difference = (hits - hits.mean(axis=0)).reshape(-1, n)
     size, patterns = np.linalg.svd(difference, full_matrices=False)[1:]
     strongest = size[0] * patterns[0] / np.sqrt(len(difference))
-    rows = np.array([together, strongest])
+    rows = np.array([mean_frf, strongest])
     top = np.abs(rows).max(axis=1)
     if top[1] < 1e-9 * top[0]:
         return None
     error = np.stack((np.sqrt((lines.sd**2).mean(axis=0)), np.full(n, FLOOR * top[1])))
-    fit = find_poles(replace(lines, value=rows, sd=error), most=5)
+    fit = find_poles(replace(lines, value=rows, sd=error), max_modes=5)
     if fit is None:
         return None
     # by its pole the residue of the accelerance becomes the velocity a hit gives to the mode

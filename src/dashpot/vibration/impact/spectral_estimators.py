@@ -215,15 +215,17 @@ def random_error(spectra: Spectra, value: ComplexArray) -> FloatArray | None:
     if n < 2:
         return None
     unshared = (np.abs(spectra.response - value * spectra.force) ** 2).mean(axis=0) * n / (n - 1)
-    side = int(np.ceil((POOLED / (2 * (n - 1)) - 1) / 2))
-    pooled = _moving_mean(unshared, max(side, 0))
+    half_width = int(np.ceil((POOLED / (2 * (n - 1)) - 1) / 2))
+    pooled = _moving_mean(unshared, max(half_width, 0))
     return np.asarray(np.sqrt(pooled / (2 * (np.abs(spectra.force) ** 2).sum(axis=0))))
 
 
 def leave_one_out(spectra: Spectra, estimator: Estimator | str = Estimator.H1) -> ComplexArray:
     """FRF without each hit in turn, shape (hits, n)."""
-    every = np.arange(spectra.averages)
-    return np.array([estimate(spectra.only(every != i), estimator) for i in every])
+    average_indices = np.arange(spectra.averages)
+    return np.array(
+        [estimate(spectra.only(average_indices != i), estimator) for i in average_indices]
+    )
 
 
 def _powers(spectra: Spectra) -> tuple[FloatArray, FloatArray, ComplexArray]:
@@ -242,8 +244,8 @@ def _noise_ratio(spectra: Spectra, ff: FloatArray, aa: FloatArray, estimator: Es
     return float(aa.mean() / ff.mean())
 
 
-def _moving_mean(values: FloatArray, side: int) -> FloatArray:
-    """Return mean over `side` neighbours to either side, fewer at the ends."""
-    width = np.ones(2 * side + 1)
-    inside = np.convolve(np.ones(len(values)), width)[side : side + len(values)]
-    return np.asarray(np.convolve(values, width)[side : side + len(values)] / inside)
+def _moving_mean(values: FloatArray, half_width: int) -> FloatArray:
+    """Return mean over `half_width` neighbours to either side, fewer at the ends."""
+    width = np.ones(2 * half_width + 1)
+    counts = np.convolve(np.ones(len(values)), width)[half_width : half_width + len(values)]
+    return np.asarray(np.convolve(values, width)[half_width : half_width + len(values)] / counts)

@@ -17,9 +17,7 @@ from dashpot.vibration.modal.peaks import find_peak, run_about
 # Effect of small errors of a test on storage and loss factor.
 
 
-def compute_stiffness_change(
-    slope: ComplexArray, loss_factor: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def compute_stiffness_change(slope: ComplexArray, eta: FloatArray) -> tuple[FloatArray, FloatArray]:
     r"""Relative change of the storage, and change of the loss factor, by a small :math:`d\ln K^*`.
 
     .. math::
@@ -31,11 +29,11 @@ def compute_stiffness_change(
     ----------
     slope : complex array, shape (n,)
         :math:`d\ln K^*`.
-    loss_factor : array, shape (n,)
+    eta : array, shape (n,)
     """
     return (
-        np.asarray(slope.real - loss_factor * slope.imag),
-        np.asarray(slope.imag * (1 + loss_factor**2)),
+        np.asarray(slope.real - eta * slope.imag),
+        np.asarray(slope.imag * (1 + eta**2)),
     )
 
 
@@ -111,15 +109,15 @@ class DynamicStiffness(EqualByValue):
 
     def changes(self, name: str, by: float) -> tuple[FloatArray, FloatArray]:
         """Relative change of the storage, and change of the loss factor, by an error of `name`."""
-        whole = self.storage + 1j * self.loss
-        slope: ComplexArray = getattr(self, f"by_{name}") / whole
+        stiffness = self.storage + 1j * self.loss
+        slope: ComplexArray = getattr(self, f"by_{name}") / stiffness
         return compute_stiffness_change(by * slope, self.loss_factor)
 
     @property
     def usable(self) -> BoolArray:
         """The lines in both bands."""
-        f, (low, high), (least, most) = self.frequency, self.storage_band, self.loss_band
-        return np.asarray((f >= low) & (f >= least) & (f <= high) & (f <= most))
+        f, (low, high), (loss_low, loss_high) = self.frequency, self.storage_band, self.loss_band
+        return np.asarray((f >= low) & (f >= loss_low) & (f <= high) & (f <= loss_high))
 
     @property
     def storage_sd(self) -> FloatArray:
@@ -243,13 +241,13 @@ def dynamic_stiffness(
 
 
 def _find_band_around_peak(
-    frequency: FloatArray, peak: float, good: BoolArray
+    frequency: FloatArray, peak: float, is_usable: BoolArray
 ) -> tuple[float, float]:
     """Return the unbroken run of good lines about the peak."""
     top = int(np.argmin(np.abs(frequency - peak)))
-    if not good[top]:
+    if not is_usable[top]:
         return float("nan"), float("nan")
-    run = run_about(good, top)
+    run = run_about(is_usable, top)
     return float(frequency[run.start]), float(frequency[run.stop - 1])
 
 
@@ -266,19 +264,19 @@ def causal_loss_factor(frequency: FloatArray, storage: FloatArray, at: float) ->
     DataError
         If fewer than 3 lines lie there.
     """
-    near, share = _slope(frequency, storage, at)
-    return float(np.pi / 2 * share @ np.log(storage[near]))
+    slope, share = _slope(frequency, storage, at)
+    return float(np.pi / 2 * share @ np.log(storage[slope]))
 
 
 def _slope(frequency: FloatArray, storage: FloatArray, at: float) -> tuple[BoolArray, FloatArray]:
     """Return the lines about `at`, and what each contributes to the slope of a straight line."""
-    near = (frequency >= at / SLOPE_REACH) & (frequency <= at * SLOPE_REACH) & (storage > 0)
-    if np.count_nonzero(near) < 3:
+    is_near = (frequency >= at / SLOPE_REACH) & (frequency <= at * SLOPE_REACH) & (storage > 0)
+    if np.count_nonzero(is_near) < 3:
         raise DataError(f"fewer than 3 lines about {at:g} Hz: no slope of the stiffness there")
-    x = np.log(frequency[near])
+    x = np.log(frequency[is_near])
     weight = np.exp(-x)  # lines crowd at the upper end of a logarithmic axis
     x = x - weight @ x / weight.sum()
-    return near, np.asarray(weight * x / (weight @ x**2))
+    return is_near, np.asarray(weight * x / (weight @ x**2))
 
 
 def _causal(
@@ -292,12 +290,12 @@ def _causal(
 ) -> tuple[Check, ...]:
     """Whether loss and slope of the stiffness belong together, as far as the errors can show."""
     try:
-        near, share = _slope(frequency, storage, peak)
+        slope, share = _slope(frequency, storage, peak)
     except DataError:
         return ()
     implied = causal_loss_factor(frequency, storage, peak)
-    scatter = share * random[near] / storage[near]
-    tilt = float(share @ (mass[near] / storage[near]))
+    scatter = share * random[slope] / storage[slope]
+    tilt = float(share @ (mass[slope] / storage[slope]))
     error = float(np.pi / 2 * np.hypot(np.linalg.norm(scatter), tilt))
     top = int(np.argmin(np.abs(frequency - peak)))
     measured = float(loss[top] / storage[top])

@@ -27,17 +27,17 @@ MOST_MODES, MOST_OF_A_SET = 6, 24
 
 
 def compute_rms_accelerance(points: FRFSet) -> FRF:
-    """What all points do: the root mean square of their accelerances, each over its own size.
+    """Return the root mean square of the accelerances of all points, each over its own size.
 
     Its value has no phase. It shows where to look for modes, and where a chart's peaks are.
     """
     value = points.accelerance
     size = np.abs(value) ** 2
     base = size.mean(axis=1, keepdims=True)
-    whole = np.sqrt((size / base).mean(axis=0) * base.mean())
+    rms_values = np.sqrt((size / base).mean(axis=0) * base.mean())
     first, scatter = points.frfs[0].to(Kind.ACCELERANCE), points.sd
     sd = None if scatter is None else np.sqrt((scatter**2 / base).mean(axis=0) * base.mean())
-    return FRF(first.frequency, whole.astype(complex), sd=sd, units="SI")
+    return FRF(first.frequency, rms_values.astype(complex), sd=sd, units="SI")
 
 
 def lines_of(points: FRFSet) -> FRFLines:
@@ -77,20 +77,20 @@ def find_shapes(
     return shapes_of(select_mode_band(points, band), count)
 
 
-def shapes_of(near: FRFSet, count: int | None = None) -> tuple[ModeShape, ...]:
+def shapes_of(band_frfs: FRFSet, count: int | None = None) -> tuple[ModeShape, ...]:
     """Modes on all lines of accelerances, by `find_poles`; the largest motion first."""
-    most = MOST_MODES if len(near.frfs) == 1 else MOST_OF_A_SET
-    fit = find_poles(lines_of(near), most=most, count=count)
+    max_modes = MOST_MODES if len(band_frfs.frfs) == 1 else MOST_OF_A_SET
+    fit = find_poles(lines_of(band_frfs), max_modes=max_modes, count=count)
     if fit is None:
         return ()
     # a window spreads each line's noise over its neighbours, which then count less
-    first = near.frfs[0]
-    fall = 0.5 * first.shift * (first.record or 0.0)
-    spread = float(np.sqrt(fall / np.tanh(fall))) if fall > 0 else 1.0
-    se = spread * np.sqrt(np.diag(fit.covariance))
+    first = band_frfs.frfs[0]
+    window_decay = 0.5 * first.shift * (first.record or 0.0)
+    widening = float(np.sqrt(window_decay / np.tanh(window_decay))) if window_decay > 0 else 1.0
+    se = widening * np.sqrt(np.diag(fit.covariance))
     shapes = []
     for i, p in enumerate(fit.poles):
-        residues, errors = fit.residues[:, i], spread * fit.residue_se[:, i]
+        residues, errors = fit.residues[:, i], widening * fit.residue_se[:, i]
         top = int(np.argmax(np.abs(residues)))
         values = (float(se[2 * i]), float(se[2 * i + 1]), float(errors[top]))
         mode = mode_at(complex(p), complex(residues[top]), values, "rational")
@@ -146,17 +146,17 @@ def find_modes(
     """Modes of a measured accelerance; see :meth:`dashpot.datamodel.frf.FRF.modes`."""
     require_choice("method", method, Method)
     method = Method(method)
-    near = select_mode_band(FRFSet((frf,)), band)
+    band_frfs = select_mode_band(FRFSet((frf,)), band)
     if method is Method.RATIONAL:
         # cached with the FRF, which is frozen, by the first and the last of these lines
         cached_modes: dict[object, tuple[Mode, ...]] = vars(frf).setdefault("_modes", {})
-        key = (*near.frfs[0].frequency[[0, -1]].tolist(), count)
+        key = (*band_frfs.frfs[0].frequency[[0, -1]].tolist(), count)
         if key not in cached_modes:
-            cached_modes[key] = tuple(shape.mode for shape in shapes_of(near, count))
+            cached_modes[key] = tuple(shape.mode for shape in shapes_of(band_frfs, count))
         return cached_modes[key]
     if count not in (None, 1):
         raise DataError(f"method {method.value!r} reads one mode, not {count}; use 'rational'")
-    return (_read(method, near.frfs[0]),)
+    return (_read(method, band_frfs.frfs[0]),)
 
 
 def _read(method: Method, frf: FRF) -> Mode:
@@ -206,13 +206,13 @@ def _peak(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -> 
         If the parabola has no lowest point above zero: the peak falls between the lines.
     """
     top = _top(accelerance)
-    near = np.zeros(len(s), dtype=bool)
-    near[run_about(np.abs(accelerance) > HEIGHT * np.abs(accelerance[top]), top)] = True
-    near[top - 1 : top + 2] = True
+    is_near_peak = np.zeros(len(s), dtype=bool)
+    is_near_peak[run_about(np.abs(accelerance) > HEIGHT * np.abs(accelerance[top]), top)] = True
+    is_near_peak[top - 1 : top + 2] = True
 
     def poles(value: ComplexArray) -> tuple[complex, complex]:
-        x = s[near].imag ** 2
-        y = np.abs(s[near] ** 2 / value[near]) ** 2
+        x = s[is_near_peak].imag ** 2
+        y = np.abs(s[is_near_peak] ** 2 / value[is_near_peak]) ** 2
         centre, scale = float(s[top].imag ** 2), float(np.ptp(x))
         a, b, c = np.polyfit((x - centre) / scale, y / y.min(), 2, w=y.min() / y)
         depth = float(c / a - (0.5 * b / a) ** 2) * scale**2 if a > 0 else 0.0
@@ -228,7 +228,7 @@ def _peak(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -> 
         pole = complex(-np.sqrt(depth / omega2) / 2, np.sqrt(omega2))
         return pole, complex(value[top] * (1j * s[top].imag - pole))
 
-    return _reading(poles, s, accelerance, sd, near)
+    return _reading(poles, s, accelerance, sd, is_near_peak)
 
 
 def _half_power(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -> _Reading:
@@ -254,13 +254,13 @@ def _half_power(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | Non
         )
 
     def poles(value: ComplexArray) -> tuple[complex, complex]:
-        _, left, right = _width(omega, value, top)
+        _, left_frequency, right = _width(omega, value, top)
         centre = _peak(s, value, None).pole.imag
-        pole = complex(-0.5 * (right - left), centre)
+        pole = complex(-0.5 * (right - left_frequency), centre)
         return pole, complex(value[top] * (1j * omega[top] - pole))
 
-    inside = (omega > low - (high - low)) & (omega < high + (high - low))
-    return _reading(poles, s, accelerance, sd, inside)
+    in_band = (omega > low - (high - low)) & (omega < high + (high - low))
+    return _reading(poles, s, accelerance, sd, in_band)
 
 
 def _circle(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -> _Reading:
@@ -272,12 +272,12 @@ def _circle(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -
     """
     top = _top(accelerance)
     size = np.abs(accelerance)
-    near = np.zeros(len(s), dtype=bool)
-    near[run_about(size > 0.4 * size[top], top)] = True
-    near[max(top - 2, 0) : top + 3] = True
+    is_near_peak = np.zeros(len(s), dtype=bool)
+    is_near_peak[run_about(size > 0.4 * size[top], top)] = True
+    is_near_peak[max(top - 2, 0) : top + 3] = True
 
     def poles(value: ComplexArray) -> tuple[complex, complex]:
-        x, y = 1j * s[near].imag, value[near] / s[near]
+        x, y = 1j * s[is_near_peak].imag, value[is_near_peak] / s[is_near_peak]
         weight = np.ones(len(x))
         p = 1j * s[top].imag
         for _ in range(10):
@@ -288,7 +288,7 @@ def _circle(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -
             weight = 1 / np.abs(x - p)
         return p, complex((c[2] + p * c[1]) * (p + s[0].real))
 
-    return _reading(poles, s, accelerance, sd, near)
+    return _reading(poles, s, accelerance, sd, is_near_peak)
 
 
 def _decrement(s: ComplexArray, accelerance: ComplexArray, record: float | None) -> _Reading:
@@ -305,9 +305,9 @@ def _decrement(s: ComplexArray, accelerance: ComplexArray, record: float | None)
     period = 2 * np.pi / step
     length = min(record or period, period)
     _, low, high = _width(omega, accelerance, top)
-    half = min(0.5 * omega[top], max(4 * (high - low), 8 * np.pi / length))
-    fade = np.cos(0.5 * np.pi * np.clip((omega - omega[top]) / half, -1, 1)) ** 2
-    edge = 2 * np.pi / half
+    half_range = min(0.5 * omega[top], max(4 * (high - low), 8 * np.pi / length))
+    taper = np.cos(0.5 * np.pi * np.clip((omega - omega[top]) / half_range, -1, 1)) ** 2
+    edge = 2 * np.pi / half_range
     # one sample each time the faded band can bring something new
     t = np.arange(edge, length - edge, edge / 4)
     if len(t) < 6:
@@ -315,22 +315,22 @@ def _decrement(s: ComplexArray, accelerance: ComplexArray, record: float | None)
             f"a record of {length:.3g} s is too short for a logarithmic decrement at "
             f"{omega[top] / (2 * np.pi):.4g} Hz; fit its poles (Python: method='rational')"
         )
-    h = np.exp(1j * np.outer(t, omega)) @ (fade * accelerance) * step / (2 * np.pi)
+    h = np.exp(1j * np.outer(t, omega)) @ (taper * accelerance) * step / (2 * np.pi)
     size = np.abs(h)
     t, h, size = t[size > size[0] / 30], h[size > size[0] / 30], size[size > size[0] / 30]
     turning = np.unwrap(np.angle(h * np.exp(-1j * omega[top] * t)))
     rows = np.column_stack((t, np.ones_like(t))) * size[:, None]
     fits = [solve_ordinary(size * y, rows) for y in (np.log(size), turning)]
-    (slope, start), (turn, phase) = (fit.beta for fit in fits)
+    (slope, start), (phase_slope, phase) = (fit.beta for fit in fits)
     # neighbours share four samples' worth of band
     noises = [white_noise(fit, 4 * fit.sse / max(len(t) / 4 - 2, 1)) for fit in fits]
     errors = [
         float(estimate(fit, noises=[noise]).standard_error[0])
         for fit, noise in zip(fits, noises, strict=True)
     ]
-    p = complex(slope, omega[top] + turn)
+    p = complex(slope, omega[top] + phase_slope)
     # the fading lets through, of e^{pt}, its own value at p
-    let_through = 0.5 * (1 + np.cos(np.pi * (p / 1j - omega[top]) / half))
+    let_through = 0.5 * (1 + np.cos(np.pi * (p / 1j - omega[top]) / half_range))
     residue = complex(np.exp(start + 1j * phase) / let_through)
     return _Reading(p + s[0].real, residue, errors[0], errors[1], float("nan"))
 
@@ -352,8 +352,8 @@ def _width(omega: FloatArray, value: ComplexArray, top: int) -> tuple[int, float
     x = (omega[top - 1 : top + 2] - omega[top]) / (omega[top + 1] - omega[top])
     a, b, c = np.polyfit(x, y[top - 1 : top + 2], 2)
     level = 2 * (c - 0.25 * b**2 / a if a > 0 else y[top])
-    inside = run_about(y < level, top)
-    i, j = inside.start, inside.stop - 1
+    run_inside = run_about(y < level, top)
+    i, j = run_inside.start, run_inside.stop - 1
     low, high = float(omega[i]), float(omega[j])
     if i > 0:
         low -= float((level - y[i]) / (y[i - 1] - y[i]) * (omega[i] - omega[i - 1]))
@@ -367,7 +367,7 @@ def _reading(
     s: ComplexArray,
     value: ComplexArray,
     sd: FloatArray | None,
-    near: slice | BoolArray,
+    used_lines: slice | BoolArray,
 ) -> _Reading:
     """Read once, and once more for each line and part moved by its own error."""
     p, residue = poles(value)
@@ -375,7 +375,7 @@ def _reading(
         nan = float("nan")
         return _Reading(p + s[0].real, residue, nan, nan, nan)
     sums = np.zeros(3)
-    for i in np.arange(len(s))[near]:
+    for i in np.arange(len(s))[used_lines]:
         for direction in (1.0, 1j):
             shift = value.copy()
             shift[i] += 1e-3 * sd[i] * direction

@@ -41,11 +41,13 @@ class Peak:
     decay: float
 
 
-def run_about(good: BoolArray, at: int) -> slice:
+def run_about(mask: BoolArray, at: int) -> slice:
     """Return the unbroken run of True about an index."""
-    gaps = np.flatnonzero(~good)
-    left, right = gaps[gaps < at], gaps[gaps > at]
-    return slice(int(left[-1]) + 1 if left.size else 0, int(right[0]) if right.size else len(good))
+    gaps = np.flatnonzero(~mask)
+    left_gaps, right = gaps[gaps < at], gaps[gaps > at]
+    return slice(
+        int(left_gaps[-1]) + 1 if left_gaps.size else 0, int(right[0]) if right.size else len(mask)
+    )
 
 
 def mount_band(
@@ -57,19 +59,21 @@ def mount_band(
     is the rise of noise towards 0 Hz, which is no peak.
     """
     receptance = np.abs(accelerance) / np.maximum(frequency, 1e-12) ** 2
-    good = frequency > 2 * frequency[0] if len(frequency) > 8 else frequency > 0
+    is_candidate = frequency > 2 * frequency[0] if len(frequency) > 8 else frequency > 0
     if sd is not None:
-        quiet = good & (sd < 0.3 * np.abs(accelerance))
-        good = quiet if quiet.sum() >= 8 else good
+        is_quiet = is_candidate & (sd < 0.3 * np.abs(accelerance))
+        is_candidate = is_quiet if is_quiet.sum() >= 8 else is_candidate
     inner = np.zeros(len(frequency), dtype=bool)
     inner[1:-1] = (receptance[1:-1] >= receptance[:-2]) & (receptance[1:-1] >= receptance[2:])
     best, centre = 0.0, None
-    for i in np.flatnonzero(inner & good)[np.argsort(-receptance[inner & good])][:20]:
-        near = (frequency > frequency[i] / 2) & (frequency < frequency[i] * 2)
-        if receptance[i] > 3 * np.median(receptance[near]) and receptance[i] > best:
+    for i in np.flatnonzero(inner & is_candidate)[np.argsort(-receptance[inner & is_candidate])][
+        :20
+    ]:
+        is_nearby = (frequency > frequency[i] / 2) & (frequency < frequency[i] * 2)
+        if receptance[i] > 3 * np.median(receptance[is_nearby]) and receptance[i] > best:
             best, centre = float(receptance[i]), float(frequency[i])
     if centre is None:  # a heavily damped mode hardly peaks; its mobility does best
-        mobility = np.where(good, np.abs(accelerance) / np.maximum(frequency, 1e-12), 0.0)
+        mobility = np.where(is_candidate, np.abs(accelerance) / np.maximum(frequency, 1e-12), 0.0)
         centre = float(frequency[np.argmax(mobility)])
     return max(centre / 4, float(frequency[0])), min(centre * 4, float(frequency[-1]))
 
@@ -123,9 +127,9 @@ def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, f
     rows = weight[:, None] * basis
     c = np.asarray(np.linalg.lstsq(rows, weight * stiffness, rcond=None)[0], dtype=complex)
     misfit = weight * (stiffness - basis @ c)
-    spare = max(2 * len(s) - 6, 1)
-    variance = float(np.sum(np.abs(misfit) ** 2)) / spare if sd is None else 1.0
-    spread = np.asarray(np.linalg.pinv(rows.conj().T @ rows), dtype=complex)
+    dof = max(2 * len(s) - 6, 1)
+    variance = float(np.sum(np.abs(misfit) ** 2)) / dof if sd is None else 1.0
+    covariance = np.asarray(np.linalg.pinv(rows.conj().T @ rows), dtype=complex)
 
     first, last = float(s.imag[0]), float(s.imag[-1])
     omega = np.linspace(first, last, 2001)
@@ -140,7 +144,7 @@ def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, f
     at = (pole - centre) / scale
     slope = abs(c[1] + 2 * c[2] * at) / scale
     row = at ** np.arange(3)
-    error = np.sqrt(max(variance * float((row @ spread @ row.conj()).real), 0.0)) / slope
+    error = np.sqrt(max(variance * float((row @ covariance @ row.conj()).real), 0.0)) / slope
     sigma = -pole.real
     step = float(np.median(np.diff(frf.frequency)))
     return Peak(
@@ -148,7 +152,7 @@ def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, f
         height=top,
         damping_ratio=float(sigma / abs(pole)),
         frequency_se=float(np.sqrt(variance))
-        * _wander(c, spread, peak, centre, scale)
+        * _wander(c, covariance, peak, centre, scale)
         / (2 * np.pi),
         damping_se=float(error / peak),
         half_power_lines=float(abs(sigma) / np.pi / step),
@@ -157,7 +161,11 @@ def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, f
 
 
 def _wander(
-    c: ComplexArray, spread: ComplexArray, peak: float, centre: complex, scale: float
+    c: ComplexArray,
+    coefficient_covariance: ComplexArray,
+    peak: float,
+    centre: complex,
+    scale: float,
 ) -> float:
     r"""Return standard deviation of the peak, rad/s, for unit scatter of the rows.
 
@@ -168,10 +176,10 @@ def _wander(
     omega = peak + step * np.array([-1.0, 0.0, 1.0])
     rows = ((1j * omega - centre) / scale)[:, None] ** np.arange(3) / (1j * omega[:, None]) ** 2
     u = rows @ c
-    first, bend = (u[2] - u[0]) / (2 * step), (u[2] - 2 * u[1] + u[0]) / step**2
-    curvature = abs(first) ** 2 + (np.conj(u[1]) * bend).real
+    first, second_difference = (u[2] - u[0]) / (2 * step), (u[2] - 2 * u[1] + u[0]) / step**2
+    curvature = abs(first) ** 2 + (np.conj(u[1]) * second_difference).real
     change = np.conj(first) * rows[1] + np.conj(u[1]) * (rows[2] - rows[0]) / (2 * step)
-    size = float(np.sqrt(max((change @ spread @ change.conj()).real, 0.0)))
+    size = float(np.sqrt(max((change @ coefficient_covariance @ change.conj()).real, 0.0)))
     return size / max(abs(float(curvature)), np.finfo(float).tiny)
 
 

@@ -114,8 +114,8 @@ def pole_kernel_slope(lines: FRFLines, p: complex | ComplexArray) -> ComplexArra
     k = pole_kernel(lines, p)
     if lines.record is None:
         return k**2
-    later = lines.record + lines.pulse**2 * p
-    return np.asarray((k - later * np.exp(_compute_log_truncation(lines, p))) / (lines.s - p))
+    time_factor = lines.record + lines.pulse**2 * p
+    return np.asarray((k - time_factor * np.exp(_compute_log_truncation(lines, p))) / (lines.s - p))
 
 
 # Trial poles: best residues of every channel, and the remainder.
@@ -165,8 +165,8 @@ class BackgroundProjection:
     def broad(self) -> list[Scan]:
         """Poles of much damping all over the band, tried whenever one more is sought."""
         omega = self.lines.s.imag
-        places = np.geomspace(omega[0], omega[-1], 16)[1:-1]
-        return scans(self.lines, [(r * at, float(at)) for r in RATIOS[5:] for at in places])
+        frequencies = np.geomspace(omega[0], omega[-1], 16)[1:-1]
+        return scans(self.lines, [(r * at, float(at)) for r in RATIOS[5:] for at in frequencies])
 
     def parts(self, columns: int) -> list[slice]:
         """Channels that are solved for at once: as many as a cache of so many columns holds."""
@@ -210,7 +210,7 @@ class PoleTrial:
 
     @cached_property
     def columns(self) -> ComplexArray:
-        """What a residue of 1 and of j looks like, pole by pole: shape (2 modes, n)."""
+        """Return the columns of a residue of 1 and of j, pole by pole: shape (2 modes, n)."""
         return _pairs(self.ground.lines, self.poles)
 
     @cached_property
@@ -239,7 +239,7 @@ class PoleTrial:
         c = _times(inverse, _times(q.swapaxes(1, 2), y))
         residual = y - _times(rows, c)
         residues = c[:, 0::2] + 1j * c[:, 1::2]
-        up, down = (
+        up, lower = (
             by[None] * slope
             for by, slope in zip(
                 (residues[..., None], residues[..., None].conj()), self.slopes, strict=True
@@ -247,13 +247,18 @@ class PoleTrial:
         )
         slopes = np.empty((len(c), len(self.theta), up.shape[-1]), complex)
         sigma, omega = -self.poles.real[:, None], self.poles.imag[:, None]
-        slopes[:, 0::2], slopes[:, 1::2] = -sigma * (up + down), 1j * omega * (up - down)
+        slopes[:, 0::2], slopes[:, 1::2] = (-sigma * (up + lower), 1j * omega * (up - lower))
         jacobian = self.ground.remove_background(part, slopes)
         crossing = q.swapaxes(1, 2) @ jacobian
         jacobian -= q @ crossing
-        turned = jacobian.swapaxes(1, 2)
+        transposed = jacobian.swapaxes(1, 2)
         return _Residues(
-            residues, residual, inverse, crossing, turned @ jacobian, _times(turned, residual)
+            residues,
+            residual,
+            inverse,
+            crossing,
+            transposed @ jacobian,
+            _times(transposed, residual),
         )
 
     @cached_property
@@ -270,7 +275,7 @@ class PoleTrial:
 
     @cached_property
     def curvature(self) -> FloatArray:
-        """Of Gauss and Newton."""
+        """Gauss-Newton curvature."""
         return np.asarray(self.solution.normal.sum(axis=0))
 
     def ahead(self, step: FloatArray) -> PoleTrial:
@@ -323,9 +328,9 @@ def scans(lines: FRFLines, starts: list[tuple[float, float]]) -> list[Scan]:
 def _pairs(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
     """Return what a residue of 1 and of j of each pole looks like, shape (2 poles, n)."""
     p = poles[:, None]
-    up, down = pole_kernel(lines, p), pole_kernel(lines, p.conj())
+    up, lower_kernel = pole_kernel(lines, p), pole_kernel(lines, p.conj())
     pairs = np.empty((2 * len(poles), len(lines.s)), complex)
-    pairs[0::2], pairs[1::2] = up + down, 1j * (up - down)
+    pairs[0::2], pairs[1::2] = up + lower_kernel, 1j * (up - lower_kernel)
     return pairs
 
 
@@ -340,7 +345,7 @@ def _subtract_projection(basis: FloatArray, rows: FloatArray) -> FloatArray:
 
 
 def _times(matrix: FloatArray, vector: FloatArray) -> FloatArray:
-    """By channel."""
+    """Return the product of matrix and vector for each channel."""
     return np.asarray((matrix @ vector[..., None])[..., 0])
 
 
@@ -392,13 +397,13 @@ class PoleFit:
     misfit: FloatArray
 
 
-def find_poles(lines: FRFLines, *, most: int, count: int | None = None) -> PoleFit | None:
+def find_poles(lines: FRFLines, *, max_modes: int, count: int | None = None) -> PoleFit | None:
     """Add modes, each where the others leave most, until none is left that matters.
 
     Parameters
     ----------
     lines : FRFLines
-    most : int
+    max_modes : int
         Largest number of modes.
     count : int, optional
         Exactly this many instead of as many as matter.
@@ -410,7 +415,7 @@ def find_poles(lines: FRFLines, *, most: int, count: int | None = None) -> PoleF
     """
     trial = pole_trial = PoleTrial(BackgroundProjection.from_lines(lines), np.empty(0))
     failures = 0
-    for _ in range(count or most):
+    for _ in range(count or max_modes):
         last, trial = trial, _refine(_with_next_pole(trial), STEP_TOLERANCE)
         if count is not None or _matters(trial, last):
             pole_trial, failures = trial, 0
@@ -434,38 +439,38 @@ def residues_at(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
 def _prune(trial: PoleTrial) -> PoleTrial:
     """Drop what is no mode until all are."""
     while trial.theta.size:
-        good = [i for i in range(len(trial.poles)) if _is_mode(trial, i)]
-        if len(good) == len(trial.poles):
+        mode_indices = [i for i in range(len(trial.poles)) if _is_mode(trial, i)]
+        if len(mode_indices) == len(trial.poles):
             break
-        trial = trial.only(good)
-        trial = _refine(trial) if good else trial
+        trial = trial.only(mode_indices)
+        trial = _refine(trial) if mode_indices else trial
     return trial
 
 
 def _select_mode_lines(lines: FRFLines, p: complex) -> BoolArray:
     """Return the lines that decide about a mode: ten to either side, or three half-power widths."""
     omega = lines.s.imag
-    reach = max(10.5 * float(np.median(np.diff(omega))), -6 * p.real)
-    return np.asarray(np.abs(omega - p.imag) <= reach)
+    half_range = max(10.5 * float(np.median(np.diff(omega))), -6 * p.real)
+    return np.asarray(np.abs(omega - p.imag) <= half_range)
 
 
 def _refine(trial: PoleTrial, tolerance: float = 0.0) -> PoleTrial:
-    """To the nearest optimum of the poles, the residues projected out.
+    """Return the nearest optimum of the poles, the residues projected out.
 
     Ends where a step promises no more than `tolerance` variances, as one for each row of the lines.
     """
     free = np.full(len(trial.theta), np.inf)
     objective = Objective(lambda theta, _: replace(trial, theta=theta), -free, free)
-    flat = max(1e-13, tolerance / trial.ground.rest.size)
-    ended = descend(objective, trial.theta, flat=flat, limit=STEPS)
+    cost_tolerance = max(1e-13, tolerance / trial.ground.rest.size)
+    ended = descend(objective, trial.theta, cost_tolerance=cost_tolerance, limit=STEPS)
     return trial if ended is None else ended.point
 
 
 def _with_next_pole(trial: PoleTrial) -> PoleTrial:
     """Scan frequency and damping about the line that the poles so far miss by most."""
     lines, omega = trial.ground.lines, trial.ground.lines.s.imag
-    missed = (trial.misfit * lines.sd**2).sum(axis=0)
-    worst, step = float(omega[np.argmax(missed)]), float(np.median(np.diff(omega)))
+    missed_power = (trial.misfit * lines.sd**2).sum(axis=0)
+    worst, step = float(omega[np.argmax(missed_power)]), float(np.median(np.diff(omega)))
     # sharp peaks stand where most is missed, to a line; broad ones may be missed most beside it
     starts = [(r * worst, worst + i * step) for r in RATIOS for i in np.linspace(-1.5, 1.5, 7)]
     return _with_best(trial, scans(lines, starts) + trial.ground.broad)[0]
@@ -488,12 +493,14 @@ def _gains(trial: PoleTrial, scan: Scan) -> FloatArray:
         weight = 1 / np.repeat(sd, 2)
         values = np.hstack((ground.basis[i], trial.basis(slice(i, i + 1))[1][0])) * weight[:, None]
         # what the rest cannot say as well: the rest is orthonormal, and the residual without it
-        stated = (scan.rows @ values).reshape(count, 2, -1)
+        explained = (scan.rows @ values).reshape(count, 2, -1)
         x, y = (scan.rows @ (r * weight)).reshape(-1, 2).T
         a, b, c = scan.squares[:, i]
-        least = NOTHING_NEW * (a + c)
-        a, c = (value - (stated[:, k] ** 2).sum(axis=1) + least for k, value in enumerate((a, c)))
-        b = b - (stated[:, 0] * stated[:, 1]).sum(axis=1)
+        margin = NOTHING_NEW * (a + c)
+        a, c = (
+            value - (explained[:, k] ** 2).sum(axis=1) + margin for k, value in enumerate((a, c))
+        )
+        b = b - (explained[:, 0] * explained[:, 1]).sum(axis=1)
         gains += (c * x**2 - 2 * b * x * y + a * y**2) / (a * c - b**2)
     return gains
 
@@ -502,20 +509,20 @@ def _with_outer_poles(trial: PoleTrial) -> PoleTrial:
     """Add poles beyond either end of the band, as background, where they explain what is missed."""
     omega, size = trial.ground.lines.s.imag, trial.ground.rest.size
     low, high = float(omega[0]), float(omega[-1])
-    places = [float(at) for by in OUTSIDE for at in (low / by, high * by)]
-    starts = [(ratio * at, at) for at in places for ratio in (0.003, 0.02, 0.1)]
-    tried = scans(trial.ground.lines, starts)
+    outer_frequencies = [float(at) for by in OUTSIDE for at in (low / by, high * by)]
+    starts = [(ratio * at, at) for at in outer_frequencies for ratio in (0.003, 0.02, 0.1)]
+    scanned_poles = scans(trial.ground.lines, starts)
     for _ in range(2):
-        more, gain = _with_best(trial, tried)
+        refined_trial, gain = _with_best(trial, scanned_poles)
         # a scan shows a part of what a refined pole explains
         if 10 * gain < trial.sse * _worth(trial) / size:
             break
-        more = _refine(more)
-        at = more.poles[-1].imag
+        refined_trial = _refine(refined_trial)
+        at = refined_trial.poles[-1].imag
         excess = low / BACKGROUND_FACTOR < at <= low or high <= at < high * BACKGROUND_FACTOR
-        if not excess or trial.sse - more.sse < more.sse * _worth(trial) / size:
+        if not excess or trial.sse - refined_trial.sse < refined_trial.sse * _worth(trial) / size:
             break
-        trial = more
+        trial = refined_trial
     return trial
 
 
@@ -526,35 +533,39 @@ def _worth(trial: PoleTrial) -> float:
 
 def _finish(trial: PoleTrial, modes: int) -> PoleFit:
     """Residues of the first poles, and all errors: every channel shows the poles."""
-    solved = trial.solution
-    by = 1 / np.ravel(np.column_stack((-trial.poles.real, trial.poles.imag)))  # not by logarithms
-    normal = trial.curvature * np.outer(by, by)
+    solution = trial.solution
+    scales = 1 / np.ravel(
+        np.column_stack((-trial.poles.real, trial.poles.imag))
+    )  # not by logarithms
+    normal = trial.curvature * np.outer(scales, scales)
     scale = np.sqrt(np.diag(normal))
-    whole = np.linalg.pinv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
-    covariance = whole[: 2 * modes, : 2 * modes]
-    inverse = solved.inverse[:, : 2 * modes]
-    change = inverse @ (solved.crossing * by)
-    variance = (inverse**2).sum(axis=2) + ((change @ whole) * change).sum(axis=2)
+    inverse_normal = np.linalg.pinv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
+    covariance = inverse_normal[: 2 * modes, : 2 * modes]
+    inverse = solution.inverse[:, : 2 * modes]
+    change = inverse @ (solution.crossing * scales)
+    variance = (inverse**2).sum(axis=2) + ((change @ inverse_normal) * change).sum(axis=2)
     # what the model misses about a mode widens that mode's error
     misfit = np.array([_chi2(trial, p) for p in trial.poles[:modes]])
-    worse = np.sqrt(np.maximum(misfit, 1.0))
+    error_factor = np.sqrt(np.maximum(misfit, 1.0))
     return PoleFit(
         poles=trial.poles[:modes],
         residues=trial.residues[:, :modes],
-        covariance=covariance * np.outer(np.repeat(worse, 2), np.repeat(worse, 2)),
-        residue_se=np.sqrt(variance[:, 0::2] + variance[:, 1::2]) * worse,
+        covariance=covariance * np.outer(np.repeat(error_factor, 2), np.repeat(error_factor, 2)),
+        residue_se=np.sqrt(variance[:, 0::2] + variance[:, 1::2]) * error_factor,
         misfit=misfit,
     )
 
 
 def _chi2(trial: PoleTrial, p: complex) -> float:
     """Misfit per degree of freedom of the lines about a mode."""
-    near = trial.misfit[:, _select_mode_lines(trial.ground.lines, p)]
-    return float(near.sum()) / max(2 * near.size - _parameters(near), 1)
+    misfit_near_mode = trial.misfit[:, _select_mode_lines(trial.ground.lines, p)]
+    return float(misfit_near_mode.sum()) / max(
+        2 * misfit_near_mode.size - _parameters(misfit_near_mode), 1
+    )
 
 
 def _parameters(channels: FloatArray) -> int:
-    """Of one mode: its pole, and a residue in each channel."""
+    """Return the number of parameters of one mode: its pole, and a residue in each channel."""
     return 2 + 2 * len(channels)
 
 
@@ -563,8 +574,8 @@ def _matters(trial: PoleTrial, before: PoleTrial) -> bool:
     if not _is_mode(trial, len(trial.poles) - 1):
         return False
     p = trial.poles[-1]
-    near = _select_mode_lines(trial.ground.lines, p)
-    gain = float((before.misfit - trial.misfit)[:, near].sum()) / max(_chi2(trial, p), 1e-300)
+    mode_lines = _select_mode_lines(trial.ground.lines, p)
+    gain = float((before.misfit - trial.misfit)[:, mode_lines].sum()) / max(_chi2(trial, p), 1e-300)
     return bool(gain > _worth(trial))
 
 

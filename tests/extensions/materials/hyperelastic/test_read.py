@@ -76,7 +76,7 @@ def test_a_strain_sideways_shows_poissons_ratio(tmp_path: Path, across: str) -> 
 
 def test_sizes_of_a_piece_that_was_pressed_show_it_too(tmp_path: Path) -> None:
     path = write_foam_compression(tmp_path, "lateral strain [%]", along=-1.0)
-    assert read_stress_strain(path, "uniaxial", pressed=True).poisson == pytest.approx(0.15)
+    assert read_stress_strain(path, "uniaxial", is_compression=True).poisson == pytest.approx(0.15)
 
 
 @pytest.mark.parametrize(("ratio", "sign"), [(0.61, 1.0), (0.15, -1.0)])

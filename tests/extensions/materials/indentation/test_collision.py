@@ -90,7 +90,7 @@ class TestLaws:
             RelaxingContact(K, 0.7, 1e-3),
             ViscousContact(8e3, 2.5e-4, 1.0),
         ):
-            collision = collide(law, mass=MASS, velocity=1.0, pull=9.81)
+            collision = collide(law, mass=MASS, velocity=1.0, acceleration=9.81)
             work = np.trapezoid(collision.force, collision.displacement)
             lost = (
                 MASS / 2 * (1 - collision.restitution**2) + MASS * 9.81 * collision.displacement[-1]
@@ -98,7 +98,9 @@ class TestLaws:
             assert work == pytest.approx(lost, rel=5e-4)
 
     def test_impulse_is_the_change_of_momentum(self):
-        collision = collide(RelaxingContact(K, 0.7, 1e-3), mass=MASS, velocity=1.0, pull=9.81)
+        collision = collide(
+            RelaxingContact(K, 0.7, 1e-3), mass=MASS, velocity=1.0, acceleration=9.81
+        )
         change = MASS * (1 + collision.restitution + 9.81 * collision.duration)
         assert np.trapezoid(collision.force, collision.time) == pytest.approx(change, rel=2e-4)
 
@@ -117,7 +119,7 @@ class TestMarch:
     @pytest.mark.parametrize("pull", [0.0, 9.81])
     def test_viscous_contacts(self, law, force, pull):
         T, X, V, F = contacts.march(force, MASS, 1.0, pull=pull)
-        collision = collide(law, mass=MASS, velocity=1.0, pull=pull)
+        collision = collide(law, mass=MASS, velocity=1.0, acceleration=pull)
         assert collision.duration == pytest.approx(T[-1], abs=2e-6)
         assert np.interp(T[:-2], collision.time, collision.displacement) == pytest.approx(
             X[:-2], abs=2e-8
@@ -138,7 +140,7 @@ def test_what_is_no_collision():
         with pytest.raises(DataError, match="above 0"):
             collide(ViscousContact(K), **bad)
     with pytest.raises(DataError, match="not let go"):
-        collide(ViscousContact(1e4, 0.1, 1.0), mass=0.01, velocity=1e-3, pull=9.81)
+        collide(ViscousContact(1e4, 0.1, 1.0), mass=0.01, velocity=1e-3, acceleration=9.81)
     for made in (lambda: ViscousContact(-1.0), lambda: RelaxingContact(K, -0.1, 1.0)):
         with pytest.raises(DataError):
             made()

@@ -244,7 +244,7 @@ def gap(test, starts):
     for start in starts:
         theta = best.theta.copy()
         theta[1:3] = np.arcsinh(start / np.array([0.02, 1.0]))
-        others.append(best.problem.solve([theta], most=40, flat=1e-7).cost)
+        others.append(best.problem.solve([theta], max_steps=40, cost_tolerance=1e-7).cost)
     return (best.cost - min(others)) / best.cost * len(best.residual)
 
 

@@ -65,26 +65,26 @@ def solve_many(family: SharedSampling, records: FloatArray, arms: int) -> ManySo
     """
     _refuse(family.template.samples, family.fixed_count, arms)
     count = len(records)
-    out = _empty(count, arms, family.fixed_count)
+    solutions = _empty(count, arms, family.fixed_count)
     search = GridSearch(family, arms) if arms in POINTS else None
     for first in range(0, count, CHUNK):
         chunk = records[first : first + CHUNK]
         index = first + np.arange(len(chunk))
         if search is None:
-            out.finite[index] = _usable(chunk)
-            index = index[out.finite[index]]
+            solutions.finite[index] = _usable(chunk)
+            index = index[solutions.finite[index]]
         else:
             with np.errstate(over="ignore", invalid="ignore"):
                 reduced = family.reduce(chunk)
                 finite = np.isfinite(reduced.floor + reduced.energy)
-            out.finite[index] = finite
+            solutions.finite[index] = finite
             index = index[finite]
             if len(index):
-                sure = _solve_chunk(family, search, reduced.take(finite), index, out)
-                index = index[~sure]
+                is_certain = _solve_chunk(family, search, reduced.take(finite), index, solutions)
+                index = index[~is_certain]
         for i in index:
-            _solve_record(family.block, records[i], arms, int(i), out)
-    return out
+            _solve_record(family.block, records[i], arms, int(i), solutions)
+    return solutions
 
 
 def solve_separately(
@@ -92,11 +92,11 @@ def solve_separately(
 ) -> ManySolutions:
     """Fit every row by itself, where nothing can be shared: `make` turns a row into a block."""
     _refuse(records.shape[1], fixed_count, arms)
-    out = _empty(len(records), arms, fixed_count)
-    out.finite[:] = _usable(records)
-    for i in np.flatnonzero(out.finite):
-        _solve_record(make, records[i], arms, int(i), out)
-    return out
+    solutions = _empty(len(records), arms, fixed_count)
+    solutions.finite[:] = _usable(records)
+    for i in np.flatnonzero(solutions.finite):
+        _solve_record(make, records[i], arms, int(i), solutions)
+    return solutions
 
 
 def _refuse(samples: int, fixed_count: int, arms: int) -> None:
@@ -134,7 +134,7 @@ def _solve_record(
     values: FloatArray,
     arms: int,
     row: int,
-    out: ManySolutions,
+    solutions: ManySolutions,
 ) -> None:
     """One record by the single solver; a record that it refuses stays without a solution."""
     try:
@@ -142,13 +142,13 @@ def _solve_record(
     except (FitError, np.linalg.LinAlgError):
         return
     n = solution.order
-    out.log_tau[row, :n] = solution.log_tau
-    out.arms[row, :n] = solution.arms[0]
-    out.fixed[row] = solution.fixed
-    out.sse[row] = solution.sse
-    out.order[row] = n
-    out.converged[row] = solution.converged
-    out.at_bound[row] = solution.at_bound.any()
+    solutions.log_tau[row, :n] = solution.log_tau
+    solutions.arms[row, :n] = solution.arms[0]
+    solutions.fixed[row] = solution.fixed
+    solutions.sse[row] = solution.sse
+    solutions.order[row] = n
+    solutions.converged[row] = solution.converged
+    solutions.at_bound[row] = solution.at_bound.any()
 
 
 def _solve_chunk(
@@ -156,33 +156,35 @@ def _solve_chunk(
     search: GridSearch,
     reduced: ReducedRecords,
     index: IndexArray,
-    out: ManySolutions,
+    solutions: ManySolutions,
 ) -> BoolArray:
     """Descend all records of a chunk; write the ones that leave no doubt, and say which."""
     gain = search.gains(reduced)
     point, converged = descend_together(family, *search.best(gain), reduced)
-    sure = converged & _is_interior_positive(family, point, reduced)
-    weak = np.flatnonzero(sure)
-    weak = weak[~_is_well_determined(family, point.take(weak), reduced.take(weak))]
-    if len(weak):
-        best, sure[weak] = _compare_peak_descents(
-            family, search, gain[:, weak], point.take(weak), reduced.take(weak)
+    is_certain = converged & _is_interior_positive(family, point, reduced)
+    weak_rows = np.flatnonzero(is_certain)
+    weak_rows = weak_rows[
+        ~_is_well_determined(family, point.take(weak_rows), reduced.take(weak_rows))
+    ]
+    if len(weak_rows):
+        best, is_certain[weak_rows] = _compare_peak_descents(
+            family, search, gain[:, weak_rows], point.take(weak_rows), reduced.take(weak_rows)
         )
-        point.put(weak, best)
+        point.put(weak_rows, best)
     q, (_, arms) = family.fixed_count, point.log_tau.shape
-    small = np.flatnonzero(sure & (point.sse < PLAIN * reduced.energy))
+    small = np.flatnonzero(is_certain & (point.sse < PLAIN * reduced.energy))
     if len(small):
         point.put(small, points_at(family, point.log_tau[small], reduced.take(small), exact=True))
     sse = reduced.floor + point.sse
-    rows = index[sure]
-    order = np.argsort(point.log_tau[sure], axis=1)
-    out.log_tau[rows] = np.take_along_axis(point.log_tau[sure], order, axis=1)
-    out.arms[rows] = np.take_along_axis(point.beta[sure, q:], order, axis=1)
-    out.fixed[rows] = point.beta[sure, :q]
-    out.sse[rows] = sse[sure]
-    out.order[rows] = arms
-    out.converged[rows] = True
-    return sure
+    rows = index[is_certain]
+    order = np.argsort(point.log_tau[is_certain], axis=1)
+    solutions.log_tau[rows] = np.take_along_axis(point.log_tau[is_certain], order, axis=1)
+    solutions.arms[rows] = np.take_along_axis(point.beta[is_certain, q:], order, axis=1)
+    solutions.fixed[rows] = point.beta[is_certain, :q]
+    solutions.sse[rows] = sse[is_certain]
+    solutions.order[rows] = arms
+    solutions.converged[rows] = True
+    return is_certain
 
 
 def _is_interior_positive(
@@ -200,16 +202,16 @@ def _is_interior_positive(
 def _is_well_determined(
     family: SharedSampling, point: StackTrial, reduced: ReducedRecords
 ) -> BoolArray:
-    """Which records know every relaxation time so well that no other optimum can be better."""
+    """Return a mask of records whose relaxation times exclude any better optimum."""
     count, arms = point.log_tau.shape
-    spare = family.template.samples - family.fixed_count - 2 * arms
-    if spare < 10:
+    dof = family.template.samples - family.fixed_count - 2 * arms
+    if dof < 10:
         return np.zeros(count, dtype=bool)
     curvature = point.curvature
     scale = np.maximum(np.diagonal(curvature, axis1=1, axis2=2), 1e-300)
     unit = curvature / np.sqrt(scale[:, :, None] * scale[:, None, :]) + 1e-14 * np.eye(arms)
     variance = np.diagonal(np.linalg.inv(unit), axis1=1, axis2=2) / scale
-    noise = (reduced.floor + point.sse) / spare
+    noise = (reduced.floor + point.sse) / dof
     value = (variance > 0) & (variance * noise[:, None] < MAX_LN_TAU_SD**2)
     return np.asarray(value.all(axis=1))
 
@@ -225,7 +227,9 @@ def _compare_peak_descents(
     proper = np.ones(len(trial.sse), dtype=bool)
     for start, started in search.peaks(gain, RIVALS):
         other, converged = descend_together(family, start, started, reduced)
-        better = np.flatnonzero(other.sse < trial.sse * (1 - 1e-10))
-        proper[better] = (converged & _is_interior_positive(family, other, reduced))[better]
-        trial.put(better, other.take(better))
+        better_rows = np.flatnonzero(other.sse < trial.sse * (1 - 1e-10))
+        proper[better_rows] = (converged & _is_interior_positive(family, other, reduced))[
+            better_rows
+        ]
+        trial.put(better_rows, other.take(better_rows))
     return trial, proper

@@ -38,19 +38,19 @@ def many_errors(
     solutions : ManySolutions
     """
     count, arms = solutions.arms.shape
-    few = max(1, len(time) // MEANS)
-    used = slice(-(-first // few), None)
-    clock, motion, forces = (block_means(values, few) for values in (time, x, records))
-    out = np.full((count, 1 + 2 * arms), np.nan)
+    block_length = max(1, len(time) // MEANS)
+    used_samples = slice(-(-first // block_length), None)
+    clock, motion, forces = (block_means(values, block_length) for values in (time, x, records))
+    errors = np.full((count, 1 + 2 * arms), np.nan)
     for order in range(arms + 1):
         rows = np.flatnonzero(solutions.order == order)
         columns = np.concatenate(([0], 1 + np.arange(order), 1 + arms + np.arange(order)))
         for start in range(0, len(rows), _AT_ONCE):
             part = rows[start : start + _AT_ONCE]
             jacobian, model = _model(clock, motion, solutions, part, order)
-            residual = (forces[part] - model)[:, used]
-            out[np.ix_(part, columns)] = _standard_errors(jacobian[:, :, used], residual)
-    return out
+            residual = (forces[part] - model)[:, used_samples]
+            errors[np.ix_(part, columns)] = _standard_errors(jacobian[:, :, used_samples], residual)
+    return errors
 
 
 def _model(
@@ -62,8 +62,8 @@ def _model(
     jacobian[:, 0] = x
     if not order:
         return jacobian, k_inf * x
-    both = arm_columns(time, x, np.exp(solutions.log_tau[rows, :order].ravel()))
-    q, slope = (part.T.reshape(len(rows), order, -1) for part in both)
+    columns_and_slopes = arm_columns(time, x, np.exp(solutions.log_tau[rows, :order].ravel()))
+    q, slope = (part.T.reshape(len(rows), order, -1) for part in columns_and_slopes)
     jacobian[:, 1 : 1 + order] = q
     np.multiply(k[:, :, None], slope, out=jacobian[:, 1 + order :])
     return jacobian, k_inf * x + (k[:, None] @ q)[:, 0]
@@ -78,11 +78,11 @@ def _standard_errors(jacobian: FloatArray, residual: FloatArray) -> FloatArray:
     information = jacobian @ jacobian.swapaxes(1, 2)
     length = np.sqrt(np.maximum(np.diagonal(information, axis1=1, axis2=2), 1e-300))
     values, vectors = np.linalg.eigh(information / (length[:, :, None] * length[:, None, :]))
-    certain = values > _SINGULAR * values[:, -1:]
+    is_determined = values > _SINGULAR * values[:, -1:]
     with np.errstate(divide="ignore"):
-        inverse = np.where(certain, 1 / np.maximum(values, 1e-300), np.inf)
+        inverse = np.where(is_determined, 1 / np.maximum(values, 1e-300), np.inf)
     # a direction without information leaves unknown what it touches, and no more
     shares = np.where(vectors**2 > _SINGULAR, vectors**2, 0.0)
     with np.errstate(invalid="ignore"):
-        spread = np.where(shares > 0, shares * inverse[:, None, :], 0.0).sum(axis=2)
-    return np.asarray(np.sqrt(spread * (power * n / max(n - parameters, 1))[:, None]) / length)
+        variances = np.where(shares > 0, shares * inverse[:, None, :], 0.0).sum(axis=2)
+    return np.asarray(np.sqrt(variances * (power * n / max(n - parameters, 1))[:, None]) / length)

@@ -196,28 +196,28 @@ class _SharedMotion(NamedTuple):
 
     def solve_records(self, records: FloatArray, arms: int) -> ManySolutions:
         """Fit every record, side by side where there are enough of them."""
-        provided = records[:, self.samples]
-        if self.family is None or len(provided) < _STACK:
-            return solve_separately(self.block, provided, arms, fixed_count=1)
-        return solve_many(self.family(), provided, arms)
+        values = records[:, self.samples]
+        if self.family is None or len(values) < _STACK:
+            return solve_separately(self.block, values, arms, fixed_count=1)
+        return solve_many(self.family(), values, arms)
 
 
 def _ideal(clock: FloatArray, ramp: tuple[float, float], *, method: str) -> _SharedMotion:
     depth, ramp_time = ramp
     if not (depth > 0 and ramp_time >= 0):
         raise DataError(f"ramp = {ramp!r}; expected (depth > 0 in m, ramp_time >= 0 in s)")
-    since = clock - clock[0]
-    x = depth * np.minimum(since / ramp_time, 1.0) if ramp_time else np.full(len(since), depth)
+    elapsed = clock - clock[0]
+    x = depth * np.minimum(elapsed / ramp_time, 1.0) if ramp_time else np.full(len(elapsed), depth)
     if method == "full" and ramp_time > 0:
         return _SharedMotion(
             x,
             0,
             slice(None),
-            partial(hold_block, since, depth=depth, ramp_time=ramp_time, ramp=True),
-            partial(hold_family, since, depth=depth, ramp_time=ramp_time, ramp=True),
+            partial(hold_block, elapsed, depth=depth, ramp_time=ramp_time, ramp=True),
+            partial(hold_family, elapsed, depth=depth, ramp_time=ramp_time, ramp=True),
         )
-    first = int(np.searchsorted(since, ramp_time))
-    hold_time = since[first:] - ramp_time
+    first = int(np.searchsorted(elapsed, ramp_time))
+    hold_time = elapsed[first:] - ramp_time
     return _SharedMotion(
         x,
         first,

@@ -26,15 +26,15 @@ class GridSearch:
         self.inverse: FloatArray | None = None
 
     def gains(self, reduced: ReducedRecords) -> FloatArray:
-        """What each set explains of each record, (sets, R); zero without positive coefficients."""
+        """Return the explained sum of squares by set and record, (sets, R); 0 if not positive."""
         gram, with_fixed, with_grid = self.family.moments(self.log_tau, reduced)
         q = self.family.fixed_count
-        across = np.linalg.solve(gram[:q, :q], gram[:q, q:])
-        swept = gram[q:, q:] - gram[q:, :q] @ across
-        length = np.sqrt(np.maximum(np.diagonal(swept), 1e-14 * np.diagonal(gram)[q:]))
-        moment = (with_grid - with_fixed @ across) / length
+        coefficients = np.linalg.solve(gram[:q, :q], gram[:q, q:])
+        unexplained = gram[q:, q:] - gram[q:, :q] @ coefficients
+        length = np.sqrt(np.maximum(np.diagonal(unexplained), 1e-14 * np.diagonal(gram)[q:]))
+        moment = (with_grid - with_fixed @ coefficients) / length
         if self.inverse is None:
-            cosine = swept / length / length[:, None]
+            cosine = unexplained / length / length[:, None]
             parts = cosine[self.sets[:, :, None], self.sets[:, None, :]]
             distinct = np.linalg.eigvalsh(parts)[:, 0] > 1e-7
             self.sets = self.sets[distinct]

@@ -73,16 +73,19 @@ class SharedSampling(ABC):
 
     @property
     def nonnegative(self) -> BoolArray:
-        """Which fixed coefficients are stiffnesses, shape (q,)."""
+        """Mask of the fixed coefficients that are stiffnesses, shape (q,)."""
         return stiffnesses(self.template.fixed_names)
 
     def reduce(self, values: FloatArray) -> ReducedRecords:
         """Reduce records, shape (R, M), a few at a time: they stay in the cache."""
-        few = max(1, AT_ONCE // values.shape[1])
-        parts = [self._reduce_records(values[i : i + few]) for i in range(0, len(values), few)]
-        data, floor, energy = zip(*parts, strict=True)
+        records_at_once = max(1, AT_ONCE // values.shape[1])
+        parts = [
+            self._reduce_records(values[i : i + records_at_once])
+            for i in range(0, len(values), records_at_once)
+        ]
+        data, remainder_sse, energy = zip(*parts, strict=True)
         stacked = tuple(np.concatenate(part) for part in zip(*data, strict=True))
-        return ReducedRecords(stacked, np.concatenate(floor), np.concatenate(energy))
+        return ReducedRecords(stacked, np.concatenate(remainder_sse), np.concatenate(energy))
 
     @abstractmethod
     def _reduce_records(self, values: FloatArray) -> ReducedRecords: ...
@@ -168,25 +171,25 @@ def column_space(template: DataBlock, at_nodes: Callable[[IndexArray], DataBlock
     """Return the space of a block's columns; `at_nodes` makes the block at some of its rows."""
     low, high = template.bounds
     log_tau = np.linspace(low, high, round(TIMES_PER_FOLD * (high - low)))
-    _, provided, columns, _ = template.evaluate(log_tau, False)
-    fixed = np.linalg.qr(provided)[0]
-    swept = columns - fixed @ (fixed.T @ columns)
-    u, s, _ = np.linalg.svd(swept / np.linalg.norm(columns, axis=0), full_matrices=False)
+    _, values, columns, _ = template.evaluate(log_tau, False)
+    fixed = np.linalg.qr(values)[0]
+    projected = columns - fixed @ (fixed.T @ columns)
+    u, s, _ = np.linalg.svd(projected / np.linalg.norm(columns, axis=0), full_matrices=False)
     # the last directions hold rounding along the fixed columns
-    basis, r = np.linalg.qr(np.concatenate((provided, u[:, s > RANK * s[0]]), axis=1))
-    nodes, q = _independent(basis), provided.shape[1]
+    basis, r = np.linalg.qr(np.concatenate((values, u[:, s > RANK * s[0]]), axis=1))
+    nodes, q = _independent(basis), values.shape[1]
     return ColumnSpace(basis, r[:q, :q], np.linalg.inv(basis[nodes]), at_nodes(nodes))
 
 
 def _independent(basis: FloatArray) -> IndexArray:
-    """As many rows as there are columns, each the farthest from the span of those before it."""
-    rest, chosen = basis.copy(), []
+    """Return as many row indices as columns, each farthest from the span of those before it."""
+    rest, indices = basis.copy(), []
     for _ in range(basis.shape[1]):
         square = np.vecdot(rest, rest)
-        chosen.append(int(np.argmax(square)))
-        unit = rest[chosen[-1]] / np.sqrt(square[chosen[-1]])
+        indices.append(int(np.argmax(square)))
+        unit = rest[indices[-1]] / np.sqrt(square[indices[-1]])
         rest -= np.outer(rest @ unit, unit)
-    return np.sort(np.array(chosen))
+    return np.sort(np.array(indices))
 
 
 def _make_compressed_family(
@@ -200,9 +203,9 @@ def _make_compressed_family(
     nodes = np.concatenate([plan.nodes + at for plan, at in zip(plans, origins, strict=False)])
     root = np.concatenate([plan.root_weight for plan in plans])
 
-    def make_node_block(chosen: IndexArray) -> DataBlock:
-        zeros = np.zeros(len(chosen))
-        return make(nodes[chosen], zeros, weights=root[chosen], compress=False)
+    def make_node_block(indices: IndexArray) -> DataBlock:
+        zeros = np.zeros(len(indices))
+        return make(nodes[indices], zeros, weights=root[indices], compress=False)
 
     block = partial(make, time)
     template = block(np.zeros(len(time)))
@@ -221,45 +224,45 @@ class CompressedFamily(SharedSampling):
     space: ColumnSpace
 
     def _reduce_records(self, values: FloatArray) -> ReducedRecords:
-        z, floor = project_values(self.plans, values)
+        z, remainder_sse = project_values(self.plans, values)
         at = z @ self.space.basis
         rest = z - at @ self.space.basis.T
-        along, extra = at[:, : self.fixed_count], at[:, self.fixed_count :]
+        fixed_part, extra = at[:, : self.fixed_count], at[:, self.fixed_count :]
         return ReducedRecords(
-            (along, extra), floor + np.vecdot(rest, rest), np.vecdot(extra, extra)
+            (fixed_part, extra), remainder_sse + np.vecdot(rest, rest), np.vecdot(extra, extra)
         )
 
     def factor(self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool) -> FloatArray:
         """Triangular factors, by a Gram matrix or `exact` by QR."""
-        along, extra = reduced.data
+        fixed_part, extra = reduced.data
         count, arms = log_tau.shape
         q, size = self.fixed_count, 2 * arms + 1
-        both = np.empty((count, size, q + extra.shape[1]))
+        stacked = np.empty((count, size, q + extra.shape[1]))
         _, _, columns, slopes = self.space.chosen.evaluate(log_tau.ravel())
-        both[:, :arms] = (columns.T @ self.space.inverse.T).reshape(count, arms, -1)
-        both[:, arms:-1] = (slopes.T @ self.space.inverse.T).reshape(count, arms, -1)
-        both[:, -1, :q], both[:, -1, q:] = along, extra
-        swept = both[:, :, q:]
-        out = np.zeros((count, q + size, q + size))
-        out[:, :q, :q] = self.space.triangle
-        out[:, :q, q:] = both[:, :, :q].transpose(0, 2, 1)
+        stacked[:, :arms] = (columns.T @ self.space.inverse.T).reshape(count, arms, -1)
+        stacked[:, arms:-1] = (slopes.T @ self.space.inverse.T).reshape(count, arms, -1)
+        stacked[:, -1, :q], stacked[:, -1, q:] = fixed_part, extra
+        projected = stacked[:, :, q:]
+        factors = np.zeros((count, q + size, q + size))
+        factors[:, :q, :q] = self.space.triangle
+        factors[:, :q, q:] = stacked[:, :, :q].transpose(0, 2, 1)
         if exact:
-            out[:, q:, q:] = np.linalg.qr(swept.transpose(0, 2, 1), mode="r")
+            factors[:, q:, q:] = np.linalg.qr(projected.transpose(0, 2, 1), mode="r")
         else:
-            out[:, q:, q:] = upper_factor(swept @ swept.transpose(0, 2, 1))
-        return out
+            factors[:, q:, q:] = upper_factor(projected @ projected.transpose(0, 2, 1))
+        return factors
 
     def moments(
         self, log_tau: FloatArray, reduced: ReducedRecords
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """In the space of the columns."""
+        """Return the moments in the space of the columns."""
         columns = self.space.inverse @ self.space.chosen.evaluate(log_tau, False).arms
         q = self.fixed_count
         fixed = np.zeros((len(columns), q))
         fixed[:q] = self.space.triangle
-        every = np.concatenate((fixed, columns), axis=1)
-        at = np.concatenate(reduced.data, axis=1) @ every
-        return every.T @ every, at[:, :q], at[:, q:]
+        all_columns = np.concatenate((fixed, columns), axis=1)
+        at = np.concatenate(reduced.data, axis=1) @ all_columns
+        return all_columns.T @ all_columns, at[:, :q], at[:, q:]
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,7 +285,7 @@ class RecordedFamily(SharedSampling):
     def moments(
         self, log_tau: FloatArray, reduced: ReducedRecords
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """By the correlations."""
+        """Return the moments from the correlations."""
         tau, force = np.exp(log_tau), Force(*reduced.data)
         first = Force(force.sequence[0], force.fixed[0], force.energy[0])
         gram = self.motion.gram(tau, first, derivative=False)[:-1, :-1]

@@ -57,31 +57,38 @@ def descend_together(
     for _ in range(limit):
         if not len(active):
             break
-        now = points.take(active)
-        trial = np.clip(now.log_tau + _steps(now, damping[active]), low, high)
-        step = trial - now.log_tau
-        change, fall = np.abs(step).max(axis=1), np.abs(np.vecdot(now.gradient, step))
-        sse = reduced.floor[active] + now.sse
-        over = (damping[active] < LINEAR) & has_converged(change, last[active], fall, sse)
-        over |= change <= FINISHED
-        before = now.sse
-        if over.any():
-            points.put(active[over], now.take(over).ahead(step[over]))
-            converged[active[over]] = True
-            active, trial, change, before = (x[~over] for x in (active, trial, change, before))
+        current = points.take(active)
+        trial = np.clip(current.log_tau + _steps(current, damping[active]), low, high)
+        step = trial - current.log_tau
+        change, expected_fall = np.abs(step).max(axis=1), np.abs(np.vecdot(current.gradient, step))
+        sse = reduced.floor[active] + current.sse
+        is_finished = (damping[active] < LINEAR) & has_converged(
+            change, last[active], expected_fall, sse
+        )
+        is_finished |= change <= FINISHED
+        before = current.sse
+        if is_finished.any():
+            points.put(active[is_finished], current.take(is_finished).ahead(step[is_finished]))
+            converged[active[is_finished]] = True
+            active, trial, change, before = (
+                x[~is_finished] for x in (active, trial, change, before)
+            )
         if not len(active):
             break
         new = points_at(family, trial, reduced.take(active))
-        tail, better = change < TAIL, is_step_acceptable(new.sse, before, change, rounding[active])
-        improved = active[better]
-        last[improved] = change[better]
-        points.put(improved, new.take(better))
-        damping[improved] = np.where(tail[better], 0.0, 0.1 * damping[improved])
-        stuck = ~better & tail & (damping[active] == 0.0)
-        converged[active[stuck]] = True
-        refused = active[~better]
-        damping[refused] = 10 * np.maximum(damping[refused], 1e-6)
-        active = active[~stuck & (damping[active] < 1e9)]
+        is_tail, is_better = (
+            change < TAIL,
+            is_step_acceptable(new.sse, before, change, rounding[active]),
+        )
+        improved = active[is_better]
+        last[improved] = change[is_better]
+        points.put(improved, new.take(is_better))
+        damping[improved] = np.where(is_tail[is_better], 0.0, 0.1 * damping[improved])
+        is_stuck = ~is_better & is_tail & (damping[active] == 0.0)
+        converged[active[is_stuck]] = True
+        refused_rows = active[~is_better]
+        damping[refused_rows] = 10 * np.maximum(damping[refused_rows], 1e-6)
+        active = active[~is_stuck & (damping[active] < 1e9)]
     return points, converged
 
 

@@ -130,19 +130,19 @@ def means_and_deviations(groups: Sequence[FloatArray]) -> tuple[Chart, Chart]:
     if len(groups) < 2 or sizes.max(initial=0) < 2:
         raise DataError("a chart of means wants two groups, of which one has two values or more")
     means = np.array([np.mean(group) for group in groups])
-    several = sizes > 1
+    has_several_values = sizes > 1
     c4 = np.array([_c4(int(n)) if n > 1 else np.nan for n in sizes])
     deviations = np.array([np.std(group, ddof=1) if len(group) > 1 else np.nan for group in groups])
-    spread = np.sqrt(1 - c4**2)
-    weights = (c4 / spread)[several] ** 2
-    sigma = float(np.sum(weights * (deviations / c4)[several]) / weights.sum())
+    deviation_factor = np.sqrt(1 - c4**2)
+    weights = (c4 / deviation_factor)[has_several_values] ** 2
+    sigma = float(np.sum(weights * (deviations / c4)[has_several_values]) / weights.sum())
     centre = float(np.sum(sizes * means) / sizes.sum())
-    low = sigma * np.maximum(c4 - 3 * spread, 0)
+    low = sigma * np.maximum(c4 - 3 * deviation_factor, 0)
     return (
         _chart("mean", means, centre, sigma / np.sqrt(sizes)),
         _make_scatter_chart(
-            "standard deviation", deviations, float(np.mean((sigma * c4)[several])),
-            low, sigma * (c4 + 3 * spread),
+            "standard deviation", deviations, float(np.mean((sigma * c4)[has_several_values])),
+            low, sigma * (c4 + 3 * deviation_factor),
         ),
     )  # fmt: skip
 
@@ -164,8 +164,8 @@ def _make_scatter_chart(
     """Return a chart of scatter, which knows no runs: its points are not normal."""
     rounding = _ROUNDING * abs(centre)
     with np.errstate(invalid="ignore"):
-        out = (values < lower - rounding) | (values > upper + rounding)
-    signals = tuple(Signal(int(i), BEYOND) for i in np.flatnonzero(out))
+        is_outside = (values < lower - rounding) | (values > upper + rounding)
+    signals = tuple(Signal(int(i), BEYOND) for i in np.flatnonzero(is_outside))
     return Chart(kind, values, centre, lower, upper, signals)
 
 

@@ -147,10 +147,10 @@ def gauge(
     if len(names) > 1:
         table = _extract_balanced_table(x, part, operator.reshape(-1), len(names))
         squares, p_value = _compute_crossed_squares(table)
-        count, used = table.shape[0], table.size
+        count, value_count = table.shape[0], table.size
     else:
-        squares, count, used = _compute_repeat_squares(x, part)
-    entries, ends = squares.solved(squares.square), _draw_variances(squares)
+        squares, count, value_count = _compute_repeat_squares(x, part)
+    entries, intervals = squares.solved(squares.square), _draw_variances(squares)
     tails = [(1 - level) / 2, (1 + level) / 2]
 
     def compute_interval(draws: FloatArray) -> tuple[float, float]:
@@ -161,9 +161,9 @@ def gauge(
         Variation(
             name,
             float(entries[name]) ** 0.5,
-            compute_interval(np.sqrt(ends[name])),
+            compute_interval(np.sqrt(intervals[name])),
             _ratio(entries[name], entries["total"]),
-            compute_interval(_ratios(ends[name], ends["total"])),
+            compute_interval(_ratios(intervals[name], intervals["total"])),
         )
         for name in entries
     )
@@ -171,11 +171,11 @@ def gauge(
     return Gauge(
         count,
         len(names),
-        used,
-        len(x) - used,
+        value_count,
+        len(x) - value_count,
         variations,
         categories,
-        compute_interval(DISTINCT * _ratios(ends["part"], ends["gauge"])),
+        compute_interval(DISTINCT * _ratios(intervals["part"], intervals["gauge"])),
         p_value,
     )
 
@@ -185,7 +185,7 @@ def _ratio(first: FloatArray, second: FloatArray) -> float:
 
 
 def _ratios(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Of deviations, from variances; 0 over 0 is 0."""
+    """Return ratios of deviations, from variances; 0 over 0 is 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(first == 0, 0.0, np.sqrt(first / second))
 
@@ -224,7 +224,7 @@ def _compute_repeat_squares(x: FloatArray, part: Labels) -> tuple[_Squares, int,
             "of which one was tested twice"
         )
     means = np.bincount(part, x) / size
-    within = float(np.sum((x - means[part]) ** 2)) / (len(x) - len(size))
+    repeat_variance = float(np.sum((x - means[part]) ** 2)) / (len(x) - len(size))
     ratio = float(1 / np.mean(1 / size))
 
     def solve_variances(square: FloatArray) -> _Variances:
@@ -233,7 +233,7 @@ def _compute_repeat_squares(x: FloatArray, part: Labels) -> tuple[_Squares, int,
 
     return (
         _Squares(
-            np.array([within, ratio * np.var(means, ddof=1)]),
+            np.array([repeat_variance, ratio * np.var(means, ddof=1)]),
             np.array([len(x) - len(size), len(size) - 1]),
             solve_variances,
         ),
@@ -259,33 +259,33 @@ def _compute_crossed_squares(table: FloatArray) -> tuple[_Squares, float]:
     square = sums / freedom
     p_value = float(f.sf(square[1] / square[0], freedom[1], freedom[0])) if square[0] > 0 else 0.0
     if p_value > POOLED:
-        both = sums[:2].sum() / freedom[:2].sum()
+        pooled_variance = sums[:2].sum() / freedom[:2].sum()
 
         def solve_pooled_variances(square: FloatArray) -> _Variances:
             error, operators, parts = square
-            inside = {"repeatability": error, "operator": (operators - error) / (p * r)}
-            return _add_variance_totals(inside, (parts - error) / (o * r))
+            variances = {"repeatability": error, "operator": (operators - error) / (p * r)}
+            return _add_variance_totals(variances, (parts - error) / (o * r))
 
-        values = np.array([both, *square[2:]])
+        values = np.array([pooled_variance, *square[2:]])
         return _Squares(
             values, np.array([freedom[:2].sum(), *freedom[2:]]), solve_pooled_variances
         ), p_value
 
     def solve_variances(square: FloatArray) -> _Variances:
         error, crossed, operators, parts = square
-        inside = {
+        variances = {
             "repeatability": error,
             "operator": (operators - crossed) / (p * r),
             "interaction": (crossed - error) / r,
         }
-        return _add_variance_totals(inside, (parts - crossed) / (o * r))
+        return _add_variance_totals(variances, (parts - crossed) / (o * r))
 
     return _Squares(square, freedom, solve_variances), p_value
 
 
-def _add_variance_totals(inside: _Variances, part: FloatArray) -> _Variances:
+def _add_variance_totals(variances: _Variances, part: FloatArray) -> _Variances:
     """Return the variances none of which is below 0, with those of the gauge and of all."""
-    entries = {name: np.maximum(values, 0.0) for name, values in inside.items()}
+    entries = {name: np.maximum(values, 0.0) for name, values in variances.items()}
     of_parts, of_gauge = np.maximum(part, 0.0), np.asarray(sum(entries.values()))
     return entries | {"gauge": of_gauge, "part": of_parts, "total": of_gauge + of_parts}
 

@@ -125,36 +125,41 @@ def _indices(
 ) -> tuple[_Index, _Index]:
     from scipy.stats import chi2
 
-    tail = (1 - level) / 2
+    tail_probability = (1 - level) / 2
     halves = [side / (3 * deviation) for side in (mean - lower, upper - mean)]
-    values = [half for half in halves if math.isfinite(half)]
-    low = min(_true_index(value, n, 1 - tail) for value in values)
-    high = min(_true_index(value, n, tail / len(values)) for value in values)
+    values = [half_width for half_width in halves if math.isfinite(half_width)]
+    low = min(_true_index(value, n, 1 - tail_probability) for value in values)
+    high = min(_true_index(value, n, tail_probability / len(values)) for value in values)
     of_cpk = min(values), (low, high)
     if len(values) < len(halves):
         return (None, None), of_cpk
     cp = (upper - lower) / (6 * deviation)
-    near, far = (cp * math.sqrt(float(chi2.ppf(p, n - 1)) / (n - 1)) for p in (tail, 1 - tail))
-    return (cp, (near, far)), of_cpk
+    lower_bound, upper_bound = (
+        cp * math.sqrt(float(chi2.ppf(p, n - 1)) / (n - 1))
+        for p in (tail_probability, 1 - tail_probability)
+    )
+    return (cp, (lower_bound, upper_bound)), of_cpk
 
 
-def _true_index(index: float, n: int, tail: float) -> float:
+def _true_index(index: float, n: int, tail_probability: float) -> float:
     """Return the true index under which n values give this one, or a smaller one, so rarely."""
     from scipy.special import nctdtrinc
     from scipy.stats import chi2
 
     if abs(index) > _MAX_EXACT_INDEX:
         share = chi2.isf if index > 0 else chi2.ppf
-        return index * math.sqrt(float(share(tail, n - 1)) / (n - 1))
+        return index * math.sqrt(float(share(tail_probability, n - 1)) / (n - 1))
     scale = 3 * math.sqrt(n)
-    return float(nctdtrinc(n - 1, tail, scale * index)) / scale
+    return float(nctdtrinc(n - 1, tail_probability, scale * index)) / scale
 
 
 def share_interval(count: int, total: int, level: float = 0.95) -> Ends:
     """Return the exact interval of a share of which `count` of so many were seen."""
     from scipy.stats import beta
 
-    tail = (1 - level) / 2
-    low = 0.0 if count == 0 else float(beta.ppf(tail, count, total - count + 1))
-    high = 1.0 if count == total else float(beta.ppf(1 - tail, count + 1, total - count))
+    tail_probability = (1 - level) / 2
+    low = 0.0 if count == 0 else float(beta.ppf(tail_probability, count, total - count + 1))
+    high = (
+        1.0 if count == total else float(beta.ppf(1 - tail_probability, count + 1, total - count))
+    )
     return low, high

@@ -90,12 +90,13 @@ def difference(first: FloatArray, second: FloatArray, *, level: float = 0.95) ->
         return Difference((n1, n2), (m1, m2), (s1, s2), value, (value, value), p_value, freedom,
                           0.0, abs(value))  # fmt: skip
     freedom = error**4 / (parts[0] ** 2 / (n1 - 1) + parts[1] ** 2 / (n2 - 1))
-    reach, inner = (
+    half_width, inner = (
         float(student.ppf(p, freedom)) * error for p in ((1 + level) / 2, 1 - SIGNIFICANCE)
     )
     p_value = float(2 * student.sf(abs(value) / error, freedom))
     return Difference(
-        (n1, n2), (m1, m2), (s1, s2), value, (value - reach, value + reach), p_value, freedom,
+        (n1, n2), (m1, m2), (s1, s2), value, (value - half_width, value + half_width), p_value,
+        freedom,
         error * _detectable(freedom), abs(value) + inner,
     )  # fmt: skip
 

@@ -28,7 +28,7 @@ _FEWEST = 6
 _OF_THREE = 2 / 3
 """Degrees of freedom of a value where each mean is of three."""
 SHORT_HOLD = 0.95
-"""Of the median hold."""
+"""Shortest hold, as a share of the median hold."""
 _PER_MAD = 1.482602218505602
 """Standard deviations of a normal distribution in its median absolute deviation."""
 
@@ -101,17 +101,19 @@ class _Stratum:
         if normal is None or normal >= NOT_NORMAL:
             from scipy.stats import chi2
 
-            tail = (1 - level) / 2
-            upper, lower = (chi2.ppf(p, self.freedom) for p in (1 - tail, tail))
+            tail_probability = (1 - level) / 2
+            upper, lower = (
+                chi2.ppf(p, self.freedom) for p in (1 - tail_probability, tail_probability)
+            )
             return float(self.freedom / upper), float(self.freedom / lower)
         d, count = self.away, len(self.away)
         z = NormalDist().inv_cdf((1 + level) / 2)
-        cut = int(count / (2 * np.sqrt(count - 4)))
-        middle = float(np.sort(d)[cut : count - cut].mean())
+        trimmed_count = int(count / (2 * np.sqrt(count - 4)))
+        middle = float(np.sort(d)[trimmed_count : count - trimmed_count].mean())
         kurtosis = count * float(np.sum((d - middle) ** 4)) / float(np.sum(d**2)) ** 2
         c = count / (count - z)
-        wide = z * c * np.sqrt(max(kurtosis - (count - 3) / count, 0.0) / self.freedom)
-        return float(c * np.exp(-wide)), float(c * np.exp(wide))
+        half_width = z * c * np.sqrt(max(kurtosis - (count - 3) / count, 0.0) / self.freedom)
+        return float(c * np.exp(-half_width)), float(c * np.exp(half_width))
 
 
 def components(
@@ -169,27 +171,27 @@ def _strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[
     """Mean squares of unweighted means: worked out from the innermost, outermost given first."""
     nested = [np.zeros(len(values), dtype=np.int64), *groups, np.arange(len(values))]
     counts = [int(row.max()) + 1 for row in nested]
-    means, inside = values, np.ones((1, len(values)))  # each row: what a variance adds to a mean
+    means, weights = values, np.ones((1, len(values)))  # each row: what a variance adds to a mean
     stratums: list[_Stratum] = []
     for depth in range(len(nested) - 1, 0, -1):
         freedom = counts[depth] - counts[depth - 1]
         if freedom < 1:
-            what = names[depth - 1]
+            group_name = names[depth - 1]
             raise DataError(
-                f"the scatter of each {what} cannot be found: there is no more than one {what} "
-                "of each kind; leave that grouping out, or test more"
+                f"the scatter of each {group_name} cannot be found: there is no more than one "
+                f"{group_name} of each kind; leave that grouping out, or test more"
             )
         parent = np.zeros(counts[depth], dtype=np.int64)
         parent[nested[depth]] = nested[depth - 1]
         size = np.bincount(parent)
-        above = np.bincount(parent, means) / size
-        away = means - above[parent]
-        square = float(np.sum(away**2)) / freedom
-        expects = inside @ (1 - 1 / size)[parent] / freedom
-        stratums.insert(0, _Stratum(names[depth - 1], square, freedom, tuple(expects), away))
-        means = above
-        inside = np.array([np.bincount(parent, row) / size**2 for row in inside])
-        inside = np.vstack([np.ones(len(above)), inside])
+        parent_means = np.bincount(parent, means) / size
+        deviations = means - parent_means[parent]
+        square = float(np.sum(deviations**2)) / freedom
+        expects = weights @ (1 - 1 / size)[parent] / freedom
+        stratums.insert(0, _Stratum(names[depth - 1], square, freedom, tuple(expects), deviations))
+        means = parent_means
+        weights = np.array([np.bincount(parent, row) / size**2 for row in weights])
+        weights = np.vstack([np.ones(len(parent_means)), weights])
     return stratums
 
 
@@ -197,51 +199,58 @@ def _estimates(strata: list[_Stratum], level: float) -> list[Component]:
     """Solve the expectations from the innermost out."""
     components: list[Component] = []
     estimates: list[float] = []  # of the levels inside, as they came out
-    for place in range(len(strata) - 1, -1, -1):
-        stratum = strata[place]
-        value, *inside = stratum.expects
-        below = sum(c * v for c, v in zip(inside, estimates, strict=True))
-        variance = (stratum.square - below) / value
-        if place == len(strata) - 1:
+    for index in range(len(strata) - 1, -1, -1):
+        stratum = strata[index]
+        value, *inner_coefficients = stratum.expects
+        inner_sum = sum(c * v for c, v in zip(inner_coefficients, estimates, strict=True))
+        variance = (stratum.square - inner_sum) / value
+        if index == len(strata) - 1:
             low, high = stratum.limits(level)
-            ends = low * stratum.square, high * stratum.square
+            interval = low * stratum.square, high * stratum.square
         else:
-            ends = _compute_difference_limits(stratum, strata[place + 1], below, value, level)
-        pair = max(variance, 0.0), ends, stratum.freedom, 0.0, stratum.normal()
+            interval = _compute_difference_limits(
+                stratum, strata[index + 1], inner_sum, value, level
+            )
+        pair = max(variance, 0.0), interval, stratum.freedom, 0.0, stratum.normal()
         components.insert(0, Component(stratum.source, *pair))
         estimates.insert(0, variance)
     return components
 
 
 def _compute_difference_limits(
-    outer: _Stratum, inner: _Stratum, below: float, value: float, level: float
+    outer: _Stratum, inner: _Stratum, inner_sum: float, value: float, level: float
 ) -> tuple[float, float]:
     """Modified large-sample limits of (outer mean square - below) / own."""
     from scipy.stats import f
 
-    tail, n1, n2 = (1 - level) / 2, outer.freedom, inner.freedom
-    m2 = max(below, 0.0) / value
+    tail_probability, n1, n2 = (1 - level) / 2, outer.freedom, inner.freedom
+    m2 = max(inner_sum, 0.0) / value
     # an estimate below 0 is known no better than one of 0
     m1 = max(outer.square / value, m2)
     (low1, high1), (low2, high2) = outer.limits(level), inner.limits(level)
     g1, h1, g2, h2 = 1 - low1, high1 - 1, 1 - low2, high2 - 1
-    high, low = f.ppf(1 - tail, n1, n2), f.ppf(tail, n1, n2)
+    high, low = f.ppf(1 - tail_probability, n1, n2), f.ppf(tail_probability, n1, n2)
     g12 = ((high - 1) ** 2 - (g1 * high) ** 2 - h2**2) / high
     h12 = ((1 - low) ** 2 - (h1 * low) ** 2 - g2**2) / low
-    under = (g1 * m1) ** 2 + (h2 * m2) ** 2 + g12 * m1 * m2
-    over = (h1 * m1) ** 2 + (g2 * m2) ** 2 + h12 * m1 * m2
+    lower_square = (g1 * m1) ** 2 + (h2 * m2) ** 2 + g12 * m1 * m2
+    upper_square = (h1 * m1) ** 2 + (g2 * m2) ** 2 + h12 * m1 * m2
     middle = m1 - m2
-    lower, upper = middle - np.sqrt(max(under, 0.0)), middle + np.sqrt(max(over, 0.0))
+    lower, upper = (
+        middle - np.sqrt(max(lower_square, 0.0)),
+        middle + np.sqrt(max(upper_square, 0.0)),
+    )
     return max(float(lower), 0.0), max(float(upper), 0.0)
 
 
-def _split(within: Component, fit: float) -> tuple[Component, Component]:
+def _split(component: Component, fit: float) -> tuple[Component, Component]:
     """Return what repeats scatter beyond what their fits know, and that."""
-    assert within.interval is not None  # noqa: S101
-    low, high = (max(end - fit, 0.0) for end in within.interval)
-    remainder = max(within.variance - fit, 0.0)
+    assert component.interval is not None  # noqa: S101
+    low, high = (max(end - fit, 0.0) for end in component.interval)
+    remainder = max(component.variance - fit, 0.0)
     return (
-        Component(within.source, remainder, (low, high), within.freedom, 0.0, within.normal),
+        Component(
+            component.source, remainder, (low, high), component.freedom, 0.0, component.normal
+        ),
         Component("fit", fit, None, None),
     )
 
@@ -251,10 +260,10 @@ def robust_distance(values: FloatArray) -> FloatArray:
 
     Infinite where more than half of the values are one and this is another.
     """
-    away = np.asarray(values, dtype=float) - np.median(values)
-    scale = _PER_MAD * np.median(np.abs(away))
+    deviations = np.asarray(values, dtype=float) - np.median(values)
+    scale = _PER_MAD * np.median(np.abs(deviations))
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(away == 0, 0.0, away / scale)
+        return np.where(deviations == 0, 0.0, deviations / scale)
 
 
 def stands_out(values: FloatArray) -> FloatArray:
@@ -263,8 +272,8 @@ def stands_out(values: FloatArray) -> FloatArray:
     The limit is 3.5 for many values, and for few the quantile of Student's t that is as rare: the
     deviation is then known badly, and 3.5 would accuse one of 20 of five good values.
     """
-    away = robust_distance(values)
-    return np.where(np.abs(away) > _limit(len(away)), away, 0.0)
+    distances = robust_distance(values)
+    return np.where(np.abs(distances) > _limit(len(distances)), distances, 0.0)
 
 
 @cache

@@ -47,14 +47,17 @@ def load_begins_at_rest(test: LoadHold) -> Finding:
     before = int(np.searchsorted(test.time, test.onset))
     count = f"{before} sample{'s' * (before != 1)}"
     zero = f"{before} samples before the load give the zero of the displacement"
-    third = before // 3
+    third_length = before // 3
     # under a load that is on record the part may move
     unloaded = before and float(np.ptp(test.load[:before])) < MAX_PRELOAD * test.level
     if before >= MIN_BASELINE and unloaded:
-        first, last = test.displacement[:third], test.displacement[before - third : before]
+        first, last = (
+            test.displacement[:third_length],
+            test.displacement[before - third_length : before],
+        )
         travel = float(np.ptp(test.displacement))
         ratio = abs(median(last) - median(first)) / travel
-        chance = 4 * test.displacement_noise * np.sqrt(2 / third)
+        chance = 4 * test.displacement_noise * np.sqrt(2 / third_length)
         return Finding(
             f"{zero}, and move by {100 * ratio:.2g} % of the travel",
             float(before),
@@ -81,9 +84,9 @@ def displacement_samples_not_repeated(test: LoadHold, displacement: FloatArray) 
     same samples as it stands in the file.
     """
     x, time = displacement[test.hold], test.time[test.hold]
-    turn = 1.0 if (x - x.mean()) @ test.displacement[test.hold] >= 0 else -1.0
+    sign = 1.0 if (x - x.mean()) @ test.displacement[test.hold] >= 0 else -1.0
     # what creeps rises; it is turned, for what relaxes falls
-    runs = find_stuck_runs(-turn * x, since=time - test.ramp_end)
+    runs = find_stuck_runs(-sign * x, time_since_ramp=time - test.ramp_end)
     if not len(runs):
         return Finding("The displacement stands at no value while it should scatter or change", 0.0)
     first, last = runs[np.argmax(np.diff(runs)[:, 0])]
@@ -101,8 +104,8 @@ def displacement_samples_not_repeated(test: LoadHold, displacement: FloatArray) 
 def load_held(test: LoadHold) -> Finding:
     """The load is constant during the hold, or the fit follows it."""
     held_load = test.load[test.hold]
-    settled = held_load[len(held_load) // 10 :]
-    change = float(np.ptp(settled)) / test.level
+    settled_load = held_load[len(held_load) // 10 :]
+    change = float(np.ptp(settled_load)) / test.level
     return Finding(
         f"The load changes by {100 * change:.2g} % while it is held",
         change,
@@ -115,8 +118,8 @@ def load_held(test: LoadHold) -> Finding:
 @criterion("last third / first third", ">=", 0.8, "our choice: scatter", grade="stop")
 def compliance_rises(compliance: FloatArray) -> Finding:
     """The creep compliance rises with time."""
-    third = max(len(compliance) // 3, 1)
-    first, last = float(compliance[:third].mean()), float(compliance[-third:].mean())
+    third_length = max(len(compliance) // 3, 1)
+    first, last = float(compliance[:third_length].mean()), float(compliance[-third_length:].mean())
     return Finding(
         "The compliance rises with time",
         last / first if first > 0 else None,
@@ -187,15 +190,15 @@ def flow_exceeds_slow_retardation(creep: CreepSpectrum, hold: float) -> Finding:
 
 
 @criterion("drift / usual drift of a channel", "<=", DRIFTS, "our choice; two standard deviations")
-def drift_distinguished_from_flow(drift: float, usual: float, *, reported: bool) -> Finding:
+def drift_distinguished_from_flow(drift: float, usual_drift: float, *, reported: bool) -> Finding:
     """The fitted drift of the displacement is too small to be flow of the part.
 
     Both in m/s; `reported` if the samples before the load show the drift.
     """
     return Finding(
-        f"The displacement drifts {drift / usual:.2g} times as far as load cell and encoder "
+        f"The displacement drifts {drift / usual_drift:.2g} times as far as load cell and encoder "
         "usually do",
-        abs(drift) / usual,
+        abs(drift) / usual_drift,
         "A part that flows slowly, or is not at rest yet, looks the same; k_inf is then too high",
         "Record longer before the load.",
         always_passes=reported,
@@ -210,13 +213,13 @@ def displacement_residual_small(test: LoadHold, residual: FloatArray) -> Finding
 
     `residual` is of the last samples of the record.
     """
-    misfit, where = _find_worst_part(test, residual)
+    misfit, location_text = _find_worst_part(test, residual)
     travel = float(np.ptp(test.displacement))
     noise = max(test.displacement_noise, FINE_ENOUGH * travel)
     ratio = misfit / noise if noise > 0 else 1.0
     return Finding(
         f"The model misses the displacement by {100 * misfit / travel:.2g} % of the travel rms "
-        f"{where}; {100 * noise / travel:.2g} % would be noise",
+        f"{location_text}; {100 * noise / travel:.2g} % would be noise",
         ratio,
         "Stiffening, slip, lost contact or another temperature may cause this. The arms mean "
         "nothing then",
@@ -226,11 +229,11 @@ def displacement_residual_small(test: LoadHold, residual: FloatArray) -> Finding
 
 
 @criterion("rms error of the fit", "<=", MAX_MISFIT)
-def compliance_residual_small(missed: float, arms: int) -> Finding:
+def compliance_residual_small(relative_misfit: float, arms: int) -> Finding:
     """The model fits the creep compliance."""
     return Finding(
-        f"{format_arm_count(arms)} leave {100 * missed:.2g} % rms of the compliance",
-        missed,
+        f"{format_arm_count(arms)} leave {100 * relative_misfit:.2g} % rms of the compliance",
+        relative_misfit,
         "They do not follow the curve",
         Remedy("Cut off where the instrument's inertia oscillates, or use more arms.", "arms"),
     )
@@ -242,28 +245,28 @@ def compliance_residual_small(missed: float, arms: int) -> Finding:
     MAX_NONLINEARITY,
     "our choice; or less than 3 standard errors",
 )
-def levels_agree(departure: float | None, error: float | None) -> Finding:
+def levels_agree(compliance_difference: float | None, error: float | None) -> Finding:
     """The displacement is proportional to the load: the part is linear."""
-    if departure is None or error is None:
+    if compliance_difference is None or error is None:
         return Finding("The record has one load, so proportion is not checked")
     return Finding(
         f"At the highest load the displacement departs from proportion by "
-        f"{100 * departure:+.2g} % ± {100 * error:.2g} %",
-        abs(departure),
+        f"{100 * compliance_difference:+.2g} % ± {100 * error:.2g} %",
+        abs(compliance_difference),
         "One linear model is not valid for all loads",
         "Fit the loads one by one.",
-        always_passes=abs(departure) <= SIGNIFICANT_SE * error,
+        always_passes=abs(compliance_difference) <= SIGNIFICANT_SE * error,
     )
 
 
 def _find_worst_part(test: LoadHold, residual: FloatArray) -> tuple[float, str]:
     """The largest rms of load ramp, what follows it, hold and recovery; and where, in words."""
     time = test.time[-len(residual) :]
-    settled = test.ramp_end + test.ramp_time
+    settled_time = test.ramp_end + test.ramp_time
     parts = (
         ("while the load rises", (time > test.onset) & (time <= test.ramp_end)),
-        ("right after it", (time > test.ramp_end) & (time <= settled)),
-        ("in the hold", (time > settled) & (time <= test.hold_end)),
+        ("right after it", (time > test.ramp_end) & (time <= settled_time)),
+        ("in the hold", (time > settled_time) & (time <= test.hold_end)),
         ("after the hold", time > test.hold_end),
     )
     return largest_rms(residual, parts)

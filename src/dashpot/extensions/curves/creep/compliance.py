@@ -73,21 +73,23 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
         )
         remainder = remainder + drift * (record.time - record.time[0])
     remainder = remainder[record.hold] / record.level
-    since = record.time[record.hold] - (record.onset + record.ramp_end) / 2
-    shortest = max(_OF_THE_RAMP * record.ramp_time, _MIN_SAMPLES * float(np.median(np.diff(since))))
-    ends = np.arange(np.log10(shortest), np.log10(since[-1]) + 1e-9, 1 / _PER_DECADE)
-    which = np.digitize(np.log10(np.maximum(since, shortest / 10)), ends)
-    counts = np.bincount(which, minlength=len(ends) + 1)
-    full = np.flatnonzero(counts >= _MIN_SAMPLES)
-    full = full[full > 0]
-    if len(full) < _FEWEST:
+    time_since_ramp = record.time[record.hold] - (record.onset + record.ramp_end) / 2
+    shortest = max(
+        _OF_THE_RAMP * record.ramp_time, _MIN_SAMPLES * float(np.median(np.diff(time_since_ramp)))
+    )
+    bin_edges = np.arange(np.log10(shortest), np.log10(time_since_ramp[-1]) + 1e-9, 1 / _PER_DECADE)
+    bin_index = np.digitize(np.log10(np.maximum(time_since_ramp, shortest / 10)), bin_edges)
+    counts = np.bincount(bin_index, minlength=len(bin_edges) + 1)
+    filled_bins = np.flatnonzero(counts >= _MIN_SAMPLES)
+    filled_bins = filled_bins[filled_bins > 0]
+    if len(filled_bins) < _FEWEST:
         raise FitError(
             f"the hold of {record.hold_time:.3g} s after a ramp of {record.ramp_time:.3g} s gives "
-            f"{len(full)} values of a compliance; expected at least {_FEWEST}: hold longer"
+            f"{len(filled_bins)} values of a compliance; expected at least {_FEWEST}: hold longer"
         )
     time, mean = (
-        np.bincount(which, values, minlength=len(counts))[full] / counts[full]
-        for values in (since, remainder)
+        np.bincount(bin_index, values, minlength=len(counts))[filled_bins] / counts[filled_bins]
+        for values in (time_since_ramp, remainder)
     )
     return CreepCompliance(
         time,

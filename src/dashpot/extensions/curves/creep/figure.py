@@ -38,35 +38,36 @@ def creep(fit: Fit, data: LoadHold | CreepCompliance, *, stamp: str = "") -> Pic
 
 
 def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
-    since = data.time - data.onset
+    time_since_onset = data.time - data.onset
     first = max(float(np.diff(data.time).min()), 1e-3 * data.hold_time)
-    shown = since >= first
-    t, measured, stated = (
-        since[shown],
-        data.displacement[shown],
-        fitted_displacement(fit, data)[shown],
+    is_shown = time_since_onset >= first
+    t, measured, fitted_values = (
+        time_since_onset[is_shown],
+        data.displacement[is_shown],
+        fitted_displacement(fit, data)[is_shown],
     )
     if data.unit == "N/m":
         word, scale = unit_of(measured, "m")
         label = f"displacement, {word}"
     else:
         scale, label = 100.0, "strain, %"
-    across = Scale(SINCE, (first, float(t[-1])), log=True)
+    horizontal = Scale(SINCE, (first, float(t[-1])), log=True)
 
     def line(values: FloatArray) -> tuple[FloatArray, FloatArray]:
         return downsample_to_extremes(t, scale * values, bins=350, log=True)
 
     upper = Panel(
-        across, Scale(label, compute_padded_limits(scale * measured)),
-        (Line(*line(stated), FIT_BAND, "fit"), Line(*line(measured), DATA_ON_FIT, "measured")),
+        horizontal, Scale(label, compute_padded_limits(scale * measured)),
+        (Line(*line(fitted_values), FIT_BAND, "fit"), Line(*line(measured), DATA_ON_FIT,
+        "measured")),
         height=240,
     )  # fmt: skip
-    residual = measured - stated
+    residual = measured - fitted_values
     word, small = unit_of(residual, "m") if data.unit == "N/m" else ("%", 100.0)
     x, y = downsample_to_extremes(t, small * residual, bins=350, log=True)
     rms = round_to_error(small * fit.estimate.residual.rms)
     lower = Panel(
-        across, Scale(f"residual, {word}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
+        horizontal, Scale(f"residual, {word}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), Line(x, y, FIT)),
         height=90, note=f"rms {rms} {word}",
     )  # fmt: skip

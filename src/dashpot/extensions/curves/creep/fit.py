@@ -168,16 +168,16 @@ def _align_load(record: LoadHold, options: FitOptions) -> tuple[LoadHold, Retard
     by half of the next power, which looks like a fast retardation. So the load is moved by what
     was found, until hardly any delay is left, by Gauss-Newton.
     """
-    most = _MAX_SHIFT_SD * build_delay_prior(record).sd
+    max_shift = _MAX_SHIFT_SD * build_delay_prior(record).sd
     retardation = _fit_recorded_load(record, options)
     for _ in range(_MAX_SHIFTS):
         delay = retardation.solution.coefficient("delay")
-        if abs(delay) <= _IN_STEP * record.step or abs(record.lead + delay) > most:
+        if abs(delay) <= _IN_STEP * record.step or abs(record.lead + delay) > max_shift:
             break
-        earlier = record.with_load_earlier(delay)
-        if earlier is record:
+        shifted_record = record.with_load_earlier(delay)
+        if shifted_record is record:
             break
-        record = earlier
+        record = shifted_record
         retardation = _fit_recorded_load(record, options)
     return record, retardation
 
@@ -221,8 +221,8 @@ def _data(record: LoadHold, *, flows: bool) -> FitData:
     )
     block = block.with_column("delay", _velocity(block, rough, time[window]))
     # what is faster than the load is known answers its noise
-    fast, slow = block.window
-    block = replace(block, window=(max(fast, _RESOLVED * record.resolution), slow))
+    shortest, longest = block.window
+    block = replace(block, window=(max(shortest, _RESOLVED * record.resolution), longest))
     return FitData(
         [block], [block.exact], in_time=True,
         bind=partial(_limit_parameters, block, baseline),
@@ -230,7 +230,7 @@ def _data(record: LoadHold, *, flows: bool) -> FitData:
 
 
 class _PreloadBaseline(NamedTuple):
-    """What the samples before the load say, SI units; the first sample that the fit may use."""
+    """Samples before the load, SI units, and the first sample that the fit may use."""
 
     offset: Prior
     at: float
@@ -243,7 +243,7 @@ class _PreloadBaseline(NamedTuple):
 
     @property
     def terms(self) -> NuisanceTerms:
-        """Of the columns, which count from the first sample."""
+        """Return the nuisance terms of the columns, which count from the first sample."""
         priors = {"offset": self.offset, "drift": self.drift, "delay": self.delay}
         return NuisanceTerms(priors, -self.at, self.least)
 
@@ -266,9 +266,9 @@ def estimate_preload_baseline(record: LoadHold, *, for_limits: bool = False) -> 
     count = quantum(x)
     noise = max(record.displacement_noise, OF_A_COUNT * count)
     # load cell and displacement both drift
-    both, duration = float(np.sqrt(2)) * travel, float(record.time[-1] - record.onset)
+    max_travel, duration = float(np.sqrt(2)) * travel, float(record.time[-1] - record.onset)
     unmeasured = noise if for_limits else None
-    default_drift = Machine().drift_sd(both, duration, unmeasured)
+    default_drift = Machine().drift_sd(max_travel, duration, unmeasured)
     slope = Prior(0.0, np.inf)
     if first >= _FEWEST:
         offset, at, slope = estimate_channel_zero(
@@ -279,9 +279,9 @@ def estimate_preload_baseline(record: LoadHold, *, for_limits: bool = False) -> 
         slope = Prior(slope.mean, max(slope.sd, count / float(time[first - 1])))
     else:
         # under load from the first sample on, the channel's own zero is all there is
-        loaded = abs(record.load[0]) > 0.5 * record.level
-        offset, at, first = Prior(0.0 if loaded else float(x[0]), noise), 0.0, 0
-    drift = Prior(*Machine().combine_drift(slope, both, duration, unmeasured))
+        is_preloaded = abs(record.load[0]) > 0.5 * record.level
+        offset, at, first = Prior(0.0 if is_preloaded else float(x[0]), noise), 0.0, 0
+    drift = Prior(*Machine().combine_drift(slope, max_travel, duration, unmeasured))
     # of the load that was moved already, what is left
     delay = Prior(-record.lead, delay_prior.sd)
     return _PreloadBaseline(
@@ -322,22 +322,24 @@ def _better(selections: Sequence[SelectedModel]) -> Retarded:
     effective = min(selection.estimate.effective for selection in selections)
     scores = []
     for model in selections:
-        floor = model.solution.samples * rounding_rms(model.data.peak) ** 2
+        rounding_sse = model.solution.samples * rounding_rms(model.data.peak) ** 2
         checked = bic(
             model.solution.sse,
             effective=effective,
             parameters=len(model.estimate.names),
-            floor=floor,
+            rounding_sse=rounding_sse,
         )
         scores.append(checked if _flow_stands_out(model) else np.inf)
     best = int(np.argmin(scores))
-    others = [score for i, score in enumerate(scores) if i != best]
-    alternative = others[0] - scores[best] if others else None
+    other_scores = [score for i, score in enumerate(scores) if i != best]
+    alternative = other_scores[0] - scores[best] if other_scores else None
     model = selections[best]
     choice = model.choice
     if choice is not None and FLOW in model.solution.fixed_names:  # a flow makes one more arm
-        more = (choice.arms + 1, choice.by_bic + 1, choice.by_significance + 1)
-        choice = choice._replace(arms=more[0], by_bic=more[1], by_significance=more[2])
+        arm_numbers = (choice.arms + 1, choice.by_bic + 1, choice.by_significance + 1)
+        choice = choice._replace(
+            arms=arm_numbers[0], by_bic=arm_numbers[1], by_significance=arm_numbers[2]
+        )
     return Retarded(
         model.data, model.estimate, model.scores, choice, model.requested_arms, alternative
     )
@@ -425,9 +427,10 @@ def _make_lead_steps(record: LoadHold) -> tuple[Step, ...]:
     """Return what was done to the load."""
     if not record.lead:
         return ()
-    way = "earlier" if record.lead > 0 else "later"
+    direction = "earlier" if record.lead > 0 else "later"
     message = (
-        f"took the load {format_quantity(abs(record.lead), 'ms', '.3g')} {way}, as it is answered"
+        f"took the load {format_quantity(abs(record.lead), 'ms', '.3g')} {direction}, as it "
+        "is answered"
     )
     return (Step("lead", (("lead_s", f"{record.lead:.6g}"),), message),)
 
@@ -462,11 +465,11 @@ def _stand_out(selection: SelectedModel, estimate: SolutionEstimate) -> bool:
         np.array([function(f"ln_tau_{i}") for i in numbers]),
     ):
         return False
-    made = Retarded(
+    retarded_model = Retarded(
         selection.data, estimate, selection.scores, selection.choice, selection.requested_arms
     )
-    arms, error = made.model.arms, made.every_error[1:]
-    return significant(np.array(made.model.k), error[:arms], error[arms:])
+    arms, error = retarded_model.model.arms, retarded_model.every_error[1:]
+    return significant(np.array(retarded_model.model.k), error[:arms], error[arms:])
 
 
 def _checks(
@@ -521,7 +524,7 @@ def _plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) -> l
 def _end_of_test(
     record: LoadHold, retardation: Retarded, band: tuple[float, float]
 ) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
-    """What the record leaves open when its hold ends, and where in a band it knows the solid.
+    """Return the limits at the end of the hold, and the valid band of the solid.
 
     Its rig drifts as one that is not described may, and gives under the load.
     """
@@ -535,9 +538,10 @@ def _end_of_test(
         give = Machine().give_sd(float(np.ptp(record.displacement)), record.level)
         terms = terms.add_terms(**{GLASS: Prior(0.0, give / record.level)})
     power = max(noise_power(residual), block.rounding_floor)
-    worth = len(residual) * float(np.mean(residual**2)) / power
+    effective_samples = len(residual) * float(np.mean(residual**2)) / power
     data = CurveData(
-        block.scale_rows(1 / float(np.sqrt(power))), block.window, worth - len(block.fixed_names),
+        block.scale_rows(1 / float(np.sqrt(power))), block.window,
+        effective_samples - len(block.fixed_names),
         terms=terms,
     )  # fmt: skip
     lam = retardation.spectrum.lam
@@ -551,7 +555,7 @@ def _end_and_band(
     lam: Sequence[float],
     band: tuple[float, float],
 ) -> tuple[EndOfHold, tuple[float, float], BandError | None]:
-    """What retardations leave open at the end of some data, and where in a band they are known."""
+    """Return the limits at the end of some data, and the valid band of their retardations."""
     spectra = spectra_of_curve(data, time=time, extra=lam)
     end = end_of_curve(data, "creep", time=time, model=model, extra=lam, spectra=spectra)
     return end, *band_of_curve(spectra, model, band, creep=True)
@@ -559,10 +563,10 @@ def _end_and_band(
 
 def _departure(record: LoadHold, retardation: Retarded) -> tuple[float | None, float | None]:
     """Return how far the answer departs from proportion at its largest, and the standard error."""
-    holds = [
+    hold_segments = [
         segment for segment in find_segments(record.time, record.load) if segment.kind == "hold"
     ]
-    levels = np.array([hold.level for hold in holds if hold.first > 0 or hold.level > 0])
+    levels = np.array([hold.level for hold in hold_segments if hold.first > 0 or hold.level > 0])
     differences = levels[levels > _LEVEL_DISTANCE * record.level]
     if not len(differences) or float(np.ptp(differences)) < _LEVEL_DISTANCE * float(
         differences.max()
@@ -586,11 +590,11 @@ def _departure(record: LoadHold, retardation: Retarded) -> tuple[float | None, f
     return solution.coefficient("bend"), estimate.standard_error("bend")
 
 
-def _step(result: Retarded, to: str, arms: int | Literal["auto"]) -> Step:
+def _step(result: Retarded, limit_text: str, arms: int | Literal["auto"]) -> Step:
     count = len(result.spectrum.d)
     flow = " and a flow" if result.flows else ""
     message = (
-        f"fitted {count} retardation{'s' * (count != 1)}{flow} to {to}; the model, with "
+        f"fitted {count} retardation{'s' * (count != 1)}{flow} to {limit_text}; the model, with "
         f"{result.model.arms} arm{'s' * (result.model.arms != 1)}, is their exact interconversion"
     )
     return Step("fit_creep", (("arms", str(arms)),), message)
@@ -605,26 +609,28 @@ def _fit_curve(
     options: FitOptions,
 ) -> Fit:
     """Return the fit of a compliance after a unit step, relative to what is expected of it."""
-    later = curve.time > 0
-    t, values = curve.time[later], curve.compliance[later]
+    is_positive_time = curve.time > 0
+    t, values = curve.time[is_positive_time], curve.compliance[is_positive_time]
     rises = checks.compliance_rises(values)
     if rises.failed:
         raise DataError(
             f"this is no creep compliance: {decapitalise_sentence(rises.message_with_remedy)}"
         )
-    bad = np.flatnonzero(values <= 0)
-    if bad.size:
-        i = int(bad[0])
+    bad_indices = np.flatnonzero(values <= 0)
+    if bad_indices.size:
+        i = int(bad_indices[0])
         raise DataError(
             f"the compliance at {t[i]:g} s is {values[i]:g}; expected values > 0: leave out what "
             "came before the load was there"
         )
-    most = validate_arm_count(options.arms, options.max_arms)
+    max_arm_count = validate_arm_count(options.arms, options.max_arms)
     window = ((float(t[min(1, len(t) - 1)]) - float(t[0])) / 3, float(t[-1]))
     if not window[0] > 0:
         raise FitError(f"{len(t)} values of a compliance after the step; expected at least 4")
     weight = 1 / values
-    first = solve([_curve_block(t, values, weight, window, flows=True)], min(most, len(t) // 3))
+    first = solve(
+        [_curve_block(t, values, weight, window, flows=True)], min(max_arm_count, len(t) // 3)
+    )
     expected = spectrum_of(first).compliance(t)
     # the size of noisy data is a biased weight: low values would count most
     weight = 1 / np.maximum(expected, MIN_FITTED_SHARE * values)
@@ -639,13 +645,15 @@ def _fit_curve(
     end, error = None, None
     if len(t) >= MIN_FREE_POINTS:
         flowing = _curve_block(t, values, weight, window, flows=True)
-        seen = curve_data(flowing, t, window=(window[0], 10 * window[1]))
-        end, band, error = _end_and_band(seen, float(t[-1]), best.model, creep.lam, band)
+        curve_with_flow = curve_data(flowing, t, window=(window[0], 10 * window[1]))
+        end, band, error = _end_and_band(curve_with_flow, float(t[-1]), best.model, creep.lam, band)
         if error is not None:
             line = 1 / (2 * np.pi * t)
-            missed = np.abs(creep.compliance(t) / values - 1)
-            inside = (line >= band[0]) & (line <= band[1])
-            error = replace(error, misfit=(float(np.max(missed[inside], initial=0.0)), 0.0))
+            relative_misfit = np.abs(creep.compliance(t) / values - 1)
+            in_band = (line >= band[0]) & (line <= band[1])
+            error = replace(
+                error, misfit=(float(np.max(relative_misfit[in_band], initial=0.0)), 0.0)
+            )
     all_checks = (
         *origin.checks,
         best.convergence_check,
@@ -682,13 +690,13 @@ def _fit_master_curve(superposition: Superposition, options: FitOptions) -> Fit:
         raise FitError(
             "this master curve is no creep compliance: fit_dynamic or fit_modulus fits it"
         )
-    few = _fit_curve(curve, superposition, options)
-    if options.arms != "auto" or few.evidence.creep is None:
-        return few
-    error = few.evidence.creep.spectrum.compliance(curve.time) / curve.compliance - 1
-    fit = shared_spectrum_if_needed(few, error, superposition, superposition.checks)
-    if fit is few:
-        return few
+    fit_with_few_arms = _fit_curve(curve, superposition, options)
+    if options.arms != "auto" or fit_with_few_arms.evidence.creep is None:
+        return fit_with_few_arms
+    error = fit_with_few_arms.evidence.creep.spectrum.compliance(curve.time) / curve.compliance - 1
+    fit = shared_spectrum_if_needed(fit_with_few_arms, error, superposition, superposition.checks)
+    if fit is fit_with_few_arms:
+        return fit_with_few_arms
     return replace(fit, evidence=replace(fit.evidence, creep=None))
 
 

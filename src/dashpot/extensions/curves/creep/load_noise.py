@@ -32,17 +32,17 @@ def load_sensitivity(columns: FloatArray, time: FloatArray, creep: CreepSpectrum
     step = np.diff(time)[:, None]
     response = (creep.glass + sum(creep.d)) * columns
     if creep.flow > 0:
-        later = np.cumsum(columns[::-1], axis=0)[::-1]
-        halves = 0.5 * creep.flow * step * later[1:]
+        later_sums = np.cumsum(columns[::-1], axis=0)[::-1]
+        halves = 0.5 * creep.flow * step * later_sums[1:]
         response[:-1] += halves
         response[1:] += halves
     for d, lam in zip(creep.d, creep.lam, strict=True):
         z = step / lam
-        lost = np.expm1(-z)
-        decay = np.broadcast_to(1 + lost, (len(z), columns.shape[1]))
-        since = recursion(decay[::-1], columns[-2::-1], columns[-1])[::-1]
-        mean = -lost / z
-        response[0] -= d * (since[0] - mean[0] * since[1])
-        response[1:] -= d * mean * since[1:]
-        response[1:-1] += d * mean[1:] * since[2:]
+        decay_less_one = np.expm1(-z)
+        decay = np.broadcast_to(1 + decay_less_one, (len(z), columns.shape[1]))
+        later_response = recursion(decay[::-1], columns[-2::-1], columns[-1])[::-1]
+        mean = -decay_less_one / z
+        response[0] -= d * (later_response[0] - mean[0] * later_response[1])
+        response[1:] -= d * mean * later_response[1:]
+        response[1:-1] += d * mean[1:] * later_response[2:]
     return response

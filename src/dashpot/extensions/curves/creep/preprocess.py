@@ -67,21 +67,21 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
     """
     machine = machine or Machine()
     machine.refuse_unused("sync", subject="a creep test")
-    where = test.source.file if test.source is not None else "the record"
+    file_name = test.source.file if test.source is not None else "the record"
     force = without_spikes(test.time, test.force)
-    held_load = _find_longest_hold(test.time, force, where)
-    pressed = held_load.turn * test.force - held_load.preload
+    held_load = _find_longest_hold(test.time, force, file_name)
+    preload_force = held_load.turn * test.force - held_load.preload
     noise = _noise_held(test.time, test.force, held_load)
     load, corners, heights = _remove_load_noise(
         test.time, held_load.turn * force - held_load.preload, noise
     )
     if held_load.ramp_end > test.time[0]:
         load, heights = load - load[0], heights - load[0]
-    turn = _turn(test, held_load, where)
+    sign = _turn(test, held_load, file_name)
     record = LoadHold(
         time=test.time,
-        displacement=turn * test.displacement,
-        force=pressed,
+        displacement=sign * test.displacement,
+        force=preload_force,
         load=load,
         onset=held_load.onset,
         ramp_end=held_load.ramp_end,
@@ -93,7 +93,7 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
         unit=test.unit,
         specimen=test.specimen,
         source=test.source,
-        steps=(_step(held_load, turn, test.unit),),
+        steps=(_step(held_load, sign, test.unit),),
         corners=tuple(corners.tolist()),
         heights=tuple(heights.tolist()),
         machine=machine,
@@ -109,31 +109,31 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
     return replace(record, checks=all_checks)
 
 
-def _find_longest_hold(time: FloatArray, force: FloatArray, where: str) -> _HeldLoad:
+def _find_longest_hold(time: FloatArray, force: FloatArray, file_name: str) -> _HeldLoad:
     """Return the load with the longest hold."""
-    holds = [_cycle(time, turn * force, turn) for turn in (1, -1)]
-    loads = [hold for hold in holds if hold is not None]
+    longest_holds = [_cycle(time, sign * force, sign) for sign in (1, -1)]
+    loads = [hold for hold in longest_holds if hold is not None]
     if loads:
         return max(loads, key=lambda hold: (hold.hold_end - hold.ramp_end, hold.turn))
     level = median(force)
-    turn = 1 if level > 0 else -1
+    sign = 1 if level > 0 else -1
     if not abs(level) > 4 * float(np.std(force)):
         raise DataError(
-            f"{where}: no force is held: expected a load that rises and then stays, or stays from "
-            "the first sample on; check which column is the force (--column force=NAME)"
+            f"{file_name}: no force is held: expected a load that rises and then stays, or stays "
+            "from the first sample on; check which column is the force (--column force=NAME)"
         )
-    return _HeldLoad(float(time[0]), float(time[0]), float(time[-1]), abs(level), 0.0, turn)
+    return _HeldLoad(float(time[0]), float(time[0]), float(time[-1]), abs(level), 0.0, sign)
 
 
-def _cycle(time: FloatArray, force: FloatArray, turn: int) -> _HeldLoad | None:
+def _cycle(time: FloatArray, force: FloatArray, sign: int) -> _HeldLoad | None:
     """Return the longest hold of a force that rises, and when its load began."""
     cycles = find_cycles(find_segments(time, force))
-    holds = [
+    cycle_holds = [
         (cycle, segment) for cycle in cycles for segment in cycle.segments if segment.kind == "hold"
     ]
-    if not holds:
+    if not cycle_holds:
         return None
-    cycle, hold = max(holds, key=lambda pair: pair[1].duration)
+    cycle, hold = max(cycle_holds, key=lambda pair: pair[1].duration)
     before = force[: cycle.ramp.first + 1]
     # a record that begins on its load ramp begins at its first reading
     preload = median(before) if len(before) >= _FEWEST else float(force[0])
@@ -143,19 +143,19 @@ def _cycle(time: FloatArray, force: FloatArray, turn: int) -> _HeldLoad | None:
     at = cycle.segments.index(hold)
     ramp = cycle.segments[at - 1]
     return _HeldLoad(
-        float(cycle.ramp.start), float(ramp.end), float(hold.end), level, preload, turn
+        float(cycle.ramp.start), float(ramp.end), float(hold.end), level, preload, sign
     )
 
 
-def _turn(test: CreepTest, held_load: _HeldLoad, where: str) -> int:
+def _turn(test: CreepTest, held_load: _HeldLoad, file_name: str) -> int:
     """Return the sign that makes the displacement rise under the load."""
     time, x = test.time, test.displacement
     hold = (time >= held_load.ramp_end) & (time <= held_load.hold_end)
-    begin = x[time <= held_load.onset]
-    change = float(x[hold][-max(1, hold.sum() // 10) :].mean()) - median(begin)
+    displacement_before = x[time <= held_load.onset]
+    change = float(x[hold][-max(1, hold.sum() // 10) :].mean()) - median(displacement_before)
     if change == 0:
         raise DataError(
-            f"{where}: the displacement does not move under the load; check which column it is "
+            f"{file_name}: the displacement does not move under the load; check which column it is "
             "(--column displacement=NAME)"
         )
     return 1 if change > 0 else -1
@@ -178,20 +178,28 @@ def errors_of_load(record: LoadHold) -> Callable[[FloatArray], FloatArray]:
     time, corners = record.time, np.array(record.corners)
     if not record.corners:
         return lambda columns: np.zeros((0, columns.shape[1]))
-    few = len(corners) <= MAX_CORNERS
-    leaning = _leaning(time, corners, np.interp(corners, time, record.load)) if few else None
+    has_few_corners = len(corners) <= MAX_CORNERS
+    corner_shift_columns = (
+        _leaning(time, corners, np.interp(corners, time, record.load)) if has_few_corners else None
+    )
 
     def directions(columns: FloatArray) -> FloatArray:
         heights = _onto(time, corners, columns)
-        return heights if leaning is None else np.concatenate((heights, leaning.T @ columns))
+        return (
+            heights
+            if corner_shift_columns is None
+            else np.concatenate((heights, corner_shift_columns.T @ columns))
+        )
 
     gram = _gram(time, corners)
-    if leaning is not None:
-        crossed = _onto(time, corners, leaning)
-        gram = np.block([[gram, crossed], [crossed.T, leaning.T @ leaning]])
-    value, turn = np.linalg.eigh(gram)
+    if corner_shift_columns is not None:
+        crossed = _onto(time, corners, corner_shift_columns)
+        gram = np.block(
+            [[gram, crossed], [crossed.T, corner_shift_columns.T @ corner_shift_columns]]
+        )
+    value, eigenvectors = np.linalg.eigh(gram)
     reference = value > _SINGULAR * value[-1]
-    errors = record.force_noise * (turn[:, reference] / np.sqrt(value[reference])).T
+    errors = record.force_noise * (eigenvectors[:, reference] / np.sqrt(value[reference])).T
     # all is measured from the first reading
     first = np.zeros(len(gram))
     first[0] = 1.0
@@ -213,13 +221,13 @@ def _remove_load_noise(
     each part is straight to its noise, and those parts are quartered: what a line then misses of
     the curve is a sixteenth of what noise would hide.
     """
-    floor = max(noise, quantum(force) * OF_A_COUNT)
-    if floor <= _EXACT * float(np.ptp(force)):
+    noise_level = max(noise, quantum(force) * OF_A_COUNT)
+    if noise_level <= _EXACT * float(np.ptp(force)):
         return force, np.zeros(0), np.zeros(0)
     corners = _fit_corner_times(time, force)
     heights = _fit_corner_heights(time, corners, force)
-    if not _is_noise(force - np.interp(time, corners, heights), floor, _CERTAIN_SD):
-        corners = _insert_corners(time, force, corners, floor)
+    if not _is_noise(force - np.interp(time, corners, heights), noise_level, _CERTAIN_SD):
+        corners = _insert_corners(time, force, corners, noise_level)
         heights = _fit_corner_heights(time, corners, force)
     return np.interp(time, corners, heights), corners, heights
 
@@ -230,10 +238,12 @@ def _fit_corner_times(time: FloatArray, force: FloatArray) -> FloatArray:
     if not 3 <= len(corners) <= MAX_CORNERS:
         return corners
     for _ in range(_STEPS):
-        tents = _tents(time, corners)
-        heights = np.asarray(np.linalg.lstsq(tents, force, rcond=None)[0])
-        both = np.column_stack((tents, _leaning(time, corners, heights)))
-        displacement = np.linalg.lstsq(both, force - tents @ heights, rcond=None)[0][len(corners) :]
+        hat_functions = _tents(time, corners)
+        heights = np.asarray(np.linalg.lstsq(hat_functions, force, rcond=None)[0])
+        columns = np.column_stack((hat_functions, _leaning(time, corners, heights)))
+        displacement = np.linalg.lstsq(columns, force - hat_functions @ heights, rcond=None)[0][
+            len(corners) :
+        ]
         margin = _PART * np.minimum(np.diff(corners)[:-1], np.diff(corners)[1:])
         corners[1:-1] += np.clip(displacement, -margin, margin)
         if float(np.abs(displacement).max()) < _CORNER_TOLERANCE * (time[-1] - time[0]):
@@ -307,12 +317,12 @@ def _tents(time: FloatArray, corners: FloatArray) -> FloatArray:
 
 def _leaning(time: FloatArray, corners: FloatArray, heights: FloatArray) -> FloatArray:
     """Return how a load moves with the times of its inner corners, shape (n, corners - 2)."""
-    tents, slopes = _tents(time, corners), np.diff(heights) / np.diff(corners)
-    leaning = [
-        -tents[:, j] * np.where(time <= corners[j], slopes[j - 1], slopes[j])
+    hat_functions, slopes = _tents(time, corners), np.diff(heights) / np.diff(corners)
+    shift_columns = [
+        -hat_functions[:, j] * np.where(time <= corners[j], slopes[j - 1], slopes[j])
         for j in range(1, len(corners) - 1)
     ]
-    return np.array(leaning).reshape(-1, len(time)).T
+    return np.array(shift_columns).reshape(-1, len(time)).T
 
 
 def _is_noise(residual: FloatArray, noise: float, chance: float) -> bool:
@@ -326,16 +336,16 @@ def _is_noise(residual: FloatArray, noise: float, chance: float) -> bool:
     return True
 
 
-def _step(held_load: _HeldLoad, turn: int, unit: str) -> Step:
+def _step(held_load: _HeldLoad, sign: int, unit: str) -> Step:
     word = "N" if unit == "N/m" else "Pa"
-    begun = (
+    start_text = (
         f"the load of {held_load.level:.4g} {word} rises from {held_load.onset:.5g} s "
         "and is held from "
     )
     message = (
-        f"{begun}{held_load.ramp_end:.5g} to {held_load.hold_end:.5g} s, after "
+        f"{start_text}{held_load.ramp_end:.5g} to {held_load.hold_end:.5g} s, after "
         f"{held_load.preload:.3g} {word} of "
         "preload; the recorded force, freed of its noise, is what the fit answers"
     )
-    options = (("force turned", str(held_load.turn)), ("displacement turned", str(turn)))
+    options = (("force turned", str(held_load.turn)), ("displacement turned", str(sign)))
     return Step("load_hold", options, message)

@@ -56,44 +56,50 @@ def read_creep(
 
 def roles(file: OpenedFile) -> tuple[Role, ...]:
     """The columns that a creep test is read from: a compliance, stress and strain, or a part's."""
-    for wanted in (_CURVE, _MATERIAL, _PART):
-        if any(getattr(file.options, role) for role in wanted[1:]):
-            return wanted
-    for wanted, least in ((_CURVE, _LIKELY), (_PART, _CERTAIN_SCORE), (_MATERIAL, _LIKELY)):
-        if all(_suits(file, role, least) for role in wanted[1:]):
-            return wanted
+    for roles_wanted in (_CURVE, _MATERIAL, _PART):
+        if any(getattr(file.options, role) for role in roles_wanted[1:]):
+            return roles_wanted
+    for roles_wanted, min_score in (
+        (_CURVE, _LIKELY),
+        (_PART, _CERTAIN_SCORE),
+        (_MATERIAL, _LIKELY),
+    ):
+        if all(_suits(file, role, min_score) for role in roles_wanted[1:]):
+            return roles_wanted
     return _PART
 
 
 def creep_in(file: OpenedFile, specimen: Specimen) -> CreepTest | CreepCompliance:
     """Return the creep test in an opened file."""
     channels.refuse_summary(file)
-    wanted = roles(file)
-    named = ["displacement", "force", "stress", "strain", "creep_compliance"]
-    likely: list[FileKind] = ["creep", "relaxation", "cld"]
-    if wanted is _MATERIAL and (file.options.rate or _suits(file, "time", _NAMED_SCORE)):
-        likely.append("stress-strain")  # what moves in it decides
-    channels.expect(file, likely, "a creep test is", stated_columns=named)
-    if wanted is _CURVE:
+    role_names = roles(file)
+    signal_names = ["displacement", "force", "stress", "strain", "creep_compliance"]
+    likely_kinds: list[FileKind] = ["creep", "relaxation", "cld"]
+    if role_names is _MATERIAL and (file.options.rate or _suits(file, "time", _NAMED_SCORE)):
+        likely_kinds.append("stress-strain")  # what moves in it decides
+    channels.expect(file, likely_kinds, "a creep test is", stated_columns=signal_names)
+    if role_names is _CURVE:
         return _curve(file, *add_specimen_temperature(file, specimen))
-    chosen = channels.choose(file, channels.add_time_role(file, *wanted[1:]))
-    specimen, sentences = add_specimen_temperature(file, specimen, chosen)
+    channels_chosen = channels.choose(file, channels.add_time_role(file, *role_names[1:]))
+    specimen, sentences = add_specimen_temperature(file, specimen, channels_chosen)
 
     def source(notes: list[str]) -> Source:
-        return channels.source(file, [channel.message for channel in chosen], [*notes, *sentences])
+        return channels.source(
+            file, [channel.message for channel in channels_chosen], [*notes, *sentences]
+        )
 
-    values, notes = load_signals(file, chosen)
-    time, displacement, pushed = (values[role] for role in wanted)
-    if wanted is _PART:
-        notes += _refuse_sizes(file, chosen, values)
+    values, notes = load_signals(file, channels_chosen)
+    time, displacement, pushed = (values[role] for role in role_names)
+    if role_names is _PART:
+        notes += _refuse_sizes(file, channels_chosen, values)
     else:
-        refuse_creep_sizes(file, chosen, displacement, pushed)
-    unit = "Pa" if wanted is _MATERIAL else "N/m"
+        refuse_creep_sizes(file, channels_chosen, displacement, pushed)
+    unit = "Pa" if role_names is _MATERIAL else "N/m"
     return CreepTest(time, displacement, pushed, unit, specimen, source(notes), units="SI")
 
 
 def _refuse_sizes(
-    file: OpenedFile, chosen: Sequence[Channel], values: Mapping[Role, FloatArray]
+    file: OpenedFile, channels_chosen: Sequence[Channel], values: Mapping[Role, FloatArray]
 ) -> list[str]:
     """Ask for the units again that make a size no test of a seal has; notes on unusual ones."""
     options: dict[str, tuple[str, Callable[[float, str], Check]]] = {
@@ -102,11 +108,11 @@ def _refuse_sizes(
         "time": ("record", size_checks.time_of_a_test),
     }
     answers: list[tuple[Channel, list[Check]]] = []
-    for channel in chosen:
+    for channel in channels_chosen:
         span, unit = float(np.ptp(values[channel.role])), channel.unit.word
         kind, unusual = options[channel.role]
-        possible = size_checks.size_possible(kind, span, unit, role=channel.role)
-        answers.append((channel, [possible, unusual(span, unit)]))
+        is_possible = size_checks.size_possible(kind, span, unit, role=channel.role)
+        answers.append((channel, [is_possible, unusual(span, unit)]))
     return channels.refuse_sizes(file, answers)
 
 
@@ -114,19 +120,21 @@ def _curve(file: OpenedFile, specimen: Specimen, sentences: list[str]) -> CreepC
     """A compliance over time, where a column of temperature says several, at each of them."""
     curve = assign(file.table, "creep_compliance", file.options)
     columns = channels.answered(file, [since_the_step(file.table, file.options), curve])
-    chosen, values, warm, notes = over_time(file, columns)
+    channels_chosen, values, temperature, notes = over_time(file, columns)
     return CreepCompliance(
         values["time"],
         values["creep_compliance"],
-        si_unit(chosen[1].unit.dimension).word,
+        si_unit(channels_chosen[1].unit.dimension).word,
         specimen,
         channels.source(
-            file, [channel.message for channel in chosen], [*file.table.notes, *notes, *sentences]
+            file,
+            [channel.message for channel in channels_chosen],
+            [*file.table.notes, *notes, *sentences],
         ),
-        warm,
+        temperature,
         units="SI",
     )
 
 
-def _suits(file: OpenedFile, role: Role, least: float) -> bool:
-    return max(score_columns(file.table, role, file.options).values(), default=0.0) >= least
+def _suits(file: OpenedFile, role: Role, min_score: float) -> bool:
+    return max(score_columns(file.table, role, file.options).values(), default=0.0) >= min_score

@@ -19,7 +19,7 @@ from dashpot.solids.interconversion import CreepSpectrum, relaxation_spectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
-def make_retardation_block(block: DataBlock, whole: str) -> DataBlock:
+def make_retardation_block(block: DataBlock, equilibrium_name: str) -> DataBlock:
     r"""Return the block with each arm turned into a retardation: what a force has yet to move.
 
     An arm's column q of the input F is :math:`\int e^{-(t-u)/\lambda}\,dF`, so
@@ -30,10 +30,10 @@ def make_retardation_block(block: DataBlock, whole: str) -> DataBlock:
     ----------
     block : DataBlock
         Of arms under the input F.
-    whole : str
+    equilibrium_name : str
         Name of the fixed column that is F.
     """
-    at = block.fixed_names.index(whole)
+    at = block.fixed_names.index(equilibrium_name)
 
     def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
         evaluation = block.rows(log_tau, derivative)
@@ -44,8 +44,12 @@ def make_retardation_block(block: DataBlock, whole: str) -> DataBlock:
         block,
         rows=rows,
         sampling=None,
-        full=None if block.full is None else lambda: make_retardation_block(block.exact, whole),
-        widen=lambda name, column: make_retardation_block(block.with_column(name, column), whole),
+        full=None
+        if block.full is None
+        else lambda: make_retardation_block(block.exact, equilibrium_name),
+        widen=lambda name, column: make_retardation_block(
+            block.with_column(name, column), equilibrium_name
+        ),
         delayed=None,
     )
 
@@ -72,14 +76,14 @@ def relaxation_sensitivity(creep: CreepSpectrum, tau: Sequence[float]) -> FloatA
     """
     d, lam = np.array(creep.d, dtype=float), np.array(creep.lam, dtype=float)
     rho, x, n = 1 / np.array(tau, dtype=float), 1 / lam, len(lam)
-    above, row = x - rho[:, None], np.ones((len(rho), 1))
+    excess, row = x - rho[:, None], np.ones((len(rho), 1))
     weight = d * x
-    value = np.hstack((row, x / above, weight * rho[:, None] / above**2, -row / rho[:, None]))
+    value = np.hstack((row, x / excess, weight * rho[:, None] / excess**2, -row / rho[:, None]))
     slope = np.hstack((
-        0 * row, -x / above**2, -weight * (x + rho[:, None]) / above**3, -row / rho[:, None] ** 2,
+        0 * row, -x / excess**2, -weight * (x + rho[:, None]) / excess**3, -row / rho[:, None] ** 2,
     ))  # fmt: skip
-    first = -creep.flow / rho**2 - (weight / above**2).sum(axis=1)
-    second = -2 * creep.flow / rho**3 + 2 * (weight / above**3).sum(axis=1)
+    first = -creep.flow / rho**2 - (weight / excess**2).sum(axis=1)
+    second = -2 * creep.flow / rho**3 + 2 * (weight / excess**3).sum(axis=1)
     ratio = value / first[:, None]
     log_k = -ratio / rho[:, None] - (slope - second[:, None] * ratio) / first[:, None]
     k = -1 / (rho * first)
@@ -146,14 +150,14 @@ class Retarded(SelectedModel):
     @cached_property
     def creep(self) -> CreepEstimate:
         """Compliances and retardation times with their covariance."""
-        named = self.rows_named(GLASS, "d", "ln_lam", FLOW if self.flows else None)
-        rows = list(named.values())
+        row_names = self.rows_named(GLASS, "d", "ln_lam", FLOW if self.flows else None)
+        rows = list(row_names.values())
         covariance = self.estimate.covariance[np.ix_(rows, rows)]
-        return CreepEstimate(self.spectrum, tuple(named), covariance)
+        return CreepEstimate(self.spectrum, tuple(row_names), covariance)
 
     @cached_property
     def _gradient(self) -> dict[str, FloatArray]:
-        """How each parameter of the solid moves with those of the creep."""
+        """Return the derivative of each parameter of the solid by those of the creep."""
         model, size = self.model, len(self.creep.parameters)
         sensitivity = relaxation_sensitivity(self.spectrum, model.tau)[:, :size]
         arms = range(1, model.arms + 1)
@@ -174,7 +178,7 @@ class Retarded(SelectedModel):
 
     @cached_property
     def covariance(self) -> FloatArray:
-        """Of the solid's parameters, by the derivative of the interconversion."""
+        """Covariance of the solid's parameters, by the derivative of the interconversion."""
         return propagate_covariance(self.creep.covariance, np.array(list(self._gradient.values())))
 
     @property

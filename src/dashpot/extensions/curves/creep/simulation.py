@@ -119,12 +119,21 @@ def _simulate_force_loop(command: FloatArray, rig: Rig) -> FloatArray:
     """Return the force that a loop of second order makes of its command, held between samples."""
     damping = min(rig.axis.damping, _LARGEST_DAMPING)
     omega, step = 2 * np.pi * rig.axis.frequency, 1 / rig.rate
-    turn = omega * sqrt(1 - damping**2)
-    fade, c, s = exp(-damping * omega * step), cos(turn * step), sin(turn * step)
-    stiff = damping * omega / turn
-    moves = fade * np.array([[c + stiff * s, s / turn], [-(omega**2) * s / turn, c - stiff * s]])
-    state, followed = np.zeros(2), np.empty(len(command))
-    for i, wanted in enumerate(command):
-        followed[i] = state[0]
-        state = np.array([wanted, 0.0]) + moves @ (state - [wanted, 0.0])
-    return followed
+    damped_omega = omega * sqrt(1 - damping**2)
+    decay_factor, c, s = (
+        exp(-damping * omega * step),
+        cos(damped_omega * step),
+        sin(damped_omega * step),
+    )
+    damping_ratio = damping * omega / damped_omega
+    transition = decay_factor * np.array(
+        [
+            [c + damping_ratio * s, s / damped_omega],
+            [-(omega**2) * s / damped_omega, c - damping_ratio * s],
+        ]
+    )
+    state, followed_load = np.zeros(2), np.empty(len(command))
+    for i, target_load in enumerate(command):
+        followed_load[i] = state[0]
+        state = np.array([target_load, 0.0]) + transition @ (state - [target_load, 0.0])
+    return followed_load

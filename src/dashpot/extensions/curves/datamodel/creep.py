@@ -38,7 +38,7 @@ MAX_CORNERS = 16
 """Corners of a load that is ramps and holds, at most."""
 COMPLIANCES = {"N/m": "m/N", "Pa": "1/Pa"}
 _ARE = {"N/m": ("m", "N"), "Pa": ("1", "Pa")}
-"""What displacement and force are in, by the unit of the stiffness."""
+"""Units of displacement and force, by the unit of the stiffness."""
 """Unit of the compliance by that of the stiffness."""
 
 
@@ -106,11 +106,11 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which record it is, and how far it reaches."""
-        change, pressed = float(np.ptp(self.displacement)), float(np.ptp(self.force))
+        """Summary: the record and its range."""
+        change, force_range = float(np.ptp(self.displacement)), float(np.ptp(self.force))
         return (
             describe_record_source(self.source, len(self.time)),
-            f"{np.ptp(self.time):.5g} s; {_spans(change, pressed, self.unit)}",
+            f"{np.ptp(self.time):.5g} s; {_spans(change, force_range, self.unit)}",
         )
 
 
@@ -194,7 +194,7 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which curve it is, and what it covers."""
+        """Summary: the curve and its range."""
         return describe_step_response(self, "compliance")
 
 
@@ -278,7 +278,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
 
     @property
     def step(self) -> float:
-        """Between two samples, s: the median."""
+        """Median time step, s."""
         return median(np.diff(self.time))
 
     def with_load_earlier(self, by: float) -> LoadHold:
@@ -308,12 +308,12 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
 
     @property
     def ramp_time(self) -> float:
-        """How long the load rises, s; 0 for a step."""
+        """Time in which the load rises, s; 0 for a step."""
         return self.ramp_end - self.onset
 
     @property
     def hold_time(self) -> float:
-        """How long the load is held, s."""
+        """Duration of the hold, s."""
         return self.hold_end - self.ramp_end
 
     @property
@@ -325,8 +325,8 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
     @property
     def resolution(self) -> float:
         """The shortest time between corners of a load that is not straight, s; 0 if it is."""
-        many = len(self.corners) > MAX_CORNERS
-        return float(np.diff(self.corners).min()) if many else 0.0
+        has_many_corners = len(self.corners) > MAX_CORNERS
+        return float(np.diff(self.corners).min()) if has_many_corners else 0.0
 
     @property
     def has_recovery(self) -> bool:
@@ -335,7 +335,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which record it is, its load and hold, and what preparation noticed."""
+        """Summary: the record, its load and hold, and the notes of preparation."""
         failed = (f"  {check.name}: {check.message}" for check in self.checks if check.failed)
         return (
             describe_record_source(self.source, len(self.time)),
@@ -348,7 +348,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
 
 
 Creep: TypeAlias = CreepTest | LoadHold | CreepCompliance
-"""What creep is fitted to."""
+"""Record of creep that can be fitted."""
 
 
 def _determine_stiffness_unit(text: Dimension, pushed: Dimension) -> str:
@@ -368,7 +368,7 @@ def _require_unit(unit: str, names: Iterable[str]) -> None:
         raise DataError(f"unit = {unit!r}; expected {' or '.join(map(repr, words))}")
 
 
-def _spans(change: float, pressed: float, unit: str) -> str:
+def _spans(change: float, stress_range: float, unit: str) -> str:
     if unit == "Pa":
-        return f"strain spans {change:.4g}, stress {pressed:.4g} Pa"
-    return f"displacement spans {format_quantity(change, 'mm')}, force {pressed:.4g} N"
+        return f"strain spans {change:.4g}, stress {stress_range:.4g} Pa"
+    return f"displacement spans {format_quantity(change, 'mm')}, force {stress_range:.4g} N"

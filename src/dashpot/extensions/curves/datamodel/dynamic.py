@@ -90,9 +90,9 @@ class DynamicTest(EqualByValue, HasSummary, Serialisable):
         hold_measured(self, "frequency", "storage", "loss", "temperature")
         if self.temperature is not None:
             tested_at("temperature", self.temperature.min(), self.temperature.max())
-        bad = np.flatnonzero(self.frequency <= 0)
-        if bad.size:
-            i = int(bad[0])
+        bad_indices = np.flatnonzero(self.frequency <= 0)
+        if bad_indices.size:
+            i = int(bad_indices[0])
             raise DataError(f"frequency[{i}] = {self.frequency[i]:g} Hz; expected > 0")
         if self.unit not in {"Pa", "N/m"}:
             raise DataError(f"unit '{self.unit}' of storage and loss; expected 'Pa' or 'N/m'")
@@ -106,7 +106,7 @@ class DynamicTest(EqualByValue, HasSummary, Serialisable):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which sweep it is, and what it covers."""
+        """Summary: the sweep and its range."""
         return (
             describe_record_source(self.source, len(self.frequency)),
             (
@@ -134,8 +134,8 @@ class DynamicTest(EqualByValue, HasSummary, Serialisable):
             If there are none.
         """
         kelvin = convert_to_si(temperature, "temperature")
-        chosen = self.only(find_near_samples(self.temperature, kelvin))
-        return replace(chosen, specimen=replace(self.specimen, temperature=kelvin))
+        selected_test = self.only(find_near_samples(self.temperature, kelvin))
+        return replace(selected_test, specimen=replace(self.specimen, temperature=kelvin))
 
     @property
     def several_temperatures(self) -> bool:

@@ -97,5 +97,5 @@ class RelaxationModulus(EqualByValue, HasSummary):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which curve it is, and what it covers."""
+        """Summary: the curve and its range."""
         return describe_step_response(self, "modulus")

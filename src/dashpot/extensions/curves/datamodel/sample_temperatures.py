@@ -27,7 +27,7 @@ def shifts_with(
     return tuple(Shift(*map(float, row)) for row in rows)
 
 
-def find_near_samples(temperature: FloatArray | None, asked: float) -> BoolArray:
+def find_near_samples(temperature: FloatArray | None, kelvin: float) -> BoolArray:
     """Return which samples lie within a kelvin of a temperature, K, shape (n,).
 
     Raises
@@ -37,19 +37,20 @@ def find_near_samples(temperature: FloatArray | None, asked: float) -> BoolArray
     """
     if temperature is None:
         raise DataError(
-            f"{celsius(asked)} was asked for, but the test has no temperatures: leave "
+            f"{celsius(kelvin)} was asked for, but the test has no temperatures: leave "
             "--at-temperature out"
         )
-    within = np.abs(temperature - asked) <= ONE_TEMPERATURE / 2
-    if not within.any():
-        listed = ", ".join(
+    is_near = np.abs(temperature - kelvin) <= ONE_TEMPERATURE / 2
+    if not is_near.any():
+        temperatures_text = ", ".join(
             f"{value:.0f} degC"
             for value in np.unique(np.round(convert_to_unit(temperature, "degC")))
         )
         raise DataError(
-            f"no sample within {ONE_TEMPERATURE / 2:g} K of {celsius(asked)}; the test has {listed}"
+            f"no sample within {ONE_TEMPERATURE / 2:g} K of {celsius(kelvin)}; the test has "
+            f"{temperatures_text}"
         )
-    return np.asarray(within)
+    return np.asarray(is_near)
 
 
 def has_several_temperatures(temperature: FloatArray | None) -> bool:
@@ -59,7 +60,7 @@ def has_several_temperatures(temperature: FloatArray | None) -> bool:
 
 
 def format_temperature_range(temperature: FloatArray | None) -> str:
-    """From which to which temperature, in words; nothing if there is but one."""
+    """Return the range of temperatures in words; empty if there is one only."""
     if temperature is None:
         return ""
     return f", {temperature.min():.5g} to {temperature.max():.5g} K"
@@ -98,9 +99,9 @@ def validate_step_response(curve: Any, value: str) -> None:
 
 def select_temperature(curve: Curve, value: str, kelvin: float) -> Curve:
     """Return the samples of a curve within a kelvin of a temperature, K, in order of time."""
-    chosen = np.flatnonzero(find_near_samples(curve.temperature, kelvin))
-    chosen = chosen[np.argsort(curve.time[chosen], kind="stable")]
-    parts = {name: getattr(curve, name)[chosen] for name in ("time", value)}
+    indices = np.flatnonzero(find_near_samples(curve.temperature, kelvin))
+    indices = indices[np.argsort(curve.time[indices], kind="stable")]
+    parts = {name: getattr(curve, name)[indices] for name in ("time", value)}
     specimen = replace(curve.specimen, temperature=kelvin)
     return replace(curve, temperature=None, specimen=specimen, **parts)
 

@@ -73,18 +73,18 @@ class Superposition(EqualByValue, Plottable):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """What was shifted, how far, by which law, and what that leaves."""
+        """Summary: the shifted curves, the shifts, the law and its residual."""
         shifts = self.temperatures
-        farthest = max(abs(shift.log10_a_t) for shift in shifts.shifts)
-        cold, warm = shifts.tested_range
+        largest_shift = max(abs(shift.log10_a_t) for shift in shifts.shifts)
+        cold, hottest = shifts.tested_range
         return (
             (
-                f"{len(shifts.shifts)} temperatures, {celsius(cold)} to {celsius(warm)}, at "
+                f"{len(shifts.shifts)} temperatures, {celsius(cold)} to {celsius(hottest)}, at "
                 f"{celsius(shifts.reference)}"
             ),
             *self.curve._summary_lines[1:],
             (
-                f"shifted by up to {farthest:.3g} decades, {shifts.law.kind} law, b_T = "
+                f"shifted by up to {largest_shift:.3g} decades, {shifts.law.kind} law, b_T = "
                 f"{shifts.vertical}"
             ),
             f"{self.solid.arms} arms leave {100 * self.rms:.2g} % rms",

@@ -207,19 +207,22 @@ def fit_dynamic(
     if shifted:
         _validate_temperature_options(family, records)
     weights = weights or _USUAL[shifted]
-    most = validate_arm_count(arms, max_arms)
-    sets = (_sweep(data, weights, dashpot=dashpot, most=most), *_relaxations(records, most))
+    max_arm_count = validate_arm_count(arms, max_arms)
+    sets = (
+        _sweep(data, weights, dashpot=dashpot, max_arms=max_arm_count),
+        *_relaxations(records, max_arm_count),
+    )
     selection = select_order(
         _stack_parts(sets), FitOptions(arms, max_arms=max_arms, thorough=thorough)
     )
-    both = chosen_family(selection, family)
-    selection = both.best
-    band, met = _band(data, records, sets[1:], selection.model.k_0)
+    family_choice = chosen_family(selection, family)
+    selection = family_choice.best
+    band, overlap_check = _band(data, records, sets[1:], selection.model.k_0)
     end, band_error = None, None
     # relaxation tests beside it see further
     if not records:
-        end, band, band_error = _end(data, sets[0], selection, both.arms.model.tau, band)
-    other = both.alternative(band, BY_SWEEPS)
+        end, band, band_error = _end(data, sets[0], selection, family_choice.arms.model.tau, band)
+    other = family_choice.alternative(band, BY_SWEEPS)
     of_data = (
         kramers_kronig(passive_misfit(data)),
         loss_positive(data),
@@ -239,7 +242,7 @@ def fit_dynamic(
         if records
         else _compute_residual_statistics(error, selection.residual)
     )
-    few = build_fit(
+    fit_with_few_arms = build_fit(
         selection.make_solid_estimate(residual, selection.nuisances()),
         Evidence(
             band,
@@ -250,8 +253,8 @@ def fit_dynamic(
                 *of_data,
                 *check_temperature(data.specimen),
                 *_checks(selection, data, records, end, [n for item in sets for n in item.freedom]),
-                *both.checks(other),
-                *met,
+                *family_choice.checks(other),
+                *overlap_check,
                 loss_factor_determined(band_error),
             ),
             alternative=other,
@@ -267,9 +270,11 @@ def fit_dynamic(
         unit=data.unit,
         temperatures=origin.temperatures,
     )
-    if records or arms != "auto" or dashpot or few.family != "maxwell":
-        return few
-    return dense_spectrum_if_needed(few, error, origin, lambda: dynamic_master_curve(data), of_data)
+    if records or arms != "auto" or dashpot or fit_with_few_arms.family != "maxwell":
+        return fit_with_few_arms
+    return dense_spectrum_if_needed(
+        fit_with_few_arms, error, origin, lambda: dynamic_master_curve(data), of_data
+    )
 
 
 def fit_complex_modulus(
@@ -362,11 +367,11 @@ def _stack_parts(sets: Sequence[_Set]) -> FitData:
     return FitData([item.block for item in sets], [row for item in sets for row in item.rows])
 
 
-def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, most: int) -> _Set:
+def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, max_arms: int) -> _Set:
     _validate_data(data, weights)
     n = len(data.frequency)
     first = _sweep_block(data, _scale(data, data.value, weights), dashpot=dashpot)
-    best = fit_single_test([first], _halves(first, n), most)
+    best = fit_single_test([first], _halves(first, n), max_arms)
     # the size of noisy data is a biased weight: low values would speak loudest
     storage, loss = _scale(data, best.model.complex_stiffness(omega=data.omega), weights)
     scale = (storage * best.scatter[0], loss * best.scatter[1])
@@ -387,9 +392,9 @@ def _sweep_block(
 
 def _validate_data(data: DynamicTest, weights: str) -> None:
     require_choice("weights", weights, Weights, FitError)
-    bad = np.flatnonzero(data.storage <= 0)
-    if bad.size:
-        i = int(bad[0])
+    bad_indices = np.flatnonzero(data.storage <= 0)
+    if bad_indices.size:
+        i = int(bad_indices[0])
         raise FitError(
             f"the storage at {data.frequency[i]:.3g} Hz is {data.storage[i]:g}; no viscoelastic "
             "model has a storage <= 0 (mass moved along, or the phase is wrong): leave it out"
@@ -419,12 +424,12 @@ def _halves(block: DataBlock, n: int) -> tuple[DataBlock, DataBlock]:
     )
 
 
-def _relaxations(records: Sequence[RampHold], most: int) -> list[_Set]:
+def _relaxations(records: Sequence[RampHold], max_arms: int) -> list[_Set]:
     design = FitSetup("full")
     blocks = compress_tests(records, design)
     sets = []
     for block in blocks:
-        fit = fit_single_test([block], [block.exact], most)
+        fit = fit_single_test([block], [block.exact], max_arms)
         factor = 1 / fit.scatter[0]
         sets.append(_Set(block.scale_rows(factor), (block.exact.scale_rows(factor),), fit.freedom))
     return sets
@@ -437,7 +442,7 @@ def _end(
     tau: Sequence[float],
     band: tuple[float, float],
 ) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
-    """What a sweep leaves open of the storage below it, and where in a band it knows the solid.
+    """Return the limits of the storage below a sweep, and the valid band.
 
     Nothing of one of few lines.
     """
@@ -459,14 +464,14 @@ def _end(
 def _misfit_in_band(
     solid: Solid, data: DynamicTest, band: tuple[float, float]
 ) -> tuple[float, float]:
-    """By how much a solid misses stiffness and loss factor of a line in a band, relative to it."""
-    inside = (data.frequency >= band[0]) & (data.frequency <= band[1])
+    """Return the relative misfit of stiffness and loss factor of a line in a band."""
+    in_band = (data.frequency >= band[0]) & (data.frequency <= band[1])
     K, measured = solid.complex_stiffness(omega=data.omega), data.value
-    shown = inside & (data.loss > 0)
+    is_compared = in_band & (data.loss > 0)
     size = np.abs(np.abs(K) / np.abs(measured) - 1)
     with np.errstate(divide="ignore", invalid="ignore"):
         loss = np.abs((K.imag / K.real) / (measured.imag / measured.real) - 1)
-    return float(np.max(size[inside], initial=0.0)), float(np.max(loss[shown], initial=0.0))
+    return float(np.max(size[in_band], initial=0.0)), float(np.max(loss[is_compared], initial=0.0))
 
 
 def _checks(
@@ -505,12 +510,12 @@ def _checks(
         *selection.check_arm_count("sd"),
     ]
     if records:
-        spread = [
+        residual_sds = [
             float(np.sqrt(np.mean(residual**2) * noise.kappa))
             for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
         ]
         names = ["storage", "loss", *(f"relaxation test {i + 1}" for i in range(len(records)))]
-        all_checks.append(data_agree(spread, names, freedom))
+        all_checks.append(data_agree(residual_sds, names, freedom))
     return tuple(all_checks)
 
 
@@ -523,11 +528,11 @@ def _band(
         return sweep, ()
     # the blocks are in units of their own scatter
     blocks = [item.block for item in sets]
-    informed = find_informed_band(records, blocks, stiffness=max(k_0, 1e-300), noise=1.0)
-    met = bands_overlap(sweep, informed)
-    if met.failed:
-        return sweep, (met,)
-    return (min(sweep[0], informed[0]), max(sweep[1], informed[1])), (met,)
+    relaxation_band = find_informed_band(records, blocks, stiffness=max(k_0, 1e-300), noise=1.0)
+    overlap_check = bands_overlap(sweep, relaxation_band)
+    if overlap_check.failed:
+        return sweep, (overlap_check,)
+    return (min(sweep[0], relaxation_band[0]), max(sweep[1], relaxation_band[1])), (overlap_check,)
 
 
 def _step(

@@ -47,18 +47,22 @@ def dynamic_in(file: OpenedFile, specimen: Specimen) -> DynamicTest:
     """Return the dynamic test in an opened file."""
     # who names the columns says what they are, not what was swept
     by_numbers = detect_table_kind(file.table, file.options)[0] == "strain-sweep"
-    named = () if by_numbers else SWEEP_OPTIONS
-    channels.expect(file, ["dma", "master-curve"], "a sweep of frequency is", stated_columns=named)
-    wanted, ratio = sweep_columns(file)
-    chosen = channels.with_units(file, wanted)
-    loaded, values, unit, notes = parts_of(file, chosen, ratio)
+    sweep_options = () if by_numbers else SWEEP_OPTIONS
+    channels.expect(
+        file, ["dma", "master-curve"], "a sweep of frequency is", stated_columns=sweep_options
+    )
+    signal_roles, ratio = sweep_columns(file)
+    channels_chosen = channels.with_units(file, signal_roles)
+    loaded_columns, values, unit, notes = parts_of(file, channels_chosen, ratio)
     if "temperature" not in values:
-        warm = temperatures_of_segments(file, loaded)
-        if warm is not None:
-            values["temperature"] = warm[np.isfinite(loaded.values).all(axis=1)]
-            notes.append(f"{len(set(warm.tolist()))} temperatures, from the lines over each block")
+        temperature = temperatures_of_segments(file, loaded_columns)
+        if temperature is not None:
+            values["temperature"] = temperature[np.isfinite(loaded_columns.values).all(axis=1)]
+            notes.append(
+                f"{len(set(temperature.tolist()))} temperatures, from the lines over each block"
+            )
     if "temperature" not in values:
-        refuse_unlike_blocks(loaded, values)
+        refuse_unlike_blocks(loaded_columns, values)
         specimen, sentences = add_specimen_temperature(file, specimen)
         notes += sentences
     return DynamicTest(
@@ -68,7 +72,7 @@ def dynamic_in(file: OpenedFile, specimen: Specimen) -> DynamicTest:
         values.get("temperature"),
         unit,
         specimen,
-        channels.source(file, [c.message for c in chosen], notes),
+        channels.source(file, [c.message for c in channels_chosen], notes),
         units="SI",
     )
 
@@ -90,7 +94,9 @@ def convert_to_frf(sweep: DynamicTest) -> FRF:
     order = np.argsort(sweep.frequency, kind="stable")
     frequency = sweep.frequency[order]
     if (np.diff(frequency) <= 0).any():
-        twice = float(frequency[np.flatnonzero(np.diff(frequency) <= 0)[0]])
-        raise DataError(f"the sweep has {twice:g} Hz twice; expected each frequency once")
+        repeated_frequency = float(frequency[np.flatnonzero(np.diff(frequency) <= 0)[0]])
+        raise DataError(
+            f"the sweep has {repeated_frequency:g} Hz twice; expected each frequency once"
+        )
     source = () if sweep.source is None else (sweep.source,)
     return FRF(frequency, sweep.value[order], Kind.DYNAMIC_STIFFNESS, source=source, units="SI")

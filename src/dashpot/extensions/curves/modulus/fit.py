@@ -116,14 +116,15 @@ def fit_modulus(
         curve = RelaxationModulus(time, modulus, unit, specimen or Specimen(), source, units="SI")  # type: ignore[arg-type]
         data, origin = curve, UnshiftedCurve(sources_of([curve]))
     t, values, unit = data.time, data.modulus, data.unit
-    falls = modulus_falls(values)
-    if falls.failed:
+    modulus_check = modulus_falls(values)
+    if modulus_check.failed:
         raise DataError(
-            f"this is no relaxation modulus: {decapitalise_sentence(falls.message_with_remedy)}"
+            "this is no relaxation modulus: "
+            f"{decapitalise_sentence(modulus_check.message_with_remedy)}"
         )
-    most = validate_arm_count(arms, max_arms)
+    max_arm_count = validate_arm_count(arms, max_arms)
     window = _window(t)
-    block = _weight_curve(t, values, weights, window, most)
+    block = _weight_curve(t, values, weights, window, max_arm_count)
     selection = select_order(
         FitData([block], [block]), FitOptions(arms, max_arms=max_arms, thorough=thorough)
     )
@@ -133,8 +134,8 @@ def fit_modulus(
     end, band, band_error = _end(t, block, model, band)
     if band_error is not None:
         # a curve shows its modulus alone
-        missed = _misfit_in_band(model, t, values, band)
-        band_error = replace(band_error, misfit=(missed, 0.0))
+        misfit = _misfit_in_band(model, t, values, band)
+        band_error = replace(band_error, misfit=(misfit, 0.0))
     checks = plateau(
         model,
         float(selection.error[0]),
@@ -163,7 +164,7 @@ def fit_modulus(
         "relaxation modulus",
     )
     residual = replace(selection.residual, unit="1" if weights == "relative" else unit)
-    few = build_fit(
+    fit_with_few_arms = build_fit(
         selection.make_solid_estimate(residual),
         Evidence(
             band,
@@ -177,12 +178,16 @@ def fit_modulus(
         unit=unit,
         temperatures=origin.temperatures,
     )
-    later = t > 0
-    if arms != "auto" or weights != "relative" or later.sum() < _MIN_VALUES:
-        return few
+    is_positive_time = t > 0
+    if arms != "auto" or weights != "relative" or is_positive_time.sum() < _MIN_VALUES:
+        return fit_with_few_arms
     error = model.relaxation(t) / values - 1.0
     return dense_spectrum_if_needed(
-        few, error, origin, lambda: master_curve(t[later], values[later]), (*origin.checks, *checks)
+        fit_with_few_arms,
+        error,
+        origin,
+        lambda: master_curve(t[is_positive_time], values[is_positive_time]),
+        (*origin.checks, *checks),
     )
 
 
@@ -196,8 +201,8 @@ def _end(
     if len(t) < MIN_FREE_POINTS:
         return None, band, None
     shortest, longest = _window(t)
-    later = np.maximum(t, t[1])
-    data = curve_data(block, later, window=(shortest, 10 * longest))
+    positive_time = np.maximum(t, t[1])
+    data = curve_data(block, positive_time, window=(shortest, 10 * longest))
     end = end_of_curve(data, "curve", time=longest, model=model, extra=model.tau)
     early = BeforeCurve(data, float(t[t > 0][0]), model)
     spectra = spectra_of_curve(early, time=longest, extra=model.tau)
@@ -207,7 +212,7 @@ def _end(
 def _misfit_in_band(
     model: GeneralizedMaxwell, t: FloatArray, values: FloatArray, band: tuple[float, float]
 ) -> float:
-    """By how much the model misses a value of the curve in a band, relative to it, at most."""
+    """Return the largest relative misfit of the curve in a band."""
     with np.errstate(divide="ignore"):
         line = 1 / (2 * np.pi * t)
     error = np.abs(model.relaxation(t) / values - 1)
@@ -228,14 +233,14 @@ def _select_one_temperature(
 
 
 def _weight_curve(
-    t: FloatArray, values: FloatArray, weights: str, window: tuple[float, float], most: int
+    t: FloatArray, values: FloatArray, weights: str, window: tuple[float, float], max_arms: int
 ) -> DataBlock:
-    """The curve as rows, relative to what the best of up to `most` arms expects, or all alike."""
+    """Return the curve as rows, relative to the best model of up to `max_arms` arms, or equal."""
     first = _block(t, values, _weights(values, weights), window)
     if weights == "uniform":
         return first
     # the size of noisy data is a biased weight: low values would count most
-    expected = fit_single_test([first], [first], most).model.relaxation(t)
+    expected = fit_single_test([first], [first], max_arms).model.relaxation(t)
     return _block(t, values, 1 / np.maximum(expected, MIN_FITTED_SHARE * values), window)
 
 
@@ -256,9 +261,9 @@ def _weights(values: FloatArray, weights: str) -> FloatArray:
         return np.ones(len(values))
     if weights != "relative":
         raise FitError(f"weights = {weights!r}; expected 'relative' or 'uniform'")
-    bad = np.flatnonzero(values <= 0)
-    if bad.size:
-        i = int(bad[0])
+    bad_indices = np.flatnonzero(values <= 0)
+    if bad_indices.size:
+        i = int(bad_indices[0])
         raise DataError(
             f"modulus[{i}] = {values[i]:g}; relative weights need values > 0: cut the curve "
             "before it drowns in noise (Python: or weights='uniform')"

@@ -38,11 +38,11 @@ from dashpot.reading.table import Question
 def roles(file: OpenedFile) -> tuple[Role, ...]:
     """The columns that a relaxation modulus is read from, or strain and stress in its place."""
     curve, stress = (assign(file.table, role, file.options) for role in ("modulus", "stress"))
-    named = isinstance(curve, RoleAssignment)
+    is_named = isinstance(curve, RoleAssignment)
     # the only column in a unit of stress is the stress where a strain stands beside it
     if isinstance(curve, RoleAssignment) and isinstance(stress, RoleAssignment):
-        named = file.options.modulus is not None or curve.index != stress.index
-    return ("time", "modulus") if named or not holds_stress(file) else MATERIAL
+        is_named = file.options.modulus is not None or curve.index != stress.index
+    return ("time", "modulus") if is_named or not holds_stress(file) else MATERIAL
 
 
 def read_modulus(
@@ -69,19 +69,19 @@ def read_modulus(
         ]
         columns = channels.answered(file, assignments)
         _refuse_compliance(file, columns[1])
-        chosen, values, warm, notes = over_time(file, columns)
+        channels_chosen, values, temperature, notes = over_time(file, columns)
         specimen, sentences = add_specimen_temperature(file, specimen or Specimen())
         return RelaxationModulus(
             values["time"],
             values["modulus"],
-            si_unit(chosen[1].unit.dimension).word,
+            si_unit(channels_chosen[1].unit.dimension).word,
             specimen,
             channels.source(
                 file,
-                [channel.message for channel in chosen],
+                [channel.message for channel in channels_chosen],
                 (*file.table.notes, *notes, *sentences),
             ),
-            warm,
+            temperature,
             units="SI",
         )
 
@@ -102,26 +102,34 @@ def over_time(
     temperature = file.find_unambiguous_column("temperature")
     if temperature is not None and temperature.index not in {column.index for column in columns}:
         columns = [*columns, temperature]
-    chosen = channels.with_units(file, columns)
-    loaded = channels.load(file.table, [channel.index for channel in chosen], file.options.segment)
-    loaded = channels.filled_down(loaded, [channel.role for channel in chosen])
-    rows, notes = channels.select_complete_rows(loaded)
-    values = channels.convert_signals_to_si(rows, chosen)
-    warm = values.get("temperature", temperatures_of_segments(file, loaded))
-    if warm is not None:
-        warm = warm[np.isfinite(loaded.values).all(axis=1)] if len(warm) > len(rows) else warm
-    if not has_several_temperatures(warm):
-        warm = None
-        if len(loaded.starts) > 1:
-            notes = (*notes, check_joined_segments(loaded.values[:, 0], loaded))
-    return chosen, values, warm, notes
+    channels_chosen = channels.with_units(file, columns)
+    loaded_columns = channels.load(
+        file.table, [channel.index for channel in channels_chosen], file.options.segment
+    )
+    loaded_columns = channels.filled_down(
+        loaded_columns, [channel.role for channel in channels_chosen]
+    )
+    rows, notes = channels.select_complete_rows(loaded_columns)
+    values = channels.convert_signals_to_si(rows, channels_chosen)
+    row_temperature = values.get("temperature", temperatures_of_segments(file, loaded_columns))
+    if row_temperature is not None:
+        row_temperature = (
+            row_temperature[np.isfinite(loaded_columns.values).all(axis=1)]
+            if len(row_temperature) > len(rows)
+            else row_temperature
+        )
+    if not has_several_temperatures(row_temperature):
+        row_temperature = None
+        if len(loaded_columns.starts) > 1:
+            notes = (*notes, check_joined_segments(loaded_columns.values[:, 0], loaded_columns))
+    return channels_chosen, values, row_temperature, notes
 
 
 def _refuse_compliance(file: OpenedFile, item: RoleAssignment) -> None:
     """Refuse a column that is named a compliance, which rises where a modulus falls."""
     if "compliance" in file.table.columns[item.index].name.casefold():
-        what, advice, *_ = KINDS_OF_FILE["creep"]
+        kind_title, advice, *_ = KINDS_OF_FILE["creep"]
         raise ReadError(
-            f"{format_column(file.table.columns, item.index)} is a compliance, of {what}, where a "
-            f"relaxation modulus is expected: {advice}"
+            f"{format_column(file.table.columns, item.index)} is a compliance, of {kind_title}, "
+            f"where a relaxation modulus is expected: {advice}"
         )

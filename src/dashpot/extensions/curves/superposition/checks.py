@@ -38,21 +38,21 @@ _NEGLIGIBLE_DECADES = 0.1
 def isotherms_overlap(
     shared: FloatArray | Sequence[float],
     temperature: FloatArray | Sequence[float],
-    least: float = OVERLAP,
+    overlap_decades: float = OVERLAP,
 ) -> Finding:
     """Neighbouring temperatures share a range of relaxation times after the shift.
 
-    `shared` is of each pair of neighbours, shape (n - 1,), `temperature` K, (n,); `least` is what
-    they must share.
+    `shared` is of each pair of neighbours, shape (n - 1,), `temperature` K, (n,); `overlap_decades`
+    is what they must share.
     """
     i = int(np.argmin(shared))
     return Finding(
         f"{celsius(temperature[i])} and {celsius(temperature[i + 1])} share {shared[i]:.2g} "
-        f"decades of relaxation time; at least {least:g} are needed",
+        f"decades of relaxation time; at least {overlap_decades:g} are needed",
         float(shared[i]),
         "With less in common, the shift between them follows from the assumed spectrum alone",
         "Test at a temperature between them, or over more decades.",
-        limit=least,
+        limit=overlap_decades,
     )
 
 
@@ -79,12 +79,14 @@ def shift_monotone(step: FloatArray, error: FloatArray, temperature: FloatArray)
 
     `step` is log10 a_T of each temperature less that of the next colder one, with its `error`.
     """
-    rise = np.where(error > 0, step / np.where(error > 0, error, 1.0), np.sign(step) * np.inf)
-    rise = np.where(step == 0, 0.0, rise)
-    i = int(np.argmax(rise))
+    rise_over_error = np.where(
+        error > 0, step / np.where(error > 0, error, 1.0), np.sign(step) * np.inf
+    )
+    rise_over_error = np.where(step == 0, 0.0, rise_over_error)
+    i = int(np.argmax(rise_over_error))
     return Finding(
         "Relaxation is faster at every warmer temperature",
-        float(np.clip(rise[i], -1e9, 1e9)),
+        float(np.clip(rise_over_error[i], -1e9, 1e9)),
         failure=f"From {celsius(temperature[i])} to {celsius(temperature[i + 1])} relaxation times "
         f"grow by {step[i]:.2g} decades; warmth should shorten them",
         remedy="Look for exchanged files, a wrong temperature, or a specimen that changed.",
@@ -134,33 +136,33 @@ def collect_law_checks(
 
 @criterion("decades between law and shift", "<=", MAX_MISSED, "our choice: a factor 1.4 in time")
 def law_follows_shifts(
-    taken: LawScore, scores: Sequence[LawScore], *, requested: bool = False
+    selected_law: LawScore, scores: Sequence[LawScore], *, requested: bool = False
 ) -> Finding:
     """The shift law agrees with the shift factors within their errors.
 
     `scores` are of every law that was tried; `requested` if the user wants none.
     """
     laws = [score for score in scores if score.kind != "free"]
-    if taken.kind == "free":
-        none = "No law was fitted to the shifts; they reach no further than the tests"
+    if selected_law.kind == "free":
+        no_law_text = "No law was fitted to the shifts; they reach no further than the tests"
         if requested or not laws:
-            return Finding(none)
+            return Finding(no_law_text)
         best = min(laws, key=lambda score: score.missed)
         return Finding(
-            none,
+            no_law_text,
             best.missed,
             f"The nearest law, {best.kind}, is {best.missed:.2g} decades off at {celsius(best.at)}",
             "Look for a glass transition among the temperatures, or a wrong temperature.",
             always_fails=True,
         )
     return Finding(
-        f"The {taken.kind} law misses a shift by at most {taken.missed:.2g} decades, at "
-        f"{celsius(taken.at)}",
-        taken.missed,
+        f"The {selected_law.kind} law misses a shift by at most {selected_law.missed:.2g} decades, "
+        f"at {celsius(selected_law.at)}",
+        selected_law.missed,
         "That is more than chance. A glass transition among them or a wrong temperature may cause "
         "this",
         Remedy("Use the shifts themselves between the tested temperatures.", "shift", "free"),
-        always_passes=not taken.fails,
+        always_passes=not selected_law.fails,
     )
 
 
@@ -257,15 +259,15 @@ def collect_shift_checks(
     *,
     requested: bool = False,
 ) -> tuple[Check, ...]:
-    """How each shift lies against that of the next temperature, and the law against all.
+    """Return the checks of each shift against that of the next temperature, and of the law.
 
     `covariance` begins with that of the shifts; `requested` if none but they were asked for.
     """
     n = len(temperature)
-    between = np.diff(np.eye(n), axis=0)
-    step = between @ np.asarray(log10_a_t)
-    spread = np.diag(between @ covariance[:n, :n] @ between.T)
-    error = np.sqrt(np.maximum(spread, 0.0))
+    difference_matrix = np.diff(np.eye(n), axis=0)
+    step = difference_matrix @ np.asarray(log10_a_t)
+    variances = np.diag(difference_matrix @ covariance[:n, :n] @ difference_matrix.T)
+    error = np.sqrt(np.maximum(variances, 0.0))
     return (
         shifts_determined(error, temperature),
         shift_monotone(step, error, temperature),

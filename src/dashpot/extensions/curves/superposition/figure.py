@@ -87,17 +87,18 @@ def _make_sweep_panels(
     value = scale * solid.complex_stiffness(omega=2 * np.pi * f)
     measured = scale * curve.value
     letter = "E" if curve.unit == "Pa" else "K"
-    across = Scale(f"reduced {FREQUENCY}", (float(f[0]), float(f[-1])), log=True)
+    horizontal = Scale(f"reduced {FREQUENCY}", (float(f[0]), float(f[-1])), log=True)
     panels: list[Panel] = []
     for name, row, line in (
         (f"storage {letter}′", measured.real, value.real),
         (f"loss {letter}″", np.where(measured.imag > 0, measured.imag, np.nan), value.imag),
     ):
         dots = _dots(data, curve.frequency, row)
-        named = _make_temperature_tags(dots) if not panels else ()
+        temperature_tags = _make_temperature_tags(dots) if not panels else ()
         panels.append(
-            Panel(across, Scale(f"{name}, {word}", compute_padded_log_limits(row, line), log=True),
-                  (Line(f, line, _THIN, text), *dots, *named), height=220)
+            Panel(horizontal, Scale(f"{name}, {word}", compute_padded_log_limits(row, line),
+            log=True),
+                  (Line(f, line, _THIN, text), *dots, *temperature_tags), height=220)
         )  # fmt: skip
     size, angle = np.abs(measured), np.degrees(np.angle(measured))
     palmen = Panel(
@@ -122,14 +123,14 @@ def _make_curve_panels(
     t = np.geomspace(float(curve.time[0]), float(curve.time[-1]), 400)
     line, measured = scale * response(t), scale * value
     residual = 100 * (value / response(curve.time) - 1)
-    across = Scale(f"reduced {TIME}", (float(t[0]), float(t[-1])), log=True)
+    horizontal = Scale(f"reduced {TIME}", (float(t[0]), float(t[-1])), log=True)
     dots = _dots(data, curve.time, measured)
     upper = Panel(
-        across, Scale(f"{name}, {word}", compute_padded_log_limits(measured, line), log=True),
+        horizontal, Scale(f"{name}, {word}", compute_padded_log_limits(measured, line), log=True),
         (Line(t, line, _THIN, text), *dots, *_make_temperature_tags(dots)), height=220,
     )  # fmt: skip
     lower = Panel(
-        across, Scale("residual, %", compute_padded_limits(residual, np.zeros(1), margin=0.1)),
+        horizontal, Scale("residual, %", compute_padded_limits(residual, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), *_dots(data, curve.time, residual)), height=220,
     )  # fmt: skip
     return upper, lower
@@ -143,13 +144,15 @@ def shift_panel(shifts: TemperatureShifts) -> Panel:
     dense = np.linspace(t[0], t[-1], 200)
     law = shifts.law.log10_a_t(dense)
     celsius, at = convert_to_unit(dense, "degC"), convert_to_unit(t, "degC")
-    named = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "between the shifts")
+    law_name = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "between the shifts")
     marks: list[Mark] = []
     if shifts.law_parameters:
-        wide = 2 / np.log(10.0) * np.array([shifts.error(float(value))[0] for value in dense])
-        marks.append(Area(celsius, law - wide, law + wide, "fit", "± 2 standard errors"))
+        half_width = 2 / np.log(10.0) * np.array([shifts.error(float(value))[0] for value in dense])
+        marks.append(
+            Area(celsius, law - half_width, law + half_width, "fit", "± 2 standard errors")
+        )
     marks += [
-        Line(celsius, law, FIT, named),
+        Line(celsius, law, FIT, law_name),
         Dots(at, log10, "measured", "shift", error=error),
     ]
     return Panel(
@@ -162,13 +165,13 @@ def shift_panel(shifts: TemperatureShifts) -> Panel:
 def _dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
     """Return the samples, in as many colours as there are for temperatures."""
     celsius = convert_to_unit(data.temperature, "degC")
-    every = np.unique(celsius)
-    classes = np.array_split(every, min(len(every), len(SEQUENTIAL)))
+    temperatures = np.unique(celsius)
+    classes = np.array_split(temperatures, min(len(temperatures), len(SEQUENTIAL)))
     dots = []
     for colour, part in zip(sequential(len(classes)), classes, strict=True):
         selected = np.isin(celsius, part)
-        ends = dict.fromkeys(f"{end:.0f}".replace("-", "−") for end in (part[0], part[-1]))
-        label = f"{' to '.join(ends)} °C"
+        end_texts = dict.fromkeys(f"{end:.0f}".replace("-", "−") for end in (part[0], part[-1]))
+        label = f"{' to '.join(end_texts)} °C"
         dots.append(Dots(x[selected], y[selected], colour, label, size=_DOT))
     return dots
 
@@ -177,9 +180,9 @@ def _make_temperature_tags(dots: list[Dots]) -> list[Tag]:
     """Return the temperatures, each at the middle of its samples."""
     tags = []
     for dot in dots:
-        seen = np.flatnonzero(np.isfinite(dot.y))
-        if len(seen):
-            at = seen[np.argsort(dot.x[seen])[len(seen) // 2]]
+        finite_indices = np.flatnonzero(np.isfinite(dot.y))
+        if len(finite_indices):
+            at = finite_indices[np.argsort(dot.x[finite_indices])[len(finite_indices) // 2]]
             tags.append(Tag(float(dot.x[at]), float(dot.y[at]), dot.label, dot.colour, bold=True))
     return tags
 

@@ -69,8 +69,8 @@ class Isotherm:
     @property
     def window(self) -> tuple[float, float]:
         """The shortest and the longest relaxation time that it sees there, natural logarithms."""
-        ends = np.log(self.at[[0, -1]])
-        low, high = -ends[::-1] if self.domain == "frequency" else ends
+        log_range = np.log(self.at[[0, -1]])
+        low, high = -log_range[::-1] if self.domain == "frequency" else log_range
         return float(low), float(high)
 
     @property
@@ -127,17 +127,19 @@ def join_tests(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Sou
             "a master curve takes tests of one kind and one unit: sweeps, or relaxation moduli, "
             "or creep compliances, all of a material or all of a part"
         )
-    warm = [_with_temperature(test, i) for i, test in enumerate(tests, start=1)]
+    temperatures = [_with_temperature(test, i) for i, test in enumerate(tests, start=1)]
 
     def all_of(name: str) -> FloatArray:
-        return np.concatenate([getattr(test, name) for test in warm])
+        return np.concatenate([getattr(test, name) for test in temperatures])
 
-    names = (*_COLUMNS[type(warm[0])], "temperature")
+    names = (*_COLUMNS[type(temperatures[0])], "temperature")
     columns = [all_of(name) for name in names]
     # a row that stands twice is one measurement
-    retained = np.sort(np.unique(np.column_stack(columns), axis=0, return_index=True)[1])
-    whole: Any = dict(zip(names, (column[retained] for column in columns), strict=True))
-    return replace(warm[0], **whole), sources_of(tests)
+    row_indices = np.sort(np.unique(np.column_stack(columns), axis=0, return_index=True)[1])
+    columns_by_name: Any = dict(
+        zip(names, (column[row_indices] for column in columns), strict=True)
+    )
+    return replace(temperatures[0], **columns_by_name), sources_of(tests)
 
 
 def _with_temperature(test: Measured, number: int) -> Measured:
@@ -169,36 +171,38 @@ def isotherms_of(data: Measured) -> tuple[Isotherm, ...]:
     if data.temperature is None:
         raise FitError("the test has no temperatures, so nothing can be shifted")
     isotherms = []
-    for chosen in _groups(data.temperature):
-        kelvin = median(data.temperature[chosen])
-        if len(chosen) < MIN_VALUES:
+    for sample_indices in _groups(data.temperature):
+        kelvin = median(data.temperature[sample_indices])
+        if len(sample_indices) < MIN_VALUES:
             raise FitError(
                 f"there is one value at {celsius(kelvin)}; a shift needs at least "
                 f"{MIN_VALUES} frequencies or times at each temperature: leave it out"
             )
         if isinstance(data, DynamicTest):
-            part = data.only(chosen[np.argsort(data.frequency[chosen], kind="stable")])
+            part = data.only(
+                sample_indices[np.argsort(data.frequency[sample_indices], kind="stable")]
+            )
             size = np.abs(part.value)
             _above_zero(part.storage, kelvin)
-            both = np.concatenate((size, size))
-            value = np.concatenate((part.storage, part.loss)) / both
-            isotherms.append(Isotherm(kelvin, "frequency", part.omega, value, both))
+            both_parts = np.concatenate((size, size))
+            value = np.concatenate((part.storage, part.loss)) / both_parts
+            isotherms.append(Isotherm(kelvin, "frequency", part.omega, value, both_parts))
         else:
-            rising = chosen[np.argsort(data.time[chosen], kind="stable")]
+            sorted_indices = sample_indices[np.argsort(data.time[sample_indices], kind="stable")]
             name = _COLUMNS[type(data)][1]
-            time, values = data.time[rising], getattr(data, name)[rising]
+            time, values = data.time[sorted_indices], getattr(data, name)[sorted_indices]
             _above_zero(values, kelvin, name)
             _above_zero(time, kelvin, "time")
             domain: Domain = "time" if isinstance(data, RelaxationModulus) else "creep"
-            isotherms.append(Isotherm(kelvin, domain, time, np.ones(len(chosen)), values))
+            isotherms.append(Isotherm(kelvin, domain, time, np.ones(len(sample_indices)), values))
     return tuple(isotherms)
 
 
-def _above_zero(values: FloatArray, kelvin: float, what: str = "modulus") -> None:
+def _above_zero(values: FloatArray, kelvin: float, quantity_name: str = "modulus") -> None:
     if (values <= 0).any():
         raise FitError(
-            f"a {what} at {celsius(kelvin)} is {values.min():g}; expected > 0, so that errors can "
-            "be relative and times be shifted: leave it out"
+            f"a {quantity_name} at {celsius(kelvin)} is {values.min():g}; expected > 0, so that "
+            "errors can be relative and times be shifted: leave it out"
         )
 
 
@@ -207,11 +211,11 @@ def _groups(temperature: FloatArray) -> list[IndexArray]:
     groups: list[list[int]] = []
     for i in np.argsort(temperature, kind="stable"):
         t = temperature[i]
-        near = groups and (
+        is_same_group = groups and (
             t - temperature[groups[-1][-1]] <= ONE_TEMPERATURE / 2
             and t - temperature[groups[-1][0]] <= ONE_TEMPERATURE
         )
-        if near:
+        if is_same_group:
             groups[-1].append(int(i))
         else:
             groups.append([int(i)])

@@ -63,7 +63,7 @@ class ShiftedSpectrum:
 
     @property
     def values(self) -> int:
-        """How many residuals there are."""
+        """Number of residuals."""
         return len(self.optimum.residual)
 
     @property
@@ -83,17 +83,17 @@ class ShiftedSpectrum:
 
     @property
     def bic(self) -> float:
-        """Of the spectrum and the shifts, what was known of these counted in."""
+        """BIC of the spectrum and the shifts, with their priors."""
         return bic(self.optimum.cost, effective=self.values, parameters=self.parameters)
 
     @property
     def deviance(self) -> float:
-        """Of the data alone, as part of a BIC."""
+        """Deviance of the data alone, as part of a BIC."""
         return deviance(self.sse, effective=self.values)
 
     @property
     def covariance(self) -> FloatArray:
-        """Of the free shifts, natural logarithms."""
+        """Covariance of the free shifts, natural logarithms."""
         return white(self.optimum.projected_jacobian, self.variance)
 
 
@@ -149,7 +149,7 @@ class ShiftSearch:
         return ln_a, ln_b
 
     def rows(self, theta: FloatArray) -> Rows:
-        """Of every isotherm, and what is known of the steps between neighbours."""
+        """Return the rows of every isotherm, and of the priors of steps between neighbours."""
         ln_a, ln_b = self.split_shifts(theta)
         n, prior = len(ln_a), _prior(self.isotherms, self.noise)
         group = list(zip(self.isotherms, ln_a.tolist(), ln_b.tolist(), strict=True))
@@ -160,13 +160,13 @@ class ShiftSearch:
         y = np.concatenate((*(isotherm.value for isotherm in self.isotherms), -prior @ ln_a))
 
         def slope(h: FloatArray) -> FloatArray:
-            by, start = np.zeros((len(y), 2 * n)), 0
+            derivative, start = np.zeros((len(y), 2 * n)), 0
             for i, (isotherm, a, b) in enumerate(group):
                 rows = slice(start, start := start + len(isotherm.value))
-                by[rows, i] = isotherm.vertical(b) * isotherm.slope(self.ln_tau, a, h[1:])
-                by[rows, n + i] = np.log(isotherm.vertical(1.0)) * (columns[i] @ h)
-            by[start:, :n] = prior
-            return by[:, self.free]
+                derivative[rows, i] = isotherm.vertical(b) * isotherm.slope(self.ln_tau, a, h[1:])
+                derivative[rows, n + i] = np.log(isotherm.vertical(1.0)) * (columns[i] @ h)
+            derivative[start:, :n] = prior
+            return derivative[:, self.free]
 
         return Rows(y, A, slope)
 
@@ -175,7 +175,11 @@ class ShiftSearch:
         """The best there is from the start."""
         start = self.shifts[self.free]
         best = require_optimum(
-            self.problem, [start], most=_STEPS, finished=_STILL, flat=_LEAST_GAIN
+            self.problem,
+            [start],
+            max_steps=_STEPS,
+            step_tolerance=_STILL,
+            cost_tolerance=_LEAST_GAIN,
         )
         return ShiftedSpectrum(*self.split_shifts(best.theta), self.ln_tau, best)
 
@@ -184,8 +188,8 @@ def spectrum_at(
     isotherms: Sequence[Isotherm], ln_a: FloatArray, ln_b: FloatArray, ln_tau: FloatArray
 ) -> ShiftedSpectrum:
     """Return the spectrum at given shifts."""
-    none = np.zeros(0, dtype=np.intp)
-    return ShiftSearch(isotherms, ln_tau, np.concatenate((ln_a, ln_b)), none).best_spectrum
+    no_indices = np.zeros(0, dtype=np.intp)
+    return ShiftSearch(isotherms, ln_tau, np.concatenate((ln_a, ln_b)), no_indices).best_spectrum
 
 
 def solve_shifts(
@@ -215,9 +219,9 @@ def solve_shifts(
         spectrum = ShiftSearch(
             isotherms, grid, np.concatenate((ln_a, ln_b)), free, noise
         ).best_spectrum
-        far = float(np.abs(spectrum.ln_a - ln_a).max())
+        change = float(np.abs(spectrum.ln_a - ln_a).max())
         ln_a = spectrum.ln_a
-        if far < _REGRID:
+        if change < _REGRID:
             break
     return spectrum
 
@@ -231,10 +235,10 @@ def refine_shifts(
     free_b: bool = False,
 ) -> ShiftedSpectrum:
     """Return the shifts from those found, on a finer grid; with `free_b`, ln b moves too."""
-    fine = grid_of(isotherms, spectrum.ln_a, per_decade=FINE)
-    free = _free(len(isotherms), reference, both=free_b)
+    fine_grid = grid_of(isotherms, spectrum.ln_a, per_decade=FINE)
+    free = _free(len(isotherms), reference, with_vertical=free_b)
     return ShiftSearch(
-        isotherms, fine, np.concatenate((spectrum.ln_a, spectrum.ln_b)), free, noise
+        isotherms, fine_grid, np.concatenate((spectrum.ln_a, spectrum.ln_b)), free, noise
     ).best_spectrum
 
 
@@ -247,7 +251,7 @@ def vertical_step(
     degrees of freedom where the rule of b_T holds.
     """
     n, shifts = len(isotherms), np.concatenate((best.ln_a, best.ln_b))
-    free = _free(n, reference, both=True)
+    free = _free(n, reference, with_vertical=True)
     problem = ShiftSearch(isotherms, best.ln_tau, shifts, free, noise).problem
     point = problem.solve_linear(shifts[free], best.optimum.beta > 0)
     step = -np.linalg.lstsq(point.projected_jacobian, point.all_residuals, rcond=None)[0]
@@ -256,10 +260,10 @@ def vertical_step(
     return values[n:], float(-step @ point.gradient / max(best.variance, 1e-300))
 
 
-def _free(count: int, reference: int, *, both: bool = False) -> IndexArray:
-    """Return which of ln a and, with `both`, ln b move."""
-    away = np.delete(np.arange(count), reference)
-    return np.concatenate((away, away + count)) if both else away
+def _free(count: int, reference: int, *, with_vertical: bool = False) -> IndexArray:
+    """Return which of ln a and, with `with_vertical`, ln b move."""
+    free_indices = np.delete(np.arange(count), reference)
+    return np.concatenate((free_indices, free_indices + count)) if with_vertical else free_indices
 
 
 def _prior(isotherms: Sequence[Isotherm], noise: float) -> FloatArray:

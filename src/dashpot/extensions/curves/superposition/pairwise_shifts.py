@@ -31,13 +31,13 @@ def chain_shifts(pairs: Iterable[tuple[Problem, FloatArray]], reference: int) ->
     return np.asarray(chain - chain[reference])
 
 
-def _best(problem: Problem, falls: FloatArray) -> float:
-    cost, near = [], None
-    for fall in falls:
-        optimum = problem.solve_linear(np.array([fall]), near)
-        near = optimum.beta > 0
+def _best(problem: Problem, log_shifts: FloatArray) -> float:
+    cost, is_best_interior = [], None
+    for log_shift in log_shifts:
+        optimum = problem.solve_linear(np.array([log_shift]), is_best_interior)
+        is_best_interior = optimum.beta > 0
         cost.append(optimum.cost)
-    return float(falls[int(np.argmin(cost))])
+    return float(log_shifts[int(np.argmin(cost))])
 
 
 def chained_starts(isotherms: Sequence[Isotherm], ln_b: FloatArray, reference: int) -> FloatArray:
@@ -49,9 +49,9 @@ def _falls(
     pair: tuple[Isotherm, Isotherm], ln_b: tuple[float, float]
 ) -> tuple[Problem, FloatArray]:
     shared = min(isotherm.window[1] - isotherm.window[0] for isotherm in pair) / _LN10
-    farthest = min(max(shared - OVERLAP, _LEAST), _FARTHEST)
-    falls = _LN10 * np.arange(0.0, farthest + _STEP / 2, _STEP)
+    max_decades = min(max(shared - OVERLAP, _LEAST), _FARTHEST)
+    log_shifts = _LN10 * np.arange(0.0, max_decades + _STEP / 2, _STEP)
     # of all that are tried, so that each knows where the spectrum of the last had weight
-    grid = grid_of((pair[0], *pair), np.array([falls[-1], 0.0, 0.0]))
+    grid = grid_of((pair[0], *pair), np.array([log_shifts[-1], 0.0, 0.0]))
     search = ShiftSearch(pair, grid, np.array([0.0, 0.0, *ln_b]), np.array([0]))
-    return search.problem, falls
+    return search.problem, log_shifts

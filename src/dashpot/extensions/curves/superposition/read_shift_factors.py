@@ -45,17 +45,17 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
                 "no column is named a_T, log a_T or ln a_T; the columns are "
                 f"{list_columns(file.table.columns)}"
             )
-        wanted = [columns[0].index, *(index for index, _ in available.values())]
+        column_indices = [columns[0].index, *(index for index, _ in available.values())]
         rows, _ = channels.select_complete_rows(
-            channels.load(file.table, wanted, file.options.segment)
+            channels.load(file.table, column_indices, file.options.segment)
         )
         kelvin = channels.si(rows[:, 0].copy(), columns[0].unit)
         if len(set(kelvin.tolist())) < len(kelvin):
             raise ReadError("a temperature stands in the table of shifts twice")
-        values, nil = dict(zip(available, rows.T[1:], strict=True)), np.zeros(len(rows))
+        values, zeros = dict(zip(available, rows.T[1:], strict=True)), np.zeros(len(rows))
         log10_a = _decadic(values["a"], available["a"][1])
-        log10_b = _decadic(values["b"], available["b"][1]) if "b" in available else nil
-        error = values.get("se", nil)
+        log10_b = _decadic(values["b"], available["b"][1]) if "b" in available else zeros
+        error = values.get("se", zeros)
     return tuple(
         Shift(float(kelvin[i]), float(log10_a[i]), float(error[i]), float(10 ** log10_b[i]))
         for i in np.argsort(kelvin)
@@ -64,9 +64,9 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
 
 def _join_name_words(column: Column) -> str:
     """Return a column's name in one word; what looks like a unit in log(a_T) is none."""
-    whole = normalise_name(f"{column.name} {column.unit or ''}").replace(" ", "")
-    parted = _HORIZONTAL.fullmatch(whole) or _VERTICAL.fullmatch(whole)
-    return whole if parted else normalise_name(column.name).replace(" ", "")
+    joined_name = normalise_name(f"{column.name} {column.unit or ''}").replace(" ", "")
+    name_match = _HORIZONTAL.fullmatch(joined_name) or _VERTICAL.fullmatch(joined_name)
+    return joined_name if name_match else normalise_name(column.name).replace(" ", "")
 
 
 def _find_column(names: list[str], pattern: re.Pattern[str]) -> tuple[int, str] | None:

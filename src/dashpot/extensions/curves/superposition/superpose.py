@@ -110,9 +110,11 @@ def superpose(
     at = _reference(t, convert_to_si(reference, "temperature"))
     parts = _fit_isotherms_separately(isotherms)
     if shifts:
-        best, how, checks = _apply_stated_shifts(isotherms, shifts, at)
+        best, vertical_rule, checks = _apply_stated_shifts(isotherms, shifts, at)
     else:
-        best, how, checks = _search_shifts(isotherms, at, vertical, np.sqrt(parts.variance))
+        best, vertical_rule, checks = _search_shifts(
+            isotherms, at, vertical, np.sqrt(parts.variance)
+        )
     covariance = _decadic(best, at)
     table = shifts_with(t, best.ln_a / _LN10, np.exp(best.ln_b), covariance)
     shift_covariance = (
@@ -122,7 +124,7 @@ def superpose(
         t, [shift.log10_a_t for shift in table], shift_covariance, reference=float(t[at]), law=law
     )  # fmt: skip
     temperatures = TemperatureShifts(
-        law_fit.law, table, covariance, law_fit.parameters, law_fit.covariance, how
+        law_fit.law, table, covariance, law_fit.parameters, law_fit.covariance, vertical_rule
     )
     solid, rms = _solid(isotherms, best)
     curve, measured_at = _master(test, isotherms, best, float(t[at]))
@@ -138,12 +140,12 @@ def superpose(
             *checks,
         ),
         sources,
-        (_step(isotherms, temperatures, law_fit, provided=bool(shifts)),),
+        (_step(isotherms, temperatures, law_fit, are_stated=bool(shifts)),),
     )
 
 
 class _SeparateSpectra(NamedTuple):
-    """What the isotherms leave, each with a spectrum of its own."""
+    """Residuals of the isotherms, each with a spectrum of its own."""
 
     sse: float
     dof: int
@@ -156,8 +158,8 @@ class _SeparateSpectra(NamedTuple):
         """Return mean square of the joint fit over this, and what that reaches by chance."""
         if self.dof < _LEAST_DOF or self.sse <= 0:
             return None, 1.0
-        more = best.values - best.parameters - self.dof
-        by_chance = 1 + 3 * np.sqrt(2 * max(more, 1)) / self.dof
+        extra_parameters = best.values - best.parameters - self.dof
+        by_chance = 1 + 3 * np.sqrt(2 * max(extra_parameters, 1)) / self.dof
         return best.variance / self.variance, float(by_chance)
 
 
@@ -171,13 +173,13 @@ def _fit_isotherms_separately(isotherms: Sequence[Isotherm]) -> _SeparateSpectra
 
 
 def _reference(t: FloatArray, target: float | None) -> int:
-    nearest = int(np.argmin(np.abs(t - (ROOM if target is None else target))))
-    if target is not None and abs(t[nearest] - target) > ONE_TEMPERATURE:
+    nearest_index = int(np.argmin(np.abs(t - (ROOM if target is None else target))))
+    if target is not None and abs(t[nearest_index] - target) > ONE_TEMPERATURE:
         raise FitError(
             f"no test within {ONE_TEMPERATURE:g} K of the reference of {celsius(target)}; tested "
             f"were {', '.join(celsius(item) for item in t)}"
         )
-    return nearest
+    return nearest_index
 
 
 def _search_shifts(
@@ -185,27 +187,33 @@ def _search_shifts(
 ) -> tuple[ShiftedSpectrum, str, tuple[Check, ...]]:
     """Return the shifts by the vertical rule that was asked for, or that BIC takes."""
     t = np.array([isotherm.temperature for isotherm in isotherms])
-    rules = {"1": np.zeros(len(t)), "T/T_r": np.log(t / t[at])}
+    log_b_by_rule = {"1": np.zeros(len(t)), "T/T_r": np.log(t / t[at])}
     requested = {"auto": ("1", "T/T_r"), "free": ("1",)}.get(vertical, (vertical,))
     spectra: dict[str, ShiftedSpectrum] = {}
     for name in requested:
-        start = chained_starts(isotherms, rules[name], at)
-        spectra[name] = solve_shifts(isotherms, start, rules[name], reference=at, noise=noise)
-    how = min(spectra, key=lambda name: spectra[name].bic)
+        start = chained_starts(isotherms, log_b_by_rule[name], at)
+        spectra[name] = solve_shifts(
+            isotherms, start, log_b_by_rule[name], reference=at, noise=noise
+        )
+    vertical_rule = min(spectra, key=lambda name: spectra[name].bic)
     free = vertical == "free"
-    best = refine_shifts(isotherms, spectra[how], reference=at, noise=noise, free_b=free)
+    best = refine_shifts(isotherms, spectra[vertical_rule], reference=at, noise=noise, free_b=free)
     if free:
         return best, "free", (vertical_shift_determined("free", 0.0, 0.0),)
     step, score = vertical_step(isotherms, best, reference=at, noise=noise)
-    followed = vertical_rule_holds(step, score, t)
+    rule_check = vertical_rule_holds(step, score, t)
     if vertical != "auto":
-        return best, how, (followed,)
-    other = next(spectrum for name, spectrum in spectra.items() if name != how)
-    difference = float(np.abs(other.ln_a - spectra[how].ln_a).max()) / _LN10
+        return best, vertical_rule, (rule_check,)
+    other = next(spectrum for name, spectrum in spectra.items() if name != vertical_rule)
+    difference = float(np.abs(other.ln_a - spectra[vertical_rule].ln_a).max()) / _LN10
     # the support of a spectrum is a rough count: what both measures say is known
-    taken = spectra[how]
-    margin = min(other.bic - taken.bic, other.deviance - taken.deviance)
-    return best, how, (vertical_shift_determined(how, margin, difference), followed)
+    spectrum = spectra[vertical_rule]
+    margin = min(other.bic - spectrum.bic, other.deviance - spectrum.deviance)
+    return (
+        best,
+        vertical_rule,
+        (vertical_shift_determined(vertical_rule, margin, difference), rule_check),
+    )
 
 
 def _apply_stated_shifts(
@@ -225,8 +233,8 @@ def _apply_stated_shifts(
     ln_a = _LN10 * np.array([shift.log10_a_t for shift in stated_shifts])
     ln_b = np.log([shift.b_t for shift in stated_shifts])
     ln_a, ln_b = ln_a - ln_a[at], ln_b - ln_b[at]
-    how = "free" if ln_b.any() else "1"
-    return spectrum_at(isotherms, ln_a, ln_b, grid_of(isotherms, ln_a)), how, ()
+    vertical_rule = "free" if ln_b.any() else "1"
+    return spectrum_at(isotherms, ln_a, ln_b, grid_of(isotherms, ln_a)), vertical_rule, ()
 
 
 # -- what is known of the shifts ------------------------------------------------------------------
@@ -235,13 +243,13 @@ def _apply_stated_shifts(
 def _decadic(best: ShiftedSpectrum, at: int) -> FloatArray:
     """Return the covariance of log10 a_T, then ln b_T, of every temperature, shape (2 n, 2 n)."""
     n = len(best.ln_a)
-    away = np.delete(np.arange(n), at)
-    free = np.concatenate((away, away + n))[: len(best.optimum.theta)]
-    full = np.zeros((2 * n, 2 * n))
+    free_indices = np.delete(np.arange(n), at)
+    free = np.concatenate((free_indices, free_indices + n))[: len(best.optimum.theta)]
+    full_covariance = np.zeros((2 * n, 2 * n))
     if len(free):
         scale = np.where(free < n, 1 / _LN10, 1.0)
-        full[np.ix_(free, free)] = best.covariance * np.outer(scale, scale)
-    return full
+        full_covariance[np.ix_(free, free)] = best.covariance * np.outer(scale, scale)
+    return full_covariance
 
 
 def _collect_checks(
@@ -261,11 +269,11 @@ def _collect_checks(
 
 def _compute_overlap(isotherms: Sequence[Isotherm], best: ShiftedSpectrum) -> FloatArray:
     """Return the decades of reduced time that neighbours share, negative for a gap, (n - 1,)."""
-    ends = np.array([isotherm.window for isotherm in isotherms]) - best.ln_a[:, None]
+    log_ranges = np.array([isotherm.window for isotherm in isotherms]) - best.ln_a[:, None]
     return np.array(
         [
             (min(item[1], two[1]) - max(item[0], two[0])) / _LN10
-            for item, two in pairwise(ends)
+            for item, two in pairwise(log_ranges)
         ]
     )  # fmt: skip
 
@@ -291,14 +299,14 @@ def _solid(
         closer = at_rest.deviance - spectrum.deviance
         if closer < MIN_BIC_MARGIN or at_rest.rms < _NO_MATTER:
             h, spectrum = np.append(at_rest.optimum.beta, 0.0), at_rest
-        d, there = h[1:-1], h[1:-1] > 0
+        d, is_positive = h[1:-1], h[1:-1] > 0
         creep = CreepSpectrum(
-            float(h[0]), tuple(d[there]), tuple(tau[:-1][there]), float(h[-1] / tau[-1])
+            float(h[0]), tuple(d[is_positive]), tuple(tau[:-1][is_positive]), float(h[-1] / tau[-1])
         )
         solid = GeneralizedMaxwell(*relaxation_spectrum(creep))
     else:
-        k, there = h[1:], h[1:] > 0
-        solid = GeneralizedMaxwell(float(h[0]), tuple(k[there]), tuple(tau[there]))
+        k, is_positive = h[1:], h[1:] > 0
+        solid = GeneralizedMaxwell(float(h[0]), tuple(k[is_positive]), tuple(tau[is_positive]))
     return solid, spectrum.rms
 
 
@@ -337,19 +345,19 @@ def _step(
     temperatures: TemperatureShifts,
     law_fit: ShiftLawFit,
     *,
-    provided: bool,
+    are_stated: bool,
 ) -> Step:
-    cold, warm = temperatures.tested_range
+    cold, hottest = temperatures.tested_range
     scores = ", ".join(f"{score.kind} {score.bic:.4g}" for score in law_fit.scores)
     options = (
         ("reference", f"{temperatures.reference:g} K"),
         ("law", temperatures.law.kind),
         ("vertical", temperatures.vertical),
-        ("shifts", "given" if provided else "fitted"),
+        ("shifts", "given" if are_stated else "fitted"),
     )
     message = (
-        f"shifted {len(isotherms)} temperatures from {celsius(cold)} to {celsius(warm)} onto one "
-        f"spectrum at {celsius(temperatures.reference)}, b_T = {temperatures.vertical}, and laid "
-        f"a law through the shifts (BIC: {scores})"
+        f"shifted {len(isotherms)} temperatures from {celsius(cold)} to {celsius(hottest)} onto "
+        f"one spectrum at {celsius(temperatures.reference)}, b_T = {temperatures.vertical}, and "
+        f"laid a law through the shifts (BIC: {scores})"
     )
     return Step("superpose", options, message)

@@ -46,26 +46,26 @@ def thermorheologically_simple(
     is the additional shift of each decade of tau, and its error, by the data alone: a prior would
     hide what two temperatures show.
     """
-    text, faulted = "", False
+    text, has_failed = "", False
     if slope is not None and abs(slope[0]) > MAX_BACK * slope[1]:
         text = (
             f"By the data alone slow arms shift {100 * slope[0]:+.2g} ± {100 * slope[1]:.1g} % "
             "further per decade"
         )
-        faulted = abs(slope[0]) > MAX_SHIFT_SLOPE
-    missed = (
+        has_failed = abs(slope[0]) > MAX_SHIFT_SLOPE
+    misfit_text = (
         f"One model does not explain the tests: it misses the force by {100 * excess:.2g} % of the "
         "peak. The arms do not shift together, or a temperature drifted"
     )
-    result = (missed,) if chance < CHANCE else ()
-    stated = ". ".join((*result, text) if text else (missed,))
+    result = (misfit_text,) if chance < CHANCE else ()
+    sentence = ". ".join((*result, text) if text else (misfit_text,))
     return Finding(
         f"One model explains the tests at {temperatures} temperatures (probability {chance:.2g} "
         f"by chance){text and '. '}{text}",
         chance,
-        failure=f"{stated}. The stiffness outside the band of each test is not supported",
+        failure=f"{sentence}. The stiffness outside the band of each test is not supported",
         remedy="Fit each temperature alone.",
-        always_fails=faulted,
+        always_fails=has_failed,
         always_passes=excess < ROUNDING,
         grade="stop" if excess > TOO_MUCH else "limit",
     )
@@ -87,15 +87,15 @@ def temperature_steady(warming: Sequence[Nuisance]) -> Finding:
 @criterion("|ln b_T - ln T/T_r|", "<=", ELSEWISE, "our choice: three times what rubbers show")
 def stiffness_of_one_seal(shifts: TemperatureShifts) -> Finding:
     """The stiffness is about proportional to absolute temperature, as rubber's is."""
-    away = [
+    log_deviations = [
         float(np.log(shift.b_t * shifts.reference / shift.temperature)) for shift in shifts.shifts
     ]
-    worst = int(np.argmax(np.abs(away)))
+    worst = int(np.argmax(np.abs(log_deviations)))
     at = celsius(shifts.shifts[worst].temperature)
     return Finding(
-        f"At {at} every stiffness differs by {100 * np.expm1(away[worst]):+.2g} % from rubber "
-        "elasticity",
-        abs(away[worst]),
+        f"At {at} every stiffness differs by {100 * np.expm1(log_deviations[worst]):+.2g} % from "
+        "rubber elasticity",
+        abs(log_deviations[worst]),
         remedy="Check specimen, depth, length and temperature.",
     )
 

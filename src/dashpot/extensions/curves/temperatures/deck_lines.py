@@ -29,14 +29,14 @@ def format_law_lines(shifts: TemperatureShifts) -> list[str]:
             f"E/R = {text(law.energy / GAS)} K, {reference}"
         )
     else:
-        listed = ", ".join(
+        shifts_text = ", ".join(
             f"{text(shift.log10_a_t)} at {text(shift.temperature)} K" for shift in shifts.shifts
         )
-        message = f"none; log10 a_T is {listed}, straight in 1/T between them"
-    follows = f"relaxation times go with a_T{_format_stiffness_shift(shifts)}"
+        message = f"none; log10 a_T is {shifts_text}, straight in 1/T between them"
+    sentence = f"relaxation times go with a_T{_format_stiffness_shift(shifts)}"
     return [
         f"temperature law: {message}",
-        f"  tested from {celsius(low)} to {celsius(high)}; {follows}",
+        f"  tested from {celsius(low)} to {celsius(high)}; {sentence}",
         "  the numbers here are those of T_r; --temperature asks for others",
     ]
 
@@ -58,8 +58,8 @@ def _format_stiffness_shift(shifts: TemperatureShifts) -> str:
         return ""
     if shifts.vertical == "T/T_r":
         return ", stiffnesses with b_T = T/T_r"
-    ends = " to ".join(
+    range_text = " to ".join(
         f"{b:.4g} at {celsius(value)}"
         for b, value in zip((low, high), shifts.tested_range, strict=True)
     )
-    return f", stiffnesses with b_T = {ends}"
+    return f", stiffnesses with b_T = {range_text}"

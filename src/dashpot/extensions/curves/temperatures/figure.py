@@ -45,21 +45,23 @@ def temperatures(fit: Fit, tests: Sequence[RampHold], *, stamp: str = "") -> Pic
     cold_first = sorted(tests, key=lambda test: test.specimen.temperature or 0.0)
     shortest = min(0.1 * test.ramp_time for test in tests)
     longest = max(test.hold_end - test.onset for test in tests)
-    shown: list[FloatArray] = []
+    shown_forces: list[FloatArray] = []
     for test, colour in zip(cold_first, sequential(len(cold_first)), strict=True):
-        since = test.time - test.onset
-        inside = (since >= shortest) & (since <= test.hold_end - test.onset)
-        x, y = downsample_to_extremes(since[inside], test.force[inside], bins=400, log=True)
+        time_since_onset = test.time - test.onset
+        in_range = (time_since_onset >= shortest) & (time_since_onset <= test.hold_end - test.onset)
+        x, y = downsample_to_extremes(
+            time_since_onset[in_range], test.force[in_range], bins=400, log=True
+        )
         text = celsius(test.specimen.temperature or 0.0).replace("deg", "°")
         marks.append(Line(x, y, Pen(colour, 3.2), text))
         at, force = fitted_force(fit, test)
-        on = at >= shortest
-        x, y = downsample_to_extremes(at[on], force[on], bins=400, log=True)
-        marks.append(Line(x, y, Pen("fit", 1.2), "" if shown else "one model"))
-        shown.append(y)
+        is_shown = at >= shortest
+        x, y = downsample_to_extremes(at[is_shown], force[is_shown], bins=400, log=True)
+        marks.append(Line(x, y, Pen("fit", 1.2), "" if shown_forces else "one model"))
+        shown_forces.append(y)
     axes = (
         Scale(SINCE, (shortest, longest), log=True),
-        Scale("force, N", compute_padded_limits(*shown)),
+        Scale("force, N", compute_padded_limits(*shown_forces)),
     )
     force_panel = Panel(*axes, tuple(marks), height=240)
     caption = (

@@ -185,21 +185,23 @@ def fit_thermal(
     checks = (*result.checks, hold_long_enough(end), loss_factor_determined(error))
     if arms is not None:
         further = replace(options, arms="auto", max_arms=arms + EXTRA_ARMS)
-        more = optimum(tests, further, reference)
-        checks += (_arms_enough(best, more),)
+        larger_optimum = optimum(tests, further, reference)
+        checks += (_arms_enough(best, larger_optimum),)
     evidence = replace(result.evidence, band=band, end_of_hold=end, checks=checks, band_error=error)
     return replace(result, evidence=evidence)
 
 
-def _arms_enough(best: ThermalOptimum, more: ThermalOptimum) -> Check:
+def _arms_enough(best: ThermalOptimum, larger: ThermalOptimum) -> Check:
     """Return the check that the data support no more arms than requested."""
-    few, many = best.point, more.point
-    shortage = None
-    if many.order > few.order:
+    smaller_point, larger_point = best.point, larger.point
+    arm_shortage = None
+    if larger_point.order > smaller_point.order:
         rows = sum(block.samples for block in best.joint.blocks)
-        residuals = (float(np.sqrt(solid.chi_square / rows)) for solid in (few, many))
-        shortage = Shortage(few.order, many.order, *residuals)
-    return arms_enough(shortage, few.order, unit="sd")
+        residuals = (
+            float(np.sqrt(solid.chi_square / rows)) for solid in (smaller_point, larger_point)
+        )
+        arm_shortage = Shortage(smaller_point.order, larger_point.order, *residuals)
+    return arms_enough(arm_shortage, smaller_point.order, unit="sd")
 
 
 def _find_loss_factor_band(
@@ -263,10 +265,10 @@ def _build_fit(fit: MultiTemperatureFit, options: FitOptions) -> Fit:
         covariance.residual,
         nuisance=covariance.nuisances,
     ).with_rig(covariance.solid_rig_sensitivity)
-    fewer = options.count is not None and model.arms < options.count
+    has_fewer_arms = options.count is not None and model.arms < options.count
     record_checks = [check for record in records for check in record.checks]
     return build_fit(
-        SolidEstimate(model, estimate, fewer, bool(solution.at_bound.any())),
+        SolidEstimate(model, estimate, has_fewer_arms, bool(solution.at_bound.any())),
         Evidence(
             band,
             orders=_score_orders(fit),
@@ -348,8 +350,8 @@ def _collect_shift_checks(
     bands = [_find_band_at(fit, i) for i in range(len(temperatures))]
     # the colder of two neighbours covers the lower reduced times: the higher frequencies
     shared = [
-        float(np.log10(min(cold[1], warm[1]) / max(cold[0], warm[0])))
-        for cold, warm in pairwise(bands)
+        float(np.log10(min(cold[1], hotter[1]) / max(cold[0], hotter[0])))
+        for cold, hotter in pairwise(bands)
     ]
     warming = [
         nuisance for nuisance in fit.covariance.nuisances if nuisance.name.startswith("warming")
@@ -408,12 +410,12 @@ def _compute_misfit(fit: MultiTemperatureFit) -> tuple[float, float]:
     noise, and of its excess over the residuals of the separate fits.
     """
     tests, point, joint = fit.best.tests, fit.best.point, fit.best.joint
-    floor = sum(block.floor for block in joint.blocks)
+    remainder_sse = sum(block.floor for block in joint.blocks)
     rows = sum(len(block.target) for block in joint.blocks)
     parameters = len(joint.names(point.order))
     joint_misfit, free_misfit = (
-        point.chi_square - floor,
-        sum(test.chi_square for test in tests) - floor,
+        point.chi_square - remainder_sse,
+        sum(test.chi_square for test in tests) - remainder_sse,
     )
     extra_parameters = sum(test.parameters for test in tests) - parameters
     # the power of correlated noise is itself uncertain
@@ -423,8 +425,8 @@ def _compute_misfit(fit: MultiTemperatureFit) -> tuple[float, float]:
     )
     absolute = chi2_sf(joint_misfit / noise_factor, max(rows - parameters, 1))
     relative = chi2_sf((joint_misfit - free_misfit) / noise_factor, max(extra_parameters, 1))
-    spread = max(test.spread for test in tests)
+    largest_sd = max(test.spread for test in tests)
     peak = max(float(np.abs(test.record.force).max()) for test in tests)
     samples = sum(test.effective for test in tests)
     ratio = max(joint_misfit - (rows - parameters), 0.0) / samples
-    return min(1.0, 2 * min(absolute, relative)), spread * float(np.sqrt(ratio)) / peak
+    return min(1.0, 2 * min(absolute, relative)), largest_sd * float(np.sqrt(ratio)) / peak

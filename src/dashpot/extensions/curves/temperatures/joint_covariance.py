@@ -57,7 +57,7 @@ class JointCovariance(ParameterCovariance):
 
     @property
     def solid_rig_sensitivity(self) -> FloatArray:
-        """What the uncertainties of the rigs add to the solid's parameters, shape (p, d)."""
+        """Sensitivity of the solid's parameters to the uncertainties of the rigs, shape (p, d)."""
         return self.rig_changes[self._solid]
 
     @property
@@ -66,17 +66,17 @@ class JointCovariance(ParameterCovariance):
 
     @property
     def shift_covariance(self) -> FloatArray:
-        """Of log10 a_T of every temperature, then of ln b_T; zero where nothing was sought."""
-        turn = self.joint.shift_rows(self.names)
-        return np.asarray(turn @ self.covariance @ turn.T)
+        """Covariance of log10 a_T of every temperature, then of ln b_T; zero if not fitted."""
+        selection_rows = self.joint.shift_rows(self.names)
+        return np.asarray(selection_rows @ self.covariance @ selection_rows.T)
 
     @property
     def cross(self) -> FloatArray:
-        """Of the solid's parameters and the slope, with the shifts and the slope."""
+        """Cross-covariance of the solid's parameters and slope with the shifts and slope."""
         solid = [self.names.index(name) for name in parameter_names(self.point.order)]
-        every = np.eye(len(self.names))
-        slope = every[[self.names.index("slope")]] if "slope" in self.names else 0 * every[:1]
-        rows = np.concatenate((every[solid], slope))
+        identity = np.eye(len(self.names))
+        slope = identity[[self.names.index("slope")]] if "slope" in self.names else 0 * identity[:1]
+        rows = np.concatenate((identity[solid], slope))
         columns = np.concatenate((self.joint.shift_rows(self.names), slope))
         return np.asarray(rows @ self.covariance @ columns.T)
 
@@ -88,7 +88,7 @@ class JointCovariance(ParameterCovariance):
 
     @property
     def residual(self) -> Residual:
-        """Of every sample."""
+        """Residual of every sample."""
         return self.statistics([noise.samples for noise in self.noises])
 
 
@@ -149,29 +149,31 @@ def compute_joint_covariance(
     shared = joint.names(point.order)
     names = (*shared, *list_column_names(tests))
     residuals = [compute_test_residual(joint, test, i, point) for i, test in enumerate(tests)]
-    jacobians, before, noises, others, unmeasured = [], [], [], [], []
+    jacobians, before, noises, residual_parts, unmeasured = [], [], [], [], []
     for i, (test, residual) in enumerate(zip(tests, residuals, strict=True)):
         weight, rows = 1 / test.spread, test.prior_rows[0]
-        here = [names.index(f"{kind}@{i}") for kind in test.kinds]
+        column_indices = [names.index(f"{kind}@{i}") for kind in test.kinds]
         jacobian, values = (
             np.zeros((len(residual.residual), len(names))),
             np.zeros((len(rows), len(names))),
         )
         jacobian[:, : len(shared)] = weight * residual.part.by
-        jacobian[:, here], values[:, here] = weight * residual.columns, rows
-        least = weight * rounding_rms(float(np.abs(test.record.force).max()))
+        jacobian[:, column_indices], values[:, column_indices] = weight * residual.columns, rows
+        rounding_level = weight * rounding_rms(float(np.abs(test.record.force).max()))
         jacobians.append(jacobian)
         before.append(values)
-        noises.append(noise_of(weight * residual.residual, jacobian, rounding=least))
+        noises.append(noise_of(weight * residual.residual, jacobian, rounding=rounding_level))
         solid = point.solid_at(int(joint.at[i]))
-        others.append(partial(_encoder_rows, test, solid))
+        residual_parts.append(partial(_encoder_rows, test, solid))
         unmeasured.append(weight * test.unmeasured_effects(solid))
     if "slope" in names:
         before.append(np.eye(len(names))[[names.index("slope")]] / joint.slope_sd)
-    joined = np.concatenate(before)
-    information = directions([*jacobians, joined])
+    prior_sds = np.concatenate(before)
+    information = directions([*jacobians, prior_sds])
     covariance = sandwich(
-        information, [*noises, Noise(len(joined), np.ones(1), 1.0, 2.0)], others=others
+        information,
+        [*noises, Noise(len(prior_sds), np.ones(1), 1.0, 2.0)],
+        other_columns=residual_parts,
     )
     changes = [
         information.turn @ (columns.matrix.T @ row)

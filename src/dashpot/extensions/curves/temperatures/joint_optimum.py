@@ -64,18 +64,20 @@ def optimum(
     at = np.array([int(np.argmin(np.abs(temperatures - test.temperature))) for test in tests])
     slope = _SLOPE_OF_TWO if len(temperatures) == 2 else _SLOPE
 
-    def joint_of(every: Sequence[SingleTemperatureTest]) -> JointTests:
-        blocks = [test.marginal for test in every]
+    def joint_of(tests_in_fit: Sequence[SingleTemperatureTest]) -> JointTests:
+        blocks = [test.marginal for test in tests_in_fit]
         return JointTests(blocks, at, temperatures, reference, options.vertical, slope)
 
     effective = sum(test.effective for test in tests)
     joint = joint_of(tests)
     arms = options.count
-    most = options.max_arms if arms is None else arms
+    max_arm_count = options.max_arms if arms is None else arms
     order_candidates = candidates(
-        joint, first_shifts(joint), most, effective=effective, thorough=options.thorough
+        joint, first_shifts(joint), max_arm_count, effective=effective, thorough=options.thorough
     )
-    choice = _choice(joint, order_candidates, exhausted=len(order_candidates) - 1 < most)
+    choice = _choice(
+        joint, order_candidates, is_exhausted=len(order_candidates) - 1 < max_arm_count
+    )
     # the columns of a warming seal are those of the solid found without them, then with them
     for _ in range(2):
         point = _select_candidate(order_candidates, choice, arms).point
@@ -85,7 +87,9 @@ def optimum(
         )
         joint = joint_of(tests)
         order_candidates = refine_candidates(joint, order_candidates, effective)
-        choice = _choice(joint, order_candidates, exhausted=len(order_candidates) - 1 < most)
+        choice = _choice(
+            joint, order_candidates, is_exhausted=len(order_candidates) - 1 < max_arm_count
+        )
     best = _ascending(_select_candidate(order_candidates, choice, arms).point)
     return ThermalOptimum(
         tuple(tests),
@@ -110,16 +114,18 @@ def _ascending(point: ShiftedSolid) -> ShiftedSolid:
 
 
 def _choice(
-    joint: JointTests, candidates: Sequence[OrderCandidate], *, exhausted: bool
+    joint: JointTests, candidates: Sequence[OrderCandidate], *, is_exhausted: bool
 ) -> OrderChoice:
     numbers = [candidate.point.order for candidate in candidates]
-    clear = [joint.has_significant_arms(candidate.point) for candidate in candidates]
+    significance = [joint.has_significant_arms(candidate.point) for candidate in candidates]
     bics = [candidate.bic for candidate in candidates]
-    return select_model_order(numbers, bics, clear, exhausted=exhausted, decisive=DECISIVE_BIC)
+    return select_model_order(
+        numbers, bics, significance, is_exhausted=is_exhausted, decisive=DECISIVE_BIC
+    )
 
 
 def _select_candidate(
     candidates: Sequence[OrderCandidate], choice: OrderChoice, requested: int | None
 ) -> OrderCandidate:
-    most = choice.arms if requested is None else requested
-    return [candidate for candidate in candidates if candidate.point.order <= most][-1]
+    max_arm_count = choice.arms if requested is None else requested
+    return [candidate for candidate in candidates if candidate.point.order <= max_arm_count][-1]

@@ -75,12 +75,12 @@ class ShiftedSolid:
 
     @property
     def alive(self) -> BoolArray:
-        """Which arms are there."""
+        """Mask of the arms that are not zero."""
         return np.asarray(self.k > _NOTHING * self.stiffnesses.sum())
 
     @property
     def solid(self) -> GeneralizedMaxwell:
-        """At the reference."""
+        """Solid at the reference temperature."""
         order = np.argsort(self.log_tau)
         return GeneralizedMaxwell(
             self.k_inf, tuple(self.k[order]), tuple(np.exp(self.log_tau[order]))
@@ -91,7 +91,7 @@ class ShiftedSolid:
         return shifted_log_tau(self.log_tau, float(self.log_a[i]), self.slope)
 
     def solid_at(self, i: int) -> GeneralizedMaxwell:
-        """At temperature i."""
+        """Return the solid at temperature i."""
         order, b = np.argsort(self.log_tau), float(np.exp(self.log_b[i]))
         return GeneralizedMaxwell(
             b * self.k_inf,
@@ -137,8 +137,8 @@ class JointTests:
     @cached_property
     def free_temperatures(self) -> IndexArray:
         """The temperatures whose shifts are sought."""
-        every = np.arange(len(self.temperatures))
-        return np.asarray(every[every != self.reference])
+        indices = np.arange(len(self.temperatures))
+        return np.asarray(indices[indices != self.reference])
 
     @property
     def fixed_log_b(self) -> FloatArray:
@@ -161,14 +161,14 @@ class JointTests:
         )
 
     def shift_rows(self, names: Sequence[str]) -> FloatArray:
-        """What picks log10 a_T and ln b_T of every temperature out of the parameters named."""
+        """Return the rows that select log10 a_T and ln b_T of every temperature."""
         count = len(self.temperatures)
-        turn = np.zeros((2 * count, len(names)))
+        selection = np.zeros((2 * count, len(names)))
         for i in self.free_temperatures:
-            turn[i, names.index(f"ln_a_{i}")] = 1 / np.log(10.0)
+            selection[i, names.index(f"ln_a_{i}")] = 1 / np.log(10.0)
             if f"ln_b_{i}" in names:
-                turn[count + i, names.index(f"ln_b_{i}")] = 1.0
-        return turn
+                selection[count + i, names.index(f"ln_b_{i}")] = 1.0
+        return selection
 
     def part(self, block: DataBlock, i: int, point: ShiftedSolid) -> TestContribution:
         """One test of temperature i, in the rows of its block."""
@@ -177,7 +177,7 @@ class JointTests:
     def descend(self, point: ShiftedSolid) -> ShiftedSolid:
         """Return the nearest optimum."""
         best = require_optimum(
-            self.problem(point), [self.theta(point)], most=_STEPS, flat=_STATIONARY
+            self.problem(point), [self.theta(point)], max_steps=_STEPS, cost_tolerance=_STATIONARY
         )
         k_inf, k = float(best.beta[0]), best.beta[1:]
         return replace(
@@ -238,16 +238,16 @@ class JointTests:
         A = b * np.column_stack((evaluation.fixed[:, spring], evaluation.arms))
 
         def slope(k: FloatArray) -> FloatArray:
-            names, far = self.names(n)[1 + n :], decades(point.log_tau)
-            by, row = np.zeros((len(A), len(names))), b * evaluation.d_arms * k[1:]
-            by[:, :n] = row * (1 + point.log_a[i] * point.slope / np.log(10.0))
+            names, decade_distances = self.names(n)[1 + n :], decades(point.log_tau)
+            derivative, row = np.zeros((len(A), len(names))), b * evaluation.d_arms * k[1:]
+            derivative[:, :n] = row * (1 + point.log_a[i] * point.slope / np.log(10.0))
             if i != self.reference:
-                by[:, names.index(f"ln_a_{i}")] = row @ (1 + point.slope * far)
+                derivative[:, names.index(f"ln_a_{i}")] = row @ (1 + point.slope * decade_distances)
                 if self.vertical == "free":
-                    by[:, names.index(f"ln_b_{i}")] = A @ k
+                    derivative[:, names.index(f"ln_b_{i}")] = A @ k
             if n > 1:
-                by[:, -1] = row @ (point.log_a[i] * far)
-            return by
+                derivative[:, -1] = row @ (point.log_a[i] * decade_distances)
+            return derivative
 
         return evaluation.target, A, slope
 

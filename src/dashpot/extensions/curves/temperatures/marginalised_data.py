@@ -85,18 +85,18 @@ class SingleTemperatureTest:
     def from_first_fit(
         cls, record: RampHold, temperature: float, first: InitialFit, law: ElasticLaw | None
     ) -> SingleTemperatureTest:
-        """From its own free fit."""
+        """Return the test with the nuisances of its own free fit."""
         noise, best = first.noises[0], first.solutions[-1]
         block = first.data.blocks[0]
-        least = block.rounding_floor / noise.samples
-        spread = float(np.sqrt(max(noise.power, least, 1e-300)))
+        rounding_power = block.rounding_floor / noise.samples
+        noise_sd = float(np.sqrt(max(noise.power, rounding_power, 1e-300)))
         return cls(
             record,
             temperature,
             block,
-            spread,
+            noise_sd,
             noise.effective,
-            float(best.sse) / spread**2,
+            float(best.sse) / noise_sd**2,
             1 + 2 * best.order,
             law,
         )
@@ -110,24 +110,24 @@ class SingleTemperatureTest:
 
     @cached_property
     def terms(self) -> NuisanceTerms:
-        """What is known of those columns."""
+        """Nuisance terms of the test's own columns."""
         return build_nuisance_terms(self.record).add_terms(
             warming=build_recorded_warming_prior(self.record.specimen)
         )
 
     @property
     def nuisance_columns(self) -> list[int]:
-        """Which fixed columns are the test's own."""
+        """Indices of the fixed columns that are the test's own."""
         return [i for i, name in enumerate(self.block.fixed_names) if name != "k_inf"]
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """What they are: ``"offset"``, ``"drift"``, ``"delay"``, ``"warming"``."""
+        """Kinds of the columns: ``"offset"``, ``"drift"``, ``"delay"``, ``"warming"``."""
         return tuple(get_column_kind(self.block.fixed_names[i]) for i in self.nuisance_columns)
 
     @cached_property
     def prior_rows(self) -> tuple[FloatArray, FloatArray]:
-        """What is known of its own columns as rows of unit noise, with their targets."""
+        """Priors of the test's own columns as rows of unit noise, with their targets."""
         prior = self.terms.build_rows(self.block, self.spread)
         evaluation, unit = prior.evaluate(np.zeros(0), False), float(np.sqrt(prior.variance or 1.0))
         return evaluation.fixed / unit, evaluation.target / unit
@@ -165,7 +165,7 @@ class SingleTemperatureTest:
         return replace(self, warming=column[self.start :])
 
     def unmeasured_effects(self, solid: GeneralizedMaxwell) -> FloatArray:
-        """What the rig may add that no column looks for, N, one standard deviation each, (n, d).
+        """Return forces that the rig may add and no column fits, N, one SD each, (n, d).
 
         Of the drift, what the fit holds to be less than it may be. `solid` is that at the
         temperature of the test.
@@ -201,33 +201,35 @@ class _Basis(NamedTuple):
     floor: float
 
 
-def _basis(compact: DataBlock, spread: float) -> _Basis:
+def _basis(compact: DataBlock, noise_sd: float) -> _Basis:
     low, high = compact.bounds
-    every = np.linspace(low - np.log(BEYOND), high + np.log(BEYOND), _COLUMNS)
-    evaluation = compact.evaluate(every, False)
+    log_tau_grid = np.linspace(low - np.log(BEYOND), high + np.log(BEYOND), _COLUMNS)
+    evaluation = compact.evaluate(log_tau_grid, False)
     columns = np.concatenate((evaluation.fixed, evaluation.arms), axis=1)
     size = np.linalg.norm(columns, axis=0)
     residual, strength, _ = np.linalg.svd(
         columns / np.where(size > 0, size, 1.0), full_matrices=False
     )
-    turn = residual[:, strength > _WEAKEST * strength[0]].T / spread
-    target, whole = turn @ evaluation.target, evaluation.target / spread
-    aside = float(whole @ whole - target @ target) + compact.floor / spread**2
-    return _Basis(turn, target, turn @ evaluation.fixed, max(aside, 0.0))
+    rotation = residual[:, strength > _WEAKEST * strength[0]].T / noise_sd
+    target, full_target = rotation @ evaluation.target, evaluation.target / noise_sd
+    remainder_sse = float(full_target @ full_target - target @ target) + compact.floor / noise_sd**2
+    return _Basis(rotation, target, rotation @ evaluation.fixed, max(remainder_sse, 0.0))
 
 
 def _marginal(test: SingleTemperatureTest) -> DataBlock:
     compact = compact_block(test.block, excess=BEYOND)
     basis, names = _basis(compact, test.spread), compact.fixed_names
-    doubts, mean = test.terms.build_prior_columns(basis.fixed, names)
-    white = marginal(basis.fixed[:, :0], doubts)
+    prior_columns, mean = test.terms.build_prior_columns(basis.fixed, names)
+    white = marginal(basis.fixed[:, :0], prior_columns)
     data, residual = white(basis.turn), white(basis.target - mean)
-    stiff = white(basis.fixed[:, [names.index("k_inf")]])
+    stiffness_column = white(basis.fixed[:, [names.index("k_inf")]])
 
     def evaluate_block(log_tau: FloatArray, derivative: bool) -> Evaluation:
         evaluation = compact.evaluate(log_tau, derivative)
         arms = data @ evaluation.arms
-        return Evaluation(residual, stiff, arms, data @ evaluation.d_arms if derivative else arms)
+        return Evaluation(
+            residual, stiffness_column, arms, data @ evaluation.d_arms if derivative else arms
+        )
 
     return replace(
         compact, rows=evaluate_block, fixed_names=("k_inf",), floor=basis.floor, arm_group="k"

@@ -34,7 +34,7 @@ def make_page_part(fit: Fit) -> TemperaturePart:
     assert shifts is not None  # noqa: S101  -- fits at several temperatures alone come here
     law = {"wlf": "WLF holds", "arrhenius": "Arrhenius holds"}.get(shifts.law.kind, "each its own")
     temperatures = [shift.temperature for shift in shifts.shifts]
-    ends = " to ".join(
+    range_text = " to ".join(
         round_to_error(convert_to_unit(value, "°C"), digits=3)
         for value in (min(temperatures), max(temperatures))
     )
@@ -43,7 +43,7 @@ def make_page_part(fit: Fit) -> TemperaturePart:
         (Topic("Superposition", _CURVE, "one curve"), Topic("Shifts", _SHIFTS, law)),
         (
             ("Reference", format_quantity(shifts.reference, "°C", ".4g")),
-            ("Temperatures", f"{len(temperatures)}, {ends} °C"),
+            ("Temperatures", f"{len(temperatures)}, {range_text} °C"),
         ),
         tuple(_make_groups(fit, shifts)),
         (_make_shift_table(fit, shifts),),
@@ -60,25 +60,36 @@ def _make_groups(fit: Fit, shifts: TemperatureShifts) -> Iterator[Group]:
             f"{law} about {format_quantity(shifts.reference, '°C', '.4g')}{single}",
             tuple(_make_error_row(constant, single=bool(single)) for constant in shifts.constants),
         )
-    every = shifts.shifts
-    ends = every if len(every) <= _MOST_SHIFTS else (every[0], every[len(every) // 2], every[-1])
+    all_shifts = shifts.shifts
+    selected_shifts = (
+        all_shifts
+        if len(all_shifts) <= _MOST_SHIFTS
+        else (all_shifts[0], all_shifts[len(all_shifts) // 2], all_shifts[-1])
+    )
     yield Group(
         f"Shift, log₁₀ a_T{single}",
         tuple(
             _make_error_row(end.facts[0], f"At {format_quantity(end.temperature, '°C', '.4g')}",
                       single=bool(single))
-            for end in ends
+            for end in selected_shifts
         ),
     )  # fmt: skip
 
 
-def _make_error_row(fact: ReportedValue, name: str = "", *, single: bool) -> Row:
+def _make_error_row(reported_value: ReportedValue, name: str = "", *, single: bool) -> Row:
     """A number with its standard error: as its 95 % interval, or beside it where that is more."""
-    error = fact.error or 0.0
+    error = reported_value.error or 0.0
     if single or not 0 < error < math.inf:
-        return row(fact, name)._replace(value=fact.cells.with_error)
-    half = NORMAL * error
-    return row(replace(fact, low=fact.value - half, high=fact.value + half), name)
+        return row(reported_value, name)._replace(value=reported_value.cells.with_error)
+    half_width = NORMAL * error
+    return row(
+        replace(
+            reported_value,
+            low=reported_value.value - half_width,
+            high=reported_value.value + half_width,
+        ),
+        name,
+    )
 
 
 def _make_shift_table(fit: Fit, shifts: TemperatureShifts) -> CollapsibleSection:
@@ -86,12 +97,12 @@ def _make_shift_table(fit: Fit, shifts: TemperatureShifts) -> CollapsibleSection
     rows = tuple(
         (
             format_quantity(shift.temperature, "°C", ".4g"),
-            along.cells.value,
-            along.cells.error,
-            across.cells.value,
+            time_value.cells.value,
+            time_value.cells.error,
+            stiffness_value.cells.value,
         )
         for shift in shifts.shifts
-        for along, across in (shift.facts,)
+        for time_value, stiffness_value in (shift.facts,)
     )
     names = ("temperature", "log₁₀ a_T", get_error_label(fit), "b_T")
     return CollapsibleSection("Every temperature", f"{len(rows)} shifts", TextTable(names, rows))

@@ -100,29 +100,29 @@ def build_planned_rows(
     shifts every arm.
     """
     shared = 1 + 2 * model.arms
-    planned_rows = bench.rows(model, several=True)
+    planned_rows = bench.rows(model, has_several_tests=True)
     blocks = [_build_repeat_rows(model, bench, repeat) for repeat in repeats]
     private = [planned_rows.rows[:, shared:], *(block.rows[:, shared:-1] for block in blocks)]
     slope = [np.zeros(len(planned_rows.rows)), *(block.rows[:, -1] for block in blocks)]
-    every = [planned_rows, *blocks]
+    all_rows = [planned_rows, *blocks]
     rows = np.hstack(
         (
-            np.vstack([rows.rows[:, :shared] for rows in every]),
+            np.vstack([rows.rows[:, :shared] for rows in all_rows]),
             _build_block_diagonal(*private),
             np.concatenate(slope)[:, None],
         )
     )
     values = np.zeros((1, rows.shape[1]))
     values[0, -1] = 1 / max(slope_sd, 1e-12)
-    diag = _build_block_diagonal(*(rows.unmeasured for rows in every), np.zeros((1, 0)))
+    diag = _build_block_diagonal(*(rows.unmeasured for rows in all_rows), np.zeros((1, 0)))
     return PlannedRows(np.vstack((rows, values)), diag)
 
 
 def _build_block_diagonal(*blocks: FloatArray) -> FloatArray:
     """Return a matrix of blocks along its diagonal; SciPy's takes 120 ms to import."""
-    ends = np.cumsum([block.shape for block in blocks], axis=0)
-    matrix = np.zeros(ends[-1])
-    for block, (row, column) in zip(blocks, ends, strict=True):
+    block_ends = np.cumsum([block.shape for block in blocks], axis=0)
+    matrix = np.zeros(block_ends[-1])
+    for block, (row, column) in zip(blocks, block_ends, strict=True):
         matrix[row - block.shape[0] : row, column - block.shape[1] : column] = block
     return matrix
 
@@ -130,18 +130,21 @@ def _build_block_diagonal(*blocks: FloatArray) -> FloatArray:
 def _build_repeat_rows(model: GeneralizedMaxwell, bench: Bench, repeat: Repeat) -> PlannedRows:
     """Return rows of one repeat in (k_inf, k, ln tau, ln a, ln b[, of its rig and warming], g)."""
     solid = model.shift_to_temperature(repeat.a_t, repeat.b_t)
-    values, unmeasured = bench.rows(solid, several=True)
+    values, unmeasured = bench.rows(solid, has_several_tests=True)
     n = model.arms
-    stiff, slow, nuisances = (
+    stiffness_columns, log_tau_columns, nuisances = (
         values[:, : 1 + n],
         values[:, 1 + n : 1 + 2 * n],
         values[:, 1 + 2 * n :],
     )
     decades = np.log10(np.asarray(model.tau) / _MIDDLE_TAU)
     changes = [
-        slow.sum(axis=1),
-        stiff @ np.array([solid.k_inf, *solid.k]),
+        log_tau_columns.sum(axis=1),
+        stiffness_columns @ np.array([solid.k_inf, *solid.k]),
         *nuisances.T,
-        np.log(repeat.a_t) * slow @ decades,
+        np.log(repeat.a_t) * log_tau_columns @ decades,
     ]
-    return PlannedRows(np.hstack((repeat.b_t * stiff, slow, np.column_stack(changes))), unmeasured)
+    return PlannedRows(
+        np.hstack((repeat.b_t * stiffness_columns, log_tau_columns, np.column_stack(changes))),
+        unmeasured,
+    )

@@ -68,16 +68,18 @@ def shifts_of(
 def _deepest(best: ThermalOptimum) -> SingleTemperatureTest:
     """Return the test at the reference whose elastic law and specimen are those of the solid."""
     joint = best.joint
-    there = [test for test, i in zip(best.tests, joint.at, strict=True) if i == joint.reference]
-    return max(there, key=lambda test: test.record.depth)
+    tests_at_reference = [
+        test for test, i in zip(best.tests, joint.at, strict=True) if i == joint.reference
+    ]
+    return max(tests_at_reference, key=lambda test: test.record.depth)
 
 
 def elastic_law(best: ThermalOptimum) -> ElasticLaw:
     """Return the elastic law at the reference."""
-    deepest, k_inf = _deepest(best), best.point.k_inf
-    if deepest.law is None:
-        return ElasticLaw.linear(k_inf, deepest.record.depth)
-    return replace(deepest.law, stiffness=k_inf)
+    deepest_test, k_inf = _deepest(best), best.point.k_inf
+    if deepest_test.law is None:
+        return ElasticLaw.linear(k_inf, deepest_test.record.depth)
+    return replace(deepest_test.law, stiffness=k_inf)
 
 
 def provenance(best: ThermalOptimum, shifts: TemperatureShifts) -> Provenance:
@@ -93,11 +95,11 @@ def provenance(best: ThermalOptimum, shifts: TemperatureShifts) -> Provenance:
 
 def _step(best: ThermalOptimum, shifts: TemperatureShifts) -> Step:
     arms = best.point.order
-    listed = ", ".join(celsius(shift.temperature) for shift in shifts.shifts)
+    temperatures_text = ", ".join(celsius(shift.temperature) for shift in shifts.shifts)
     message = (
         f"fitted a generalized Maxwell model with {arms} arm{'s' * (arms != 1)} to "
-        f"{len(best.tests)} tests at {listed}; the model is that of {celsius(shifts.reference)}, "
-        f"its shifts follow the {shifts.law.kind} law"
+        f"{len(best.tests)} tests at {temperatures_text}; the model is that of "
+        f"{celsius(shifts.reference)}, its shifts follow the {shifts.law.kind} law"
     )
     parameters = (
         ("arms", "auto" if best.choice is not None else str(arms)),

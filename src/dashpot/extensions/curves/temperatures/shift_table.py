@@ -27,10 +27,10 @@ def format_shift_table(fit: Fit) -> str:
         np.array([shift.se for shift in all_shifts]),
         np.array([shift.b_t for shift in all_shifts]),
     ]
-    stamp = ["simulated"] if any(source.simulated for source in fit.source) else []
+    origin_lines = ["simulated"] if any(source.simulated for source in fit.source) else []
     reference = f"reference {format_quantity(shifts.reference, 'degC', '.9g')}"
-    above = [byline("shift factors"), *stamp, f"{reference}, law {shifts.law.kind}"]
-    return format_table(above, head, columns)
+    header_lines = [byline("shift factors"), *origin_lines, f"{reference}, law {shifts.law.kind}"]
+    return format_table(header_lines, head, columns)
 
 
 def complete_document(entries: dict[str, Any]) -> dict[str, Any]:

@@ -39,36 +39,38 @@ class OrderCandidate(NamedTuple):
 
 def first_shifts(joint: JointTests) -> FloatArray:
     """Return ln a_T of every temperature, each on its neighbour, 0 at the reference."""
-    falls = np.arange(-_BACK, _FARTHEST + _STEP / 2, _STEP) * np.log(10.0)
+    log_shifts = np.arange(-_BACK, _FARTHEST + _STEP / 2, _STEP) * np.log(10.0)
     pairs = range(len(joint.temperatures) - 1)
-    return chain_shifts(((_pair(joint, i, falls), falls) for i in pairs), joint.reference)
+    return chain_shifts(((_pair(joint, i, log_shifts), log_shifts) for i in pairs), joint.reference)
 
 
-def _pair(joint: JointTests, i: int, falls: FloatArray) -> Problem:
+def _pair(joint: JointTests, i: int, log_shifts: FloatArray) -> Problem:
     """One positive spectrum for temperature i and the next warmer one, over how far ln a falls."""
     log_b = joint.fixed_log_b
 
-    def shift_temperature_blocks(at: int, fall: float) -> list[DataBlock]:
-        every = zip(joint.blocks, joint.at, strict=True)
+    def shift_temperature_blocks(at: int, log_shift: float) -> list[DataBlock]:
+        blocks_with_temperature = zip(joint.blocks, joint.at, strict=True)
         return [
-            shift_block(block, fall, log_b[at] - log_b[i + 1])
-            for block, temperature_index in every
+            shift_block(block, log_shift, log_b[at] - log_b[i + 1])
+            for block, temperature_index in blocks_with_temperature
             if temperature_index == at
         ]
 
-    ends = [
-        *shift_temperature_blocks(i, falls[0]),
-        *shift_temperature_blocks(i, falls[-1]),
+    end_blocks = [
+        *shift_temperature_blocks(i, log_shifts[0]),
+        *shift_temperature_blocks(i, log_shifts[-1]),
         *shift_temperature_blocks(i + 1, 0.0),
     ]
-    low, high = min(end.bounds[0] for end in ends), max(end.bounds[1] for end in ends)
+    low, high = min(end.bounds[0] for end in end_blocks), max(end.bounds[1] for end in end_blocks)
     grid = np.linspace(low, high, int((high - low) / np.log(10.0) * _PER_DECADE) + 2)
-    warm = [block.evaluate(grid, False) for block in shift_temperature_blocks(i + 1, 0.0)]
+    hotter_evaluations = [
+        block.evaluate(grid, False) for block in shift_temperature_blocks(i + 1, 0.0)
+    ]
 
     def rows(theta: FloatArray) -> Rows:
         evaluations = [
             *(block.evaluate(grid, False) for block in shift_temperature_blocks(i, theta[0])),
-            *warm,
+            *hotter_evaluations,
         ]
         columns = [
             np.concatenate((evaluation.fixed, evaluation.arms), axis=1)
@@ -83,16 +85,16 @@ def _pair(joint: JointTests, i: int, falls: FloatArray) -> Problem:
 
 
 def candidates(
-    joint: JointTests, start: FloatArray, most: int, *, effective: float, thorough: bool
+    joint: JointTests, start: FloatArray, max_arms: int, *, effective: float, thorough: bool
 ) -> tuple[OrderCandidate, ...]:
-    """Return the best point of every number of arms, from none up to `most`.
+    """Return the best point of every number of arms, from none up to `max_arms`.
 
     Parameters
     ----------
     joint : JointTests
     start : array, shape (T,)
         Ln a_T.
-    most : int
+    max_arms : int
     effective : float
         Independent residuals.
     thorough : bool
@@ -105,21 +107,21 @@ def candidates(
             shift_block(block, log_a[i], log_b[i])
             for block, i in zip(joint.blocks, joint.at, strict=True)
         ]
-        for solution in solve_orders(blocks, most, thorough=thorough):
+        for solution in solve_orders(blocks, max_arms, thorough=thorough):
             k = np.maximum(solution.arms[0], 0.0) if solution.order else np.zeros(0)
-            there = k > 0
+            is_positive = k > 0
             point = joint.descend(
                 ShiftedSolid(
                     max(solution.coefficient("k_inf"), 0.0),
-                    k[there],
-                    solution.log_tau[there],
+                    k[is_positive],
+                    solution.log_tau[is_positive],
                     np.array(log_a),
                     np.array(log_b),
                 )
             )
             _keep(best, joint, point, effective)
-        chosen = min(best.values(), key=lambda candidate: candidate.bic).point
-        log_a, log_b = chosen.log_a, chosen.log_b
+        best_point = min(best.values(), key=lambda candidate: candidate.bic).point
+        log_a, log_b = best_point.log_a, best_point.log_b
     return tuple(best[n] for n in sorted(best))
 
 
@@ -136,9 +138,9 @@ def refine_candidates(
 def _keep(
     best: dict[int, OrderCandidate], joint: JointTests, point: ShiftedSolid, effective: float
 ) -> None:
-    there = point.alive
-    if not there.all():
-        point = replace(point, k=point.k[there], log_tau=point.log_tau[there])
+    is_alive = point.alive
+    if not is_alive.all():
+        point = replace(point, k=point.k[is_alive], log_tau=point.log_tau[is_alive])
         point = joint.descend(point)
     parameters = len(joint.names(point.order))
     score = bic_of_deviance(point.chi_square, effective=effective, parameters=parameters)

@@ -15,8 +15,10 @@ def format_shifts(fit: Fit) -> list[str]:
     assert shifts is not None  # noqa: S101  -- fits at several temperatures alone come here
     rows = [["", "log10 a_T", get_error_label(fit), "b_T"]]
     for shift in shifts.shifts:
-        along, across = (fact.cells.ascii for fact in shift.facts)
-        rows.append([celsius(shift.temperature), along.value, along.error, across.value])
+        time_cells, stiffness_cells = (reported_value.cells.ascii for reported_value in shift.facts)
+        rows.append(
+            [celsius(shift.temperature), time_cells.value, time_cells.error, stiffness_cells.value]
+        )
     return [
         f"  reference   {celsius(shifts.reference)}, of {len(shifts.shifts)} temperatures; b_T "
         + ("free" if shifts.vertical == "free" else f"= {shifts.vertical}"),

@@ -79,12 +79,12 @@ def depth_conditioned(ratio: float | None, cycle: int) -> Finding:
 
 
 @criterion("compression / depth", "<=", 1.0, "by definition: no reading beyond it")
-def compressions_reached(most: float, depth: float) -> Finding:
+def compressions_reached(largest: float, depth: float) -> Finding:
     """The cycle reaches every requested compression."""
     return Finding(
-        f"Compressions up to {format_quantity(most, 'mm')} are asked for; the cycle goes to "
+        f"Compressions up to {format_quantity(largest, 'mm')} are asked for; the cycle goes to "
         f"{format_quantity(depth, 'mm')}",
-        most / depth,
+        largest / depth,
         remedy=Remedy("Press deeper, or ask for less.", "compression"),
     )
 
@@ -113,13 +113,13 @@ def load_cell_steady(drift: float | None) -> Finding:
     EVEN,
     "our choice: a stop of a twentieth of the stroke",
 )
-def plate_speed_constant(departure: float | None) -> Finding:
+def plate_speed_constant(relative_variation: float | None) -> Finding:
     """The plate moves at a constant speed."""
-    if departure is None:
+    if relative_variation is None:
         return Finding("Without a clock there is no speed to judge")
     return Finding(
-        f"The plate departs from a constant speed by {100 * departure:.2g} % of the depth",
-        departure,
+        f"The plate departs from a constant speed by {100 * relative_variation:.2g} % of the depth",
+        relative_variation,
         "Where it slows down the seal relaxes, so the curve has no single speed",
         "Drive the plate at one speed.",
     )
@@ -147,13 +147,13 @@ def no_energy_gained(hysteresis: float | None) -> Finding:
 @criterion(
     "tension / largest force", "<=", PULLS, "our choice: above the error of the load cell's zero"
 )
-def no_adhesion_on_release(pull: float | None) -> Finding:
+def no_adhesion_on_release(tensile_force: float | None) -> Finding:
     """The seal does not stick to the plate during release."""
-    if pull is None:
+    if tensile_force is None:
         return Finding("Without air beside the release a pull on the plate is not seen")
     return Finding(
-        f"On release the seal pulls on the plate with {100 * pull:.2g} % of the force",
-        pull,
+        f"On release the seal pulls on the plate with {100 * tensile_force:.2g} % of the force",
+        tensile_force,
         "It sticks, so hysteresis and set contain its adhesion",
         "Clean or powder the plate.",
     )
@@ -171,14 +171,14 @@ def unloading_recorded(*, recorded: bool) -> Finding:
 
 
 @criterion(grade="note")
-def length_given(*, provided: bool) -> Finding:
+def length_given(*, is_given: bool) -> Finding:
     """The length of the seal is given, so that forces are per 100 mm."""
     return Finding(
         "The length of the seal is known",
         failure="The length of the seal is not given, so forces are N of this specimen, not N per "
         "100 mm",
         remedy=Remedy("Give the length.", "length"),
-        always_fails=not provided,
+        always_fails=not is_given,
     )
 
 
@@ -224,13 +224,14 @@ def stroke_within_relaxation_times(stroke: float | None, band: tuple[float, floa
 @criterion("relaxed force / k_inf x, less 1", "|x| <=", AGREES, "our choice: scatter of specimens")
 def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Finding:
     """The relaxed force agrees with the relaxation test at its compression."""
-    held = (
+    force_text = (
         f"At {format_quantity(depth, 'mm')} the relaxation test has {k_inf * depth:.4g} N at rest"
     )
     if difference is None:
-        return Finding(f"{held}. The cycle does not go so deep")
+        return Finding(f"{force_text}. The cycle does not go so deep")
     return Finding(
-        f"{held}. The load deflection without relaxation differs by {100 * difference:+.2g} %",
+        f"{force_text}. The load deflection without relaxation differs by {100 * difference:+.2g} "
+        "%",
         difference,
         "It is another specimen, another conditioning, or another zero of the compression",
         Remedy("Give both lengths, and press both alike.", "length"),
@@ -253,9 +254,9 @@ def relaxation_tests_agree(difference: float | None) -> Finding:
 
 
 @criterion("BIC over that of a dashpot", "<=", BETTER, "Kass and Raftery 1995: very strong beyond")
-def one_relaxation_explains_speeds(over: float) -> Finding:
+def one_relaxation_explains_speeds(bic_difference: float) -> Finding:
     """Relaxation explains the speeds as well as a dashpot that depends on compression."""
-    if over >= -BETTER:
+    if bic_difference >= -BETTER:
         message = (
             "The speeds do not separate one relaxation function from a dashpot that depends on "
             "compression"
@@ -266,10 +267,10 @@ def one_relaxation_explains_speeds(over: float) -> Finding:
             "compression"
         )
     return Finding(
-        f"{message} (BIC {over:+.3g})",
-        over,
+        f"{message} (BIC {bic_difference:+.3g})",
+        bic_difference,
         failure=f"A dashpot that depends on compression explains the speeds better than one "
-        f"relaxation function (BIC {over:+.3g})",
+        f"relaxation function (BIC {bic_difference:+.3g})",
         remedy="Use c(x) at your compression, not the arms of this fit.",
     )
 
@@ -332,12 +333,12 @@ def relaxation_times_determined(error: float | None) -> Finding:
 
 
 @criterion("conditions that differ", "<=", 0, "by definition")
-def specimens_tested_alike(otherwise: Sequence[str]) -> Finding:
+def specimens_tested_alike(differences: Sequence[str]) -> Finding:
     """The specimens were tested alike: speed, compression, cycle and temperature."""
     return Finding(
         "The specimens were tested alike",
-        len(otherwise),
-        failure=f"The specimens were not tested alike ({', '.join(otherwise)}). Part of their "
+        len(differences),
+        failure=f"The specimens were not tested alike ({', '.join(differences)}). Part of their "
         "scatter "
         "comes from the tests",
         remedy="Test every specimen alike.",

@@ -89,7 +89,7 @@ class CLDTest(EqualByValue, HasSummary):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """Which record it is, and how far it reaches."""
+        """Summary: the record and its range."""
         return (
             describe_record_source(self.source, len(self.force)),
             (
@@ -119,7 +119,7 @@ class Branch(EqualByValue):
 
     @property
     def samples(self) -> slice:
-        """Of the record."""
+        """Samples of the record."""
         return slice(self.first, self.first + len(self.force))
 
     def work(self, depth: float = np.inf) -> float:
@@ -194,11 +194,11 @@ class Cycle(EqualByValue, Serialisable):
 
 def format_hysteresis(cycle: Cycle) -> str:
     """Return the hysteresis of a cycle in words, with its error where a delay makes one."""
-    lost, error = cycle.hysteresis, cycle.hysteresis_se
-    if lost is None:
+    loss_ratio, error = cycle.hysteresis, cycle.hysteresis_se
+    if loss_ratio is None:
         return ""
     return (
-        ReportedValue.from_error("", lost, error or None, unit="1", read="%").cells.with_error
+        ReportedValue.from_error("", loss_ratio, error or None, unit="1", read="%").cells.with_error
         + " %"
     )
 
@@ -350,17 +350,17 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
 
     @property
     def loading(self) -> Branch:
-        """Its way in."""
+        """Loading branch."""
         return self.cycle.loading
 
     @property
     def unloading(self) -> Branch | None:
-        """Its way back."""
+        """Unloading branch."""
         return self.cycle.unloading
 
     @property
     def met_later(self) -> float:
-        """How much deeper a force that is late by its `delay_sd` shows the first contact, m."""
+        """Compression that the first contact gains by a delay of one `delay_sd`, m."""
         return self.delay_sd * (self.cycle.speed or 0.0)
 
     @property
@@ -385,12 +385,12 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
 
     @property
     def per(self) -> float:
-        """What a force, N, is multiplied with: to N per 100 mm, or 1 where no length is known."""
+        """Factor from a force, N, to N per 100 mm; 1 where no length is known."""
         return 1.0 if self.specimen.length is None else PER / self.specimen.length
 
     @property
     def unit(self) -> str:
-        """Of a force times `per`."""
+        """Unit of a force times `per`."""
         return "N" if self.specimen.length is None else "N per 100 mm"
 
     @property
@@ -401,8 +401,8 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
     @property
     def set(self) -> float | None:
         """Compression at which the last cycle that crossed air met the seal again, m."""
-        met = [cycle.contact for cycle in self.cycles[1:] if cycle.contact is not None]
-        return met[-1] if met else None
+        contacts = [cycle.contact for cycle in self.cycles[1:] if cycle.contact is not None]
+        return contacts[-1] if contacts else None
 
     @property
     def _table_columns(self) -> Series:
@@ -420,7 +420,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
     def _summary_lines(self) -> tuple[str, ...]:
         """The verdict, the force at the nominal compression, and the cycle that it is of."""
         point, cycle = self.nominal, self.cycle
-        lost = cycle.hysteresis
+        loss_ratio = cycle.hysteresis
         return (
             str(self.verdict),
             (
@@ -433,7 +433,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
             (
                 f"cycle {cycle.number} of {len(self.cycles)}, to "
                 f"{format_quantity(cycle.depth, 'mm')}"
-                + ("" if lost is None else f", hysteresis {format_hysteresis(cycle)}")
+                + ("" if loss_ratio is None else f", hysteresis {format_hysteresis(cycle)}")
             ),
             *(check.message_with_remedy for check in self.checks if check.failed),
         )
@@ -494,8 +494,8 @@ class RelaxedLaw(Serialisable):
 
     def force_se(self, x: float) -> float:
         """Standard error of the relaxed force at a compression, m, from relaxation and zeros, N."""
-        off = [float(other.force(x)) - float(self.law.force(x)) for other in self.others]
-        return float(np.linalg.norm(off)) if off else 0.0
+        force_errors = [float(other.force(x)) - float(self.law.force(x)) for other in self.others]
+        return float(np.linalg.norm(force_errors)) if force_errors else 0.0
 
 
 class RateArm(NamedTuple):
@@ -568,8 +568,10 @@ class RateLaw(EqualByValue, Serialisable):
 
     def c(self, x: float) -> tuple[float, float]:
         """Damping at a compression, m, and its standard error, N s/m."""
-        both = (np.interp(x, self.knots, values) for values in (self.damping, self.damping_se))
-        value, error = map(float, both)
+        damping_and_error = (
+            np.interp(x, self.knots, values) for values in (self.damping, self.damping_se)
+        )
+        value, error = map(float, damping_and_error)
         return value, error
 
     def model_at(self, compression: float) -> GeneralizedMaxwell:

@@ -69,18 +69,18 @@ def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     stroke = cycle.depth / cycle.speed if cycle.speed else None
     knots = np.asarray(law.knots)
     # each input one standard error off: the relaxation along each axis, both zeros, the delay
-    force, late = cld.force, taken_later(time, cld.force, cld.delay_sd)
-    off = [(0.0, normalise_relaxation(other.maxwell), force) for other in off_by_error(fit)]
-    off += [(cld.contact_se, relaxation, force), (0.0, relaxation, force + cld.zero_se)]
+    force, delayed_force = cld.force, taken_later(time, cld.force, cld.delay_sd)
+    variants = [(0.0, normalise_relaxation(other.maxwell), force) for other in off_by_error(fit)]
+    variants += [(cld.contact_se, relaxation, force), (0.0, relaxation, force + cld.zero_se)]
     # of a force that is late the contact is, too
-    off += [(-cld.met_later, relaxation, late)] * (cld.delay_sd > 0)
+    variants += [(-cld.met_later, relaxation, delayed_force)] * (cld.delay_sd > 0)
     laws = (
-        _law(cld.compression[rows] + x, model.displacement(time, pressed)[rows], knots)
-        for x, model, pressed in off
+        _law(cld.compression[rows] + x, model.displacement(time, motion)[rows], knots)
+        for x, model, motion in variants
     )
-    others = tuple(law[0] for law in laws if law is not None)
+    variant_laws = tuple(law[0] for law in laws if law is not None)
     return RelaxedLaw(
-        _add_ratio_errors(law, others),
+        _add_ratio_errors(law, variant_laws),
         relaxation,
         residual,
         raw,
@@ -96,7 +96,7 @@ def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
                 else ()
             ),
         ),
-        others,
+        variant_laws,
     )
 
 
@@ -107,11 +107,11 @@ def find_nearest_fit(cld: CLD, fits: Sequence[Fit]) -> Fit:
     return min(fits, key=lambda fit: abs(depth_of(fit) - cld.nominal.compression))
 
 
-def _add_ratio_errors(law: ElasticLaw, others: Sequence[ElasticLaw]) -> ElasticLaw:
+def _add_ratio_errors(law: ElasticLaw, variant_laws: Sequence[ElasticLaw]) -> ElasticLaw:
     """Return the law with the errors of relaxation and zeros added to those of its tangents."""
     values = np.asarray(law.ratio_se)
-    moves = [np.subtract(other.ratio, law.ratio) for other in others]
-    total = np.sqrt(values**2 + sum((move**2 for move in moves), np.zeros(len(values))))
+    ratio_changes = [np.subtract(other.ratio, law.ratio) for other in variant_laws]
+    total = np.sqrt(values**2 + sum((change**2 for change in ratio_changes), np.zeros(len(values))))
     return replace(law, ratio_se=tuple(total.tolist()))
 
 
@@ -129,8 +129,8 @@ def _compare_relaxations(fits: Sequence[Fit], stroke: float | None) -> float | N
 
 def longer(cld: CLD, fit: Fit) -> float:
     """Return the length of the specimen over that of the fit's; 1 where one is not known."""
-    per = cld.specimen.length, fit.specimen.length
-    return per[0] / per[1] if per[0] and per[1] else 1.0
+    lengths = cld.specimen.length, fit.specimen.length
+    return lengths[0] / lengths[1] if lengths[0] and lengths[1] else 1.0
 
 
 def depth_of(fit: Fit) -> float:
@@ -153,10 +153,12 @@ def clock_of(cld: CLD) -> FloatArray:
 
 def find_loaded_samples(cld: CLD) -> IndexArray:
     """Return the samples of the chosen cycle at which the plate is on the seal."""
-    ways = [branch for branch in (cld.loading, cld.unloading) if branch is not None]
-    rows = np.concatenate([np.arange(way.samples.start, way.samples.stop) for way in ways])
-    pressed = cld.force[rows] > _FELT * cld.noise
-    return np.asarray(rows[pressed & (cld.compression[rows] > 0)])
+    branches = [branch for branch in (cld.loading, cld.unloading) if branch is not None]
+    rows = np.concatenate(
+        [np.arange(branch.samples.start, branch.samples.stop) for branch in branches]
+    )
+    is_loaded = cld.force[rows] > _FELT * cld.noise
+    return np.asarray(rows[is_loaded & (cld.compression[rows] > 0)])
 
 
 def law_through(x: FloatArray, force: FloatArray, *, depth: float) -> tuple[ElasticLaw, float]:
@@ -165,26 +167,30 @@ def law_through(x: FloatArray, force: FloatArray, *, depth: float) -> tuple[Elas
     Its tangent is linear between knots and nowhere below 0, determined by the points at each.
     """
     laws = [_law(x, force, knots_over(x, depth, count)) for count in KNOTS]
-    tried = [law for law in laws if law is not None]
-    if not tried:
+    laws_found = [law for law in laws if law is not None]
+    if not laws_found:
         raise FitError(
             f"{len(x)} samples of the cycle stand out of the noise, too few for an elastic law; "
             "press slower, or record faster"
         )
-    _, finest = tried[-1]
-    return next(item for item in tried if item[1] <= _AS_WELL * finest + 1e-12)
+    _, finest = laws_found[-1]
+    return next(item for item in laws_found if item[1] <= _AS_WELL * finest + 1e-12)
 
 
 def knots_over(x: FloatArray, depth: float, count: int) -> FloatArray:
     """Return 0 and even knots to a depth, but for those between 0 and where points begin."""
-    even = np.linspace(0.0, depth, count)
-    return np.asarray(even[(even == 0.0) | (even > np.min(x, initial=np.inf)) | (even == depth)])
+    even_knots = np.linspace(0.0, depth, count)
+    return np.asarray(
+        even_knots[
+            (even_knots == 0.0) | (even_knots > np.min(x, initial=np.inf)) | (even_knots == depth)
+        ]
+    )
 
 
 def _law(x: FloatArray, force: FloatArray, knots: FloatArray) -> tuple[ElasticLaw, float] | None:
     """Return the law on knots; None where the points do not determine each tangent."""
-    hats = hat_integrals(x, knots)
-    best = solve_ordinary(force, hats, positive=True)
+    hat_columns = hat_integrals(x, knots)
+    best = solve_ordinary(force, hat_columns, positive=True)
     uncertainty = estimate(best)
     if not np.isfinite(uncertainty.standard_error).all():
         return None
@@ -207,29 +213,31 @@ def mean_slope(slope: FloatArray, knots: FloatArray) -> float:
     return float(0.5 * np.diff(knots) @ (slope[1:] + slope[:-1])) / float(knots[-1])
 
 
-def _compute_loss_fraction(cld: CLD, back: Branch, e: FloatArray) -> float:
+def _compute_loss_fraction(cld: CLD, unloading: Branch, e: FloatArray) -> float:
     """Return the part of the energy that relaxed forces lose over the chosen cycle in contact."""
     rows = find_loaded_samples(cld)
-    released = rows >= back.first
+    released = rows >= unloading.first
     x = cld.compression
-    least = max(float(x[rows[~released]].min()), float(x[rows[released]].min()))
-    put, provided = (
-        float(np.trapezoid(e[branch.samples], np.maximum(branch.compression, least)))
-        for branch in (cld.loading, back)
+    common_compression = max(float(x[rows[~released]].min()), float(x[rows[released]].min()))
+    work_in, work_out = (
+        float(np.trapezoid(e[branch.samples], np.maximum(branch.compression, common_compression)))
+        for branch in (cld.loading, unloading)
     )
-    return (put + provided) / put
+    return (work_in + work_out) / work_in
 
 
 def _compute_common_force(cld: CLD, e: FloatArray, number: int) -> float:
     cycle = cld.cycles[number]
-    relaxed = replace(cycle.loading, force=e[cycle.loading.samples])
-    here = fit_local_slope(relaxed, cld.common, half=WINDOW * cycle.depth, excess=np.inf)
-    return np.nan if here is None else here.force
+    relaxed_loading = replace(cycle.loading, force=e[cycle.loading.samples])
+    local_slope = fit_local_slope(
+        relaxed_loading, cld.common, half_width=WINDOW * cycle.depth, excess=np.inf
+    )
+    return np.nan if local_slope is None else local_slope.force
 
 
 def _check_relaxed_force(cld: CLD, law: ElasticLaw, fit: Fit) -> list[Check]:
     """Return checks of the relaxed force against the relaxation test at each compression."""
-    held = [(at.depth, at.k_inf) for at in fit.evidence.stiffness_by_depth] or [
+    held_stiffnesses = [(at.depth, at.k_inf) for at in fit.evidence.stiffness_by_depth] or [
         (depth_of(fit), fit.model.k_inf)
     ]
     times = longer(cld, fit)
@@ -241,5 +249,5 @@ def _check_relaxed_force(cld: CLD, law: ElasticLaw, fit: Fit) -> list[Check]:
             depth,
             k_inf,
         )
-        for depth, k_inf in held
+        for depth, k_inf in held_stiffnesses
     ]

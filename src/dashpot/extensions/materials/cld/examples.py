@@ -14,19 +14,19 @@ from dashpot.registry import Example
 from dashpot.solids.demo_seals import BROAD
 
 
-def _simulate_force(path: FloatArray, met: BoolArray, step: float) -> FloatArray:
+def _simulate_force(path: FloatArray, is_in_contact: BoolArray, step: float) -> FloatArray:
     """Return the force of a relaxing seal along a path, N; out of contact it recovers."""
     k, tau = np.asarray(BROAD.k), np.asarray(BROAD.tau)
     decay = np.exp(-step / tau)
     mean = k * (1 - decay) * tau / step
-    arms, here, force = np.zeros(len(k)), 0.0, np.zeros(len(path))
-    for i, wanted in enumerate(path.tolist()):
-        before, here, passed = here, wanted, decay * arms
-        force[i] = BROAD.k_inf * here + (passed + mean * (here - before)).sum()
-        if force[i] <= 0 or not met[i]:
+    arms, position, force = np.zeros(len(k)), 0.0, np.zeros(len(path))
+    for i, next_position in enumerate(path.tolist()):
+        before, position, passed = position, next_position, decay * arms
+        force[i] = BROAD.k_inf * position + (passed + mean * (position - before)).sum()
+        if force[i] <= 0 or not is_in_contact[i]:
             force[i] = 0.0
-            here = (mean.sum() * before - passed.sum()) / (BROAD.k_inf + mean.sum())
-        arms = passed + mean * (here - before)
+            position = (mean.sum() * before - passed.sum()) / (BROAD.k_inf + mean.sum())
+        arms = passed + mean * (position - before)
     return force
 
 
@@ -40,9 +40,9 @@ def _make_cld_writer(
         stroke = (depth + gap) / speed
         turns = np.arange(2 * cycles + 1) * stroke + 2.0
         knots = np.concatenate(([0.0], turns, [turns[-1] + 2.0]))
-        places = np.array([-gap, *([-gap, depth] * cycles), -gap, -gap])
+        positions = np.array([-gap, *([-gap, depth] * cycles), -gap, -gap])
         time = np.linspace(0.0, knots[-1], 1601)
-        plate = np.interp(time, knots, places)
+        plate = np.interp(time, knots, positions)
         x = np.maximum(plate, 0.0)
         number = np.searchsorted(turns[2::2], time)
         softer = 1 + 0.1 * np.exp(-2.0 * number)  # the seal of the relaxation test is conditioned
@@ -78,4 +78,4 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
         ),
     }
 )
-"""By their names."""
+"""Example files by their names."""

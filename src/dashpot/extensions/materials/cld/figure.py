@@ -58,11 +58,11 @@ def cld(
         y = np.append(y, requested)
     start, stop = compute_padded_limits(x)
     longest = max((len(name.text) for name in names), default=0)
-    across = Scale(
+    axis = Scale(
         "compression since first contact, mm", (start, stop + _LETTER * longest * (stop - start))
     )
     panel = Panel(
-        across, Scale(f"force, {first.unit}", compute_padded_limits(y)), tuple(marks), height=320
+        axis, Scale(f"force, {first.unit}", compute_padded_limits(y)), tuple(marks), height=320
     )
     caption = (
         "Compression load deflection: force on the way in and back, with the nominal compression "
@@ -87,12 +87,13 @@ def _curves(specimens: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:
         pens = Pen(colour, 2.0 if single else 1.6), Pen(colour, 1.4, (6, 3))
         lines += _ways(specimen, specimen.cycle, pens, ("pressed", "released"))
         if name:
-            deep, high = (
+            compressions, high = (
                 convert_to_unit(specimen.loading.compression, "mm"),
                 specimen.per * specimen.loading.force,
             )
-            deepest = int(np.argmax(deep))
-            names.append(Tag(float(deep[deepest]), float(high[deepest]), name, colour,
+            deepest_index = int(np.argmax(compressions))
+            names.append(Tag(float(compressions[deepest_index]), float(high[deepest_index]), name,
+            colour,
                              bold=True, end=True))  # fmt: skip
     return lines, names
 
@@ -100,10 +101,10 @@ def _curves(specimens: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:
 def _nominal(result: CLD, *, valued: bool) -> Iterator[Mark]:
     """Return marks of nominal compression and limits, of one specimen with the force."""
     for at in result.limit_marks:
-        pressed, force = convert_to_unit(at.compression, "mm"), result.per * at.loading
-        yield Rule(pressed, REF)
+        compression, force = convert_to_unit(at.compression, "mm"), result.per * at.loading
+        yield Rule(compression, REF)
         if valued:
-            yield Tag(pressed, force, f"{force:.3g}", "fit", "filled", bold=True)
+            yield Tag(compression, force, f"{force:.3g}", "fit", "filled", bold=True)
 
 
 def _select_line_styles(specimens: Sequence[CLD]) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -115,14 +116,14 @@ def _select_line_styles(specimens: Sequence[CLD]) -> tuple[tuple[str, ...], tupl
     if len(values) == len(specimens) and max(values) > SAME_SPEED * min(values):
         rank = np.argsort(np.argsort(values))
         colours = sequential(len(specimens))
-        named = tuple(format_quantity(value, "mm/s", ".3g") for value in values)
-        return tuple(colours[i] for i in rank.tolist()), named
+        labels = tuple(format_quantity(value, "mm/s", ".3g") for value in values)
+        return tuple(colours[i] for i in rank.tolist()), labels
     if len(specimens) > len(_SPECIMEN_COLOURS):
         return ("ref",) * len(specimens), ("",) * len(specimens)
     files = ("" if specimen.source is None else specimen.source.file for specimen in specimens)
-    named = tuple(name.rpartition(".")[0] or name or f"specimen {i}"
+    labels = tuple(name.rpartition(".")[0] or name or f"specimen {i}"
                   for i, name in enumerate(files, start=1))  # fmt: skip
-    return _SPECIMEN_COLOURS[: len(specimens)], named
+    return _SPECIMEN_COLOURS[: len(specimens)], labels
 
 
 def _tolerance(result: CLD) -> list[Mark]:
@@ -133,13 +134,13 @@ def _tolerance(result: CLD) -> list[Mark]:
     return [Span(low, high, "fit", f"tolerance {low:.4g} to {high:.4g} mm", tint=0.07)]
 
 
-def _draw_force_limits(result: CLD, ends: Sequence[float]) -> list[Mark]:
+def _draw_force_limits(result: CLD, limits: Sequence[float]) -> list[Mark]:
     """Return what is asked of the force at the nominal compression, as a bar there."""
     at = convert_to_unit(result.nominal.compression, "mm")
-    between = " to ".join(f"{end:.3g}" for end in ends)
+    limits_text = " to ".join(f"{end:.3g}" for end in limits)
     return [
-        Line(np.full(len(ends), at), np.array(ends), Pen("bad", 2.5)),
-        Tag(at, max(ends), f"asked {between} {result.unit}", "bad-ink", "filled"),
+        Line(np.full(len(limits), at), np.array(limits), Pen("bad", 2.5)),
+        Tag(at, max(limits), f"asked {limits_text} {result.unit}", "bad-ink", "filled"),
     ]
 
 
@@ -155,17 +156,19 @@ def _draw_other_cycles(result: CLD) -> list[Line]:
 
 def _ways(result: CLD, cycle: Cycle, pens: tuple[Pen, Pen], labels: tuple[str, str]) -> list[Line]:
     """Loading and unloading of a cycle, as far as it was recorded."""
-    ways = zip((cycle.loading, cycle.unloading), pens, labels, strict=True)
-    return [_line(result, way, pen, label) for way, pen, label in ways if way is not None]
+    branches = zip((cycle.loading, cycle.unloading), pens, labels, strict=True)
+    return [
+        _line(result, branch, pen, label) for branch, pen, label in branches if branch is not None
+    ]
 
 
-def _line(result: CLD, way: Branch, pen: Pen, label: str) -> Line:
-    x, y = way.compression, way.force
+def _line(result: CLD, branch: Branch, pen: Pen, label: str) -> Line:
+    x, y = branch.compression, branch.force
     if x[0] > x[-1]:
         x, y = x[::-1], y[::-1]
     # bins need a rising x: noise makes a few readings fall
     order = np.argsort(x, kind="stable")
-    thin: tuple[FloatArray, FloatArray] = downsample_to_extremes(
+    thinned: tuple[FloatArray, FloatArray] = downsample_to_extremes(
         convert_to_unit(x[order], "mm"), result.per * y[order], bins=300
     )
-    return Line(*thin, pen, label)
+    return Line(*thinned, pen, label)

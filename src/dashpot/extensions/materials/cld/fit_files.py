@@ -59,13 +59,13 @@ def apply_elastic_law(
     """
     if fit.elastic_law is None:
         raise DataError("the fit is of no pressed part: expected one of a relaxation test")
-    held = fit.elastic_law.depth
-    if law.depth < 0.99 * held:
+    held_depth = fit.elastic_law.depth
+    if law.depth < 0.99 * held_depth:
         raise DataError(
             f"the law ends at {format_quantity(law.depth, 'mm')}, and the test was held at "
-            f"{format_quantity(held, 'mm')}: expected a cycle at least as deep"
+            f"{format_quantity(held_depth, 'mm')}: expected a cycle at least as deep"
         )
-    factor = held / float(law.path(held))
+    factor = held_depth / float(law.path(held_depth))
     if stiffness is not None:
         factor = stiffness / fit.model.k_inf
     step = Step(
@@ -111,13 +111,13 @@ class SpecimenStatistics:
     @property
     def fact(self) -> ReportedValue:
         """The mean, with its interval by Student's t."""
-        half = math.nan
+        half_width = math.nan
         if self.count > 1:
-            half = t_quantile(0.95, self.count - 1) * self.deviation / math.sqrt(self.count)
-        ends = self.mean - half, self.mean + half
+            half_width = t_quantile(0.95, self.count - 1) * self.deviation / math.sqrt(self.count)
+        interval = self.mean - half_width, self.mean + half_width
         unit = self.unit or "1"
         read = "" if self.unit else "%"
-        return ReportedValue(self.name, self.mean, *ends, unit, read=read)
+        return ReportedValue(self.name, self.mean, *interval, unit, read=read)
 
 
 @dataclass(frozen=True, repr=False)
@@ -179,7 +179,7 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
 
     @property
     def unit(self) -> str:
-        """Of a force."""
+        """Unit of a force."""
         return self.specimens[0].unit
 
     @property
@@ -321,8 +321,8 @@ def _figures(
             specimens.append(figures(test, at))
     if at is not None or len(specimens) == 1:
         return tuple(specimens)
-    least = min(specimen.cycle.depth for specimen in specimens)
-    return tuple(figures(test, least) for test in tests)
+    smallest_depth = min(specimen.cycle.depth for specimen in specimens)
+    return tuple(figures(test, smallest_depth) for test in tests)
 
 
 def _select_worst_checks(specimens: Sequence[CLD]) -> tuple[Check, ...]:
@@ -346,34 +346,42 @@ def _add_speed_fit(result: CLDResult) -> CLDResult:
 
 def _add_specimen_scatter(result: CLDResult, limits: tuple[float, float] | None) -> CLDResult:
     """Return the result with the scatter of its specimens, and their capability within limits."""
-    specimens, within = result.specimens, None
+    specimens, capability = result.specimens, None
     checks = [specimens_tested_alike(_otherwise(specimens))]
     if limits is not None:
         forces = np.array([specimen.per * specimen.nominal.loading for specimen in specimens])
-        within = find_handler("process capability", forces)(forces, *limits)
-        checks.append(specimens_capable(within, result.unit))
+        capability = find_handler("process capability", forces)(forces, *limits)
+        checks.append(specimens_capable(capability, result.unit))
     scatter = tuple(_scatter(specimens))
-    return replace(result, scatter=scatter, capability=within, checks=(*result.checks, *checks))
+    return replace(result, scatter=scatter, capability=capability, checks=(*result.checks, *checks))
 
 
 def _with_relaxation(result: CLDResult, relaxation: Sequence[Fit]) -> CLDResult:
     """Return the result with the elastic law of the first specimen, without relaxation."""
-    relaxed = relaxed_law(result.specimens[0], relaxation)
-    near = find_nearest_fit(result.specimens[0], relaxation)
+    relaxed_law_found = relaxed_law(result.specimens[0], relaxation)
+    nearest_fit = find_nearest_fit(result.specimens[0], relaxation)
     # the saved law is of a specimen as long as that of the relaxation test
-    stiffness = relaxed.law.stiffness / longer(result.specimens[0], near)
-    fed = apply_elastic_law(near, relaxed.law, checks=relaxed.checks, stiffness=stiffness)
-    return replace(result, checks=(*result.checks, *relaxed.checks), relaxed=relaxed, fit=fed)
+    stiffness = relaxed_law_found.law.stiffness / longer(result.specimens[0], nearest_fit)
+    fed = apply_elastic_law(
+        nearest_fit, relaxed_law_found.law, checks=relaxed_law_found.checks, stiffness=stiffness
+    )
+    return replace(
+        result,
+        checks=(*result.checks, *relaxed_law_found.checks),
+        relaxed=relaxed_law_found,
+        fit=fed,
+    )
 
 
 def _refuse_twice(tests: Sequence[CLDTest]) -> None:
-    seen: dict[str, str] = {}
+    files_by_record: dict[str, str] = {}
     for source in (test.source for test in tests if test.source is not None):
-        if source.sha256 in seen:
+        if source.sha256 in files_by_record:
             raise ReadError(
-                f"{source.file} is the same record as {seen[source.sha256]}; each specimen once"
+                f"{source.file} is the same record as {files_by_record[source.sha256]}; each "
+                "specimen once"
             )
-        seen[source.sha256] = source.file
+        files_by_record[source.sha256] = source.file
 
 
 def _several_speeds(specimens: Sequence[CLD]) -> bool:

@@ -27,25 +27,31 @@ class LocalSlope(NamedTuple):
     slope_se: float
 
 
-def fit_local_slope(branch: Branch, at: float, *, half: float, excess: float) -> LocalSlope | None:
-    """Return force and slope at a compression, m: a parabola over what lies within `half` of it.
+def fit_local_slope(
+    branch: Branch, at: float, *, half_width: float, excess: float
+) -> LocalSlope | None:
+    """Return force and slope at a compression, m, of a parabola over `half_width` to either side.
 
     None where the branch ends more than `excess` before.
     """
     x, f = branch.compression, branch.force
     if not x.min() - excess <= at <= x.max() + excess or len(x) < 4:
         return None
-    away = np.abs(x - at)
-    half = max(half, float(np.partition(away, min(_LEAST, len(x)) - 1)[min(_LEAST, len(x)) - 1]))
-    near = away <= half
-    u, y = (x[near] - at) / half, f[near]
+    distance = np.abs(x - at)
+    half_width = max(
+        half_width, float(np.partition(distance, min(_LEAST, len(x)) - 1)[min(_LEAST, len(x)) - 1])
+    )
+    is_near = distance <= half_width
+    u, y = (x[is_near] - at) / half_width, f[is_near]
     A = np.column_stack((np.ones_like(u), u, u**2))
     uncertainty = estimate(solve_ordinary(y, A))
     c, error = uncertainty.optimum.beta, uncertainty.standard_error
-    least = _DIGITS * abs(float(c[0]))  # what follows without a rest still has a file's digits
+    rounding_limit = _DIGITS * abs(
+        float(c[0])
+    )  # what follows without a rest still has a file's digits
     return LocalSlope(
-        float(c[0]), max(float(error[0]), least), float(c[1]) / half,
-        max(float(error[1]), least) / half,
+        float(c[0]), max(float(error[0]), rounding_limit), float(c[1]) / half_width,
+        max(float(error[1]), rounding_limit) / half_width,
     )  # fmt: skip
 
 
@@ -56,25 +62,25 @@ def evaluate_cycle(
 
     The error of the force holds those of the two zeros.
     """
-    half = WINDOW * cycle.depth
-    way_in = fit_local_slope(cycle.loading, at, half=half, excess=excess)
+    half_width = WINDOW * cycle.depth
+    way_in = fit_local_slope(cycle.loading, at, half_width=half_width, excess=excess)
     if way_in is None:
         return None
-    back = (
+    unloading = (
         None
         if cycle.unloading is None
-        else fit_local_slope(cycle.unloading, at, half=half, excess=excess)
+        else fit_local_slope(cycle.unloading, at, half_width=half_width, excess=excess)
     )
     error = _error(way_in, contact_se=contact_se, force_se=force_se)
     return AtCompression(
         at,
         way_in.force,
         error,
-        None if back is None else back.force,
+        None if unloading is None else unloading.force,
         way_in.slope,
         way_in.slope_se,
         cycle.loading.work(at),
-        None if back is None else _error(back, contact_se=contact_se, force_se=force_se),
+        None if unloading is None else _error(unloading, contact_se=contact_se, force_se=force_se),
     )
 
 

@@ -24,7 +24,7 @@ def build_lot_row(file: str | Path, lot_specimen: LotSpecimen) -> tuple[CLD, dic
     test = read_cld(file, options=lot_specimen.options, specimen=specimen)
     result = cld(test, at=lot_specimen.compression, cycle=lot_specimen.options.cycle)
     nominal, cycle = result.nominal, result.cycle
-    several = len(result.cycles) > 1
+    has_several_cycles = len(result.cycles) > 1
     return result, {
         "samples": len(result.force),
         "temperature_K": result.specimen.temperature,
@@ -36,6 +36,6 @@ def build_lot_row(file: str | Path, lot_specimen: LotSpecimen) -> tuple[CLD, dic
         "cld_per_100mm_N": None if result.specimen.length is None else result.per * nominal.loading,
         "cld_slope_N_per_m": nominal.slope,
         "cld_hysteresis": cycle.hysteresis,
-        "cld_softening": result.softening if several else None,
+        "cld_softening": result.softening if has_several_cycles else None,
         "cld_set_m": result.set,
     }

@@ -48,11 +48,11 @@ _PER_STROKE = 120
 _FALLS = 0.98
 """Part of the residual above which a further arm, and any after it, is not worth trying."""
 DECISIVE = 10.0
-"""By so much a further arm lowers BIC."""
+"""Decrease of BIC that a further arm needs."""
 _TELLS = 3.0
 """Standard errors of a delay from which on a record is taken to have one."""
 _SMALLEST, _LARGEST = 1e-3, 20.0
-"""Of g."""
+"""Smallest and largest g."""
 
 
 class DownsampledRecord(NamedTuple):
@@ -103,26 +103,32 @@ def fit_speeds(specimens: Sequence[CLD], *, arms: int | Literal["auto"] = "auto"
     ]
     window = min(strokes) / 20, 3 * max(strokes)
     counts = range(MOST_ARMS + 1) if arms == "auto" else [arms]
-    tried = _fit_arm_counts(records, window, counts)
-    delays = _delays(specimens, records, knots, tried[-1])
+    candidates = _fit_arm_counts(records, window, counts)
+    delays = _delays(specimens, records, knots, candidates[-1])
     if any(abs(delay.mean) > _TELLS * delay.sd for delay in delays):
         records = [
             _taken_later(record, specimen, knots, delay.mean)
             for record, specimen, delay in zip(records, specimens, delays, strict=True)
         ]
-        tried = _fit_arm_counts(records, window, counts)
+        candidates = _fit_arm_counts(records, window, counts)
     # what is left of too few arms is no noise: all are weighed by that of the most
-    effective = estimate(tried[-1], parts=_parts(records)).effective
-    scores = [score(optimum, effective) for optimum in tried]
-    best = _select_arm_count(records, knots, tried, scores)
+    effective = estimate(candidates[-1], parts=_parts(records)).effective
+    scores = [score(optimum, effective) for optimum in candidates]
+    best = _select_arm_count(records, knots, candidates, scores)
     orders = tuple(
         OrderScore(
             len(optimum.theta) // 2, optimum.sse, bic, number <= best, _model(knots, optimum)
         )
-        for number, (bic, optimum) in enumerate(zip(scores, tried, strict=True))
+        for number, (bic, optimum) in enumerate(zip(scores, candidates, strict=True))
     )
     return _build_fit(
-        specimens, records, tried[best], knots=knots, strokes=strokes, orders=orders, delays=delays
+        specimens,
+        records,
+        candidates[best],
+        knots=knots,
+        strokes=strokes,
+        orders=orders,
+        delays=delays,
     )
 
 
@@ -130,8 +136,8 @@ def _taken_later(
     record: DownsampledRecord, cld: CLD, knots: FloatArray, by: float
 ) -> DownsampledRecord:
     """Return a record with its force delayed, s, and its first contact deeper accordingly."""
-    hats = downsample_record(cld, knots, off=-by * (cld.cycle.speed or 0.0)).hats
-    return record._replace(force=taken_later(record.time, record.force, by), hats=hats)
+    hat_columns = downsample_record(cld, knots, offset=-by * (cld.cycle.speed or 0.0)).hats
+    return record._replace(force=taken_later(record.time, record.force, by), hats=hat_columns)
 
 
 def _change(
@@ -169,33 +175,37 @@ def _fit_arm_counts(
     records: Sequence[DownsampledRecord], window: tuple[float, float], counts: Sequence[int]
 ) -> list[Optimum]:
     """Return the best fit of each number of arms, up to the first that does not pay."""
-    tried: list[Optimum] = []
+    candidates: list[Optimum] = []
     for count in counts:
-        tried.append(_best(records, count, window, tried[-1].theta if tried else None))
-        if len(tried) > 1 and tried[-1].sse > _FALLS**2 * tried[-2].sse:
+        candidates.append(
+            _best(records, count, window, candidates[-1].theta if candidates else None)
+        )
+        if len(candidates) > 1 and candidates[-1].sse > _FALLS**2 * candidates[-2].sse:
             break
-    return tried
+    return candidates
 
 
 def _select_arm_count(
     records: Sequence[DownsampledRecord],
     knots: FloatArray,
-    tried: Sequence[Optimum],
+    candidates: Sequence[Optimum],
     scores: Sequence[float],
 ) -> int:
     """Return the index of the last fit that lowers BIC decisively with every arm determined."""
-    for i in range(len(tried) - 1, 0, -1):
-        if scores[i - 1] - scores[i] >= DECISIVE and _has_determined_arms(records, knots, tried[i]):
+    for i in range(len(candidates) - 1, 0, -1):
+        if scores[i - 1] - scores[i] >= DECISIVE and _has_determined_arms(
+            records, knots, candidates[i]
+        ):
             return i
     return 0
 
 
 def thinned_alike(specimens: Sequence[CLD]) -> tuple[FloatArray, list[DownsampledRecord]]:
     """Return the knots of a law to the least depth of tests, m, and their records to it."""
-    pressed = np.concatenate(
+    compressions = np.concatenate(
         [specimen.compression[find_loaded_samples(specimen)] for specimen in specimens]
     )
-    knots = knots_over(pressed, min(specimen.cycle.depth for specimen in specimens), KNOTS)
+    knots = knots_over(compressions, min(specimen.cycle.depth for specimen in specimens), KNOTS)
     return knots, [downsample_record(specimen, knots) for specimen in specimens]
 
 
@@ -210,7 +220,7 @@ def _has_determined_arms(
     return bool((k > 3 * error[:arms]).all() and (ln_tau_se < checks.LARGEST_LN_TAU_SE).all())
 
 
-def downsample_record(cld: CLD, knots: FloatArray, *, off: float = 0.0) -> DownsampledRecord:
+def downsample_record(cld: CLD, knots: FloatArray, *, offset: float = 0.0) -> DownsampledRecord:
     """Return means of neighbours, so that a stroke of the chosen cycle has some hundred rows."""
     last = cld.unloading or cld.loading
     stop = last.samples.stop
@@ -223,10 +233,10 @@ def downsample_record(cld: CLD, knots: FloatArray, *, off: float = 0.0) -> Downs
         block_means(np.asarray(values[:stop], dtype=float), block)
         for values in (clock, cld.compression, np.gradient(cld.compression, clock), cld.force, rows)
     )
-    pressed = share == 1.0  # a block that holds a turning point is not taken
-    first = min(int(np.flatnonzero(pressed)[0]), cld.loading.samples.start // block)
-    hats = np.where(pressed[:, None], hat_integrals(x + off, knots), 0.0)
-    return DownsampledRecord(time, x, velocity, force, pressed, first, hats[first:])
+    is_in_contact = share == 1.0  # a block that holds a turning point is not taken
+    first = min(int(np.flatnonzero(is_in_contact)[0]), cld.loading.samples.start // block)
+    hat_columns = np.where(is_in_contact[:, None], hat_integrals(x + offset, knots), 0.0)
+    return DownsampledRecord(time, x, velocity, force, is_in_contact, first, hat_columns[first:])
 
 
 def _build_relaxation(theta: FloatArray) -> GeneralizedMaxwell:
@@ -248,7 +258,7 @@ def _rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Rows:
         free_compression = np.where(
             record.is_in_contact, 0.0, relaxation.displacement(record.time, record.force)
         )
-        answer, hats = free_compression.copy(), record.hats.copy()
+        answer, hat_columns = free_compression.copy(), record.hats.copy()
         steps = np.diff(record.hats, axis=0)
         step = np.diff(record.time[record.first :])[:, None, None]
         g, tau = np.asarray(relaxation.k), np.asarray(relaxation.tau)
@@ -256,13 +266,13 @@ def _rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Rows:
             answer += arm_columns(record.time, free_compression, tau, derivative=False)[0] @ g
             # every hat under every arm side by side
             z = step / tau[:, None]
-            lost = np.expm1(-z)
+            decay_less_one = np.expm1(-z)
             first = np.tile(record.hats[0], (len(tau), 1))
-            arms = recursion(1 + lost, -lost / z * steps[:, None], first)
-            hats += np.einsum("nap,a->np", arms, g)
-        inside = record.is_in_contact[record.first :]
-        columns.append(hats[inside])
-        targets.append((record.force - answer)[record.first :][inside])
+            arms = recursion(1 + decay_less_one, -decay_less_one / z * steps[:, None], first)
+            hat_columns += np.einsum("nap,a->np", arms, g)
+        is_in_contact = record.is_in_contact[record.first :]
+        columns.append(hat_columns[is_in_contact])
+        targets.append((record.force - answer)[record.first :][is_in_contact])
     return Rows(np.concatenate(targets), np.concatenate(columns))
 
 
@@ -283,12 +293,15 @@ def _best(
     if arms == 0:
         return require_optimum(problem)
     values = np.empty((2, 0)) if before is None else before.reshape(2, -1)
-    places = np.linspace(low, high, 5)[1:-1]
+    log_tau_values = np.linspace(low, high, 5)[1:-1]
     if values.shape[1] + 1 < arms:  # a number that was asked for
         values = np.array([np.full(arms - 1, np.log(0.2)), np.linspace(low, high, arms + 1)[1:-1]])
-    starts = [np.column_stack((values, [np.log(0.15), place])).ravel() for place in places.tolist()]
+    starts = [
+        np.column_stack((values, [np.log(0.15), log_tau])).ravel()
+        for log_tau in log_tau_values.tolist()
+    ]
     start = min(starts, key=lambda row: problem.solve_linear(row).cost)
-    best = require_optimum(problem, [start], most=40, finished=1e-5, flat=1e-6)
+    best = require_optimum(problem, [start], max_steps=40, step_tolerance=1e-5, cost_tolerance=1e-6)
     g, tau = best.theta.reshape(2, -1)
     order = np.argsort(tau)
     return replace(
@@ -323,12 +336,12 @@ def _build_fit(
     # beside the noise, what both zeros and the clock leave unknown: a record with one of them an
     # error off
     for i, specimen in enumerate(specimens):
-        by = downsample_record(specimen, knots, off=specimen.contact_se)
-        weighed = records[i]._replace(force=records[i].force + specimen.zero_se)
-        late = _taken_later(records[i], specimen, knots, delays[i].sd)
-        for off in (by, weighed, late):
+        by = downsample_record(specimen, knots, offset=specimen.contact_se)
+        force_variant = records[i]._replace(force=records[i].force + specimen.zero_se)
+        delay_variant = _taken_later(records[i], specimen, knots, delays[i].sd)
+        for variant in (by, force_variant, delay_variant):
             uncertainty = uncertainty.add_parameter_error(
-                estimate_parameter_shift(uncertainty, _change(records, i, off, best))
+                estimate_parameter_shift(uncertainty, _change(records, i, variant, best))
             )
     covariance = uncertainty.derive_quantity(partial(_seal, knots)).covariance
     rms = float(np.sqrt(best.sse / n))

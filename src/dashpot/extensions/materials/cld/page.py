@@ -25,38 +25,41 @@ from dashpot.report.tables import TextTable
 
 def page(result: CLDResult) -> KindPage:
     """Return the page of one specimen or of several."""
-    first, several = result.specimens[0], len(result.specimens)
+    first, specimen_count = result.specimens[0], len(result.specimens)
     sources = sources_of(result.specimens)
-    able = result.capability
-    text = "no limits given" if able is None else able.summary
+    capability = result.capability
+    text = "no limits given" if capability is None else capability.summary
     topics = [
-        Topic("Specimens", {"specimens_tested_alike"}, f"{several} tested alike"),
+        Topic("Specimens", {"specimens_tested_alike"}, f"{specimen_count} tested alike"),
         Topic("Capability", {"specimens_capable"}, text, text),
     ]
     asked_for = [("Nominal", format_quantity(first.nominal.compression, "mm"))]
     if first.least is not None and first.most is not None:
-        ends = " to ".join(
+        compressions_text = " to ".join(
             f"{convert_to_unit(point.compression, 'mm'):.4g}" for point in (first.least, first.most)
         )
-        asked_for.append(("Tolerance", f"{ends} mm"))
+        asked_for.append(("Tolerance", f"{compressions_text} mm"))
     length = first.specimen.length
     asked_for.append(("Length", "not given" if length is None else format_quantity(length, "mm")))
-    limits = None if able is None else (able.lower, able.upper)
+    limits = None if capability is None else (capability.lower, capability.upper)
     return KindPage(
-        subject=f"compression load deflection, {format_count(several, 'specimen')}",
+        subject=f"compression load deflection, {format_count(specimen_count, 'specimen')}",
         summary_line=(
             *format_specimen_header(first.specimen),
             *asked_for,
-            ("Specimens", str(several)),
+            ("Specimens", str(specimen_count)),
         ),
-        indicators=make_indicators(result.checks, Topic("Records"), *topics[several < 2 :]),
+        indicators=make_indicators(result.checks, Topic("Records"), *topics[specimen_count < 2 :]),
         figure_title="Pressed and released",
         picture=plot.cld(result.specimens, limits=limits),
         table_title=f"Of {'100 mm' if length is not None else 'the specimen'}"
-        + (f", mean of {format_count(several, 'specimen')}" if several > 1 else ""),
+        + (f", mean of {format_count(specimen_count, 'specimen')}" if specimen_count > 1 else ""),
         groups=(Group("", tuple(_make_specimen_rows(result))),),
-        note=f"From and to: 95 % interval of the mean of {format_count(several, 'specimen')}."
-        if several > 1 else KindPage.note,
+        note=(
+            "From and to: 95 % interval of the mean of "
+            f"{format_count(specimen_count, 'specimen')}."
+        )
+        if specimen_count > 1 else KindPage.note,
         sources=sources,
         folds=(
             CollapsibleSection(
@@ -72,20 +75,20 @@ def _make_specimen_rows(result: CLDResult) -> Iterator[Row]:
     """Mean of each figure with its interval; of one specimen its own."""
     if result.scatter:
         for statistics in result.scatter:
-            fact = statistics.fact
+            reported_value = statistics.fact
             # what is of 100 mm stands in the heading
-            unit = fact.word.partition(" per ")[0]
-            yield row(fact, statistics.name.capitalize())._replace(unit=unit)
+            unit = reported_value.word.partition(" per ")[0]
+            yield row(reported_value, statistics.name.capitalize())._replace(unit=unit)
         return
     cld = result.specimens[0]
     for at in cld.limit_marks:
-        where = format_quantity(at.compression, "mm", ".4g").replace(" ", NBSP)
+        compression_text = format_quantity(at.compression, "mm", ".4g").replace(" ", NBSP)
         force = ReportedValue.from_error(
             "", cld.per * at.loading, cld.per * at.loading_se, unit="N"
         )
         slope = ReportedValue.from_error("", cld.per * at.slope, cld.per * at.slope_se, unit="N/m")
-        yield row(force, f"Force at {where}")
-        yield row(slope, f"Slope at {where}")
+        yield row(force, f"Force at {compression_text}")
+        yield row(slope, f"Slope at {compression_text}")
     if cld.cycle.hysteresis is not None:
         yield row(ReportedValue("", cld.cycle.hysteresis, unit="1", read="%"), "Hysteresis")
     if cld.set is not None:
@@ -97,7 +100,7 @@ def _cycles(result: CLDResult) -> TextTable:
     for specimen in result.specimens:
         name = "" if specimen.source is None else specimen.source.file
         for cycle in specimen.cycles:
-            lost, met = cycle.hysteresis, cycle.contact
+            loss_ratio, contact = cycle.hysteresis, cycle.contact
             rows.append(
                 (
                     name,
@@ -105,8 +108,10 @@ def _cycles(result: CLDResult) -> TextTable:
                     round_to_error(convert_to_unit(cycle.depth, "mm")),
                     round_to_error(cycle.peak),
                     round_to_error(convert_to_unit(cycle.energy, "mJ")),
-                    "" if lost is None else round_to_error(100 * lost, digits=3),
-                    "" if met is None else round_to_error(convert_to_unit(met, "mm"), digits=3),
+                    "" if loss_ratio is None else round_to_error(100 * loss_ratio, digits=3),
+                    ""
+                    if contact is None
+                    else round_to_error(convert_to_unit(contact, "mm"), digits=3),
                 )
             )
     head = (

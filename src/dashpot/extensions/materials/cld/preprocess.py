@@ -106,23 +106,26 @@ def cld(
     cycles = _cycles(test)
     nominal = None if at is None else convert_to_si(at, "length")
     index = _chosen(cycles, cycle, nominal)
-    used = cycles.cycles[index]
-    nominal = used.depth if nominal is None else nominal
-    ends = (None, None) if between is None else si_range(between, "length")
-    least, middle, most = (
-        _evaluate_record_cycle(cycles, used, value) for value in (ends[0], nominal, ends[1])
+    chosen_cycle = cycles.cycles[index]
+    nominal = chosen_cycle.depth if nominal is None else nominal
+    limits = (None, None) if between is None else si_range(between, "length")
+    mark_below, middle, mark_above = (
+        _evaluate_record_cycle(cycles, chosen_cycle, value)
+        for value in (limits[0], nominal, limits[1])
     )
     if middle is None:
-        deepest = max(cycle.depth for cycle in cycles.cycles)
+        max_depth = max(cycle.depth for cycle in cycles.cycles)
         raise DataError(
             f"{format_quantity(nominal, 'mm')} was asked for; expected a compression > 0 that the "
             "seal was "
-            f"pressed to, at most {format_quantity(deepest, 'mm')}: --compression gives it, "
+            f"pressed to, at most {format_quantity(max_depth, 'mm')}: --compression gives it, "
             "--file-part cycle=N another cycle"
         )
     delay = Prior(0.0, machine.delay_sd(median(np.diff(clock_of_samples(test)))))
-    cycles, (least, middle, most) = _with_delay(test, cycles, index, (least, middle, most), delay)
-    used = cycles.cycles[index]
+    cycles, (mark_below, middle, mark_above) = _with_delay(
+        test, cycles, index, (mark_below, middle, mark_above), delay
+    )
+    chosen_cycle = cycles.cycles[index]
     zero, specimen = cycles.zero, test.specimen
     return CLD(
         cycles.cycles,
@@ -135,12 +138,12 @@ def cld(
         zero.noise,
         cycles.common,
         middle,
-        least,
-        most,
+        mark_below,
+        mark_above,
         test.time,
         cycles.compression,
         cycles.force,
-        _checks(cycles, index, max(end for end in (nominal, *ends) if end is not None), test),
+        _checks(cycles, index, max(end for end in (nominal, *limits) if end is not None), test),
         specimen,
         test.source,
         delay.sd,
@@ -167,8 +170,8 @@ def _with_delay(
         cycles = new_cycles
         if delay:
             cycles = _cycles(replace(test, force=taken_later(clock, test.force, delay), units="SI"))
-        same = len(cycles.cycles) == len(new_cycles.cycles)
-        if not same:  # of noise that is taken for a stroke nothing follows
+        has_same_cycles = len(cycles.cycles) == len(new_cycles.cycles)
+        if not has_same_cycles:  # of noise that is taken for a stroke nothing follows
             return np.full(len(new_cycles.cycles) + 3 * len(points), np.nan)
         at = (
             _evaluate_record_cycle(cycles, cycles.cycles[index], point.compression)
@@ -178,20 +181,20 @@ def _with_delay(
             (np.nan,) * 3 if point is None else (point.loading, point.unloading, point.slope)
             for point in at
         )
-        lost = (cycle.hysteresis for cycle in cycles.cycles)
-        return np.array([*lost, *chain.from_iterable(group)], dtype=float)
+        loss_ratios = (cycle.hysteresis for cycle in cycles.cycles)
+        return np.array([*loss_ratios, *chain.from_iterable(group)], dtype=float)
 
     error = compute_delay_errors(numbers, delay)
-    lost, at = np.split(np.where(np.isfinite(error), error, 0.0), [len(new_cycles.cycles)])
+    loss_errors, at = np.split(np.where(np.isfinite(error), error, 0.0), [len(new_cycles.cycles)])
     cycles = tuple(
         cycle
         if cycle.hysteresis is None
         else replace(
             cycle, hysteresis_se=float(np.hypot(by, _hysteresis_error(cycle, new_cycles.zero)))
         )
-        for cycle, by in zip(new_cycles.cycles, lost.tolist(), strict=True)
+        for cycle, by in zip(new_cycles.cycles, loss_errors.tolist(), strict=True)
     )
-    wide = iter(
+    new_points = iter(
         [
             replace(
                 point,
@@ -204,14 +207,14 @@ def _with_delay(
             for point, (loading, unloading, slope) in zip(points, at.reshape(-1, 3), strict=True)
         ]
     )
-    widened = tuple(None if mark is None else next(wide) for mark in marks)
+    widened = tuple(None if mark is None else next(new_points) for mark in marks)
     return new_cycles._replace(cycles=cycles), widened  # type: ignore[return-value]  # the same three
 
 
 def _hysteresis_error(cycle: Cycle, zero: Zero) -> float:
     """Return standard error of a cycle's hysteresis by the noise of the force and by its zero."""
-    ways = [branch for branch in (cycle.loading, cycle.unloading) if branch is not None]
-    steps = np.concatenate([np.diff(np.maximum(way.compression, 0.0)) for way in ways])
+    branches = [branch for branch in (cycle.loading, cycle.unloading) if branch is not None]
+    steps = np.concatenate([np.diff(np.maximum(branch.compression, 0.0)) for branch in branches])
     scatter = zero.noise * float(np.linalg.norm(steps))
     # a zero that is off adds as much to both works
     shared = zero.force_se * cycle.depth * float(cycle.hysteresis or 0.0)
@@ -250,33 +253,35 @@ def _cycles(test: CLDTest) -> _RecordCycles:
     common = _COMMON * min(depths)
     cycles, uneven = [], []
     for number, (loading, unloading) in enumerate(pairs, start=1):
-        speed = departure = None
+        speed = relative_variation = None
         if test.time is not None:
-            speed, departure = unevenness(clock[loading.samples], x[loading.samples])
+            speed, relative_variation = unevenness(clock[loading.samples], x[loading.samples])
         cycles.append(
             _cycle(x, force, number, loading, unloading, zero=zero, common=common,
                    excess=excess, speed=speed)
         )  # fmt: skip
-        uneven.append(departure)
+        uneven.append(relative_variation)
     return _RecordCycles(tuple(cycles), zero, excess, common, tuple(uneven), x, force)
 
 
-def _refuse_loops(behind: float, depth: float, *, rated: bool) -> None:
+def _refuse_loops(return_distance: float, depth: float, *, rated: bool) -> None:
     """Refuse cycles about a mean compression: their work and forces have no zero."""
-    if behind > _BACK * depth:
+    if return_distance > _BACK * depth:
         rate = "" if rated else " --rate 1000Hz"
         raise DataError(
             "the record begins in contact, and its release goes "
-            f"{format_quantity(behind, 'mm', '.3g')} back behind that: these are loops about a "
-            "mean compression; expected a seal that is pressed from its free height. Storage and "
-            f"loss of loops: dashpot fit FILE --kind cyclic{rate}"
+            f"{format_quantity(return_distance, 'mm', '.3g')} back behind that: these are loops "
+            "about a mean compression; expected a seal that is pressed from its free height. "
+            f"Storage and loss of loops: dashpot fit FILE --kind cyclic{rate}"
         )
 
 
 def _pairs(strokes: Sequence[Stroke]) -> list[tuple[Stroke, Stroke | None]]:
     """Return every way in, with the way back after it where it was recorded."""
-    ways = zip(strokes, [*strokes[1:], None], strict=True)
-    pairs = [(stroke, after) for stroke, after in ways if stroke.inward]
+    stroke_pairs = zip(strokes, [*strokes[1:], None], strict=True)
+    pairs = [
+        (stroke, following_stroke) for stroke, following_stroke in stroke_pairs if stroke.inward
+    ]
     if not pairs:
         raise DataError(
             "no loading was found: the compression only falls, or never moves by more than its "
@@ -298,21 +303,21 @@ def _cycle(
     speed: float | None,
 ) -> Cycle:
     way_in = _branch(x, force, loading)
-    back = None if unloading is None else _branch(x, force, unloading)
+    unloading_branch = None if unloading is None else _branch(x, force, unloading)
     contact = 0.0
     if number > 1:
-        met = find_later_contact(way_in.compression, way_in.force, noise=zero.noise)
-        contact = np.nan if met is None else met
+        next_contact = find_later_contact(way_in.compression, way_in.force, noise=zero.noise)
+        contact = np.nan if next_contact is None else next_contact
     depth = float(x[loading.last])
-    here = fit_local_slope(way_in, common, half=WINDOW * depth, excess=excess)
-    peak = fit_local_slope(way_in, depth, half=WINDOW * depth, excess=excess)
-    if here is None or peak is None:
+    local_slope = fit_local_slope(way_in, common, half_width=WINDOW * depth, excess=excess)
+    peak = fit_local_slope(way_in, depth, half_width=WINDOW * depth, excess=excess)
+    if local_slope is None or peak is None:
         raise DataError(
             f"cycle {number}: {len(way_in.force)} samples of loading; expected 4 or more"
         )
     return Cycle(
-        number, depth, speed, None if np.isnan(contact) else contact, peak.force, here.force,
-        way_in, back,
+        number, depth, speed, None if np.isnan(contact) else contact, peak.force, local_slope.force,
+        way_in, unloading_branch,
     )  # fmt: skip
 
 
@@ -329,43 +334,46 @@ def _chosen(new_cycles: _RecordCycles, requested: int | None, at: float | None) 
                 f"cycle {requested} was asked for, but the record holds {len(cycles)} cycle{plural}"
             )
         return requested - 1
-    reach = [
+    reaching_cycles = [
         i for i, cycle in enumerate(cycles) if at is None or cycle.depth >= at - new_cycles.excess
     ]
-    whole = [i for i in reach if cycles[i].unloading is not None]
-    return (whole or reach or [len(cycles) - 1])[-1]
+    complete_cycles = [i for i in reaching_cycles if cycles[i].unloading is not None]
+    return (complete_cycles or reaching_cycles or [len(cycles) - 1])[-1]
 
 
 def _pull(cycle: Cycle, zero: Zero) -> float | None:
     """The greatest pull of a release, over the greatest force; less than noise makes is none."""
-    back = cycle.unloading
-    if back is None or not zero.air or len(back.force) < _SMOOTHED:
+    unloading = cycle.unloading
+    if unloading is None or not zero.air or len(unloading.force) < _SMOOTHED:
         return None
-    means = np.convolve(back.force, np.full(_SMOOTHED, 1 / _SMOOTHED), "valid")
+    means = np.convolve(unloading.force, np.full(_SMOOTHED, 1 / _SMOOTHED), "valid")
     chance = _RARE * zero.noise / _SMOOTHED**0.5 + 2 * zero.force_se
     return float(max(-means.min() - chance, 0.0) / cycle.peak)
 
 
-def _checks(new_cycles: _RecordCycles, index: int, most: float, test: CLDTest) -> tuple[Check, ...]:
+def _checks(
+    new_cycles: _RecordCycles, index: int, largest: float, test: CLDTest
+) -> tuple[Check, ...]:
     cycles, zero = new_cycles.cycles, new_cycles.zero
-    used, before = cycles[index], cycles[:index]
-    drift = zero.drift / used.peak if zero.drift else None
+    chosen_cycle, before = cycles[index], cycles[:index]
+    drift = zero.drift / chosen_cycle.peak if zero.drift else None
     return (
         checks.zero_recorded(zero.begins, air=zero.air),
-        *check_machine(sources_of([test]), used.peak / used.depth),
+        *check_machine(sources_of([test]), chosen_cycle.peak / chosen_cycle.depth),
         checks.specimen_conditioned(
-            used.common / before[-1].common - 1 if before else None,
-            cycle=used.number,
+            chosen_cycle.common / before[-1].common - 1 if before else None,
+            cycle=chosen_cycle.number,
             softening=cycles[0].common / cycles[-1].common - 1,
         ),
         checks.depth_conditioned(
-            used.depth / max(cycle.depth for cycle in before) if before else None, used.number
+            chosen_cycle.depth / max(cycle.depth for cycle in before) if before else None,
+            chosen_cycle.number,
         ),
-        checks.compressions_reached(most, used.depth + new_cycles.excess),
+        checks.compressions_reached(largest, chosen_cycle.depth + new_cycles.excess),
         checks.load_cell_steady(drift),
         checks.plate_speed_constant(new_cycles.uneven[index]),
-        checks.no_energy_gained(used.hysteresis),
-        checks.no_adhesion_on_release(_pull(used, zero)),
-        checks.unloading_recorded(recorded=used.unloading is not None),
-        checks.length_given(provided=test.specimen.length is not None),
+        checks.no_energy_gained(chosen_cycle.hysteresis),
+        checks.no_adhesion_on_release(_pull(chosen_cycle, zero)),
+        checks.unloading_recorded(recorded=chosen_cycle.unloading is not None),
+        checks.length_given(is_given=test.specimen.length is not None),
     )

@@ -60,8 +60,8 @@ def fit_rate(specimens: Sequence[CLD], fit: Fit) -> RateLaw:
         :func:`~dashpot.extensions.materials.cld.multi_speed_fit.fit_speeds` fits it to the same
         tests.
     """
-    fine, records = thinned_alike(specimens)
-    depth = float(fine[-1])
+    fine_record, records = thinned_alike(specimens)
+    depth = float(fine_record[-1])
     strokes = [
         specimen.cycle.depth / specimen.cycle.speed
         for specimen in specimens
@@ -69,18 +69,18 @@ def fit_rate(specimens: Sequence[CLD], fit: Fit) -> RateLaw:
     ]
     window = np.log([min(strokes) / 20, 3 * max(strokes)])
     of = _Data(
-        records, knots_over(fine[1:], depth, DAMPING_KNOTS), fine, depth,
+        records, knots_over(fine_record[1:], depth, DAMPING_KNOTS), fine_record, depth,
         max(specimen.noise for specimen in specimens),
     )  # fmt: skip
-    tried = [_best(of, np.zeros(len(records)), None)]
+    candidates = [_best(of, np.zeros(len(records)), None)]
     for _ in range(MOST_ARMS):
-        tried.append(_best(of, tried[-1].theta, window))
-    effective = estimate(tried[-1], parts=_parts(of), prior_variance=of.noise**2).effective
-    scores = [score(optimum, effective) for optimum in tried]
+        candidates.append(_best(of, candidates[-1].theta, window))
+    effective = estimate(candidates[-1], parts=_parts(of), prior_variance=of.noise**2).effective
+    scores = [score(optimum, effective) for optimum in candidates]
     best = 0
-    while best + 1 < len(tried) and scores[best] - scores[best + 1] >= DECISIVE:
+    while best + 1 < len(candidates) and scores[best] - scores[best + 1] >= DECISIVE:
         best += 1
-    return _build_rate_law(specimens, fit, of, tried[best])
+    return _build_rate_law(specimens, fit, of, candidates[best])
 
 
 def _parts(data: _Data) -> list[int]:
@@ -98,24 +98,24 @@ def _rows(data: _Data, theta: FloatArray) -> Rows:
 
     The priors of these come last.
     """
-    ln_tau, off = np.split(theta, [-len(data.records)])
+    ln_tau, offsets = np.split(theta, [-len(data.records)])
     parts, targets = [], []
-    for record, by in zip(data.records, off * _CONTACT * data.depth, strict=True):
-        inside = _moving(record)
-        x, v = record.compression[inside] + by, record.velocity[inside]
-        pressed = np.maximum(record.compression + by, 0.0)
-        q, _ = arm_columns(record.time, pressed, np.exp(ln_tau), derivative=False)
+    for record, by in zip(data.records, offsets * _CONTACT * data.depth, strict=True):
+        is_moving = _moving(record)
+        x, v = record.compression[is_moving] + by, record.velocity[is_moving]
+        compression = np.maximum(record.compression + by, 0.0)
+        q, _ = arm_columns(record.time, compression, np.exp(ln_tau), derivative=False)
         damping = _hats(x, data.knots) * v[:, None]
-        parts.append(np.concatenate((hat_integrals(x, data.fine), damping, q[inside]), axis=1))
-        targets.append(record.force[inside])
-    A = np.concatenate((*parts, np.zeros((len(off), parts[0].shape[1]))))
-    return Rows(np.concatenate((*targets, -data.noise * off)), A)
+        parts.append(np.concatenate((hat_integrals(x, data.fine), damping, q[is_moving]), axis=1))
+        targets.append(record.force[is_moving])
+    A = np.concatenate((*parts, np.zeros((len(offsets), parts[0].shape[1]))))
+    return Rows(np.concatenate((*targets, -data.noise * offsets)), A)
 
 
 def _moving(record: DownsampledRecord) -> BoolArray:
     """Return the samples of the chosen cycle in contact, but for those beside a turning point."""
-    way = np.sign(record.velocity)
-    steady = (way == np.roll(way, 1)) & (way == np.roll(way, -1))
+    direction = np.sign(record.velocity)
+    steady = (direction == np.roll(direction, 1)) & (direction == np.roll(direction, -1))
     values = np.asarray(record.is_in_contact & steady)
     values[: record.first] = False
     return values
@@ -126,22 +126,24 @@ def _best(data: _Data, before: FloatArray, window: FloatArray | None) -> Optimum
     starts = [before]
     if window is not None:
         starts = [np.insert(before, 0, at) for at in np.linspace(window[0], window[1], 7)[1:-1]]
-    sought = [Parameter()] * len(starts[0])
-    problem = Problem(partial(_rows, data), sought, positive=True, priors=len(data.records))
+    parameters = [Parameter()] * len(starts[0])
+    problem = Problem(partial(_rows, data), parameters, positive=True, priors=len(data.records))
     start = min(starts, key=lambda values: problem.solve_linear(values).cost)
-    return require_optimum(problem, [start], most=40, finished=1e-6, flat=1e-8)
+    return require_optimum(problem, [start], max_steps=40, step_tolerance=1e-6, cost_tolerance=1e-8)
 
 
 def _build_rate_law(specimens: Sequence[CLD], fit: Fit, data: _Data, best: Optimum) -> RateLaw:
     first = len(data.fine)
     count, arms = first + len(data.knots), len(best.theta) - len(data.records)
-    resting = np.zeros(count + arms, dtype=bool)
-    resting[first:count] = True  # of a damping of 0 the error is its bound
-    uncertainty = estimate(best, parts=_parts(data), resting=resting, prior_variance=data.noise**2)
+    is_arm_parameter = np.zeros(count + arms, dtype=bool)
+    is_arm_parameter[first:count] = True  # of a damping of 0 the error is its bound
+    uncertainty = estimate(
+        best, parts=_parts(data), is_bounded=is_arm_parameter, prior_variance=data.noise**2
+    )
     ln_tau_se, error = np.split(uncertainty.standard_error, [len(best.theta)])
     _, c, k = np.split(best.beta, [first, count])
     tau = np.exp(best.theta[:arms])
-    retained = [int(i) for i in np.argsort(tau) if k[i] > 0]
+    arm_indices = [int(i) for i in np.argsort(tau) if k[i] > 0]
     n = len(best.residual)
     rms = float(np.sqrt(best.sse / n))
     kappa = min(
@@ -157,10 +159,10 @@ def _build_rate_law(specimens: Sequence[CLD], fit: Fit, data: _Data, best: Optim
         tuple(data.knots.tolist()),
         tuple(c.tolist()),
         tuple(error[first:count].tolist()),
-        tuple(k[retained].tolist()),
-        tuple(tau[retained].tolist()),
-        tuple(error[count:][retained].tolist()),
-        tuple(ln_tau_se[:arms][retained].tolist()),
+        tuple(k[arm_indices].tolist()),
+        tuple(tau[arm_indices].tolist()),
+        tuple(error[count:][arm_indices].tolist()),
+        tuple(ln_tau_se[:arms][arm_indices].tolist()),
         rms,
         value - other,
         (

@@ -55,12 +55,14 @@ def cld_in(file: OpenedFile, specimen: Specimen) -> CLDTest:
         "a compression load deflection (CLD) record is",
         stated_columns=_SIGNALS,
     )
-    chosen, values, notes = signals(file, *_SIGNALS)
+    channels_chosen, values, notes = signals(file, *_SIGNALS)
     if "time" not in values:
         notes.append("the file has no clock: nothing is known of the speed")
-    notes += _refuse_sizes(file, chosen, values)
-    specimen, sentences = add_specimen_temperature(file, specimen, chosen)
-    source = channels.source(file, [channel.message for channel in chosen], [*notes, *sentences])
+    notes += _refuse_sizes(file, channels_chosen, values)
+    specimen, sentences = add_specimen_temperature(file, specimen, channels_chosen)
+    source = channels.source(
+        file, [channel.message for channel in channels_chosen], [*notes, *sentences]
+    )
     return CLDTest(
         values["displacement"],
         values["force"],
@@ -72,30 +74,30 @@ def cld_in(file: OpenedFile, specimen: Specimen) -> CLDTest:
 
 
 def _refuse_sizes(
-    file: OpenedFile, chosen: list[Channel], values: dict[Role, FloatArray]
+    file: OpenedFile, channels_chosen: list[Channel], values: dict[Role, FloatArray]
 ) -> list[str]:
     """Ask for the units again that make a size no test of a seal has; notes on unusual ones."""
-    travel, rise = (float(np.ptp(values[role])) for role in _SIGNALS)
+    travel, force_range = (float(np.ptp(values[role])) for role in _SIGNALS)
     lasted = float(np.ptp(values["time"])) if "time" in values else 0.0
 
     def check_sizes(
         times: Mapping[Role, float], unit: Mapping[Role, str], _: AbstractSet[Role]
     ) -> list[tuple[Role, list[Check]]]:
-        far, push = travel * times["displacement"], rise * times["force"]
-        moves, pushes, ticks = unit["displacement"], unit["force"], unit.get("time", "s")
+        motion_range, push = travel * times["displacement"], force_range * times["force"]
+        motion_unit, pushes, ticks = unit["displacement"], unit["force"], unit.get("time", "s")
         answers: dict[Role, list[Check]] = {
             "time": [size_checks.time_of_a_test(lasted * times.get("time", 1.0), ticks)],
             "displacement": [
-                size_checks.size_possible("travel", far, moves, role="displacement"),
-                size_checks.travel_of_a_seal(far, moves),
-                size_checks.travel_of_a_bench(far, moves, force=push),
+                size_checks.size_possible("travel", motion_range, motion_unit, role="displacement"),
+                size_checks.travel_of_a_seal(motion_range, motion_unit),
+                size_checks.travel_of_a_bench(motion_range, motion_unit, force=push),
             ],
             "force": [
                 size_checks.size_possible("force", push, pushes, role="force"),
                 size_checks.force_of_a_seal(push, pushes),
-                size_checks.force_of_a_bench(push, pushes, travel=far),
+                size_checks.force_of_a_bench(push, pushes, travel=motion_range),
             ],
         }
         return [(role, answers[role]) for role in answers if role in unit]
 
-    return channels.refuse_all_sizes(file, chosen, check_sizes)
+    return channels.refuse_all_sizes(file, channels_chosen, check_sizes)

@@ -74,10 +74,10 @@ def _capability(capability: ProcessCapability | None) -> list[str]:
 
 
 def _choice(rate: RateLaw) -> str:
-    better = "better" if rate.bic < 0 else "worse"
+    comparison = "better" if rate.bic < 0 else "worse"
     return (
-        f"  A spring and a dashpot that depend on compression explain the speeds {better} than one "
-        f"relaxation function (BIC {rate.bic:+.3g})."
+        f"  A spring and a dashpot that depend on compression explain the speeds {comparison} than "
+        f"one relaxation function (BIC {rate.bic:+.3g})."
     )
 
 
@@ -86,18 +86,20 @@ def _rate(rate: RateLaw) -> list[str]:
     for knot in rate.knots[1:]:
         c, error = rate.c(knot)
         law, k = rate.law, rate.law.stiffness
-        stiff, off = (float(k * function(knot)) for function in (law.factor, law.factor_se))
+        stiffness, stiffness_se = (
+            float(k * function(knot)) for function in (law.factor, law.factor_se)
+        )
         rows.append(
             [
                 cell(knot, "mm"),
                 format_rounded(float(law.force(knot))),
-                with_error(stiff, off, "N/m"),
+                with_error(stiffness, stiffness_se, "N/m"),
                 with_error(c, error) if c > 2 * error else f"below {c + 2 * error:.2g}",
             ]
         )
     arms = ", ".join(
-        f"{with_error(k, se, 'N/m')} N/mm over {with_error(tau, tau * wide)} s"
-        for k, tau, se, wide in zip(rate.k, rate.tau, rate.k_se, rate.ln_tau_se, strict=True)
+        f"{with_error(k, se, 'N/m')} N/mm over {with_error(tau, tau * relative_se)} s"
+        for k, tau, se, relative_se in zip(rate.k, rate.tau, rate.k_se, rate.ln_tau_se, strict=True)
     )
     return [*table(rows), f"  arms in parallel: {arms or 'none'}"]
 
@@ -130,7 +132,7 @@ _MOST_SPECIMENS = 2
 def _format_overview(result: CLDResult) -> list[str]:
     rows = [["", "mm/s", f"{result.unit} at nominal", "hysteresis, %", "set, mm"]]
     for specimen in result.specimens:
-        lost = specimen.cycle.hysteresis
+        loss_ratio = specimen.cycle.hysteresis
         rows.append(
             [
                 "" if specimen.source is None else specimen.source.file,
@@ -139,7 +141,7 @@ def _format_overview(result: CLDResult) -> list[str]:
                     specimen.per * specimen.nominal.loading,
                     specimen.per * specimen.nominal.loading_se,
                 ),
-                cell(lost, "%", digits=3),
+                cell(loss_ratio, "%", digits=3),
                 cell(specimen.set, "mm", digits=3),
             ]
         )
@@ -147,25 +149,27 @@ def _format_overview(result: CLDResult) -> list[str]:
 
 
 def _format_specimen(result: CLD) -> list[str]:
-    per, of = result.per, result.unit.removeprefix("N")
+    per_length, of = result.per, result.unit.removeprefix("N")
     rows = [["compression, mm", f"loading, {result.unit}", "unloading", f"slope, N/mm{of}",
              f"energy, mJ{of}"]]  # fmt: skip
     for mark in result.limit_marks:
-        back = "" if mark.unloading is None else format_rounded(per * mark.unloading)
+        unloading_text = (
+            "" if mark.unloading is None else format_rounded(per_length * mark.unloading)
+        )
         rows.append(
             [
                 cell(mark.compression, "mm"),
-                with_error(per * mark.loading, per * mark.loading_se),
-                back,
-                with_error(per * mark.slope, per * mark.slope_se, "N/m"),
-                cell(per * mark.energy, "mJ"),
+                with_error(per_length * mark.loading, per_length * mark.loading_se),
+                unloading_text,
+                with_error(per_length * mark.slope, per_length * mark.slope_se, "N/m"),
+                cell(per_length * mark.energy, "mJ"),
             ]
         )
     cycle, sentences = result.cycle, []
     if cycle.hysteresis is not None and cycle.recovered_energy is not None:
         sentences.append(
             f"hysteresis {ascii_only(format_hysteresis(cycle))} of "
-            f"{format_quantity(per * cycle.energy, 'mJ')}{of}"
+            f"{format_quantity(per_length * cycle.energy, 'mJ')}{of}"
         )
     if len(result.cycles) > 1:
         sentences.append(f"softer than cycle 1 by {100 * result.softening:.3g} %")

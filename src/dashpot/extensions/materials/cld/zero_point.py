@@ -72,8 +72,8 @@ def zero_of(
     rested = first.first + 1 >= _RESTED
     start = slice(0, first.first + 1)
     level, rest, top = median(force[start]), median(x[: first.first + 1]), float(x[first.last])
-    rise = float(force[first.last]) - level
-    touch = find_first_contact(
+    force_rise = float(force[first.last]) - level
+    first_contact = find_first_contact(
         x[: first.last + 1],
         force[: first.last + 1] - level,
         noise=noise,
@@ -82,14 +82,15 @@ def zero_of(
         least_gap=max(2 * resolution, 1e-3 * (top - rest)),
         rested=rested,
     )
-    if touch.gap > _CLEAR * touch.standard_error:
-        margin = max(3 * touch.standard_error, resolution)
+    if first_contact.gap > _CLEAR * first_contact.standard_error:
+        margin = max(3 * first_contact.standard_error, resolution)
         return _measure_air_force(
-            clock, x, force, touch.displacement,
-            float(np.hypot(touch.standard_error, _PARABOLA * (top - touch.displacement))),
-            margin=margin, noise=noise, rise=rise,
+            clock, x, force, first_contact.displacement,
+            float(np.hypot(first_contact.standard_error,
+            _PARABOLA * (top - first_contact.displacement))),
+            margin=margin, noise=noise, force_rise=force_rise,
         )  # fmt: skip
-    begins = abs(level) / max(abs(rise), 1e-300)
+    begins = abs(level) / max(abs(force_rise), 1e-300)
     tare = level if begins <= MOST_PRELOAD else 0.0
     return Zero(
         rest, 0.25 * resolution, False, np.full(len(x), tare), noise / start.stop**0.5, 0.0,
@@ -106,21 +107,21 @@ def _measure_air_force(
     *,
     margin: float,
     noise: float,
-    rise: float,
+    force_rise: float,
 ) -> Zero:
-    stays = find_true_runs(x < contact - margin)
-    counts = np.diff(stays, axis=1)[:, 0] + 1
-    long = counts >= max(_RESTED, (noise / (_KNOWN * max(rise, 1e-300))) ** 2)
-    long[0] = True
+    rest_runs = find_true_runs(x < contact - margin)
+    counts = np.diff(rest_runs, axis=1)[:, 0] + 1
+    is_long = counts >= max(_RESTED, (noise / (_KNOWN * max(force_rise, 1e-300))) ** 2)
+    is_long[0] = True
     means = [(float(clock[a : b + 1].mean()), float(force[a : b + 1].mean()))
-             for a, b in stays[long].tolist()]  # fmt: skip
+             for a, b in rest_runs[is_long].tolist()]  # fmt: skip
     at, level = np.array(means).T
     return Zero(
         contact,
         contact_se,
         True,
         np.interp(clock, at, level),
-        noise / float(counts[long].min()) ** 0.5,
+        noise / float(counts[is_long].min()) ** 0.5,
         float(level[-1] - level[0]),
         0.0,
         0.0,

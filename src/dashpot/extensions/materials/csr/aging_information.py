@@ -68,8 +68,8 @@ class AgingTest:
     @property
     def times(self) -> FloatArray:
         """Usual times of readings up to the longest, s."""
-        usual = [HOUR * value for value in _HOURS if HOUR * value < 0.999 * self.longest]
-        return np.array([*usual, self.longest])
+        reading_times = [HOUR * value for value in _HOURS if HOUR * value < 0.999 * self.longest]
+        return np.array([*reading_times, self.longest])
 
     def compute_specimen_information(self, temperature: float) -> FloatArray:
         """Return the information of a specimen on loss, ln tau, ln exponent and drift, (4, 4)."""
@@ -83,7 +83,8 @@ class AgingTest:
             )  # fmt: skip
 
         columns = [
-            (shape(*(_STEP * side)) - shape(*(-_STEP * side))) / (2 * _STEP) for side in np.eye(3)
+            (shape(*(_STEP * step_signs)) - shape(*(-_STEP * step_signs))) / (2 * _STEP)
+            for step_signs in np.eye(3)
         ]
         G = np.column_stack((*columns, self.drift * time / THOUSAND_HOURS))
         f = shape(0.0, 0.0, 0.0)
@@ -104,8 +105,8 @@ class AgingTest:
             for name, step in steps.items()
         ]  # fmt: skip
         gradient[2] *= _ENERGY_UNIT
-        up, down = (log_life(exponent=law.exponent * np.exp(sign * 1e-4)) for sign in (1, -1))
-        return np.array([*gradient, (up - down) / 2e-4])
+        up, lower = (log_life(exponent=law.exponent * np.exp(sign * 1e-4)) for sign in (1, -1))
+        return np.array([*gradient, (up - lower) / 2e-4])
 
 
 class PlannedOvens:

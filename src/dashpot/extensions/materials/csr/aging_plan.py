@@ -160,17 +160,17 @@ class AgingPlan(HasChecks, Serialisable):
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
         """The supposed life, with the interval that the test will give on average."""
-        life = ReportedValue.from_error(
+        life_value = ReportedValue.from_error(
             "life", self.life, self.life_sd, NORMAL, of_log=True, unit="s", read="h",
             words=f"time until F/F0 is {format_quantity(self.part, '%', 'g')} at "
             f"{celsius(self.use_at)}",
         )  # fmt: skip
-        return (life,)
+        return (life_value,)
 
     @property
     def verdict(self) -> Verdict:
         """Verdict, with the ovens and the expected interval of the life."""
-        every = [f"{n} at {celsius(kelvin)}" for kelvin, n, *_ in self.ovens]
+        oven_texts = [f"{n} at {celsius(kelvin)}" for kelvin, n, *_ in self.ovens]
         low, high = (
             format_life(
                 self.life * math.exp(sign * NORMAL * self.life_sd),
@@ -182,9 +182,10 @@ class AgingPlan(HasChecks, Serialisable):
         low = low.partition(" ")[0]
         specimens = format_count(sum(self.specimens), "specimen")
         headline = (
-            f"{specimens} ({', '.join(every)}) for {format_quantity(self.longest, 'h', '.4g')} "
-            f"will give the life at {celsius(self.use_at)} within a factor of "
-            f"{math.exp(NORMAL * self.life_sd):.3g}, about {low} to {high}"
+            f"{specimens} ({', '.join(oven_texts)}) for "
+            f"{format_quantity(self.longest, 'h', '.4g')} will give the life at "
+            f"{celsius(self.use_at)} within a factor of {math.exp(NORMAL * self.life_sd):.3g}, "
+            f"about {low} to {high}"
         )
         return verdict(self.checks, headline=headline)
 
@@ -199,7 +200,7 @@ def plan_aging(
     part: float | str = "50%",
     scatter: float | str | None = None,
     machine: Machine | None = None,
-    within: float = 1.5,
+    life_factor: float = 1.5,
 ) -> AgingPlan:
     """Choose ovens and specimens that give a life at a temperature as well as wanted, with fewest.
 
@@ -224,7 +225,7 @@ def plan_aging(
     machine : Machine, optional
         How well the temperature of an oven is known, and no drift or one in N/s of a force that is
         supposed to be 40 N; by default 1 K, and 3 % of F0 in 1000 h.
-    within : float
+    life_factor : float
         Factor from the life to either end of its 95 % interval that would do.
 
     Raises
@@ -252,9 +253,11 @@ def plan_aging(
         raise DataError(
             f"--ovens {ovens}: expected 3 to 5; a line over 1/T needs three (ISO 11346)"
         )
-    if not 1.01 <= within <= 50:
-        raise DataError(f"--life-within {within:g}: expected a factor of 1.01 to 50, such as 1.5")
-    target_sd = math.log(within) / NORMAL
+    if not 1.01 <= life_factor <= 50:
+        raise DataError(
+            f"--life-within {life_factor:g}: expected a factor of 1.01 to 50, such as 1.5"
+        )
+    target_sd = math.log(life_factor) / NORMAL
     if hottest_oven < kelvin + (ovens - 1) * _LEAST_DISTANCE:
         raise DataError(
             f"the hottest oven, {celsius(hottest_oven)}, is less than "
@@ -336,16 +339,18 @@ def _list_oven_sets(kelvin: float, hot: float, count: int) -> Iterator[tuple[flo
     furthest = max(checks.REACH, 0.25 * (hot - kelvin))
     inner = np.arange(hot - _LEAST_DISTANCE, kelvin - 1e-6, -_TEMPERATURE_STEP)[::-1].tolist()
     for cooler in combinations(inner, count - 1):
-        near = cooler[0] - kelvin <= furthest
-        if near and all(np.diff((*cooler, hot)) >= _LEAST_DISTANCE - 1e-6):
+        is_near = cooler[0] - kelvin <= furthest
+        if is_near and all(np.diff((*cooler, hot)) >= _LEAST_DISTANCE - 1e-6):
             yield (*cooler, hot)
 
 
-def _allocate(ovens: PlannedOvens, gradient: FloatArray, target: float, most: int) -> _Design:
+def _allocate(
+    ovens: PlannedOvens, gradient: FloatArray, target: float, max_specimens: int
+) -> _Design:
     """Return the specimens added one by one, each where it lowers the variance most."""
     specimens = [_LEAST_SPECIMENS] * len(ovens.temperatures)
     sd = ovens.compute_life_sd(specimens, gradient)
-    while sd > target and sum(specimens) < most:
+    while sd > target and sum(specimens) < max_specimens:
         candidates = []
         for k in range(len(specimens)):
             candidate = [n + (i == k) for i, n in enumerate(specimens)]
@@ -401,13 +406,13 @@ def _list_alternatives(
 
     doubled = best._replace(specimens=tuple(2 * n for n in best.specimens))
     yield compare("twice as many specimens", test, doubled)
-    longer = replace(test, longest=2 * test.longest)
-    yield compare(f"{format_quantity(longer.longest, 'h', '.4g')} in the ovens", longer)
+    longer_test = replace(test, longest=2 * test.longest)
+    yield compare(f"{format_quantity(longer_test.longest, 'h', '.4g')} in the ovens", longer_test)
     shorter = replace(test, longest=test.longest / 2)
     yield compare(f"{format_quantity(shorter.longest, 'h', '.4g')} in the ovens", shorter)
     if test.oven_sd:
-        better = replace(test, oven_sd=test.oven_sd / 2)
-        yield compare(f"ovens known to {better.oven_sd:.2g} K", better)
+        better_oven = replace(test, oven_sd=test.oven_sd / 2)
+        yield compare(f"ovens known to {better_oven.oven_sd:.2g} K", better_oven)
     if test.drift:
         yield compare("a load cell without drift", replace(test, drift=0.0))
     total, count = sum(best.specimens), len(best.temperatures)

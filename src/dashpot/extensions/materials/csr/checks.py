@@ -25,14 +25,14 @@ def run_checks(
     """Return every check of a fit."""
     hottest, coldest = aging.ovens[-1], aging.ovens[0]
     loss = float(estimate.optimum.theta[0] / estimate.standard_error[0])
-    rise = max(-loss, *(-oven.significance for oven in aging.ovens))
+    largest_rise = max(-loss, *(-oven.significance for oven in aging.ovens))
     residual = estimate.optimum.residual
-    inside = np.diff(readings.specimen_number) == 0
+    is_same_specimen = np.diff(readings.specimen_number) == 0
     correlation = float(
-        (residual[1:] * residual[:-1])[inside].sum() / (residual @ residual)
+        (residual[1:] * residual[:-1])[is_same_specimen].sum() / (residual @ residual)
     ) * np.sqrt(len(residual))
     return (
-        force_falls(rise),
+        force_falls(largest_rise),
         f0_read(
             max(
                 float(readings.time[readings.specimen_number == i].min())
@@ -59,11 +59,11 @@ def _estimate_drift(estimate: Estimate, drift: float) -> tuple[float | None, flo
 
 
 @criterion("rise / standard error", "<=", 3.0, "chance, once in 700", grade="stop")
-def force_falls(rise: float) -> Finding:
+def force_falls(rise_over_error: float) -> Finding:
     """The force of the specimens does not rise."""
     return Finding(
-        f"The force rises by {max(rise, 0.0):.2g} standard errors of its trend",
-        rise,
+        f"The force rises by {max(rise_over_error, 0.0):.2g} standard errors of its trend",
+        rise_over_error,
         "Crosslinks or swelling add force, and the aging law has none that grows",
         "Leave out the oven or the specimen that rises.",
     )
@@ -187,11 +187,11 @@ def aging_exceeds_cell_drift(rate: float | None, drift: float) -> Finding:
 
 
 @criterion("distance, K", "<=", REACH, "our choice: the activation energy is lower in the cold")
-def temperature_near_ovens(colder: float, temperature: float) -> Finding:
+def temperature_near_ovens(kelvin_below: float, temperature: float) -> Finding:
     """The requested temperature lies close to those of the ovens."""
     return Finding(
-        f"{celsius(temperature)} lies {max(colder, 0.0):.3g} K below the coolest oven",
-        colder,
+        f"{celsius(temperature)} lies {max(kelvin_below, 0.0):.3g} K below the coolest oven",
+        kelvin_below,
         "The activation energy may fall there, and the life with it",
         "Test an oven nearer to it.",
     )
@@ -215,13 +215,13 @@ def robust_to_lower_activation_energy(
 
 
 @criterion("ovens", ">=", 1.0, "our choice: ISO 11346 wants the end-point reached in each oven")
-def end_point_reached(reached: int | None, part: float) -> Finding:
+def end_point_reached(oven_index: int | None, part: float) -> Finding:
     """The force fell to the end-point in an oven."""
-    if reached is None:
+    if oven_index is None:
         return Finding("No end-point is asked, so this check does not apply")
     return Finding(
-        f"The force fell to {100 * part:g} % in {format_count(reached, 'oven')}",
-        float(reached),
+        f"The force fell to {100 * part:g} % in {format_count(oven_index, 'oven')}",
+        float(oven_index),
         "The course of the law down to there was not seen",
         "Read the hottest oven for longer, or ask for a smaller loss.",
     )

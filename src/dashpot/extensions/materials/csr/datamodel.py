@@ -174,29 +174,31 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         """Physical and chemical relaxation: loss in a decade, time, activation, exponent."""
         law = self.law
         (loss, chemical, activation, exponent), tau = law.errors, law.tau(law.reference)
-        named = f"chemical relaxation time at {celsius(law.reference)}"
-        facts = [
+        tau_name = f"chemical relaxation time at {celsius(law.reference)}"
+        reported_values = [
             ReportedValue.from_error(
                 "physical_loss", law.physical, loss, law.quantile, unit="1", read="%",
                 words="physical relaxation per decade of time",
             ),
-            ReportedValue("chemical_time", math.nan, tau, math.inf, "s", None, "h", named)
+            ReportedValue("chemical_time", math.nan, tau, math.inf, "s", None, "h", tau_name)
             if law.bound_alone
             else ReportedValue.from_error(
                 "chemical_time", tau, chemical, law.quantile, of_log=True, unit="s", read="h",
-                words=named,
+                words=tau_name,
             ),
         ]  # fmt: skip
         if law.activation:
-            facts.append(
+            reported_values.append(
                 ReportedValue.from_error(
                     "activation_energy", law.activation, activation, law.quantile, unit="J/mol"
                 )
             )
         if law.exponent != 1:
             error = exponent * law.exponent
-            facts.append(ReportedValue.from_error("exponent", law.exponent, error, law.quantile))
-        return tuple(facts)
+            reported_values.append(
+                ReportedValue.from_error("exponent", law.exponent, error, law.quantile)
+            )
+        return tuple(reported_values)
 
     def age_fit(self, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
         """Return the fit of a seal after a time at a temperature.
@@ -232,9 +234,9 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         )
 
 
-def format_fact_clause(fact: ReportedValue) -> str:
+def format_fact_clause(reported_value: ReportedValue) -> str:
     """Return a number with its interval for a sentence."""
-    cells = fact.cells
-    if fact.is_lower_bound or not fact.has_interval:
-        return f"the {fact.label} is {cells.value or cells.interval} {cells.unit}"
-    return f"the {fact.label} is {cells.with_unit} ({cells.interval})"
+    cells = reported_value.cells
+    if reported_value.is_lower_bound or not reported_value.has_interval:
+        return f"the {reported_value.label} is {cells.value or cells.interval} {cells.unit}"
+    return f"the {reported_value.label} is {cells.with_unit} ({cells.interval})"

@@ -54,15 +54,15 @@ def csr(aging: Aging, *, stamp: str = "") -> Picture:
     """
     time = np.geomspace(FIRST, aging.longest, 200)
     hours = convert_to_unit(time, "h")
-    across = Scale("time, h", (float(hours[0]) / 1.3, float(hours[-1]) * 1.3), log=True)
-    least = min(float(oven.retained.min()) for oven in aging.ovens)
-    up = Scale("F/F0, %", (max(100 * least - 5, 0.0), 105.0))
+    horizontal = Scale("time, h", (float(hours[0]) / 1.3, float(hours[-1]) * 1.3), log=True)
+    smallest = min(float(oven.retained.min()) for oven in aging.ovens)
+    up = Scale("F/F0, %", (max(100 * smallest - 5, 0.0), 105.0))
     panels = []
     for item in aging.ovens:
         values = np.array([aging.law.compute_retention(item.temperature, entry) for entry in time])
         dots = Dots(convert_to_unit(item.time, "h"), 100 * item.retained, "measured", "measured")
         marks = (Line(hours, 100 * values, FIT, "law"), dots)
-        panels.append(Panel(across, up, marks, title=format_quantity(item.temperature, "°C")))
+        panels.append(Panel(horizontal, up, marks, title=format_quantity(item.temperature, "°C")))
     caption = "Retained force of the specimens in each oven: measured, and by the aging law."
     origin = format_stamp(aging.sources) if aging.sources else ""
     return Picture("csr", caption, tuple((panel,) for panel in panels), 3, stamp or origin)
@@ -85,20 +85,20 @@ def draw_aged_force(prediction: Aged, *, stamp: str = "") -> Picture:
         law.error_of(partial(AgingLaw.compute_retention, temperature=kelvin, time=item))
         for item in time
     ])  # fmt: skip
-    half = 100 * law.quantile * np.where(np.isfinite(errors), errors, 0.0)
+    half_width = 100 * law.quantile * np.where(np.isfinite(errors), errors, 0.0)
     hours = convert_to_unit(time, "h")
     measured = time <= prediction.aging.longest
     marks = (
-        Area(hours, 100 * values - half, 100 * values + half, "fit", "95 % interval"),
+        Area(hours, 100 * values - half_width, 100 * values + half_width, "fit", "95 % interval"),
         Line(hours, 100 * values, PREDICTED, "beyond the last reading"),
         Line(hours[measured], 100 * values[measured], FIT, "law"),
     )
-    across = Scale("time, h", (float(hours[0]), float(hours[-1])), log=True)
+    horizontal = Scale("time, h", (float(hours[0]), float(hours[-1])), log=True)
     up = Scale("F/F0, %", (max(100 * float(values.min()) - 10, 0.0), 105.0))
     title = format_quantity(kelvin, "°C") + (", at least" if law.bound_alone else "")
     caption = "Force that is left over time at one temperature, with its 95 % interval."
     origin = format_stamp(prediction.aging.sources) if prediction.aging.sources else ""
-    panel = Panel(across, up, marks, title=title, height=240)
+    panel = Panel(horizontal, up, marks, title=title, height=240)
     return Picture("aged", caption, ((panel,),), 1, stamp or origin)
 
 
@@ -157,8 +157,8 @@ def draw_life_chart(
         What the figure says of its origin; by default the files.
     """
     law, coldest, hottest = aging.law, aging.ovens[0].temperature, aging.ovens[-1].temperature
-    ends = (coldest - 40.0, hottest, *(() if temperature is None else (temperature,)))
-    kelvin = np.linspace(max(ends) + _MARGIN, min(ends) - _MARGIN, 61)
+    kelvin_range = (coldest - 40.0, hottest, *(() if temperature is None else (temperature,)))
+    kelvin = np.linspace(max(kelvin_range) + _MARGIN, min(kelvin_range) - _MARGIN, 61)
     life, low, high = _compute_life_band(law, kelvin, part)
     reciprocal = 1000 / kelvin
     marks: list[Mark] = []
@@ -174,19 +174,24 @@ def draw_life_chart(
         Line(reciprocal[~is_colder], life[~is_colder], FIT, "law"),
     ]
     lower_energy_law = apply_lower_energy(aging, float(kelvin[-1]))
-    drawn_lives = [life, *(side for side in (low, high) if np.isfinite(side).all())]
+    drawn_lives = [life, *(limit for limit in (low, high) if np.isfinite(limit).all())]
     if lower_energy_law is not None:
-        below = np.array([coldest, *kelvin[is_colder]])
-        lower = np.array([lower_energy_law.life(value, part) for value in below.tolist()]) / HOUR
+        colder_kelvin = np.array([coldest, *kelvin[is_colder]])
+        lower = (
+            np.array([lower_energy_law.life(value, part) for value in colder_kelvin.tolist()])
+            / HOUR
+        )
         words = f"if Ea is {format_quantity(LOWER, 'kJ/mol', 'g')} there"
-        marks.append(Line(1000 / below, lower, SIMPLER[1], words))
+        marks.append(Line(1000 / colder_kelvin, lower, SIMPLER[1], words))
         drawn_lives.append(lower)
     if law.exponent == 1:
         ovens = [oven for oven in aging.ovens if oven.rate > 0]
         oven_lives = np.array([_compute_oven_life(law, oven, part) for oven in ovens]) / HOUR
-        spread = np.array([law.quantile / oven.significance for oven in ovens]) * oven_lives
+        error_bars = np.array([law.quantile / oven.significance for oven in ovens]) * oven_lives
         reciprocals = np.array([1000 / oven.temperature for oven in ovens])
-        marks.append(Dots(reciprocals, oven_lives, "measured", "each oven by itself", error=spread))
+        marks.append(
+            Dots(reciprocals, oven_lives, "measured", "each oven by itself", error=error_bars)
+        )
         drawn_lives.append(oven_lives)
     if temperature is not None and np.isfinite(law.life(temperature, part)):
         marks += _mark_use(aging, part, temperature)
@@ -195,7 +200,7 @@ def draw_life_chart(
     celsius = convert_to_unit(kelvin[[-1, 0]], "°C").tolist()
     ticks = [value for value in _TEMPERATURE_TICKS.tolist() if celsius[0] <= value <= celsius[1]]
     zero = float(kelvin[0]) - celsius[1]
-    across = Scale(
+    horizontal = Scale(
         "temperature, °C (even in 1/T)", (float(reciprocal[0]), float(reciprocal[-1])),
         ticks=tuple(1000 / (value + zero) for value in ticks),
         tick_names=tuple(f"{value:g}" for value in ticks),
@@ -209,7 +214,7 @@ def draw_life_chart(
         "with its 95 % interval, and each oven by itself."
     )
     origin = format_stamp(aging.sources) if aging.sources else ""
-    panel = Panel(across, up, tuple(marks), height=260)
+    panel = Panel(horizontal, up, tuple(marks), height=260)
     return Picture("life", caption, ((panel,),), 1, stamp or origin)
 
 
@@ -222,8 +227,8 @@ def _compute_life_band(
         law.error_of(partial(AgingLaw.compute_log_life, temperature=value, part=part))
         for value in kelvin.tolist()
     ])  # fmt: skip
-    half = law.quantile * errors
-    return life, life * np.exp(-half), life * np.exp(half)
+    half_width = law.quantile * errors
+    return life, life * np.exp(-half_width), life * np.exp(half_width)
 
 
 def _compute_oven_life(law: AgingLaw, oven: Oven, part: float) -> float:
@@ -234,14 +239,22 @@ def _compute_oven_life(law: AgingLaw, oven: Oven, part: float) -> float:
 
 def _mark_use(aging: Aging, part: float, temperature: float) -> list[Mark]:
     """Return the life at the temperature of use, with its interval and its words."""
-    fact = predict_aging(aging, temperature=temperature, until=format_part(part)).answers[0]
+    reported_value = predict_aging(aging, temperature=temperature, until=format_part(part)).answers[
+        0
+    ]
     at = 1000 / temperature
-    words = f"{format_temperature(temperature)}: {format_life(fact.value, fact.error)}"
+    words = (
+        f"{format_temperature(temperature)}: "
+        f"{format_life(reported_value.value, reported_value.error)}"
+    )
     marks: list[Mark] = []
-    if fact.has_interval:
-        size, _ = get_life_unit(fact.value)
-        low, high = (round_to_error(end / size, digits=2) for end in (fact.low, fact.high))
+    if reported_value.has_interval:
+        size, _ = get_life_unit(reported_value.value)
+        low, high = (
+            round_to_error(end / size, digits=2)
+            for end in (reported_value.low, reported_value.high)
+        )
         words += f" ({low} to {high})"
-        ends = np.array([fact.low, fact.high]) / HOUR
-        marks.append(Line(np.array([at, at]), ends, FIT))
-    return [*marks, Tag(at, fact.value / HOUR, words, "ink", "hollow", bold=True)]
+        interval = np.array([reported_value.low, reported_value.high]) / HOUR
+        marks.append(Line(np.array([at, at]), interval, FIT))
+    return [*marks, Tag(at, reported_value.value / HOUR, words, "ink", "hollow", bold=True)]

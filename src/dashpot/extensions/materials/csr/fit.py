@@ -39,7 +39,7 @@ _PHYSICAL, _ACTIVATION, _EXPONENT = (
     Parameter(-0.1, 0.25, 0.01), Parameter(-10, 60, 0.3), Parameter(-1, 1, 0.1),
 )  # fmt: skip
 _HELD = {"exponential": (3,), "stretched": ()}
-"""Of physical loss, ln tau, activation energy and ln exponent what each law holds at 0."""
+"""Indices of the parameters (physical loss, ln tau, energy, ln exponent) fixed at 0 by each law."""
 
 
 def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> Aging:
@@ -66,19 +66,27 @@ def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> 
             f"{WORST_OVEN:g} K. Write it in K: --machine oven=1K"
         )
     read, sd = readings_of(records), USUAL_OVEN if machine.oven is None else machine.oven
-    whole = float(np.mean(np.concatenate([record.force for record in records])))
-    drift = USUAL_DRIFT if machine.drift is None else machine.drift * THOUSAND_HOURS / whole
+    mean_force = float(np.mean(np.concatenate([record.force for record in records])))
+    drift = USUAL_DRIFT if machine.drift is None else machine.drift * THOUSAND_HOURS / mean_force
     uncertainty = _fit_oven_rates(read, drift)
     ovens = read.ovens(uncertainty)
     orders: dict[str, float] = {}
     law, strain = _limit_rate(uncertainty, ovens[-1]), None
     if ovens[-1].significance >= checks.LEAST_SIGNIFICANCE:
-        stated = machine.oven is not None
-        law, orders, strain = _arrhenius(read, uncertainty, ovens, (sd, drift), stated=stated)
+        is_oven_stated = machine.oven is not None
+        law, orders, strain = _arrhenius(
+            read, uncertainty, ovens, (sd, drift), is_oven_stated=is_oven_stated
+        )
         if machine.drift is None and strain is not None:  # which a drift nobody saw may hide
-            bare = _fit_oven_rates(read, 0.0)
-            bent = _arrhenius(read, bare, read.ovens(bare), (sd, 0.0), stated=stated)[2]
-            strain = max(strain, bent or 0.0)
+            fit_without_drift = _fit_oven_rates(read, 0.0)
+            curvature = _arrhenius(
+                read,
+                fit_without_drift,
+                read.ovens(fit_without_drift),
+                (sd, 0.0),
+                is_oven_stated=is_oven_stated,
+            )[2]
+            strain = max(strain, curvature or 0.0)
     aging = Aging(
         law, ovens, float(read.time.max()), tuple(orders.items()),
         float(np.sqrt(uncertainty.noises[0].power)), sd, (), sources_of(records),
@@ -101,19 +109,19 @@ def _problem(
     """
     values = [sd for sd in prior_sds if sd > 0]
     of_specimen = np.eye(read.specimens)[read.specimen_number]
-    below = np.zeros((len(values), read.specimens))
+    derivative = np.zeros((len(values), read.specimens))
     drifted = read.time / THOUSAND_HOURS * read.weak * prior_sds[-1]
 
     def model(theta: FloatArray) -> Rows:
         rate, exponent = rates(theta)
         shape = retained_fraction(read.time, float(theta[0]), rate[read.oven], exponent)
-        off = theta[len(theta) - len(values) :]
-        force = read.force - drifted * off[-1] if prior_sds[-1] else read.force
-        y = np.concatenate((force, -scatter * off))
-        return Rows(y, np.vstack((shape[:, None] * of_specimen, below)))
+        offsets = theta[len(theta) - len(values) :]
+        force = read.force - drifted * offsets[-1] if prior_sds[-1] else read.force
+        y = np.concatenate((force, -scatter * offsets))
+        return Rows(y, np.vstack((shape[:, None] * of_specimen, derivative)))
 
-    every = [*parameters, *(Parameter(-_FAR, _FAR, 1.0) for _ in values)]
-    return Problem(model, every, priors=len(values))
+    all_parameters = [*parameters, *(Parameter(-_FAR, _FAR, 1.0) for _ in values)]
+    return Problem(model, all_parameters, priors=len(values))
 
 
 def _fit_oven_rates(read: Readings, drift: float) -> Estimate:
@@ -155,13 +163,13 @@ def _arrhenius(
     ovens: Sequence[Oven],
     prior_sds: tuple[float, float],
     *,
-    stated: bool,
+    is_oven_stated: bool,
 ) -> tuple[AgingLaw, dict[str, float], float | None]:
     """Return the law of all ovens, the BIC of each exponent, and the misfit of Arrhenius' line."""
-    kelvin, power, several = read.temperature, uncertainty.noises[0].power, len(ovens) > 1
+    kelvin, power, has_several_ovens = read.temperature, uncertainty.noises[0].power, len(ovens) > 1
     sd, drift = prior_sds
-    middle, offsets = float(1 / np.mean(1 / kelvin)), len(ovens) if several and sd else 0
-    colder = (1 / kelvin - 1 / middle) / GAS
+    middle, offsets = float(1 / np.mean(1 / kelvin)), len(ovens) if has_several_ovens and sd else 0
+    inverse_kelvin_difference = (1 / kelvin - 1 / middle) / GAS
 
     def rates(theta: FloatArray) -> tuple[FloatArray, float]:
         at = kelvin + sd * theta[4 : 4 + offsets] if offsets else kelvin
@@ -169,28 +177,39 @@ def _arrhenius(
         return np.exp(-theta[1] - slope), float(np.exp(theta[3]))
 
     fastest = max(oven.rate for oven in ovens)
-    slow = -np.log([max(oven.rate, 1e-3 * fastest) for oven in ovens])
-    energy, level = np.polyfit(_ENERGY * colder, slow, 1) if several else (0.0, slow[0])
+    log_time = -np.log([max(oven.rate, 1e-3 * fastest) for oven in ovens])
+    energy, level = (
+        np.polyfit(_ENERGY * inverse_kelvin_difference, log_time, 1)
+        if has_several_ovens
+        else (0.0, log_time[0])
+    )
     chemical = Parameter(level - 20, level + 20, 0.1)
-    every = [_PHYSICAL, chemical, _ACTIVATION, _EXPONENT]
-    whole = _problem(read, every, rates, [*[sd] * offsets, drift], float(np.sqrt(power)))
+    all_parameters = [_PHYSICAL, chemical, _ACTIVATION, _EXPONENT]
+    full_problem = _problem(
+        read, all_parameters, rates, [*[sd] * offsets, drift], float(np.sqrt(power))
+    )
     still_at_0 = [0.0] * (1 + offsets + (drift > 0))
     start = np.array([uncertainty.optimum.theta[0], level, energy, *still_at_0])
-    tried = {}
-    for name, held in _HELD.items():
-        problem, still = whole, [*held, *([] if several else [2])]
-        for i in still:
+    estimates = {}
+    for name, fixed_indices in _HELD.items():
+        problem, fixed_parameters = (
+            full_problem,
+            [*fixed_indices, *([] if has_several_ovens else [2])],
+        )
+        for i in fixed_parameters:
             problem = problem.fix_parameter(i, 0.0)
-        best = require_optimum(problem, [np.delete(start, still)])
-        tried[name] = (still, estimate(best, noises=[white_noise(best, power)]))
+        best = require_optimum(problem, [np.delete(start, fixed_parameters)])
+        estimates[name] = (fixed_parameters, estimate(best, noises=[white_noise(best, power)]))
     count = len(read.time)
-    orders = {name: score(estimate.optimum, count) for name, (_, estimate) in tried.items()}
-    still, resolved_estimate = tried[min(orders, key=lambda name: orders[name])]
+    orders = {name: score(estimate.optimum, count) for name, (_, estimate) in estimates.items()}
+    fixed_parameters, resolved_estimate = estimates[min(orders, key=lambda name: orders[name])]
     values, covariance = np.zeros(4), np.zeros((4, 4))
-    free = [i for i in range(4) if i not in still]
+    free = [i for i in range(4) if i not in fixed_parameters]
     values[free] = resolved_estimate.optimum.theta[: len(free)]
     covariance[np.ix_(free, free)] = resolved_estimate.covariance[: len(free), : len(free)]
-    if len(ovens) == 2 and not stated:  # nothing but their temperatures could show its error
+    if (
+        len(ovens) == 2 and not is_oven_stated
+    ):  # nothing but their temperatures could show its error
         covariance[2], covariance[:, 2] = 0.0, 0.0
         covariance[2, 2] = np.inf
     units = np.array([1.0, 1.0, _ENERGY, 1.0])
@@ -201,5 +220,5 @@ def _arrhenius(
     )  # fmt: skip
     if len(ovens) < 3:
         return law, orders, None
-    more = resolved_estimate.optimum.cost - uncertainty.optimum.cost
-    return law, orders, more / power / (len(ovens) - 2)
+    extra_misfit = resolved_estimate.optimum.cost - uncertainty.optimum.cost
+    return law, orders, extra_misfit / power / (len(ovens) - 2)

@@ -40,8 +40,8 @@ def retained_fraction(
     time: FloatArray, physical: float, rate: FloatArray | float, exponent: float = 1.0
 ) -> FloatArray:
     """Return F/F0 at times, s, by the physical loss in a decade and the chemical rate, 1/s."""
-    since = np.maximum(time - FIRST, 0.0) * rate
-    aged = np.sign(since) * np.abs(since) ** exponent
+    scaled_time = np.maximum(time - FIRST, 0.0) * rate
+    aged = np.sign(scaled_time) * np.abs(scaled_time) ** exponent
     return np.asarray((1 - physical * np.log10(time / FIRST)) * np.exp(-aged))
 
 
@@ -86,8 +86,8 @@ class AgingLaw(EqualByValue):
 
     def tau(self, temperature: float) -> float:
         """Return time of the chemical factor at a temperature, s."""
-        colder = (1 / temperature - 1 / self.reference) / GAS
-        return float(np.exp(self.chemical + self.activation * colder))
+        inverse_kelvin_difference = (1 / temperature - 1 / self.reference) / GAS
+        return float(np.exp(self.chemical + self.activation * inverse_kelvin_difference))
 
     def compute_retention(self, temperature: float, time: float) -> float:
         """Return F/F0 at a temperature, K, after a time, s."""
@@ -101,8 +101,8 @@ class AgingLaw(EqualByValue):
             return float("inf")
         while high - low > 1e-9:
             middle = (low + high) / 2
-            above = self.compute_retention(temperature, float(np.exp(middle))) > part
-            low, high = (middle, high) if above else (low, middle)
+            is_above = self.compute_retention(temperature, float(np.exp(middle))) > part
+            low, high = (middle, high) if is_above else (low, middle)
         return float(np.exp((low + high) / 2))
 
     def compute_log_life(self, temperature: float, part: float) -> float:
@@ -126,8 +126,8 @@ class AgingLaw(EqualByValue):
         """Return the standard error of a function of the law by the delta method."""
         G = np.zeros((1, 4))
         for i in np.flatnonzero(np.diag(self.covariance)).tolist():
-            down, up = (self._shift_parameter(i, sign * _STEPS[i]) for sign in (-1, 1))
-            G[0, i] = (evaluate(up) - evaluate(down)) / (2 * _STEPS[i])
+            lower, up = (self._shift_parameter(i, sign * _STEPS[i]) for sign in (-1, 1))
+            G[0, i] = (evaluate(up) - evaluate(lower)) / (2 * _STEPS[i])
         return float(np.sqrt(propagate_covariance(self.covariance, G)[0, 0]))
 
     def _shift_parameter(self, index: int, step: float) -> AgingLaw:

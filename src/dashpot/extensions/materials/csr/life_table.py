@@ -15,7 +15,7 @@ from dashpot.extensions.materials.csr.law import HOUR, YEAR
 from dashpot.extensions.materials.csr.lifetime_prediction import format_part, predict_aging
 
 _TEMPERATURE_STEP, _BELOW, _ABOVE = 10.0, 60.0, 10.0
-"""Of the table, and how far it goes below and above the coldest oven, K."""
+"""Step of the table, and its range below and above the coldest oven, K."""
 _RESOLUTION = 0.5
 """K."""
 
@@ -59,14 +59,14 @@ def list_lives(aging: Aging, part: float, temperatures: Sequence[float] = ()) ->
     temperatures_listed = temperatures or tuple(
         zero_celsius + _TEMPERATURE_STEP * i for i in range(first, last + 1)
     )
-    lives = []
+    life_rows = []
     for kelvin in temperatures_listed:
         prediction = predict_aging(aging, temperature=kelvin, until=format_part(part))
-        life, *lower_energy_facts = prediction.answers
-        if not life.is_lower_bound:
+        life_value, *lower_energy_facts = prediction.answers
+        if not life_value.is_lower_bound:
             lower_energy_life = lower_energy_facts[0].value if lower_energy_facts else None
-            lives.append(Life(kelvin, life, lower_energy_life, prediction.verdict.use))
-    return tuple(lives)
+            life_rows.append(Life(kelvin, life_value, lower_energy_life, prediction.verdict.use))
+    return tuple(life_rows)
 
 
 def find_extrapolation_limit(aging: Aging, part: float) -> float:
@@ -82,10 +82,12 @@ def find_extrapolation_limit(aging: Aging, part: float) -> float:
 
     if not is_unmarked(hottest):
         return math.inf
-    supported, marked = hottest, coldest - 1.5 * _BELOW
-    while supported - marked > _RESOLUTION:
-        middle = (supported + marked) / 2
-        supported, marked = (middle, marked) if is_unmarked(middle) else (supported, middle)
+    supported, limit_kelvin = hottest, coldest - 1.5 * _BELOW
+    while supported - limit_kelvin > _RESOLUTION:
+        middle = (supported + limit_kelvin) / 2
+        supported, limit_kelvin = (
+            (middle, limit_kelvin) if is_unmarked(middle) else (supported, middle)
+        )
     return supported
 
 

@@ -69,7 +69,9 @@ class Aged(HasVerdict, Serialisable):
         lists = (
             _report_end(self.aging, self.temperature, *_parse_end(name)) for name in self.until
         )
-        return tuple(fact for facts in lists for fact in facts)
+        return tuple(
+            reported_value for reported_values in lists for reported_value in reported_values
+        )
 
     @property
     def first_part(self) -> float | None:
@@ -84,7 +86,7 @@ class Aged(HasVerdict, Serialisable):
 
     @property
     def interval_note(self) -> str:
-        """What the intervals leave out where the answer lies beyond the ovens; else empty."""
+        """Sentence on what the intervals leave out beyond the ovens; else empty."""
         if not any(check.failed and check.name in _EXTRAPOLATION for check in self.checks):
             return ""
         return (
@@ -94,7 +96,7 @@ class Aged(HasVerdict, Serialisable):
 
     @property
     def sources(self) -> tuple[Source, ...]:
-        """Of the law."""
+        """Sources of the aging law."""
         return self.aging.sources
 
     @property
@@ -139,13 +141,13 @@ def predict_aging(
     temperature = convert_to_si(temperature, "temperature")
     tested_at("--temperature", temperature)
     law, coldest, hottest = aging.law, aging.ovens[0].temperature, aging.ovens[-1].temperature
-    distances = [abs(temperature - oven.temperature) for oven in aging.ovens]
+    kelvin_distances = [abs(temperature - oven.temperature) for oven in aging.ovens]
     if law.bound_alone and temperature > hottest + ONE_OVEN:
         raise DataError(
             f"no oven up to {celsius(hottest)} showed aging, so nothing is known of "
             f"{celsius(temperature)}. Test a hotter oven"
         )
-    if len(distances) == 1 and distances[0] > ONE_OVEN and not law.bound_alone:
+    if len(kelvin_distances) == 1 and kelvin_distances[0] > ONE_OVEN and not law.bound_alone:
         raise DataError(
             f"one oven, at {celsius(hottest)}, shows nothing of {celsius(temperature)}. Fit two "
             "more ovens together with it, or ask for the temperature of the oven"
@@ -172,10 +174,10 @@ def predict_aging(
 def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> float | None:
     """Return the widest standard error of the answers, over each; None where none is estimated."""
     errors = [
-        fact.error / fact.value
+        reported_value.error / reported_value.value
         for question in questions
-        for fact in _report_end(aging, temperature, *_parse_end(question))
-        if fact.error is not None and fact.value > 0
+        for reported_value in _report_end(aging, temperature, *_parse_end(question))
+        if reported_value.error is not None and reported_value.value > 0
     ]
     return max(errors, default=None)
 
@@ -196,13 +198,20 @@ def bound_life(result: Aging | Aged, name: str) -> tuple[ReportedValue, str] | N
         raise DataError(
             "a life depends on the temperature of use. Add it: dashpot fit FILE --use-at 40degC"
         )
-    facts = {fact.name: fact for fact in reversed(result.facts)}
-    life, lower_energy_life = facts.get("life"), facts.get("life_if_Ea_falls")
-    doubt = next((check for check in result.checks if check.failed and check.name == _ROBUST), None)
-    if life is None or lower_energy_life is None or doubt is None:
+    reported_values = {
+        reported_value.name: reported_value for reported_value in reversed(result.facts)
+    }
+    life_value, lower_energy_life = (
+        reported_values.get("life"),
+        reported_values.get("life_if_Ea_falls"),
+    )
+    failed_check = next(
+        (check for check in result.checks if check.failed and check.name == _ROBUST), None
+    )
+    if life_value is None or lower_energy_life is None or failed_check is None:
         return None
-    low = min(life.low, lower_energy_life.low)
-    return replace(life, low=low, error=None), doubt.message_with_remedy
+    low = min(life_value.low, lower_energy_life.low)
+    return replace(life_value, low=low, error=None), failed_check.message_with_remedy
 
 
 def fit_life(
@@ -276,18 +285,18 @@ def age_fit(aging: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) ->
     """
     seconds = convert_to_si(time, "time")
     prediction = predict_aging(aging, temperature=temperature, until=f"{seconds!r}s")
-    law, (fact, *_) = aging.law, prediction.answers
+    law, (reported_value, *_) = aging.law, prediction.answers
     chemical = replace(law, physical=0.0).compute_retention(prediction.temperature, seconds)
     message = f"after {format_quantity(seconds, 'h', '.6g')} at {celsius(prediction.temperature)}"
     checks = (*prediction.checks, stiffness_follows_force(1 - chemical))
     return scale_for_aging(
-        fit, fact, message, checks=tuple(check for check in checks if check.failed)
+        fit, reported_value, message, checks=tuple(check for check in checks if check.failed)
     )
 
 
-def _parse_questions(until: str | Sequence[str] | float) -> tuple[str, ...]:
+def _parse_questions(ends: str | Sequence[str] | float) -> tuple[str, ...]:
     """Return the requested ends, as parts of F0 or times."""
-    return (str(until),) if isinstance(until, str | float | int) else tuple(map(str, until))
+    return (str(ends),) if isinstance(ends, str | float | int) else tuple(map(str, ends))
 
 
 def _parse_end(text: str) -> tuple[float, float]:
@@ -343,11 +352,11 @@ def _report_end(aging: Aging, temperature: float, part: float, time: float) -> l
         ]
     words = f"time until F/F0 is {format_quantity(part, '%', 'g')}"
     if law.bound_alone or math.isinf(law.life(temperature, part)):
-        least = min(law.lower_limit().life(temperature, part), NEVER)
-        return [ReportedValue("life", math.nan, least, math.inf, "s", None, "h", words)]
+        shortest_life = min(law.lower_limit().life(temperature, part), NEVER)
+        return [ReportedValue("life", math.nan, shortest_life, math.inf, "s", None, "h", words)]
     error = law.error_of(lambda aging_law: math.log(aging_law.life(temperature, part)))
     life = law.life(temperature, part)
-    facts = [
+    reported_values = [
         ReportedValue.from_error(
             "life", life, error, law.quantile, of_log=True, unit="s", read="h", words=words
         )
@@ -359,16 +368,20 @@ def _report_end(aging: Aging, temperature: float, part: float, time: float) -> l
         )
 
         def log_life(aging_law: AgingLaw) -> float:
-            lowered = apply_lower_energy(replace(aging, law=aging_law), temperature)
-            return math.log((aging_law if lowered is None else lowered).life(temperature, part))
+            lower_energy_aging = apply_lower_energy(replace(aging, law=aging_law), temperature)
+            return math.log(
+                (aging_law if lower_energy_aging is None else lower_energy_aging).life(
+                    temperature, part
+                )
+            )
 
-        facts.append(
+        reported_values.append(
             ReportedValue.from_error(
                 "life_if_Ea_falls", lower_energy_law.life(temperature, part),
                 law.error_of(log_life), law.quantile, of_log=True, unit="s", read="h", words=label,
             )
         )  # fmt: skip
-    return facts
+    return reported_values
 
 
 def count_ovens_at_end_point(aging: Aging, questions: Sequence[str]) -> tuple[int | None, float]:
@@ -377,8 +390,10 @@ def count_ovens_at_end_point(aging: Aging, questions: Sequence[str]) -> tuple[in
     if not parts or aging.law.bound_alone:
         return None, math.nan
     part = min(parts)
-    least = [float(np.mean(oven.retained[oven.time == oven.time.max()])) for oven in aging.ovens]
-    return sum(value <= part for value in least), part
+    last_retained = [
+        float(np.mean(oven.retained[oven.time == oven.time.max()])) for oven in aging.ovens
+    ]
+    return sum(value <= part for value in last_retained), part
 
 
 def apply_lower_energy(aging: Aging, temperature: float) -> AgingLaw | None:

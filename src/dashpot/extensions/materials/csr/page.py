@@ -59,32 +59,32 @@ _REACH = Topic(
 
 def page(aging: Aging) -> KindPage:
     """Return the page of an aging law."""
-    warm = [oven.temperature for oven in aging.ovens]
-    lives = list_lives(aging, USUAL_PART) if has_arrhenius_line(aging) else ()
+    kelvin = [oven.temperature for oven in aging.ovens]
+    life_rows = list_lives(aging, USUAL_PART) if has_arrhenius_line(aging) else ()
     picture = aging.plot()
-    if lives:
+    if life_rows:
         picture = put_chart_first(draw_life_chart(aging, USUAL_PART), picture)
     return KindPage(
         subject="compression stress relaxation",
         summary_line=_format_strip(aging),
         indicators=make_indicators(
             aging.checks, Topic("Readings"),
-            _OVENS._replace(message=f"{len(warm)} on one line"), _CHEMISTRY,
+            _OVENS._replace(message=f"{len(kelvin)} on one line"), _CHEMISTRY,
         ),
-        figure_title="How long it seals" if lives else "What is left of the force",
+        figure_title="How long it seals" if life_rows else "What is left of the force",
         picture=picture,
         table_title="The aging law",
-        groups=(group("", aging.facts), *_make_life_groups(lives[::2], USUAL_PART)),
+        groups=(group("", aging.facts), *_make_life_groups(life_rows[::2], USUAL_PART)),
         sources=aging.sources,
-        folds=(*_make_life_sections(aging, lives, USUAL_PART), make_law_ranking(aging.orders)),
+        folds=(*_make_life_sections(aging, life_rows, USUAL_PART), make_law_ranking(aging.orders)),
     )  # fmt: skip
 
 
 def lay_out_aged(aged: Aged) -> KindPage:
     """Return the page of the life at a temperature of use, or of the force after a time."""
     aging, part = aged.aging, aged.first_part
-    drawn = part is not None and has_arrhenius_line(aging)
-    lives = list_lives(aging, part) if drawn and part is not None else ()
+    has_life_chart = part is not None and has_arrhenius_line(aging)
+    life_rows = list_lives(aging, part) if has_life_chart and part is not None else ()
     return KindPage(
         subject="compression stress relaxation",
         summary_line=(
@@ -92,83 +92,92 @@ def lay_out_aged(aged: Aged) -> KindPage:
             *_format_strip(aging),
         ),
         indicators=make_indicators(aged.checks, Topic("Readings"), _OVENS, _CHEMISTRY, _REACH),
-        figure_title="How long it seals" if drawn else "What is left of the force",
+        figure_title="How long it seals" if has_life_chart else "What is left of the force",
         picture=draw_life(aged),
         table_title=f"At {format_temperature(aged.temperature)}",
         groups=(
-            group("", [_read_in_life_unit(fact) for fact in aged.facts]),
+            group("", [_read_in_life_unit(reported_value) for reported_value in aged.facts]),
             group("The aging law", aging.facts),
         ),
         sources=aging.sources,
         note=f"{KindPage.note} {aged.interval_note}".rstrip(),
-        folds=_make_life_sections(aging, lives, part or USUAL_PART),
+        folds=_make_life_sections(aging, life_rows, part or USUAL_PART),
         name="aged" if aged._saved_result is aged else "csr",
     )
 
 
-def _read_in_life_unit(fact: ReportedValue) -> ReportedValue:
+def _read_in_life_unit(reported_value: ReportedValue) -> ReportedValue:
     """Return a life in hours or years, as the chart has it; any other value as it is."""
-    if fact.unit != "s" or math.isnan(fact.value):
-        return fact
-    return replace(fact, read=get_life_unit(fact.value)[1])
+    if reported_value.unit != "s" or math.isnan(reported_value.value):
+        return reported_value
+    return replace(reported_value, read=get_life_unit(reported_value.value)[1])
 
 
 def _format_strip(aging: Aging) -> tuple[tuple[str, str], ...]:
     """Return the facts about the test: ovens, time and scatter."""
-    warm = [oven.temperature for oven in aging.ovens]
-    ends = " to ".join(f"{convert_to_unit(value, '°C'):.4g}" for value in (warm[0], warm[-1]))
+    kelvin = [oven.temperature for oven in aging.ovens]
+    range_text = " to ".join(
+        f"{convert_to_unit(value, '°C'):.4g}" for value in (kelvin[0], kelvin[-1])
+    )
     return (
-        ("Ovens", f"{len(warm)}, {ends} °C"),
+        ("Ovens", f"{len(kelvin)}, {range_text} °C"),
         ("Longest", format_quantity(aging.longest, "h", ".4g")),
         ("Scatter", f"{100 * aging.scatter:.2g} % of F0"),
     )
 
 
-def _make_life_groups(lives: tuple[Life, ...], part: float) -> tuple[Group, ...]:
+def _make_life_groups(life_rows: tuple[Life, ...], part: float) -> tuple[Group, ...]:
     """Return the lives as rows of the table of numbers."""
     rows = []
-    for life in lives:
-        fact = life.life
-        size, unit = get_life_unit(fact.value)
+    for life_row in life_rows:
+        reported_value = life_row.life
+        size, unit = get_life_unit(reported_value.value)
         low, value, high = (
-            round_to_error(number / size, fact.value / size / 10)
-            for number in (fact.low, fact.value, fact.high)
+            round_to_error(number / size, reported_value.value / size / 10)
+            for number in (reported_value.low, reported_value.value, reported_value.high)
         )
-        name = format_temperature(life.temperature)
-        rows.append(Row(name, value, *((low, high) if fact.has_interval else ("", "")), unit, "",
+        name = format_temperature(life_row.temperature)
+        rows.append(Row(name, value, *((low, high) if reported_value.has_interval else ("", "")),
+        unit, "",
                         is_limit=False))  # fmt: skip
     return (Group(f"Time until F/F0 is {100 * part:g} %", tuple(rows)),) if rows else ()
 
 
 def _make_life_sections(
-    aging: Aging, lives: tuple[Life, ...], part: float
+    aging: Aging, life_rows: tuple[Life, ...], part: float
 ) -> tuple[CollapsibleSection, ...]:
     """Return the lives at several temperatures, each with its verdict."""
-    if not lives:
+    if not life_rows:
         return ()
     coldest = format_temperature(aging.ovens[0].temperature)
     energy = format_quantity(LOWER, "kJ/mol", "g")
     head = ("temperature", "life", "from", "to", f"if Ea is {energy} below {coldest}", "verdict")
     rows = tuple(
         (
-            format_temperature(life.temperature),
+            format_temperature(life_row.temperature),
             *(
-                format_life(number, life.life.value / 10, reference=life.life.value)
+                format_life(number, life_row.life.value / 10, reference=life_row.life.value)
                 if number is not None
                 else ""
                 for number in (
-                    life.life.value,
-                    *((life.life.low, life.life.high) if life.life.has_interval else (None, None)),
-                    life.lower_energy_life,
+                    life_row.life.value,
+                    *(
+                        (life_row.life.low, life_row.life.high)
+                        if life_row.life.has_interval
+                        else (None, None)
+                    ),
+                    life_row.lower_energy_life,
                 )
             ),
-            life.use,
+            life_row.use,
         )
-        for life in lives
+        for life_row in life_rows
     )
     line = (
         f"time until F/F0 is {100 * part:g} %; many rubbers age with a lower activation energy in "
         "the cold, which no hotter oven shows"
     )
-    marks = tuple("" if life.use == "use" else "doubt" for life in lives)
-    return (CollapsibleSection("Life at other temperatures", line, TextTable(head, rows, marks)),)
+    row_classes = tuple("" if life_row.use == "use" else "doubt" for life_row in life_rows)
+    return (
+        CollapsibleSection("Life at other temperatures", line, TextTable(head, rows, row_classes)),
+    )

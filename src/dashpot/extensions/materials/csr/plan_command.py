@@ -110,7 +110,7 @@ def plan_test(
         ovens=ovens,
         part=end,
         scatter=scatter,
-        within=within,
+        life_factor=within,
         machine=machine,
     )
     return CommandResult.from_result(planned)

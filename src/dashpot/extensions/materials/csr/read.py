@@ -30,7 +30,7 @@ from dashpot.reading.text.cells import split
 
 
 def read_text_column(
-    file: OpenedFile, names: AbstractSet[str], loaded: LoadedColumns
+    file: OpenedFile, names: AbstractSet[str], loaded_columns: LoadedColumns
 ) -> npt.NDArray[np.str_]:
     """Return the texts of the column with one of some names; empty where there is none.
 
@@ -39,18 +39,20 @@ def read_text_column(
     ReadError
         If the file is none of text, and the column holds words.
     """
-    columns, count = file.table.columns, len(loaded.values)
+    columns, count = file.table.columns, len(loaded_columns.values)
     index = next((i for i, column in enumerate(columns) if names & set(tokens(column.name))), None)
     if index is None:
         return np.full(count, "")
     if columns[index].content == "number":
         return channels.load(file.table, [index], file.options.segment).values[:, 0].astype(str)
-    mark = DELIMITERS.get(file.table.delimiter or "")
-    if mark is None or not loaded.lines:
+    delimiter = DELIMITERS.get(file.table.delimiter or "")
+    if delimiter is None or not loaded_columns.lines:
         raise ReadError(f"'{columns[index].name}' holds words. Write numbers in their place")
     with file.raw.open() as stream:
         lines = stream.read().decode(file.table.encoding).splitlines()
-    return np.array([split(lines[loaded.line(row) - 1], mark)[index] for row in range(count)])
+    return np.array(
+        [split(lines[loaded_columns.line(row) - 1], delimiter)[index] for row in range(count)]
+    )
 
 
 _SPECIMEN_COLUMNS = {
@@ -89,27 +91,30 @@ def read_csr(
     ReadError
         If the file cannot be read, leaves open which column is what, or contradicts the specimen.
     """
-    with channels.open_file(path, options) as opened:
-        named = counterforce(opened.table, opened.options)
-        if named is None:
+    with channels.open_file(path, options) as opened_file:
+        force_columns = counterforce(opened_file.table, opened_file.options)
+        if force_columns is None:
             channels.expect(
-                opened,
+                opened_file,
                 ["csr"],
                 "compression stress relaxation is",
                 stated_columns=("time", "force"),
             )
-        file = replace(opened, options=named or opened.options)
-        warm = file.column("temperature")
-        wanted = channels.chosen(file, ["time", "force"])
-        chosen = channels.with_units(file, [*wanted, *([warm] if warm else [])])
-        loaded = channels.load_test(file, chosen, 1)
-        whole = np.isfinite(loaded.values).all(axis=1)
-        specimens, methods = (
-            read_text_column(file, names, loaded)[whole] for names in (_SPECIMEN_COLUMNS, _METHOD)
+        file = replace(opened_file, options=force_columns or opened_file.options)
+        temperature_role = file.column("temperature")
+        roles_wanted = channels.chosen(file, ["time", "force"])
+        channels_chosen = channels.with_units(
+            file, [*roles_wanted, *([temperature_role] if temperature_role else [])]
         )
-        rows, notes = channels.select_complete_rows(loaded)
-        _refuse_parts(file, chosen[1].index, float(rows[:, 1].max()))
-        values = channels.convert_signals_to_si(rows, chosen)
+        loaded_columns = channels.load_test(file, channels_chosen, 1)
+        is_complete = np.isfinite(loaded_columns.values).all(axis=1)
+        specimens, methods = (
+            read_text_column(file, names, loaded_columns)[is_complete]
+            for names in (_SPECIMEN_COLUMNS, _METHOD)
+        )
+        rows, notes = channels.select_complete_rows(loaded_columns)
+        _refuse_parts(file, channels_chosen[1].index, float(rows[:, 1].max()))
+        values = channels.convert_signals_to_si(rows, channels_chosen)
         kelvin, sentences = _oven(
             file, values.get("temperature"), specimen or Specimen(), len(rows)
         )
@@ -119,7 +124,9 @@ def read_csr(
         read = {name.upper() for name in _SAID.findall(" ".join(file.table.header).casefold())}
         read |= {word.strip()[-1:].upper() for word in methods.tolist()}
         source = channels.source(
-            file, [channel.message for channel in chosen], [*file.table.notes, *notes, *sentences]
+            file,
+            [channel.message for channel in channels_chosen],
+            [*file.table.notes, *notes, *sentences],
         )
         return CSRTest(
             values["time"], values["force"], kelvin, number + 1,
@@ -133,8 +140,8 @@ def _oven(
     """Return the temperature of every row, K: that of the column, of the header, or as given."""
     temperature = specimen.temperature
     if column is not None:
-        off = 0.0 if temperature is None else float(np.abs(column - temperature).max())
-        if temperature is not None and off > SAME_TEMPERATURE:
+        max_deviation = 0.0 if temperature is None else float(np.abs(column - temperature).max())
+        if temperature is not None and max_deviation > SAME_TEMPERATURE:
             low, high = celsius(float(column.min())), celsius(float(column.max()))
             raise ReadError(
                 f"the column of temperature runs from {low} to {high}, and --temperature says "

@@ -42,8 +42,8 @@ def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:
         (str(i), column) for i, column in enumerate(table.columns, 1) if column.content == "number"
     ]
     clock = _clock(table, columns, options)
-    stated = any(_SAID.search(line.casefold()) for line in table.header)
-    if not (clock or stated):
+    is_stated = any(_SAID.search(line.casefold()) for line in table.header)
+    if not (clock or is_stated):
         return None
     read_options = clock or options
     pushed = _has_role(table, "force", read_options)
@@ -66,11 +66,11 @@ def _clock(
     table: FileTable, columns: list[tuple[str, Column]], options: ReadOptions
 ) -> ReadOptions | None:
     """Return the options with a clock of hours or more; None where there is no such clock."""
-    timed = {
+    time_columns = {
         str(i + 1) for i, value in score_columns(table, "time", options).items() if value >= 1.5
     }
     for number, column in columns:
-        if number in timed or options.time in {number, column.name}:
+        if number in time_columns or options.time in {number, column.name}:
             return options if _long(options.unit_of("time", column.name) or column.unit) else None
     for number, column in columns:
         if column.unit is None and _long(column.name):

@@ -13,19 +13,22 @@ MAX_SHAPE = 2.5
 @criterion(
     "compression / depth of the elastic law", "<=", 1.0, "the elastic law was measured so far"
 )
-def impact_within_measured_depth(deepest: float, depth: float | None) -> Finding:
+def impact_within_measured_depth(max_compression: float, depth: float | None) -> Finding:
     """The impact compresses the specimen no further than its elastic law was measured."""
-    pressed = f"The mass presses the specimen by {format_quantity(deepest, 'mm', '.3g')}"
+    compression_text = (
+        f"The mass presses the specimen by {format_quantity(max_compression, 'mm', '.3g')}"
+    )
     if depth is None:
         return Finding(
-            f"{pressed}, and the fit has no elastic law of a compressed specimen",
+            f"{compression_text}, and the fit has no elastic law of a compressed specimen",
             reason="The elastic law is taken as linear",
             remedy="Fit a relaxation or load deflection test of the specimen.",
             always_fails=True,
         )
     return Finding(
-        f"{pressed}, and its elastic law was measured to {format_quantity(depth, 'mm', '.3g')}",
-        deepest / depth,
+        f"{compression_text}, and its elastic law was measured to "
+        f"{format_quantity(depth, 'mm', '.3g')}",
+        max_compression / depth,
         "Beyond it the elastic law is extrapolated linearly; a bulb that bottoms is stiffer",
         "Press a specimen deeper in the load deflection test.",
     )
@@ -57,14 +60,14 @@ def air_escapes(speed: float) -> Finding:
 
 
 @criterion(grade="note")
-def specimen_length_given(*, provided: bool) -> Finding:
+def specimen_length_given(*, is_given: bool) -> Finding:
     """The length of the specimen is given."""
     return Finding(
         "The length of the specimen is known",
         failure="The length of the specimen is not given, so forces and energies are of this "
         "specimen, not of 100 mm",
         remedy="Give the length when the test is fitted.",
-        always_fails=not provided,
+        always_fails=not is_given,
     )
 
 
@@ -113,23 +116,24 @@ def impact_residual_structureless(shapes: Mapping[str, float]) -> Finding:
     """The residual force shows no missing effect of specimen or sensor."""
     if not shapes:
         return Finding("There are too few impacts for this test of the residual")
-    words, most = max(shapes.items(), key=lambda pair: abs(pair[1]))
+    words, largest = max(shapes.items(), key=lambda pair: abs(pair[1]))
     return Finding(
-        f"The residual of the force is most like {words}, by {abs(most):.2g} standard deviations",
-        abs(most),
+        f"The residual of the force is most like {words}, by {abs(largest):.2g} standard "
+        "deviations",
+        abs(largest),
         "The fit has no such force, and counts it as relaxation or elastic law",
         "Look at the figure. Lubricate or align the specimen, or compress it less.",
     )
 
 
 @criterion()
-def slow_arms_determined(*, provided: bool) -> Finding:
+def slow_arms_determined(*, is_given: bool) -> Finding:
     """The arms that are slow relative to a contact are known."""
     return Finding(
         "The slow arms are known from another test",
         failure="No relaxation test was given, so the loss of slow arms is missing",
         remedy=Remedy("Give the fit of a relaxation test.", "relaxation", "fit.json"),
-        always_fails=not provided,
+        always_fails=not is_given,
     )
 
 
@@ -145,13 +149,13 @@ def impacts_sampled(samples: float) -> Finding:
 
 
 @criterion("fastest / slowest", ">=", 2.0, "our choice: a fitted elastic law needs several depths")
-def impact_speeds_spread(spread: float | None) -> Finding:
+def impact_speeds_spread(speed_ratio: float | None) -> Finding:
     """The impact speeds differ enough to fit the elastic law."""
-    if spread is None:
+    if speed_ratio is None:
         return Finding("The elastic law is known, so one speed is enough")
     return Finding(
-        f"The fastest impact is {spread:.3g} times the slowest, and the elastic law is fitted",
-        spread,
+        f"The fastest impact is {speed_ratio:.3g} times the slowest, and the elastic law is fitted",
+        speed_ratio,
         "A nonlinear elastic law and relaxation then look alike",
         Remedy(
             "Test three speeds, or give the fit of a load deflection test.",
@@ -162,13 +166,13 @@ def impact_speeds_spread(spread: float | None) -> Finding:
 
 
 @criterion("standard deviations", "<=", 3.0, "chance, once in 370")
-def impact_speeds_agree(off: float | None) -> Finding:
+def impact_speeds_agree(speed_deviation: float | None) -> Finding:
     """The measured impact speeds agree with the stated ones."""
-    if off is None:
+    if speed_deviation is None:
         return Finding("No speed was given")
     return Finding(
-        f"A speed lies {off:.2g} standard deviations from what was given",
-        off,
+        f"A speed lies {speed_deviation:.2g} standard deviations from what was given",
+        speed_deviation,
         "The mass, a speed or the height of a fall is another",
         Remedy("Check the mass, and the speeds in the order of the impacts.", "drop"),
     )
@@ -225,14 +229,16 @@ def spectrum_has_gaps(arms: int) -> Finding:
 
 
 @criterion("|standard errors|", "<=", 3.0, "chance, once in 370")
-def loss_factors_agree(gap: float | None, value: float, before: float, *, within: bool) -> Finding:
+def loss_factors_agree(
+    gap: float | None, value: float, before: float, *, is_in_interval: bool
+) -> Finding:
     """The loss factor of the impacts agrees with that of the relaxation test."""
     if gap is None:
         return Finding("The loss factor by the impacts has no error, so it is not compared")
-    least = "" if within else "at least "
+    at_least_text = "" if is_in_interval else "at least "
     return Finding(
         f"The loss factor is {value:.3g} by the impacts, and by the relaxation test "
-        f"{least}{before:.3g}",
+        f"{at_least_text}{before:.3g}",
         abs(gap),
         "The two differ by more than their errors",
         "Test the same specimen at the same temperature.",

@@ -88,11 +88,11 @@ class DropTest(EqualByValue, HasSummary):
     @property
     def _summary_lines(self) -> tuple[str, ...]:
         """The record, and its channels."""
-        both = {"force": self.force, "acceleration": self.acceleration}
-        named = " and ".join(name for name, values in both.items() if values is not None)
+        signals = {"force": self.force, "acceleration": self.acceleration}
+        names_text = " and ".join(name for name, values in signals.items() if values is not None)
         return describe_record_source(
             self.source, len(self.time)
-        ), f"{named} at {1 / self.step:.6g} Hz"
+        ), f"{names_text} at {1 / self.step:.6g} Hz"
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,16 +189,20 @@ class DropFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         """Fitted values, and of every impact its speed, peak force, contact and rebound."""
         return (
             *self.found,
-            *(fact for hit in self.hits for fact in _make_impact_facts(hit, len(self.hits))),
+            *(
+                reported_value
+                for hit in self.hits
+                for reported_value in _make_impact_facts(hit, len(self.hits))
+            ),
         )
 
     @property
     def _headline(self) -> str:
         """The loss factor, and the number of impacts."""
         loss = self.found[0].cells
-        between = f" ({loss.interval})" if loss.interval else ""
+        interval_text = f" ({loss.interval})" if loss.interval else ""
         return (
-            f"the loss factor at {self.frequency:.3g} Hz is {loss.with_error}{between}, from "
+            f"the loss factor at {self.frequency:.3g} Hz is {loss.with_error}{interval_text}, from "
             f"{format_count(len(self.hits), 'impact')}"
         )
 

@@ -54,8 +54,8 @@ class ElasticLawPrior(EqualByValue):
         law = length_ratio * law
         knots, tangent = np.asarray(law.knots), np.asarray(law.tangents)
         error = law.stiffness * np.asarray(law.ratio_se or np.zeros(len(knots)))
-        floor = LEAST_SD * np.maximum(tangent, LEAST_SD * tangent.max())
-        sd = np.maximum(error, floor) * np.sqrt(max(len(knots) / len(POWERS), 1.0))
+        min_sd = LEAST_SD * np.maximum(tangent, LEAST_SD * tangent.max())
+        sd = np.maximum(error, min_sd) * np.sqrt(max(len(knots) / len(POWERS), 1.0))
         return cls(law, POWERS * knots[:, None] ** (POWERS - 1) / sd[:, None])
 
     def force(self, x: FloatArray, c: FloatArray) -> FloatArray:

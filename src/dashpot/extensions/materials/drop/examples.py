@@ -31,8 +31,8 @@ def _simulate_record() -> str:
         force.append(
             interpolated + 0.01 * interpolated.max() * random.standard_normal(len(interpolated))
         )
-    whole = np.concatenate(force)
-    rows = (f"{1e-4 * i:.4f},{item:.5g}" for i, item in enumerate(whole.tolist()))
+    all_forces = np.concatenate(force)
+    rows = (f"{1e-4 * i:.4f},{item:.5g}" for i, item in enumerate(all_forces.tolist()))
     head = [
         f"# {byline('simulated slams')}",
         "# simulated: slams of 200 g on 100 mm of seal, at 0.3, 0.45 and 0.6 m/s",
@@ -49,4 +49,4 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
         ),
     }
 )
-"""By their names."""
+"""Example files by their names."""

@@ -31,9 +31,9 @@ def draw_drop_fit(drop_fit: DropFit, *, stamp: str = "") -> Picture:
             Line(ms, hit.modelled, FIT_BAND, "fitted"),
             Line(ms, hit.measured, DATA_ON_FIT, "measured"),
         )
-        across = Scale("time from the touch, ms", (float(ms[0]), float(ms[-1])))
+        horizontal = Scale("time from the touch, ms", (float(ms[0]), float(ms[-1])))
         title = f"{hit.speed.value:.3g} m/s"
-        panels.append(Panel(across, Scale("force, N", (-0.08 * top, top)), marks, title=title))
+        panels.append(Panel(horizontal, Scale("force, N", (-0.08 * top, top)), marks, title=title))
     caption = "Force of impacts on a specimen over time: measured, and by the fitted motion."
     origin = format_stamp(drop_fit.sources) if drop_fit.sources else ""
     return Picture("slams", caption, tuple((panel,) for panel in panels), 3, stamp or origin)
@@ -51,20 +51,20 @@ def draw_drop_prediction(prediction: DropPrediction, *, stamp: str = "") -> Pict
     motion = prediction.motion
     ms, mm = convert_to_unit(motion.time, "ms"), convert_to_unit(motion.compression, "mm")
     up = Scale("force, N", (0.0, 1.08 * float(motion.force.max())))
-    whole = Panel(
+    force_panel = Panel(
         Scale("time, ms", (0.0, float(ms[-1]))),
         up,
         (Line(ms, np.maximum(motion.force, 0.0), PREDICTED, "predicted"),),
     )
-    rising = slice(0, int(motion.compression.argmax()) + 1)
+    loading = slice(0, int(motion.compression.argmax()) + 1)
     loop = Panel(
         Scale("compression, mm", (0.0, 1.05 * float(mm.max()))),
         up,
         (
             Line(mm, np.maximum(motion.force, 0.0), PREDICTED, "predicted"),
-            Line(mm[rising], motion.relaxed[rising], FIT, "relaxed"),
+            Line(mm[loading], motion.relaxed[loading], FIT, "relaxed"),
         ),
     )
     caption = "Force of a mass dropped on the specimen, over time and over compression."
     origin = format_stamp(prediction.sources) if prediction.sources else ""
-    return Picture("slam", caption, ((whole,), (loop,)), 2, stamp or origin)
+    return Picture("slam", caption, ((force_panel,), (loop,)), 2, stamp or origin)

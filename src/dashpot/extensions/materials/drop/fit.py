@@ -93,12 +93,12 @@ def fit_drop_tests(
             test, mass_kg, test.source.file if test.source else f"record {number}"
         )
     )
-    speeds, pulls = _parse_approaches(drop, len(impacts))
+    speeds, accelerations = _parse_approaches(drop, len(impacts))
     length_ratio = _compute_length_ratio(records, fit)
     if law is None:
         law = ElasticLawPrior.free() if fit is None else ElasticLawPrior.from_fit(fit, length_ratio)
     problem = DropProblem(
-        impacts, mass_kg, pulls, speeds, speed_sd, law, RelaxationPrior.from_fit(fit)
+        impacts, mass_kg, accelerations, speeds, speed_sd, law, RelaxationPrior.from_fit(fit)
     )
     optimum = problem.find_optimum()
     if optimum is None:
@@ -121,11 +121,14 @@ def _parse_approaches(
             f"{format_count(count, 'impact')}. Give the speed of each impact, in their order"
         )
     approaches = [Approach.from_quantity(item) for item in quantities]
-    pulls, unstated_count = [approach.pull for approach in approaches], count - len(approaches)
-    pulls += [pulls[-1] if pulls else 0.0] * unstated_count
+    accelerations, unstated_count = (
+        [approach.pull for approach in approaches],
+        count - len(approaches),
+    )
+    accelerations += [accelerations[-1] if accelerations else 0.0] * unstated_count
     return np.array(
         [*(approach.speed for approach in approaches), *[np.nan] * unstated_count]
-    ), np.array(pulls)
+    ), np.array(accelerations)
 
 
 def _compute_length_ratio(records: Sequence[DropTest], fit: Fit | None) -> float:
@@ -199,17 +202,18 @@ class _FittedImpacts:
         """Motion of every impact, to its release."""
         problem = self.problem
         rows = np.repeat(self.theta[None, :], len(problem.impacts), axis=0)
-        x, v, force, relaxed = problem.integrate_motion(
+        x, v, force, relaxed_force = problem.integrate_motion(
             rows, problem.select_speeds(self.theta), problem.pulls
         )
-        ends = np.minimum((force > 0).cumsum(axis=0).argmax(axis=0) + 2, len(force))
+        end_indices = np.minimum((force > 0).cumsum(axis=0).argmax(axis=0) + 2, len(force))
         time = problem.step * np.arange(float(len(force)))
         return tuple(
             ImpactMotion(
-                time[:end], x[:end, i], v[:end, i], force[:end, i], relaxed[:end, i], problem.mass,
+                time[:end], x[:end, i], v[:end, i], force[:end, i], relaxed_force[:end, i],
+                problem.mass,
                 float(problem.pulls[i]),
             )
-            for i, end in enumerate(ends.tolist())
+            for i, end in enumerate(end_indices.tolist())
         )  # fmt: skip
 
     @cached_property
@@ -281,7 +285,7 @@ class _FittedImpacts:
                 compute_residual_shapes(problem, self.estimate.optimum)
             ),
             checks.impacts_sampled(samples),
-            checks.slow_arms_determined(provided=self.fit is not None),
+            checks.slow_arms_determined(is_given=self.fit is not None),
             checks.impact_speeds_spread(
                 None if elastic_law else float(speeds.max() / speeds.min())
             ),
@@ -299,7 +303,7 @@ class _FittedImpacts:
                 else [checks.impact_within_measured_depth(self.depth, elastic_law.depth)]
             ),
             checks.air_escapes(float(speeds.max())),
-            checks.specimen_length_given(provided=self.records[0].specimen.length is not None),
+            checks.specimen_length_given(is_given=self.records[0].specimen.length is not None),
             *caution_checks(sources_of(self.records)),
         )
 
@@ -325,7 +329,7 @@ class _FittedImpacts:
         return [
             checks.arms_agree_with_relaxation_test(largest_change),
             checks.spectrum_has_gaps(len(relaxation.g)),
-            checks.loss_factors_agree(distance, value, relaxation_loss, within=in_band),
+            checks.loss_factors_agree(distance, value, relaxation_loss, is_in_interval=in_band),
         ]
 
     def _build_specimen_fit(self, checks: tuple[Check, ...]) -> Fit:

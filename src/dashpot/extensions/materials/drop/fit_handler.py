@@ -22,6 +22,6 @@ def run(request: FitRequest) -> CommandResult:
     )
     follow = ""
     if request.result_path:
-        how = ("--drop", "1m/s", "--mass", grams(drop_fit.mass))
-        follow = format_command("predict", request.result_path, *how)
+        options = ("--drop", "1m/s", "--mass", grams(drop_fit.mass))
+        follow = format_command("predict", request.result_path, *options)
     return request.write_output(drop_fit, follow=follow)

@@ -152,28 +152,34 @@ class DropProblem:
         return theta[self.shared_parameter_count + 1 :: 2]
 
     def integrate_motion(
-        self, theta: FloatArray, speed: FloatArray, pull: FloatArray
+        self, theta: FloatArray, speed: FloatArray, acceleration: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return x, v, force, relaxed force by steps, (steps + 1, n), at rows of theta, (n, p)."""
         g, tau = self.compute_arms(theta)
         c = theta[:, : len(POWERS)]
         n = len(theta)
         masses = Masses(
-            np.full(n, self.mass), speed, pull, partial(self.law.force, c=c), np.ones(n), g, tau
+            np.full(n, self.mass),
+            speed,
+            acceleration,
+            partial(self.law.force, c=c),
+            np.ones(n),
+            g,
+            tau,
         )
         # a trial law that pulls runs away, and is refused for it
         with np.errstate(over="ignore", invalid="ignore"):
-            x, v, force, relaxed = integrate_impact(masses, self.step, STEPS)
+            x, v, force, relaxed_force = integrate_impact(masses, self.step, STEPS)
         released = np.maximum.accumulate((force <= 0) & (v < 0), axis=0)
-        return x, v, np.where(released, 0.0, force), relaxed
+        return x, v, np.where(released, 0.0, force), relaxed_force
 
     def compute_forces(self, theta: FloatArray) -> list[FloatArray]:
         """Return the modelled force of every impact."""
         rows = np.repeat(theta[None, :], len(self.impacts), axis=0)
         force = self.integrate_motion(rows, self.select_speeds(theta), self.pulls)[2]
         return [
-            self.sample_force(force[:, i], hit.time - touch)
-            for i, (hit, touch) in enumerate(
+            self.sample_force(force[:, i], hit.time - contact_time)
+            for i, (hit, contact_time) in enumerate(
                 zip(self.impacts, self.select_contact_times(theta).tolist(), strict=True)
             )
         ]
@@ -195,12 +201,12 @@ class DropProblem:
         motions_per_impact = 2 * (shared + 1) + 1
         rows = np.repeat(theta[None, :shared], motions_per_impact * impact_count, axis=0)
         speed = np.repeat(self.select_speeds(theta), motions_per_impact)
-        pull = np.repeat(self.pulls, motions_per_impact)
+        acceleration = np.repeat(self.pulls, motions_per_impact)
         for i in range(impact_count):
             block = slice(i * motions_per_impact + 1, (i + 1) * motions_per_impact)
             rows[block] += steps[:, :shared] * scale[:shared]
             speed[block] += steps[:, shared] * scale[shared + 2 * i]
-        force = self.integrate_motion(rows, speed, pull)[2]
+        force = self.integrate_motion(rows, speed, acceleration)[2]
         J = []
         for i, hit in enumerate(self.impacts):
             time = hit.time - self.select_contact_times(theta)[i]
@@ -331,7 +337,7 @@ class DropProblem:
             restricted_start = np.delete(start, arm)
             if (
                 restricted_optimum := restricted_problem.solve(
-                    [restricted_start], most=_FIRST_STEPS, flat=_FIRST_DECREASE
+                    [restricted_start], max_steps=_FIRST_STEPS, cost_tolerance=_FIRST_DECREASE
                 )
             ) is not None:
                 candidates.append(
@@ -346,7 +352,12 @@ class DropProblem:
                 )
         candidates.sort(key=lambda pair: pair[0])
         starts = [values for _, values in candidates[:_STARTS_FOLLOWED]]
-        return problem.solve(starts, most=_MOST_STEPS, finished=_LEAST_STEP, flat=_LEAST_DECREASE)
+        return problem.solve(
+            starts,
+            max_steps=_MOST_STEPS,
+            step_tolerance=_LEAST_STEP,
+            cost_tolerance=_LEAST_DECREASE,
+        )
 
     @property
     def starting_points(self) -> list[FloatArray]:
@@ -374,13 +385,13 @@ class DropProblem:
         """Return a cubic law by the force over the integrated path, less the force of the arms."""
         force_ratio = 1 + float(self.relaxation.g.sum()) + 0.1
         columns, forces = [], []
-        for hit, speed, pull in zip(
+        for hit, speed, acceleration in zip(
             self.impacts, self.initial_speeds_and_contact_times[::2], self.pulls, strict=True
         ):
             in_contact = hit.time >= hit.touch
             time, force = hit.time[in_contact], hit.force[in_contact]
             step = np.diff(time, prepend=time[0])
-            velocity = speed + np.cumsum(step * (pull - force / self.mass))
+            velocity = speed + np.cumsum(step * (acceleration - force / self.mass))
             x = np.cumsum(step * velocity)
             loading = slice(0, max(int(x.argmax()), 4))
             columns.append(x[loading, None] ** POWERS)

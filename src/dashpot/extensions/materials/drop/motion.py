@@ -82,29 +82,29 @@ def integrate_impact(masses: Masses, step: float, most_steps: int) -> MotionHist
         s.
     most_steps : int
     """
-    m, v, pull, path, k_inf, k, tau, b, factor = masses
+    m, v, free_acceleration, path, k_inf, k, tau, b, factor = masses
     x, u, arms = np.zeros(len(m)), np.zeros(len(m)), np.zeros(k.shape)
-    even = EvenStep.from_ratio(step / tau)
+    steps = EvenStep.from_ratio(step / tau)
     viscous = b is not None and factor is not None
     force = b * factor(x) * v if viscous else np.zeros(len(m))  # type: ignore[operator,misc]
     motion = MotionHistory(*np.empty((4, most_steps + 1, len(m))))
-    half = 0.5 * step
-    pulls = np.broadcast_to(pull, (most_steps + 1, len(m)))
-    acceleration, i = pulls[0] - force / m, 0
+    half_step = 0.5 * step
+    accelerations = np.broadcast_to(free_acceleration, (most_steps + 1, len(m)))
+    acceleration, i = accelerations[0] - force / m, 0
     for i in range(most_steps + 1):
         if i:
-            v = v + half * acceleration
+            v = v + half_step * acceleration
             x = x + step * v
             next_u = path(x)
-            arms = even.end(arms, k * (next_u - u)[:, None])
+            arms = steps.end(arms, k * (next_u - u)[:, None])
             u, force = next_u, k_inf * next_u + arms.sum(axis=1)
-            v = v + half * (pulls[i] - force / m)
+            v = v + half_step * (accelerations[i] - force / m)
             if viscous:
                 # what the dashpot takes goes with the speed at the end of the step
                 damping = b * factor(x)  # type: ignore[operator,misc]
-                v = v / (1 + half * damping / m)
+                v = v / (1 + half_step * damping / m)
                 force = force + damping * v
-            acceleration = pulls[i] - force / m
+            acceleration = accelerations[i] - force / m
         motion.x[i], motion.v[i], motion.force[i], motion.path[i] = x, v, force, u
         if not i % _RELEASE_TEST_STEPS and ((force <= 0) & (v < 0)).all():
             break
@@ -148,9 +148,9 @@ class ImpactMotion(EqualByValue):
         """Instant of release."""
         return self._interpolate_instant(_find_zero(self.force))
 
-    def _interpolate_instant(self, place: tuple[int, float]) -> Instant:
-        every = (self.time, self.compression, self.velocity, self.force, self.relaxed)
-        return Instant(*(_interpolate_parabola(values, *place) for values in every))
+    def _interpolate_instant(self, index_and_offset: tuple[int, float]) -> Instant:
+        histories = (self.time, self.compression, self.velocity, self.force, self.relaxed)
+        return Instant(*(_interpolate_parabola(values, *index_and_offset) for values in histories))
 
     @property
     def energy(self) -> float:
@@ -173,10 +173,14 @@ class ImpactMotion(EqualByValue):
     def elastic(self) -> float:
         """Energy of the elastic law at the largest compression, J."""
         i, part = _find_vertex(self.compression)
-        deepest = self.deepest
-        whole = float(np.trapezoid(self.relaxed[: i + 1], self.compression[: i + 1]))
-        rest = 0.5 * (deepest.relaxed + float(self.relaxed[i]))
-        return whole + rest * (deepest.compression - float(self.compression[i])) if part else whole
+        max_compression = self.deepest
+        loop_energy = float(np.trapezoid(self.relaxed[: i + 1], self.compression[: i + 1]))
+        rest = 0.5 * (max_compression.relaxed + float(self.relaxed[i]))
+        return (
+            loop_energy + rest * (max_compression.compression - float(self.compression[i]))
+            if part
+            else loop_energy
+        )
 
     @property
     def frequency(self) -> float:
@@ -205,7 +209,7 @@ def simulate_impacts(
     *,
     mass: float,
     speed: float,
-    pull: float = 0.0,
+    acceleration: float = 0.0,
 ) -> list[ImpactMotion]:
     """Return the motion of a mass that hits a specimen at rest, for each of several models.
 
@@ -219,7 +223,7 @@ def simulate_impacts(
         kg.
     speed : float
         m/s, > 0.
-    pull : float
+    acceleration : float
         Acceleration of the free mass, m/s^2: gravity for a fall, 0 for a horizontal impact.
 
     Raises
@@ -238,7 +242,7 @@ def simulate_impacts(
         k[i, : model.arms], tau[i, : model.arms] = model.k, model.tau
     b = np.array([model.b for model in models])
     masses = Masses(
-        np.full(count, mass), np.full(count, speed), np.full(count, pull), law.path,
+        np.full(count, mass), np.full(count, speed), np.full(count, acceleration), law.path,
         np.array([model.k_inf for model in models]), k, tau, b if b.any() else None, law.factor,
     )  # fmt: skip
     contact_time = _estimate_contact_time(masses, models[0], law)
@@ -252,13 +256,13 @@ def simulate_impacts(
             "elastic contact: it does not rebound. Expected a lighter mass, or a faster one"
         )
     step = contact_time * int(released[:, 0].argmax()) / _ROUGH_STEPS / _FINE_STEPS
-    fine = integrate_impact(masses, step, 3 * _FINE_STEPS)
+    fine_motion = integrate_impact(masses, step, 3 * _FINE_STEPS)
     motions = []
     for i, model in enumerate(models):
-        end = int(((fine.force[:, i] <= 0) & (fine.v[:, i] <= 0)).argmax()) + 1
-        x, v, force, path = (values[:end, i] for values in fine)
+        end = int(((fine_motion.force[:, i] <= 0) & (fine_motion.v[:, i] <= 0)).argmax()) + 1
+        x, v, force, path = (values[:end, i] for values in fine_motion)
         time = step * np.arange(float(end))
-        motions.append(ImpactMotion(time, x, v, force, model.k_inf * path, mass, pull))
+        motions.append(ImpactMotion(time, x, v, force, model.k_inf * path, mass, acceleration))
     return motions
 
 
@@ -268,28 +272,28 @@ def _estimate_contact_time(masses: Masses, model: GeneralizedMaxwell, law: Elast
     x = np.linspace(0.0, law.depth, 201)
     path = law.path(x)
     work = np.concatenate(([0.0], np.cumsum(np.diff(x) * 0.5 * (path[1:] + path[:-1]))))
-    stiff = max(model.k_inf, 1e-3 * model.k_0)
-    if stiff * work[-1] > energy:
-        depth = float(np.interp(energy / stiff, work, x))
+    stiffness = max(model.k_inf, 1e-3 * model.k_0)
+    if stiffness * work[-1] > energy:
+        depth = float(np.interp(energy / stiffness, work, x))
     else:
-        depth = law.depth * float(np.sqrt(energy / (stiff * work[-1])))
+        depth = law.depth * float(np.sqrt(energy / (stiffness * work[-1])))
     return math.pi * depth / float(masses.speed[0])
 
 
 def _find_vertex(y: FloatArray) -> tuple[int, float]:
     """Return the largest sample, or the one before, and how far beyond it the parabola peaks."""
     i = min(max(int(y.argmax()), 1), len(y) - 2)
-    before, middle, after = y[i - 1 : i + 2].tolist()
-    curvature = before - 2 * middle + after
-    part = 0.5 * (before - after) / curvature if curvature else 0.0
+    before, middle, right = y[i - 1 : i + 2].tolist()
+    curvature = before - 2 * middle + right
+    part = 0.5 * (before - right) / curvature if curvature else 0.0
     return (i, part) if part >= 0 else (i - 1, 1 + part)
 
 
 def _find_zero(y: FloatArray) -> tuple[int, float]:
     """Return the last sample above zero, and how far beyond it the parabola is zero."""
     i = len(y) - 2
-    before, middle, after = y[i - 1 : i + 2].tolist()
-    curvature, slope = 0.5 * (before - 2 * middle + after), 0.5 * (after - before)
+    before, middle, right = y[i - 1 : i + 2].tolist()
+    curvature, slope = 0.5 * (before - 2 * middle + right), 0.5 * (right - before)
     root = float(np.sqrt(max(slope**2 - 4 * curvature * middle, 0.0)))
     return i, min(max(-2 * middle / (slope - root), 0.0), 1.0)
 
@@ -297,5 +301,5 @@ def _find_zero(y: FloatArray) -> tuple[int, float]:
 def _interpolate_parabola(y: FloatArray, i: int, part: float) -> float:
     """Return a value beyond a sample, by the parabola through it and its neighbours."""
     i, part = (i, part) if i else (1, part - 1)
-    before, middle, after = map(float, y[i - 1 : i + 2])
-    return middle + part * (0.5 * (after - before) + 0.5 * part * (before - 2 * middle + after))
+    before, middle, right = map(float, y[i - 1 : i + 2])
+    return middle + part * (0.5 * (right - before) + 0.5 * part * (before - 2 * middle + right))

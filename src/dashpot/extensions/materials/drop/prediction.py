@@ -76,12 +76,15 @@ class DropPrediction(EqualByValue, HasVerdict, Serialisable):
     @property
     def verdict(self) -> Verdict:
         """Verdict, with peak force and absorbed energy."""
-        force, lost = self.answers[0].cells, 100 * self.motion.absorbed_energy / self.motion.energy
+        force, loss_percent = (
+            self.answers[0].cells,
+            100 * self.motion.absorbed_energy / self.motion.energy,
+        )
         return verdict(
             self.checks,
             headline=f"the peak force is {force.with_unit} at "
-            f"{format_quantity(self.motion.peak.compression, 'mm', '.3g')}, and {lost:.2g} % of "
-            "the energy "
+            f"{format_quantity(self.motion.peak.compression, 'mm', '.3g')}, and {loss_percent:.2g} "
+            "% of the energy "
             "is absorbed",
         )
 
@@ -144,7 +147,9 @@ def predict_drop(
     elastic_law = parallel_fit.elastic_law
     law = elastic_law or ElasticLaw.linear(max(parallel_fit.model.k_inf, 1e-9), _STRAIGHT)
     models = [parallel_fit.model, *(model.maxwell for model in off_by_error(parallel_fit))]
-    motions = simulate_impacts(models, law, mass=kg, speed=approach.speed, pull=approach.pull)
+    motions = simulate_impacts(
+        models, law, mass=kg, speed=approach.speed, acceleration=approach.pull
+    )
     motion = motions[0]
     checked = (
         checks.impact_within_measured_depth(
@@ -152,7 +157,7 @@ def predict_drop(
         ),
         checks.impact_in_valid_band(motion.frequency, fit.band[1]),
         checks.air_escapes(approach.speed),
-        checks.specimen_length_given(provided=parallel_fit.specimen.length is not None),
+        checks.specimen_length_given(is_given=parallel_fit.specimen.length is not None),
     )
     return DropPrediction(
         approach, kg, seals, _answers(motions), motion,
@@ -188,10 +193,10 @@ _NAMED = (
 
 def _answers(motions: Sequence[ImpactMotion]) -> tuple[ReportedValue, ...]:
     """Return the numbers of the first motion, with errors by the other motions."""
-    first, *others = map(_numbers, motions)
-    off = np.array([np.subtract(other, first) for other in others])
+    first, *other_numbers = map(_numbers, motions)
+    differences = np.array([np.subtract(other, first) for other in other_numbers])
     # the energy of a speed has no error by the fit
-    size = np.linalg.norm(off, axis=0) if others else np.zeros(len(first))
+    size = np.linalg.norm(differences, axis=0) if other_numbers else np.zeros(len(first))
     errors = [value or None for value in size.tolist()]
     return tuple(
         ReportedValue.from_error(name, value, error, unit=unit, read=read, words=words)
@@ -201,18 +206,18 @@ def _answers(motions: Sequence[ImpactMotion]) -> tuple[ReportedValue, ...]:
 
 def _numbers(item: ImpactMotion) -> list[float]:
     """Return the numbers in the order of ``_NAMED``."""
-    peak, deepest, release = item.peak, item.deepest, item.release
+    peak, max_compression, release = item.peak, item.deepest, item.release
     return [
         peak.force,
         peak.time,
-        deepest.compression,
-        deepest.time,
+        max_compression.compression,
+        max_compression.time,
         release.time,
         release.compression,
         item.rebound,
         item.loading_work,
         item.absorbed_energy,
         item.absorbed_energy / item.energy,
-        peak.force / deepest.relaxed,
+        peak.force / max_compression.relaxed,
         item.loading_work / item.elastic,
     ]

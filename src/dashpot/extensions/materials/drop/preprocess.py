@@ -91,11 +91,11 @@ def find_impacts(test: DropTest, mass: float, name: str) -> list[RecordedImpact]
     for number, (first, last) in enumerate(contacts):
         length = last - first + 1
         margin = int(_MARGIN * length)
-        begin = max(first - margin, (contacts[number - 1][1] + first) // 2 if number else 0)
+        start = max(first - margin, (contacts[number - 1][1] + first) // 2 if number else 0)
         end = len(force) - 1
         if number + 1 < len(contacts):
             end = min(end, (last + contacts[number + 1][0]) // 2)
-        rows = slice(begin, min(last + margin, end) + 1)
+        rows = slice(start, min(last + margin, end) + 1)
         contact = slice(first, last + 1)
         impacts.append(
             RecordedImpact(
@@ -144,15 +144,15 @@ def _extend_to_zero_force(
     force: FloatArray, first: int, last: int, least_foot: float
 ) -> tuple[int, int]:
     """Return first and last sample of a contact: its flanks are extended by their slope to zero."""
-    foot = max(_FOOT_FORCE * float(force[first : last + 1].max()), least_foot)
+    foot_force = max(_FOOT_FORCE * float(force[first : last + 1].max()), least_foot)
     peak = first + int(force[first : last + 1].argmax())
-    below = np.flatnonzero(force <= foot)
-    first = int(below[below < peak].max(initial=-1)) + 1
-    last = int(below[below > peak].min(initial=len(force))) - 1
+    unloaded_indices = np.flatnonzero(force <= foot_force)
+    first = int(unloaded_indices[unloaded_indices < peak].max(initial=-1)) + 1
+    last = int(unloaded_indices[unloaded_indices > peak].min(initial=len(force))) - 1
     span = max((last - first) // 12, 2)
     rising_slope = max((force[first + span] - force[first]) / span, 1e-300)
     falling_slope = max((force[last - span] - force[last]) / span, 1e-300)
     longest = (last - first) // 3
-    begin = first - min(int(foot / rising_slope), longest)
-    end = last + min(int(foot / falling_slope), longest)
-    return max(begin, 0), min(end, len(force) - 1)
+    start = first - min(int(foot_force / rising_slope), longest)
+    end = last + min(int(foot_force / falling_slope), longest)
+    return max(start, 0), min(end, len(force) - 1)

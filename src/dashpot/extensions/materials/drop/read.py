@@ -36,26 +36,30 @@ def read_drop_test(
             file, ["drop"], "a mass dropped on a specimen is",
             stated_columns=("force", "acceleration"),
         )  # fmt: skip
-        wanted = [
+        signal_columns = [
             assignment
             for assignment in (file.find_unambiguous_column("force"), _acceleration(file))
             if assignment is not None
         ]
-        if not wanted:
+        if not signal_columns:
             raise ReadError(
                 "no force and no acceleration is recognised. Name the column of one, such as "
                 f"--column force=NAME; the columns are {list_columns(file.table.columns)}"
             )
         ticks = channels.chosen(file, channels.add_time_role(file))
-        chosen = channels.with_units(file, [*ticks, *wanted])
+        channels_chosen = channels.with_units(file, [*ticks, *signal_columns])
         channels.refuse_other_rate(file)
-        rows, gaps = channels.select_complete_rows(channels.load_test(file, chosen, least=16))
-        values = channels.convert_signals_to_si(rows, chosen)
+        rows, gaps = channels.select_complete_rows(
+            channels.load_test(file, channels_chosen, min_count=16)
+        )
+        values = channels.convert_signals_to_si(rows, channels_chosen)
         rate = file.options.rate
         time = np.arange(len(rows)) / rate if rate else values["time"]
         resolved_specimen, sentences = add_specimen_temperature(file, specimen or Specimen())
         source = channels.source(
-            file, [channel.message for channel in chosen], [*file.table.notes, *gaps, *sentences]
+            file,
+            [channel.message for channel in channels_chosen],
+            [*file.table.notes, *gaps, *sentences],
         )
         return DropTest(
             time,
@@ -71,9 +75,10 @@ def _acceleration(file: OpenedFile) -> RoleAssignment | None:
     """Return the only acceleration, if there is one."""
     indices = accelerations(file.table, (), file.options)
     if len(indices) > 1:
-        listed = ", ".join(format_column(file.table.columns, i) for i in indices)
+        columns_text = ", ".join(format_column(file.table.columns, i) for i in indices)
         raise ReadError(
-            f"{listed} are accelerations, and one mass has one. Name it: --column acceleration=NAME"
+            f"{columns_text} are accelerations, and one mass has one. Name it: --column "
+            "acceleration=NAME"
         )
     message = "its name or unit says acceleration"
     return RoleAssignment("acceleration", indices[0], message) if indices else None

@@ -48,11 +48,11 @@ def compute_residual_shapes(problem: DropProblem, optimum: Optimum) -> dict[str,
     """Return the score of each shape in the residual, in standard deviations, by its words."""
     theta = optimum.theta
     rows = np.repeat(theta[None, :], len(problem.impacts), axis=0)
-    x, v, force, relaxed = problem.integrate_motion(
+    x, v, force, relaxed_force = problem.integrate_motion(
         rows, problem.select_speeds(theta), problem.pulls
     )
     in_contact = np.cumsum((force <= 0) & (v < 0), axis=0) == 0
-    forces = _compute_additional_forces(problem, np.maximum(x, 0.0), relaxed)
+    forces = _compute_additional_forces(problem, np.maximum(x, 0.0), relaxed_force)
     responses = {
         name: np.where(in_contact, slope, 0.0)
         for name, slope in zip(
@@ -72,8 +72,8 @@ def compute_residual_shapes(problem: DropProblem, optimum: Optimum) -> dict[str,
     for name, values in responses.items():
         column = np.concatenate(
             [
-                problem.sample_force(values[:, i], hit.time - touch) / hit.noise
-                for i, (hit, touch) in enumerate(
+                problem.sample_force(values[:, i], hit.time - contact_time) / hit.noise
+                for i, (hit, contact_time) in enumerate(
                     zip(problem.impacts, problem.select_contact_times(theta), strict=True)
                 )
             ]
@@ -89,16 +89,17 @@ def compute_residual_shapes(problem: DropProblem, optimum: Optimum) -> dict[str,
 
 
 def _compute_additional_forces(
-    problem: DropProblem, x: FloatArray, relaxed: FloatArray
+    problem: DropProblem, x: FloatArray, relaxed_force: FloatArray
 ) -> dict[str, FloatArray]:
     """Return additional forces of a specimen along its motions, shape (steps + 1, impacts), N."""
-    depth, largest = x.max(), relaxed.max()
+    depth, largest = x.max(), relaxed_force.max()
     share = x / depth
     friction, arm = np.zeros_like(x), np.zeros_like(x)
     contact = median(np.array([hit.contact for hit in problem.impacts]))
-    even = EvenStep.from_ratio(np.array(problem.step / (_ADDITIONAL_TAU * contact)))
+    steps = EvenStep.from_ratio(np.array(problem.step / (_ADDITIONAL_TAU * contact)))
     for i, (step, friction_limit, force_step) in enumerate(
-        zip(np.diff(x, axis=0), relaxed[1:], np.diff(relaxed, axis=0), strict=True), start=1
+        zip(np.diff(x, axis=0), relaxed_force[1:], np.diff(relaxed_force, axis=0), strict=True),
+        start=1,
     ):
         # a slider that the specimen presses on
         friction[i] = np.clip(
@@ -106,7 +107,7 @@ def _compute_additional_forces(
             -friction_limit,
             friction_limit,
         )
-        arm[i] = even.end(arm[i - 1], force_step)
+        arm[i] = steps.end(arm[i - 1], force_step)
     return {
         "friction": friction,
         "an elastic law steeper than a cubic": largest * share**_POWER,
@@ -155,8 +156,8 @@ class _Flights(NamedTuple):
     ) -> _Flights:
         time = np.concatenate(
             [
-                hit.time - touch
-                for hit, touch in zip(
+                hit.time - contact_time
+                for hit, contact_time in zip(
                     problem.impacts, problem.select_contact_times(theta), strict=True
                 )
             ]

@@ -42,13 +42,13 @@ def fit_stress_strain(
 
 
 def read_stress_strain_record(
-    path: str | Path, options: dict[str, Any], how: Mapping[str, Any]
+    path: str | Path, options: dict[str, Any], fit_options: Mapping[str, Any]
 ) -> Any:
     """Read a test of stress over strain."""
     from dashpot.extensions.materials.options import MODES
 
-    word = how.get("test", "uniaxial")
+    word = fit_options.get("test", "uniaxial")
     if word not in MODES:
         raise ReadError(f"test='{word}': expected one of {', '.join(MODES)}")
     read_it = load_object(KINDS["stress-strain"].reader)
-    return read_it(path, MODES[word].mode, pressed=MODES[word].pressed, **options)
+    return read_it(path, MODES[word].mode, is_compression=MODES[word].pressed, **options)

@@ -34,7 +34,7 @@ _MUCH_CLOSER = 0.25
 SMALL = 0.005
 """Rms over the rms of the stress, below which a residual is no matter: a load cell's."""
 _AS_GOOD = 10.0
-"""Of BIC: what is no farther is not refuted (R. E. Kass, A. E. Raftery, 1995)."""
+"""Difference of BIC that refutes no law (R. E. Kass, A. E. Raftery, 1995)."""
 _FACTORS = (0.03, 0.06, 0.12, 0.2)
 """Logarithms of a factor by which the stress of one mode is tried to be off."""
 _OF_NOTE = 0.03
@@ -48,8 +48,8 @@ _SHIFTS = (0.01, 0.02, 0.04, 0.08, 0.16)
 
 def run_checks(
     fit: HyperelasticFit,
-    chosen: HyperelasticOptimum,
-    tried: Sequence[HyperelasticOptimum],
+    selected: HyperelasticOptimum,
+    candidates: Sequence[HyperelasticOptimum],
     quantity: DerivedQuantity,
     times: float,
     *,
@@ -62,37 +62,43 @@ def run_checks(
     through = list(fit.curves) if foam else shaped
     flexible = compute_best_stable_misfit(through, fit.law.poisson)
     # of a foam that is known to be one its own ratio has been tried
-    still = math.inf if foam else compute_best_stable_misfit(shaped, 0.0)
-    reach = dict(fit.reach)
-    least, where = least_drucker(fit.law, reach)
-    half = times * quantity.standard_error[: len(fit.law.constants)]
+    best_stable_misfit = math.inf if foam else compute_best_stable_misfit(shaped, 0.0)
+    stretch_ranges = dict(fit.reach)
+    min_drucker, location = least_drucker(fit.law, stretch_ranges)
+    half_widths = times * quantity.standard_error[: len(fit.law.constants)]
     largest = max(abs(c) for c in fit.law.constants)
-    wide = int(np.argmax(half))
-    lost = [curve.lost for curve in fit.curves if curve.lost is not None]
+    widest_index = int(np.argmax(half_widths))
+    loss_fractions = [curve.lost for curve in fit.curves if curve.lost is not None]
     softer = [curve.softer for curve in fit.curves if curve.softer is not None]
     return (
         law_residual_small(
             fit.residuals[worst],
             _name(fit.curves[worst]),
-            still,
+            best_stable_misfit,
         ),
-        no_better_law(chosen.rms, flexible),
-        compressible_law_no_better(None if foam else min(chosen.rms, flexible), still),
-        stable_in_use(least, where, fit.stable),
-        modes_enough(len({curve.mode for curve in shaped}), both=_both_ways(shaped), foam=foam),
-        unmeasured_modes_determined(*_find_mode_error(fit, chosen, tried, quantity, times)),
-        modes_in_scale(*_find_better_scale(through, fit.law.poisson, min(flexible, chosen.rms))),
+        no_better_law(selected.rms, flexible),
+        compressible_law_no_better(
+            None if foam else min(selected.rms, flexible), best_stable_misfit
+        ),
+        stable_in_use(min_drucker, location, fit.stable),
+        modes_enough(
+            len({curve.mode for curve in shaped}), has_two_modes=_both_ways(shaped), foam=foam
+        ),
+        unmeasured_modes_determined(*_find_mode_error(fit, selected, candidates, quantity, times)),
+        modes_in_scale(*_find_better_scale(through, fit.law.poisson, min(flexible, selected.rms))),
         use_range_measured(_compute_extrapolation_ratio(shaped, fit.law.poisson, requested)),
-        constants_determined(fit.law.constant_names[wide], float(half[wide]) / largest),
-        rows_enough(len(chosen.optimum.residual), len(chosen.optimum.values)),
+        constants_determined(
+            fit.law.constant_names[widest_index], float(half_widths[widest_index]) / largest
+        ),
+        rows_enough(len(selected.optimum.residual), len(selected.optimum.values)),
         files_agree(_compare_repeat_files(fit.curves)),
-        loading_reversible(max(lost, default=None), removed=fit.relaxation is not None),
+        loading_reversible(max(loss_fractions, default=None), removed=fit.relaxation is not None),
         specimen_conditioned(max(softer, default=None, key=abs)),
         zero_stress_at_zero_strain(*_slack(through, fit.law.poisson, flexible)),
         labels_agree(*_reading(through, fit.law.poisson, flexible)),
         measures_stated(_estimate_measure_error(fit.curves)),
         strain_measured_on_specimen(_list_modes_by_machine(shaped)),
-        bulk_modulus_determined(certain=fit.law.bulk_modulus is not None),
+        bulk_modulus_determined(is_known=fit.law.bulk_modulus is not None),
     )
 
 
@@ -100,10 +106,10 @@ def _name(curve: ElasticCurve) -> str:
     return curve.mode if curve.source is None else f"{curve.mode} ({curve.source.file})"
 
 
-def least_drucker(law: Hyperelastic, reach: dict[Mode, Span]) -> tuple[float, str]:
+def least_drucker(law: Hyperelastic, stretch_ranges: dict[Mode, Span]) -> tuple[float, str]:
     """Return the least eigenvalue over G of the law's tangent over stretches, and where it is."""
     pairs = []
-    for mode, (low, high) in reach.items():
+    for mode, (low, high) in stretch_ranges.items():
         x = np.linspace(low, high, 200)
         value = law.drucker(mode, x)
         at = int(np.argmin(value))
@@ -113,8 +119,8 @@ def least_drucker(law: Hyperelastic, reach: dict[Mode, Span]) -> tuple[float, st
 
 def _find_mode_error(
     fit: HyperelasticFit,
-    chosen: HyperelasticOptimum,
-    tried: Sequence[HyperelasticOptimum],
+    selected: HyperelasticOptimum,
+    candidates: Sequence[HyperelasticOptimum],
     quantity: DerivedQuantity,
     times: float,
 ) -> tuple[float | None, str, str]:
@@ -122,24 +128,26 @@ def _find_mode_error(
     measured = {curve.mode for curve in fit.curves}
     score = dict(fit.orders)
     close = min(score.values()) + _AS_GOOD
-    others = [
-        optimum for optimum in tried if score[optimum.name] <= close and optimum.name != chosen.name
+    other_laws = [
+        optimum
+        for optimum in candidates
+        if score[optimum.name] <= close and optimum.name != selected.name
     ]
     errors: list[tuple[float, str, str]] = []
     for mode, (low, high) in fit.reach:
         if mode in measured:
             continue
         x = np.linspace(low, high, 60)
-        stress = chosen.law.nominal(mode, x)
+        stress = selected.law.nominal(mode, x)
         size = float(np.abs(stress).max())
-        for other in others:
+        for other in other_laws:
             ratio = float(np.abs(other.law.nominal(mode, x) - stress).max()) / size
             errors.append((ratio, mode, f"{other.name} follows the tests too and differs"))
-        if not chosen.law.exponents:
-            J = chosen.law.columns(mode, x)
+        if not selected.law.exponents:
+            J = selected.law.columns(mode, x)
             covariance = quantity.covariance[: J.shape[1], : J.shape[1]]
-            wide = times * np.sqrt(np.einsum("ij,jk,ik->i", J, covariance, J))
-            errors.append((float(wide.max()) / size, mode, "the law is uncertain"))
+            half_width = times * np.sqrt(np.einsum("ij,jk,ik->i", J, covariance, J))
+            errors.append((float(half_width.max()) / size, mode, "the law is uncertain"))
     return max(errors, default=(0.0 if measured >= set(SHEARING) else None, "", ""))
 
 
@@ -149,13 +157,15 @@ def _compute_extrapolation_ratio(
     """Return the largest logarithmic strain of use over that of the tests, by sign."""
     if requested is None:
         return 1.0
-    ends = np.concatenate([
+    end_strains = np.concatenate([
         np.log(x) * direction(curve.mode, poisson)
         for curve in curves
         for x in (curve.stretch.min(), curve.stretch.max())
     ])  # fmt: skip
     parts = [
-        sign * math.log(use) / value if (value := float((sign * ends).max())) > 0 else math.inf
+        sign * math.log(use) / value
+        if (value := float((sign * end_strains).max())) > 0
+        else math.inf
         for sign, use in zip((-1.0, 1.0), requested, strict=True)
         if sign * (use - 1) > 0
     ]
@@ -188,9 +198,11 @@ def _slack(curves: Sequence[ElasticCurve], poisson: float, best: float) -> tuple
     """Return the shift of a curve's zero that halves the residual of stable laws."""
     result = (best, 0.0, "")
     for i, elastic_curve in enumerate(curves):
-        far = float(elastic_curve.stretch[np.argmax(np.abs(elastic_curve.stretch - 1))] - 1)
+        largest_strain = float(
+            elastic_curve.stretch[np.argmax(np.abs(elastic_curve.stretch - 1))] - 1
+        )
         for part in (*_SHIFTS, *(-shift for shift in _SHIFTS)):
-            curve = replace(elastic_curve, stretch=elastic_curve.stretch - part * far)
+            curve = replace(elastic_curve, stretch=elastic_curve.stretch - part * largest_strain)
             misfit = compute_best_stable_misfit([*curves[:i], curve, *curves[i + 1 :]], poisson)
             result = min(result, (misfit, part, _name(elastic_curve)))
     misfit, part, name = result
@@ -223,8 +235,8 @@ def _find_better_scale(
                 for curve in curves
             ]
             result = min(result, (compute_best_stable_misfit(scaled, poisson), size, mode))
-    remainder, size, which = result
-    return best / max(remainder, SMALL), math.expm1(size), which
+    remainder, size, kind_index = result
+    return best / max(remainder, SMALL), math.expm1(size), kind_index
 
 
 def _reading(
@@ -237,7 +249,7 @@ def _reading(
     for i, elastic_curve in enumerate(curves):
         if elastic_curve.mode == "volumetric":
             continue
-        named: dict[str, ElasticCurve] = {
+        alternatives: dict[str, ElasticCurve] = {
             "true stress where nominal stress was taken": replace(
                 elastic_curve, stress=elastic_curve.stress / elastic_curve.stretch
             ),
@@ -250,7 +262,7 @@ def _reading(
                 if mode != elastic_curve.mode
             },
         }
-        for message, other in named.items():
+        for message, other in alternatives.items():
             misfit = compute_best_stable_misfit([*curves[:i], other, *curves[i + 1 :]], poisson)
             result = min(result, (misfit, f"{_name(elastic_curve)} read as {message}"))
     return best / max(result[0], SMALL), result[1], best
@@ -313,20 +325,24 @@ def compressible_law_no_better(residual: float | None, swelling: float) -> Findi
 
 @criterion("least eigenvalue of the tangent / G", ">", 0.0, "D. C. Drucker, 1959", grade="stop")
 def stable_in_use(
-    least: float, where: str, limits: Sequence[tuple[Mode, tuple[float | None, float | None]]]
+    min_drucker: float,
+    location: str,
+    limits: Sequence[tuple[Mode, tuple[float | None, float | None]]],
 ) -> Finding:
     """The hyperelastic law is stable over the stretches of use in every mode (Drucker)."""
-    ends = [
+    limit_texts = [
         f"{mode} {'below' if low else 'above'} {at:.4g}"
-        for mode, both in limits
-        for low, at in zip((True, False), both, strict=True)
+        for mode, stretch_limits in limits
+        for low, at in zip((True, False), stretch_limits, strict=True)
         if at is not None
     ]
-    text = f"; it is not stable in {', '.join(ends)}" if ends else " and from 0.1 to 10"
+    text = (
+        f"; it is not stable in {', '.join(limit_texts)}" if limit_texts else " and from 0.1 to 10"
+    )
     return Finding(
         f"The hyperelastic law is stable over the stretches of use{text}",
-        least,
-        failure=f"The law is not stable in use, first at {where}{text if ends else ''}",
+        min_drucker,
+        failure=f"The law is not stable in use, first at {location}{text if limit_texts else ''}",
         reason="A solver stops there, or gives a wrong result",
         remedy=Remedy("Use another law, such as one of power terms.", "model", "ogden"),
     )
@@ -350,7 +366,7 @@ def lateral_swelling_agrees(ratio: float, reported: float | None, *, foam: bool)
 
 
 @criterion("modes tested", ">=", 2.0, "simulation: one tension test is up to 18 % wrong elsewhere")
-def modes_enough(modes: int, *, both: bool, foam: bool) -> Finding:
+def modes_enough(modes: int, *, has_two_modes: bool, foam: bool) -> Finding:
     """At least two loading modes were tested; many laws fit one mode."""
     return Finding(
         f"{modes} modes were tested" if modes != 1 else "One mode was tested",
@@ -358,7 +374,7 @@ def modes_enough(modes: int, *, both: bool, foam: bool) -> Finding:
         "Laws that fit it differ in the others by up to 18 %",
         Remedy("Test a second mode, or use the law in that mode alone.", "test"),
         # pressed one way is pulled both others; a foam's Poisson's ratio is given
-        always_passes=both or foam,
+        always_passes=has_two_modes or foam,
     )
 
 
@@ -382,14 +398,14 @@ def modes_in_scale(ratio: float | None, by: float, mode: str) -> Finding:
 
 
 @criterion("error of the stress / largest stress", "<=", LARGEST_ERROR, "our choice: a tenth")
-def unmeasured_modes_determined(error: float | None, mode: str, why: str) -> Finding:
+def unmeasured_modes_determined(error: float | None, mode: str, reason: str) -> Finding:
     """The data determine the stress in the modes that were not measured."""
     if error is None:
         return Finding("No second law fits the tests, so the other modes are not compared")
     if not mode:
         return Finding("Every mode was measured", 0.0)
     return Finding(
-        f"In {mode}, which was not measured, {why} by {100 * error:.2g} % of the largest stress",
+        f"In {mode}, which was not measured, {reason} by {100 * error:.2g} % of the largest stress",
         error,
         "The tests do not determine the law there",
         "Measure that mode, or use the law in the measured modes only.",
@@ -448,14 +464,14 @@ def loading_reversible(loss_fraction: float | None, *, removed: bool) -> Finding
     """Unloading returns most of the energy of loading."""
     if loss_fraction is None:
         return Finding("No unloading shows how much of the stress is elastic")
-    why = (
+    reason = (
         "The relaxation test is of another material, or there is friction or softening"
         if removed
         else "The loading contains relaxation or softening"
     )
     advice = Remedy("Give a relaxation test, or test slowly.", "relaxation")
     return Finding(
-        f"A cycle loses {100 * loss_fraction:.2g} % of its energy", loss_fraction, why, advice
+        f"A cycle loses {100 * loss_fraction:.2g} % of its energy", loss_fraction, reason, advice
     )
 
 
@@ -543,12 +559,12 @@ def strain_measured_on_specimen(modes: Sequence[Mode]) -> Finding:
 
 
 @criterion(grade="note")
-def bulk_modulus_determined(*, certain: bool) -> Finding:
+def bulk_modulus_determined(*, is_known: bool) -> Finding:
     """The bulk modulus is known."""
     return Finding(
         "The change of volume is known",
         failure="The volume was not tested, so a deck needs a bulk modulus that is stated, not "
         "measured",
         remedy=Remedy("Add a test of the volume.", "test", "volumetric"),
-        always_fails=not certain,
+        always_fails=not is_known,
     )

@@ -28,7 +28,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 LEAST_ROWS = 4
 MOST_STRETCH = 20.0
 MOST_POISSON = 0.6
-"""That a strain sideways may show: 0.5, and what a tape or a camera is off."""
+"""Largest measured Poisson's ratio: 0.5, and the error of a tape or a camera."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,8 +92,8 @@ class StressStrainTest(EqualByValue, HasSummary):
                 "at rest, above 0 and 1 at rest: is it a strain, in per cent, or the other sign?"
             )
         if not (high > low and np.ptp(self.stress) > 0):
-            still = "stretch" if high == low else "stress"
-            raise DataError(f"the {still} never changes: nothing was deformed")
+            constant_quantity = "stretch" if high == low else "stress"
+            raise DataError(f"the {constant_quantity} never changes: nothing was deformed")
 
     def _refuse_sideways(self, ratio: float) -> None:
         if self.mode != "uniaxial":
@@ -167,7 +167,7 @@ class ElasticCurve(EqualByValue):
 
 
 Span: TypeAlias = tuple[float, float]
-"""From a stretch to a stretch."""
+"""Smallest and largest stretch."""
 Limits: TypeAlias = tuple[float | None, float | None]
 """Stretches below and above 1; None where there is none."""
 
@@ -240,8 +240,11 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     @property
     def _headline(self) -> str:
         """The law, its residual, and its range of stretches."""
-        reach = [span for _, span in self.reach]
-        low, high = min(values[0] for values in reach), max(values[1] for values in reach)
+        stretch_ranges = [span for _, span in self.reach]
+        low, high = (
+            min(values[0] for values in stretch_ranges),
+            max(values[1] for values in stretch_ranges),
+        )
         return (
             f"the {self.law.kind} law follows {format_count(len(self.curves), 'curve')} to "
             f"{100 * max(self.residuals):.2g} % of the stress, for stretches of {low:.3g} to "
@@ -250,7 +253,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
 
     @property
     def loading_rate(self) -> str:
-        """At which rate of strain the law holds, as text."""
+        """Strain rate of the law, as text."""
         return self._speed.partition(":")[0].removeprefix(", ")
 
     @property
@@ -263,10 +266,10 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         if not values:
             return ", at an unknown rate"
         low, high = min(values), max(values)
-        ends = f"{low:.2g}" if high < 1.05 * low else f"{low:.2g} to {high:.2g}"
+        range_text = f"{low:.2g}" if high < 1.05 * low else f"{low:.2g} to {high:.2g}"
         return (
-            f", at the rate of the tests, {ends} 1/s: a slower or faster load has another law, and "
-            "the law at rest needs a relaxation test"
+            f", at the rate of the tests, {range_text} 1/s: a slower or faster load has another "
+            "law, and the law at rest needs a relaxation test"
         )
 
     @property
@@ -275,5 +278,5 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         return (
             str(self.verdict),
             f"law: {self.law.kind}",
-            *(fact.text for fact in self.found),
+            *(reported_value.text for reported_value in self.found),
         )

@@ -16,11 +16,11 @@ from dashpot.registry import Example
 _RUBBER = Hyperelastic("mooney-rivlin", (0.15e6, 0.05e6))
 
 
-def _make_curve_writer(mode: Mode, most: float, seed: int) -> Callable[[], str]:
+def _make_curve_writer(mode: Mode, max_stretch: float, seed: int) -> Callable[[], str]:
     """Stress over strain of a rubber that follows Mooney and Rivlin, 0.5 % noisy."""
 
     def render_file() -> str:
-        x = np.linspace(1.0, most, 80)
+        x = np.linspace(1.0, max_stretch, 80)
         stress = convert_to_unit(_RUBBER.nominal(mode, x), "MPa")
         stress += 0.005 * stress.max() * np.random.default_rng(seed).standard_normal(len(x))
         rows = (f"{100 * (a - 1):.5g},{b:.5g}" for a, b in zip(x, stress, strict=True))
@@ -44,4 +44,4 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
         ),
     }
 )
-"""By their names."""
+"""Example files by their names."""

@@ -52,9 +52,9 @@ def hyperelastic(fit: HyperelasticFit, *, stamp: str = "") -> Picture:
 
 def _unstable(fit: HyperelasticFit, mode: Mode, x: FloatArray) -> list[Mark]:
     """Return where the law is not stable, below and above, as far as `x` reaches."""
-    ends = dict(fit.stable).get(mode, (None, None))
+    stretch_limits = dict(fit.stable).get(mode, (None, None))
     marks: list[Mark] = []
-    for at, end in zip(ends, (float(x[0]), float(x[-1])), strict=True):
+    for at, end in zip(stretch_limits, (float(x[0]), float(x[-1])), strict=True):
         if at is not None and x[0] < at < x[-1]:
             low, high = sorted((at, end))
             marks += [Span(low, high, "bad", "not stable", hatched=True), Rule(at, REJECTED)]
@@ -63,19 +63,19 @@ def _unstable(fit: HyperelasticFit, mode: Mode, x: FloatArray) -> list[Mark]:
 
 def _panel(fit: HyperelasticFit, mode: Mode) -> Panel:
     curves = [curve for curve in fit.curves if curve.mode == mode]
-    every = np.concatenate([dict(fit.reach).get(mode, ()), [1.0], *(c.stretch for c in curves)])
-    low, high = float(every.min()), float(every.max())
+    stretches = np.concatenate([dict(fit.reach).get(mode, ()), [1.0], *(c.stretch for c in curves)])
+    low, high = float(stretches.min()), float(stretches.max())
     pad = _MARGIN * (high - low)
     x = np.linspace(max(low - pad, 0.02), high + pad, 160)
     law = convert_to_unit(fit.law.nominal(mode, x), "MPa")
-    within = (x >= low) & (x <= high)
+    in_range = (x >= low) & (x <= high)
     marks = [Rule(0.0, REF, across=True), *_unstable(fit, mode, x)]
     measured = [convert_to_unit(curve.stress, "MPa") for curve in curves]
     for elastic_curve, stress in zip(curves, measured, strict=True):
         marks.append(Dots(elastic_curve.stretch, stress, "measured", "measured", size=3.0))
     marks.append(Line(x, law, PREDICTED, "not measured"))
     if curves:
-        marks.append(Line(x[within], law[within], FIT, fit.law.kind))
+        marks.append(Line(x[in_range], law[in_range], FIT, fit.law.kind))
     residuals = [
         r for curve, r in zip(fit.curves, fit.residuals, strict=True) if curve.mode == mode
     ]  # fmt: skip
@@ -84,10 +84,10 @@ def _panel(fit: HyperelasticFit, mode: Mode) -> Panel:
         if residuals
         else "not measured"
     )
-    across, what = _AXES[mode == "volumetric"]
+    horizontal, axis_label = _AXES[mode == "volumetric"]
     return Panel(
-        Scale(across, (float(x[0]), float(x[-1]))),
-        Scale(what, compute_padded_limits(law, *measured)),
+        Scale(horizontal, (float(x[0]), float(x[-1]))),
+        Scale(axis_label, compute_padded_limits(law, *measured)),
         tuple(marks),
         title=mode,
         note=note,

@@ -89,44 +89,47 @@ def fit_hyperelastic(
     """
     curves = [elastic_curve(test, relaxation=relaxation, cycle=cycle) for test in tests]
     reported, foam = _sideways(tests, law, poisson)
-    swells = reported is not None and reported < SWELLS
-    if foam and swells and poisson is None and len({curve.mode for curve in curves}) == 1:
+    is_compressible = reported is not None and reported < SWELLS
+    if foam and is_compressible and poisson is None and len({curve.mode for curve in curves}) == 1:
         poisson = reported
     _refuse(curves, law, terms, poisson, foam=foam)
     fitted, volumetric = _split_volumetric_curves(curves, foam=foam)
-    tried = _fit_foam_laws(fitted, terms, poisson) if foam else _fit_rubber_laws(fitted, terms)
-    tried = list({optimum.name: optimum for optimum in tried}.values())
-    best = min(tried, key=lambda optimum: optimum.rms)
+    candidates = _fit_foam_laws(fitted, terms, poisson) if foam else _fit_rubber_laws(fitted, terms)
+    candidates = list({optimum.name: optimum for optimum in candidates}.values())
+    best = min(candidates, key=lambda optimum: optimum.rms)
     parts = [len(curve.stretch) for curve in fitted]
     # all laws by the noise of the closest: what another leaves more is no noise
     noises = estimate(best.optimum, parts=parts, rounding=EXACT).noises
     effective = sum(noise.effective for noise in noises)
-    floor = EXACT**2 * len(best.optimum.residual)
-    scores = {optimum.name: score(optimum.optimum, effective, floor=floor) for optimum in tried}
-    reach = reach_of(curves, best.law.poisson, stretches)
-    chosen = _chosen(tried, scores, law, reach)
-    uncertainty = estimate(chosen.optimum, parts=parts, rounding=EXACT)
-    derived = uncertainty.derive_quantity(chosen.numbers)
-    half = uncertainty.quantile() * derived.standard_error
-    facts = _make_law_facts(chosen, derived.values, half)
+    min_cost = EXACT**2 * len(best.optimum.residual)
+    scores = {
+        optimum.name: score(optimum.optimum, effective, rounding_sse=min_cost)
+        for optimum in candidates
+    }
+    stretch_ranges = reach_of(curves, best.law.poisson, stretches)
+    selected = _chosen(candidates, scores, law, stretch_ranges)
+    uncertainty = estimate(selected.optimum, parts=parts, rounding=EXACT)
+    derived = uncertainty.derive_quantity(selected.numbers)
+    half_widths = uncertainty.quantile() * derived.standard_error
+    reported_values = _make_law_facts(selected, derived.values, half_widths)
     bulk = _bulk(volumetric)
-    chosen = chosen._replace(law=_with_bulk(chosen, None if bulk is None else bulk.value))
+    selected = selected._replace(law=_with_bulk(selected, None if bulk is None else bulk.value))
     hyperelastic_fit = HyperelasticFit(
-        chosen.law,
-        (*facts, bulk) if bulk else facts,
+        selected.law,
+        (*reported_values, bulk) if bulk else reported_values,
         tuple(scores.items()),
         tuple(curves),
-        tuple(_compute_relative_residual(chosen, curve) for curve in curves),
-        tuple(reach.items()),
-        tuple(zip(SHEARING, map(chosen.law.stable_range, SHEARING), strict=True)),
+        tuple(_compute_relative_residual(selected, curve) for curve in curves),
+        tuple(stretch_ranges.items()),
+        tuple(zip(SHEARING, map(selected.law.stable_range, SHEARING), strict=True)),
         relaxation,
         (),
         temperature,
     )
     checked_checks = checks.run_checks(
-        hyperelastic_fit, chosen, tried, derived, uncertainty.quantile(), requested=stretches
+        hyperelastic_fit, selected, candidates, derived, uncertainty.quantile(), requested=stretches
     )
-    sideways = checks.lateral_swelling_agrees(chosen.law.poisson, reported, foam=foam)
+    sideways = checks.lateral_swelling_agrees(selected.law.poisson, reported, foam=foam)
     checked_checks = (*checked_checks, sideways, *caution_checks(hyperelastic_fit.sources))
     return replace(hyperelastic_fit, checks=checked_checks)
 
@@ -202,34 +205,36 @@ def _refuse(
 
 
 def _chosen(
-    tried: Sequence[HyperelasticOptimum],
+    candidates: Sequence[HyperelasticOptimum],
     scores: dict[str, float],
     law: ElasticKindOption,
-    reach: dict[Mode, Span],
+    stretch_ranges: dict[Mode, Span],
 ) -> HyperelasticOptimum:
-    named = [optimum for optimum in tried if law in {"auto", optimum.law.kind}]
+    eligible = [optimum for optimum in candidates if law in {"auto", optimum.law.kind}]
     if law == "auto":
-        named = [
-            optimum for optimum in named if checks.least_drucker(optimum.law, reach)[0] > 0
-        ] or named
-    return min(named, key=lambda optimum: scores[optimum.name])
+        eligible = [
+            optimum
+            for optimum in eligible
+            if checks.least_drucker(optimum.law, stretch_ranges)[0] > 0
+        ] or eligible
+    return min(eligible, key=lambda optimum: scores[optimum.name])
 
 
 def _sideways(
     tests: Sequence[StressStrainTest], law: ElasticKindOption, poisson: float | None
 ) -> tuple[float | None, bool]:
     """Return Poisson's ratio by lateral strain, if measured, and whether a foam is fitted."""
-    shown = [test.poisson for test in tests if test.poisson is not None]
-    ratio = sum(shown) / len(shown) if shown else None
-    swells = ratio is not None and ratio < SWELLS
-    return ratio, law == "hyperfoam" or (law == "auto" and (poisson is not None or swells))
+    poisson_ratios = [test.poisson for test in tests if test.poisson is not None]
+    ratio = sum(poisson_ratios) / len(poisson_ratios) if poisson_ratios else None
+    is_compressible = ratio is not None and ratio < SWELLS
+    return ratio, law == "hyperfoam" or (law == "auto" and (poisson is not None or is_compressible))
 
 
 # -- how well it is known ---------------------------------------------------------------------
 
 
 def _make_law_facts(
-    optimum: HyperelasticOptimum, values: FloatArray, half: FloatArray
+    optimum: HyperelasticOptimum, values: FloatArray, half_widths: FloatArray
 ) -> tuple[ReportedValue, ...]:
     """Return constants, exponents and the shear modulus with their intervals."""
     law = optimum.law
@@ -237,9 +242,9 @@ def _make_law_facts(
     names += ["poisson"] * (len(names) < len(values) - 1)
     units = ["Pa"] * len(law.constants) + ["1"] * (len(names) - len(law.constants)) + ["Pa"]
     return tuple(
-        ReportedValue(name, value, value - wide, value + wide, unit)
-        for name, value, wide, unit in zip(
-            [*names, "shear_modulus"], values.tolist(), half.tolist(), units, strict=True
+        ReportedValue(name, value, value - half_width, value + half_width, unit)
+        for name, value, half_width, unit in zip(
+            [*names, "shear_modulus"], values.tolist(), half_widths.tolist(), units, strict=True
         )
     )
 
@@ -252,8 +257,11 @@ def _bulk(volumetric: Sequence[ElasticCurve]) -> ReportedValue | None:
     y = np.concatenate([curve.stress for curve in volumetric])
     best = solve_ordinary(y, x[:, None])
     uncertainty = estimate(best, parts=[len(curve.stretch) for curve in volumetric])
-    bulk, wide = float(best.beta[0]), uncertainty.quantile() * float(uncertainty.standard_error[0])
-    return ReportedValue("bulk_modulus", bulk, bulk - wide, bulk + wide, "Pa")
+    bulk, half_width = (
+        float(best.beta[0]),
+        uncertainty.quantile() * float(uncertainty.standard_error[0]),
+    )
+    return ReportedValue("bulk_modulus", bulk, bulk - half_width, bulk + half_width, "Pa")
 
 
 def _with_bulk(optimum: HyperelasticOptimum, bulk: float | None) -> Hyperelastic:
@@ -299,18 +307,22 @@ def reach_of(
 
 def _as_large(mode: Mode, spans: dict[Mode, Span], poisson: float) -> Span:
     """Return stretches of an unmeasured mode of the size of the measured ones."""
-    along = direction(mode, poisson)
+    strain_direction = direction(mode, poisson)
     measured = [
         [math.log(span[end]) * direction(name, poisson) for name, span in spans.items()]
         for end in (0, 1)
     ]
-    principal = np.concatenate([end for ends in measured for end in ends])
+    principal = np.concatenate([end for end_strains in measured for end in end_strains])
     values = []
-    for sign, ends in zip((-1.0, 1.0), measured, strict=True):
-        size = max(float(np.linalg.norm(end)) for end in ends) / float(np.linalg.norm(along))
+    for sign, end_strains in zip((-1.0, 1.0), measured, strict=True):
+        size = max(float(np.linalg.norm(end)) for end in end_strains) / float(
+            np.linalg.norm(strain_direction)
+        )
         if len(spans) > 1:
             limit = [
-                (principal.max() if d * sign > 0 else -principal.min()) / abs(d) for d in along if d
+                (principal.max() if d * sign > 0 else -principal.min()) / abs(d)
+                for d in strain_direction
+                if d
             ]
             size = min(size, *limit)
         values.append(math.exp(sign * size))

@@ -47,17 +47,21 @@ def hyperelastic_files(
         Its temperature goes into decks.
     options : ReadOptions, optional
     """
-    provided = [(kind, path) for kind in MODES for path in files.get(kind, ())]
-    if not provided:
+    kinds_and_paths = [(kind, path) for kind in MODES for path in files.get(kind, ())]
+    if not kinds_and_paths:
         raise ReadError(
             "no file is given; name the mode of each: --test uniaxial, compression, biaxial, "
             "planar or volumetric"
         )
     tests = [
         read_stress_strain(
-            path, MODES[kind].mode, pressed=MODES[kind].pressed, measures=measures, options=options
+            path,
+            MODES[kind].mode,
+            is_compression=MODES[kind].pressed,
+            measures=measures,
+            options=options,
         )
-        for kind, path in provided
+        for kind, path in kinds_and_paths
     ]
     temperature = None if specimen is None else specimen.temperature
     try:

@@ -30,9 +30,9 @@ def run(request: FitRequest) -> CommandResult:
     follow = ""
     if request.result_path:
         bulk = () if hyperelastic_fit.law.bulk_modulus else ("--bulk-modulus", "2000MPa")
-        warm = () if hyperelastic_fit.temperature else ("--temperature", "23degC")
+        temperature_options = () if hyperelastic_fit.temperature else ("--temperature", "23degC")
         deck = ("export", request.result_path, "--to", "abaqus", "--unit-system", "mm-t-s")
-        follow = format_command(*deck, *warm, *bulk)
+        follow = format_command(*deck, *temperature_options, *bulk)
     return request.write_output(hyperelastic_fit, follow=follow)
 
 

@@ -84,7 +84,7 @@ class HyperelasticOptimum(NamedTuple):
 
     @property
     def rms(self) -> float:
-        """Of the residual, over the rms of the stress."""
+        """Root mean square residual over the rms of the stress."""
         return float(np.sqrt(np.mean(self.optimum.residual**2)))
 
     def numbers(self, values: FloatArray) -> FloatArray:
@@ -123,7 +123,7 @@ def power_law(
     Poisson's ratio of a foam is sought where it is None.
     """
     starts = _starts(rows, terms, poisson)
-    best = require_optimum(power_problem(rows, terms, poisson), starts, most=_STEPS)
+    best = require_optimum(power_problem(rows, terms, poisson), starts, max_steps=_STEPS)
     order = [i for i in np.argsort(-best.beta * np.abs(best.theta[:terms])) if best.beta[i] > 0]
     theta = np.concatenate((best.theta[order], best.theta[terms:]))
     optimum = power_problem(rows, len(order), poisson).solve_linear(theta)
@@ -145,18 +145,22 @@ def power_problem(rows: WeightedCurves, terms: int, poisson: float | None) -> Pr
 
         def slope(mu: FloatArray) -> FloatArray:
             results = []
-            for w, along in zip(rows.weights, _paths(rows, v), strict=True):
-                by = [m * power_slope(along, a) for m, a in zip(mu, alpha, strict=True)]
+            for w, strain_path in zip(rows.weights, _paths(rows, v), strict=True):
+                by = [m * power_slope(strain_path, a) for m, a in zip(mu, alpha, strict=True)]
                 if poisson is None:
-                    group = [m * power_by_poisson(along, a) for m, a in zip(mu, alpha, strict=True)]
+                    group = [
+                        m * power_by_poisson(strain_path, a) for m, a in zip(mu, alpha, strict=True)
+                    ]
                     by.append(np.sum(group, axis=0))
                 results.append(w[:, None] * np.stack(by, axis=-1))
             return np.concatenate(results)
 
         return Rows(rows.target, _columns(rows, alpha, v), slope)
 
-    sought = [Parameter(-_LARGEST, _LARGEST)] * terms
-    return Problem(model, sought + [Parameter(0.0, 0.49, 0.1)] * (poisson is None), positive=True)
+    parameters = [Parameter(-_LARGEST, _LARGEST)] * terms
+    return Problem(
+        model, parameters + [Parameter(0.0, 0.49, 0.1)] * (poisson is None), positive=True
+    )
 
 
 def _starts(rows: WeightedCurves, terms: int, poisson: float | None) -> list[FloatArray]:
@@ -165,17 +169,17 @@ def _starts(rows: WeightedCurves, terms: int, poisson: float | None) -> list[Flo
     for v in _POISSONS if poisson is None else (poisson,):
         A = _columns(rows, np.array(EXPONENTS), v)
         factor = triangle(np.concatenate((A.T, rows.target[None])))
-        for chosen in map(list, combinations(range(len(EXPONENTS)), terms)):
-            mu, _ = solve_linear(factor[:, chosen], factor[:, -1], positive=True)
-            residual = factor[:, -1] - factor[:, chosen] @ mu
-            start = [*(EXPONENTS[i] for i in chosen), *[v] * (poisson is None)]
+        for indices in map(list, combinations(range(len(EXPONENTS)), terms)):
+            mu, _ = solve_linear(factor[:, indices], factor[:, -1], positive=True)
+            residual = factor[:, -1] - factor[:, indices] @ mu
+            start = [*(EXPONENTS[i] for i in indices), *[v] * (poisson is None)]
             pairs.append((bool((mu <= 0).any()), float(residual @ residual), start))
     pairs.sort()
     return [np.array(values) for _, _, values in pairs[:_DESCENTS]]
 
 
 def _paths(rows: WeightedCurves, poisson: float) -> list[Path]:
-    """Of every curve."""
+    """Return the strain paths of every curve."""
     return [path(curve.mode, curve.stretch, poisson) for curve in rows.curves]
 
 
@@ -183,8 +187,8 @@ def _columns(rows: WeightedCurves, exponents: FloatArray, poisson: float) -> Flo
     """Return the weighted stress of a term of each exponent."""
     return np.concatenate(
         [
-            w[:, None] * np.stack([power_column(along, a) for a in exponents], axis=-1)
-            for w, along in zip(rows.weights, _paths(rows, poisson), strict=True)
+            w[:, None] * np.stack([power_column(strain_path, a) for a in exponents], axis=-1)
+            for w, strain_path in zip(rows.weights, _paths(rows, poisson), strict=True)
         ]
     )
 

@@ -28,7 +28,7 @@ VERIFIED = (
     "the law within 1e-3"
 )
 _MOST_TERMS = 6
-"""Of viscoelasticity in *MAT_077."""
+"""Largest number of viscoelastic terms in *MAT_077."""
 _NO_SWELLING = 1e-6
 """In place of beta = 0, by which *MAT_HILL_FOAM divides."""
 
@@ -124,12 +124,12 @@ def hyperelastic_card(
         )
     system, law = unit_system(units), fit.law
     kelvin = fit.temperature if temperature is None else temperature
-    stated = convert_to_si(bulk_modulus, "stress")
-    missing = [*_missing(law, target, stated, density)]
+    stated_modulus = convert_to_si(bulk_modulus, "stress")
+    missing = [*_missing(law, target, stated_modulus, density)]
     overrides = list_allowed_problems(
         _problems(fit, kelvin), allow, "card", units=units, missing=missing
     )
-    bulk, measured = _bulk(law, stated)
+    bulk, measured = _bulk(law, stated_modulus)
     card = _Card(
         fit, system, tuple(system.stress(c) for c in law.constants), system.stress(bulk), density
     )
@@ -144,13 +144,13 @@ def hyperelastic_card(
         {"calculix": VERIFIED}.get(target, NOT_VERIFIED),
         *remarks,
     ]
-    made = DeckText(
+    deck_text = DeckText(
         "\n".join(
             [*(f"{comment} {convert_to_printable_ascii(line)}" for line in header), *body, ""]
         )
     )
-    made.verdict, made.checks, made.overrides = fit.verdict, fit.checks, overrides
-    return made
+    deck_text.verdict, deck_text.checks, deck_text.overrides = fit.verdict, fit.checks, overrides
+    return deck_text
 
 
 def export_law(
@@ -169,14 +169,14 @@ def export_law(
     return hyperelastic_card(target, fit, temperature=temperature, **choices)
 
 
-def _bulk(law: Hyperelastic, stated: float | None) -> tuple[float, str]:
+def _bulk(law: Hyperelastic, stated_modulus: float | None) -> tuple[float, str]:
     """Return the bulk modulus, Pa, and how it is known; 0 of a foam."""
     if law.kind == "hyperfoam":
-        if stated is not None:
+        if stated_modulus is not None:
             raise ExportError("a foam's Poisson's ratio says its bulk modulus; no --bulk-modulus")
         return 0.0, f"by Poisson's ratio {text(law.poisson)}"
-    if stated is not None:
-        return stated, "stated, not measured"
+    if stated_modulus is not None:
+        return stated_modulus, "stated, not measured"
     assert law.bulk is not None  # noqa: S101  # asked for where it is missing
     return law.bulk, "measured"
 
@@ -196,7 +196,7 @@ def _problems(fit: HyperelasticFit, kelvin: float | None) -> dict[str, tuple[str
 def _format_header_lines(card: _Card, kelvin: float | None, measured: str) -> list[str]:
     law, units, fit = card.fit.law, card.units, card.fit
     stress = units.words[4]
-    stated = (
+    temperature_text = (
         "not stated" if kelvin is None else f"{kelvin:.6g} K ({format_quantity(kelvin, 'degC')})"
     )
     spans = ", ".join(
@@ -208,7 +208,7 @@ def _format_header_lines(card: _Card, kelvin: float | None, measured: str) -> li
         f"UNITS: {units.name}: {', '.join(units.words)}",
         f"shear modulus at rest {text(units.stress(law.shear_modulus))} {stress}",
         f"bulk modulus {bulk}{measured}",
-        f"temperature: {stated}",
+        f"temperature: {temperature_text}",
         f"stretches measured: {spans}",
         f"not stable (Drucker) from stretch: {_unstable(fit)}",
         *(f"source: {source.file} sha256 {source.sha256}" for source in fit.sources),
@@ -225,8 +225,13 @@ def _format_header_lines(card: _Card, kelvin: float | None, measured: str) -> li
 
 def _unstable(fit: HyperelasticFit) -> str:
     """Return the stretches from which the law is not stable, in each mode."""
-    ends = [f"{mode} {at:.4g}" for mode, both in fit.stable for at in both if at is not None]
-    return ", ".join(ends) or "nowhere from 0.1 to 10"
+    limit_texts = [
+        f"{mode} {at:.4g}"
+        for mode, stretch_limits in fit.stable
+        for at in stretch_limits
+        if at is not None
+    ]
+    return ", ".join(limit_texts) or "nowhere from 0.1 to 10"
 
 
 _NAMES = {
@@ -246,13 +251,13 @@ def _keyword(card: _Card, *, moduli: str) -> list[str]:
         values = [*card.constants, 2 / card.bulk, *[0.0] * (2 * (law.kind == "yeoh"))]
         return [f"*HYPERELASTIC, {name}{moduli}", *_rows(values)]
     count = len(law.exponents)
-    flat = [value for pair in card.pairs for value in pair]
+    constants = [value for pair in card.pairs for value in pair]
     if law.kind == "ogden":
         return [
             f"*HYPERELASTIC, OGDEN, N={count}{moduli}",
-            *_rows([*flat, 2 / card.bulk, *[0.0] * (count - 1)]),
+            *_rows([*constants, 2 / card.bulk, *[0.0] * (count - 1)]),
         ]
-    return [f"*HYPERFOAM, N={count}{moduli}", *_rows([*flat, *[law.poisson] * count])]
+    return [f"*HYPERFOAM, N={count}{moduli}", *_rows([*constants, *[law.poisson] * count])]
 
 
 def _rows(values: Sequence[float]) -> list[str]:

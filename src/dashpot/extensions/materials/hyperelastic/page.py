@@ -33,13 +33,16 @@ def page(hyperelastic_fit: HyperelasticFit) -> KindPage:
          round_to_error(100 * residual, digits=3))
         for curve, residual in zip(hyperelastic_fit.curves, hyperelastic_fit.residuals, strict=True)
     )  # fmt: skip
-    warm = hyperelastic_fit.temperature
+    kelvin = hyperelastic_fit.temperature
     return KindPage(
         subject=f"stress over strain, {format_count(len(hyperelastic_fit.curves), 'curve')}",
         summary_line=(
             ("Law", hyperelastic_fit.law.kind),
             ("Curves", ", ".join(curve.mode for curve in hyperelastic_fit.curves)),
-            ("Temperature", "not given" if warm is None else format_quantity(warm, "°C", ".1f")),
+            (
+                "Temperature",
+                "not given" if kelvin is None else format_quantity(kelvin, "°C", ".1f"),
+            ),
         ),
         indicators=make_indicators(
             hyperelastic_fit.checks,

@@ -14,7 +14,7 @@ from dashpot.extensions.materials.strokes import Stroke, strokes_of
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MOST_POINTS = 100
-"""Of one curve: neighbours in stretch are one mean."""
+"""Largest number of points of one curve: neighbours in stretch are averaged."""
 _WHOLE = 0.95
 """Part of the largest strain that a loading must reach to be chosen."""
 _BOTH = 0.1
@@ -54,12 +54,13 @@ def elastic_curve(
         If relaxation is to be removed from a test without a clock, or there is no such loading.
     """
     stress = test.stress if relaxation is None else _remove_relaxation(relaxation, test)
-    chosen = _chosen(test.stretch, stress, cycle)
-    rows = chosen.rows
+    chosen_samples = _chosen(test.stretch, stress, cycle)
+    rows = chosen_samples.rows
     x, y = _means(test.stretch[rows], stress[rows])
-    took = None if test.time is None else float(np.ptp(test.time[rows]))
+    duration = None if test.time is None else float(np.ptp(test.time[rows]))
     return ElasticCurve(
-        test.mode, x, y, len(rows), chosen.loss_fraction, chosen.softer, took, test.stated,
+        test.mode, x, y, len(rows), chosen_samples.loss_fraction, chosen_samples.softer, duration,
+        test.stated,
         test.source
     )  # fmt: skip
 
@@ -78,31 +79,37 @@ def _remove_relaxation(relaxation: GeneralizedMaxwell, test: StressStrainTest) -
 
 def _chosen(stretch: FloatArray, stress: FloatArray, cycle: int | None) -> _LoadingRows:
     strain = stretch - 1
-    far = strain[np.argmax(np.abs(strain))]
-    if min(float(strain.max()), -float(strain.min())) > _BOTH * abs(far):
+    largest_strain = strain[np.argmax(np.abs(strain))]
+    if min(float(strain.max()), -float(strain.min())) > _BOTH * abs(largest_strain):
         return _LoadingRows(np.argsort(stretch, kind="stable"), None, None)
-    away = np.sign(far) * strain
-    strokes = strokes_of(away, resolution=0.0)
+    strain_size = np.sign(largest_strain) * strain
+    strokes = strokes_of(strain_size, resolution=0.0)
     if len(stretch) < _SCATTERED * len(strokes):
-        return _LoadingRows(np.argsort(away, kind="stable"), None, None)
-    loadings = _loadings(away, strokes)
+        return _LoadingRows(np.argsort(strain_size, kind="stable"), None, None)
+    loadings = _loadings(strain_size, strokes)
     if cycle is not None and cycle > len(loadings):
         raise FitError(f"cycle = {cycle}, but the test has {len(loadings)} whole loadings")
-    taken = loadings[-1 if cycle is None else cycle - 1]
+    chosen_stroke = loadings[-1 if cycle is None else cycle - 1]
     softer = None
     if len(loadings) > 1:
-        softer = 1 - _middle(away, stress, loadings[-1]) / _middle(away, stress, loadings[0])
-    lost = _compute_loss_fraction(away, stress, taken, strokes)
-    return _LoadingRows(np.arange(taken.first, taken.last + 1), lost, softer)
+        softer = 1 - _middle(strain_size, stress, loadings[-1]) / _middle(
+            strain_size, stress, loadings[0]
+        )
+    loss_fraction = _compute_loss_fraction(strain_size, stress, chosen_stroke, strokes)
+    return _LoadingRows(
+        np.arange(chosen_stroke.first, chosen_stroke.last + 1), loss_fraction, softer
+    )
 
 
-def _loadings(away: FloatArray, strokes: Sequence[Stroke]) -> list[Stroke]:
+def _loadings(strain_size: FloatArray, strokes: Sequence[Stroke]) -> list[Stroke]:
     """Return the whole loadings; any, where none is whole."""
     inward = [stroke for stroke in strokes if stroke.inward]
-    whole = _WHOLE * float(away.max())
+    complete_strain = _WHOLE * float(strain_size.max())
     # a record that only comes back is one way, too
     return (
-        [stroke for stroke in inward if away[stroke.last] >= whole] or inward or list(strokes[:1])
+        [stroke for stroke in inward if strain_size[stroke.last] >= complete_strain]
+        or inward
+        or list(strokes[:1])
     )
 
 
@@ -114,18 +121,20 @@ def _sort_stroke_samples(
 
 
 def _compute_loss_fraction(
-    x: FloatArray, y: FloatArray, there: Stroke, strokes: Sequence[Stroke]
+    x: FloatArray, y: FloatArray, loading: Stroke, strokes: Sequence[Stroke]
 ) -> float | None:
     """Part of the energy of a loading that its unloading does not return, where both were."""
-    back = next(
-        (stroke for stroke in strokes if stroke.first >= there.last and not stroke.inward), None
+    unloading = next(
+        (stroke for stroke in strokes if stroke.first >= loading.last and not stroke.inward), None
     )
-    if back is None:
+    if unloading is None:
         return None
-    (x1, y1), (x2, y2) = _sort_stroke_samples(x, y, there), _sort_stroke_samples(x, y, back)
+    (x1, y1), (x2, y2) = _sort_stroke_samples(x, y, loading), _sort_stroke_samples(x, y, unloading)
     at = np.linspace(max(x1[0], x2[0]), min(x1[-1], x2[-1]), 200)
-    put, provided = (float(np.trapezoid(np.interp(at, a, b), at)) for a, b in ((x1, y1), (x2, y2)))
-    return 1 - provided / put
+    work_in, work_out = (
+        float(np.trapezoid(np.interp(at, a, b), at)) for a, b in ((x1, y1), (x2, y2))
+    )
+    return 1 - work_out / work_in
 
 
 def _middle(x: FloatArray, y: FloatArray, stroke: Stroke) -> float:

@@ -36,7 +36,7 @@ def read_stress_strain(
     path: str | Path,
     mode: Mode,
     *,
-    pressed: bool = False,
+    is_compression: bool = False,
     measures: Measures | None = None,
     options: ReadOptions | None = None,
 ) -> StressStrainTest:
@@ -48,7 +48,7 @@ def read_stress_strain(
         With columns of stress, and of stretch or strain; a column of time is kept.
     mode : str
         ``"uniaxial"``, ``"equibiaxial"``, ``"planar"`` or ``"volumetric"``.
-    pressed : bool
+    is_compression : bool
         The specimen was pressed: strain and stress are sizes whatever their sign. Always so of a
         volumetric test, whose stress is a pressure.
     measures : Measures, optional
@@ -59,52 +59,62 @@ def read_stress_strain(
     ReadError
         If the file cannot be read, or leaves open which column is what, in which unit or sense.
     """
-    measures, pressed = measures or Measures(), pressed or mode == "volumetric"
+    measures, is_compression = measures or Measures(), is_compression or mode == "volumetric"
     with channels.open_file(path, options) as file:
         elongated = _select_elongation_role(file)
         _require_stress_strain_file(file, elongated)
-        chosen, values, notes = signals(file, elongated, "stress", least=4, clock_matters=False)
+        channels_chosen, values, notes = signals(
+            file, elongated, "stress", min_count=4, clock_matters=False
+        )
         strain, stress = values[elongated], values["stress"]
         if "time" in values and file.options.kind is None:
-            _refuse_relaxation(file, chosen, strain, stress)
+            _refuse_relaxation(file, channels_chosen, strain, stress)
         # of a volume a hundredth is much
         difference = None if mode == "volumetric" else strain - (elongated == "stretch")
-        refuse_sizes(file, chosen, difference, stress)
-        stated = True
+        refuse_sizes(file, channels_chosen, difference, stress)
+        is_stated = True
         if elongated == "strain":
-            true, stated, text = _is_true(file, chosen[-2], measures.strain_is)
+            is_true, is_stated, text = _is_true(file, channels_chosen[-2], measures.strain_is)
             notes.append(text)
-            strain = -np.abs(strain) if pressed else strain
-            strain = np.exp(strain) if true else 1 + strain
-        strain, stress, turned = _apply_stress_sign(strain, stress, pressed=pressed)
-        notes += turned
+            strain = -np.abs(strain) if is_compression else strain
+            strain = np.exp(strain) if is_true else 1 + strain
+        strain, stress, sign_notes = _apply_stress_sign(
+            strain, stress, is_compression=is_compression
+        )
+        notes += sign_notes
         if mode != "volumetric":
-            true, said_so, text = _is_true(file, chosen[-1], measures.stress_is)
+            is_true, said_so, text = _is_true(file, channels_chosen[-1], measures.stress_is)
             notes.append(text)
-            stated = stated and said_so
+            is_stated = is_stated and said_so
             # in each mode the area across is the volume over the length
-            stress = stress / strain if true else stress
+            stress = stress / strain if is_true else stress
         poisson = None
         if mode == "uniaxial" and elongated == "strain":
-            poisson, said_sideways = _sideways(file, chosen[-2], measures, pressed=pressed)
+            poisson, said_sideways = _sideways(
+                file, channels_chosen[-2], measures, is_compression=is_compression
+            )
             notes += said_sideways
-        source = channels.source(file, [channel.message for channel in chosen], notes)
+        source = channels.source(file, [channel.message for channel in channels_chosen], notes)
         return StressStrainTest(
-            mode, strain, stress, values.get("time"), stated, source, poisson, units="SI"
+            mode, strain, stress, values.get("time"), is_stated, source, poisson, units="SI"
         )
 
 
 def _refuse_relaxation(
-    file: OpenedFile, chosen: Sequence[Channel], strain: FloatArray, stress: FloatArray
+    file: OpenedFile, channels_chosen: Sequence[Channel], strain: FloatArray, stress: FloatArray
 ) -> None:
     """Refuse a strain that is held while the stress relaxes: an elastic law would take its ramp."""
-    held = np.abs(strain - np.median(strain)) < _RESTS * float(np.ptp(strain))
-    if held.mean() < _HELD or not np.ptp(strain):
+    is_held = np.abs(strain - np.median(strain)) < _RESTS * float(np.ptp(strain))
+    if is_held.mean() < _HELD or not np.ptp(strain):
         return
-    begun, end = (float(np.median(part)) for part in np.array_split(stress[held], 10)[::9])
-    if abs(begun - end) < _RELAXED * abs(begun) or abs(end) > abs(begun):
+    stress_at_start, end = (
+        float(np.median(part)) for part in np.array_split(stress[is_held], 10)[::9]
+    )
+    if abs(stress_at_start - end) < _RELAXED * abs(stress_at_start) or abs(end) > abs(
+        stress_at_start
+    ):
         return
-    elongated, pushed = chosen[-2:]
+    elongated, pushed = channels_chosen[-2:]
     columns = file.table.columns
     lengths = ",".join(
         f"{role}={'' if size == 1 else f'{size:.6g}'}{word}"
@@ -114,9 +124,9 @@ def _refuse_relaxation(
     )  # fmt: skip
     raise ReadError(
         "is a relaxation test in strain and stress: its strain is held for "
-        f"{100 * held.mean():.0f} % of the record while its stress falls, and a law of stress over "
-        "strain would take the ramp alone. Fit its moduli, in MPa: --kind modulus. For N/mm of a "
-        "specimen, give multiples of these, which are of 1 mm by 1 mm²: --column "
+        f"{100 * is_held.mean():.0f} % of the record while its stress falls, and a law of stress "
+        "over strain would take the ramp alone. Fit its moduli, in MPa: --kind modulus. For N/mm "
+        "of a specimen, give multiples of these, which are of 1 mm by 1 mm²: --column "
         f'displacement="{handle(columns, elongated.index)}" --column '
         f'force="{handle(columns, pushed.index)}" --units "{lengths}". '
         "To fit its ramp nevertheless: --kind stress-strain"
@@ -124,14 +134,17 @@ def _refuse_relaxation(
 
 
 def refuse_sizes(
-    file: OpenedFile, chosen: Sequence[Channel], strain: FloatArray | None, stress: FloatArray
+    file: OpenedFile,
+    channels_chosen: Sequence[Channel],
+    strain: FloatArray | None,
+    stress: FloatArray,
 ) -> None:
     """Ask for the units again that make a size no test of a rubber has.
 
     Parameters
     ----------
     file : OpenedFile
-    chosen : sequence of Channel
+    channels_chosen : sequence of Channel
         The last two are those of strain or stretch, and of stress.
     strain : array, shape (n,), or None
         None where none is too small.
@@ -142,50 +155,64 @@ def refuse_sizes(
     ------
     ReadError
     """
-    stretched, stressed = chosen[-2:]
-    most = float(np.abs(stress).max(initial=0.0))
-    answers = [(stressed, [stress_of_a_rubber(most, stressed.unit.word)])]
+    stretched, stressed = channels_chosen[-2:]
+    max_stress = float(np.abs(stress).max(initial=0.0))
+    answers = [(stressed, [stress_of_a_rubber(max_stress, stressed.unit.word)])]
     if strain is not None:
-        far = float(np.abs(strain).max(initial=0.0))
-        answers.insert(0, (stretched, [strain_of_a_rubber(far, stretched.unit.word)]))
+        max_strain = float(np.abs(strain).max(initial=0.0))
+        answers.insert(0, (stretched, [strain_of_a_rubber(max_strain, stretched.unit.word)]))
     channels.refuse_sizes(file, answers)
 
 
 def _is_sideways(column: Column) -> bool:
     """Return whether a column is of a strain square to the force."""
-    named = vocabulary.has_word(column.name, vocabulary.SIDEWAYS)
+    is_named = vocabulary.has_word(column.name, vocabulary.SIDEWAYS)
     return (
-        column.content == "number" and named and bool(units.find_unit(column.unit or "", "strain"))
+        column.content == "number"
+        and is_named
+        and bool(units.find_unit(column.unit or "", "strain"))
     )
 
 
 def _sideways(
-    file: OpenedFile, along: Channel, measures: Measures, *, pressed: bool
+    file: OpenedFile, axial_channel: Channel, measures: Measures, *, is_compression: bool
 ) -> tuple[float | None, list[str]]:
     """Poisson's ratio of a column of strain square to the force, and what is said of it."""
     columns = file.table.columns
-    indices = [i for i, column in enumerate(columns) if i != along.index and _is_sideways(column)]
+    indices = [
+        i for i, column in enumerate(columns) if i != axial_channel.index and _is_sideways(column)
+    ]
     if not indices:
         return None, []
     index = indices[0]
-    named = replace(file, options=replace(file.options, strain=handle(columns, index)))
-    (across,) = channels.choose(named, ["strain"])
-    loaded = channels.load(file.table, [along.index, index], file.options.segment)
-    rows, _ = channels.select_complete_rows(loaded)
-    strains = [channel.unit.factor * rows[:, j] for j, channel in enumerate((along, across))]
-    if pressed:  # both are sizes
+    file_with_strain = replace(file, options=replace(file.options, strain=handle(columns, index)))
+    (lateral_channel,) = channels.choose(file_with_strain, ["strain"])
+    loaded_columns = channels.load(file.table, [axial_channel.index, index], file.options.segment)
+    rows, _ = channels.select_complete_rows(loaded_columns)
+    strains = [
+        channel.unit.factor * rows[:, j]
+        for j, channel in enumerate((axial_channel, lateral_channel))
+    ]
+    if is_compression:  # both are sizes
         strains = [-np.abs(strains[0]), np.abs(strains[1])]
-    true = [_is_true(file, channel, measures.strain_is)[0] for channel in (along, across)]
-    ratio = poisson_of(*(np.exp(e) if log else 1 + e for e, log in zip(strains, true, strict=True)))
-    more = f"; {len(indices) - 1} more such columns are left out" if len(indices) > 1 else ""
-    return ratio, [f"{format_column(columns, index)} shows Poisson's ratio {ratio:.3g}{more}"]
+    are_true = [
+        _is_true(file, channel, measures.strain_is)[0]
+        for channel in (axial_channel, lateral_channel)
+    ]
+    ratio = poisson_of(
+        *(np.exp(e) if log else 1 + e for e, log in zip(strains, are_true, strict=True))
+    )
+    more_text = f"; {len(indices) - 1} more such columns are left out" if len(indices) > 1 else ""
+    return ratio, [f"{format_column(columns, index)} shows Poisson's ratio {ratio:.3g}{more_text}"]
 
 
 def _require_stress_strain_file(file: OpenedFile, elongated: Role) -> None:
     """Refuse another kind of file, unless both columns stand there."""
     if not (file.column(elongated) and file.column("stress")):
-        named = ("stress", *_ELONGATED)
-        channels.expect(file, ["stress-strain"], "stress over strain is", stated_columns=named)
+        signal_names = ("stress", *_ELONGATED)
+        channels.expect(
+            file, ["stress-strain"], "stress over strain is", stated_columns=signal_names
+        )
 
 
 def _select_elongation_role(file: OpenedFile) -> Role:
@@ -219,18 +246,18 @@ def _is_true(file: OpenedFile, channel: Channel, text: str) -> tuple[bool, bool,
 
 
 def _apply_stress_sign(
-    stretch: FloatArray, stress: FloatArray, *, pressed: bool
+    stretch: FloatArray, stress: FloatArray, *, is_compression: bool
 ) -> tuple[FloatArray, FloatArray, list[str]]:
-    """Stretch, and stress with the sign of its strain, tension > 0; of a `pressed` one < 0."""
-    if pressed:
+    """Return stretch, stress with the sign of its strain (tension > 0), and notes."""
+    if is_compression:
         return np.where(stretch > 1, 2 - stretch, stretch), -np.abs(stress), []
     strain = stretch - 1
-    together = float(strain @ stress)
-    if together >= 0:
+    strain_stress_product = float(strain @ stress)
+    if strain_stress_product >= 0:
         return stretch, stress, []
     if float(strain.max()) <= _MIXED * float(np.abs(strain).max()):
-        turned = ["the specimen was pressed, and its stress is counted > 0: sign changed"]
-        return stretch, -stress, turned
+        sign_notes = ["the specimen was pressed, and its stress is counted > 0: sign changed"]
+        return stretch, -stress, sign_notes
     raise ReadError(
         "the stress falls where the strain grows: one of them has the other sign; if the specimen "
         "was pressed, say so: --test compression (Python: test='compression')"

@@ -43,7 +43,7 @@ SHEARING: tuple[Mode, ...] = ("uniaxial", "equibiaxial", "planar")
 POWERS: MappingProxyType[ElasticKind, tuple[tuple[int, int], ...]] = MappingProxyType({
     "neo-hooke": ((1, 0),), "mooney-rivlin": ((1, 0), (0, 1)), "yeoh": ((1, 0), (2, 0), (3, 0)),
 })  # fmt: skip
-"""Of I1 - 3 and I2 - 3 with each constant of a law of the invariants."""
+"""Exponents of I1 - 3 and I2 - 3 for each constant of a law of the invariants."""
 FARTHEST = 10.0
 """Stretch, or one over it, to which stability is sought."""
 _SCAN = 600
@@ -87,22 +87,31 @@ def direction(mode: Mode, poisson: float) -> FloatArray:
     return np.array([1.0, {"uniaxial": free, "equibiaxial": 1.0, "planar": 0.0}[mode], free])
 
 
-def power_column(along: Path, exponent: float) -> FloatArray:
+def power_column(strain_path: Path, exponent: float) -> FloatArray:
     """Nominal stress on a path of a term whose mu is 1; of a rubber or a foam."""
     a = exponent if abs(exponent) > _NO_POWER else _NO_POWER
-    return np.asarray(2 / a * (np.expm1(a * along.p) - np.expm1(a * along.q)) / along.s)
+    return np.asarray(
+        2 / a * (np.expm1(a * strain_path.p) - np.expm1(a * strain_path.q)) / strain_path.s
+    )
 
 
-def power_slope(along: Path, exponent: float) -> FloatArray:
+def power_slope(strain_path: Path, exponent: float) -> FloatArray:
     """Return derivative of that column by the exponent."""
     a = exponent if abs(exponent) > _NO_POWER else _NO_POWER
-    grows = 2 / a * (along.p * np.exp(a * along.p) - along.q * np.exp(a * along.q)) / along.s
-    return np.asarray(grows - power_column(along, a) / a)
+    grows = (
+        2
+        / a
+        * (strain_path.p * np.exp(a * strain_path.p) - strain_path.q * np.exp(a * strain_path.q))
+        / strain_path.s
+    )
+    return np.asarray(grows - power_column(strain_path, a) / a)
 
 
-def power_by_poisson(along: Path, exponent: float) -> FloatArray:
+def power_by_poisson(strain_path: Path, exponent: float) -> FloatArray:
     """Return derivative of that column by Poisson's ratio."""
-    return np.asarray(-2 * np.exp(exponent * along.q) * along.by_poisson / along.s)
+    return np.asarray(
+        -2 * np.exp(exponent * strain_path.q) * strain_path.by_poisson / strain_path.s
+    )
 
 
 _NO_POWER = 1e-6
@@ -165,14 +174,14 @@ class Hyperelastic:
 
     @property
     def constant_names(self) -> tuple[str, ...]:
-        """What the constants are called."""
+        """Names of the constants."""
         if self.kind in POWERS:
             return tuple(f"C{i}{j}" for i, j in POWERS[self.kind])
         return tuple(f"mu{k}" for k in range(1, len(self.constants) + 1))
 
     @property
     def shear_modulus(self) -> float:
-        """At rest, Pa."""
+        """Shear modulus at rest, Pa."""
         if self.kind not in POWERS:
             return sum(self.constants)
         first = zip(self.constants, POWERS[self.kind], strict=True)
@@ -180,7 +189,7 @@ class Hyperelastic:
 
     @property
     def bulk_modulus(self) -> float | None:
-        """At rest, Pa; None for a rubber of which it is not known."""
+        """Bulk modulus at rest, Pa; None for a rubber of which it is not known."""
         if self.kind != "hyperfoam":
             return self.bulk
         v = self.poisson
@@ -202,10 +211,10 @@ class Hyperelastic:
         log_volume = e.sum(-1)
         total = np.zeros(e.shape[:-1])
         for mu, al in zip(self.constants, self.exponents, strict=True):
-            swells = -al * log_volume
+            volume_part = -al * log_volume
             if beta:
-                swells = np.expm1(-al * beta * log_volume) / beta
-            total = total + 2 * mu / al**2 * (np.expm1(al * e).sum(-1) + swells)
+                volume_part = np.expm1(-al * beta * log_volume) / beta
+            total = total + 2 * mu / al**2 * (np.expm1(al * e).sum(-1) + volume_part)
         return np.asarray(total)
 
     def nominal(self, mode: Mode, stretch: npt.ArrayLike) -> FloatArray:
@@ -221,9 +230,9 @@ class Hyperelastic:
         if mode == "volumetric" and self.kind != "hyperfoam":
             return np.asarray(self._require_bulk() * (x - 1))
         if self.kind not in POWERS:
-            along = path(mode, x, self.poisson)
+            strain_path = path(mode, x, self.poisson)
             terms = zip(self.constants, self.exponents, strict=True)
-            return np.asarray(sum(mu * power_column(along, a) for mu, a in terms))
+            return np.asarray(sum(mu * power_column(strain_path, a) for mu, a in terms))
         e = np.log(x)[..., None] * direction(mode, self.poisson)
         by_first, by_second = self._compute_invariant_derivatives(e)
         first = np.expm1(2 * e[..., 0]) - np.expm1(2 * e[..., 2])
@@ -235,12 +244,12 @@ class Hyperelastic:
         x = np.asarray(stretch, dtype=float)
         if mode == "volumetric" and self.kind != "hyperfoam":
             return np.full_like(x, self._require_bulk())
-        along = direction(mode, self.poisson)
-        H = self._hessian(np.log(x)[..., None] * along)
+        strain_direction = direction(mode, self.poisson)
+        H = self._hessian(np.log(x)[..., None] * strain_direction)
         tau = self.nominal(mode, x) * x
         if mode == "volumetric":
-            return np.asarray((H[..., 0, :] @ along - tau) / x**2)
-        return np.asarray(((H[..., 0, :] - H[..., 2, :]) @ along - tau) / x**2)
+            return np.asarray((H[..., 0, :] @ strain_direction - tau) / x**2)
+        return np.asarray(((H[..., 0, :] - H[..., 2, :]) @ strain_direction - tau) / x**2)
 
     def columns(self, mode: Mode, stretch: npt.ArrayLike) -> FloatArray:
         """Nominal stress of each constant alone at 1 Pa, shape (n, constants)."""
@@ -281,11 +290,11 @@ class Hyperelastic:
         high = int(failed[0])
         if high == 0:
             return 1.0
-        inside, outside = float(e[high - 1]), float(e[high])
+        stable_strain, outside = float(e[high - 1]), float(e[high])
         for _ in range(40):
-            middle = 0.5 * (inside + outside)
+            middle = 0.5 * (stable_strain + outside)
             if self.drucker(mode, math.exp(middle)) > 0:
-                inside = middle
+                stable_strain = middle
             else:
                 outside = middle
         return math.exp(outside)
@@ -334,11 +343,11 @@ class Hyperelastic:
 _ISOCHORIC = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, -1.0]])
 
 
-def poisson_of(along: FloatArray, across: FloatArray) -> float:
+def poisson_of(axial: FloatArray, lateral: FloatArray) -> float:
     r"""Return :math:`-\ln\lambda_q/\ln\lambda` of stretches along and across a uniaxial force.
 
     By least squares through rest, as a foam of one ratio has it at any stretch (B. Storåkers,
     1986).
     """
-    e, q = np.log(along), np.log(across)
+    e, q = np.log(axial), np.log(lateral)
     return -float(e @ q / (e @ e))

@@ -27,14 +27,16 @@ def fit_hit(records: list[Any], *, model: ImpactLawAsked = "auto") -> Indentatio
 _INDENTER = ("mass", "radius", "radius_error", "drop_height", "impact_velocity")
 
 
-def read_hit_record(path: str | Path, options: dict[str, Any], how: Mapping[str, Any]) -> Any:
+def read_hit_record(
+    path: str | Path, options: dict[str, Any], fit_options: Mapping[str, Any]
+) -> Any:
     """Read a hit of an indenter whose mass is stated."""
     from dashpot.extensions.materials.indentation.indenter import Indenter
 
-    if "mass" not in how:
+    if "mass" not in fit_options:
         raise ReadError(
             f"{Path(path).name} is a hit of an indenter, and its mass is needed for the force. "
             f'Give it: dp.read("{Path(path).name}", mass="5g")'
         )
-    indenter = Indenter(**{name: how[name] for name in _INDENTER if name in how})
+    indenter = Indenter(**{name: fit_options[name] for name in _INDENTER if name in fit_options})
     return load_object(KINDS["indentation"].reader)(path, indenter=indenter, **options)

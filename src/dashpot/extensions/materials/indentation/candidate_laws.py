@@ -39,11 +39,11 @@ _SLIGHT = np.array([0.02, 1.0])
 changes in proportion, and where both are more their logarithms do."""
 _RANGE = np.array([[1e-6, 10.0], [1 / 32, 32.0]])
 _REACH = 8.0
-"""Of the logarithm of a number, from where it begins."""
+"""Range of the logarithm of a number about its start."""
 _HALF_WAVE = 1.07
 """Pi over the length of a lossless contact."""
 STEP = 3e-5
-"""Of a difference, where a motion is marched again."""
+"""Relative step of a numerical derivative that integrates the motion again."""
 
 
 @dataclass(frozen=True)
@@ -67,34 +67,34 @@ class Law:
     shape: Callable[..., Shape]
     build_law: Callable[..., ContactLaw]
     starts: tuple[tuple[float, ...], ...] = ()
-    numbers: Callable[..., Sequence[float]] = lambda *own: own
+    numbers: Callable[..., Sequence[float]] = lambda *values: values
 
     def fix_loss(self, values: Sequence[float]) -> Law:
         """Return the law with its loss and its time held."""
         numbers = self.numbers(*values)
         return replace(self, starts=(), numbers=lambda: numbers)
 
-    def parameters(self, lasts: float, change: float) -> list[Parameter]:
+    def parameters(self, duration: float, change: float) -> list[Parameter]:
         """Return the range of each, but for the touch."""
         value = np.arcsinh(_RANGE / _SLIGHT[:, None])[: len(self.starts)]
-        first, last = np.log((lasts, change))
-        ends = [[first - _REACH, first + _REACH], *value, [last - _REACH, last + _REACH]]
-        return [Parameter(float(low), float(high)) for low, high in ends]
+        first, last = np.log((duration, change))
+        ranges = [[first - _REACH, first + _REACH], *value, [last - _REACH, last + _REACH]]
+        return [Parameter(float(low), float(high)) for low, high in ranges]
 
     def make_starting_parameters(
-        self, lasts: float, values: Sequence[float], change: float
+        self, duration: float, values: Sequence[float], change: float
     ) -> FloatArray:
         """Return the parameters, but for the touch."""
-        first, last = np.log((lasts, change))
+        first, last = np.log((duration, change))
         return np.array([first, *np.arcsinh(values / _SLIGHT[: len(values)]), last])
 
     def _read(self, theta: FloatArray) -> tuple[float, Sequence[float], float]:
         """Return the unit of time, the law's own numbers and the speed of parameters."""
-        lasts, change = np.exp(theta[[0, -2]]).tolist()
+        duration, change = np.exp(theta[[0, -2]]).tolist()
         value = np.sinh(theta[1:-2]) * _SLIGHT[: len(theta) - 3]
         values = self.numbers(*value.tolist())
         free = self.shape(*values, 0.0)
-        return lasts / float(free.time[-1]), values, change / (1 - float(free.velocity[-1]))
+        return duration / float(free.time[-1]), values, change / (1 - float(free.velocity[-1]))
 
     def contact(self, theta: FloatArray, mass: float) -> ContactLaw:
         """Return the contact of a fit's parameters."""
@@ -102,11 +102,13 @@ class Law:
         k = stiffness_of(self.exponent, unit=unit, mass=mass, velocity=speed)
         return self.build_law(k, unit, *values)
 
-    def collision(self, theta: FloatArray, mass: float, pull: float) -> Collision:
+    def collision(self, theta: FloatArray, mass: float, acceleration: float) -> Collision:
         """Return the motion of a fit's parameters."""
         unit, values, speed = self._read(theta)
-        shape = self.shape(*values, pull * unit / speed)
-        return scale_collision(shape, unit=unit, mass=mass, velocity=speed, pull=pull)
+        shape = self.shape(*values, acceleration * unit / speed)
+        return scale_collision(
+            shape, unit=unit, mass=mass, velocity=speed, acceleration=acceleration
+        )
 
 
 def _maxwell(loss: float, time: float) -> tuple[float, float]:
@@ -155,7 +157,7 @@ class Recorded(NamedTuple):
 
 
 def simulate_sensor_signal(
-    hit: Collision, motion: Motion, since: FloatArray, step: float
+    hit: Collision, motion: Motion, time_since_touch: FloatArray, step: float
 ) -> Recorded:
     """Return what a sensor would record, positive for a push, at times since the touch, s.
 
@@ -165,39 +167,43 @@ def simulate_sensor_signal(
     from scipy.interpolate import CubicHermiteSpline
 
     t, end, F = hit.time, hit.duration, hit.force
-    inside = (since > 0) & (since < end)
+    in_contact = (time_since_touch > 0) & (time_since_touch < end)
 
     def interpolate_cubic(
-        what: FloatArray, rate: FloatArray, at: FloatArray = since
+        values: FloatArray, rate: FloatArray, at: FloatArray = time_since_touch
     ) -> tuple[FloatArray, ...]:
-        """By the cubics of value and rate, which bend as a motion does, and their rate."""
-        cubic = CubicHermiteSpline(t, what, rate)
+        """Return values and rates from cubics through value and rate."""
+        cubic = CubicHermiteSpline(t, values, rate)
         at = np.clip(at, 0.0, end)
         return cubic(at), cubic(at, 1)
 
     push, rate = (
-        values * inside for values in interpolate_cubic(F, np.gradient(F, t, edge_order=2))
+        values * in_contact for values in interpolate_cubic(F, np.gradient(F, t, edge_order=2))
     )
     if motion in {"acceleration", "force"}:
         scale = 1.0 if motion == "force" else 1 / hit.mass
-        value, stretched = push, -push - since * rate
+        value, stretched = push, -push - time_since_touch * rate
         if F[0] > 0:
-            lost = hit.velocity[0] + hit.pull * t - hit.velocity  # the force's integral over mass
-            edge = np.stack((since - step / 2, since + step / 2))
-            value, force = interpolate_cubic(lost * hit.mass, F, edge)
+            speed_change = (
+                hit.velocity[0] + hit.pull * t - hit.velocity
+            )  # the force's integral over mass
+            edge = np.stack((time_since_touch - step / 2, time_since_touch + step / 2))
+            value, force = interpolate_cubic(speed_change * hit.mass, F, edge)
             force *= (edge > 0) & (edge < end)
             value, rate, stretched = (
                 np.diff(values, axis=0)[0] / step for values in (value, force, -edge * force)
             )
         return Recorded(value * scale, rate * scale, stretched * scale)
-    before, after = np.minimum(since, 0.0), np.maximum(since - end, 0.0)
+    before, time_after = np.minimum(time_since_touch, 0.0), np.maximum(time_since_touch - end, 0.0)
     # in flight with the speed of approach, or of release
     slowed = push / hit.mass - hit.pull
     if motion == "velocity":
-        speed = interpolate_cubic(hit.velocity, hit.acceleration)[0] + hit.pull * (before + after)
-        return Recorded(-speed, slowed, -since * slowed)
-    way, speed = interpolate_cubic(hit.displacement, hit.velocity)
-    speed += hit.pull * (before + after)
-    way += hit.velocity[0] * before + hit.velocity[-1] * after
-    way += hit.pull * (before**2 + after**2) / 2
-    return Recorded(-way, -speed, since * speed - way)
+        speed = interpolate_cubic(hit.velocity, hit.acceleration)[0] + hit.pull * (
+            before + time_after
+        )
+        return Recorded(-speed, slowed, -time_since_touch * slowed)
+    displacement, speed = interpolate_cubic(hit.displacement, hit.velocity)
+    speed += hit.pull * (before + time_after)
+    displacement += hit.velocity[0] * before + hit.velocity[-1] * time_after
+    displacement += hit.pull * (before**2 + time_after**2) / 2
+    return Recorded(-displacement, -speed, time_since_touch * speed - displacement)

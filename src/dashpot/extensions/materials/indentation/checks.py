@@ -36,18 +36,24 @@ def run_checks(
     *,
     contact: ContactInterval,
     clipped: int,
-    others: Sequence[tuple[str, Sequence[ReportedValue]]],
+    other_laws: Sequence[tuple[str, Sequence[ReportedValue]]],
 ) -> tuple[Check, ...]:
     """Every check of a contact."""
-    since, T = fit.time, fit.duration
-    before, after = float(-since[0] / T), float(since[-1] / T - 1)
+    time_since_touch, T = fit.time, fit.duration
+    before, duration_after = float(-time_since_touch[0] / T), float(time_since_touch[-1] / T - 1)
     size = float(np.ptp(fit.modelled)) or 1.0
     scarce = fit.noise < _NOISELESS * size
     relative = fit.residual * size / fit.noise if not scarce else None
-    stated = test.indenter.stated_velocity
-    names = [fact for fact in fit.found if fact.name in {"k", "c", "viscous_time", "g", "tau"}]
-    facts = [name for name in names if name.low > 0] or names
-    worst = max(facts, key=lambda fact: fact.high / fact.value)
+    stated_velocity = test.indenter.stated_velocity
+    names = [
+        reported_value
+        for reported_value in fit.found
+        if reported_value.name in {"k", "c", "viscous_time", "g", "tau"}
+    ]
+    bounded_values = [name for name in names if name.low > 0] or names
+    worst = max(
+        bounded_values, key=lambda reported_value: reported_value.high / reported_value.value
+    )
     bounded = ", ".join(
         f"{name.name.replace('_', ' ')} is below {name.high:.3g} {name.unit}".strip()
         for name in names
@@ -55,15 +61,17 @@ def run_checks(
     )
     return (
         contact_sampled(T / test.step),
-        flights_recorded(before, after),
+        flights_recorded(before, duration_after),
         sensor_in_range(clipped),
         first_contact(contact.before, contact.after),
         law_residual_small(relative, fit.residual),
         no_adhesion_on_release(*_undershoot(fit, size)),
-        parameters_determined(worst.name, worst.high / worst.value, bounded, leads=_leading(fit)),
-        laws_agree(fit, others),
-        velocity_agrees(fit["impact_velocity"].value, stated),
-        gravity_stated(GRAVITY * T / hit.approach, stated),
+        parameters_determined(
+            worst.name, worst.high / worst.value, bounded, leading_factor=_leading(fit)
+        ),
+        laws_agree(fit, other_laws),
+        velocity_agrees(fit["impact_velocity"].value, stated_velocity),
+        gravity_stated(GRAVITY * T / hit.approach, stated_velocity),
         force_agrees(_force_ratio(fit, test)),
         indentation_shallow(hit.depth, test.indenter.radius),
         sensor_fast_enough(_noise_correlation_fraction(fit, test.step)),
@@ -74,22 +82,32 @@ def _undershoot(fit: IndentationFit, size: float) -> tuple[float | None, float]:
     """Return the mean record after release over the push, and its noise; None where it ends."""
     if fit.of not in {"acceleration", "force"}:
         return None, 0.0
-    after = (fit.time > 1.02 * fit.duration) & (fit.time < 1.25 * fit.duration)
-    count = int(np.count_nonzero(after))
+    is_after_contact = (fit.time > 1.02 * fit.duration) & (fit.time < 1.25 * fit.duration)
+    count = int(np.count_nonzero(is_after_contact))
     if count < 4:
         return None, 0.0
-    return float(np.mean(fit.measured[after])) / size, 4 * fit.noise / size / np.sqrt(count)
+    return float(np.mean(fit.measured[is_after_contact])) / size, 4 * fit.noise / size / np.sqrt(
+        count
+    )
 
 
 def _force_ratio(fit: IndentationFit, test: IndentationTest) -> float | None:
     """Return the impulse of a recorded force over mass times the change of speed."""
     if test.force is None or test.of == "force" or test.indenter.mass is None:
         return None
-    since = test.time - fit.touch
-    inside = (since > -0.05 * fit.duration) & (since < 1.05 * fit.duration)
-    about = (since > -0.5 * fit.duration) & (since < 1.5 * fit.duration)
-    rest = float(np.median(test.force[about & ~inside])) if (about & ~inside).any() else 0.0
-    impulse = abs(float(np.sum(test.force[inside] - rest))) * test.step
+    time_since_touch = test.time - fit.touch
+    in_contact = (time_since_touch > -0.05 * fit.duration) & (
+        time_since_touch < 1.05 * fit.duration
+    )
+    is_near_contact = (time_since_touch > -0.5 * fit.duration) & (
+        time_since_touch < 1.5 * fit.duration
+    )
+    rest = (
+        float(np.median(test.force[is_near_contact & ~in_contact]))
+        if (is_near_contact & ~in_contact).any()
+        else 0.0
+    )
+    impulse = abs(float(np.sum(test.force[in_contact] - rest))) * test.step
     speed = fit["impact_velocity"].value
     change = speed * (1 + fit["restitution"].value) + test.indenter.pull * fit.duration
     return impulse / (test.indenter.mass * change)
@@ -102,8 +120,8 @@ def _noise_correlation_fraction(fit: IndentationFit, step: float) -> float | Non
         return None
     residual = residual - residual.mean()
     rough = float(np.sum(np.diff(residual) ** 2) / np.sum(residual**2))  # 2 where it is white
-    near = min(max(1 - rough / 2, 0.0), 0.999)
-    return -step / np.log(near) / fit.duration if near > 0 else 0.0
+    correlation = min(max(1 - rough / 2, 0.0), 0.999)
+    return -step / np.log(correlation) / fit.duration if correlation > 0 else 0.0
 
 
 @criterion(
@@ -125,15 +143,15 @@ def contact_sampled(samples: float) -> Finding:
     "our choice: a tenth of the contact shows offset and touch",
     other_grade="stop where a third of the contact is missing",
 )
-def flights_recorded(before: float, after: float) -> Finding:
+def flights_recorded(before: float, duration_after: float) -> Finding:
     """The record begins before the contact and ends after the release."""
-    short = min(before, after)
-    side = "begins" if before <= after else "ends"
-    where = "before the touch" if before <= after else "after the release"
-    message = f"The record {side} {abs(short):.2g} contact times {where}"
+    short = min(before, duration_after)
+    verb = "begins" if before <= duration_after else "ends"
+    where_text = "before the touch" if before <= duration_after else "after the release"
+    message = f"The record {verb} {abs(short):.2g} contact times {where_text}"
     reason = "Offset, touch and damping cannot be separated" if short >= 0 else ""
     instead = (
-        f"The record {side} in the contact: {100 * -short:.0f} % of it is missing, so stiffness "
+        f"The record {verb} in the contact: {100 * -short:.0f} % of it is missing, so stiffness "
         "and damping are not known"
         if short < 0
         else ""
@@ -160,11 +178,11 @@ def sensor_in_range(clipped: int) -> Finding:
 
 
 @criterion("earlier contacts", "<=", 0.0, "later contacts are slower bounces")
-def first_contact(before: int, after: int) -> Finding:
+def first_contact(before: int, later_contacts: int) -> Finding:
     """The fitted contact is the first one of the record."""
-    more = f"; {after} later contacts were left out" if after else ""
+    more_text = f"; {later_contacts} later contacts were left out" if later_contacts else ""
     return Finding(
-        f"{before} contacts come before the one fitted{more}",
+        f"{before} contacts come before the one fitted{more_text}",
         float(before),
         "The body did not meet the surface at rest, or something else touched it",
         "Cut the record.",
@@ -194,13 +212,13 @@ def law_residual_small(ratio: float | None, residual: float) -> Finding:
 @criterion(
     "tension after release / contact force", ">=", -0.02, "our choice: a fiftieth of the push"
 )
-def no_adhesion_on_release(pull: float | None, noise: float) -> Finding:
+def no_adhesion_on_release(tensile_force: float | None, noise: float) -> Finding:
     """Nothing holds the indenter back as it leaves the surface."""
-    if pull is None:
+    if tensile_force is None:
         return Finding("No acceleration or force shows the release", None)
     return Finding(
-        f"After the release {100 * pull:.2g} % of the push is recorded",
-        min(pull + noise, 0.0) if pull < 0 else pull,
+        f"After the release {100 * tensile_force:.2g} % of the push is recorded",
+        min(tensile_force + noise, 0.0) if tensile_force < 0 else tensile_force,
         "The surface is sticky, or the sensor does not pass low frequencies",
         "Clean the surface, or use another sensor.",
     )
@@ -214,54 +232,60 @@ def no_adhesion_on_release(pull: float | None, noise: float) -> Finding:
     other_grade="note where stiffness, depth, restitution and modulus are",
 )
 def parameters_determined(
-    name: str, factor: float, bounded: str = "", *, leads: float = np.inf
+    name: str, factor: float, bounded: str = "", *, leading_factor: float = np.inf
 ) -> Finding:
     """Each parameter is known to 25 %, or the loss has an upper limit.
 
-    `leads` is the worst of stiffness, depth, restitution and modulus; what shares a loss among
-    other parameters is in their intervals.
+    `leading_factor` is the worst of stiffness, depth, restitution and modulus; what shares a loss
+    among other parameters is in their intervals.
     """
     word = name.replace("_", " ")
-    within = f"{word} is known within a factor of {factor:.4g}"
+    sentence = f"{word} is known within a factor of {factor:.4g}"
     if factor >= _UNKNOWN:
-        within = f"{word} is not known, not even in its size"
+        sentence = f"{word} is not known, not even in its size"
     return Finding(
-        within + f"; {bounded}" * bool(bounded),
+        sentence + f"; {bounded}" * bool(bounded),
         factor,
         f"This contact does not determine {word} alone",
         "Use the numbers with narrow intervals.",
-        grade="note" if leads <= KNOWN else None,
+        grade="note" if leading_factor <= KNOWN else None,
     )
 
 
 def _leading(fit: IndentationFit) -> float:
     """The widest interval, a factor, of what a contact is made for."""
-    return max(fact.high / fact.value for fact in fit.found if fact.name in {"k", *_COMPARED})
+    return max(
+        reported_value.high / reported_value.value
+        for reported_value in fit.found
+        if reported_value.name in {"k", *_COMPARED}
+    )
 
 
 @criterion("largest difference between contact laws", "<=", ALIKE, "our choice: 5 %")
 def laws_agree(
-    fit: IndentationFit, others: Sequence[tuple[str, Sequence[ReportedValue]]]
+    fit: IndentationFit, other_laws: Sequence[tuple[str, Sequence[ReportedValue]]]
 ) -> Finding:
     """Contact laws that fit equally well give the same restitution, modulus and depth."""
-    if not others:
+    if not other_laws:
         return Finding(f"No other contact law fits the record as well as {fit.law}", 0.0)
     separate = []
-    for law, facts in others:
-        theirs = {fact.name: fact.value for fact in facts}
+    for law, reported_values in other_laws:
+        other_values = {
+            reported_value.name: reported_value.value for reported_value in reported_values
+        }
         for reported_value in fit.found:
-            if reported_value.name in _COMPARED and reported_value.name in theirs:
+            if reported_value.name in _COMPARED and reported_value.name in other_values:
                 separate.append(
                     (
-                        abs(theirs[reported_value.name] / reported_value.value - 1),
+                        abs(other_values[reported_value.name] / reported_value.value - 1),
                         law,
                         reported_value.name,
                     )
                 )
-    most, law, name = max(separate)
+    largest, law, name = max(separate)
     return Finding(
-        f"{law} explains the contact too; its {name} differs by {100 * most:.2g} %",
-        most,
+        f"{law} explains the contact too; its {name} differs by {100 * largest:.2g} %",
+        largest,
         "The record does not separate the two contact laws",
         Remedy("Hit at another speed or with another mass, or name the contact law.", "model"),
     )
@@ -273,11 +297,11 @@ def laws_agree(
     1.04,
     "faultless records 0.993 to 1.012; depth and k are then 4 to 5 % wrong",
 )
-def velocity_agrees(speed: float, stated: float | None) -> Finding:
+def velocity_agrees(speed: float, stated_velocity: float | None) -> Finding:
     """The recorded speed agrees with the stated one."""
-    if stated is None:
+    if stated_velocity is None:
         return Finding("No height of fall or speed was given to compare with", None)
-    ratio = speed / stated
+    ratio = speed / stated_velocity
     unit = next(
         (
             f"The factor is that between {word}. "
@@ -287,7 +311,7 @@ def velocity_agrees(speed: float, stated: float | None) -> Finding:
         "",
     )
     return Finding(
-        f"The record shows an approach at {speed:.4g} m/s; {stated:.4g} m/s was given",
+        f"The record shows an approach at {speed:.4g} m/s; {stated_velocity:.4g} m/s was given",
         ratio,
         f"{unit}Depth, k and modulus scale with it",
         Remedy("Check unit and sensitivity, the mass and the height.", "units"),
@@ -300,12 +324,12 @@ def velocity_agrees(speed: float, stated: float | None) -> Finding:
     0.01,
     "if not stated, k, depth and e have an error of this size",
 )
-def gravity_stated(part: float, stated: float | None) -> Finding:
+def gravity_stated(part: float, stated_gravity: float | None) -> Finding:
     """The direction of gravity is stated, or it makes no difference."""
     message = f"Over the contact gravity changes the speed by {100 * part:.2g} %"
     return Finding(
-        message if stated is None else "Whether the indenter falls is known",
-        part if stated is None else None,
+        message if stated_gravity is None else "Whether the indenter falls is known",
+        part if stated_gravity is None else None,
         "Whether the indenter falls is not given",
         Remedy("Give the height of fall, or the speed of approach.", "drop-height"),
     )

@@ -30,7 +30,7 @@ that relaxes to 3e-6, its force to 1e-5 of the largest."""
 _WITHIN = 6
 """Samples of a step."""
 _ROUNDS = 30
-"""Of the search for the end of a contact."""
+"""Iterations in the search for the end of a contact."""
 _REMEMBERED = 1024
 """Shapes: a fit asks for one again, at another speed or touch, and so do other fits."""
 _LONGEST = 300.0
@@ -89,11 +89,13 @@ class Collision(EqualByValue):
 
     @property
     def acceleration(self) -> FloatArray:
-        """Of the body, m/s^2, positive into the surface, shape (n,)."""
+        """Acceleration of the body, m/s^2, positive into the surface, shape (n,)."""
         return np.asarray(self.pull - self.force / self.mass)
 
 
-def collide(law: ContactLaw, *, mass: float, velocity: float, pull: float = 0.0) -> Collision:
+def collide(
+    law: ContactLaw, *, mass: float, velocity: float, acceleration: float = 0.0
+) -> Collision:
     """Return the motion of a body through one contact.
 
     Parameters
@@ -103,7 +105,7 @@ def collide(law: ContactLaw, *, mass: float, velocity: float, pull: float = 0.0)
         kg.
     velocity : float
         Of approach, m/s, > 0.
-    pull : float
+    acceleration : float
         Acceleration that acts besides the contact, m/s^2: 9.81 for a fall, 0 across.
 
     Raises
@@ -114,12 +116,14 @@ def collide(law: ContactLaw, *, mass: float, velocity: float, pull: float = 0.0)
     require_positive(mass=mass, velocity=velocity, expected="a finite number above 0")
     n = law.exponent
     unit = ((n + 1) / 2 * mass * velocity ** (1 - n) / law.k) ** (1 / (n + 1))
-    fall = pull * unit / velocity
+    scaled_acceleration = acceleration * unit / velocity
     if isinstance(law, ViscousContact):
-        shape = viscous(n, law.viscous_time / unit, fall)
+        shape = viscous(n, law.viscous_time / unit, scaled_acceleration)
     else:
-        shape = relaxing(law.g, law.tau / unit, fall)
-    return scale_collision(shape, unit=unit, mass=mass, velocity=velocity, pull=pull)
+        shape = relaxing(law.g, law.tau / unit, scaled_acceleration)
+    return scale_collision(
+        shape, unit=unit, mass=mass, velocity=velocity, acceleration=acceleration
+    )
 
 
 def stiffness_of(exponent: float, *, unit: float, mass: float, velocity: float) -> float:
@@ -140,26 +144,28 @@ class Shape(NamedTuple):
 
 
 def scale_collision(
-    shape: Shape, *, unit: float, mass: float, velocity: float, pull: float = 0.0
+    shape: Shape, *, unit: float, mass: float, velocity: float, acceleration: float = 0.0
 ) -> Collision:
     """Return the collision of a shape, with its unit of time, s."""
     depth, push = velocity * unit, mass * velocity / unit
     t, x, v, F = shape
-    return Collision(t * unit, x * depth, v * velocity, F * push, mass, pull)
+    return Collision(t * unit, x * depth, v * velocity, F * push, mass, acceleration)
 
 
 def _peak(t: FloatArray, y: FloatArray) -> float:
-    """Of the parabola through the largest sample and its neighbours; an end is what it is."""
+    """Return the maximum of the parabola through the largest sample and its neighbours."""
     top = int(y.argmax())
     if top in {0, len(y) - 1}:
         return float(y[top])
-    near = t[top - 1 : top + 2] - t[top]
-    (a, b, c) = np.linalg.solve(np.stack((near**2, near, np.ones(3)), axis=1), y[top - 1 : top + 2])
+    time_from_peak = t[top - 1 : top + 2] - t[top]
+    (a, b, c) = np.linalg.solve(
+        np.stack((time_from_peak**2, time_from_peak, np.ones(3)), axis=1), y[top - 1 : top + 2]
+    )
     return float(c - b**2 / (4 * a)) if a < 0 else float(y[top])
 
 
 @lru_cache(maxsize=_REMEMBERED)
-def viscous(n: float, A: float, pull: float = 0.0) -> Shape:
+def viscous(n: float, A: float, acceleration: float = 0.0) -> Shape:
     r"""Return the motion where the force follows from displacement and velocity.
 
     A and pull are in units of the lossless contact. On a sphere :math:`y = \sqrt x` and
@@ -171,14 +177,14 @@ def viscous(n: float, A: float, pull: float = 0.0) -> Shape:
     if n == 1:
         # the force changes sign at the release
         t, x, v = _integrate_contact(
-            lambda _, x, v: (1.0, v, pull - x - A * v), (0.0, 0.0, 1.0),
+            lambda _, x, v: (1.0, v, acceleration - x - A * v), (0.0, 0.0, 1.0),
             lambda _, x, v: x + A * v, step,
         )  # fmt: skip
         F = x + A * v
     else:
         # x^(1/2) is a factor of the force, x + 3/2 A v the rest of it
         t, y, v = _integrate_contact(
-            lambda _, y, v: (y, v / 2, y * (pull - 1.25 * y * (y * y + 1.5 * A * v))),
+            lambda _, y, v: (y, v / 2, y * (acceleration - 1.25 * y * (y * y + 1.5 * A * v))),
             (0.0, 0.0, 1.0), lambda _, y, v: y - sqrt(1.5 * abs(A) * max(-v, 0.0)), step,
         )  # fmt: skip
         x = y**2
@@ -188,7 +194,7 @@ def viscous(n: float, A: float, pull: float = 0.0) -> Shape:
 
 
 @lru_cache(maxsize=_REMEMBERED)
-def relaxing(g: float, tau: float, pull: float = 0.0) -> Shape:
+def relaxing(g: float, tau: float, acceleration: float = 0.0) -> Shape:
     r"""Return Ting's contact: loading with a state of the arm, unloading at the size it once had.
 
     With :math:`q = \int e^{-(t-s)/\tau} dx^{3/2}` and :math:`p = \int e^{-(t-s)/\tau} dx`, the
@@ -204,7 +210,7 @@ def relaxing(g: float, tau: float, pull: float = 0.0) -> Shape:
 
     def loading(_: float, y: float, v: float, q: float) -> State:
         force = 1.25 * (y**3 + g * q)
-        return y, v / 2, y * (pull - force), y * (1.5 * y * v - q / tau)
+        return y, v / 2, y * (acceleration - force), y * (1.5 * y * v - q / tau)
 
     t, y, v, q = _integrate_contact(loading, (0.0, 0.0, 1.0, 0.0), lambda *state: state[2], step)
     top, at = float(y[-1]), float(t[-1])
@@ -213,28 +219,28 @@ def relaxing(g: float, tau: float, pull: float = 0.0) -> Shape:
     # at this angle of the size the way there is smooth, at the touch as at the turn
     nodes = slice(None, None, _WITHIN)
     angle = _angle(y[nodes], top)
-    earlier = CubicSpline(angle, np.stack((t, q), axis=1)[nodes])
-    edges, cubics = angle.tolist(), earlier.c.transpose(1, 2, 0).tolist()
+    loading_history = CubicSpline(angle, np.stack((t, q), axis=1)[nodes])
+    edges, cubics = angle.tolist(), loading_history.c.transpose(1, 2, 0).tolist()
 
-    def unloading(now: float, w: float, v: float, x: float) -> State:
-        here = atan2(w, sqrt(max(top * top - w * w, 0.0)))
-        i = min(max(bisect(edges, here) - 1, 0), len(cubics) - 1)
-        by = here - edges[i]
+    def unloading(time: float, w: float, v: float, x: float) -> State:
+        angle_in_loading = atan2(w, sqrt(max(top * top - w * w, 0.0)))
+        i = min(max(bisect(edges, angle_in_loading) - 1, 0), len(cubics) - 1)
+        by = angle_in_loading - edges[i]
         (a, b, c, t1), (d, e, f, q1) = cubics[i]
         # what the arm has lost since the contact was as large
-        faded = g * exp((((a * by + b) * by + c) * by + t1 - now) / tau)
+        faded = g * exp((((a * by + b) * by + c) * by + t1 - time) / tau)
         force = 1.25 * (w**3 + faded * (((d * by + e) * by + f) * by + q1))
-        falls = ((1 + g) * v - (w * w - x) / tau) / (1 + faded)
-        return w, falls / 2, w * (pull - force), w * v
+        speed = ((1 + g) * v - (w * w - x) / tau) / (1 + faded)
+        return w, speed / 2, w * (acceleration - force), w * v
 
-    later, w, u, x = _integrate_contact(
+    unloading_time, w, u, x = _integrate_contact(
         unloading, (at, top, 0.0, top**2), lambda *state: state[1], step
     )
-    t1, q1 = earlier(_angle(w, top)).T
-    F = 1.25 * (w**3 + g * np.exp((t1 - later) / tau) * q1)
+    t1, q1 = loading_history(_angle(w, top)).T
+    F = 1.25 * (w**3 + g * np.exp((t1 - unloading_time) / tau) * q1)
     F[-1] = 0.0
     return Shape(
-        np.concatenate((t, later[1:])),
+        np.concatenate((t, unloading_time[1:])),
         np.concatenate((y**2, x[1:])),
         np.concatenate((v, u[1:])),
         np.concatenate((1.25 * (y**3 + g * q), F[1:])),
@@ -248,7 +254,7 @@ def _angle(y: FloatArray, top: float) -> FloatArray:
 def _integrate_contact(
     rate: Callable[..., State],
     start: State,
-    ends: Callable[..., float],
+    end_condition: Callable[..., float],
     step: float,
 ) -> FloatArray:
     """March a state, time its first, by Runge and Kutta's steps until a function falls through 0.
@@ -264,8 +270,8 @@ def _integrate_contact(
         pairs = zip(y, k1, k2, k3, k4, strict=True)
         return tuple([a + h / 6 * (b + 2 * (c + d) + e) for a, b, c, d, e in pairs])
 
-    states, rates, before, now = [start], [rate(*start)], 0.0, 1.0
-    while now > 0:
+    states, rates, before, condition = [start], [rate(*start)], 0.0, 1.0
+    while condition > 0:
         if max(states[-1][0], len(states) * step) > _LONGEST:
             raise DataError(
                 f"the body is still in contact after {_LONGEST:g} times the time of a lossless "
@@ -273,26 +279,26 @@ def _integrate_contact(
             )
         states.append(compute_next_state(states[-1], rates[-1], step))
         rates.append(rate(*states[-1]))
-        before, now = now, ends(*states[-1])
+        before, condition = condition, end_condition(*states[-1])
     # the last step ends where the function is zero: false position, its stale end halved
     low, high, part = 0.0, step, 0.0
     for _ in range(_ROUNDS):
-        part = high - now * (high - low) / (now - before)
+        part = high - condition * (high - low) / (condition - before)
         states[-1] = compute_next_state(states[-2], rates[-2], part)
-        value = ends(*states[-1])
-        if value * now < 0:
-            low, before = high, now
+        value = end_condition(*states[-1])
+        if value * condition < 0:
+            low, before = high, condition
         else:
             before /= 2
-        high, now = part, value
+        high, condition = part, value
         if abs(high - low) < 1e-14 or value == 0:
             break
     rates[-1] = rate(*states[-1])
     y, k = np.array(states).T, np.array(rates).T
     h = np.append(np.full(len(states) - 2, step), part)
     s = np.arange(_WITHIN)[:, None, None] / _WITHIN
-    rise = np.diff(y)
-    between = y[:, :-1] + s * (
-        h * k[:, :-1] * (1 - s) ** 2 + s * ((3 - 2 * s) * rise + (s - 1) * h * k[:, 1:])
+    change = np.diff(y)
+    interpolated = y[:, :-1] + s * (
+        h * k[:, :-1] * (1 - s) ** 2 + s * ((3 - 2 * s) * change + (s - 1) * h * k[:, 1:])
     )
-    return np.column_stack((between.transpose(1, 2, 0).reshape(len(start), -1), y[:, -1]))
+    return np.column_stack((interpolated.transpose(1, 2, 0).reshape(len(start), -1), y[:, -1]))

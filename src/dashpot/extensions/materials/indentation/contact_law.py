@@ -59,15 +59,15 @@ class ViscousContact:
 
     @property
     def c(self) -> float:
-        """Of a linear contact: N s/m."""
+        """Damping of a linear contact, N s/m."""
         return self.k * self.viscous_time
 
     def force(self, x: npt.ArrayLike, v: npt.ArrayLike) -> FloatArray:
         """Force, N, at an indentation, m, and its rate, m/s; none out of contact."""
-        here = np.maximum(np.asarray(x, dtype=float), 0.0)
+        indentation = np.maximum(np.asarray(x, dtype=float), 0.0)
         n = self.exponent
-        slope = n * here ** (n - 1)
-        return np.asarray(self.k * (here**n + self.viscous_time * slope * np.asarray(v)))
+        slope = n * indentation ** (n - 1)
+        return np.asarray(self.k * (indentation**n + self.viscous_time * slope * np.asarray(v)))
 
 
 @dataclass(frozen=True)

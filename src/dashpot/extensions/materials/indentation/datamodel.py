@@ -190,17 +190,20 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     @property
     def values(self) -> dict[str, float]:
         """Fitted values by name."""
-        return {fact.name: fact.value for fact in self.found}
+        return {reported_value.name: reported_value.value for reported_value in self.found}
 
     @property
     def intervals(self) -> dict[str, tuple[float, float]]:
         """95 % intervals by name."""
-        return {fact.name: (fact.low, fact.high) for fact in self.found}
+        return {
+            reported_value.name: (reported_value.low, reported_value.high)
+            for reported_value in self.found
+        }
 
     @property
     def units(self) -> dict[str, str]:
-        """By the same names."""
-        return {fact.name: fact.unit for fact in self.found}
+        """Units of the values, by their names."""
+        return {reported_value.name: reported_value.unit for reported_value in self.found}
 
     @property
     def scores(self) -> dict[str, float]:
@@ -210,12 +213,12 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     @property
     def _headline(self) -> str:
         """The modulus or stiffness, and the restitution."""
-        named = {fact.name: fact for fact in self.found}
-        first = next(filter(None, map(named.get, _CAME_FOR)), self.found[0])
-        bounce = named.get("restitution")
-        more = f", {bounce.label} {bounce.cells.with_unit}" if bounce else ""
-        between = f" ({first.cells.interval})" if first.cells.interval else ""
-        return f"{first.label} {first.cells.with_unit}{between}{more}"
+        values_by_name = {reported_value.name: reported_value for reported_value in self.found}
+        first = next(filter(None, map(values_by_name.get, _CAME_FOR)), self.found[0])
+        bounce = values_by_name.get("restitution")
+        restitution_text = f", {bounce.label} {bounce.cells.with_unit}" if bounce else ""
+        interval_text = f" ({first.cells.interval})" if first.cells.interval else ""
+        return f"{first.label} {first.cells.with_unit}{interval_text}{restitution_text}"
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
@@ -223,5 +226,5 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         return (
             str(self.verdict),
             f"law: {self.law}",
-            *(fact.text for fact in self.found),
+            *(reported_value.text for reported_value in self.found),
         )

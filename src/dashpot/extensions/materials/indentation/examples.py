@@ -17,7 +17,7 @@ from dashpot.registry import Example
 def _hit() -> str:
     """A steel ball of 5 g on rubber, its acceleration at 100 kHz, 0.5 % noisy, with an offset."""
     law = ViscousContact(sphere_stiffness(4e6, 5e-3), 1e-4)
-    collision = collide(law, mass=5e-3, velocity=1.0, pull=GRAVITY)
+    collision = collide(law, mass=5e-3, velocity=1.0, acceleration=GRAVITY)
     time = np.arange(600) * 1e-5
     interpolated = np.interp(
         time - 2e-3, collision.time, collision.force / collision.mass, left=0.0, right=0.0
@@ -39,4 +39,4 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
         ),
     }
 )
-"""By their names."""
+"""Example files by their names."""

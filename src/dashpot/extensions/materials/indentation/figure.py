@@ -24,10 +24,11 @@ def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
     t, unit = convert_to_unit(fit.time, "ms"), "mm" if fit.of == "displacement" else UNITS[fit.of]
     measured, modelled = convert_to_unit(fit.measured, unit), convert_to_unit(fit.modelled, unit)
     values, word = measured - modelled, unit.replace("^2", "²")
-    across = Scale("time since the touch, ms", (float(t[0]), float(t[-1])))
+    horizontal = Scale("time since the touch, ms", (float(t[0]), float(t[-1])))
     contact = Span(0.0, convert_to_unit(fit.duration, "ms"), "fit", "in contact")
     upper = Panel(
-        across, Scale(f"{fit.of} (push > 0), {word}", compute_padded_limits(measured, modelled)),
+        horizontal, Scale(f"{fit.of} (push > 0), {word}", compute_padded_limits(measured,
+        modelled)),
         (
             contact, Dots(t, measured, "measured", "measured", size=2.5),
             Line(t, modelled, FIT, "fit"),
@@ -35,7 +36,8 @@ def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
         height=240, note=fit.law,
     )  # fmt: skip
     lower = Panel(
-        across, Scale(f"residual, {word}", compute_padded_limits(values, np.zeros(1), margin=0.1)),
+        horizontal, Scale(f"residual, {word}", compute_padded_limits(values, np.zeros(1),
+        margin=0.1)),
         (contact, Rule(0.0, REF, across=True), Dots(t, values, "fit", size=2.5)),
         height=90, note=f"{round_to_error(100 * fit.residual)} % of the push in contact",
     )  # fmt: skip

@@ -51,32 +51,32 @@ from dashpot.numerics.inference.covariance_estimate import Estimate, ProfileSlic
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows
 
 _ABOUT = 1.0
-"""How much of the flights is taken to either side, in times of the contact."""
+"""Time before and after the contact that is fitted, in contact times."""
 _VELOCITY_OFFSET = 3e-3
 """Standard deviation of a velocity's offset, as a part of the speed: no flight shows it."""
 _AT_TOUCH = 0.29
 """Standard deviation of a time that is known to lie between two samples, in their distance."""
 _TOUCHES = (0.0, -2.0, -1.0, 1.0, 2.0)
-"""Where such a touch is sought, in samples."""
+"""Shifts at which the contact time is searched, in samples."""
 _CLIPPED = 3
 """Samples at one and the same extreme that a sensor at its limit leaves."""
 _ROUNDING = 1e-5
 """Part of the record that integration and interpolation leave."""
 _LOSSES = frozenset({"c", "viscous_time", "g"})
 _OF_RADIUS = frozenset({"modulus", "glassy_modulus"})
-"""What goes with the root of the radius of the tip."""
+"""Values in proportion to the root of the tip radius."""
 _TIME = 2
 """Place of the law's time among the parameters."""
 _SAME = 0.05
 """Difference of every parameter below which two valleys are one."""
 _LEVEL = 0.95
 _ENDS = 1.02
-"""Of a quantile, beyond which a slice of a profile is outside."""
+"""Factor on a quantile beyond which a slice of a profile is outside."""
 _FAR = 0.8
-"""How far from where it begins the touch is sought, in times of the contact."""
+"""Search range of the contact time about its start, in contact times."""
 _TRIES, _FLAT = 40, 1e-7
 _STARTS = 4
-"""Of descents; of a table of more those that none of their neighbours beats."""
+"""Number of descents, from the best entries of a table."""
 _NEAR, _ROUGHLY = 3, 1e-3
 """Steps that the others take beside one of a table, and what they may leave."""
 _DECIDED = 10.0
@@ -97,41 +97,43 @@ class _NearHit:
     fixed: FloatArray
     prior: FloatArray  # inverse standard deviation of each column, over the noise's
 
-    def sample_collision(self, hit: Collision, touch: float) -> Recorded:
-        whole = simulate_sensor_signal(hit, self.test.of, self.time - touch, self.test.step)
-        return Recorded(*(values[self.used] for values in whole))
+    def sample_collision(self, hit: Collision, touch_time: float) -> Recorded:
+        signal = simulate_sensor_signal(hit, self.test.of, self.time - touch_time, self.test.step)
+        return Recorded(*(values[self.used] for values in signal))
 
     def simulate_collision(self, law: Law, theta: FloatArray) -> Collision:
         return law.collision(theta, self.mass, self.test.indenter.pull)
 
-    def simulate_signal(self, law: Law, theta: FloatArray, pull: float) -> Recorded:
-        return self.sample_collision(law.collision(theta, self.mass, pull), float(theta[-1]))
+    def simulate_signal(self, law: Law, theta: FloatArray, acceleration: float) -> Recorded:
+        return self.sample_collision(
+            law.collision(theta, self.mass, acceleration), float(theta[-1])
+        )
 
-    def rows(self, law: Law, pull: float, theta: FloatArray) -> Rows:
+    def rows(self, law: Law, acceleration: float, theta: FloatArray) -> Rows:
         """Return the residuals of a motion, with the columns of the sensor and their priors."""
-        none = np.zeros(len(self.prior))
-        value, rate, stretched = self.simulate_signal(law, theta, pull)
+        no_residual = np.zeros(len(self.prior))
+        value, rate, stretched = self.simulate_signal(law, theta, acceleration)
 
         def slope(_: FloatArray) -> FloatArray:
             """Return the derivatives, exact except for the law's own parameters and the pull."""
 
-            def differentiate_signal(theta: FloatArray, pull: float) -> FloatArray:
-                return (self.simulate_signal(law, theta, pull).value - value) / STEP
+            def differentiate_signal(theta: FloatArray, acceleration: float) -> FloatArray:
+                return (self.simulate_signal(law, theta, acceleration).value - value) / STEP
 
-            J = np.zeros((len(value) + len(none), len(theta)))
+            J = np.zeros((len(value) + len(no_residual), len(theta)))
             J[: len(value), [0, -2, -1]] = np.stack((stretched, value, -rate), axis=1)
             for i in range(1, len(theta) - 2):
                 J[: len(value), i] = differentiate_signal(
-                    theta + STEP * np.eye(len(theta))[i], pull
+                    theta + STEP * np.eye(len(theta))[i], acceleration
                 )
-            if pull > 0:
+            if acceleration > 0:
                 # in units of the contact it is proportional to the unit of time over the speed
-                pulled = differentiate_signal(theta, pull * (1 + STEP))
+                pulled = differentiate_signal(theta, acceleration * (1 + STEP))
                 J[: len(value), [0, -2]] += np.stack((pulled, -pulled), axis=1)
             return J
 
         return Rows(
-            np.append(self.signal[self.used] - value, none),
+            np.append(self.signal[self.used] - value, no_residual),
             np.concatenate((self.fixed, np.diag(self.prior))),
             slope,
         )
@@ -189,51 +191,61 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     """
     require_choice("law", law, ImpactLawAsked)
     window = _window(test, largest_contact(test))
-    tried = []
+    candidates = []
     for name in [law] if law != "auto" else LAWS:
         # beside a valley the body may never be let go
         with suppress(DataError):
-            tried += [optimum] if (optimum := _fit_law(window, name)) else []
-    if not tried:
+            candidates += [optimum] if (optimum := _fit_law(window, name)) else []
+    if not candidates:
         raise FitError(
             "no contact law fits the record: expected one push, in flight before and after; "
             "cut the record about the contact (--file-part segment=N), or look at it with dashpot "
             "inspect"
         )
     # all laws by the noise of the one that leaves least, for a misfit is no noise
-    effective = min(tried, key=lambda optimum: optimum.optimum.sse).estimate.effective
+    effective = min(candidates, key=lambda optimum: optimum.optimum.sse).estimate.effective
     scores = {
         optimum.name: score(
-            optimum.optimum, effective, floor=len(optimum.residual) * _rounding(optimum.model) ** 2
+            optimum.optimum,
+            effective,
+            rounding_sse=len(optimum.residual) * _rounding(optimum.model) ** 2,
         )
-        for optimum in tried
+        for optimum in candidates
     }
-    tried.sort(key=lambda optimum: scores[optimum.name])
-    best = tried[0]
-    facts = _make_contact_facts(window, best)
-    _refuse_absurd(facts, test.indenter.radius)
+    candidates.sort(key=lambda optimum: scores[optimum.name])
+    best = candidates[0]
+    reported_values = _make_contact_facts(window, best)
+    _refuse_absurd(reported_values, test.indenter.radius)
     in_contact = _select_contact_samples(window, best)
     flight = best.residual[~in_contact]
     noise = float(np.sqrt(np.mean(flight**2))) if len(flight) > 8 else 0.0
     remainder = float(np.sqrt(np.mean(best.residual[in_contact] ** 2)))
     size = float(np.ptp(best.model)) or 1.0
-    touch = best.touch
-    near = [item for item in tried[1:] if scores[item.name] - scores[best.name] < _DECIDED]
-    others = [(item.name, _make_contact_facts(window, item)) for item in near]
+    touch_time = best.touch
+    close_laws = [
+        item for item in candidates[1:] if scores[item.name] - scores[best.name] < _DECIDED
+    ]
+    other_laws = [(item.name, _make_contact_facts(window, item)) for item in close_laws]
     fitted = IndentationFit(
-        best.name, best.contact, facts, tuple((item.name, scores[item.name]) for item in tried),
-        test.indenter, test.of, window.time[window.used] - touch, best.model + best.residual,
-        best.model, noise, remainder / size, touch, best.hit.duration, (), test.source,
+        best.name, best.contact, reported_values, tuple((item.name,
+        scores[item.name]) for item in candidates),
+        test.indenter, test.of, window.time[window.used] - touch_time, best.model + best.residual,
+        best.model, noise, remainder / size, touch_time, best.hit.duration, (), test.source,
     )  # fmt: skip
     checked_checks = checks.run_checks(
-        fitted, best.hit, test, contact=window.contact, clipped=window.clipped, others=others
+        fitted,
+        best.hit,
+        test,
+        contact=window.contact,
+        clipped=window.clipped,
+        other_laws=other_laws,
     )
     return replace(fitted, checks=(*checked_checks, *caution_checks(sources_of([test]))))
 
 
-def _refuse_absurd(facts: Sequence[ReportedValue], radius: float | None) -> None:
+def _refuse_absurd(reported_values: Sequence[ReportedValue], radius: float | None) -> None:
     """Refuse mass and radius that give a modulus outside that of any rubber."""
-    entries = {fact.name: fact.value for fact in facts}
+    entries = {reported_value.name: reported_value.value for reported_value in reported_values}
     remedy = "Check the mass and the radius of the indenter, and their units."
     if radius is None or "modulus" not in entries:
         return
@@ -246,11 +258,11 @@ def _window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
     mass = test.indenter.mass
     if mass is None:
         raise DataError("the mass of the indenter is not known; give it (--mass 5g)")
-    reach = _ABOUT * contact.duration
-    inside = (test.time >= contact.start - reach) & (
-        test.time <= contact.start + contact.duration + reach
+    margin = _ABOUT * contact.duration
+    in_window = (test.time >= contact.start - margin) & (
+        test.time <= contact.start + contact.duration + margin
     )
-    time, signal = test.time[inside], contact.sign * test.signal[inside]
+    time, signal = test.time[in_window], contact.sign * test.signal[in_window]
     mask = ~_detect_clipped_samples(signal, test.of)
     clipped = int(np.count_nonzero(~mask))
     centred = (time - time.mean()) / max(float(np.ptp(time)), 1e-300)
@@ -285,28 +297,32 @@ def _change(window: _NearHit) -> float:
         return float(np.ptp(signal))
     if of == "displacement":
         return 1.2 * float(np.ptp(signal)) / window.contact.duration
-    begin, end = window.contact.start, window.contact.start + window.contact.duration
-    within = (window.time >= begin) & (window.time <= end)
-    rest = float(np.median(signal[~within])) if (~within).any() else 0.0
-    change = float(np.sum(signal[within] - rest)) * window.test.step
+    start, end = window.contact.start, window.contact.start + window.contact.duration
+    in_contact = (window.time >= start) & (window.time <= end)
+    rest = float(np.median(signal[~in_contact])) if (~in_contact).any() else 0.0
+    change = float(np.sum(signal[in_contact] - rest)) * window.test.step
     return max(change, 1e-12) / (window.mass if of == "force" else 1.0)
 
 
 def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
     """Return the best least-squares fit of a law from its starts; None without a motion."""
     law, change, duration = LAWS[name], _change(window), window.contact.duration
-    begin, far = window.contact.start, _FAR * duration
-    touch = Parameter(begin - far, begin + far, duration)
+    contact_start, max_shift = window.contact.start, _FAR * duration
+    touch_parameter = Parameter(contact_start - max_shift, contact_start + max_shift, duration)
 
-    def problem(law: Law, pull: float) -> Problem:
-        parameters = [*law.parameters(duration, change), touch]
-        return Problem(partial(window.rows, law, pull), parameters, priors=len(window.prior))
+    def problem(law: Law, acceleration: float) -> Problem:
+        parameters = [*law.parameters(duration, change), touch_parameter]
+        return Problem(
+            partial(window.rows, law, acceleration), parameters, priors=len(window.prior)
+        )
 
     def nearly(values: Sequence[float]) -> tuple[float, FloatArray]:
         """Return the cost of a loss and a time, by motions that all records share."""
-        start = np.append(law.make_starting_parameters(duration, values, change), begin)
+        start = np.append(law.make_starting_parameters(duration, values, change), contact_start)
         rest = [0, len(start) - 2, len(start) - 1]
-        optimum = problem(law.fix_loss(values), 0.0).solve([start[rest]], most=_NEAR, flat=_ROUGHLY)
+        optimum = problem(law.fix_loss(values), 0.0).solve(
+            [start[rest]], max_steps=_NEAR, cost_tolerance=_ROUGHLY
+        )
         if optimum is None:
             return np.inf, start
         start[rest] = optimum.theta
@@ -315,16 +331,20 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
     table = [nearly(values) for values in product(*law.starts)]
     cost = np.array([value for value, _ in table]).reshape([len(start) for start in law.starts])
     starts = [table[i][1] for i in _valleys(cost)]
-    whole = problem(law, window.test.indenter.pull)
-    optima = whole.valleys(starts, same=_SAME, most=_TRIES, finished=_FLAT, flat=_FLAT)
+    full_problem = problem(law, window.test.indenter.pull)
+    optima = full_problem.valleys(
+        starts, same_distance=_SAME, max_steps=_TRIES, step_tolerance=_FLAT, cost_tolerance=_FLAT
+    )
     if not optima:
         return None
     best = min(optima, key=lambda optimum: optimum.cost)
     if len(law.starts) == 1:
         # where the force jumps, or rises as a root, a touch between two other samples is a valley
         extra = np.outer(_TOUCHES, np.eye(len(best.theta))[-1]) * window.test.step
-        near = whole.solve([*best.theta + extra], most=_TRIES, finished=_FLAT, flat=_FLAT)
-        best = near or best
+        refined = full_problem.solve(
+            [*best.theta + extra], max_steps=_TRIES, step_tolerance=_FLAT, cost_tolerance=_FLAT
+        )
+        best = refined or best
     return _estimate_law_errors(window, name, best, optima)
 
 
@@ -345,8 +365,8 @@ def _estimate_law_errors(
 ) -> _LawOptimum:
     """Return a law with noise and parameter errors by its residual."""
     hit = window.simulate_collision(LAWS[name], best.theta)
-    seen = window.sample_collision(hit, float(best.theta[-1]))
-    model = seen.value
+    signal = window.sample_collision(hit, float(best.theta[-1]))
+    model = signal.value
     count = len(best.residual)
     noise = noise_of(best.residual, best.jacobian[:count], rounding=_rounding(model))
     uncertainty = estimate(best, noises=[noise], prior_variance=float(noise.autocovariance[0]))
@@ -354,7 +374,7 @@ def _estimate_law_errors(
         # how a recorder takes a jump is not known: the touch lies between two samples
         at = int(np.argmin(np.abs(window.time[window.used] - float(best.theta[-1]))))
         change = np.zeros(len(best.all_residuals))
-        change[at] = _AT_TOUCH * window.test.step * seen.rate[at]
+        change[at] = _AT_TOUCH * window.test.step * signal.rate[at]
         uncertainty = uncertainty.add_parameter_error(estimate_parameter_shift(uncertainty, change))
     return _LawOptimum(name, hit, model, uncertainty, tuple(optima))
 
@@ -365,13 +385,13 @@ def _rounding(model: FloatArray) -> float:
 
 
 def _select_contact_samples(window: _NearHit, optimum: _LawOptimum) -> BoolArray:
-    since = window.time[window.used] - optimum.touch
-    return np.asarray((since >= 0) & (since <= optimum.hit.duration))
+    time_since_touch = window.time[window.used] - optimum.touch
+    return np.asarray((time_since_touch >= 0) & (time_since_touch <= optimum.hit.duration))
 
 
 def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[ReportedValue, ...]:
     """Return the law's parameters and what follows from them, each with its interval."""
-    named = _follows(window, optimum.law, optimum.optimum.theta)
+    derived_values = _follows(window, optimum.law, optimum.optimum.theta)
 
     def numbers(values: FloatArray) -> FloatArray:
         theta = values[: len(optimum.optimum.theta)]
@@ -389,39 +409,46 @@ def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[Reporte
 
     def ends(level: float) -> tuple[FloatArray, FloatArray]:
         """Return the limits by all slices, over the value."""
-        reach = optimum.estimate.quantile(level)
+        quantile = optimum.estimate.quantile(level)
         group = []
-        for root, what in derived:
-            if root > _ENDS * reach:
+        for root, compute_values in derived:
+            if root > _ENDS * quantile:
                 continue
-            part = what.standard_error / what.values * np.sqrt(max(reach**2 - root**2, 0.0))
-            spread = np.exp(np.minimum(part, 50.0))
+            part = (
+                compute_values.standard_error
+                / compute_values.values
+                * np.sqrt(max(quantile**2 - root**2, 0.0))
+            )
+            error_factor = np.exp(np.minimum(part, 50.0))
             # a loss has a normal error itself, where its logarithm has none
-            low = np.where(losses, 1 - part, 1 / spread)
-            high = np.where(losses, 1 + part, spread)
-            group.append((what.values * low, what.values * high))
+            low = np.where(losses, 1 - part, 1 / error_factor)
+            high = np.where(losses, 1 + part, error_factor)
+            group.append((compute_values.values * low, compute_values.values * high))
         low = np.min([low for low, _ in group], axis=0)
         high = np.max([high for _, high in group], axis=0)
-        more = reach * of_radius
+        radius_part = quantile * of_radius
         with np.errstate(divide="ignore", invalid="ignore"):
-            wide = [values * np.exp(way * np.hypot(np.log(end / values), more))
-                    for way, end in ((-1, low), (1, high))]  # fmt: skip
-        return np.where(more > 0, wide[0], low), np.where(more > 0, wide[1], high)
+            limits = [values * np.exp(sign * np.hypot(np.log(end / values), radius_part))
+                    for sign, end in ((-1, low), (1, high))]  # fmt: skip
+        return np.where(radius_part > 0, limits[0], low), np.where(radius_part > 0, limits[1], high)
 
-    losses = np.array([name in _LOSSES for name in named])
+    losses = np.array([name in _LOSSES for name in derived_values])
     # a modulus is that of a stiffness over the root of the radius
     of_radius = np.array([
-        0.5 * window.test.indenter.radius_error * (name in _OF_RADIUS) for name in named
+        0.5 * window.test.indenter.radius_error * (name in _OF_RADIUS) for name in derived_values
     ])  # fmt: skip
-    values = np.array([value for value, _ in named.values()])
-    (low, high), (_, once) = ends(_LEVEL), ends(0.90)
+    values = np.array([value for value, _ in derived_values.values()])
+    (low, high), (_, upper_at_90) = ends(_LEVEL), ends(0.90)
     bounded = losses & (low <= 0)
     rows = zip(
-        named.items(), np.where(bounded, 0.0, low).tolist(), np.where(bounded, once, high).tolist(),
+        derived_values.items(), np.where(bounded, 0.0, low).tolist(), np.where(bounded,
+        upper_at_90, high).tolist(),
         strict=True,
     )  # fmt: skip
     return tuple(
-        ReportedValue(name, value, low, high, unit, read=get_display_unit(unit, fine=unit == "s"))
+        ReportedValue(
+            name, value, low, high, unit, read=get_display_unit(unit, prefers_small=unit == "s")
+        )
         for (name, (value, unit)), low, high in rows
     )
 
@@ -434,12 +461,12 @@ def _slices(optimum: _LawOptimum) -> list[ProfileSlice]:
     noise, best = optimum.estimate.noises[0], optimum.optimum
     slices = optimum.estimate.profile(_TIME)
     for other in optimum.valleys:
-        worse = (other.cost - best.cost) / noise.power
-        if other is best or worse > optimum.estimate.quantile() ** 2:
+        cost_increase = (other.cost - best.cost) / noise.power
+        if other is best or cost_increase > optimum.estimate.quantile() ** 2:
             continue
         profile_slices = estimate(other, noises=[noise]).profile(_TIME)
         slices += [
-            ProfileSlice(float(np.sqrt(root**2 + worse)), uncertainty)
+            ProfileSlice(float(np.sqrt(root**2 + cost_increase)), uncertainty)
             for root, uncertainty in profile_slices
         ]
     return slices

@@ -60,7 +60,7 @@ class Indenter:
 
     @property
     def stated_velocity(self) -> float | None:
-        """Of approach as it was said, or as a free fall from that height has it, m/s."""
+        """Stated velocity of approach, or that of a free fall from the stated height, m/s."""
         if self.impact_velocity is not None or self.drop_height is None:
             return self.impact_velocity
         return math.sqrt(2 * GRAVITY * self.drop_height)

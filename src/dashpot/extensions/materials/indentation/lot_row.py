@@ -34,6 +34,6 @@ def build_lot_row(
     }
     if ball.radius is not None:
         modulus = fit["modulus"]
-        ends = {"": modulus.value, "_low": modulus.low, "_high": modulus.high}
-        entries |= {f"indent_modulus{end}_Pa": value for end, value in ends.items()}
+        columns = {"": modulus.value, "_low": modulus.low, "_high": modulus.high}
+        entries |= {f"indent_modulus{end}_Pa": value for end, value in columns.items()}
     return fit, entries

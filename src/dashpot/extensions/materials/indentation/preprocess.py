@@ -11,7 +11,7 @@ from dashpot.base.errors import DataError
 from dashpot.extensions.materials.indentation.datamodel import IndentationTest
 
 _DERIVATIVES = {"acceleration": 0, "force": 0, "velocity": 1, "displacement": 2}
-"""How often a record is differentiated to show the push."""
+"""Number of differentiations that turn a record into the push."""
 _CLEAR = 25.0
 """Peak over scatter at which a contact stands out."""
 _OTHER = 0.1
@@ -19,7 +19,7 @@ _OTHER = 0.1
 _FOOT = 0.25
 """Part of the push at which its width is taken."""
 _FOOT_WIDTH = 0.84
-"""Of a half sine at that height, over its whole width."""
+"""Width of a half sine at that height, over its whole width."""
 _FEWEST = 6
 
 
@@ -66,23 +66,23 @@ def largest_contact(test: IndentationTest) -> ContactInterval:
             "record it with less noise"
         )
     runs = _runs(push > _FOOT * push[top])
-    begin, end = next(run for run in runs if run[0] <= top < run[1])
-    wide = max((end - begin) - 0.5 * width, 2.0) * test.step / _FOOT_WIDTH
-    if end - begin < _FEWEST:
+    start, end = next(run for run in runs if run[0] <= top < run[1])
+    width_ratio = max((end - start) - 0.5 * width, 2.0) * test.step / _FOOT_WIDTH
+    if end - start < _FEWEST:
         raise DataError(
-            f"the contact has {end - begin} samples above a quarter of its peak; expected "
-            f"{_FEWEST} or more: sample {8 * _FEWEST / max(end - begin, 1):.0f} times as fast"
+            f"the contact has {end - start} samples above a quarter of its peak; expected "
+            f"{_FEWEST} or more: sample {8 * _FEWEST / max(end - start, 1):.0f} times as fast"
         )
-    middle = test.time[0] + 0.5 * (begin + end - 1) * test.step
+    middle = test.time[0] + 0.5 * (start + end - 1) * test.step
     level = max(_OTHER * push[top], 8 * scatter)
-    others = [run for run in _runs(push > level) if run[1] - run[0] >= 3]
-    gap = 0.5 * wide / test.step
+    other_runs = [run for run in _runs(push > level) if run[1] - run[0] >= 3]
+    gap = 0.5 * width_ratio / test.step
     return ContactInterval(
         sign,
-        middle - 0.5 * wide,
-        wide,
-        sum(run[1] < begin - gap for run in others),
-        sum(run[0] > end + gap for run in others),
+        middle - 0.5 * width_ratio,
+        width_ratio,
+        sum(run[1] < start - gap for run in other_runs),
+        sum(run[0] > end + gap for run in other_runs),
     )
 
 
@@ -98,11 +98,13 @@ def _push(test: IndentationTest) -> tuple[FloatArray, int]:
         # beyond its ends a record is not known
         edge = min(width * (_DERIVATIVES[test.of] + 1), len(push) // 4) if width > 1 else 0
         push[:edge], push[len(push) - edge :] = push[edge], push[-edge - 1]
-        away = np.abs(push - median(push))
-        clear = float(away.max()) / max(1.4826 * median(away), 1e-12 * float(away.max()), 1e-300)
-        if clear > clearest:
-            best, clearest = (push, width), clear
-        if clear > _CLEAR:
+        deviation = np.abs(push - median(push))
+        peak_over_noise = float(deviation.max()) / max(
+            1.4826 * median(deviation), 1e-12 * float(deviation.max()), 1e-300
+        )
+        if peak_over_noise > clearest:
+            best, clearest = (push, width), peak_over_noise
+        if peak_over_noise > _CLEAR:
             break
     return best
 
@@ -110,11 +112,11 @@ def _push(test: IndentationTest) -> tuple[FloatArray, int]:
 def _apply_moving_average(values: FloatArray, width: int) -> FloatArray:
     if width < 2:
         return values
-    wide = np.pad(values, (width // 2, width - 1 - width // 2), mode="edge")
-    return np.convolve(wide, np.full(width, 1 / width), mode="valid")
+    padded = np.pad(values, (width // 2, width - 1 - width // 2), mode="edge")
+    return np.convolve(padded, np.full(width, 1 / width), mode="valid")
 
 
-def _runs(inside: np.ndarray) -> list[tuple[int, int]]:
+def _runs(mask: np.ndarray) -> list[tuple[int, int]]:
     """First and one past the last of each run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], inside, [False])).astype(int)))
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(int)))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]

@@ -39,7 +39,7 @@ def read_indentation(
         If the file cannot be read, or leaves open which column is what or in which unit.
     """
     with channels.open_file(path, options) as file:
-        assignment, noted = channels.find_optional_column(file, "force")
+        assignment, notes = channels.find_optional_column(file, "force")
         # an acceleration beside a force is a hammer's, unless the file concerns an indenter
         kinds: list[FileKind] = ["indentation"] if assignment else ["indentation", "impact"]
         channels.expect(file, kinds, "the motion of an indenter is", stated_columns=_NAMED)
@@ -50,15 +50,17 @@ def read_indentation(
             else []
         )
         ticks = channels.chosen(file, channels.add_time_role(file))
-        chosen = channels.with_units(file, [*ticks, motion, *forces])
+        channels_chosen = channels.with_units(file, [*ticks, motion, *forces])
         channels.refuse_other_rate(file)
-        rows, gaps = channels.select_complete_rows(channels.load_test(file, chosen, least=16))
-        values = channels.convert_signals_to_si(rows, chosen)
+        rows, gaps = channels.select_complete_rows(
+            channels.load_test(file, channels_chosen, min_count=16)
+        )
+        values = channels.convert_signals_to_si(rows, channels_chosen)
         rate = file.options.rate
         time = np.arange(len(rows)) / rate if rate else values["time"]
-        _refuse_sizes(file, chosen, time, float(np.abs(values[of]).max()))
+        _refuse_sizes(file, channels_chosen, time, float(np.abs(values[of]).max()))
         source = channels.source(
-            file, [c.message for c in chosen], [*file.table.notes, *gaps, *noted]
+            file, [c.message for c in channels_chosen], [*file.table.notes, *gaps, *notes]
         )
         return IndentationTest(
             time, values[of], of, indenter or Indenter(),
@@ -68,8 +70,8 @@ def read_indentation(
 
 def _motion(file: OpenedFile) -> tuple[RoleAssignment, Motion]:
     """Return the column that is fitted, and what it is."""
-    named = [role for role in _NAMED if getattr(file.options, role)]
-    for role in named or _NAMED:
+    roles_named = [role for role in _NAMED if getattr(file.options, role)]
+    for role in roles_named or _NAMED:
         answer = (
             _acceleration(file) if role == "acceleration" else file.find_unambiguous_column(role)
         )
@@ -86,9 +88,9 @@ def _acceleration(file: OpenedFile) -> RoleAssignment | None:
     """Return the only acceleration, if there is one."""
     indices = accelerations(file.table, (), file.options)
     if len(indices) > 1:
-        listed = ", ".join(format_column(file.table.columns, i) for i in indices)
+        columns_text = ", ".join(format_column(file.table.columns, i) for i in indices)
         raise ReadError(
-            f"{listed} are accelerations, and one indenter has one; name it with "
+            f"{columns_text} are accelerations, and one indenter has one; name it with "
             "--column acceleration=NAME"
         )
     message = "its name or unit says acceleration"
@@ -96,11 +98,11 @@ def _acceleration(file: OpenedFile) -> RoleAssignment | None:
 
 
 def _refuse_sizes(
-    file: OpenedFile, chosen: list[Channel], time: np.ndarray, largest: float
+    file: OpenedFile, channels_chosen: list[Channel], time: np.ndarray, largest: float
 ) -> None:
     """Ask for the units again that make a size no indenter has."""
     requested = []
-    for channel in chosen:
+    for channel in channels_chosen:
         word = channel.unit.word
         if channel.role == "time":
             requested.append(

@@ -113,5 +113,5 @@ class RodModulus(EqualByValue):
 
     @property
     def usable(self) -> BoolArray:
-        """Which lines lie in the usable band."""
+        """Mask of the lines in the usable band."""
         return np.asarray((self.frequency >= self.band[0]) & (self.frequency <= self.band[1]))

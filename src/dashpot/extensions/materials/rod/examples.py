@@ -44,4 +44,4 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
         ),
     }
 )
-"""By their names."""
+"""Example files by their names."""

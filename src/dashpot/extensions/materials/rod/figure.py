@@ -31,10 +31,10 @@ def rod(modulus: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pict
         What the figure says of its origin.
     """
     f, usable = modulus.frequency, modulus.usable
-    near = usable if usable.any() else np.ones(len(f), dtype=bool)
-    low, high = float(f[near][0]), float(f[near][-1])
+    shown_lines = usable if usable.any() else np.ones(len(f), dtype=bool)
+    low, high = float(f[shown_lines][0]), float(f[shown_lines][-1])
     span = max(low / 1.3, float(f[0])), min(high * 1.3, float(f[-1]))
-    drawn = (f >= span[0]) & (f <= span[1])
+    is_drawn = (f >= span[0]) & (f <= span[1])
     rows = (
         (
             "storage modulus E′, MPa",
@@ -52,7 +52,7 @@ def rod(modulus: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pict
                 Span(span[0], low, "away", "not usable", True, 1.0),
                 Span(high, span[1], "away", hatched=True, tint=1.0),
             ]
-        x, y, e = f[drawn], value[drawn], error[drawn]
+        x, y, e = f[is_drawn], value[is_drawn], error[is_drawn]
         marks.append(Area(x, y - e, y + e, "ref", "error (1 SD)", tint=0.25))
         if fit is not None:
             omega = 2 * np.pi * dense
@@ -63,11 +63,11 @@ def rod(modulus: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pict
             )
             marks.append(Line(dense, values, FIT, "fit"))
         marks.append(Dots(x, y, "measured", "from the FRF"))
-        shown = (value - error)[near], (value + error)[near]
+        error_limits = (value - error)[shown_lines], (value + error)[shown_lines]
         panels.append(
             Panel(
                 Scale(FREQUENCY, span, log=True),
-                Scale(label, compute_padded_limits(*shown)),
+                Scale(label, compute_padded_limits(*error_limits)),
                 tuple(marks),
                 height=210,
             )

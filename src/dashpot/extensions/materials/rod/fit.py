@@ -65,24 +65,27 @@ def fit_rod(
         find_handler("fit complex modulus", "dma"), frequency, specimen=specimen
     )
     fit = fit_modulus(modulus, arms=arms, family=family)
-    here = get_parameter_values(fit)
-    if here is None:  # a dense spectrum has no errors of its own
+    parameters = get_parameter_values(fit)
+    if parameters is None:  # a dense spectrum has no errors of its own
         return fit
-    added = np.zeros_like(fit.covariance)
+    added_covariance = np.zeros_like(fit.covariance)
     for relative in lines.error_contributions:
         _, change = _average_lines(lines, lines.modulus * (1 + relative))
-        there = _fit_same_solid(fit, fit_modulus, change)
-        by = np.zeros(len(here)) if there is None else there - here
-        added += np.outer(by, by)
+        changed_fit = _fit_same_solid(fit, fit_modulus, change)
+        by = np.zeros(len(parameters)) if changed_fit is None else changed_fit - parameters
+        added_covariance += np.outer(by, by)
     scatter = np.diag(fit.covariance)
     # a profile knows the scatter alone
     profiles = [
         profile
         for profile in fit.estimate.profiles
         if profile.parameter in fit.estimate.parameters
-        and added[(i := fit.estimate.parameters.index(profile.parameter)), i] < scatter[i]
+        and added_covariance[(i := fit.estimate.parameters.index(profile.parameter)), i]
+        < scatter[i]
     ]
-    estimate = replace(fit.estimate, covariance=fit.covariance + added, profiles=tuple(profiles))
+    estimate = replace(
+        fit.estimate, covariance=fit.covariance + added_covariance, profiles=tuple(profiles)
+    )
     return replace(fit, estimate=estimate)
 
 
@@ -108,10 +111,10 @@ def _average_lines(lines: RodModulus, modulus: ComplexArray) -> tuple[FloatArray
     part = np.floor(_PER_OCTAVE * np.log2(lines.frequency / lines.frequency[0]))
     first = np.flatnonzero(np.diff(part, prepend=-1.0))
     # scatter and all lines' common errors together: a line of greater error says less
-    worth = (
+    weights = (
         (lines.storage / lines.storage_sd) ** 2 if lines.storage_sd.all() else np.ones_like(part)
     )
-    total = np.add.reduceat(worth, first)
-    frequency = np.add.reduceat(worth * lines.frequency, first) / total
-    mean = np.add.reduceat(np.asarray(worth * modulus, dtype=complex), first) / total
+    total = np.add.reduceat(weights, first)
+    frequency = np.add.reduceat(weights * lines.frequency, first) / total
+    mean = np.add.reduceat(np.asarray(weights * modulus, dtype=complex), first) / total
     return frequency, np.asarray(mean, dtype=complex)

@@ -32,7 +32,7 @@ from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import read_measured
 
 _LIGHTEST, _HEAVIEST = 5.0, 2e4
-"""Of a foam and of a metal, kg/m^3."""
+"""Density of a light foam and of a metal, kg/m^3."""
 _ERRORS = ("gain", "phase", "mass", "length", "area", "density", "poisson", "glue")
 _OF_THE_PLATEAU = frozenset({"plateau_determined", "curve_level_at_end"})
 """Checks of what lies below the band of a rod, whose answer is its modulus within."""
@@ -98,8 +98,10 @@ class Rod(HasVerdict, Serialisable):
     def checks(self) -> tuple[Check, ...]:
         """Checks of FRF, inversion and fit."""
         # of an FRF without coherence the lines themselves show how they scatter
-        seen = tuple(check for check in self.frf.checks if check.name != line_errors_stated.name)
-        checks = (*seen, *self.modulus.checks)
+        frf_checks = tuple(
+            check for check in self.frf.checks if check.name != line_errors_stated.name
+        )
+        checks = (*frf_checks, *self.modulus.checks)
         return checks if self.fit is None else self.fit.checks
 
     @property
@@ -127,8 +129,10 @@ class Rod(HasVerdict, Serialisable):
     def sensitivity(self) -> dict[str, FloatArray]:
         """Each as rows of the real and the imaginary part of d ln E*."""
         of = self.modulus
-        every = {name: getattr(of, f"by_{name}") for name in _ERRORS}
-        return {name: np.column_stack([item.real, item.imag]) for name, item in every.items()}
+        sensitivities = {name: getattr(of, f"by_{name}") for name in _ERRORS}
+        return {
+            name: np.column_stack([item.real, item.imag]) for name, item in sensitivities.items()
+        }
 
     @property
     def band(self) -> tuple[float, float] | None:
@@ -143,7 +147,7 @@ def rod_files(
     band: tuple[float, float] | None = None,
     hammer: HammerChoices | None = None,
     options: ReadOptions | None = None,
-    **asked: Any,
+    **modulus_options: Any,
 ) -> Rod:
     """Find the modulus of a rod's material from the motion of the mass on it.
 
@@ -154,14 +158,14 @@ def rod_files(
         on the mass.
     hammer, options
         How the files are read.
-    mass, band, asked
+    mass, band, modulus_options
         As of :func:`rod_under`.
     """
     _, frf = read_measured(
         files, choices=hammer or HammerChoices(), options=options or ReadOptions(), mass=mass,
         band=band,
     )  # fmt: skip
-    return rod_under(frf, mass=mass, band=band, **asked)
+    return rod_under(frf, mass=mass, band=band, **modulus_options)
 
 
 def rod_under(

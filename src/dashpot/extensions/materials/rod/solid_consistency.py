@@ -22,7 +22,7 @@ from dashpot.extensions.materials.rod.datamodel import RodModulus
 from dashpot.numerics.nonnegative_least_squares import solve_linear
 
 _PER_DECADE, _BEYOND = 12, 30.0
-"""Of relaxation times, and how many bands beyond the lines they go."""
+"""Relaxation times of a decade, and factor of their range beyond the lines."""
 _FEW = 8
 
 
@@ -52,10 +52,10 @@ def compute_single_model_misfit(lines: RodModulus, scatter: FloatArray) -> float
         np.eye(size, columns.shape[1] + size, columns.shape[1]),
     ))  # fmt: skip
     y = np.concatenate((_parts(np.asarray(E * weight)), np.zeros(size)))
-    must = np.arange(A.shape[1]) < columns.shape[1]
-    beta, _ = solve_linear(A, y, must)
+    is_nonnegative = np.arange(A.shape[1]) < columns.shape[1]
+    beta, _ = solve_linear(A, y, is_nonnegative)
     residual = y - A @ beta
-    free = len(y) - size - int(np.count_nonzero(beta[must]))
+    free = len(y) - size - int(np.count_nonzero(beta[is_nonnegative]))
     return float(residual @ residual) / max(free, 1)
 
 

@@ -11,20 +11,22 @@ from dashpot.text_output.results import format_error_sensitivity, hertz
 _ROWS = 8
 """Lines of a rod that are shown."""
 _ERRORS = ("phase", "gain")
-"""Of the test, what small ones do to every line."""
+"""Errors of the test whose effect on every line is listed."""
 
 
 def rod(rod: Rod) -> Text:
     """Return the modulus of a rod over its usable band, its errors, and the fitted model."""
     of, factor = rod.modulus, rod.part.factor(bonded=rod.bonded)
     stiffer = factor * rod.part.height / rod.part.area
-    ends = f"bonded, so {stiffer:.4g} times as stiff as its material" if rod.bonded else "sliding"
+    ends_text = (
+        f"bonded, so {stiffer:.4g} times as stiff as its material" if rod.bonded else "sliding"
+    )
     lines = [
         (
             f"a rod of {format_quantity(rod.own_mass, 'g')} under "
             f"{format_quantity(rod.mass, 'g')} "
             f"({rod.mass / rod.own_mass:.3g} times its own), shape factor "
-            f"{rod.part.shape_factor:.3g}: its ends are {ends}"
+            f"{rod.part.shape_factor:.3g}: its ends are {ends_text}"
         )
     ]
     lines.append(
@@ -41,5 +43,5 @@ def rod(rod: Rod) -> Text:
     return Text([*lines, *fitted.lines], [*fitted.details, *details])
 
 
-def _lines(rod: Rod, shown: int, errors: tuple[str, ...] = _ERRORS) -> list[str]:
-    return format_error_sensitivity(rod.modulus, errors=errors, unit="Pa", shown=shown)
+def _lines(rod: Rod, lines_shown: int, errors: tuple[str, ...] = _ERRORS) -> list[str]:
+    return format_error_sensitivity(rod.modulus, errors=errors, unit="Pa", line_count=lines_shown)

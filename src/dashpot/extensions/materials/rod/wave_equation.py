@@ -58,7 +58,7 @@ _TURNS = 3
 _GOOD = 0.1
 """Error of storage and of loss factor in the band that is called usable."""
 _POISSON_ERROR, _HIGHEST_POISSON = 0.0007, 0.4999
-"""How far Poisson's ratio of a rubber is not known, and its upper end."""
+"""Uncertainty of Poisson's ratio of a rubber, and its largest value."""
 
 
 def rod_transmissibility(
@@ -120,8 +120,8 @@ def rod_modulus(
     # a sensor between both ends is not seen at rest
     checks = []
     if over_base and not relative_sensor:
-        modulus, seen = _remove_sensor_offset(modulus, measured, rod)
-        checks = [seen]
+        modulus, corrected_frf = _remove_sensor_offset(modulus, measured, rod)
+        checks = [corrected_frf]
     return replace(modulus, checks=(*modulus.checks, mass_ratio_suitable(rod.ratio), *checks))
 
 
@@ -140,31 +140,31 @@ def _remove_sensor_offset(
     modulus: RodModulus, measured: FRF, rod: _Setup
 ) -> tuple[RodModulus, Check]:
     """Return the modulus corrected for gain and phase of the sensors, and these."""
-    errors, whole = modulus.errors, 0j
+    errors, total_offset = modulus.errors, 0j
     values = max(errors.gain, _EXACT), max(errors.phase, _EXACT)
     seen_first = _estimate_rest_offset(modulus, measured, rod.ratio)
     if seen_first is None:
         return modulus, sensors_agree(None, 0.0, values=values)
-    off, error = seen_first
+    log_offset, error = seen_first
     values = float(np.hypot(values[0], error.real)), float(np.hypot(values[1], error.imag))
     gain = min(errors.gain, float(np.hypot(_GAIN_LEFT, error.real)))
     phase = min(errors.phase, float(np.hypot(_PHASE_LEFT, error.imag)))
     # who calibrated them as well knows as much
     by_gain, by_phase = gain < errors.gain, phase < errors.phase
     if not (by_gain or by_phase):
-        return modulus, sensors_agree(off.real, off.imag, values=values)
+        return modulus, sensors_agree(log_offset.real, log_offset.imag, values=values)
     rod_errors = replace(errors, gain=gain, phase=phase)
     for _ in range(_TURNS):  # it moves the modulus, and so what is expected at rest
-        whole += complex(by_gain * off.real, by_phase * off.imag)
-        seen = replace(measured, value=measured.value * np.exp(-whole))
-        modulus = _invert_lines(seen, rod, rod_errors, relative_sensor=False)
-        again = _estimate_rest_offset(modulus, seen, rod.ratio)
-        if again is None:
-            off = 0j
+        total_offset += complex(by_gain * log_offset.real, by_phase * log_offset.imag)
+        corrected_frf = replace(measured, value=measured.value * np.exp(-total_offset))
+        modulus = _invert_lines(corrected_frf, rod, rod_errors, relative_sensor=False)
+        remaining_offset = _estimate_rest_offset(modulus, corrected_frf, rod.ratio)
+        if remaining_offset is None:
+            log_offset = 0j
             break
-        off, _ = again
-    whole += off
-    return modulus, sensors_agree(whole.real, whole.imag, values=values)
+        log_offset, _ = remaining_offset
+    total_offset += log_offset
+    return modulus, sensors_agree(total_offset.real, total_offset.imag, values=values)
 
 
 def _compute_bonded_slopes(part: Disc | Block) -> tuple[float, float]:
@@ -178,9 +178,11 @@ def _compute_bonded_slopes(part: Disc | Block) -> tuple[float, float]:
         return float(np.log(factors[0] / factors[1]) / difference)
 
     step, nu = 1e-4, min(part.poisson, _HIGHEST_POISSON - _POISSON_ERROR)
-    tall, flat = (replace(part, height=part.height * np.exp(by)) for by in (step, -step))
-    stiff, soft = (replace(part, poisson=nu + by) for by in (_POISSON_ERROR, -_POISSON_ERROR))
-    return compute_slope(tall, flat, 2 * step), compute_slope(stiff, soft, 2 * _POISSON_ERROR)
+    taller, shorter = (replace(part, height=part.height * np.exp(by)) for by in (step, -step))
+    stiffer, soft = (replace(part, poisson=nu + by) for by in (_POISSON_ERROR, -_POISSON_ERROR))
+    return compute_slope(taller, shorter, 2 * step), compute_slope(
+        stiffer, soft, 2 * _POISSON_ERROR
+    )
 
 
 def _invert_lines(
@@ -204,10 +206,10 @@ def _invert_lines(
     # F / (m omega^2) falls as the rod grows heavier; 1/T does not know its mass
     values = np.zeros_like(y) if over_base else relative
     # of a sensor between both ends the gain is that of T - 1
-    gained = relative * (1 - y) if relative_sensor else relative
+    relative_gain = relative * (1 - y) if relative_sensor else relative
     sensitivity = {
-        "by_gain": gained,
-        "by_phase": 1j * gained,
+        "by_gain": relative_gain,
+        "by_phase": 1j * relative_gain,
         "by_mass": heavy,
         "by_length": 2 - steep - heavy + values,
         "by_area": steep / 2 - heavy + values,
@@ -217,21 +219,23 @@ def _invert_lines(
         * E
         / np.abs(E.real),
     }
-    spread = [getattr(errors, name.removeprefix("by_")) * d for name, d in sensitivity.items()]
+    relative_errors = [
+        getattr(errors, name.removeprefix("by_")) * d for name, d in sensitivity.items()
+    ]
     random = measured.random_sd
     if random is None:
         part_of: ComplexArray = _scatter(np.log(E)).astype(complex)
     else:
         part_of = random / np.abs(measured.value) * relative
-    spread += [part_of, 1j * part_of]
-    none = np.zeros(len(E))
+    relative_errors += [part_of, 1j * part_of]
+    zeros = np.zeros(len(E))
     modulus = RodModulus(
         measured.frequency, E, w, **sensitivity,
-        storage_sd=none, loss_factor_sd=none, band=(np.nan, np.nan), checks=(), errors=errors,
+        storage_sd=zeros, loss_factor_sd=zeros, band=(np.nan, np.nan), checks=(), errors=errors,
     )  # fmt: skip
     response = np.abs(measured.value if over_base else 1 / measured.value)
     modulus = _estimate_errors_and_band(
-        modulus, spread, response, np.abs(w) / part.height**2 * _across(part)
+        modulus, relative_errors, response, np.abs(w) / part.height**2 * _across(part)
     )
     usable = modulus.usable
     scatter = np.hypot(np.abs(part_of), _EXACT * np.abs(relative))
@@ -260,20 +264,25 @@ def _compute_glue_sensitivity(
 
 
 def _estimate_errors_and_band(
-    modulus: RodModulus, spread: list[ComplexArray], response: FloatArray, bulging: FloatArray
+    modulus: RodModulus,
+    relative_errors: list[ComplexArray],
+    response: FloatArray,
+    bulging: FloatArray,
 ) -> RodModulus:
     """Return the modulus with its errors, its usable band and its checks."""
     E, storage, loss = modulus.modulus, modulus.storage, modulus.loss_factor
-    changes = [E * values for values in spread]
+    changes = [E * values for values in relative_errors]
     storage_sd = np.sqrt(sum(change.real**2 for change in changes))
     loss_sd = np.sqrt(
         sum(((change.imag - loss * change.real) / storage) ** 2 for change in changes)
     )
-    good = (storage_sd < _GOOD * np.abs(storage)) & (loss_sd < _GOOD * np.abs(loss)) & (storage > 0)
-    plane = good & (bulging <= PLANE)
+    is_usable = (
+        (storage_sd < _GOOD * np.abs(storage)) & (loss_sd < _GOOD * np.abs(loss)) & (storage > 0)
+    )
+    plane = is_usable & (bulging <= PLANE)
     if np.count_nonzero(plane) >= ROD_LINES:  # what is beyond is not the rod's wave equation
-        good = plane
-    band = _find_good_band(modulus.frequency, good, int(response.argmax()))
+        is_usable = plane
+    band = _find_good_band(modulus.frequency, is_usable, int(response.argmax()))
     modulus = replace(modulus, storage_sd=storage_sd, loss_factor_sd=loss_sd, band=band)
     widest = float(bulging[modulus.usable].max()) if modulus.usable.any() else None
     return replace(
@@ -300,9 +309,9 @@ def _estimate_rest_offset(
     # a modulus that falls towards rest as its loss there says: E* as f^(2 delta/pi)
     power = 2 - 2 / np.pi * float(np.angle(modulus.modulus[first]))
     expected, _, _ = _base(modulus.wave[first] * (f[low] / f[first]) ** power, ratio)
-    off = np.log(measured.value[low] * expected)
-    parts = np.stack([off.real, off.imag])
-    error = _MEDIAN * parts.std(axis=1, ddof=1) / np.sqrt(len(off))
+    log_offsets = np.log(measured.value[low] * expected)
+    parts = np.stack([log_offsets.real, log_offsets.imag])
+    error = _MEDIAN * parts.std(axis=1, ddof=1) / np.sqrt(len(log_offsets))
     return complex(*np.median(parts, axis=1)), complex(*error)
 
 
@@ -314,8 +323,8 @@ def _scatter(lines: ComplexArray) -> FloatArray:
     if len(lines) < 2 * _NEIGHBOURS:
         return np.zeros(len(lines))
     rough = np.abs(np.diff(lines, 2)) ** 2 / 12  # 1 + 4 + 1, in two parts
-    near = np.ones(_NEIGHBOURS)
-    mean = np.convolve(rough, near, "same") / np.convolve(np.ones_like(rough), near, "same")
+    kernel = np.ones(_NEIGHBOURS)
+    mean = np.convolve(rough, kernel, "same") / np.convolve(np.ones_like(rough), kernel, "same")
     return np.sqrt(np.pad(mean, 1, mode="edge"))
 
 
@@ -369,9 +378,9 @@ def _solve_line_roots(
             start = guess if i == peak else w[before] * (omega[i] / omega[before]) ** 2
             w[i] = _root(equation, complex(start), complex(y[i]), ratio)
             before = i if np.isfinite(w[i]) else before
-    lost = np.flatnonzero(~np.isfinite(w))
-    if np.isnan(w[peak]) or 2 * len(lost) > len(w):
-        line = omega[peak if np.isnan(w[peak]) else lost[0]] / (2 * np.pi)
+    failed_indices = np.flatnonzero(~np.isfinite(w))
+    if np.isnan(w[peak]) or 2 * len(failed_indices) > len(w):
+        line = omega[peak if np.isnan(w[peak]) else failed_indices[0]] / (2 * np.pi)
         raise DataError(
             f"no modulus explains the line at {line:.5g} Hz: expected the FRF of a mass on the "
             "rod. Check mass and density, or narrow the band (--band)"
@@ -389,12 +398,12 @@ def _root(equation: _Equation, w: complex, y: complex, ratio: float) -> complex:
     return complex(np.nan, np.nan)
 
 
-def _find_good_band(frequency: FloatArray, good: np.ndarray, peak: int) -> tuple[float, float]:
+def _find_good_band(frequency: FloatArray, is_usable: np.ndarray, peak: int) -> tuple[float, float]:
     """Return the run of good lines nearest to the peak."""
-    if not good.any():
+    if not is_usable.any():
         return np.nan, np.nan
-    at = int(np.flatnonzero(good)[np.abs(np.flatnonzero(good) - peak).argmin()])
-    bad = np.flatnonzero(~good)
-    low = int(bad[bad < at].max(initial=-1)) + 1
-    high = int(bad[bad > at].min(initial=len(good))) - 1
+    at = int(np.flatnonzero(is_usable)[np.abs(np.flatnonzero(is_usable) - peak).argmin()])
+    bad_indices = np.flatnonzero(~is_usable)
+    low = int(bad_indices[bad_indices < at].max(initial=-1)) + 1
+    high = int(bad_indices[bad_indices > at].min(initial=len(is_usable))) - 1
     return float(frequency[low]), float(frequency[high])

@@ -30,15 +30,15 @@ class Keyword:
 def parse_keywords(text: str) -> Iterator[Keyword]:
     """Yield the keywords of an Abaqus input; a keyword line that ends with a comma goes on."""
     current: Keyword | None = None
-    held = ""
+    pending_text = ""
     for raw in text.splitlines():
-        line = held + raw.strip()
-        held = ""
+        line = pending_text + raw.strip()
+        pending_text = ""
         if line.startswith("**") or not line:
             continue
         if line.startswith("*"):
             if line.endswith(","):
-                held = line
+                pending_text = line
                 continue
             if current is not None:
                 yield current
@@ -85,8 +85,8 @@ def read_abaqus_cards(text: str) -> tuple[ViscoelasticCard, ...]:
 
 
 def _read_material(name: str, keywords: Sequence[Keyword], zero: float | None) -> ViscoelasticCard:
-    found = {keyword.name: keyword for keyword in reversed(keywords)}
-    visco = found["VISCOELASTIC"]
+    keyword_by_name = {keyword.name: keyword for keyword in reversed(keywords)}
+    visco = keyword_by_name["VISCOELASTIC"]
     time = _squeeze(visco.parameters.get("TIME", ""))
     if time != "PRONY":
         form = ", ".join(f"{key}={value}" for key, value in visco.parameters.items())
@@ -108,8 +108,8 @@ def _read_material(name: str, keywords: Sequence[Keyword], zero: float | None) -
             )
         relative += [(g, tau)] * (g != 0)
         bulk += [(k, tau)] * (k != 0)
-    modulus, poisson, long_term, notes = _read_elasticity(name, found)
-    law, more = _read_shift(name, found.get("TRS"), zero)
+    modulus, poisson, long_term, notes = _read_elasticity(name, keyword_by_name)
+    law, shift_notes = _read_shift(name, keyword_by_name.get("TRS"), zero)
     card = ViscoelasticCard(
         name,
         "*VISCOELASTIC, TIME=PRONY",
@@ -119,7 +119,7 @@ def _read_material(name: str, keywords: Sequence[Keyword], zero: float | None) -
         poisson,
         long_term,
         law=law,
-        notes=(*notes, *more),
+        notes=(*notes, *shift_notes),
     )
     return card.add_notes(*card.format_poisson_note())
 
@@ -132,22 +132,27 @@ def _read_elasticity(
         keyword = keywords.get(word)
         if keyword is None:
             continue
-        where = f"*{word} of {name}"
+        keyword_text = f"*{word} of {name}"
         long_term = _squeeze(keyword.parameters.get("MODULI", "LONGTERM")) != "INSTANTANEOUS"
         if not keyword.rows or "TESTDATAINPUT" in keyword.parameters:
-            notes = [f"{where} has test data, of which no modulus is made: give --modulus"]
+            notes = [f"{keyword_text} has test data, of which no modulus is made: give --modulus"]
             return None, young_of_shear(1.0, 0.0)[1], False, notes
-        row = [parse_number(value or "0", where) for value in keyword.rows[0]]
-        notes = [f"{where}: its first row alone is read"] * (len(keyword.rows) > 1)
+        row = [parse_number(value or "0", keyword_text) for value in keyword.rows[0]]
+        notes = [f"{keyword_text}: its first row alone is read"] * (len(keyword.rows) > 1)
         if word == "ELASTIC":
             kind = _squeeze(keyword.parameters.get("TYPE", "ISOTROPIC"))
             if kind not in {"", "ISOTROPIC", "ISO"}:
-                return None, 0.4995, False, [f"{where}, TYPE={kind}, is not read: give --modulus"]
+                return (
+                    None,
+                    0.4995,
+                    False,
+                    [f"{keyword_text}, TYPE={kind}, is not read: give --modulus"],
+                )
             return row[0], (row[1] if len(row) > 1 else 0.0), long_term, notes
         shear = _read_shear_modulus(word, keyword, row)
         if shear is None:
             form = ", ".join(keyword.parameters)
-            return None, 0.4995, False, [f"{where}, {form}, is not read: give --modulus"]
+            return None, 0.4995, False, [f"{keyword_text}, {form}, is not read: give --modulus"]
         E, poisson = young_of_shear(*shear)
         return E, poisson, long_term, notes
     return None, 0.4995, False, []

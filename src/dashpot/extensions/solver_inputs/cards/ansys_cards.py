@@ -16,7 +16,7 @@ from dashpot.solids.shift_laws import GAS, WLF, Arrhenius, TemperatureLaw
 
 @dataclass
 class _Material:
-    """What commands said of one material: its elastic constants, and tables by name and option."""
+    """Elastic constants and tables of one material, by name and option."""
 
     elastic: dict[str, float] = field(default_factory=dict)
     tables: dict[tuple[str, str], list[float]] = field(default_factory=dict)
@@ -85,11 +85,11 @@ def _build_card(number: str, material: _Material) -> ViscoelasticCard:
         for (label, _), count in material.temperatures.items()
         if count > 1
     ]
-    modulus, poisson, more = _read_elasticity(number, material)
+    modulus, poisson, modulus_notes = _read_elasticity(number, material)
     law, shifts = _read_shift(number, material)
     card = ViscoelasticCard(
         number, "TB,PRONY", relative, bulk, modulus, poisson, law=law,
-        notes=(*notes, *more, *shifts),
+        notes=(*notes, *modulus_notes, *shifts),
     )  # fmt: skip
     return card.add_notes(*card.format_poisson_note())
 

@@ -128,22 +128,22 @@ class ViscoelasticCard:
         if not self.is_material or not self.relative:
             return ()
         g, k = (sum(share for share, _ in terms) for terms in (self.relative, self.bulk))
-        same = len(self.relative) == len(self.bulk) and np.allclose(
+        is_same_series = len(self.relative) == len(self.bulk) and np.allclose(
             np.array(self.relative), np.array(self.bulk), rtol=_CONSTANT
         )
-        if same or not self.poisson < 0.5:
+        if is_same_series or not self.poisson < 0.5:
             return ()
         # with K and G in units of E_0
         G = (1 - g) / (2 * (1 + self.poisson))
         K = (1 - k) / (3 * (1 - 2 * self.poisson))
         exact = 9 * K * G / (3 * K + G) if K > 0 else 0.0
-        off = exact - (1 - g)
-        if abs(off) < 1e-3:
+        difference = exact - (1 - g)
+        if abs(difference) < 1e-3:
             return ()
         note = (
             "shear and bulk relax differently: the relaxed Young's modulus is "
-            f"{100 * off:+.2g} % of the instantaneous one off, for Poisson's ratio is taken as "
-            f"{self.poisson:g} throughout"
+            f"{100 * difference:+.2g} % of the instantaneous one off, for Poisson's ratio is taken "
+            f"as {self.poisson:g} throughout"
         )
         return (note,)
 
@@ -152,7 +152,7 @@ class ViscoelasticCard:
         return replace(self, notes=(*self.notes, *notes))
 
 
-def parse_number(text: str, where: str) -> float:
+def parse_number(text: str, location: str) -> float:
     """Return a number as Fortran writes it: ``1.5+3``, ``1.D0``, ``-.2E-4``.
 
     Raises
@@ -169,7 +169,7 @@ def parse_number(text: str, where: str) -> float:
         return float(word)
     except ValueError:
         raise ReadError(
-            f"{where}: '{text.strip()}' is no number; write numbers in place of parameters"
+            f"{location}: '{text.strip()}' is no number; write numbers in place of parameters"
         ) from None
 
 

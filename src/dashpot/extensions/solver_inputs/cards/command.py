@@ -15,7 +15,7 @@ from dashpot.planning.plan_options import PlannedRamp
 
 _TEST = "Test"
 RELATIVE_NOISE = 0.002
-"""Of a material, whose forces have no size, where none is given."""
+"""Relative noise of a material without a stated one; its forces have no size."""
 
 
 @verb(
@@ -75,12 +75,12 @@ def command(
     system = unit_system(units)
     raw = open_raw(card)
     text = raw.head(raw.size).decode("utf-8", errors="replace")
-    chosen = select_card(read_cards(text, raw.name, system, component), name, raw.name)
-    if relative_noise is None and chosen.is_material:
+    selected_card = select_card(read_cards(text, raw.name, system, component), name, raw.name)
+    if relative_noise is None and selected_card.is_material:
         relative_noise = RELATIVE_NOISE
     terms = {field.name: getattr(planned, field.name) for field in fields(PlannedRamp)}
     result = import_card(
-        chosen, system, Source(raw.name, raw.sha256, reader=chosen.keyword),
+        selected_card, system, Source(raw.name, raw.sha256, reader=selected_card.keyword),
         test=Bench(**terms), relative_noise=relative_noise, modulus=modulus, specimen=specimen,
     )  # fmt: skip
     if output:

@@ -34,7 +34,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF
 
 METHOD = "card"
-"""Of a fit whose model is that of a card."""
+"""Method of a fit whose model is that of a card."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class ImportedModel(Serialisable):
 
     @property
     def verdict(self) -> Verdict:
-        """What to make of it."""
+        """Verdict on the imported model."""
         return verdict(self.checks, headline=self._headline)
 
 
@@ -145,16 +145,16 @@ def import_card(
     if model.arms:
         arms, band = find_testable_arms(model, bench)
     undetermined = sum(not arm.is_determined for arm in arms)
-    told = (
+    band_text = (
         "It could have determined damping nowhere"
         if band is None
         else (f"It could have determined the model {format_band(band)}")
     )
-    behind = test_behind_model(card.keyword)
-    checks: tuple[Check, ...] = (table_followed(error), behind)
-    fit = _build_fit(card, model, (behind,), source, specimen or Specimen())
+    model_check = test_behind_model(card.keyword)
+    checks: tuple[Check, ...] = (table_followed(error), model_check)
+    fit = _build_fit(card, model, (model_check,), source, specimen or Specimen())
     if arms:
-        checks = (arms_testable(undetermined, len(arms), told), *checks)
+        checks = (arms_testable(undetermined, len(arms), band_text), *checks)
     return ImportedModel(card.name, card.keyword, fit, bench, arms, band, card.notes, checks)
 
 
@@ -167,10 +167,12 @@ def _build_fit(
 ) -> Fit:
     shifts = None
     if card.law is not None:
-        none = Shift(card.law.reference, 0.0, 0.0)
+        no_shift = Shift(card.law.reference, 0.0, 0.0)
         names = ("c1", "c2") if isinstance(card.law, WLF) else ("energy",)
         exact = np.zeros((len(names), len(names)))
-        shifts = TemperatureShifts(card.law, (none,), np.zeros((2, 2)), names, exact, vertical="1")
+        shifts = TemperatureShifts(
+            card.law, (no_shift,), np.zeros((2, 2)), names, exact, vertical="1"
+        )
         specimen = replace(specimen, temperature=card.law.reference)
     step = Step(
         "import", (("keyword", card.keyword), ("card", card.name)), f"model of {card.keyword}"

@@ -130,8 +130,8 @@ def _read_network(
     for block in blocks:
         if block.name == "PART":
             for index in range(1, len(block.lines), 2):
-                pid, _, mid = [*block.fields(index), "", "", ""][:3]
-                materials[pid] = mid
+                pid, _, material_id = [*block.fields(index), "", "", ""][:3]
+                materials[pid] = material_id
     pairs: dict[tuple[str, str, str], list[str]] = {}
     for block in blocks:
         if block.name == "ELEMENT_DISCRETE":
@@ -141,16 +141,16 @@ def _read_network(
                     pairs.setdefault((a, b, vector), []).append(materials[pid])
     if not pairs:
         return tuple(
-            _build_network(f"material {mid}", [item])
-            for mid, item in springs.items()
+            _build_network(f"material {material_id}", [item])
+            for material_id, item in springs.items()
             if "MAXWELL" in item[0] or item[0] == "MAT_S06"
         )
-    named: dict[tuple[GeneralizedMaxwell | None, str], ViscoelasticCard] = {}
+    cards_by_key: dict[tuple[GeneralizedMaxwell | None, str], ViscoelasticCard] = {}
     for (a, b, vector), mids in pairs.items():
-        card = _build_network(f"nodes {a} and {b}", [springs[mid] for mid in mids])
+        card = _build_network(f"nodes {a} and {b}", [springs[material_id] for material_id in mids])
         # many stations of one line have the same springs
-        named.setdefault((card.spring, vector), card)
-    return tuple(named.values())
+        cards_by_key.setdefault((card.spring, vector), card)
+    return tuple(cards_by_key.values())
 
 
 def _build_network(name: str, items: list[tuple[str, list[float]]]) -> ViscoelasticCard:

@@ -24,22 +24,22 @@ Entry = tuple[str, list[str]]
 def parse_bulk_data(text: str) -> Iterator[Entry]:
     """Yield the entries of bulk data in free, small (8 columns) and large (16 columns) field."""
     current: Entry | None = None
-    half = False
+    is_half_line = False
     for raw in text.splitlines():
         line = raw.partition("$")[0].rstrip().expandtabs(8)
         if not line:
             continue
-        head, fields, large = _split_line(line)
+        head, fields, is_large_field = _split_line(line)
         is_continuation = not head or head[0] in "+*"
         if is_continuation and current is not None:
-            if not (large and half):
+            if not (is_large_field and is_half_line):
                 _pad_to_eight(current[1])
             current[1].extend(fields)
-            half = large and not half
+            is_half_line = is_large_field and not is_half_line
             continue
         if current is not None:
             yield current
-        current, half = (head.rstrip("*").upper(), fields), large
+        current, is_half_line = (head.rstrip("*").upper(), fields), is_large_field
     if current is not None:
         yield current
 
@@ -48,14 +48,14 @@ def _split_line(line: str) -> tuple[str, list[str], bool]:
     """Return the first field of a line, the data fields, and whether it is of large field."""
     if "," in line:
         head, *fields = [word.strip() for word in line.split(",")]
-        large = "*" in head
-        count = 4 if large else 8
-        return head, (fields + [""] * count)[:count], large
+        is_large_field = "*" in head
+        count = 4 if is_large_field else 8
+        return head, (fields + [""] * count)[:count], is_large_field
     head = line[:8].strip()
-    large = "*" in head
-    width, count = (16, 4) if large else (8, 8)
+    is_large_field = "*" in head
+    width, count = (16, 4) if is_large_field else (8, 8)
     body = line[8:].ljust(width * count)
-    return head, [body[i * width : (i + 1) * width].strip() for i in range(count)], large
+    return head, [body[i * width : (i + 1) * width].strip() for i in range(count)], is_large_field
 
 
 def _pad_to_eight(fields: list[str]) -> None:
@@ -132,38 +132,40 @@ def _read_bush(
     units: UnitSystem,
     component: int | None,
 ) -> ViscoelasticCard:
-    where = f"PBUSH {pid}"
-    stiff = rows.get("K", [""] * 6)
-    listed = [i for i, word in enumerate(stiff, start=1) if word]
-    at = (component or (listed or [1])[0]) - 1
-    notes = [f"{where}: component {at + 1} alone is read, of {listed}"] * (len(listed) > 1)
+    entry_text = f"PBUSH {pid}"
+    stiffness_fields = rows.get("K", [""] * 6)
+    stiffness_components = [i for i, word in enumerate(stiffness_fields, start=1) if word]
+    at = (component or (stiffness_components or [1])[0]) - 1
+    notes = [f"{entry_text}: component {at + 1} alone is read, of {stiffness_components}"] * (
+        len(stiffness_components) > 1
+    )
     notes += [f"PBUSHT {pid}: the force over deflection (KN) is not read"] * ("KN" in tabled)
 
     def constant(flag: str) -> float:
         word = rows.get(flag, [""] * 6)[at] or (rows.get(flag, [""])[0] if flag == "GE" else "")
-        return parse_number(word or "0", where)
+        return parse_number(word or "0", entry_text)
 
-    used = {
+    used_tables = {
         flag: tables.get(tid, f"TABLED1 {tid} is missing")
         for flag in ("K", "B", "GE")
         if (tid := tabled.get(flag, [""] * 6)[at])
     }
-    for table in used.values():
+    for table in used_tables.values():
         if isinstance(table, str):
             raise ReadError(f"PBUSHT {pid}: {table}")
     K, B, GE = (constant(flag) for flag in ("K", "B", "GE"))
-    if not used:
+    if not used_tables:
         if GE:
             raise ReadError(
-                f"{where} has structural damping GE = {GE:g} at all frequencies, which no springs "
-                "and dashpots have; expected tables (PBUSHT), or B"
+                f"{entry_text} has structural damping GE = {GE:g} at all frequencies, which no "
+                "springs and dashpots have; expected tables (PBUSHT), or B"
             )
         return ViscoelasticCard(pid, "PBUSH", spring=GeneralizedMaxwell(K, b=B), notes=tuple(notes))
-    f = np.unique(np.concatenate([table[0] for table in used.values() if table[0].size]))  # type: ignore[union-attr]
+    f = np.unique(np.concatenate([table[0] for table in used_tables.values() if table[0].size]))  # type: ignore[union-attr]
     f = f[f > 0]
 
     def column(flag: str, value: float) -> FloatArray:
-        table = used.get(flag)
+        table = used_tables.get(flag)
         if table is None:
             return np.full(len(f), value)
         return np.interp(f, table[0], table[1])  # type: ignore[arg-type]
@@ -179,15 +181,17 @@ def _read_bush(
 
 def _read_material(name: str, fields: list[str], elastic: dict[str, list[str]]) -> ViscoelasticCard:
     """Return a MATVE: relative moduli of OptiStruct (PRONY), moduli of MSC (ISO, ISO1, LINEAR)."""
-    mid, model = fields[0], fields[1].upper()
-    where = f"{name} {mid}"
-    E, poisson = _read_mat1(elastic.get(mid), where)
+    material_id, model = fields[0], fields[1].upper()
+    entry_text = f"{name} {material_id}"
+    E, poisson = _read_mat1(elastic.get(material_id), entry_text)
     if model == "PRONY":
         words = [fields[2:6], *[fields[i : i + 2] for i in range(8, len(fields), 2)]]
         pairs = [words[0][:2], *words[1:5]], [words[0][2:4], *words[5:9]]
-        shear, bulk = (_list_pairs(group, where) for group in pairs)
-        taken = f"{where}: its ratios are taken as parts of the instantaneous modulus"
-        card = ViscoelasticCard(mid, f"{name}, PRONY", shear, bulk, E, poisson, notes=(taken,))
+        shear, bulk = (_list_pairs(group, entry_text) for group in pairs)
+        ratio_note = f"{entry_text}: its ratios are taken as parts of the instantaneous modulus"
+        card = ViscoelasticCard(
+            material_id, f"{name}, PRONY", shear, bulk, E, poisson, notes=(ratio_note,)
+        )
         return card.add_notes(*card.format_poisson_note())
     if model in {"ISO1", "LINEAR", ""}:
         words = [fields[i : i + 4] for i in range(8, len(fields), 8)]
@@ -197,37 +201,42 @@ def _read_material(name: str, fields: list[str], elastic: dict[str, list[str]]) 
         groups = [fields[4:6], *pairs_of_line[:4]], [fields[6:8], *pairs_of_line[4:8]]
     else:
         raise ReadError(
-            f"{where} of the model {model} is not read; expected PRONY (OptiStruct), ISO or ISO1"
+            f"{entry_text} of the model {model} is not read; expected PRONY (OptiStruct), ISO or "
+            "ISO1"
         )
     if E is None:
         raise ReadError(
-            f"{where} holds moduli, and MAT1 {mid} with the instantaneous one is missing"
+            f"{entry_text} holds moduli, and MAT1 {material_id} with the instantaneous one is "
+            "missing"
         )
     G_0, K_0 = E / (2 * (1 + poisson)), E / (3 * (1 - 2 * poisson)) if poisson < 0.5 else 0.0
-    shear = tuple((G / G_0, tau) for G, tau in _list_pairs(groups[0], where))
-    bulk = tuple((K / K_0, tau) for K, tau in _list_pairs(groups[1], where)) if K_0 else ()
-    card = ViscoelasticCard(mid, f"{name}, {model or 'ISO1'}", shear, bulk, E, poisson)
+    shear = tuple((G / G_0, tau) for G, tau in _list_pairs(groups[0], entry_text))
+    bulk = tuple((K / K_0, tau) for K, tau in _list_pairs(groups[1], entry_text)) if K_0 else ()
+    card = ViscoelasticCard(material_id, f"{name}, {model or 'ISO1'}", shear, bulk, E, poisson)
     return card.add_notes(*card.format_poisson_note())
 
 
-def _list_pairs(groups: Sequence[Sequence[str]], where: str) -> tuple[tuple[float, float], ...]:
+def _list_pairs(
+    groups: Sequence[Sequence[str]], entry_text: str
+) -> tuple[tuple[float, float], ...]:
     pairs = []
     for group in groups:
         value, time = ([*group, "", ""])[:2]
         if value:
-            pairs.append((parse_number(value, where), parse_number(time or "0", where)))
+            pairs.append((parse_number(value, entry_text), parse_number(time or "0", entry_text)))
     for share, tau in pairs:
         if not tau > 0:
-            raise ReadError(f"{where}: the time of {share:g} is {tau:g}; expected one > 0")
+            raise ReadError(f"{entry_text}: the time of {share:g} is {tau:g}; expected one > 0")
     return tuple(pairs)
 
 
-def _read_mat1(fields: Sequence[str] | None, where: str) -> tuple[float | None, float]:
+def _read_mat1(fields: Sequence[str] | None, entry_text: str) -> tuple[float | None, float]:
     """Return Young's modulus and Poisson's ratio of a MAT1: E, G, NU, of which two suffice."""
     if fields is None:
         return None, RUBBER
     E, G, nu = (
-        parse_number(word, f"MAT1 of {where}") if word else None for word in (*fields, "", "")[1:4]
+        parse_number(word, f"MAT1 of {entry_text}") if word else None
+        for word in (*fields, "", "")[1:4]
     )
     if nu is None:
         nu = E / (2 * G) - 1 if E is not None and G else RUBBER

@@ -20,7 +20,7 @@ _DIALECTS = {
     "nastran": r"(?mi)^(PBUSHT?|MATF?VE|CBUSH|MAT1)\b",
     "radioss": r"(?mi)^/(VISC|MAT)/",
 }
-"""What a file of each solver has at the beginning of a line."""
+"""Pattern of a line in a file of each solver."""
 READ = (
     "*VISCOELASTIC, TIME=PRONY and *TRS (Abaqus), PBUSH, PBUSHT and MATVE (Nastran, OptiStruct), "
     "TB,PRONY (Ansys), *MAT_GENERAL_VISCOELASTIC, *MAT_VISCOELASTIC and *MAT_SPRING_MAXWELL "
@@ -47,7 +47,9 @@ def read_cards(
     ReadError
         If there is none, or one is of a form that is not read.
     """
-    dialect = next((word for word, mark in _DIALECTS.items() if re.search(mark, text)), "")
+    dialect = next(
+        (word for word, signature in _DIALECTS.items() if re.search(signature, text)), ""
+    )
     if dialect == "radioss":
         raise ReadError(
             f"{name}: /VISC/PRONY of Radioss is not read; it has no long-term modulus. These are: "
@@ -70,7 +72,7 @@ def read_cards(
 
 
 def select_card(
-    cards: Sequence[ViscoelasticCard], wanted: str | None, name: str
+    cards: Sequence[ViscoelasticCard], requested_name: str | None, name: str
 ) -> ViscoelasticCard:
     """Return the card of a name, or the only one.
 
@@ -79,15 +81,15 @@ def select_card(
     ReadError
         If there are several and none is named, or no card has the name.
     """
-    named = [
-        card for card in cards if wanted is None or wanted.lower() in
+    matching_cards = [
+        card for card in cards if requested_name is None or requested_name.lower() in
         {card.name.lower(), card.name.lower().rpartition(" ")[2]}
     ]  # fmt: skip
-    if len(named) == 1:
-        return named[0]
-    listed = ", ".join(f"'{card.name}' ({card.keyword})" for card in cards)
-    if not named:
-        raise ReadError(f"{name} has no card '{wanted}'; it has {listed}")
+    if len(matching_cards) == 1:
+        return matching_cards[0]
+    cards_text = ", ".join(f"'{card.name}' ({card.keyword})" for card in cards)
+    if not matching_cards:
+        raise ReadError(f"{name} has no card '{requested_name}'; it has {cards_text}")
     raise ReadError(
-        f"{name} has {len(cards)} cards: {listed}. Name one, such as --card {cards[0].name!r}"
+        f"{name} has {len(cards)} cards: {cards_text}. Name one, such as --card {cards[0].name!r}"
     )

@@ -66,9 +66,11 @@ def find_testable_arms(
     sd = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     k, tau = np.asarray(model.k), np.asarray(model.tau)
     k_sd, tau_sd = sd[1 : 1 + n] / k, sd[1 + n : 1 + 2 * n]
-    sure = is_well_determined(np.ones(n), k_sd, tau_sd)
+    is_testable = is_well_determined(np.ones(n), k_sd, tau_sd)
     arms = tuple(
-        TestableArm(float(k[j]), float(tau[j]), float(k_sd[j]), float(tau_sd[j]), bool(sure[j]))
+        TestableArm(
+            float(k[j]), float(tau[j]), float(k_sd[j]), float(tau_sd[j]), bool(is_testable[j])
+        )
         for j in range(n)
     )
     known_part = covariance[: 1 + 2 * n, : 1 + 2 * n]
@@ -114,13 +116,13 @@ def _find_known_band(
     )
     loss_factor = K.imag / K.real
     factor_sd = (1 + loss_factor**2) / np.maximum(loss_factor, 1e-300) * angle
-    known = (NORMAL * size <= STIFFNESS) & (NORMAL * factor_sd <= LOSS_FACTOR)
+    is_known = (NORMAL * size <= STIFFNESS) & (NORMAL * factor_sd <= LOSS_FACTOR)
     best: tuple[int, int] | None = None
     start = None
-    for i, sure in enumerate([*known.tolist(), False]):
-        if sure and start is None:
+    for i, is_known_line in enumerate([*is_known.tolist(), False]):
+        if is_known_line and start is None:
             start = i
-        elif not sure and start is not None:
+        elif not is_known_line and start is not None:
             if best is None or i - start > best[1] - best[0]:
                 best = start, i
             start = None

@@ -33,11 +33,11 @@ def render_imported_model(result: ImportedModel) -> Text:
                 )
             )
         lines += table(rows)
-        told = "nowhere" if result.testable_band is None else format_band(result.testable_band)
+        band_text = "nowhere" if result.testable_band is None else format_band(result.testable_band)
         motion = f"ramp {test.ramp_time:.4g} s, hold {test.hold_time:.4g} s, {test.rate:.4g} Hz"
         lines += [
             f"  test        {motion}, noise {_format_noise(result)}",
-            f"  known       stiffness to 10 %, loss factor to 30 % {told}",
+            f"  known       stiffness to 10 %, loss factor to 30 % {band_text}",
         ]
     return Text([*lines, *(f"  note        {note}" for note in result.notes)])
 

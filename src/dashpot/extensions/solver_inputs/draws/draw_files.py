@@ -106,9 +106,9 @@ def export_draws(
         raise ExportError("--draws writes several files; name the first: -o FILE")
     if mass is None:
         raise ExportError("--draws needs the mass on the seals, whose peak the index lists: --mass")
-    own = {name: value for name, value in choices.items() if name not in OWN}
+    draw_options = {name: value for name, value in choices.items() if name not in OWN}
     if not uses_argument(target, "mass"):
-        del own["mass"]
+        del draw_options["mass"]
     count, seed = choices["draws"], choices["seed"] or 0
     path = Path(output)
     files = [
@@ -117,41 +117,41 @@ def export_draws(
     ]
     index = path.with_name(f"{path.stem}_draws.csv")
     claim_outputs([*files, index])
-    base = deck_for(target, fit, **own)
+    base = deck_for(target, fit, **draw_options)
     peak_of = _PeakFinder(mass, choices["seals"], choices["compression"], choices["temperature"])
     peak = peak_of(fit)
     times = choose_unresolved_times(fit, peak.frequency)
     records = ramp_holds(prepared_files([choices["record"]])) if choices["record"] else ()
     if records:
         refuse_unfitted_tests(records, fit)
-    drawn = draw_solids(fit, count, seed=seed, records=records, times=times)
-    fits = [replace_solid(fit, draw, count=count, seed=seed) for draw in drawn]
-    peaks = [peak_of(each) for each in fits]
+    solids_drawn = draw_solids(fit, count, seed=seed, records=records, times=times)
+    fits = [replace_solid(fit, draw, count=count, seed=seed) for draw in solids_drawn]
+    peaks = [peak_of(fit_drawn) for fit_drawn in fits]
     check = unresolved_arm_drawn(int(times is not None), peak.frequency, has_record=bool(records))
     write_output(output, base.file_content)
-    for file, each in zip(files, fits, strict=True):
-        write_output(file, deck_for(target, each, **own).file_content)
+    for file, fit_drawn in zip(files, fits, strict=True):
+        write_output(file, deck_for(target, fit_drawn, **draw_options).file_content)
     table = format_index(
         unit_system(choices["units"]),
         [
             (path.name, None, fit, peak),
-            *zip([file.name for file in files], drawn, fits, peaks, strict=True),
+            *zip([file.name for file in files], solids_drawn, fits, peaks, strict=True),
         ],
     )
     write_output(index, table)
-    for mark in base.overrides:
-        to_stderr(f"OVERRIDE: {mark}")
-    logs = np.log([(each.frequency, each.damping_ratio) for each in peaks])
+    for override in base.overrides:
+        to_stderr(f"OVERRIDE: {override}")
+    logs = np.log([(peak.frequency, peak.damping_ratio) for peak in peaks])
     frequency_sd, damping_sd = (float(sd) for sd in logs.std(axis=0, ddof=1))
     result = Draws(
         target, output, tuple(map(str, files)), str(index), seed, peak.frequency,
         peak.damping_ratio, frequency_sd, damping_sd,
     )  # fmt: skip
     checks: tuple[Check, ...] = (*base.checks, check)
-    low, high = (pick(each.frequency for each in peaks) for pick in (min, max))
-    least, most = (pick(each.damping_ratio for each in peaks) for pick in (min, max))
+    low, high = (choose(peak.frequency for peak in peaks) for choose in (min, max))
+    lowest, highest = (choose(peak.damping_ratio for peak in peaks) for choose in (min, max))
     frequencies = f"{peak.frequency:.5g} Hz, {low:.4g} to {high:.4g} Hz"
-    damping = f"{peak.damping_ratio:.3g}, {least:.3g} to {most:.3g}"
+    damping = f"{peak.damping_ratio:.3g}, {lowest:.3g} to {highest:.3g}"
     lines = [
         f"{count} draws for {target}, seed {seed}: {files[0]} to {files[-1].name}",
         f"  peak           {frequencies}; {_format_spread(frequency_sd)}",

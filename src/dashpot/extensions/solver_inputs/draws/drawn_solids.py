@@ -113,9 +113,9 @@ def draw_solids(
         )
     widest = UNKNOWN * np.where([name.startswith("ln") for name in names], 1.0, np.abs(mean))
     variance = np.diag(covariance)
-    lost = ~np.isfinite(variance) | (variance > widest**2)
-    covariance[lost, :] = covariance[:, lost] = 0.0
-    covariance[lost, lost] = widest[lost] ** 2
+    is_undetermined = ~np.isfinite(variance) | (variance > widest**2)
+    covariance[is_undetermined, :] = covariance[:, is_undetermined] = 0.0
+    covariance[is_undetermined, is_undetermined] = widest[is_undetermined] ** 2
     normal = draw_standard_normal(count, len(names) + 2, seed)
     values = mean + normal[:, :-2] @ compute_covariance_root(covariance)
     if times is None or not records:
@@ -167,7 +167,7 @@ class _Sensitivities:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the target, the columns of the fit's parameters, and of arms at other times."""
         log_tau, n = np.log([*model.tau, *tau]), model.arms
-        targets, columns, others = [], [], []
+        targets, columns, other_columns = [], [], []
         for data in self.data:
             rows = data.rows(log_tau)
             parts = [rows.spring[:, None], rows.arms[:, :n], rows.slopes[:, :n] * model.k]
@@ -175,8 +175,8 @@ class _Sensitivities:
                 parts.append(rows.dashpot[:, None])
             targets.append(rows.target - model.b * rows.dashpot * ("b" not in self.names))
             columns.append(np.hstack(parts))
-            others.append(rows.arms[:, n:])
-        return np.concatenate(targets), np.vstack(columns), np.vstack(others)
+            other_columns.append(rows.arms[:, n:])
+        return np.concatenate(targets), np.vstack(columns), np.vstack(other_columns)
 
     def add_arm(
         self, number: int, mean: FloatArray, values: FloatArray, tau: float, share: float
@@ -187,32 +187,34 @@ class _Sensitivities:
         brought nearer to the fit.
         """
         model = self.fit.model
-        target, columns, others = self._list_columns(model, [tau])
-        J, a = columns[:, self.fitted], others[:, 0]
+        target, columns, other_columns = self._list_columns(model, [tau])
+        J, a = columns[:, self.fitted], other_columns[:, 0]
         scale = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
-        along = np.linalg.lstsq(J / scale, a, rcond=1e-12)[0] / scale
-        left = a - J @ along
-        size = float(np.linalg.norm(left))
+        coefficients = np.linalg.lstsq(J / scale, a, rcond=1e-12)[0] / scale
+        remainder = a - J @ coefficients
+        size = float(np.linalg.norm(remainder))
         linear = [i for i in range(len(mean)) if not self.names[i].startswith("ln")]
         residual = target - columns[:, linear] @ mean[linear]
         follow = np.zeros(len(mean))
-        follow[self.fitted] = -along
-        falling = [i for i in linear if follow[i] < 0]
-        most = min([(1 - _LEAST_SHARE) * mean[i] / -follow[i] for i in falling], default=model.k_0)
+        follow[self.fitted] = -coefficients
+        falling_indices = [i for i in linear if follow[i] < 0]
+        max_stiffness = min(
+            [(1 - _LEAST_SHARE) * mean[i] / -follow[i] for i in falling_indices], default=model.k_0
+        )
         if size <= _UNSEEN * float(np.linalg.norm(a)):
-            k = share * most
+            k = share * max_stiffness
         else:
-            k = truncated_normal(share, float(left @ residual) / size**2, 1 / size)
-        k = min(k, most, 10 * model.k_0)
+            k = truncated_normal(share, float(remainder @ residual) / size**2, 1 / size)
+        k = min(k, max_stiffness, 10 * model.k_0)
         step, part = values - mean + follow * k, 1.0
         for _ in range(_ROUNDS):
             solid = _build_solid(self.fit, self.names, mean, mean + part * step)
-            whole = solid.maxwell + GeneralizedMaxwell(0.0, (part * k,), (tau,))
-            deviance = self._compute_deviance(model, whole)
+            combined = solid.maxwell + GeneralizedMaxwell(0.0, (part * k,), (tau,))
+            deviance = self._compute_deviance(model, combined)
             if deviance <= self.limit:
                 break
             part *= min(0.9, float(np.sqrt(self.limit / deviance)))
-        return DrawnSolid(number, whole, UnresolvedArm(part * k, tau), deviance)
+        return DrawnSolid(number, combined, UnresolvedArm(part * k, tau), deviance)
 
     def _compute_deviance(self, fitted: GeneralizedMaxwell, model: GeneralizedMaxwell) -> float:
         log_tau = np.log([*fitted.tau, *model.tau])
@@ -223,13 +225,13 @@ class _Sensitivities:
                 (-1, fitted, slice(fitted.arms)),
                 (1, model, slice(fitted.arms, None)),
             ):
-                left = (
+                residual = (
                     rows.target
                     - solid.k_inf * rows.spring
                     - solid.b * rows.dashpot
                     - rows.arms[:, at] @ np.asarray(solid.k)
                 )
-                total += sign * float(left @ left)
+                total += sign * float(residual @ residual)
         return total
 
 
@@ -249,17 +251,17 @@ def _build_solid(fit: Fit, names: Sequence[str], mean: FloatArray, values: Float
     )
 
 
-def replace_solid(fit: Fit, drawn: DrawnSolid, *, count: int, seed: int) -> Fit:
+def replace_solid(fit: Fit, solid_drawn: DrawnSolid, *, count: int, seed: int) -> Fit:
     """Return the fit with a drawn solid, whose parameters are exact: they have no errors."""
     step = Step(
         "draw",
-        (("number", str(drawn.number)), ("of", fit._identity), ("seed", str(seed))),
-        f"draw {drawn.number} of {count} of fit {fit._identity}, with seed {seed}",
+        (("number", str(solid_drawn.number)), ("of", fit._identity), ("seed", str(seed))),
+        f"draw {solid_drawn.number} of {count} of fit {fit._identity}, with seed {seed}",
     )
     zero = np.zeros_like(fit.covariance)
     return replace(
         fit,
-        solid=drawn.solid,
+        solid=solid_drawn.solid,
         estimate=replace(fit.estimate, covariance=zero, noise_covariance=None, profiles=()),
         provenance=replace(fit.provenance, steps=(*fit.steps, step)),
     )

@@ -16,7 +16,7 @@ from dashpot.base.arrays import FloatArray
 
 _NORMAL = NormalDist()
 _PER_VARIABLE = 2
-"""With fewer draws than so many times the variables their correlations are left as they are."""
+"""Fewest draws of each variable for which their correlations are corrected."""
 
 
 def draw_standard_normal(count: int, variables: int, seed: int) -> FloatArray:
@@ -42,7 +42,11 @@ def convert_to_uniform(normal: FloatArray) -> FloatArray:
 
 def truncated_normal(share: float, mean: float, sd: float) -> float:
     """Return the quantile at `share` of a normal variable that is not negative."""
-    below = _NORMAL.cdf(-mean / sd)
-    if 1 - below < 1e-9:  # far below zero the tail is exponential, of this mean
+    lower_probability = _NORMAL.cdf(-mean / sd)
+    if 1 - lower_probability < 1e-9:  # far below zero the tail is exponential, of this mean
         return float(-np.log1p(-share) * sd**2 / -mean)
-    return max(mean + sd * _NORMAL.inv_cdf(min(below + share * (1 - below), 1 - 1e-12)), 0.0)
+    return max(
+        mean
+        + sd * _NORMAL.inv_cdf(min(lower_probability + share * (1 - lower_probability), 1 - 1e-12)),
+        0.0,
+    )

@@ -31,7 +31,7 @@ _VERSIONS = {"fmi2": "FMI 2.0", "fmi3": "FMI 3.0"}
 _SHORTEST = 1e-9
 """s and deck units of mass: the least relaxation time and mass that an importer may set."""
 _DATE = (1980, 1, 1, 0, 0, 0)
-"""Of every file in the archive, which then repeats to the byte."""
+"""Date of every file in the archive, which then repeats to the byte."""
 
 
 class ModelUnit(DeckText):
@@ -51,8 +51,8 @@ class ModelUnit(DeckText):
     def contents(self) -> str:
         """Version and kinds of FMI, and the platforms of its binaries."""
         platforms = ", ".join(find_platforms(self.form))
-        held = f"binaries for {platforms}" if platforms else "sources only, no binaries"
-        return f"{_VERSIONS[self.form]}, Model Exchange and Co-Simulation; {held}"
+        platforms_text = f"binaries for {platforms}" if platforms else "sources only, no binaries"
+        return f"{_VERSIONS[self.form]}, Model Exchange and Co-Simulation; {platforms_text}"
 
     @property
     def summary(self) -> str:
@@ -77,27 +77,31 @@ def build_fmu(deck: Deck, mass: float | None) -> ModelUnit:
         f"#define ARMS {len(deck.arms)}",
         f"#define WITH_MASS {int(mass is not None)}",
         *format_c_array("START", [text(value) for _, value, *_ in parameters]),
-        *format_c_array("LEAST", [text(least) for *_, least, _ in parameters]),
+        *format_c_array("LEAST", [text(minimum) for *_, minimum, _ in parameters]),
     ]
     token = _find_token(deck.form, description, body)
-    right, *more = format_procedures("fmu", deck.form)
+    right, *further_remarks = format_procedures("fmu", deck.form)
     written = deck.format_text(
         "//",
         f"{_VERSIONS[deck.form]} model of {description.name}",
         [*body, f'#define TOKEN "{token}"'],
         verified=right,
         remarks=[
-            *more,
+            *further_remarks,
             "FMPy validates it; binaries for Linux are run, for Windows and macOS compiled only",
             "Co-Simulation: an input moves on a straight line over a step, from where the last one",
             f"ended to {_INPUTS[mass is not None]}; outputs belong to the end of the step",
         ],
         function=_end_comment,
     )
-    made = ModelUnit(written)
-    made.verdict, made.overrides, made.checks = written.verdict, written.overrides, written.checks
-    made.form, made.description = deck.form, description
-    return made
+    model_unit = ModelUnit(written)
+    model_unit.verdict, model_unit.overrides, model_unit.checks = (
+        written.verdict,
+        written.overrides,
+        written.checks,
+    )
+    model_unit.form, model_unit.description = deck.form, description
+    return model_unit
 
 
 _INPUTS = ("x + v h", "F + F_rate h")
@@ -121,8 +125,8 @@ def _list_parameters(deck: Deck, mass: float) -> list[tuple[str, float, str, flo
     for j, (k, _, _) in enumerate(deck.arms, start=1):
         rows.append((f"k[{j}]", k, stiffness, 0.0, f"stiffness of arm {j}"))
     for j, (_, tau, _) in enumerate(deck.arms, start=1):
-        least = min(_SHORTEST, float(text(tau)))  # as it is printed
-        rows.append((f"tau[{j}]", tau, time, least, f"relaxation time of arm {j}"))
+        shortest_step = min(_SHORTEST, float(text(tau)))  # as it is printed
+        rows.append((f"tau[{j}]", tau, time, shortest_step, f"relaxation time of arm {j}"))
     return rows
 
 
@@ -131,28 +135,34 @@ def _find_intervals(deck: Deck) -> dict[str, tuple[float, float]]:
     fit = deck.linear_fit
     if fit is None or len(fit.intervals()["k"]) != len(deck.arms):
         return {}
-    found, stiffness = fit.intervals(), deck.units.stiffness(1.0)
-    ends = {"k_inf": (found["k_inf"], stiffness)}
-    for j, (k, tau) in enumerate(zip(found["k"], found["tau"], strict=True), start=1):
-        ends[f"k[{j}]"], ends[f"tau[{j}]"] = (k, stiffness), (tau, 1.0)
-    return {name: (low * by, high * by) for name, ((low, high), by) in ends.items()}
+    intervals, stiffness = fit.intervals(), deck.units.stiffness(1.0)
+    intervals_and_factors = {"k_inf": (intervals["k_inf"], stiffness)}
+    for j, (k, tau) in enumerate(zip(intervals["k"], intervals["tau"], strict=True), start=1):
+        intervals_and_factors[f"k[{j}]"], intervals_and_factors[f"tau[{j}]"] = (
+            (k, stiffness),
+            (tau, 1.0),
+        )
+    return {
+        name: (low * by, high * by) for name, ((low, high), by) in intervals_and_factors.items()
+    }
 
 
 def _describe(deck: Deck, weight: float, *, with_mass: bool) -> ModelDescription:
     length, _, _, force, _ = deck.units.words
     arms, parameters = len(deck.arms), _list_parameters(deck, weight)
-    own = 2 * with_mass
+    inner_count = 2 * with_mass
     first = FIRST_PARAMETER + len(parameters)
-    last = first + own + arms
-    y = tuple(range(first + own, last))
-    speed, pull = f"{length}/s", f"{force}/s"
+    last = first + inner_count + arms
+    y = tuple(range(first + inner_count, last))
+    speed, force_rate_unit = f"{length}/s", f"{force}/s"
     variables = [Variable("time", TIME, "s", "time", "independent")]
     if with_mass:
         x, v = first, first + 1
         motion = (x, v, *y)
         variables += [
             Variable("F", INPUT, force, "force on the mass", "input", start=0.0),
-            Variable("F_rate", RATE, pull, _ABOUT_RATE.format("F", "force"), "input", start=0.0),
+            Variable("F_rate", RATE, force_rate_unit, _ABOUT_RATE.format("F", "force"), "input",
+            start=0.0),
             Variable("x", x, length, "displacement of the mass", "output", initial="exact",
                      start=0.0, depends_on=(x,)),
             Variable("v", v, speed, "velocity of the mass", "output", initial="exact", start=0.0,
@@ -171,20 +181,21 @@ def _describe(deck: Deck, weight: float, *, with_mass: bool) -> ModelDescription
                      initial="calculated", depends_on=(INPUT, RATE, *y)),
         ]  # fmt: skip
     intervals = _find_intervals(deck)
-    for i, (name, value, unit, least, about) in enumerate(parameters):
+    for i, (name, value, unit, minimum, description) in enumerate(parameters):
         if name == "mass" and not with_mass:
             continue
         low, high = (f"{end:.6g}" for end in intervals.get(name, (0.0, 0.0)))
-        known = f"; 95 % interval {low} to {high} {unit}" * (name in intervals)
+        interval_text = f"; 95 % interval {low} to {high} {unit}" * (name in intervals)
         variables.append(
-            Variable(name, FIRST_PARAMETER + i, unit, about + known, "parameter", "fixed", "exact",
-                     float(text(value)), least)
+            Variable(name, FIRST_PARAMETER + i, unit, description + interval_text, "parameter",
+            "fixed", "exact",
+                     float(text(value)), minimum)
         )  # fmt: skip
     for j, state in enumerate(y, start=1):
         variables += [
             Variable(f"y[{j}]", state, length, f"stretch of the dashpot of arm {j}",
                      initial="exact", start=0.0),
-            Variable(f"der(y[{j}])", state + own + arms, speed, f"its rate, arm {j}",
+            Variable(f"der(y[{j}])", state + inner_count + arms, speed, f"its rate, arm {j}",
                      initial="calculated", derivative_of=state, depends_on=(moving, state)),
         ]  # fmt: skip
     name = "a mass on a viscoelastic mount" if with_mass else "a viscoelastic mount"
@@ -226,13 +237,13 @@ def _pack(unit: ModelUnit) -> bytes:
         entries["sources/buildDescription.xml"] = _BUILD.format(description.identifier).encode()
     entries["documentation/index.html"] = _format_page(unit).encode()
     entries |= compile_binaries(form, description.identifier, sources)
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_STORED) as archive:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
         for name, content in entries.items():
             entry = zipfile.ZipInfo(name, _DATE)
             entry.create_system, entry.external_attr = 3, 0o644 << 16
             archive.writestr(entry, content)
-    return packed.getvalue()
+    return buffer.getvalue()
 
 
 _BUILD = """<?xml version="1.0" encoding="UTF-8"?>

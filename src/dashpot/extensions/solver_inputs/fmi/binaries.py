@@ -36,7 +36,7 @@ PLATFORMS: Mapping[str, Mapping[str, tuple[str, str]]] = MappingProxyType(
         ),
     }
 )
-"""Of each form: folder of a platform in the archive, what the compiler calls it, and the suffix."""
+"""Platforms of each form: folder in the archive, name for the compiler, and suffix."""
 
 
 def find_platforms(form: str) -> tuple[str, ...]:
@@ -54,7 +54,7 @@ def compile_binaries(form: str, identifier: str, sources: Mapping[str, str]) -> 
     ExportError
         If the compiler fails.
     """
-    made = {}
+    compiled = {}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for file, text in sources.items():
@@ -76,5 +76,5 @@ def compile_binaries(form: str, identifier: str, sources: Mapping[str, str]) -> 
                     f"{(run.stderr.strip() or 'no message').splitlines()[-1]}; uninstall it to "
                     "write an FMU of sources only"
                 )
-            made[f"binaries/{platform}/{library}"] = (folder / library).read_bytes()
-    return made
+            compiled[f"binaries/{platform}/{library}"] = (folder / library).read_bytes()
+    return compiled

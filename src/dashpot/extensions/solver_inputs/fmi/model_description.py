@@ -93,25 +93,35 @@ class ModelDescription:
         )  # fmt: skip
         yield f"<fmiModelDescription{head}>"
         capabilities = {"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true"}
-        for kind, more in (
+        for kind, kind_attributes in (
             ("ModelExchange", {}),
             ("CoSimulation", {
                 "canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": "true",
             }),
         ):  # fmt: skip
-            attributes = _format_attributes(modelIdentifier=self.identifier, **more, **capabilities)
+            attributes = _format_attributes(
+                modelIdentifier=self.identifier, **kind_attributes, **capabilities
+            )
             yield f"  <{kind}{attributes}>"
             yield '    <SourceFiles><File name="fmi2.c"/></SourceFiles>'
             yield f"  </{kind}>"
         yield from self._units("Unit")
         yield "  <ModelVariables>"
-        place = {variable.reference: str(i) for i, variable in enumerate(self.variables, start=1)}
+        index_by_reference = {
+            variable.reference: str(i) for i, variable in enumerate(self.variables, start=1)
+        }
         for variable in self.variables:
             start = None if variable.start is None else repr(variable.start)
-            of = None if variable.derivative_of is None else place[variable.derivative_of]
-            least = None if variable.minimum is None else repr(variable.minimum)
+            of = (
+                None
+                if variable.derivative_of is None
+                else index_by_reference[variable.derivative_of]
+            )
+            minimum_text = None if variable.minimum is None else repr(variable.minimum)
             yield f"    <ScalarVariable{_format_attributes(**_common(variable))}>"
-            numbers = _format_attributes(unit=variable.unit, derivative=of, min=least, start=start)
+            numbers = _format_attributes(
+                unit=variable.unit, derivative=of, min=minimum_text, start=start
+            )
             yield f"      <Real{numbers}/>"
             yield "    </ScalarVariable>"
         yield "  </ModelVariables>"
@@ -124,10 +134,10 @@ class ModelDescription:
                 continue
             yield f"    <{group}>"
             for variable in variables:
-                unknown = {"index": place[variable.reference]}
+                unknown = {"index": index_by_reference[variable.reference]}
                 if group != "InitialUnknowns":
                     unknown["dependencies"] = " ".join(
-                        sorted((place[i] for i in variable.depends_on), key=int)
+                        sorted((index_by_reference[i] for i in variable.depends_on), key=int)
                     )
                 yield f"      <Unknown{_format_attributes(**unknown)}/>"
             yield f"    </{group}>"
@@ -142,19 +152,21 @@ class ModelDescription:
         )  # fmt: skip
         yield f"<fmiModelDescription{head}>"
         capabilities = {"canGetAndSetFMUState": "true", "canSerializeFMUState": "true"}
-        for kind, more in (
+        for kind, kind_attributes in (
             ("ModelExchange", {}),
             ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true"}),
         ):
-            attributes = _format_attributes(modelIdentifier=self.identifier, **capabilities, **more)
+            attributes = _format_attributes(
+                modelIdentifier=self.identifier, **capabilities, **kind_attributes
+            )
             yield f"  <{kind}{attributes}/>"
         yield from self._units("Unit")
         yield "  <ModelVariables>"
         for variable in self.variables:
             start = None if variable.start is None else repr(variable.start)
-            least = None if variable.minimum is None else repr(variable.minimum)
+            minimum_text = None if variable.minimum is None else repr(variable.minimum)
             of = None if variable.derivative_of is None else str(variable.derivative_of)
-            numbers = {"unit": variable.unit, "derivative": of, "min": least, "start": start}
+            numbers = {"unit": variable.unit, "derivative": of, "min": minimum_text, "start": start}
             yield f"    <Float64{_format_attributes(**_common(variable), **numbers)}/>"
         yield "  </ModelVariables>"
         yield "  <ModelStructure>"
@@ -174,7 +186,7 @@ class ModelDescription:
         """Iterate over the lines of the unit definitions, each unit by its factor to SI."""
         units = self.units
         stiffness, length, force = units.force / units.length, units.length, units.force
-        known: dict[str, tuple[dict[str, int], float]] = {
+        unit_exponents: dict[str, tuple[dict[str, int], float]] = {
             "s": ({"s": 1}, 1.0),
             units.words[0]: ({"m": 1}, length),
             f"{units.words[0]}/s": ({"m": 1, "s": -1}, length),
@@ -185,10 +197,10 @@ class ModelDescription:
             f"{units.words[3]}/{units.words[0]}": ({"kg": 1, "s": -2}, stiffness),
             f"{units.words[3]}.s/{units.words[0]}": ({"kg": 1, "s": -1}, stiffness),
         }
-        used = {variable.unit for variable in self.variables}
+        used_units = {variable.unit for variable in self.variables}
         yield "  <UnitDefinitions>"
-        for name, (powers, factor) in known.items():
-            if name in used:
+        for name, (powers, factor) in unit_exponents.items():
+            if name in used_units:
                 base = {"factor": repr(round(factor, 15))} if factor != 1 else {}
                 words = _format_attributes(**{k: str(v) for k, v in powers.items()}, **base)
                 yield f"    <{tag}{_format_attributes(name=name)}><BaseUnit{words}/></{tag}>"

@@ -52,7 +52,7 @@ def read_runs() -> tuple[Run, ...]:
 
 _MEASURED = "the largest difference to the model, over the peak:"
 WITH_DASHPOT = "with b"
-"""How the name of a case ends that is of solids with a parallel dashpot."""
+"""Suffix of a case of solids with a parallel dashpot."""
 
 
 def format_procedures(target: str, form: str, *, with_dashpot: bool = False) -> list[str]:
@@ -60,19 +60,26 @@ def format_procedures(target: str, form: str, *, with_dashpot: bool = False) -> 
 
     Cases of a parallel dashpot stand in the place of the others where there is one.
     """
-    own = [run for run in read_runs() if (run.target, run.form) == (target, form)]
-    damped = [run for run in own if run.case.endswith(WITH_DASHPOT)]
-    runs = damped if with_dashpot and damped else [run for run in own if run not in damped]
+    matching_runs = [run for run in read_runs() if (run.target, run.form) == (target, form)]
+    damped = [run for run in matching_runs if run.case.endswith(WITH_DASHPOT)]
+    runs = (
+        damped if with_dashpot and damped else [run for run in matching_runs if run not in damped]
+    )
     if not runs:
         return [f"not solver-verified: only read. No solver here runs the form {form}"]
     solvers = " and ".join(dict.fromkeys(run.solver for run in runs))
     lines = [f"verified: {solvers} runs such a deck in dashpot's tests; {_MEASURED}"]
     for word in ("right", "WRONG"):
-        found: dict[str, list[str]] = {}
+        variants_by_procedure: dict[str, list[str]] = {}
         for run in runs:
             if run.is_right == (word == "right"):
                 case = run.case.partition(",")[0]
-                found.setdefault(run.procedure, []).append(f"{run.deviation:.1e} {case}")
-        said = "; ".join(f"{procedure}: {', '.join(each)}" for procedure, each in found.items())
-        lines += [f"  {word} under {said}"] * bool(found)
+                variants_by_procedure.setdefault(run.procedure, []).append(
+                    f"{run.deviation:.1e} {case}"
+                )
+        said = "; ".join(
+            f"{procedure}: {', '.join(variants)}"
+            for procedure, variants in variants_by_procedure.items()
+        )
+        lines += [f"  {word} under {said}"] * bool(variants_by_procedure)
     return lines

@@ -25,7 +25,7 @@ _LOG_CHOKED = np.log(CHOKED)
 _SLOPE = np.sqrt(2 * GAMMA / (GAMMA - 1) * AMBIENT * DENSITY)
 
 _STAGE = 1 - np.sqrt(0.5)
-"""Of the two-stage rule of second order that damps what is stiff (Alexander 1977)."""
+"""Stage of the stiffly stable two-stage rule of second order (Alexander 1977)."""
 _ROUNDS = 60
 _CLOSE = 1e-9
 
@@ -38,17 +38,17 @@ def mass_flux(pressure: npt.ArrayLike, density: npt.ArrayLike) -> FloatArray:
     pressure, density : array_like
         In the chamber, Pa and kg/m^3; outside they are those of the ambient.
     """
-    over = np.log(np.asarray(pressure, dtype=float) / AMBIENT)
-    return _flux(over, np.log(np.asarray(density, dtype=float) / DENSITY))
+    log_pressure = np.log(np.asarray(pressure, dtype=float) / AMBIENT)
+    return _flux(log_pressure, np.log(np.asarray(density, dtype=float) / DENSITY))
 
 
-def _flux(over: FloatArray, denser: FloatArray) -> FloatArray:
+def _flux(log_pressure: FloatArray, denser: FloatArray) -> FloatArray:
     """Return the same of ln p/p_a and ln rho/rho_a, of which a march has no need to take powers."""
-    upstream = np.exp(np.where(over > 0, 0.5 * (over + denser), 0.0))
-    fall = np.maximum(-np.abs(over), _LOG_CHOKED)
+    upstream = np.exp(np.where(log_pressure > 0, 0.5 * (log_pressure + denser), 0.0))
+    log_ratio = np.maximum(-np.abs(log_pressure), _LOG_CHOKED)
     # x^(2/g) - x^(1+1/g), without cancellation at x near 1
-    drop = -np.exp(2 / GAMMA * fall) * np.expm1((1 - 1 / GAMMA) * fall)
-    return np.asarray(np.copysign(_SLOPE * upstream * np.sqrt(drop), over))
+    flow_drop = -np.exp(2 / GAMMA * log_ratio) * np.expm1((1 - 1 / GAMMA) * log_ratio)
+    return np.asarray(np.copysign(_SLOPE * upstream * np.sqrt(flow_drop), log_pressure))
 
 
 def pressure_of(density: npt.ArrayLike, exponent: float) -> FloatArray:
@@ -57,7 +57,7 @@ def pressure_of(density: npt.ArrayLike, exponent: float) -> FloatArray:
 
 
 def compute_stored_energy(density: FloatArray, volume: FloatArray, exponent: float) -> FloatArray:
-    """What the air of a chamber would give back were it let to expand against the ambient, J."""
+    """Return the energy that the air of a chamber would give back in expansion, J."""
     p = pressure_of(density, exponent)
     free = volume * density / DENSITY
     if exponent == 1.0:
@@ -88,13 +88,13 @@ def compute_next_density(
     exponent : float
         n.
     """
-    before, after = volumes
+    before, volume_after = volumes
     mass = density * before
-    inner = before + _STAGE * (after - before)
+    inner = before + _STAGE * (volume_after - before)
     step = opening * seconds
     first = _implicit(mass, inner, _STAGE * step, exponent, density)
     flow = step * mass_flux(pressure_of(first, exponent), first)
-    return _implicit(mass - (1 - _STAGE) * flow, after, _STAGE * step, exponent, first)
+    return _implicit(mass - (1 - _STAGE) * flow, volume_after, _STAGE * step, exponent, first)
 
 
 def _implicit(
@@ -112,16 +112,19 @@ def _implicit(
     slope = np.sqrt(2 * AMBIENT * DENSITY)
     for _ in range(_ROUNDS):
         size = np.abs(z)
-        over = np.log1p(z * size)
-        held = volume * DENSITY * np.exp(over / n)
-        miss = held + step * _flux(over, over / n) - mass
-        rise = held * (2 / n) * size / (1 + z * size) + step * slope
-        z = np.minimum(np.maximum(z - miss / np.where(rise > 0, rise, np.inf), low), high)
+        log_pressure = np.log1p(z * size)
+        air_mass = volume * DENSITY * np.exp(log_pressure / n)
+        miss = air_mass + step * _flux(log_pressure, log_pressure / n) - mass
+        slope_of_balance = air_mass * (2 / n) * size / (1 + z * size) + step * slope
+        z = np.minimum(
+            np.maximum(z - miss / np.where(slope_of_balance > 0, slope_of_balance, np.inf), low),
+            high,
+        )
         if (np.abs(miss) <= _CLOSE * mass).all():
             break
     return np.asarray(DENSITY * (1 + z * np.abs(z)) ** (1 / n))
 
 
 def _root(density: FloatArray, n: float) -> FloatArray:
-    over = (density / DENSITY) ** n - 1
-    return np.asarray(np.copysign(np.sqrt(np.abs(over)), over))
+    relative_pressure = (density / DENSITY) ** n - 1
+    return np.asarray(np.copysign(np.sqrt(np.abs(relative_pressure)), relative_pressure))

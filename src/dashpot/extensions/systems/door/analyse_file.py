@@ -46,7 +46,7 @@ from dashpot.workflow.json_archive import format_unexpected_kind, read_fit, read
 __all__ = ["DoorResult", "door_file", "open_door"]
 
 LINES = 2001
-"""Of an FRF."""
+"""Number of lines of an FRF."""
 
 
 def open_door(
@@ -92,8 +92,8 @@ def open_door(
             )
             fit = fit if kelvin is None else fit.at_temperature(kelvin)
             if door.line.compression is not None:
-                most = float(door.line.compression.max())
-                require_plausible_compression(most, fit.elastic_law, fit.specimen.height)
+                max_compression = float(door.line.compression.max())
+                require_plausible_compression(max_compression, fit.elastic_law, fit.specimen.height)
             door = replace(door, line=replace(door.line, section=section))
         return Assembly(door, modes, dict(_parts_of(door))), fit
 
@@ -121,8 +121,8 @@ def shear_of(choice: SealChoice, temperature: float | None) -> Shear:
             raise DataError(f"{path}: {error}") from None
         values.append(section.solid)
         band = _intersect_bands(band, section.band)
-    across, along = values
-    return Shear(across, along, band)
+    shear_across, shear_along = values
+    return Shear(shear_across, shear_along, band)
 
 
 def _intersect_bands(
@@ -147,8 +147,10 @@ def _parts_of(door: Door) -> Iterator[tuple[str, Solid]]:
             continue
         document = read_json_document(support.fit)
         if isinstance(document, Fit):
-            here = document.at_compression(support.compression) if support.compression else document
-            yield support.fit, here.solid
+            fit_at_compression = (
+                document.at_compression(support.compression) if support.compression else document
+            )
+            yield support.fit, fit_at_compression.solid
         elif isinstance(document, Solid):
             yield support.fit, document
         else:
@@ -184,34 +186,34 @@ def door_file(
     assembly, fit = open_door(path, temperature=temperature)
     band = band or BAND
     with add_file_to_errors(path):
-        system, bare = assembly.system(), assembly.system(sealed=False)
+        system, system_without_seal = assembly.system(), assembly.system(sealed=False)
         modes = door_modes(assembly, band[1])
         points = _points(assembly)
-        driven = next(point for point in points if point.on == DOOR)
+        driven_point = next(point for point in points if point.on == DOOR)
         lines = np.linspace(*band, LINES)
         frfs = []
         for door_point in points:
-            sealed, loose = (
-                item.frf(response=_place(door_point), force=_place(driven), frequency=lines)
-                for item in (system, bare)
+            sealed, frf_without_seal = (
+                item.frf(response=_place(door_point), force=_place(driven_point), frequency=lines)
+                for item in (system, system_without_seal)
             )
-            frfs.append((door_point.name, sealed, loose))
-        shaken = tuple(_shaken(assembly, points)) if assembly.door.base else ()
+            frfs.append((door_point.name, sealed, frf_without_seal))
+        base_responses = tuple(_shaken(assembly, points)) if assembly.door.base else ()
         return DoorResult(
             assembly,
             fit,
             band,
             modes,
-            tuple(mode.frequency for mode in oscillations(bare, band[1])),
-            driven,
+            tuple(mode.frequency for mode in oscillations(system_without_seal, band[1])),
+            driven_point,
             tuple(frfs),
-            shaken,
+            base_responses,
             (*(fit.checks if fit else ()), *check_door(assembly, fit, modes, band[1])),
         )
 
 
 def _points(assembly: Assembly) -> tuple[DoorPoint, ...]:
-    """Those of the file, the first on the door being driven; else the corner farthest away."""
+    """Return the points of the file, or the farthest corner; the first on the door is driven."""
     door = assembly.door
     if any(point.on == BODY for point in door.points) and door.body is None:
         raise DataError(
@@ -225,13 +227,13 @@ def _points(assembly: Assembly) -> tuple[DoorPoint, ...]:
 def _corner(assembly: Assembly) -> DoorPoint:
     """Return the point of the door that is farthest from its hinges."""
     door, modes = assembly.door, assembly.modes
-    held = np.array([hinge.at for hinge in door.hinges] or [assembly.body().at])
-    places = door.line.points if door.line else modes.place if modes else held
-    away = np.linalg.norm(places[:, None] - held, axis=2).min(axis=1)
-    x, y, z = places[int(away.argmax())].tolist()
+    support_points = np.array([hinge.at for hinge in door.hinges] or [assembly.body().at])
+    candidate_points = door.line.points if door.line else modes.place if modes else support_points
+    distances = np.linalg.norm(candidate_points[:, None] - support_points, axis=2).min(axis=1)
+    x, y, z = candidate_points[int(distances.argmax())].tolist()
     a, b, c = (0.0, 0.0, 1.0)
     if door.line:
-        a, b, c = door.line.normal_at(door.line.arc_length[int(away.argmax())]).tolist()
+        a, b, c = door.line.normal_at(door.line.arc_length[int(distances.argmax())]).tolist()
     return DoorPoint("farthest from the hinges", (x, y, z), (a, b, c))
 
 
@@ -261,7 +263,7 @@ def _shaken(assembly: Assembly, points: tuple[DoorPoint, ...]) -> Iterator[BaseR
 
 
 def check_door(
-    assembly: Assembly, fit: Fit | None, modes: tuple[DoorMode, ...], below: float
+    assembly: Assembly, fit: Fit | None, modes: tuple[DoorMode, ...], max_hz: float
 ) -> Iterator[Check]:
     """Every check of a door."""
     door = assembly.door
@@ -274,15 +276,15 @@ def check_door(
         section = door.line.section
         band = fit.band if section is None else _intersect_bands(fit.band, section.shear.band)
         yield checks.door_modes_in_valid_band(response, band)
-        yield from _check_seal_line(door.line, assembly, fit, below)
+        yield from _check_seal_line(door.line, assembly, fit, max_hz)
         if fit.temperatures is not None and fit.specimen.temperature is not None:
             yield temperature_tested(fit.temperatures, fit.specimen.temperature)
     if assembly.modes is not None:
-        yield from _check_modes(assembly.modes, assembly, below)
+        yield from _check_modes(assembly.modes, assembly, max_hz)
 
 
 def _check_lateral_stiffness(assembly: Assembly) -> Iterator[Check]:
-    """What the seal's section holds across the way in which it is pressed."""
+    """Yield the check of the lateral stiffness of the seal."""
     line = assembly.door.line
     section = None if line is None else line.section
     if line is None or section is None:
@@ -291,43 +293,47 @@ def _check_lateral_stiffness(assembly: Assembly) -> Iterator[Check]:
         yield checks.lateral_restraint_present(*count_lateral_free_motions(assembly))
         return
     stations = line.stations(assembly.door.pitch)
-    normal, *others = (way.solid.k_inf * way.share.sum() for way in section.ways(stations))
+    normal, *lateral_stiffnesses = (
+        direction.solid.k_inf * direction.share.sum() for direction in section.ways(stations)
+    )
     if normal > 0:
-        yield checks.shear_stiffness_plausible(float(max(others) / normal))
+        yield checks.shear_stiffness_plausible(float(max(lateral_stiffnesses) / normal))
 
 
-def _check_seal_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -> Iterator[Check]:
+def _check_seal_line(
+    line: SealLine, assembly: Assembly, fit: Fit, max_hz: float
+) -> Iterator[Check]:
     """Whether the seal is all there, finely enough, and pressed as it was tested."""
     norm = float(np.linalg.norm(line.points[0] - line.points[-1]))
     pieces = np.diff(line.arc_length).tolist()
     yield checks.line_closed(line.length, 0.0 if line.is_closed else norm, pieces)
-    yield checks.stations_suffice(station_error(assembly, below), assembly.door.pitch)
+    yield checks.stations_suffice(station_error(assembly, max_hz), assembly.door.pitch)
     stations = line.stations(assembly.door.pitch)
-    pressed = stations.compression
-    if pressed is not None:
-        yield touches_along(pressed, stations.along, line.length)
+    compressions = stations.compression
+    if compressions is not None:
+        yield touches_along(compressions, stations.along, line.length)
         law = fit.elastic_law
-        yield compression_tested(float(pressed.max()), None if law is None else law.depth)
+        yield compression_tested(float(compressions.max()), None if law is None else law.depth)
 
 
-def touches_along(pressed: FloatArray, along: FloatArray, length: float) -> Check:
+def touches_along(compressions: FloatArray, positions: FloatArray, length: float) -> Check:
     """Return whether the seal touches at all stations, by their compressions and places, m."""
-    worst = int(pressed.argmin())
+    worst = int(compressions.argmin())
     return checks.seal_touches(
-        float((pressed < 0).mean()),
+        float((compressions < 0).mean()),
         length=length,
-        least=float(pressed[worst]),
-        where=float(along[worst]),
-        most=float(pressed.max()),
+        min_compression=float(compressions[worst]),
+        position=float(positions[worst]),
+        max_compression=float(compressions.max()),
     )
 
 
-def _check_modes(modes: FreeModes, assembly: Assembly, below: float) -> Iterator[Check]:
+def _check_modes(modes: FreeModes, assembly: Assembly, max_hz: float) -> Iterator[Check]:
     """Whether the shapes are known where they are held, and enough of them."""
     yield checks.mode_shapes_cover_points(*find_farthest_point(assembly, modes))
     elastic = modes.frequency[~modes.rigid]
     highest = float(elastic.max(initial=0.0))
-    yield checks.modes_suffice(basis_error(assembly, below), len(elastic), highest)
+    yield checks.modes_suffice(basis_error(assembly, max_hz), len(elastic), highest)
     rigid = assembly.door.rigid
     implied = None if rigid is None else implied_mass(modes, rigid)
     if rigid is not None and implied is not None:

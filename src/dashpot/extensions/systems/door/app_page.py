@@ -22,7 +22,7 @@ from dashpot.report.result_page import AppCard, Group, KindPage
 from dashpot.workflow.json_archive import to_json
 
 _HEIGHT = 300.0
-"""Of a response beside no seal line, px."""
+"""Height of a response without a seal line, px."""
 
 
 def describe_file(path: Path) -> dict[str, Any]:
@@ -110,10 +110,10 @@ def predict_open_files(
     shutil.copy(path, folder / path.name)
     for name, item in names.items():
         shutil.copy(item, folder / name)
-    wanted = toml.get("seal", {}).get("fit") if isinstance(toml.get("seal"), dict) else None
-    if isinstance(wanted, str) and wanted not in names and fit_test is not None:
+    fit_name = toml.get("seal", {}).get("fit") if isinstance(toml.get("seal"), dict) else None
+    if isinstance(fit_name, str) and fit_name not in names and fit_test is not None:
         # the door names the fit of a test that is open
-        (folder / wanted).write_text(to_json(fit_test()), encoding="utf-8")
+        (folder / fit_name).write_text(to_json(fit_test()), encoding="utf-8")
     return door_file(folder / path.name)
 
 

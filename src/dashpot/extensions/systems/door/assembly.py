@@ -51,8 +51,8 @@ class Assembly:
         """
         rigid, modes = self.door.rigid, self.modes
         choice = self.door.modes
-        held = choice is not None and choice.is_hung
-        if modes is not None and held:
+        is_hung = choice is not None and choice.is_hung
+        if modes is not None and is_hung:
             return Body(DOOR, 1.0 if rigid is None else rigid.mass, free=(), modes=modes)
         if rigid is None:
             if modes is None:
@@ -67,7 +67,7 @@ class Assembly:
         )
 
     def system(
-        self, *, sealed: bool = True, pitch: float | None = None, stuck: bool = True
+        self, *, sealed: bool = True, pitch: float | None = None, friction_sticks: bool = True
     ) -> System:
         """Return the door on its hinges, latch and bumpers, with its seal or without.
 
@@ -76,7 +76,7 @@ class Assembly:
         sealed : bool
         pitch : float, optional
             Of the stations, m; by default the one stated.
-        stuck : bool
+        friction_sticks : bool
             The friction of the seal sticks, as under small vibration; else it may slip, and the
             system answers at a level.
         """
@@ -94,8 +94,10 @@ class Assembly:
             for mount in self._held_by(support)
         ]
         if sealed and door.line is not None:
-            wanted = pitch or self.door.pitch
-            mounts += line_mounts(door.line, DOOR, wanted, ground=BODY, stuck=stuck)
+            requested_pitch = pitch or self.door.pitch
+            mounts += line_mounts(
+                door.line, DOOR, requested_pitch, ground=BODY, friction_sticks=friction_sticks
+            )
         return System(tuple(bodies), tuple(mounts), grounds)
 
     def _held_by(self, support: Support) -> list[Mount]:
@@ -105,25 +107,25 @@ class Assembly:
             damping = support.damping or (0.0,) * len(support.stiffness)
             pairs = zip(support.stiffness, damping, strict=True)
             solids = [GeneralizedMaxwell(k, b=b) for k, b in pairs]
-        ways = AXES if support.along is None else (support.along,)
+        directions = AXES if support.along is None else (support.along,)
         return [
-            Mount(solid, (DOOR, BODY), support.at, along, name=support.name)
-            for solid, along in zip(solids, ways, strict=True)
+            Mount(solid, (DOOR, BODY), support.at, direction, name=support.name)
+            for solid, direction in zip(solids, directions, strict=True)
             if solid.k_0 > 0 or solid.maxwell.b > 0
         ]
 
 
 def _elastic(modes: FreeModes) -> FreeModes | None:
     """Return the modes by which a door bends; those at rest must be rigid motions."""
-    bends = ~modes.rigid
-    still = int((modes.frequency[bends] < _STILL).sum())
-    if still:
+    is_elastic = ~modes.rigid
+    zero_frequency_count = int((modes.frequency[is_elastic] < _STILL).sum())
+    if zero_frequency_count:
         raise DataError(
-            f"{still} of {len(modes)} modes lie below {_STILL:g} Hz and are no rigid motions of "
-            "their points: the axes of shapes and points differ, or the points are not those of "
-            "the shapes; modes of a door that hangs need held = true"
+            f"{zero_frequency_count} of {len(modes)} modes lie below {_STILL:g} Hz and are no "
+            "rigid motions of their points: the axes of shapes and points differ, or the points "
+            "are not those of the shapes; modes of a door that hangs need held = true"
         )
-    return modes.only(bends) if bends.any() else None
+    return modes.only(is_elastic) if is_elastic.any() else None
 
 
 def about_origin(part: RigidPart) -> FloatArray:
@@ -131,13 +133,13 @@ def about_origin(part: RigidPart) -> FloatArray:
     x, y, z = part.centre
     tensor = np.array(part.inertia, dtype=float)
     offset = np.array([(0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0)])  # u = d + offset @ rotation
-    whole = np.zeros((6, 6))
-    whole[:3, :3] = part.mass * np.eye(3)
-    whole[:3, 3:] = part.mass * offset
-    whole[3:, :3] = whole[:3, 3:].T
+    mass_about_origin = np.zeros((6, 6))
+    mass_about_origin[:3, :3] = part.mass * np.eye(3)
+    mass_about_origin[:3, 3:] = part.mass * offset
+    mass_about_origin[3:, :3] = mass_about_origin[:3, 3:].T
     turning = np.diag(tensor) if tensor.ndim == 1 else tensor
-    whole[3:, 3:] = turning + part.mass * offset.T @ offset
-    return whole
+    mass_about_origin[3:, 3:] = turning + part.mass * offset.T @ offset
+    return mass_about_origin
 
 
 def implied_mass(modes: FreeModes, part: RigidPart) -> float | None:
@@ -160,18 +162,18 @@ def rigid_of(modes: FreeModes) -> RigidPart:
     DataError
         If there are not six, or they imply three different masses along x, y and z.
     """
-    whole = modes.rigid_mass()
-    masses = np.diag(whole)[:3]
+    mass_matrix = modes.rigid_mass()
+    masses = np.diag(mass_matrix)[:3]
     mass = float(masses.mean())
     if np.ptp(masses) > _ALIKE * mass:
-        listed = ", ".join(f"{mass:.4g}" for mass in masses)
+        masses_text = ", ".join(f"{mass:.4g}" for mass in masses)
         raise DataError(
-            f"the rigid modes imply masses of {listed} kg along x, y and z; expected one: their "
-            "modal masses, or the unit of their coordinates, are not what was said"
+            f"the rigid modes imply masses of {masses_text} kg along x, y and z; expected one: "
+            "their modal masses, or the unit of their coordinates, are not what was said"
         )
-    coupled = whole[:3, 3:] / mass
+    coupled = mass_matrix[:3, 3:] / mass
     c = np.array([coupled[1, 2], coupled[2, 0], coupled[0, 1]])
-    tensor = whole[3:, 3:] - mass * (c @ c * np.eye(3) - np.outer(c, c))
+    tensor = mass_matrix[3:, 3:] - mass * (c @ c * np.eye(3) - np.outer(c, c))
     xx, xy, xz, yx, yy, yz, zx, zy, zz = ((tensor + tensor.T) / 2).ravel().tolist()
     x, y, z = c.tolist()
     return RigidPart(mass, ((xx, xy, xz), (yx, yy, yz), (zx, zy, zz)), (x, y, z))

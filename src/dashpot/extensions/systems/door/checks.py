@@ -27,26 +27,27 @@ def door_modes_in_valid_band(
 
     `modes` are their frequencies, Hz, and the seal's share of their energy or loss.
     """
-    sensed = [f for f, share in modes if share > HELD_BY_SEAL]
-    if band is None or not sensed:
+    seal_frequencies = [f for f, share in modes if share > HELD_BY_SEAL]
+    if band is None or not seal_frequencies:
         return Finding("The seal holds no mode of the door, or its test has no valid band")
     low, high = band
     if not high > 0:
         return Finding(
             "No test behind the fit of the seal has a valid band", math.inf, remedy="Test the seal."
         )
-    away = {f: max(f / high, low / f) for f in sensed}
-    outside = [f for f in sensed if away[f] > 1]
-    worst = max(away.values())
+    extrapolation = {f: max(f / high, low / f) for f in seal_frequencies}
+    outside = [f for f in seal_frequencies if extrapolation[f] > 1]
+    worst = max(extrapolation.values())
     first = [f"{f:.3g}" for f in outside[:3]]
-    listed = " and ".join(first) if len(outside) < 3 else ", ".join(first)
-    listed += " and more" if len(outside) > 3 else ""
+    frequencies_text = " and ".join(first) if len(outside) < 3 else ", ".join(first)
+    frequencies_text += " and more" if len(outside) > 3 else ""
     return Finding(
-        f"All {len(sensed)} modes that the seal affects lie in the valid band of its test",
+        f"All {len(seal_frequencies)} modes that the seal affects lie in the valid band of its "
+        "test",
         worst,
-        failure=f"The seal's damping is not known at {listed} Hz. Its test covers {low:.2g} to "
-        f"{high:.2g} Hz. {len(outside)} of {len(sensed)} modes that it affects lie outside, up to "
-        f"{worst:.3g} times",
+        failure=f"The seal's damping is not known at {frequencies_text} Hz. Its test covers "
+        f"{low:.2g} to {high:.2g} Hz. {len(outside)} of {len(seal_frequencies)} modes that it "
+        f"affects lie outside, up to {worst:.3g} times",
         remedy="Test the seal with a hammer, or in the cold.",
     )
 
@@ -55,12 +56,14 @@ def door_modes_in_valid_band(
     "part of the line", "<=", 0.0, "by definition: it leaks there",
     other_grade="stop where nothing is pressed",
 )  # fmt: skip
-def seal_touches(part: float, *, length: float, least: float, where: float, most: float) -> Finding:
+def seal_touches(
+    part: float, *, length: float, min_compression: float, position: float, max_compression: float
+) -> Finding:
     """The seal is in contact along its whole line."""
-    if most <= 0:
+    if max_compression <= 0:
         return Finding(
             "No station of the seal is pressed: the compression is "
-            f"{format_quantity(most, 'mm', '.3g')} "
+            f"{format_quantity(max_compression, 'mm', '.3g')} "
             "at most",
             part,
             remedy="Check compression, gap and height in [seal], and their units.",
@@ -72,8 +75,8 @@ def seal_touches(part: float, *, length: float, least: float, where: float, most
         part,
         failure=f"{format_quantity(part * length, 'mm')} of {length:.3g} m of seal do not touch: "
         "there is "
-        f"a leak. The gap is largest at {where:.4g} m along the line, "
-        f"{format_quantity(-least, 'mm', '.3g')}",
+        f"a leak. The gap is largest at {position:.4g} m along the line, "
+        f"{format_quantity(-min_compression, 'mm', '.3g')}",
         remedy="Close the gap there, or use a higher seal.",
     )
 
@@ -86,13 +89,14 @@ def seal_touches(part: float, *, length: float, least: float, where: float, most
 )
 def lateral_restraint_present(motions: int, slowest: float | None) -> Finding:
     """Hinges, latch or the shear of the seal support the door sideways."""
-    several = motions > 1
-    near = "" if slowest is None else f" from {slowest:.3g} Hz"
+    has_several_motions = motions > 1
+    from_text = "" if slowest is None else f" from {slowest:.3g} Hz"
     return Finding(
         "Hinges, latch or bumpers hold the door where its seal line does not, in its plane",
         motions,
         failure=f"In-plane motion is held by nothing: no shear is given, and {motions} "
-        f"motion{'s' * several} {'are' if several else 'is'} free{near}",
+        f"motion{'s' * has_several_motions} {'are' if has_several_motions else 'is'} "
+        f"free{from_text}",
         remedy="Give across and along in [seal.shear].",
     )
 
@@ -115,17 +119,17 @@ def shear_stiffness_plausible(ratio: float) -> Finding:
 def line_closed(length: float, value: float, pieces: Sequence[float] = (1.0, 1.0)) -> Finding:
     """The seal line is closed, and not by one long segment alone."""
     closing, longest = pieces[-1], max(pieces[:-1])
-    jumps = closing > JUMP * longest
+    has_jump = closing > JUMP * longest
     return Finding(
         f"The seal line of {length:.4g} m is closed",
         failure=f"The seal line of {length:.4g} m is closed by a straight segment of "
         f"{format_quantity(closing, 'mm')}, and no other is longer than "
         f"{format_quantity(longest, 'mm')}"
-        if jumps and not value > 0
+        if has_jump and not value > 0
         else f"The seal line of {length:.4g} m ends {format_quantity(value, 'mm')} from where it "
         "begins",
         remedy="Add its last points, if some are missing.",
-        always_fails=value > 0 or jumps,
+        always_fails=value > 0 or has_jump,
     )
 
 
@@ -158,29 +162,31 @@ def modes_suffice(change: float | None, count: int, highest: float) -> Finding:
     "distance, m", "<=", 0.03, "our choice: a tenth of a short panel wave",
     other_grade="stop beyond 0.3",
 )  # fmt: skip
-def mode_shapes_cover_points(away: float, place: str) -> Finding:
+def mode_shapes_cover_points(distance: float, point_name: str) -> Finding:
     """Mode shapes are given close to the seal, the supports and the output points."""
     return Finding(
-        f"The shapes are known within {format_quantity(away, 'mm', '.3g')} of all places that are "
-        "used",
-        away,
-        failure=f"The shapes are known only {format_quantity(away, 'mm', '.3g')} from {place}",
+        f"The shapes are known within {format_quantity(distance, 'mm', '.3g')} of all places that "
+        "are used",
+        distance,
+        failure=(
+            f"The shapes are known only {format_quantity(distance, 'mm', '.3g')} from {point_name}"
+        ),
         remedy="Export points there, or check the axes and the unit of the modes.",
-        grade="stop" if away > NOT_THERE else "limit",
+        grade="stop" if distance > NOT_THERE else "limit",
     )
 
 
 @criterion(
     "ratio of masses", "x/", 1.05, "5 %: trim is often left out", other_grade="stop beyond 2"
 )
-def masses_agree(stated: float, implied: float) -> Finding:
+def masses_agree(stated_mass: float, implied: float) -> Finding:
     """The rigid-body modes have the mass that [door] states."""
     return Finding(
-        f"The rigid modes weigh {implied:.4g} kg; [door] gives {stated:.4g} kg",
-        implied / stated,
+        f"The rigid modes weigh {implied:.4g} kg; [door] gives {stated_mass:.4g} kg",
+        implied / stated_mass,
         "The modal masses or the units of the modes are wrong, or the modes are of another door",
         "Check the mass in [door], and the units of the modes.",
-        grade="limit" if 1 / ANOTHER <= implied / stated <= ANOTHER else "stop",
+        grade="limit" if 1 / ANOTHER <= implied / stated_mass <= ANOTHER else "stop",
     )
 
 
@@ -213,10 +219,10 @@ def closing_in_valid_band(
     factor = 1 / (4 * seconds) / band[1]
     speeds = ""
     if values is not None:
-        ends = f"lies between {values[0]:.3g} and {values[1]:.3g} m/s"
+        range_text = f"lies between {values[0]:.3g} and {values[1]:.3g} m/s"
         if math.isinf(values[1]):
-            ends = f"is {values[0]:.3g} m/s or more"
-        speeds = f"The least closing speed {ends}. "
+            range_text = f"is {values[0]:.3g} m/s or more"
+        speeds = f"The least closing speed {range_text}. "
     return Finding(
         f"The door presses its seal in {format_quantity(seconds, 'ms', '.3g')}, as slowly as its "
         "test",
@@ -270,14 +276,14 @@ def seals_suffice(specimens: int | None) -> Finding:
 
 
 @criterion("variance of testing / variance between", "<=", 1.0, "our choice: at most as large")
-def scatter_exceeds_testing(between: float | None, testing: float) -> Finding:
+def scatter_exceeds_testing(between_sd: float | None, testing: float) -> Finding:
     """The seals scatter by more than their tests."""
-    if between is None:
+    if between_sd is None:
         return Finding("The scatter of the seals is stated, so this check does not apply")
     return Finding(
-        f"The seals scatter by {100 * math.sqrt(between):.2g} %, their tests by "
+        f"The seals scatter by {100 * math.sqrt(between_sd):.2g} %, their tests by "
         f"{100 * math.sqrt(testing):.2g} %",
-        testing / between if between > 0 else math.inf,
+        testing / between_sd if between_sd > 0 else math.inf,
         "How far the seals themselves scatter is hardly seen",
         "Test each seal several times, taken out and put in again.",
     )

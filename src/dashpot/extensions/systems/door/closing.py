@@ -86,8 +86,8 @@ class ClosingDoor:
     @property
     def touching(self) -> float:
         """The angle at which the seal first touches, rad, 0 if it never does."""
-        turned = self.lever > 0
-        angles = self.compression[turned] / self.lever[turned]
+        has_lever = self.lever > 0
+        angles = self.compression[has_lever] / self.lever[has_lever]
         return float(np.clip(angles.max(initial=0.0), 0.0, _FARTHEST))
 
     @property
@@ -99,14 +99,16 @@ class ClosingDoor:
         return max(self.touching, self.latch_angle + travel) or 1e-3
 
     def angles(self, steps: int = STEPS, touching: float | None = None) -> FloatArray:
-        """From where the door has its speed to closed, rad, densest near closed, shape (n + 1,)."""
+        """Return angles from the initial one to closed, rad, densest there, shape (n + 1,)."""
         start, end = self.begins, self.latch_angle
-        near = min(self.touching if touching is None else touching, start) - end
-        fine = end + near * np.linspace(1.0, 0.0, steps + 1) ** 1.5
-        if near >= start - end:
-            return fine
-        far = np.linspace(start, end + near, max(steps // 4, 2) + 1)
-        return np.concatenate((far[:-1], fine)) if near > 0 else far
+        near_angle = min(self.touching if touching is None else touching, start) - end
+        fine_angles = end + near_angle * np.linspace(1.0, 0.0, steps + 1) ** 1.5
+        if near_angle >= start - end:
+            return fine_angles
+        coarse_angles = np.linspace(start, end + near_angle, max(steps // 4, 2) + 1)
+        return (
+            np.concatenate((coarse_angles[:-1], fine_angles)) if near_angle > 0 else coarse_angles
+        )
 
     def resisting(self, angle: FloatArray) -> dict[str, FloatArray]:
         """Moments against closing that the angle alone decides, N m."""
@@ -179,12 +181,12 @@ class _Doors:
         dashpot: FloatArray,
         angle: float,
     ) -> _Doors:
-        """At an angle, each with its compressions of the closed door and its seal's force."""
-        about: dict[str, Any] = {"lever": door.lever, "closed": closed, "angle": angle}
+        """Return the doors at an angle, with their compressions and seal forces."""
+        geometry: dict[str, Any] = {"lever": door.lever, "closed": closed, "angle": angle}
         share = door.length * load[:, None]
-        seal = PressedSeal(door.section, share=share, dashpot=dashpot, **about)
+        seal = PressedSeal(door.section, share=share, dashpot=dashpot, **geometry)
         airs = [
-            Chambers(name, chamber_air, length=door.length, **about)
+            Chambers(name, chamber_air, length=door.length, **geometry)
             for name, chamber_air in door.setup.airs
         ]
         return cls(door, seal, airs, angle)
@@ -197,22 +199,27 @@ class _Doors:
 
     def compute_stored_energy(self, work: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Return what every term would give back of its work in all the steps, J."""
-        back = {name: work[name].sum(axis=0) for name in (ELASTIC, GRAVITY) if name in work}
-        back |= {
+        stored_energy = {
+            name: work[name].sum(axis=0) for name in (ELASTIC, GRAVITY) if name in work
+        }
+        stored_energy |= {
             VISCOUS: self.seal.compute_stored_energy(),
             **{chamber.name: chamber.compute_stored_energy() for chamber in self.chambers},
         }
-        return {name: back.get(name, np.zeros(values.shape[1])) for name, values in work.items()}
+        return {
+            name: stored_energy.get(name, np.zeros(values.shape[1]))
+            for name, values in work.items()
+        }
 
     def step(self, angle: float, kinetic: FloatArray, moment: FloatArray) -> _Instants:
         """Turn to an angle, with the moment of the step before to show how long it takes."""
-        ends = np.array([self.angle, angle])
-        turned = float(ends[0] - ends[1])
-        seconds = _seconds(self.door.inertia, kinetic, moment * turned, turned)
+        end_angles = np.array([self.angle, angle])
+        turned_angle = float(end_angles[0] - end_angles[1])
+        seconds = _seconds(self.door.inertia, kinetic, moment * turned_angle, turned_angle)
         work: dict[str, FloatArray | float] = {}
-        for name, values in self.door.resisting(ends).items():
-            along = abs(turned) if name == HINGE else turned
-            work[name] = float(values.mean()) * along
+        for name, values in self.door.resisting(end_angles).items():
+            path = abs(turned_angle) if name == HINGE else turned_angle
+            work[name] = float(values.mean()) * path
         work[ELASTIC], work[VISCOUS] = self.seal.step(angle, seconds)
         for chamber in self.chambers:
             work[chamber.name] = chamber.step(angle, seconds)
@@ -252,14 +259,14 @@ def march(
         Of the angle over which the seal is pressed.
     """
     doors = len(speed)
-    pressed = np.broadcast_to(
+    compressions = np.broadcast_to(
         door.compression if compression is None else compression, (doors, len(door.lever))
     )
-    angle = replace(door, compression=pressed.max(axis=0)).angles(steps)
+    angle = replace(door, compression=compressions.max(axis=0)).angles(steps)
     first = float(angle[0])
     load = np.ones(doors) if load is None else load
     dashpot = np.zeros(doors) if dashpot is None else dashpot
-    going = _Doors.from_angle(door, pressed, load, dashpot, first)
+    state = _Doors.from_angle(door, compressions, load, dashpot, first)
     n = len(angle) - 1
     work: dict[str, FloatArray] = defaultdict(lambda: np.zeros((n, doors)))
     pressure: dict[str, FloatArray] = defaultdict(lambda: np.zeros((n + 1, doors)))
@@ -268,17 +275,17 @@ def march(
     moment, returned = np.zeros(doors), 0.0
     for i in range(n):
         # of one door alone it is asked with what it comes back
-        before = going.copy_state() if doors == 1 else going
-        done = going.step(float(angle[i + 1]), kinetic[i], moment)
-        kinetic[i + 1] = kinetic[i] - done.taken
+        before = state.copy_state() if doors == 1 else state
+        energy_done = state.step(float(angle[i + 1]), kinetic[i], moment)
+        kinetic[i + 1] = kinetic[i] - energy_done.taken
         on = kinetic[i + 1] > 0
         kinetic[i + 1, ~on] = np.nan
-        for name, values in done.work.items():
+        for name, values in energy_done.work.items():
             work[name][i] = np.where(on, values, 0.0)
-        for chamber in going.chambers:
+        for chamber in state.chambers:
             pressure[chamber.name][i + 1] = np.where(on, chamber.gauge, 0.0)
-        time[i + 1] = time[i] + np.where(on, done.seconds, 0.0)
-        moment = done.taken / float(angle[i] - angle[i + 1])
+        time[i + 1] = time[i] + np.where(on, energy_done.seconds, 0.0)
+        moment = energy_done.taken / float(angle[i] - angle[i + 1])
         if not on.any():
             kinetic[i + 1 :] = np.nan
             time[i + 1 :] = time[i + 1]
@@ -286,34 +293,36 @@ def march(
                 returned = _compute_rebound_energy(before, angle[i::-1])
             break
     stopped = np.isnan(kinetic[-1])
-    held = {
+    stored_energy = {
         name: np.where(stopped, np.nan, row)
-        for name, row in going.compute_stored_energy(work).items()
+        for name, row in state.compute_stored_energy(work).items()
     }
-    return ClosingHistory(angle, kinetic, time, dict(work), held, dict(pressure), returned)
+    return ClosingHistory(angle, kinetic, time, dict(work), stored_energy, dict(pressure), returned)
 
 
-def _compute_rebound_energy(going: _Doors, angle: FloatArray) -> float:
-    """With what energy a door comes back that stopped at the first of the angles, J."""
+def _compute_rebound_energy(state: _Doors, angle: FloatArray) -> float:
+    """Return the rebound energy of a door that stopped at the first of the angles, J."""
     kinetic, moment = np.zeros(1), np.zeros(1)
     for at in angle[1:].tolist():
-        turned = going.angle - at
+        turned_angle = state.angle - at
         if not kinetic[0]:
             # as it starts, the relaxed force and what the arms still carry show its pace
-            trial = copy(going.seal).step(at, np.full(1, 1e-3))
-            moment = np.full(1, (trial[0][0] + trial[1][0]) / turned)
-        done = going.step(at, kinetic, moment)
-        kinetic = np.maximum(kinetic - done.taken, 0.0)
-        moment = done.taken / turned
+            trial = copy(state.seal).step(at, np.full(1, 1e-3))
+            moment = np.full(1, (trial[0][0] + trial[1][0]) / turned_angle)
+        energy_done = state.step(at, kinetic, moment)
+        kinetic = np.maximum(kinetic - energy_done.taken, 0.0)
+        moment = energy_done.taken / turned_angle
         if not kinetic[0]:
             break
     return float(kinetic[0])
 
 
-def _seconds(inertia: float, kinetic: FloatArray, taken: FloatArray, turned: float) -> FloatArray:
+def _seconds(
+    inertia: float, kinetic: FloatArray, energy: FloatArray, turned_angle: float
+) -> FloatArray:
     """Return how long a step takes that takes so much energy, s."""
-    now = np.nan_to_num(kinetic)
-    after = np.maximum(now - np.nan_to_num(taken), 0.0)
-    mean = 0.5 * (np.sqrt(2 * now / inertia) + np.sqrt(2 * after / inertia))
+    energy_before = np.nan_to_num(kinetic)
+    energy_after = np.maximum(energy_before - np.nan_to_num(energy), 0.0)
+    mean = 0.5 * (np.sqrt(2 * energy_before / inertia) + np.sqrt(2 * energy_after / inertia))
     # a door that has stopped is counted out by its energy, and takes any time
-    return np.asarray(np.where(mean > 1e-6, abs(turned) / np.maximum(mean, 1e-6), 1e-3))
+    return np.asarray(np.where(mean > 1e-6, abs(turned_angle) / np.maximum(mean, 1e-6), 1e-3))

@@ -31,7 +31,7 @@ _SIGNIFICANT = 1e-5
 _COARSE, _FEW, _ROUGH = 60, 24, 1e-3
 """Steps, stations and tolerance of the many doors of a scatter."""
 _NOTHING = 1e-9
-"""Of the energy at 1 m/s: a door that closes with so little closes by itself."""
+"""Share of the energy at 1 m/s with which a door closes by itself."""
 _TRIES = 60
 _FASTER = (1.02, 1.1, 1.25, 1.5, 2.0, 3.0)
 
@@ -66,7 +66,7 @@ class Share(Serialisable):
 
     @property
     def dissipated_energy(self) -> float:
-        """What does not come back, J."""
+        """Dissipated energy, J."""
         return self.work - self.stored
 
 
@@ -143,31 +143,31 @@ class SealDoubt:
 
     @classmethod
     def from_fit(cls, fit: Fit) -> SealDoubt:
-        """What a fit leaves open: its covariance, and arms that look like a lead of the force.
+        """Return the uncertainty of a fit: its covariance, and arms that look like a delay.
 
         A fast arm and clocks that differ are one column of the fit: the lead that was found may be
         all of the arms', and more by as much as the clocks may hide. A hold alone, a bent ramp and
         a sweep limit neither.
         """
         names = fit.estimate.parameters
-        stiff = np.array([name.startswith("k_") for name in names], dtype=float)
-        variance = float(stiff @ fit.covariance @ stiff)
+        is_stiffness = np.array([name.startswith("k_") for name in names], dtype=float)
+        variance = float(is_stiffness @ fit.covariance @ is_stiffness)
         k_0 = fit.model.k_0
         law = fit.elastic_law
-        straight = law is not None and law.kind == "linear"
-        leads = [
+        is_linear = law is not None and law.kind == "linear"
+        delay_limits = [
             max(
                 NORMAL * float(np.hypot(nuisance.standard_error, nuisance.prior_sd))
                 - nuisance.value,
                 0.0,
             )
             for nuisance in fit.estimate.nuisance
-            if straight and nuisance.name.startswith("delay") and nuisance.prior_sd is not None
+            if is_linear and nuisance.name.startswith("delay") and nuisance.prior_sd is not None
         ]
         return cls(
             NORMAL * float(np.sqrt(max(variance, 0.0))) / k_0 if k_0 > 0 else 0.0,
             # every test is of the same arms
-            min((lead for lead in leads if np.isfinite(lead)), default=float("inf")),
+            min((lead for lead in delay_limits if np.isfinite(lead)), default=float("inf")),
             fit.band[1],
         )
 
@@ -180,8 +180,8 @@ class SealDoubt:
         limits it.
         """
         load = np.array([max(1 - self.relative, 1e-6), 1 + self.relative])
-        hides = self.delay if frequency > self.highest else 0.0
-        return load, np.array([0.0, hides * solid.k_0 / load[1]])
+        hidden_delay = self.delay if frequency > self.highest else 0.0
+        return load, np.array([0.0, hidden_delay * solid.k_0 / load[1]])
 
 
 @dataclass(frozen=True)
@@ -226,12 +226,12 @@ class ClosingAnalysis:
 
     @property
     def remaining_energy(self) -> float:
-        """What is left of it when it latches, for the bumpers and the striker, J; 0 if not."""
+        """Energy that remains at the latch for bumpers and striker, J; 0 if it does not latch."""
         return float(np.nan_to_num(self.march.kinetic[-1, 0]))
 
     @property
     def stopped_gap(self) -> float | None:
-        """Where the edge stops short of closed, m; None if it does not."""
+        """Distance of the edge from closed where the door stops, m; None if it closes."""
         if self.is_latched:
             return None
         last = int(np.flatnonzero(np.isfinite(self.march.kinetic[:, 0]))[-1])
@@ -244,19 +244,19 @@ class ClosingAnalysis:
 
     @property
     def seconds(self) -> float:
-        """From where it began to closed, or to where it stops, s."""
+        """Time from the start to closed, or to the stop, s."""
         return float(self.march.time[-1, 0])
 
     @property
     def sealing(self) -> float:
         """Seconds in which the last nine tenths of the relaxed force's work are done."""
         work = np.cumsum(self.march.work[ELASTIC][:, 0])
-        begun = int(np.searchsorted(work, 0.1 * work[-1]))
-        return self.seconds - float(self.march.time[begun, 0])
+        start_index = int(np.searchsorted(work, 0.1 * work[-1]))
+        return self.seconds - float(self.march.time[start_index, 0])
 
     @property
     def frequency(self) -> float:
-        """Of a quarter of a period as long as that, Hz."""
+        """Frequency of which that time is a quarter of a period, Hz."""
         return 1 / (4 * self.sealing) if self.sealing > 0 else float("inf")
 
     def share(self, name: str) -> Share:
@@ -298,34 +298,38 @@ def close_door(
             f"a closing speed of {v:g} m/s; expected > 0 and at most {FASTEST:g} m/s, such as 1m/s"
         )
     moving = door if isinstance(door, ClosingDoor) else closing_door(door, line)
-    done = march(moving, np.array([v]), steps=steps)
-    closing = ClosingAnalysis(moving, v, done, tuple(_shares(done)), np.inf, None, True, None)
+    closing_march = march(moving, np.array([v]), steps=steps)
+    closing = ClosingAnalysis(
+        moving, v, closing_march, tuple(_shares(closing_march)), np.inf, None, True, None
+    )
     load, hidden = np.ones(1), np.zeros(1)
     if seal_uncertainty is not None:
         extremes = seal_uncertainty.extremes(moving.section.solid.maxwell, closing.frequency)
         load, hidden = (
             np.append(values, two) for values, two in zip((load, hidden), extremes, strict=True)
         )
-    least, limited = np.full(len(load), np.inf), np.isfinite(hidden)
-    least[limited] = least_speed(moving, load=load[limited], dashpot=hidden[limited], steps=steps)
-    minimum, variation = float(least[0]), moving.setup.variation
+    min_speed, limited = np.full(len(load), np.inf), np.isfinite(hidden)
+    min_speed[limited] = least_speed(
+        moving, load=load[limited], dashpot=hidden[limited], steps=steps
+    )
+    minimum, variation = float(min_speed[0]), moving.setup.variation
     return replace(
         closing,
         minimum=minimum,
-        interval=None if seal_uncertainty is None else (float(least[1]), float(least[2])),
+        interval=None if seal_uncertainty is None else (float(min_speed[1]), float(min_speed[2])),
         monotone=_faster_close(moving, minimum),
         scatter=None if variation is None else simulate_scatter(moving, variation, minimum),
     )
 
 
 def _shares(history: ClosingHistory) -> list[Share]:
-    turned = -np.diff(history.angle)
+    turned_angle = -np.diff(history.angle)
     return [
         Share(
             name,
             float(work[:, 0].sum()),
             float(history.stored[name][0]),
-            float((work[:, 0] / turned).max()),
+            float((work[:, 0] / turned_angle).max()),
         )
         for name, work in history.work.items()
     ]
@@ -334,8 +338,8 @@ def _shares(history: ClosingHistory) -> list[Share]:
 def _faster_close(door: ClosingDoor, minimum: float) -> bool:
     if not np.isfinite(minimum):
         return True
-    faster = max(minimum, 1e-2) * np.array(_FASTER)
-    return bool(march(door, faster, steps=_COARSE).is_latched.all())
+    faster_speeds = max(minimum, 1e-2) * np.array(_FASTER)
+    return bool(march(door, faster_speeds, steps=_COARSE).is_latched.all())
 
 
 def least_speed(
@@ -369,35 +373,39 @@ def least_speed(
     row = load if compression is None else compression
     doors = 1 if row is None else len(row)
     entries: dict[str, Any] = {"compression": compression, "load": load, "dashpot": dashpot}
-    half = 0.5 * door.inertia / door.edge**2
+    half_mass = 0.5 * door.inertia / door.edge**2
 
     def spare(energy: FloatArray) -> FloatArray:
-        speed = np.sqrt(np.maximum(energy, _NOTHING * half) / half)
+        speed = np.sqrt(np.maximum(energy, _NOTHING * half_mass) / half_mass)
         return march(door, speed, steps=steps, **entries).least_kinetic_energy
 
-    high, low = np.full(doors, half), np.zeros(doors)
-    spared = spare(high)
-    while np.isnan(spared).any() and high.max() < half * FASTEST**2:
-        stopped = np.isnan(spared)
+    high, low = np.full(doors, half_mass), np.zeros(doors)
+    energy_left = spare(high)
+    while np.isnan(energy_left).any() and high.max() < half_mass * FASTEST**2:
+        stopped = np.isnan(energy_left)
         low, high = np.where(stopped, high, low), np.where(stopped, 4 * high, high)
-        spared = spare(high)
-    never, slope = np.isnan(spared), np.ones(doors)
+        energy_left = spare(high)
+    never_closes, slope = np.isnan(energy_left), np.ones(doors)
     for _ in range(_TRIES):
-        near = (high - low <= 2 * tolerance * high) | (slope * spared <= tolerance * high)
-        open_ = ~never & ~near
+        is_converged = (high - low <= 2 * tolerance * high) | (
+            slope * energy_left <= tolerance * high
+        )
+        open_ = ~never_closes & ~is_converged
         if not open_.any():
             break
-        guess = high - spared * slope
+        guess = high - energy_left * slope
         guess = np.where((guess > low) | (low == 0), np.maximum(guess, 0.0), 0.5 * (low + high))
         values = spare(np.where(open_, guess, high))
         closes = open_ & ~np.isnan(values)
         low = np.where(open_ & ~closes, guess, low)
         # what is spared falls faster than the energy where the air takes a part that grows with it
-        fell = np.where(closes, spared - values, np.nan)
-        steeper = np.where(fell > 0, (high - guess) / np.where(fell > 0, fell, 1.0), slope)
+        energy_fall = np.where(closes, energy_left - values, np.nan)
+        steeper = np.where(
+            energy_fall > 0, (high - guess) / np.where(energy_fall > 0, energy_fall, 1.0), slope
+        )
         slope = np.where(closes, np.clip(steeper, 1.0, 50.0), slope)
-        high, spared = np.where(closes, guess, high), np.where(closes, values, spared)
-    return np.where(never, np.inf, np.sqrt(high / half))
+        high, energy_left = np.where(closes, guess, high), np.where(closes, values, energy_left)
+    return np.where(never_closes, np.inf, np.sqrt(high / half_mass))
 
 
 def _reduce_stations(door: ClosingDoor) -> tuple[ClosingDoor, IndexArray]:
@@ -409,8 +417,10 @@ def _reduce_stations(door: ClosingDoor) -> tuple[ClosingDoor, IndexArray]:
     def mean(values: FloatArray) -> FloatArray:
         return np.asarray(np.bincount(group, values * door.length) / np.maximum(length, 1e-12))
 
-    few = replace(door, lever=mean(door.lever), compression=mean(door.compression), length=length)
-    return few, group
+    reduced_door = replace(
+        door, lever=mean(door.lever), compression=mean(door.compression), length=length
+    )
+    return reduced_door, group
 
 
 def simulate_scatter(door: ClosingDoor, variation: Tolerances, minimum: float) -> Scatter:
@@ -425,28 +435,28 @@ def simulate_scatter(door: ClosingDoor, variation: Tolerances, minimum: float) -
     if variation.correlation is None:
         shape = np.ones((n, 1))
     else:
-        along = np.cumsum(door.length) - 0.5 * door.length
-        magnitude = np.abs(along[:, None] - along)
+        middles = np.cumsum(door.length) - 0.5 * door.length
+        magnitude = np.abs(middles[:, None] - middles)
         magnitude = np.minimum(magnitude, door.length.sum() - magnitude)
         value, vector = np.linalg.eigh(np.exp(-magnitude / variation.correlation))
         shape = vector * np.sqrt(np.maximum(value, 0.0))
-    drawn = random.standard_normal((count, shape.shape[1])) @ shape.T
-    displacement = variation.gap * np.clip(drawn / 3, -1, 1)
+    normal_draws = random.standard_normal((count, shape.shape[1])) @ shape.T
+    displacement = variation.gap * np.clip(normal_draws / 3, -1, 1)
     load = 1 + variation.load * np.clip(random.standard_normal(count) / 3, -1, 1)
-    pressed = door.compression + displacement
-    few, group = _reduce_stations(door)
-    share = door.length / few.length[group]
-    groups = np.zeros((n, len(few.lever)))
+    compressions = door.compression + displacement
+    reduced_door, group = _reduce_stations(door)
+    share = door.length / reduced_door.length[group]
+    groups = np.zeros((n, len(reduced_door.lever)))
     groups[np.arange(n), group] = share
     rough = least_speed(
-        few, compression=pressed @ groups, load=load, steps=_COARSE, tolerance=_ROUGH
+        reduced_door, compression=compressions @ groups, load=load, steps=_COARSE, tolerance=_ROUGH
     )
-    nominal = least_speed(few, steps=_COARSE, tolerance=_ROUGH)[0]
+    nominal = least_speed(reduced_door, steps=_COARSE, tolerance=_ROUGH)[0]
     # few stations and steps miss alike in every door what the nominal one shows of it
     scale = minimum / nominal if 0 < nominal < np.inf and np.isfinite(minimum) else 1.0
     speed = scale * rough
-    force = load[:, None] * door.section.force(pressed)
-    return Scatter(variation, speed, pressed.min(axis=1), force.min(axis=1))
+    force = load[:, None] * door.section.force(compressions)
+    return Scatter(variation, speed, compressions.min(axis=1), force.min(axis=1))
 
 
 def closing_door(door: Door, line: SealLine | None = None) -> ClosingDoor:
@@ -497,28 +507,28 @@ def _compute_hinge_inertia(
         if setup.inertia is None:
             raise DataError("closing needs inertia about the hinges, or mass and centre in [door]")
         return setup.inertia, (0.0, 0.0)
-    across = np.array(rigid.centre) - hinge
-    across = across - (across @ axis) * axis
+    centre_offset = np.array(rigid.centre) - hinge
+    centre_offset = centre_offset - (centre_offset @ axis) * axis
     tensor = np.array(rigid.inertia)
     tensor = np.diag(tensor) if tensor.ndim == 1 else tensor
     inertia = setup.inertia
     if inertia is None:
-        inertia = float(axis @ tensor @ axis + rigid.mass * across @ across)
+        inertia = float(axis @ tensor @ axis + rigid.mass * centre_offset @ centre_offset)
     if setup.gravity is None:
         return inertia, (0.0, 0.0)
-    pull = rigid.mass * GRAVITY * np.array(setup.gravity) / np.linalg.norm(setup.gravity)
-    turning = float(axis @ np.cross(across, pull))
-    return inertia, (turning, float(axis @ np.cross(np.cross(axis, across), pull)))
+    weight_vector = rigid.mass * GRAVITY * np.array(setup.gravity) / np.linalg.norm(setup.gravity)
+    turning = float(axis @ np.cross(centre_offset, weight_vector))
+    return inertia, (turning, float(axis @ np.cross(np.cross(axis, centre_offset), weight_vector)))
 
 
 def _axis(door: Door, setup: ClosingSetup) -> FloatArray:
     if setup.axis is not None:
-        way = np.array(setup.axis, dtype=float)
+        axis_vector = np.array(setup.axis, dtype=float)
     elif len(door.hinges) >= 2:
-        way = np.array(door.hinges[-1].at) - np.array(door.hinges[0].at)
+        axis_vector = np.array(door.hinges[-1].at) - np.array(door.hinges[0].at)
     else:
         raise DataError("one hinge has no axis: give axis in [closing], such as [0, 1, 0]")
-    size = float(np.linalg.norm(way))
+    size = float(np.linalg.norm(axis_vector))
     if not size > 0:
         raise DataError("the hinges lie at one place: give axis in [closing], such as [0, 1, 0]")
-    return np.asarray(way / size)
+    return np.asarray(axis_vector / size)

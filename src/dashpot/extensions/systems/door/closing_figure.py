@@ -15,11 +15,11 @@ from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.plot.style import sequential
 
 _HALF = 0.36
-"""Of a bar, its rows being 1 apart."""
+"""Half the height of a bar; its rows are 1 apart."""
 _NEAR = 6.0
-"""How many times the way on which most of the seal is pressed is drawn."""
+"""Length of the drawn motion, over that on which most of the seal is pressed."""
 _WORDS, _NAMES = 1.18, 0.55
-"""How far the axis of energy goes, to hold the number beside a bar, and the name left of it."""
+"""Ends of the energy axis, for the number beside a bar and the name left of it."""
 _COARSE = 2.0
 """Energy above which its axis has whole numbers, J."""
 
@@ -33,14 +33,14 @@ def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
     stamp : str
         What the figure says of its origin; by default the files.
     """
-    done = result.closing
+    closing_result = result.closing
     strips: list[tuple[Panel, ...]] = [
-        (waterfall(done),),
-        (moments_panel(done),),
-        (speed_panel(done),),
+        (waterfall(closing_result),),
+        (moments_panel(closing_result),),
+        (speed_panel(closing_result),),
     ]
-    if done.scatter is not None and np.isfinite(done.scatter.least_speed).any():
-        strips.append((doors_panel(done, done.scatter),))
+    if closing_result.scatter is not None and np.isfinite(closing_result.scatter.least_speed).any():
+        strips.append((doors_panel(closing_result, closing_result.scatter),))
     caption = (
         "A door that closes: what each term takes of its energy, their moments and its speed over "
         "the way, and the least speed that closes doors within their tolerances."
@@ -68,16 +68,16 @@ def waterfall(closing: ClosingAnalysis) -> Panel:
     marks: list[Mark] = []
     for y, (name, low, high) in zip(range(len(rows), 0, -1), rows, strict=True):
         left, right = sorted((low, high))
-        whole = name in {"door", "left", "stopped"}
+        is_total = name in {"door", "left", "stopped"}
         colour, label = ("fit", "seal") if name.startswith("seal") else ("ref", "all else")
-        ends = np.array([left, right])
+        bar_ends = np.array([left, right])
         marks.append(
-            Area(ends, np.full(2, y - _HALF), np.full(2, y + _HALF), colour, label, tint=0.75)
+            Area(bar_ends, np.full(2, y - _HALF), np.full(2, y + _HALF), colour, label, tint=0.75)
         )
-        taken = high if whole else low - high
+        energy = high if is_total else low - high
         marks.append(Tag(begins, y, name, "ink", end=True))
         marks.append(
-            Tag(right, y, f"{taken:z.{decimals}f}".replace("-", "\u2212"), "ink", end=True)
+            Tag(right, y, f"{energy:z.{decimals}f}".replace("-", "\u2212"), "ink", end=True)
         )
     step = max(round(closing.energy / 3), 1) if closing.energy > _COARSE else closing.energy / 2
     ticks = tuple(np.arange(0.0, closing.energy * 1.001, step).tolist())
@@ -93,30 +93,35 @@ def waterfall(closing: ClosingAnalysis) -> Panel:
 
 def _way(closing: ClosingAnalysis) -> tuple[FloatArray, float]:
     """Return where the edge is, mm to closed, and how far of it is drawn."""
-    way = convert_to_unit(closing.door.edge * closing.march.angle, "mm")
+    edge_distance = convert_to_unit(closing.door.edge * closing.march.angle, "mm")
     door = closing.door
     angles = door.compression[door.lever > 0] / door.lever[door.lever > 0]
-    most = 0.0
+    axis_limit = 0.0
     if len(angles):
-        most = _NEAR * convert_to_unit(door.edge * float(np.median(angles)), "mm")
-    return way, min(float(way[0]), most) if most > 0 else float(way[0])
+        axis_limit = _NEAR * convert_to_unit(door.edge * float(np.median(angles)), "mm")
+    return edge_distance, min(float(edge_distance[0]), axis_limit) if axis_limit > 0 else float(
+        edge_distance[0]
+    )
 
 
 def moments_panel(closing: ClosingAnalysis) -> Panel:
     """Return the moment of each term over the last of the way."""
-    way, most = _way(closing)
-    middle, turned = 0.5 * (way[1:] + way[:-1]), -np.diff(closing.march.angle)
-    on = np.isfinite(closing.march.kinetic[1:, 0]) & (middle <= most)
+    edge_distance, axis_limit = _way(closing)
+    middle, turned_angle = (
+        0.5 * (edge_distance[1:] + edge_distance[:-1]),
+        -np.diff(closing.march.angle),
+    )
+    on = np.isfinite(closing.march.kinetic[1:, 0]) & (middle <= axis_limit)
     marks: list[Mark] = [Rule(0.0, REF, across=True)]
     highest = []
     pens = [Pen(colour, 1.8) for colour in sequential(5)]
     pens += [Pen(colour, 1.8, (6, 3)) for colour in sequential(5)]
     for pen, (name, work) in zip(pens, closing.march.work.items(), strict=False):
-        moment = (work[:, 0] / turned)[on]
+        moment = (work[:, 0] / turned_angle)[on]
         highest.append(moment)
         marks.append(Line(middle[on], moment, pen, name))
     return Panel(
-        Scale("edge to closed, mm", (float(way[-1]), most)),
+        Scale("edge to closed, mm", (float(edge_distance[-1]), axis_limit)),
         Scale("moment against closing, N m", compute_padded_limits(*highest)),
         tuple(marks),
         title="moments",
@@ -126,12 +131,12 @@ def moments_panel(closing: ClosingAnalysis) -> Panel:
 
 def speed_panel(closing: ClosingAnalysis) -> Panel:
     """Return the speed of the edge over its way."""
-    way, _ = _way(closing)
+    edge_distance, _ = _way(closing)
     speed = closing.door.edge * np.sqrt(2 * closing.march.kinetic[:, 0] / closing.door.inertia)
     finite = np.isfinite(speed)
-    marks: list[Mark] = [Line(way[finite], speed[finite], FIT)]
+    marks: list[Mark] = [Line(edge_distance[finite], speed[finite], FIT)]
     return Panel(
-        Scale("edge to closed, mm", (float(way[-1]), float(way[0]))),
+        Scale("edge to closed, mm", (float(edge_distance[-1]), float(edge_distance[0]))),
         Scale("speed of the edge, m/s", compute_padded_limits(speed[finite], np.zeros(1))),
         tuple(marks),
         title="speed",
@@ -143,39 +148,39 @@ def speed_panel(closing: ClosingAnalysis) -> Panel:
 def doors_panel(closing: ClosingAnalysis, scatter: Scatter, *, height: float = 220.0) -> Panel:
     """Return the least speeds of doors within their tolerances, those beyond the limit apart."""
     speed = scatter.least_speed[np.isfinite(scatter.least_speed)]
-    limit, above = scatter.variation.limit, scatter.share_above_limit
+    limit, share_above_limit = scatter.variation.limit, scatter.share_above_limit
     bars, top = _bars(speed, limit)
     marks: list[Mark] = [*bars]
-    ends = [speed]
+    speeds = [speed]
     if closing.interval is not None and np.isfinite(closing.interval).all():
-        ends.append(np.array(closing.interval))
+        speeds.append(np.array(closing.interval))
         low_edge, high_edge = np.full(2, 1.06 * top), np.full(2, 1.14 * top)
         words = "nominal, as far as its seal is known"
-        marks.append(Area(ends[-1], low_edge, high_edge, "fit", words, hatched=True))
-    for at, pen, name, ink, level in (
+        marks.append(Area(speeds[-1], low_edge, high_edge, "fit", words, hatched=True))
+    for at, pen, name, colour, level in (
         (closing.minimum, Pen("measured", 1.4), "nominal", "ink", 1.36),
         (limit, Pen("bad", 1.4, (5, 3)), "limit", "bad-ink", 1.23),
     ):
         if at is not None and np.isfinite(at):
             # each ends where it is named: the name of one may reach over the other
             marks.append(Line(np.full(2, at), np.array([0.0, level * top]), pen))
-            ends.append(np.array([at]))
+            speeds.append(np.array([at]))
             words = f"{name} {round_to_error(at, digits=3)}"
-            marks.append(Tag(at, level * top, words, ink, end=True))
+            marks.append(Tag(at, level * top, words, colour, end=True))
     return Panel(
-        Scale("least speed of the edge, m/s", compute_padded_limits(*ends, margin=0.12)),
+        Scale("least speed of the edge, m/s", compute_padded_limits(*speeds, margin=0.12)),
         Scale("doors", (0.0, 1.45 * top)),
         tuple(marks),
         title=f"least speed of {len(scatter.least_speed)} doors",
         height=height,
         note=""
-        if above is None
-        else f"{round_to_error(100 * above, digits=3)} % need more than the limit",
+        if share_above_limit is None
+        else f"{round_to_error(100 * share_above_limit, digits=3)} % need more than the limit",
     )
 
 
 def _bars(speed: FloatArray, limit: float | None) -> tuple[list[Area], float]:
-    """How many doors need which speed, those beyond the limit apart, and the most in one bar."""
+    """Return the histogram of closing speeds, those beyond the limit apart, and its largest bar."""
     bins = np.histogram_bin_edges(speed, bins=max(8, int(1.2 * np.sqrt(len(speed)))))
     if limit is not None and bins[0] < limit < bins[-1]:
         # an edge at the limit: no bar is on both sides of it
@@ -190,6 +195,6 @@ def _bars(speed: FloatArray, limit: float | None) -> tuple[list[Area], float]:
         # the limit is named at its line, and the axis says that they are doors
         colour = "bad" if outside else "ref"
         gap = 0.04 * (high - low)
-        side = np.array([low + gap, high - gap])
-        bars.append(Area(side, np.zeros(2), np.full(2, float(count)), colour, tint=0.6))
+        bar_edges = np.array([low + gap, high - gap])
+        bars.append(Area(bar_edges, np.zeros(2), np.full(2, float(count)), colour, tint=0.6))
     return bars, float(counts.max())

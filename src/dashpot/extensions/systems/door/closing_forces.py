@@ -51,23 +51,25 @@ class PressedSeal:
         """Press on to an angle: work of the relaxed force and of the rest, J, shape (doors,)."""
         at = np.maximum(self.closed - self.lever * angle, 0.0)
         path = self.section.path(at)
-        pressed, change = at - self.at, path - self.path
-        relaxed = 0.5 * self.k_inf * (path + self.path)
-        even = EvenStep.from_ratio((seconds[:, None] / self.tau)[:, None, :])
-        provided = self.k * change[..., None]
-        rest = even.mean(self.arms, provided).sum(axis=-1) + self.b * change / seconds[:, None]
-        self.arms = even.end(self.arms, provided)
+        compression, change = at - self.at, path - self.path
+        mean_relaxed_force = 0.5 * self.k_inf * (path + self.path)
+        steps = EvenStep.from_ratio((seconds[:, None] / self.tau)[:, None, :])
+        elastic_force = self.k * change[..., None]
+        rest = (
+            steps.mean(self.arms, elastic_force).sum(axis=-1) + self.b * change / seconds[:, None]
+        )
+        self.arms = steps.end(self.arms, elastic_force)
         # it cannot pull
-        whole = np.maximum(relaxed + rest, 0.0)
+        total_force = np.maximum(mean_relaxed_force + rest, 0.0)
         self.at, self.path = at, path
-        elastic = (self.share * relaxed * pressed).sum(axis=1)
-        return elastic, (self.share * whole * pressed).sum(axis=1) - elastic
+        elastic = (self.share * mean_relaxed_force * compression).sum(axis=1)
+        return elastic, (self.share * total_force * compression).sum(axis=1) - elastic
 
     def compute_stored_energy(self) -> FloatArray:
-        """In the arms, J, shape (doors,)."""
+        """Return the energy stored in the arms, J, shape (doors,)."""
         factor = np.where(self.path > 0, self.section.factor(self.at), 1.0)
-        held = (self.arms**2 / (2 * self.k)).sum(axis=-1)
-        return np.asarray((self.share * held / np.where(factor > 0, factor, 1.0)).sum(axis=1))
+        arm_energy = (self.arms**2 / (2 * self.k)).sum(axis=-1)
+        return np.asarray((self.share * arm_energy / np.where(factor > 0, factor, 1.0)).sum(axis=1))
 
 
 class Chambers:

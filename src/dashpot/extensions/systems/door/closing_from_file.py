@@ -56,8 +56,8 @@ def close_file(
 
 def _check_closing(closing: ClosingAnalysis, fit: Fit | None) -> Iterator[Check]:
     yield checks.faster_closings_latch(closing.monotone)
-    pressed, pieces = closing.door.compression, closing.door.length
-    yield touches_along(pressed, np.cumsum(pieces) - 0.5 * pieces, float(pieces.sum()))
+    compressions, pieces = closing.door.compression, closing.door.length
+    yield touches_along(compressions, np.cumsum(pieces) - 0.5 * pieces, float(pieces.sum()))
     if fit is None:
         return
     solid = closing.door.section.solid
@@ -68,5 +68,5 @@ def _check_closing(closing: ClosingAnalysis, fit: Fit | None) -> Iterator[Check]
         values=closing.interval,
     )
     law = fit.elastic_law
-    yield compression_tested(float(pressed.max()), None if law is None else law.depth)
+    yield compression_tested(float(compressions.max()), None if law is None else law.depth)
     yield from fit.checks

@@ -60,7 +60,7 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
 
     @property
     def _table_columns(self) -> Series:
-        """What each term takes of the energy."""
+        """Columns: the energy of each term."""
         return collect_columns(self.closing.terms, name="", work="J", stored="J", moment="N m")
 
     @property
@@ -69,12 +69,12 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
         closing = self.closing
         if not math.isfinite(closing.minimum):
             return "no speed closes the door"
-        does = "closes" if closing.is_latched else "does not close"
-        least = f"from {closing.minimum:.3g} m/s on"
+        verb = "closes" if closing.is_latched else "does not close"
+        speed_text = f"from {closing.minimum:.3g} m/s on"
         if closing.interval is not None and math.isfinite(closing.interval[1]):
             low, high = closing.interval
-            least += f" ({low:.3g} to {high:.3g})"
-        return f"the door closes {least}. At {closing.speed:.3g} m/s it {does}"
+            speed_text += f" ({low:.3g} to {high:.3g})"
+        return f"the door closes {speed_text}. At {closing.speed:.3g} m/s it {verb}"
 
     @property
     def sources(self) -> tuple[Source, ...]:
@@ -101,5 +101,5 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
     @property
     def history(self) -> dict[str, FloatArray]:
         """The course of the door: s, rad, J."""
-        done = self.closing.march
-        return {"time": done.time[:, 0], "angle": done.angle, "kinetic": done.kinetic[:, 0]}
+        march = self.closing.march
+        return {"time": march.time[:, 0], "angle": march.angle, "kinetic": march.kinetic[:, 0]}

@@ -15,7 +15,7 @@ from dashpot.base.value_ranges import require_nonnegative, require_positive, sel
 Vector: TypeAlias = tuple[float, float, float]
 
 DISCHARGE = 0.62
-"""Of a sharp-edged hole."""
+"""Discharge coefficient of a sharp-edged hole."""
 ADIABATIC, ISOTHERMAL = 1.4, 1.0
 """Exponents n of p ~ density^n."""
 
@@ -296,20 +296,20 @@ class ClosingSetup:
         require_positive(
             "closing: ", **select_fields(self, "edge", "inertia", "start"), optional=True
         )
-        named = (
+        named_parts = (
             ("vents", self.vents), ("air between seals", self.between), ("cabin air", self.cabin),
         )  # fmt: skip
-        airs = tuple((name, air) for name, air in named if air is not None)
+        airs = tuple((name, air) for name, air in named_parts if air is not None)
         object.__setattr__(self, "airs", airs)
 
 
 def _table(
-    whose: str, x: tuple[float, ...], y: tuple[float, ...], *, from_zero: bool = False
+    owner: str, x: tuple[float, ...], y: tuple[float, ...], *, from_zero: bool = False
 ) -> None:
     rises = len(x) >= 2 and bool((np.diff(x) > 0).all()) and (x[0] == 0 or not from_zero)
     if len(x) != len(y) or not rises or not np.isfinite([*x, *y]).all():
         begins = "from 0 " if from_zero else ""
         raise DataError(
-            f"{whose}: {len(x)} places and {len(y)} values; expected as many of both, at least "
+            f"{owner}: {len(x)} places and {len(y)} values; expected as many of both, at least "
             f"two, the places rising {begins}and all finite"
         )

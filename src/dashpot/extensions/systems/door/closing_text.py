@@ -31,29 +31,29 @@ def closing_text(value: ClosingAnalysis) -> Text:
         _outcome(value),
         _least(value),
     ]
-    pressed = value.door.compression
-    force = value.door.section.force(pressed)
+    compressions = value.door.compression
+    force = value.door.section.force(compressions)
     lines.append(
         "  Closed, the seal is compressed by at least "
-        f"{format_rounded(convert_to_unit(float(pressed.min()), 'mm'), digits=3)} mm, with "
+        f"{format_rounded(convert_to_unit(float(compressions.min()), 'mm'), digits=3)} mm, with "
         f"{format_rounded(float(force.min()), digits=3)} N/m after relaxation."
     )
     lines += _scatter(value)
     rows = [["term", "J", "% of all", "recoverable, J", "highest moment, N m"]]
-    taken = sum(term.work for term in value.terms)
+    total_work = sum(term.work for term in value.terms)
     for energy_term in value.terms:
         rows.append(
             [
                 energy_term.name,
                 format_rounded(energy_term.work, digits=3),
-                f"{100 * energy_term.work / taken:.1f}" if taken > 0 else "",
+                f"{100 * energy_term.work / total_work:.1f}" if total_work > 0 else "",
                 ""
                 if math.isnan(energy_term.stored)
                 else format_rounded(energy_term.stored, digits=3),
                 format_rounded(energy_term.peak_moment, digits=3),
             ]
         )
-    rows.append(["all", format_rounded(taken, digits=3), "", "", ""])
+    rows.append(["all", format_rounded(total_work, digits=3), "", "", ""])
     peaks = ", ".join(
         f"{name} {format_rounded(float(values.max()), digits=3)} Pa"
         for name, values in value.march.pressure.items()
@@ -98,18 +98,19 @@ def _scatter(closing: ClosingAnalysis) -> list[str]:
     scatter = closing.scatter
     if scatter is None:
         return []
-    one = scatter.variation
-    alike = (
+    variation = scatter.variation
+    correlation_text = (
         "the same all along"
-        if one.correlation is None
-        else f"the same over {format_rounded(one.correlation)} m"
+        if variation.correlation is None
+        else f"the same over {format_rounded(variation.correlation)} m"
     )
     low, middle, high = (scatter.quantile(part) for part in (0.05, 0.5, 0.95))
     sentences = [
         (
-            f"  {one.count} doors, gap ±{format_quantity(one.gap, 'mm', '.3g')} {alike}, force of "
-            "the "
-            f"seal ±{100 * one.load:.3g} % (three standard deviations, seed {one.seed}):"
+            f"  {variation.count} doors, gap ±{format_quantity(variation.gap, 'mm', '.3g')} "
+            f"{correlation_text}, force of the "
+            f"seal ±{100 * variation.load:.3g} % (three standard deviations, seed "
+            f"{variation.seed}):"
         ),
         (
             f"  least speed {format_rounded(low, digits=3)}, {format_rounded(middle, digits=3)}, "
@@ -121,6 +122,6 @@ def _scatter(closing: ClosingAnalysis) -> list[str]:
     if scatter.share_above_limit is not None:
         sentences.append(
             f"  {format_rounded(100 * scatter.share_above_limit, digits=3)} % need more than "
-            f"{format_rounded(one.limit or 0.0)} m/s"
+            f"{format_rounded(variation.limit or 0.0)} m/s"
         )
     return sentences

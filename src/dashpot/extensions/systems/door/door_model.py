@@ -213,5 +213,5 @@ class Door(EqualByValue):
     @property
     def pitch(self) -> float:
         """Distance of the stations along the seal line, m."""
-        stated = None if self.seal is None else self.seal.pitch
-        return PITCH if stated is None else stated
+        given_pitch = None if self.seal is None else self.seal.pitch
+        return PITCH if given_pitch is None else given_pitch

@@ -40,9 +40,15 @@ def energy_shares(system: System, mode: ComplexMode) -> tuple[EnergyShare, ...]:
     e = system.stretch @ mode.shape
     K = system.spring_stiffness(1j * abs(mode.pole))
     change = np.abs(e) ** 2
-    stored, lost = _sum_by_name(system, K.real * change), _sum_by_name(system, K.imag * change)
-    whole = sum(stored.values())
-    return tuple(EnergyShare(name, stored[name] / whole, lost[name] / whole) for name in stored)
+    stored_energy, lost_energy = (
+        _sum_by_name(system, K.real * change),
+        _sum_by_name(system, K.imag * change),
+    )
+    total_energy = sum(stored_energy.values())
+    return tuple(
+        EnergyShare(name, stored_energy[name] / total_energy, lost_energy[name] / total_energy)
+        for name in stored_energy
+    )
 
 
 def _sum_by_name(system: System, values: FloatArray) -> dict[str, float]:

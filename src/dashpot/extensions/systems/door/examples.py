@@ -32,34 +32,35 @@ def _make_seal_line() -> tuple[FloatArray, FloatArray]:
         middle = np.where([corner in {1, 2}, corner in {2, 3}], high - radius, low + radius)
         angle = np.radians(start + np.linspace(0, 90, 7))
         arc = middle + radius * np.stack((np.cos(angle), np.sin(angle)), axis=1)
-        straight = np.linspace(points[-1], arc[0], 8)[1:-1] if points else np.empty((0, 2))
-        points += [*straight, *arc]
+        straight_points = np.linspace(points[-1], arc[0], 8)[1:-1] if points else np.empty((0, 2))
+        points += [*straight_points, *arc]
     points += [*np.linspace(points[-1], points[0], 8)[1:]]
-    place = np.column_stack((points, np.zeros(len(points))))
-    gap = 13.75e-3 + 1.25e-3 * np.sin(2 * np.pi * np.arange(len(place)) / (len(place) - 1))
-    return place, gap
+    positions = np.column_stack((points, np.zeros(len(points))))
+    gap = 13.75e-3 + 1.25e-3 * np.sin(2 * np.pi * np.arange(len(positions)) / (len(positions) - 1))
+    return positions, gap
 
 
 def _door_line() -> str:
-    place, gap = _make_seal_line()
+    positions, gap = _make_seal_line()
     rows = (
         ",".join(f"{convert_to_unit(v, 'mm'):.3f}" for v in (*p, g))
-        for p, g in zip(place, gap, strict=True)
+        for p, g in zip(positions, gap, strict=True)
     )
     head = [f"# {byline('simulated seal line')}", "# simulated", "x [mm],y [mm],z [mm],gap [mm]"]
     return "\n".join([*head, *rows, ""])
 
 
 def _door_modes() -> str:
-    """Of a plate of 25 kg whose first elastic mode lies at 64 Hz, as a row a point and mode."""
-    place = np.concatenate((_make_seal_line()[0][:-1], (*_HINGES, _LATCH, _MIRROR)))
-    modes = free_plate(place, width=1.1, height=1.2, mass=25.0, rigidity=3e4, elastic=24)
+    """Return the modes of a plate of 25 kg whose first elastic mode lies at 64 Hz."""
+    positions = np.concatenate((_make_seal_line()[0][:-1], (*_HINGES, _LATCH, _MIRROR)))
+    modes = free_plate(positions, width=1.1, height=1.2, mass=25.0, rigidity=3e4, elastic=24)
     rows = (
         ",".join(
-            f"{v:.7g}" for v in (r + 1, f, *convert_to_unit(place[p], "mm"), modes.shapes[r, p, 2])
+            f"{v:.7g}"
+            for v in (r + 1, f, *convert_to_unit(positions[p], "mm"), modes.shapes[r, p, 2])
         )
         for r, f in enumerate(modes.frequency)
-        for p in range(len(place))
+        for p in range(len(positions))
     )
     head = [f"# {byline('simulated modes')}", "# simulated, shapes of a modal mass of 1 kg"]
     return "\n".join([*head, "mode,frequency [Hz],x [mm],y [mm],z [mm],uz", *rows, ""])

@@ -19,8 +19,8 @@ def find_line_stations(
             if normal is not None
             else f"{path}: no [seal] is in it; add one with fit, points and normal"
         )
-    wanted = pitch or door.seal.pitch
-    if wanted is None:
+    requested_pitch = pitch or door.seal.pitch
+    if requested_pitch is None:
         raise ExportError(f"{path}: [seal] says no pitch; add --pitch, e.g. 25mm")
     if door.seal.friction is not None:
         raise ExportError(
@@ -28,4 +28,4 @@ def find_line_stations(
             "file, and add its ratios to those of [seal.shear] for a seal that sticks"
         )
     kelvin = door.seal.temperature if temperature is None else temperature
-    return door.line.stations(wanted), shear_of(door.seal, kelvin)
+    return door.line.stations(requested_pitch), shear_of(door.seal, kelvin)

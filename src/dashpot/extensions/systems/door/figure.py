@@ -38,13 +38,13 @@ from dashpot.plot.style import sequential
 SHOWN = 6
 """Modes that are drawn."""
 _CLASSES = 4
-"""Of compression."""
+"""Number of classes of compression."""
 _FINE = 240
 """Places along the line at which a shape is drawn."""
 _WIDE = 0.16
-"""Of the door's larger side: the band of the largest motion."""
+"""Width of the band of the largest motion, over the door's larger side."""
 _IN_PLANE = 0.1
-"""Of a motion: less than that of its largest part across the plane, and it stays in its plane."""
+"""Largest motion across the plane, over that in it, of a mode in the plane."""
 _NEAR = 1.2
 """About the modes that the seal holds: how far their FRF is shown, as a factor."""
 _SCALES = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
@@ -52,7 +52,7 @@ _SCALES = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
 _WAYS = {"out": "warm", "in": "cold"}
 """Colours of what goes out and in."""
 _INSIDE = {"out": 0.5, "in": 1.5}
-"""Where their words stand, in widths of a band from the line, inwards."""
+"""Distance of the words from the line, in widths of a band, inwards."""
 _ROUND = 17
 """Places over which the direction of a band is averaged."""
 _LEAST = 12
@@ -112,60 +112,62 @@ class View:
 
     @classmethod
     def from_result(cls, result: DoorResult) -> View | None:
-        """As the seal line of a door lies; None without one."""
+        """Return the view of the seal line of a door; None without one."""
         return None if result.door.line is None else cls.from_line(result.door.line)
 
     @classmethod
     def from_line(cls, line: SealLine) -> View:
-        """As a seal line lies."""
+        """Return the view of a seal line."""
         first, second = sorted(np.argsort(np.ptp(line.points, axis=0))[1:].tolist())
         inward = line.normal_at(line.arc_length).mean(axis=0)
         size = float(np.linalg.norm(inward))
-        across = np.eye(3)[next(k for k in range(3) if k not in (first, second))]
-        outward = -inward / size if size > 0 else across
+        axis_vector = np.eye(3)[next(k for k in range(3) if k not in (first, second))]
+        outward = -inward / size if size > 0 else axis_vector
         right = np.cross(np.eye(3)[second], outward)
         return cls((first, second), bool(right[first] < 0), outward)
 
-    def project_points(self, places: FloatArray) -> FloatArray:
+    def project_points(self, vectors: FloatArray) -> FloatArray:
         """Places or motions, shape (n, 3), as they are drawn, shape (n, 2)."""
-        flat = places[:, list(self.axes)].copy()
-        flat[:, 0] *= -1 if self.mirrored else 1
-        return np.asarray(flat)
+        projected = vectors[:, list(self.axes)].copy()
+        projected[:, 0] *= -1 if self.mirrored else 1
+        return np.asarray(projected)
 
 
 def line_panel(result: DoorResult, view: View) -> Panel:
     """Return the seal line by its compression, and what holds the door beside it."""
     stations, line = result.stations, result.door.line
     marks: list[Mark] = []
-    places = [np.zeros((0, 2))]
+    drawn_points = [np.zeros((0, 2))]
     if line is not None and stations is not None:
         outline, at = view.project_points(line.points), view.project_points(stations.place)
-        places.append(outline)
+        drawn_points.append(outline)
         marks.append(Line(outline[:, 0], outline[:, 1], Pen("line", 1.2)))
-        pressed = stations.compression
-        if pressed is None:
+        compressions = stations.compression
+        if compressions is None:
             marks.append(Dots(at[:, 0], at[:, 1], "fit", "seal", size=4.0))
         else:
-            marks += mark_classes(at, convert_to_unit(pressed, "mm"), pressed >= 0, unit="mm")
+            marks += mark_classes(
+                at, convert_to_unit(compressions, "mm"), compressions >= 0, unit="mm"
+            )
     latch = () if result.door.latch is None else (result.door.latch,)
     for hinge in (*result.door.hinges, *latch, *result.door.bumpers):
         ((x, y),) = view.project_points(np.array([hinge.at]))
-        places.append(np.array([[x, y]]))
+        drawn_points.append(np.array([[x, y]]))
         marks.append(Tag(x, y, hinge.name, "ink", "filled"))
     for point in result.door.points:
         if point.on == DOOR:
             ((x, y),) = view.project_points(np.array([point.at]))
             marks.append(Tag(x, y, point.name, "soft", "hollow"))
-    low, high = (end(np.concatenate(places), axis=0) for end in (np.min, np.max))
+    low, high = (end(np.concatenate(drawn_points), axis=0) for end in (np.min, np.max))
     # a metre, or as much of one as is no wider than the door
     metre = next((scale for scale in _SCALES if scale <= high[0] - low[0]), _SCALES[-1])
-    under, middle = low[1] - 0.12 * (high[1] - low[1]), (low[0] + high[0]) / 2
-    ends = middle + metre * np.array([-0.5, 0.5])
-    marks.append(Line(ends, np.full(2, under), Pen("edge", 1.4)))
-    marks.append(Tag(float(ends[1]), float(under), f"{metre:g} m", "soft", end=True))
+    scale_height, middle = low[1] - 0.12 * (high[1] - low[1]), (low[0] + high[0]) / 2
+    scale_ends = middle + metre * np.array([-0.5, 0.5])
+    marks.append(Line(scale_ends, np.full(2, scale_height), Pen("edge", 1.4)))
+    marks.append(Tag(float(scale_ends[1]), float(scale_height), f"{metre:g} m", "soft", end=True))
     return Panel(
         Scale("", compute_padded_limits(np.array([low[0], high[0]]), margin=0.16)),
-        Scale("", compute_padded_limits(np.array([under, high[1]]), margin=0.1)),
+        Scale("", compute_padded_limits(np.array([scale_height, high[1]]), margin=0.1)),
         tuple(marks),
         title="seal line pressed by, from outside",
         height=300,
@@ -186,26 +188,26 @@ def mark_classes(
         edges = np.linspace(low, high, count + 1)
         rank = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, count - 1)
         for k, colour in enumerate(sequential(count)):
-            here = touches & (rank == k)
+            is_in_class = touches & (rank == k)
             label = f"{edges[k]:.3g} to {edges[k + 1]:.3g} {unit}"
-            if here.any():
-                marks.append(Dots(x[here], y[here], colour, label, size=5.0))
+            if is_in_class.any():
+                marks.append(Dots(x[is_in_class], y[is_in_class], colour, label, size=5.0))
     if not touches.all():
-        away = ~touches
-        marks.append(Dots(x[away], y[away], "bad", "does not touch", size=5.0, hollow=True))
+        is_open = ~touches
+        marks.append(Dots(x[is_open], y[is_open], "bad", "does not touch", size=5.0, hollow=True))
     return marks
 
 
 def pressed_panel(result: DoorResult) -> Panel:
     """Return how far the seal is pressed along its line, and the depth of its test."""
     stations = result.stations
-    along = np.zeros(0) if stations is None else stations.along
+    arc_length = np.zeros(0) if stations is None else stations.along
     length = 0.0 if result.door.line is None else result.door.line.length
     mm = np.zeros(0)
     if stations is not None and stations.compression is not None:
         mm = convert_to_unit(stations.compression, "mm")
     law = None if result.fit is None else result.fit.elastic_law
-    marks: list[Mark] = [Line(along, mm, FIT, "compression"), Rule(0.0, REF, across=True)]
+    marks: list[Mark] = [Line(arc_length, mm, FIT, "compression"), Rule(0.0, REF, across=True)]
     limits = [mm, np.zeros(1)]
     if law is not None:
         tested = convert_to_unit(law.depth, "mm")
@@ -229,37 +231,41 @@ def shape_panels(result: DoorResult, view: View) -> list[Panel]:
     line = result.door.line
     if line is None:
         return []
-    along = np.linspace(0.0, line.length, _FINE)
-    place = np.stack(
-        [np.interp(along, line.arc_length, line.points[:, k]) for k in range(3)], axis=1
+    arc_length = np.linspace(0.0, line.length, _FINE)
+    positions = np.stack(
+        [np.interp(arc_length, line.arc_length, line.points[:, k]) for k in range(3)], axis=1
     )
     system = result.assembly.system()
     rows = np.array(
         [
             [system.participation(Point(DOOR, (x, y, z), axis)) for axis in AXES]
-            for x, y, z in place.tolist()
+            for x, y, z in positions.tolist()
         ]
     )
     latch = () if result.door.latch is None else (result.door.latch,)
-    held = view.project_points(
+    hinge_points = view.project_points(
         np.array([hinge.at for hinge in (*result.door.hinges, *latch)]).reshape(-1, 3)
     )
-    size = _WIDE * float(np.ptp(place[:, list(view.axes)], axis=0).max())
-    seen = view.project_points(place)
-    low, high = seen.min(axis=0) - 1.3 * size, seen.max(axis=0) + 1.3 * size
+    size = _WIDE * float(np.ptp(positions[:, list(view.axes)], axis=0).max())
+    projected = view.project_points(positions)
+    low, high = projected.min(axis=0) - 1.3 * size, projected.max(axis=0) + 1.3 * size
     panels = []
     for number, mode in enumerate(result.modes[:SHOWN], start=1):
         motion = _extract_real_motion(rows @ mode.mode.shape)
-        out = motion @ view.outward
-        flat = motion - np.outer(out, view.outward)
-        within = float(np.abs(out).max()) < _IN_PLANE * float(np.linalg.norm(flat, axis=1).max())
-        marks = (
-            _draw_plane_motion(seen, view.project_points(flat), size)
-            if within
-            else _bands(seen, out, size)
+        normal_motion = motion @ view.outward
+        plane_motion = motion - np.outer(normal_motion, view.outward)
+        is_in_plane = float(np.abs(normal_motion).max()) < _IN_PLANE * float(
+            np.linalg.norm(plane_motion, axis=1).max()
         )
-        if len(held):
-            marks.append(Dots(held[:, 0], held[:, 1], "ink", "hinge, latch", size=6.0))
+        motion_marks = (
+            _draw_plane_motion(projected, view.project_points(plane_motion), size)
+            if is_in_plane
+            else _bands(projected, normal_motion, size)
+        )
+        if len(hinge_points):
+            motion_marks.append(
+                Dots(hinge_points[:, 0], hinge_points[:, 1], "ink", "hinge, latch", size=6.0)
+            )
         share = f"seal {100 * mode.share(SEAL):.1f} %"
         damping = round_to_error(100 * mode.mode.damping_ratio, digits=2)
         hz = round_to_error(mode.mode.frequency, digits=4)
@@ -267,7 +273,7 @@ def shape_panels(result: DoorResult, view: View) -> list[Panel]:
             Panel(
                 Scale("", (low[0], high[0])),
                 Scale("", (low[1], high[1])),
-                tuple(marks),
+                tuple(motion_marks),
                 height=180,
                 square=True,
                 drawing=True,
@@ -277,57 +283,59 @@ def shape_panels(result: DoorResult, view: View) -> list[Panel]:
     return panels
 
 
-def _draw_plane_motion(seen: FloatArray, change: FloatArray, size: float) -> list[Mark]:
+def _draw_plane_motion(rest_points: FloatArray, change: FloatArray, size: float) -> list[Mark]:
     """Return a motion in the plane: the line at rest, dashed, and moved."""
-    there = seen + size / float(np.linalg.norm(change, axis=1).max()) * change
-    x, y = seen.mean(axis=0).tolist()
+    moved_points = rest_points + size / float(np.linalg.norm(change, axis=1).max()) * change
+    x, y = rest_points.mean(axis=0).tolist()
     return [
-        Line(seen[:, 0], seen[:, 1], Pen("ref", 1.2, (4, 3)), "at rest"),
-        Line(there[:, 0], there[:, 1], FIT, "moves in its plane"),
+        Line(rest_points[:, 0], rest_points[:, 1], Pen("ref", 1.2, (4, 3)), "at rest"),
+        Line(moved_points[:, 0], moved_points[:, 1], FIT, "moves in its plane"),
         Tag(x - 1.8 * size, y, "in plane", "soft", end=True),
     ]
 
 
-def _bands(seen: FloatArray, out: FloatArray, size: float) -> list[Mark]:
+def _bands(rest_points: FloatArray, normal_motion: FloatArray, size: float) -> list[Mark]:
     """Return a motion across the plane as bands on the line, rings where it stands still."""
-    normal = _outwards(seen)
-    scaled = out / float(np.abs(out).max())
-    edge = seen + size * scaled[:, None] * normal
+    normal = _outwards(rest_points)
+    scaled = normal_motion / float(np.abs(normal_motion).max())
+    edge = rest_points + size * scaled[:, None] * normal
     marks: list[Mark] = []
     # each stretch of one sign, from where it stands still to where it does again
-    ends = np.flatnonzero(np.diff(np.sign(scaled)) != 0) + 1
-    for stretch in np.split(np.arange(len(seen)), ends):
-        way = "out" if scaled[stretch].mean() > 0 else "in"
-        ring = np.concatenate([seen[stretch], edge[stretch][::-1]])
-        marks.append(Ring(ring[:, 0], ring[:, 1], _WAYS[way], f"seal line goes {way}"))
-    marks.append(Line(seen[:, 0], seen[:, 1], Pen("edge", 1.2)))
-    still = (seen[ends - 1] + seen[ends]) / 2
-    if len(still):
-        marks.append(Dots(still[:, 0], still[:, 1], "ink", "stands still", size=6.0, hollow=True))
-    for way, at in (("out", int(np.argmax(scaled))), ("in", int(np.argmin(scaled)))):
-        if (scaled[at] > 0) == (way == "out") and abs(scaled[at]) > _IN_PLANE:
-            deep = _INSIDE[way] * size
-            x, y = (seen[at] - deep * normal[at]).tolist()
-            marks.append(Tag(x - 0.4 * size, y, way, "ink", bold=True, end=True))
+    sign_changes = np.flatnonzero(np.diff(np.sign(scaled)) != 0) + 1
+    for stretch in np.split(np.arange(len(rest_points)), sign_changes):
+        sense = "out" if scaled[stretch].mean() > 0 else "in"
+        ring = np.concatenate([rest_points[stretch], edge[stretch][::-1]])
+        marks.append(Ring(ring[:, 0], ring[:, 1], _WAYS[sense], f"seal line goes {sense}"))
+    marks.append(Line(rest_points[:, 0], rest_points[:, 1], Pen("edge", 1.2)))
+    node_points = (rest_points[sign_changes - 1] + rest_points[sign_changes]) / 2
+    if len(node_points):
+        marks.append(
+            Dots(node_points[:, 0], node_points[:, 1], "ink", "stands still", size=6.0, hollow=True)
+        )
+    for sense, at in (("out", int(np.argmax(scaled))), ("in", int(np.argmin(scaled)))):
+        if (scaled[at] > 0) == (sense == "out") and abs(scaled[at]) > _IN_PLANE:
+            offset = _INSIDE[sense] * size
+            x, y = (rest_points[at] - offset * normal[at]).tolist()
+            marks.append(Tag(x - 0.4 * size, y, sense, "ink", bold=True, end=True))
     return marks
 
 
-def _outwards(seen: FloatArray) -> FloatArray:
+def _outwards(rest_points: FloatArray) -> FloatArray:
     """Across the line in its plane, away from its middle, of length 1, shape (n, 2)."""
-    along = np.gradient(seen, axis=0)
-    if np.allclose(seen[0], seen[-1]):
-        along[0] = along[-1] = seen[1] - seen[-2]
-    across = np.column_stack([along[:, 1], -along[:, 0]])
-    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
-    away = float(np.sum(across * (seen - seen.mean(axis=0))))
+    tangent = np.gradient(rest_points, axis=0)
+    if np.allclose(rest_points[0], rest_points[-1]):
+        tangent[0] = tangent[-1] = rest_points[1] - rest_points[-2]
+    normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+    outward_sum = float(np.sum(normal * (rest_points - rest_points.mean(axis=0))))
     # round a corner it turns slowly, or a band inside it would fold
-    about = np.ones(_ROUND) / _ROUND
-    padded = np.concatenate([across[-_ROUND - 1 : -1], across, across[1 : _ROUND + 1]])
-    if not np.allclose(seen[0], seen[-1]):
-        padded = np.pad(across, ((_ROUND, _ROUND), (0, 0)), mode="edge")
-    smooth = np.column_stack([np.convolve(item, about, mode="same") for item in padded.T])
-    smooth = smooth[_ROUND:-_ROUND]
-    return np.asarray(smooth if away > 0 else -smooth)
+    kernel = np.ones(_ROUND) / _ROUND
+    padded = np.concatenate([normal[-_ROUND - 1 : -1], normal, normal[1 : _ROUND + 1]])
+    if not np.allclose(rest_points[0], rest_points[-1]):
+        padded = np.pad(normal, ((_ROUND, _ROUND), (0, 0)), mode="edge")
+    smoothed = np.column_stack([np.convolve(item, kernel, mode="same") for item in padded.T])
+    smoothed = smoothed[_ROUND:-_ROUND]
+    return np.asarray(smoothed if outward_sum > 0 else -smoothed)
 
 
 def _extract_real_motion(change: ComplexArray) -> FloatArray:
@@ -338,20 +346,23 @@ def _extract_real_motion(change: ComplexArray) -> FloatArray:
 
 def frf_panel(result: DoorResult, index: int, *, height: float = 230.0) -> Panel:
     """Return the accelerance of a place with the seal and without, where the seal holds a mode."""
-    name, sealed, bare = result.frfs[index]
-    held = [
+    name, sealed, bare_frf = result.frfs[index]
+    seal_modes = [
         (number, mode.mode.frequency)
         for number, mode in enumerate(result.modes, start=1)
         if mode.share(SEAL) >= _HOLDS
     ]
     f = sealed.frequency
-    whole = near = float(f[0]), float(f[-1])
-    if held:
-        near = max(whole[0], held[0][1] / _NEAR), min(whole[1], held[-1][1] * _NEAR)
-    shown = (f >= near[0]) & (f <= near[1])
-    if shown.sum() < _LEAST:
-        shown, near, held = np.ones(len(f), dtype=bool), whole, []
-    f, curves = f[shown], [np.abs(frf.value)[shown] for frf in (sealed, bare)]
+    full_range = shown_range = float(f[0]), float(f[-1])
+    if seal_modes:
+        shown_range = (
+            max(full_range[0], seal_modes[0][1] / _NEAR),
+            min(full_range[1], seal_modes[-1][1] * _NEAR),
+        )
+    is_shown = (f >= shown_range[0]) & (f <= shown_range[1])
+    if is_shown.sum() < _LEAST:
+        is_shown, shown_range, seal_modes = np.ones(len(f), dtype=bool), full_range, []
+    f, curves = f[is_shown], [np.abs(frf.value)[is_shown] for frf in (sealed, bare_frf)]
     band = (0.0, np.inf) if result.fit is None else result.fit.band
     tops = [
         Tag(
@@ -361,7 +372,7 @@ def frf_panel(result: DoorResult, index: int, *, height: float = 230.0) -> Panel
             "fit",
             bold=True,
         )
-        for number, hz in held[:SHOWN]
+        for number, hz in seal_modes[:SHOWN]
     ]
     words = "with the seal"
     lines = [
@@ -370,10 +381,10 @@ def frf_panel(result: DoorResult, index: int, *, height: float = 230.0) -> Panel
         if np.isfinite(line.y).any()
     ]
     return Panel(
-        Scale("frequency, Hz", near),
+        Scale("frequency, Hz", shown_range),
         Scale("accelerance, 1/kg", compute_padded_log_limits(*curves, margin=2.0), log=True),
         (Line(f, curves[1], Pen("ref", 1.6), "without the seal"), *lines, *tops),
         title=name if name == result.driven.name else f"{name}, driven at {result.driven.name}",
         height=height,
-        note=f"of {whole[0]:g} to {whole[1]:g} Hz" if held else "",
+        note=f"of {full_range[0]:g} to {full_range[1]:g} Hz" if seal_modes else "",
     )

@@ -44,16 +44,17 @@ def free_plate(
     p = np.asarray(place, dtype=float)
     nodes, weights = legendre.leggauss(_DEGREE + 2)
 
-    def evaluate_derivatives(side: float, order: int, x: FloatArray) -> FloatArray:
+    def evaluate_derivatives(side_length: float, order: int, x: FloatArray) -> FloatArray:
         """Return derivatives of every polynomial, shape (degree, x)."""
         rows = [legendre.legder(row, order) for row in np.eye(_DEGREE)]
-        return (2 / side) ** order * np.array([legendre.legval(x, row) for row in rows])
+        return (2 / side_length) ** order * np.array([legendre.legval(x, row) for row in rows])
 
     def inner(a: FloatArray, b: FloatArray) -> FloatArray:
         return (a * weights) @ b.T
 
     X, Y = (
-        [evaluate_derivatives(side, order, nodes) for order in range(3)] for side in (width, height)
+        [evaluate_derivatives(side_length, order, nodes) for order in range(3)]
+        for side_length in (width, height)
     )
     area = width * height
     M = mass / 4 * np.kron(inner(X[0], X[0]), inner(Y[0], Y[0]))
@@ -66,12 +67,12 @@ def free_plate(
     )  # fmt: skip
     root = np.sqrt(np.diag(M))  # Legendre polynomials are orthogonal
     squared, vectors = np.linalg.eigh(K / root / root[:, None])
-    retained = 3 + elastic
+    mode_count = 3 + elastic
     x, y = 2 * p[:, 0] / width - 1, 2 * p[:, 1] / height - 1
     product = evaluate_derivatives(width, 0, x)[:, None] * evaluate_derivatives(height, 0, y)[None]
-    change = (vectors[:, :retained] / root[:, None]).T @ product.reshape(-1, len(p))
-    shape = np.zeros((retained, len(p), 3))
+    change = (vectors[:, :mode_count] / root[:, None]).T @ product.reshape(-1, len(p))
+    shape = np.zeros((mode_count, len(p), 3))
     shape[:, :, 2] = change
-    frequency = np.sqrt(np.maximum(squared[:retained], 0.0)) / (2 * np.pi)
+    frequency = np.sqrt(np.maximum(squared[:mode_count], 0.0)) / (2 * np.pi)
     frequency[:3] = 0.0
     return FreeModes(frequency, p, shape)

@@ -171,8 +171,12 @@ def find_leak(
         Of the stations, m, and the factor of their joints.
     """
     state, section = case.state, case.section
-    retained = case.retained.value
-    force = factor * retained * compute_contact_force(section, compression, state.gap, state.time)
+    retained_fraction = case.retained.value
+    force = (
+        factor
+        * retained_fraction
+        * compute_contact_force(section, compression, state.gap, state.time)
+    )
     speed = compute_leak_speed(
         force,
         lip=setup.lip,
@@ -208,7 +212,9 @@ def find_leak(
     )
     low, high = np.quantile(speeds, INTERVAL_LEVELS, axis=0)
     limits = np.array([np.minimum(low, speed), np.maximum(high, speed)])
-    return StateLeak(state.name, force, force / setup.lip, speed, limits, case.density, retained)
+    return StateLeak(
+        state.name, force, force / setup.lip, speed, limits, case.density, retained_fraction
+    )
 
 
 def compute_relaxed_stiffness(fit: Fit) -> Interval:
@@ -220,14 +226,14 @@ def compute_relaxed_stiffness(fit: Fit) -> Interval:
     k_inf = fit.model.k_inf
     end = fit.evidence.end_of_hold
     if end is not None and k_inf > 0 and np.isfinite(end.k_3end).all():
-        low, high = (side / k_inf for side in end.k_3end)
+        low, high = (stiffness_limit / k_inf for stiffness_limit in end.k_3end)
         return Interval(1.0, min(low, 1.0), max(high, 1.0))
     names = fit.estimate.parameters
     if "k_inf" not in names or not k_inf > 0:
         return Interval(1.0, 1.0, 1.0)
     at = names.index("k_inf")
-    half = NORMAL * float(np.sqrt(max(fit.covariance[at, at], 0.0))) / k_inf
-    return Interval(1.0, max(1 - half, 0.0), 1 + half)
+    half_width = NORMAL * float(np.sqrt(max(fit.covariance[at, at], 0.0))) / k_inf
+    return Interval(1.0, max(1 - half_width, 0.0), 1 + half_width)
 
 
 def _draw_split_normal(interval: Interval, z: FloatArray) -> FloatArray:
@@ -240,8 +246,8 @@ def _draw_split_normal(interval: Interval, z: FloatArray) -> FloatArray:
         Standard normal draws.
     """
     value, low, high = interval
-    half = np.where(z < 0, value - low, high - value)
-    return np.maximum(value + z / NORMAL * half, 0.0)
+    half_width = np.where(z < 0, value - low, high - value)
+    return np.maximum(value + z / NORMAL * half_width, 0.0)
 
 
 def _draw_laws(section: SealSection, z: FloatArray) -> list[SealSection] | None:
@@ -249,11 +255,11 @@ def _draw_laws(section: SealSection, z: FloatArray) -> list[SealSection] | None:
     law = section.law
     if law is None or not law.ratio_se or law.kind == "linear":
         return None
-    drawn = []
+    laws_drawn = []
     signs = np.cos(np.pi * np.arange(len(law.knots)) / max(len(law.knots) - 1, 1))
     for item in z:
         ratio = np.maximum(np.array(law.ratio) + item * signs * np.array(law.ratio_se), 0.0)
         mean = float(np.trapezoid(ratio, law.knots)) / law.knots[-1]
         drawn_law = ElasticLaw(law.knots, tuple((ratio / mean).tolist()), law.stiffness)
-        drawn.append(replace(section, law=drawn_law))
-    return drawn
+        laws_drawn.append(replace(section, law=drawn_law))
+    return laws_drawn

@@ -12,7 +12,7 @@ from dashpot.plot.plotted_data import compute_padded_limits
 from dashpot.plot.plotted_data import stamp as format_stamp
 
 _HALF_BAR, _ABOVE = 0.2, 0.75
-"""Of a bar, its rows being 1 apart, and where its name begins above it."""
+"""Half the height of a bar, its rows being 1 apart, and the height of its name above it."""
 _COLOURS = ("fit", "joint", "measured", "ref", "bad")
 _DASHES: tuple[tuple[float, ...], ...] = ((), (7, 4), (2, 3))
 
@@ -39,13 +39,13 @@ def draw_states(result: LeakResult) -> Panel:
     """Return the speed at which the first station lifts in each state, with its limits."""
     rows = len(result.states)
     marks: list[Mark] = []
-    most = 0.0
+    max_speed = 0.0
     for y, state in zip(range(rows, 0, -1), result.states, strict=True):
         value, low, high = (float(convert_to_unit(item, "km/h")) for item in state.least)
-        most = max(most, high)
-        ends, heights = np.array([low, high]), np.full(2, y)
+        max_speed = max(max_speed, high)
+        limits, heights = np.array([low, high]), np.full(2, y)
         marks += [
-            Area(ends, heights - _HALF_BAR, heights + _HALF_BAR, "fit", "95 % limits"),
+            Area(limits, heights - _HALF_BAR, heights + _HALF_BAR, "fit", "95 % limits"),
             Line(
                 np.array([value, value]), np.array([y - _HALF_BAR, y + _HALF_BAR]), Pen("ink", 2.4)
             ),
@@ -54,10 +54,10 @@ def draw_states(result: LeakResult) -> Panel:
     limit = result.setup.limit
     if limit is not None:
         limit_speed = float(convert_to_unit(limit, "km/h"))
-        most = max(most, limit_speed)
+        max_speed = max(max_speed, limit_speed)
         marks.append(Rule(limit_speed, REF, f"limit {limit_speed:.0f} km/h"))
     return Panel(
-        Scale("speed, km/h", (0.0, 1.08 * max(most, 1.0))),
+        Scale("speed, km/h", (0.0, 1.08 * max(max_speed, 1.0))),
         Scale("", (0.3, rows + 0.8), unnumbered=True),
         tuple(marks),
         title="the first station lifts at",
@@ -67,27 +67,27 @@ def draw_states(result: LeakResult) -> Panel:
 
 def draw_line(result: LeakResult) -> Panel:
     """Return the leak speed of every station along the line in each state."""
-    along = result.arc_length
+    arc_length = result.arc_length
     marks: list[Mark] = []
     speeds = [np.zeros(1)]
     for i, state in enumerate(result.states):
         speed = convert_to_unit(state.speed, "km/h")
         low, high = convert_to_unit(state.limits, "km/h")
         if i == 0:
-            marks.append(Area(along, low, high, "fit", "95 % limits, new"))
+            marks.append(Area(arc_length, low, high, "fit", "95 % limits, new"))
             speeds.append(high)
         pen = Pen(_COLOURS[i % len(_COLOURS)], 1.8, _DASHES[i // len(_COLOURS) % len(_DASHES)])
-        marks.append(Line(along, speed, pen, state.name))
+        marks.append(Line(arc_length, speed, pen, state.name))
         speeds.append(speed)
     limit = result.setup.limit
     if limit is not None:
         limit_speed = float(convert_to_unit(limit, "km/h"))
         speeds.append(np.array([limit_speed]))
         marks.append(Rule(limit_speed, REF, f"limit {limit_speed:.0f} km/h", across=True))
-    most = compute_padded_limits(*speeds)[1]
+    max_speed = compute_padded_limits(*speeds)[1]
     return Panel(
-        Scale("along the line, m", (0.0, float(along[-1]))),
-        Scale("leak speed, km/h", (0.0, most)),
+        Scale("along the line, m", (0.0, float(arc_length[-1]))),
+        Scale("leak speed, km/h", (0.0, max_speed)),
         tuple(marks),
         title="leak speed along the line",
         height=264,
@@ -99,12 +99,12 @@ def draw_door(result: LeakResult) -> Panel:
     line, first = result.door.line, result.states[0]
     assert line is not None  # noqa: S101  a leak speed is of a line
     view = View.from_line(line)
-    outline, places = view.project_points(line.points), view.project_points(result.place)
+    outline, station_points = view.project_points(line.points), view.project_points(result.place)
     speed = convert_to_unit(first.speed, "km/h")
-    weakest = places[first.weakest]
+    weakest = station_points[first.weakest]
     marks: list[Mark] = [
         Line(outline[:, 0], outline[:, 1], Pen("line", 1.2)),
-        *mark_classes(places, speed, first.speed > 0, unit="km/h"),
+        *mark_classes(station_points, speed, first.speed > 0, unit="km/h"),
         Tag(float(weakest[0]), float(weakest[1]), "lifts first", "ink", "hollow"),
     ]
     low, high = outline.min(axis=0), outline.max(axis=0)

@@ -86,8 +86,8 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
             density = (
                 compute_air_density(air_temperature) if state.density is None else state.density
             )
-            retention, doubts = _evaluate_retention(state)
-            aging_checks += doubts
+            retention, failed_checks = _evaluate_retention(state)
+            aging_checks += failed_checks
             cases.append((fit_there, SectionState(state, section, density, retention)))
         leaks = tuple(
             find_leak(
@@ -105,8 +105,8 @@ def _evaluate_retention(state: LeakState) -> tuple[Interval, list[Check]]:
     """Return the part of the force that aging leaves, with 95 % limits, and failed checks of it."""
     aging = state.aging
     if aging is None:
-        half = NORMAL * state.retained_sd
-        low, high = max(state.retained - half, 0.0), min(state.retained + half, 1.0)
+        half_width = NORMAL * state.retained_sd
+        low, high = max(state.retained - half_width, 0.0), min(state.retained + half_width, 1.0)
         return Interval(state.retained, low, high), []
     document = read_json_document(aging.law_path)
     predict = find_handler("retained force", document)
@@ -116,13 +116,17 @@ def _evaluate_retention(state: LeakState) -> tuple[Interval, list[Check]]:
             "(dashpot fit ovens.csv -o csr.json)"
         )
     predicted = predict(document, temperature=aging.temperature, until=f"{aging.time!r}s")
-    fact = predicted.answers[0]
-    where = f"in state '{state.name}'"
-    doubts = [check.with_location(where) for check in predicted.checks if check.failed]
-    if np.isnan(fact.value):  # the ovens bound what is left from below alone
-        return Interval(fact.low, fact.low, 1.0), doubts
-    low, high = (fact.low, fact.high) if np.isfinite([fact.low, fact.high]).all() else (0.0, 1.0)
-    return Interval(min(fact.value, 1.0), max(low, 0.0), min(high, 1.0)), doubts
+    predicted_force = predicted.answers[0]
+    location = f"in state '{state.name}'"
+    failed_checks = [check.with_location(location) for check in predicted.checks if check.failed]
+    if np.isnan(predicted_force.value):  # the ovens bound what is left from below alone
+        return Interval(predicted_force.low, predicted_force.low, 1.0), failed_checks
+    low, high = (
+        (predicted_force.low, predicted_force.high)
+        if np.isfinite([predicted_force.low, predicted_force.high]).all()
+        else (0.0, 1.0)
+    )
+    return Interval(min(predicted_force.value, 1.0), max(low, 0.0), min(high, 1.0)), failed_checks
 
 
 def _run_checks(result: LeakResult, states: list[tuple[LeakState, Fit]]) -> Iterator[Check]:

@@ -72,15 +72,15 @@ def _make_lights(result: LeakResult) -> list[Light]:
     )
     verdicts = result.limit_verdicts
     if verdicts:
-        missed = [name for name, word in verdicts.items() if word == "missed"]
+        missed_names = [name for name, word in verdicts.items() if word == "missed"]
         undecided = [name for name, word in verdicts.items() if word == "open"]
         text = "met in every state"
-        if missed or undecided:
-            parts = [f"missed: {', '.join(missed)}"] if missed else []
+        if missed_names or undecided:
+            parts = [f"missed: {', '.join(missed_names)}"] if missed_names else []
             parts += [f"open: {', '.join(undecided)}"] if undecided else []
             text = "; ".join(parts)
-        mark = "good" if not missed and not undecided else "note"
-        leak_lights.append(Light("Limit", mark, text))
+        class_name = "good" if not missed_names and not undecided else "note"
+        leak_lights.append(Light("Limit", class_name, text))
     return leak_lights
 
 

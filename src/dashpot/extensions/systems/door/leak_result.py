@@ -61,12 +61,12 @@ class LeakResult(HasChecks, HasVerdict, Serialisable):
 
     @property
     def arc_length(self) -> FloatArray:
-        """Where each station lies along the line, m."""
+        """Arc length of each station, m."""
         return self.stations.along
 
     @property
     def place(self) -> FloatArray:
-        """Where each station lies, m, shape (n, 3)."""
+        """Position of each station, m, shape (n, 3)."""
         return self.stations.place
 
     @property
@@ -77,7 +77,7 @@ class LeakResult(HasChecks, HasVerdict, Serialisable):
 
     @property
     def limit_verdicts(self) -> dict[str, str]:
-        """Of each state, whether the limit is met, missed or open; empty without a limit."""
+        """Verdict on the limit in each state: met, missed or open; empty without a limit."""
         limit = self.setup.limit
         if limit is None:
             return {}
@@ -127,10 +127,10 @@ class LeakResult(HasChecks, HasVerdict, Serialisable):
     @property
     def _headline(self) -> str:
         """Leak speed as described, and the lowest of the other states."""
-        first, *others = self.states
+        first, *other_states = self.states
         text = f"the seal leaks from {format_speed(first.least)} on"
-        if others:
-            worst = min(others, key=lambda state: state.least.value)
+        if other_states:
+            worst = min(other_states, key=lambda state: state.least.value)
             text += f", {worst.name} from {format_speed(worst.least)} on"
         return text
 

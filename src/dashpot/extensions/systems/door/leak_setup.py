@@ -8,9 +8,9 @@ from dashpot.base.value_ranges import require_nonnegative, require_positive
 from dashpot.extensions.systems.door.air_flow import AMBIENT
 
 GAS_CONSTANT = 287.05
-"""Of dry air, J/(kg K)."""
+"""Gas constant of dry air, J/(kg K)."""
 STANDARD_TEMPERATURE = 293.15
-"""Of the air where a state gives none, K."""
+"""Temperature of the air where a state gives none, K."""
 NEW = "new"
 """The state of the door as its file describes it."""
 _MOST_ERROR = 0.5
@@ -152,6 +152,8 @@ class LeakSetup:
                 f"force_sd = {100 * self.force_sd:g} %; expected at most {100 * _MOST_ERROR:.0f} %"
             )
         names = [NEW, *(state.name for state in self.states)]
-        twice = [name for name in names if names.count(name) > 1]
-        if twice:
-            raise DataError(f"two states are called '{twice[0]}'; the first of all is '{NEW}'")
+        repeated_names = [name for name in names if names.count(name) > 1]
+        if repeated_names:
+            raise DataError(
+                f"two states are called '{repeated_names[0]}'; the first of all is '{NEW}'"
+            )

@@ -15,7 +15,7 @@ from dashpot.extensions.systems.multibody import System
 from dashpot.extensions.systems.time_response import ComplexMode, complex_modes, newton_modes
 
 _STATES = 1200
-"""Of the first-order form, at most; beyond it the nonlinear eigenproblem is quicker."""
+"""Largest first-order form; beyond it the nonlinear eigenproblem is faster."""
 _LOSSLESS = 1e-9
 """Loss factor of rounding."""
 _SIDEWAYS, _LOOSE = 0.1, 1e-12
@@ -53,7 +53,7 @@ class DoorMode(Serialisable):
 
     @property
     def loss_factor(self) -> float:
-        """By the energies of its springs."""
+        """Loss factor by the energies of the springs."""
         return sum(share.loss for share in self.shares)
 
     def share(self, name: str) -> float:
@@ -62,68 +62,77 @@ class DoorMode(Serialisable):
 
     def loss_share(self, name: str) -> float:
         """Part of the loss that one of its parts makes; 0 where next to nothing is lost."""
-        lost = sum(share.loss for share in self.shares if share.name == name)
-        return lost / self.loss_factor if self.loss_factor > _LOSSLESS else 0.0
+        loss = sum(share.loss for share in self.shares if share.name == name)
+        return loss / self.loss_factor if self.loss_factor > _LOSSLESS else 0.0
 
 
-def oscillations(system: System, below: float = np.inf) -> tuple[ComplexMode, ...]:
+def oscillations(system: System, max_hz: float = np.inf) -> tuple[ComplexMode, ...]:
     """Return the modes of a system that oscillate, up to a frequency, Hz, by rising frequency."""
     n = len(system.dofs)
     times = {tau for spring in system.springs for tau in spring.linearised_solid.maxwell.tau}
-    few = 2 * n + len(times) * min(n, len(system.springs)) <= _STATES
-    modes = complex_modes(system) if few else newton_modes(system)
-    return tuple(mode for mode in modes if mode.oscillates and mode.frequency <= below)
+    is_small = 2 * n + len(times) * min(n, len(system.springs)) <= _STATES
+    modes = complex_modes(system) if is_small else newton_modes(system)
+    return tuple(mode for mode in modes if mode.oscillates and mode.frequency <= max_hz)
 
 
-def door_modes(assembly: Assembly, below: float) -> tuple[DoorMode, ...]:
+def door_modes(assembly: Assembly, max_hz: float) -> tuple[DoorMode, ...]:
     """The modes of a door on its seal up to a frequency, Hz, each beside that without the seal."""
-    system, bare = assembly.system(), assembly.system(sealed=False)
-    loose = oscillations(bare)
+    system, system_without_seal = assembly.system(), assembly.system(sealed=False)
+    modes_without_seal = oscillations(system_without_seal)
     M = system.mass_matrix
     modes = []
-    for mode in oscillations(system, below):
-        alike = [compute_similarity(mode.shape, other.shape, M) for other in loose]
-        best = int(np.argmax(alike)) if alike else -1
-        near = loose[best].frequency if alike and alike[best] >= _SAME else None
-        modes.append(DoorMode(mode, energy_shares(system, mode), near))
+    for mode in oscillations(system, max_hz):
+        similarities = [
+            compute_similarity(mode.shape, other.shape, M) for other in modes_without_seal
+        ]
+        best = int(np.argmax(similarities)) if similarities else -1
+        nearest_frequency = (
+            modes_without_seal[best].frequency
+            if similarities and similarities[best] >= _SAME
+            else None
+        )
+        modes.append(DoorMode(mode, energy_shares(system, mode), nearest_frequency))
     return tuple(modes)
 
 
-def station_error(assembly: Assembly, below: float) -> float:
+def station_error(assembly: Assembly, max_hz: float) -> float:
     """Largest relative change of a frequency up to one, Hz, if stations stand twice as dense."""
     line, pitch = assembly.door.line, assembly.door.pitch
     # a pitch longer than the pieces of the line cuts nothing: half of what stands there does
-    half = pitch / 2 if line is None else float(line.stations(pitch).length.max()) / 2
+    half_pitch = pitch / 2 if line is None else float(line.stations(pitch).length.max()) / 2
     return _compute_frequency_change(
-        *(oscillations(assembly.system(pitch=value), below) for value in (pitch, half))
+        *(oscillations(assembly.system(pitch=value), max_hz) for value in (pitch, half_pitch))
     )
 
 
-def basis_error(assembly: Assembly, below: float) -> float | None:
-    """The same, up to half of that frequency, without the upper third of the elastic modes."""
+def basis_error(assembly: Assembly, max_hz: float) -> float | None:
+    """Return the change of frequencies without the upper third of the elastic modes."""
     modes = assembly.modes
     if modes is None or (elastic := int((~modes.rigid).sum())) < 3:
         return None
     order = np.argsort(modes.frequency)
-    fewer = replace(assembly, modes=modes.only(order[: len(modes) - elastic // 3]))
-    retained = modes.frequency[order[len(modes) - elastic // 3 - 1]]
-    limit = min(below, float(retained)) / 2
+    with_fewer_modes = replace(assembly, modes=modes.only(order[: len(modes) - elastic // 3]))
+    highest_kept = modes.frequency[order[len(modes) - elastic // 3 - 1]]
+    limit = min(max_hz, float(highest_kept)) / 2
     return _compute_frequency_change(
-        *(oscillations(item.system(), limit) for item in (assembly, fewer))
+        *(oscillations(item.system(), limit) for item in (assembly, with_fewer_modes))
     )
 
 
 def find_farthest_point(assembly: Assembly, modes: FreeModes) -> tuple[float, str]:
-    """How far at most a place that is used lies from where the shapes are known, m, and which."""
+    """Return the largest distance, m, of a used point from the known shapes, and its name."""
     door = assembly.door
     latch = () if door.latch is None else (door.latch,)
-    places = [(hinge.at, hinge.name) for hinge in (*door.hinges, *latch, *door.bumpers)]
-    places += [(point.at, point.name) for point in door.points if point.on == DOOR]
+    points_and_names = [(hinge.at, hinge.name) for hinge in (*door.hinges, *latch, *door.bumpers)]
+    points_and_names += [(point.at, point.name) for point in door.points if point.on == DOOR]
     if door.line is not None:
         stations = door.line.stations(assembly.door.pitch)
-        where = zip(stations.place.tolist(), stations.along.tolist(), strict=True)
-        places += [(tuple(place), f"the seal at {along:.3g} m") for place, along in where]
-    return max((modes.evaluate_shapes(place)[1], name) for place, name in places)
+        station_positions = zip(stations.place.tolist(), stations.along.tolist(), strict=True)
+        points_and_names += [
+            (tuple(position), f"the seal at {arc_length:.3g} m")
+            for position, arc_length in station_positions
+        ]
+    return max((modes.evaluate_shapes(position)[1], name) for position, name in points_and_names)
 
 
 def count_free_motions(system: System) -> int:
@@ -142,13 +151,18 @@ def count_lateral_free_motions(assembly: Assembly) -> tuple[int, float | None]:
     door = assembly.door
     if door.line is None or door.line.section is None:
         return 0, None
-    held = replace(door.line.section, shear=Shear(1.0, 1.0))
-    firm = replace(assembly, door=replace(door, line=replace(door.line, section=held)))
+    sheared_section = replace(door.line.section, shear=Shear(1.0, 1.0))
+    restrained_assembly = replace(
+        assembly, door=replace(door, line=replace(door.line, section=sheared_section))
+    )
     pitch = min(_COARSE * door.pitch, door.line.length)
-    K, K_1 = (_compute_rest_stiffness(item.system(pitch=pitch)) for item in (assembly, firm))
+    K, K_1 = (
+        _compute_rest_stiffness(item.system(pitch=pitch))
+        for item in (assembly, restrained_assembly)
+    )
     size, axes = np.linalg.eigh(K_1)
-    retained = size > _LOOSE * size.max(initial=0.0)
-    scaled = axes[:, retained] / np.sqrt(size[retained])
+    is_restrained = size > _LOOSE * size.max(initial=0.0)
+    scaled = axes[:, is_restrained] / np.sqrt(size[is_restrained])
     count = int((np.linalg.eigvalsh(scaled.T @ K @ scaled) < _SIDEWAYS).sum())
     if not count:
         return 0, None
@@ -167,13 +181,15 @@ def _compute_rest_stiffness(system: System) -> FloatArray:
 
 def _scale_stretches(system: System) -> FloatArray:
     """Stretches by the square root of stiffness over mass, so that all motions compare."""
-    stiff = np.sqrt(
+    stiffness_roots = np.sqrt(
         [
             spring.linearised_solid.k_0 + spring.linearised_solid.maxwell.b
             for spring in system.springs
         ]
     )
-    return np.asarray(stiff[:, None] * system.stretch / np.sqrt(np.diag(system.mass_matrix)))
+    return np.asarray(
+        stiffness_roots[:, None] * system.stretch / np.sqrt(np.diag(system.mass_matrix))
+    )
 
 
 def _compute_frequency_change(
@@ -185,5 +201,5 @@ def _compute_frequency_change(
 
 def compute_similarity(a: ComplexArray, b: ComplexArray, M: FloatArray) -> float:
     """Return the modal assurance criterion of two shapes with the mass matrix between."""
-    across = abs(a.conj() @ M @ b) ** 2
-    return float(across / abs((a.conj() @ M @ a) * (b.conj() @ M @ b)))
+    product_square = abs(a.conj() @ M @ b) ** 2
+    return float(product_square / abs((a.conj() @ M @ a) * (b.conj() @ M @ b)))

@@ -19,7 +19,12 @@ SEAL = "seal"
 
 
 def line_mounts(
-    line: SealLine, body: str, pitch: Quantity, *, ground: str = "ground", stuck: bool = False
+    line: SealLine,
+    body: str,
+    pitch: Quantity,
+    *,
+    ground: str = "ground",
+    friction_sticks: bool = False,
 ) -> tuple[Mount, ...]:
     r"""Return the mounts of each station of a line that touches: its share of the seal there.
 
@@ -37,7 +42,7 @@ def line_mounts(
         What it lies between.
     pitch : str or float
         Wanted distance of the mounts, m.
-    stuck : bool
+    friction_sticks : bool
         Friction sticks, as under small vibration: a spring beside the arms. Otherwise the mounts
         have it, and what they are depends on how far they move.
 
@@ -53,26 +58,26 @@ def line_mounts(
         )
     return tuple(
         mount
-        for way in section.ways(stations)
-        for mount in _mounts(way, stations, (body, ground), stuck=stuck)
+        for direction in section.ways(stations)
+        for mount in _mounts(direction, stations, (body, ground), friction_sticks=friction_sticks)
     )
 
 
 def _mounts(
-    way: LineDirection, stations: Stations, between: tuple[str, str], *, stuck: bool
+    direction: LineDirection, stations: Stations, bodies: tuple[str, str], *, friction_sticks: bool
 ) -> Iterator[Mount]:
     """One at each station that answers that way; stations of one share are one solid."""
-    nothing = np.zeros(len(way.share))
-    columns = (way.share, *(way.friction or (nothing, nothing)))
+    nothing = np.zeros(len(direction.share))
+    columns = (direction.share, *(direction.friction or (nothing, nothing)))
     rows = [[float(f"{item:.14g}") for item in row] for row in zip(*columns, strict=True)]
-    solids = {value: value * way.solid for value, _, _ in rows if value > 0}
-    for place, along, (number, k, slip) in zip(
-        stations.place.tolist(), way.direction.tolist(), rows, strict=True
+    solids = {value: value * direction.solid for value, _, _ in rows if value > 0}
+    for position, tangent, (number, k, slip) in zip(
+        stations.place.tolist(), direction.direction.tolist(), rows, strict=True
     ):
         if not number > 0:
             continue
-        mount = Mount(solids[number], between, tuple(place), tuple(along), name=SEAL)
+        mount = Mount(solids[number], bodies, tuple(position), tuple(tangent), name=SEAL)
         rubs = Jenkins(k, slip) if k > 0 and slip > 0 else None
-        yield mount if stuck else replace(mount, friction=rubs)
-        if stuck and rubs is not None:
+        yield mount if friction_sticks else replace(mount, friction=rubs)
+        if friction_sticks and rubs is not None:
             yield replace(mount, solid=spring(k))

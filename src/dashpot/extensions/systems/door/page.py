@@ -105,17 +105,17 @@ def door_html(*results: DoorResult | ClosingResult) -> str:
 def build_page_contents(result: DoorResult | None, closed: ClosingResult | None) -> dict[str, Any]:
     """Return what the page of a door holds: how it vibrates, how it closes, or both."""
     results = [item for item in (result, closed) if item is not None]
-    every = tuple(dict.fromkeys(check for result in results for check in result.checks))
+    checks = tuple(dict.fromkeys(check for result in results for check in result.checks))
     sources = tuple(dict.fromkeys(source for result in results for source in result.sources))
-    verdict = _verdict(results, every)
+    verdict = _verdict(results, checks)
     names = dict.fromkeys(source.file for source in sources)
     folds = tuple(_folds(result, closed))
     return {
-        **judgement("door", verdict, every, sources),
+        **judgement("door", verdict, checks, sources),
         "title": next(iter(names), "door"),
         "about": format_door_summary(results[0]),
         "beside": " ".join(sentence(result._headline) for result in results),
-        "lights": tuple(make_door_indicators(result, closed, every, verdict)),
+        "lights": tuple(make_door_indicators(result, closed, checks, verdict)),
         "figures": dict(_figures(result, closed))
         | {f"fold{i}": render_figure(fold.picture) for i, fold in enumerate(folds) if fold.picture},
         "modes": ModesTable((), (), "", 0) if result is None else modes_of(result),
@@ -126,9 +126,9 @@ def build_page_contents(result: DoorResult | None, closed: ClosingResult | None)
     }
 
 
-def _verdict(results: Sequence[DoorResult | ClosingResult], every: Sequence[Check]) -> Verdict:
+def _verdict(results: Sequence[DoorResult | ClosingResult], checks: Sequence[Check]) -> Verdict:
     return (
-        results[0].verdict if len(results) == 1 else verdict(every, headline=results[-1]._headline)
+        results[0].verdict if len(results) == 1 else verdict(checks, headline=results[-1]._headline)
     )
 
 
@@ -149,10 +149,10 @@ def format_door_summary(result: DoorResult | ClosingResult) -> str:
 def make_door_indicators(
     result: DoorResult | None,
     closed: ClosingResult | None,
-    every: Sequence[Check],
+    checks: Sequence[Check],
     verdict: Verdict,
 ) -> Iterator[Light]:
-    """Of the seal line, the modes, the closing and its limit, as far as each was asked."""
+    """Yield the indicators of the seal line, the modes, the closing and its limit, if asked."""
     topics = []
     if result is not None:
         outside = [
@@ -164,17 +164,23 @@ def make_door_indicators(
             f"{len(outside)} held by the seal, {factors}" if factors else "",
         ))  # fmt: skip
     if closed is not None:
-        least = f"from {closed.closing.minimum:.3g}{NBSP}m/s"
-        topics.append(Topic("Closing", _CLOSING, least, _format_speed_interval(closed)))
+        speed_text = f"from {closed.closing.minimum:.3g}{NBSP}m/s"
+        topics.append(Topic("Closing", _CLOSING, speed_text, _format_speed_interval(closed)))
     yield from make_indicators(
-        every, Topic("Seal line", message=_line_says(result, closed)), *topics
+        checks, Topic("Seal line", message=_line_says(result, closed)), *topics
     )
     scatter = None if closed is None else closed.closing.scatter
-    above = None if scatter is None else scatter.share_above_limit
-    if above is not None and scatter is not None:
-        mark = "good" if above <= _MANY else "note" if verdict.use == "use" else "care"
+    share_above_limit = None if scatter is None else scatter.share_above_limit
+    if share_above_limit is not None and scatter is not None:
+        class_name = (
+            "good" if share_above_limit <= _MANY else "note" if verdict.use == "use" else "care"
+        )
         limit = scatter.variation.limit
-        yield Light("Limit", mark, f"{100 * above:.3g} % need more than {limit:g}{NBSP}m/s")
+        yield Light(
+            "Limit",
+            class_name,
+            f"{100 * share_above_limit:.3g} % need more than {limit:g}{NBSP}m/s",
+        )
 
 
 def _format_speed_interval(closed: ClosingResult) -> str:
@@ -185,21 +191,22 @@ def _format_speed_interval(closed: ClosingResult) -> str:
 
 
 def _line_says(result: DoorResult | None, closed: ClosingResult | None) -> str:
-    pressed = np.zeros(0)
+    compressions = np.zeros(0)
     if (
         result is not None
         and result.stations is not None
         and result.stations.compression is not None
     ):
-        pressed = result.stations.compression
+        compressions = result.stations.compression
     elif closed is not None:
-        pressed = closed.closing.door.compression
-    if not len(pressed):
+        compressions = closed.closing.door.compression
+    if not len(compressions):
         return ""
     low, high = (
-        f"{convert_to_unit(float(end), 'mm'):.2f}" for end in (pressed.min(), pressed.max())
+        f"{convert_to_unit(float(end), 'mm'):.2f}"
+        for end in (compressions.min(), compressions.max())
     )
-    return f"{low} to {high}{NBSP}mm" + ", all touch" * bool((pressed >= 0).all())
+    return f"{low} to {high}{NBSP}mm" + ", all touch" * bool((compressions >= 0).all())
 
 
 def _select_seal_modes(result: DoorResult) -> list[DoorMode]:
@@ -223,15 +230,15 @@ def _seal_note(result: DoorResult) -> str:
 
 
 def _closing_notes(closed: ClosingResult) -> tuple[str, str]:
-    done = closed.closing
-    seal = sum(term.work for term in done.terms if term.name.startswith(SEAL))
-    whole = sum(term.work for term in done.terms)
+    closing = closed.closing
+    seal = sum(term.work for term in closing.terms if term.name.startswith(SEAL))
+    total_work = sum(term.work for term in closing.terms)
     first = (
-        f"The seal takes {round_to_error(seal, digits=2)} of {round_to_error(whole, digits=3)} J, "
-        "in "
-        f"{duration(done.sealing)}."
+        f"The seal takes {round_to_error(seal, digits=2)} of "
+        f"{round_to_error(total_work, digits=3)} J, in "
+        f"{duration(closing.sealing)}."
     )
-    scatter = done.scatter
+    scatter = closing.scatter
     if scatter is None:
         return first, ""
     vary = scatter.variation
@@ -251,9 +258,9 @@ def _closing_notes(closed: ClosingResult) -> tuple[str, str]:
 def _colours(modes: Sequence[DoorMode]) -> dict[str, str]:
     """Each part that holds the door, and its colour: seal, latch, hinges, the door itself."""
     parts = list(dict.fromkeys(share.name for mode in modes for share in mode.shares))
-    others = [part for part in parts if part not in {SEAL, "latch", "door"}]
+    other_parts = [part for part in parts if part not in {SEAL, "latch", "door"}]
     entries = {SEAL: "fit"} | ({"latch": "mild"} if "latch" in parts else {})
-    entries |= {name: _HINGES[i % len(_HINGES)] for i, name in enumerate(others)}
+    entries |= {name: _HINGES[i % len(_HINGES)] for i, name in enumerate(other_parts)}
     return {name: colour for name, colour in (entries | {"door": "line"}).items() if name in parts}
 
 
@@ -279,9 +286,9 @@ def _rows(result: DoorResult) -> Iterator[ModeRow]:
 
 def _bars(shares: dict[str, float], colours: dict[str, str]) -> tuple[Bar, ...]:
     """Return what each part has, side by side, of all of it."""
-    whole, at, bars = sum(shares.values()), 0.0, []
+    total, at, bars = sum(shares.values()), 0.0, []
     for name, colour in colours.items():
-        width = 100 * shares.get(name, 0.0) / whole if whole > 0 else 0.0
+        width = 100 * shares.get(name, 0.0) / total if total > 0 else 0.0
         if width > 0:
             bars.append(Bar(f"{at:.2f}", f"{width:.2f}", colour, f"{name} {width:.1f} %"))
         at += width
@@ -310,12 +317,12 @@ def _figures(
             words = "Accelerance with the seal and without, where the seal holds a mode"
             yield _render_panel("frf", frf_panel(result, 0, height=220.0), _THIRD, words)
     if closed is not None:
-        done = closed.closing
+        closing = closed.closing
         yield _render_panel(
-            "waterfall", waterfall(done), _THIRD, "What each term takes of the energy"
+            "waterfall", waterfall(closing), _THIRD, "What each term takes of the energy"
         )
-        if done.scatter is not None and np.isfinite(done.scatter.least_speed).any():
-            panel = doors_panel(done, done.scatter, height=205.0)
+        if closing.scatter is not None and np.isfinite(closing.scatter.least_speed).any():
+            panel = doors_panel(closing, closing.scatter, height=205.0)
             yield _render_panel(
                 "doors", panel, _THIRD, "The least speeds of doors within their tolerances"
             )
@@ -365,11 +372,12 @@ def _shares(result: DoorResult) -> TextTable:
     parts = list(_colours(result.modes))
     rows = []
     for number, mode in enumerate(result.modes[: 2 * SHOWN], start=1):
-        whole = sum(share.loss for share in mode.shares) or 1.0
+        total_loss = sum(share.loss for share in mode.shares) or 1.0
         by_name = {share.name: share for share in mode.shares}
         cells = [f"{100 * by_name[name].energy:.2f}" if name in by_name else "" for name in parts]
         cells += [
-            f"{100 * by_name[name].loss / whole:.2f}" if name in by_name else "" for name in parts
+            f"{100 * by_name[name].loss / total_loss:.2f}" if name in by_name else ""
+            for name in parts
         ]
         rows.append((f"{number}: {round_to_error(mode.mode.frequency, digits=4)} Hz", *cells))
     head = ("mode", *(f"{name}, energy" for name in parts), *(f"{name}, loss" for name in parts))

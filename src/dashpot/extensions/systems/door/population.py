@@ -126,11 +126,15 @@ class SpecimenSpread(Serialisable):
             return self.mean + self.mean_sd * z, np.full(count, self.between_sd)
         freedom = self.specimens - 1
         square = self.between_square * freedom / random.chisquare(freedom, count)
-        within: FloatArray | float = self.within_square
+        within_variances: FloatArray | float = self.within_square
         if self.within_freedom:
-            within = within * self.within_freedom / random.chisquare(self.within_freedom, count)
+            within_variances = (
+                within_variances
+                * self.within_freedom
+                / random.chisquare(self.within_freedom, count)
+            )
         mean = self.mean + np.sqrt(square / self.specimens) * z
-        return mean, np.sqrt(np.maximum(square - within, 0.0))
+        return mean, np.sqrt(np.maximum(square - within_variances, 0.0))
 
 
 class DoorLimit(NamedTuple):
@@ -198,12 +202,12 @@ class DoorQuantity(Serialisable):
 
     @property
     def unit(self) -> str:
-        """Its unit."""
+        """Unit of the quantity."""
         return "m/s" if self.name == CLOSING else "Hz"
 
     @property
     def label(self) -> str:
-        """What it is called in a table."""
+        """Name of the quantity in a table."""
         return "least closing speed" if self.name == CLOSING else self.name
 
 
@@ -230,11 +234,11 @@ class DoorPopulation(HasVerdict, Serialisable):
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
         """Each quantity with the range of 95 % of the cars, and the share beyond each limit."""
-        facts = []
+        reported_values = []
         for quantity in self.quantities:
             # of a mode that moves no seal nothing is left but rounding
             scatters = quantity.between_sd > LEAST_SD
-            facts.append(
+            reported_values.append(
                 ReportedValue(
                     quantity.name.replace(" ", "_"),
                     quantity.value,
@@ -247,7 +251,7 @@ class DoorPopulation(HasVerdict, Serialisable):
                 )
             )
             if quantity.share_beyond is not None:
-                facts.append(
+                reported_values.append(
                     ReportedValue(
                         f"{quantity.name.replace(' ', '_')}_beyond",
                         quantity.share_beyond,
@@ -258,7 +262,7 @@ class DoorPopulation(HasVerdict, Serialisable):
                         f"cars with {quantity.label} {format_limit(quantity)}",
                     )
                 )
-        return tuple(facts)
+        return tuple(reported_values)
 
     @property
     def verdict(self) -> Verdict:
@@ -299,8 +303,8 @@ def _share_limits(quantity: DoorQuantity) -> tuple[float, float]:
 
 def format_limit(quantity: DoorQuantity) -> str:
     """Return on which side of its limit a quantity is bad: "above 1.2 m/s"."""
-    side = "above" if quantity.limit_is_most else "below"
-    return f"{side} {format_quantity(quantity.limit or 0.0, quantity.unit)}"
+    side_word = "above" if quantity.limit_is_most else "below"
+    return f"{side_word} {format_quantity(quantity.limit or 0.0, quantity.unit)}"
 
 
 def parse_limit(text: str) -> DoorLimit:
@@ -372,13 +376,13 @@ def predict_population(
     seal_spread = _state_spread(spread, fit) if lot is None else _read_spread(lot, fit)
     with add_file_to_errors(path):
         widest = math.hypot(_find_widest_sd(seal_spread), seal_spread.mean_sd)
-        below = (band or BAND)[1]
-        modes = door_modes(_scale_seal(assembly, math.exp(seal_spread.mean)), below)
+        max_hz = (band or BAND)[1]
+        modes = door_modes(_scale_seal(assembly, math.exp(seal_spread.mean)), max_hz)
         u = seal_spread.mean + widest * np.linspace(-_RANGE_SD, _RANGE_SD, _NODES)
         quantities = [
-            *_follow_modes(assembly, u, modes, below),
+            *_follow_modes(assembly, u, modes, max_hz),
             *_follow_closing(
-                assembly, u, wanted=any(limit.quantity == CLOSING for limit in door_limits)
+                assembly, u, is_wanted=any(limit.quantity == CLOSING for limit in door_limits)
             ),
         ]
         names = [name for name, *_ in quantities]
@@ -389,7 +393,7 @@ def predict_population(
                     "one of those, or widen the band"
                 )
         by_name = {limit.quantity: limit for limit in door_limits}
-        shown = [
+        shown_quantities = [
             quantity for i, quantity in enumerate(quantities)
             if i < _MOST_MODES or quantity[0] in by_name or quantity[0] == CLOSING
         ]  # fmt: skip
@@ -397,7 +401,7 @@ def predict_population(
             describe_quantity(
                 name, u, values, seal_spread, limit=by_name.get(name), seal_share=share
             )
-            for name, values, share in shown
+            for name, values, share in shown_quantities
         )
     spread_checks = (
         checks.seals_suffice(seal_spread.specimens),
@@ -406,7 +410,7 @@ def predict_population(
             seal_spread.within_square,
         ),
     )
-    door_checks = check_door(assembly, fit, modes, below)
+    door_checks = check_door(assembly, fit, modes, max_hz)
     return DoorPopulation(
         seal_spread,
         distributions,
@@ -415,11 +419,15 @@ def predict_population(
     )
 
 
-def _state_spread(spread: Quantity | None, fit: Fit) -> SpecimenSpread:
+def _state_spread(stated_spread: Quantity | None, fit: Fit) -> SpecimenSpread:
     """Return a stated scatter about the door's fit, with the error of that."""
-    sd = convert_to_si(spread, "strain") if isinstance(spread, str) else float(spread or 0.0)
+    sd = (
+        convert_to_si(stated_spread, "strain")
+        if isinstance(stated_spread, str)
+        else float(stated_spread or 0.0)
+    )
     if not 1e-4 <= sd <= 0.5:
-        raise DataError(f"--spread {spread}: expected 0.01 to 50 %, such as 4%")
+        raise DataError(f"--spread {stated_spread}: expected 0.01 to 50 %, such as 4%")
     return SpecimenSpread(sd, mean_sd=_find_end_stiffness(fit)[1])
 
 
@@ -427,8 +435,10 @@ def _find_end_stiffness(fit: Fit) -> tuple[float, float]:
     """Return the stiffness at the end of the test, N/m, and the standard deviation of its ln."""
     end = fit.evidence.end_of_hold
     if end is not None and 0 < end.k_end[0] < end.k_end[1] < math.inf:
-        fact = end.fact(fit.solid, fit.unit)
-        return fact.value, math.log(fact.high / fact.low) / (2 * NORMAL)
+        reported_value = end.fact(fit.solid, fit.unit)
+        return reported_value.value, math.log(reported_value.high / reported_value.low) / (
+            2 * NORMAL
+        )
     k_inf = fit.model.k_inf
     return k_inf, float(np.sqrt(fit.estimate.covariance[0, 0])) / k_inf
 
@@ -450,17 +460,17 @@ def _read_spread(lot: Any, fit: Fit) -> SpecimenSpread:
             f"the seals of the lot are {math.exp(mean):.3g} times as stiff as the fit of the door. "
             "Use a fit of one of them, of the same length"
         )
-    square, within = summary["between_square"], summary["within_square"]
+    square, within_square = summary["between_square"], summary["within_square"]
     return SpecimenSpread(
-        math.sqrt(max(square - within, 0.0)), mean, math.sqrt(square / summary["specimens"]),
-        summary["specimens"], square, within, summary["within_freedom"],
+        math.sqrt(max(square - within_square, 0.0)), mean, math.sqrt(square / summary["specimens"]),
+        summary["specimens"], square, within_square, summary["within_freedom"],
     )  # fmt: skip
 
 
-def _find_widest_sd(spread: SpecimenSpread) -> float:
+def _find_widest_sd(specimen_spread: SpecimenSpread) -> float:
     """Return the largest scatter that is drawn, for the range of the factors."""
-    drawn = spread.draw(_DRAWS)[1]
-    return max(float(np.quantile(drawn, 0.95)), 1e-4)
+    factors_drawn = specimen_spread.draw(_DRAWS)[1]
+    return max(float(np.quantile(factors_drawn, 0.95)), 1e-4)
 
 
 def _scale_seal(assembly: Assembly, factor: float) -> Assembly:
@@ -478,7 +488,7 @@ def _scale_seal(assembly: Assembly, factor: float) -> Assembly:
 
 
 def _follow_modes(
-    assembly: Assembly, u: FloatArray, modes: Sequence[DoorMode], below: float
+    assembly: Assembly, u: FloatArray, modes: Sequence[DoorMode], max_hz: float
 ) -> list[tuple[str, FloatArray, float | None]]:
     """Return each mode with its frequencies for the factors e^u, followed by its shape."""
     middle = len(u) // 2
@@ -489,7 +499,7 @@ def _follow_modes(
         shapes = [door_mode.mode.shape for door_mode in modes]
         for i in indices:
             modes_there = oscillations(
-                _scale_seal(assembly, float(np.exp(u[i]))).system(), 2 * below
+                _scale_seal(assembly, float(np.exp(u[i]))).system(), 2 * max_hz
             )
             assigned: set[int] = set()
             for j, shape in enumerate(shapes):
@@ -506,10 +516,10 @@ def _follow_modes(
 
 
 def _follow_closing(
-    assembly: Assembly, u: FloatArray, *, wanted: bool
+    assembly: Assembly, u: FloatArray, *, is_wanted: bool
 ) -> list[tuple[str, FloatArray, float | None]]:
     """Return the least closing speed for the factors e^u; nothing of a door that does not close."""
-    if assembly.door.closing in (None, ClosingSetup()) and not wanted:
+    if assembly.door.closing in (None, ClosingSetup()) and not is_wanted:
         return []
     speed = least_speed(closing_door(assembly.door), load=np.exp(u))
     if not np.isfinite(speed).all():
@@ -524,7 +534,7 @@ def describe_quantity(
     name: str,
     u: FloatArray,
     values: FloatArray,
-    spread: SpecimenSpread,
+    specimen_spread: SpecimenSpread,
     *,
     limit: DoorLimit | None = None,
     seal_share: float | None = None,
@@ -536,35 +546,38 @@ def describe_quantity(
     name : str
     u, values : array, shape (n,)
         ln of the factor of the seal's stiffness, and the quantity there.
-    spread : SpecimenSpread
+    specimen_spread : SpecimenSpread
     limit : DoorLimit, optional
     seal_share : float, optional
         Of the energy of the mode.
     """
-    middle, half = float(u.mean()), float(np.ptp(u)) / 2
-    smooth = np.polynomial.Polynomial.fit(u, np.log(values), _DEGREE)
-    slope = float(smooth.deriv()(spread.mean))
+    middle, half_range = float(u.mean()), float(np.ptp(u)) / 2
+    polynomial = np.polynomial.Polynomial.fit(u, np.log(values), _DEGREE)
+    slope = float(polynomial.deriv()(specimen_spread.mean))
 
     def evaluate(point: float | FloatArray) -> FloatArray:
-        return np.exp(smooth(np.clip(point, middle - half, middle + half)))
+        return np.exp(polynomial(np.clip(point, middle - half_range, middle + half_range)))
 
-    value = float(evaluate(spread.mean))
-    ends = evaluate(spread.mean + NORMAL * spread.between_sd * np.array([-1.0, 1.0]))
-    common_sd = abs(slope) * spread.mean_sd
+    value = float(evaluate(specimen_spread.mean))
+    interval = evaluate(
+        specimen_spread.mean + NORMAL * specimen_spread.between_sd * np.array([-1.0, 1.0])
+    )
+    common_sd = abs(slope) * specimen_spread.mean_sd
     quantity = DoorQuantity(
-        name, value, abs(slope) * math.hypot(spread.between_sd, spread.mean_sd),
-        abs(slope) * spread.between_sd, common_sd, float(ends.min()), float(ends.max()), seal_share,
+        name, value, abs(slope) * math.hypot(specimen_spread.between_sd, specimen_spread.mean_sd),
+        abs(slope) * specimen_spread.between_sd, common_sd, float(interval.min()),
+        float(interval.max()), seal_share,
         tuple(np.exp(u).tolist()), tuple(values.tolist()),
     )  # fmt: skip
     if limit is None:
         return quantity
-    dense = np.linspace(middle - half, middle + half, _FACTORS)
-    beyond = evaluate(dense) > limit.value if limit.is_upper else evaluate(dense) < limit.value
-    edges = np.flatnonzero(np.diff(beyond))
-    share = _make_share_function(dense, beyond, edges)
-    drawn = share(*spread.draw(_DRAWS))
-    nominal = share(np.array([spread.mean]), np.array([spread.between_sd]))
-    low, high = np.quantile(drawn, INTERVAL_LEVELS).tolist()
+    dense = np.linspace(middle - half_range, middle + half_range, _FACTORS)
+    is_beyond = evaluate(dense) > limit.value if limit.is_upper else evaluate(dense) < limit.value
+    edges = np.flatnonzero(np.diff(is_beyond))
+    share = _make_share_function(dense, is_beyond, edges)
+    share_drawn = share(*specimen_spread.draw(_DRAWS))
+    nominal = share(np.array([specimen_spread.mean]), np.array([specimen_spread.between_sd]))
+    low, high = np.quantile(share_drawn, INTERVAL_LEVELS).tolist()
     return replace(
         quantity, limit=limit.value, limit_is_most=limit.is_upper, share_beyond=float(nominal[0]),
         share_low=low, share_high=high,
@@ -596,8 +609,8 @@ def _make_share_function(
     first = bool(is_beyond[0])
 
     def share(mean: FloatArray, sd: FloatArray) -> FloatArray:
-        below = ndtr((bounds[:, None] - mean) / np.maximum(sd, 1e-12))
-        levels = np.vstack((np.zeros(len(mean)), below, np.ones(len(mean))))
+        probability_below = ndtr((bounds[:, None] - mean) / np.maximum(sd, 1e-12))
+        levels = np.vstack((np.zeros(len(mean)), probability_below, np.ones(len(mean))))
         return np.asarray(np.diff(levels, axis=0)[(0 if first else 1) :: 2].sum(axis=0))
 
     return share

@@ -34,8 +34,8 @@ def draw_population(population: DoorPopulation, *, stamp: str = "") -> Picture:
         for quantity in population.quantities
         if quantity.limit or quantity.between_sd > LEAST_SD
     ] or list(population.quantities)
-    shown = sorted(quantities, key=lambda quantity: quantity.limit is None)[:_SHOWN]
-    panels = [_draw_quantity(quantity, population.spread.mean) for quantity in shown]
+    shown_quantities = sorted(quantities, key=lambda quantity: quantity.limit is None)[:_SHOWN]
+    panels = [_draw_quantity(quantity, population.spread.mean) for quantity in shown_quantities]
     caption = (
         "Distribution over the cars: in each panel the density of a quantity, 95 % of the cars "
         "shaded, and the part beyond its limit."
@@ -47,28 +47,38 @@ def draw_population(population: DoorPopulation, *, stamp: str = "") -> Picture:
 
 def lay_out_population(population: DoorPopulation) -> KindPage:
     """Return the page of the doors of many cars."""
-    spread = population.spread
-    tested = "stated" if spread.specimens is None else f"{spread.specimens} seals of the lot"
+    specimen_spread = population.spread
+    tested = (
+        "stated"
+        if specimen_spread.specimens is None
+        else f"{specimen_spread.specimens} seals of the lot"
+    )
     limited = tuple(
-        _make_share_row(one) for one in population.quantities if one.share_beyond is not None
+        _make_share_row(quantity)
+        for quantity in population.quantities
+        if quantity.share_beyond is not None
     )
     scattered = {
-        one.name.replace(" ", "_") for one in population.quantities if one.between_sd > LEAST_SD
+        quantity.name.replace(" ", "_")
+        for quantity in population.quantities
+        if quantity.between_sd > LEAST_SD
     }
-    others = tuple(fact for fact in population.facts if fact.name in scattered)
-    groups = [group("95 % of the cars lie from, to", others)]
+    other_values = tuple(
+        reported_value for reported_value in population.facts if reported_value.name in scattered
+    )
+    groups = [group("95 % of the cars lie from, to", other_values)]
     if limited:
         groups.insert(0, Group("Share beyond a limit, with its 95 % interval", limited))
     return KindPage(
         subject="doors of many cars",
         summary_line=(
-            ("Scatter between seals", f"{100 * spread.between_sd:.2g} %, {tested}"),
-            ("Error of their mean", f"{100 * spread.mean_sd:.2g} %"),
+            ("Scatter between seals", f"{100 * specimen_spread.between_sd:.2g} %, {tested}"),
+            ("Error of their mean", f"{100 * specimen_spread.mean_sd:.2g} %"),
         ),
         indicators=make_indicators(
             population.checks, Topic("Seal and door"),
             Topic("Scatter", {"seals_suffice", "scatter_exceeds_testing"},
-                  "stated" if spread.specimens is None else "known"),
+                  "stated" if specimen_spread.specimens is None else "known"),
         ) + tuple(
             Light("Limit", "note", f"{row.name}: {row.value} %") for row in limited
         ),
@@ -84,41 +94,48 @@ def lay_out_population(population: DoorPopulation) -> KindPage:
 def _make_share_row(quantity: DoorQuantity) -> Row:
     """Return the row of the share of the cars beyond a limit."""
     low, high = format_share(quantity.share_low), format_share(quantity.share_high)
-    ends = ("", "") if low == high else (low, high)
+    range_texts = ("", "") if low == high else (low, high)
     name = f"cars with {quantity.label} {format_limit(quantity)}"
-    return Row(name, format_share(quantity.share_beyond), *ends, "%", "", is_limit=False)
+    return Row(name, format_share(quantity.share_beyond), *range_texts, "%", "", is_limit=False)
 
 
 def _draw_quantity(quantity: DoorQuantity, mean: float) -> Panel:
     """Return the density of a quantity over the cars."""
     u, values = np.log(quantity.factors), np.log(quantity.values)
     slope = abs(float(np.polynomial.Polynomial.fit(u, values, 4).deriv()(mean)))
-    between = max(quantity.between_sd, 1e-9 * max(slope, 1e-9))
-    side = _WIDE * between
+    between_sd = max(quantity.between_sd, 1e-9 * max(slope, 1e-9))
+    half_range = _WIDE * between_sd
     limit = quantity.limit
-    ends = [quantity.value * np.exp(-side), quantity.value * np.exp(side)]
+    axis_values = [quantity.value * np.exp(-half_range), quantity.value * np.exp(half_range)]
     if limit is not None:
-        ends += [limit / (1 + side / 8), limit * (1 + side / 8)]
-    x = np.linspace(min(ends), max(ends), _POINTS)
-    density = np.exp(-0.5 * (np.log(x / quantity.value) / between) ** 2)
-    inside = (x >= quantity.low) & (x <= quantity.high)
+        axis_values += [limit / (1 + half_range / 8), limit * (1 + half_range / 8)]
+    x = np.linspace(min(axis_values), max(axis_values), _POINTS)
+    density = np.exp(-0.5 * (np.log(x / quantity.value) / between_sd) ** 2)
+    in_interval = (x >= quantity.low) & (x <= quantity.high)
     zero = np.zeros_like(x)
     marks: list[Mark] = [
-        Area(x[inside], zero[inside], density[inside], "fit", "95 % of the cars"),
+        Area(x[in_interval], zero[in_interval], density[in_interval], "fit", "95 % of the cars"),
         Line(x, density, FIT, "cars"),
     ]
     note = ""
     if limit is not None and quantity.share_beyond is not None:
-        beyond = x > limit if quantity.limit_is_most else x < limit
-        if beyond.sum() > 1:
+        is_beyond = x > limit if quantity.limit_is_most else x < limit
+        if is_beyond.sum() > 1:
             marks.append(
-                Area(x[beyond], zero[beyond], density[beyond], "bad", "beyond the limit", tint=0.6)
+                Area(
+                    x[is_beyond],
+                    zero[is_beyond],
+                    density[is_beyond],
+                    "bad",
+                    "beyond the limit",
+                    tint=0.6,
+                )
             )
         marks.append(Rule(limit, REJECTED, "limit"))
         note = f"{format_share(quantity.share_beyond)} % beyond"
         if quantity.share_low != quantity.share_high:
             low, high = format_share(quantity.share_low), format_share(quantity.share_high)
             note += f" ({low} to {high})"
-    across = Scale(f"{quantity.label}, {quantity.unit}", (float(x[0]), float(x[-1])))
+    horizontal = Scale(f"{quantity.label}, {quantity.unit}", (float(x[0]), float(x[-1])))
     up = Scale("density over its largest", (0.0, 1.1))
-    return Panel(across, up, tuple(marks), note=note)
+    return Panel(horizontal, up, tuple(marks), note=note)

@@ -19,13 +19,18 @@ _SHARES = ("", "share of the cars", "95 % interval")
 
 def render_population(population: DoorPopulation) -> Text:
     """Return the range of each quantity over the cars, and the share beyond each limit."""
-    scattered = [one for one in population.quantities if one.between_sd > LEAST_SD]
-    still = [one for one in population.quantities if one.between_sd <= LEAST_SD]
+    scattered = [quantity for quantity in population.quantities if quantity.between_sd > LEAST_SD]
+    constant_quantities = [
+        quantity for quantity in population.quantities if quantity.between_sd <= LEAST_SD
+    ]
     lines = table([_HEAD, *map(_format_range, scattered)])
-    if still:
-        names = ", ".join(f"{one.label} ({format_quantity(one.value, one.unit)})" for one in still)
+    if constant_quantities:
+        names = ", ".join(
+            f"{quantity.label} ({format_quantity(quantity.value, quantity.unit)})"
+            for quantity in constant_quantities
+        )
         lines.append(f"  not on the seal: {names}")
-    limited = [one for one in population.quantities if one.share_beyond is not None]
+    limited = [quantity for quantity in population.quantities if quantity.share_beyond is not None]
     if limited:
         lines += table([_SHARES, *map(_format_share_row, limited)])
     return Text(lines)

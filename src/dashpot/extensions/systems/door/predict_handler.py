@@ -35,8 +35,8 @@ class DoorPrediction(Serialisable):
     closing: ClosingResult
 
 
-def _refuse_beside_leak(*others: object) -> None:
-    if any(other not in (None, False, ()) for other in others):
+def _refuse_beside_leak(*leak_exclusive_options: object) -> None:
+    if any(other not in (None, False, ()) for other in leak_exclusive_options):
         raise click.UsageError(
             "--leak is asked by itself: leave out --modes, --close, --band, --lot, --spread "
             "and --limit"
@@ -97,8 +97,8 @@ def run(
         closed = close_file(path, speed, temperature=temperature)
     outcome = _merge_door_results(result, closed, every=every)
     if picture:
-        shown: Any = result if closed is None else closed
-        write_figure(picture, shown.plot())
+        shown_result: Any = result if closed is None else closed
+        write_figure(picture, shown_result.plot())
     if output:
         results = [item for item in (result, closed) if item is not None]
         write_output(output, door_html(*results) if page else format_json(outcome.result) + "\n")

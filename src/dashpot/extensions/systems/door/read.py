@@ -59,56 +59,58 @@ def read_door(path: str | Path) -> Door:
     folder = Path(path).parent
     results: dict[str, Any] = {"source": Source(raw.name, raw.sha256, "TOML")}
     for name, entries in tables.items():
-        here = _TableLocation(f"{raw.name}, [{name}]", folder)
+        location = _TableLocation(f"{raw.name}, [{name}]", folder)
         try:
             if name == "closing":
-                size = Section(here.where, tables["door"], tuple(tables["door"]))
+                size = Section(location.where, tables["door"], tuple(tables["door"]))
                 sizes = (size.quantity(word, "length") for word in ("width", "height"))
-                results["closing"] = closing_of(here.where, entries, *sizes)
+                results["closing"] = closing_of(location.where, entries, *sizes)
             elif name == "leak":
-                results["leak"] = read_leak_setup(here.where, entries, here.path)
+                results["leak"] = read_leak_setup(location.where, entries, location.path)
             else:
-                results |= _TABLES[name](here, entries)
+                results |= _TABLES[name](location, entries)
         except DataError as error:
-            raise ReadError(f"{here.where}: {error}") from None
+            raise ReadError(f"{location.where}: {error}") from None
     return Door(**results)
 
 
 _MOST_PARTS = 200
 """Hinges, bumpers, joints or points of one kind: no door has more."""
 _MOST_POINTS = 20_000
-"""Of a seal line, and stations along it: one each millimetre of the longest."""
+"""Largest number of points and stations of a seal line: one each millimetre of the longest."""
 
 
 @dataclass(frozen=True)
 class _TableLocation:
-    """Where a table stands, and the folder of the files that it names."""
+    """Location of a table, and the folder of the files that it names."""
 
     where: str
     folder: Path
 
-    def section(self, entries: Any, *known: str) -> Section:
-        return Section(self.where, entries, known)
+    def section(self, entries: Any, *known_keys: str) -> Section:
+        return Section(self.where, entries, known_keys)
 
-    def parse_tables(self, entries: Any, *known: str) -> list[Section]:
+    def parse_tables(self, entries: Any, *known_keys: str) -> list[Section]:
         """Return the tables of an array of them; a single table is one."""
         rows = [entries] if isinstance(entries, Mapping) else entries
         if not isinstance(rows, list):
             raise ReadError(f"{self.where}: expected tables, such as [[{self.where[:-1]}]]")
         if len(rows) > _MOST_PARTS:
             raise ReadError(f"{self.where}: {len(rows)} tables; expected at most {_MOST_PARTS}")
-        return [Section(f"{self.where} {i}", row, known) for i, row in enumerate(rows, start=1)]
+        return [
+            Section(f"{self.where} {i}", row, known_keys) for i, row in enumerate(rows, start=1)
+        ]
 
     def path(self, word: str | None) -> str:
         """Return a file beside the door's own, or below; a door of others opens nothing else."""
         if not word:
             return ""
-        place = self.folder / word
-        if not place.resolve().is_relative_to(self.folder.resolve()):
+        path = self.folder / word
+        if not path.resolve().is_relative_to(self.folder.resolve()):
             raise ReadError(
                 f"{self.where}: '{word}' lies outside the folder of the door's file; copy it there"
             )
-        return str(place)
+        return str(path)
 
 
 _RIGID = ("mass", "inertia", "width", "height", "centre", "motions")
@@ -172,38 +174,38 @@ def _supports(kind: str) -> Callable[[_TableLocation, Any], dict[str, Any]]:
 
 def _support(location: _TableLocation, section: Section, name: str) -> Support:
     section.needs("at")
-    along, fit = section.direction("along"), location.path(section.word("fit"))
-    ways = 1 if along else 3
-    stiffness = _read_directional_values(section, "stiffness", ways)
-    damping = _read_directional_values(section, "damping", ways)
+    direction, fit = section.direction("along"), location.path(section.word("fit"))
+    direction_count = 1 if direction else 3
+    stiffness = _read_directional_values(section, "stiffness", direction_count)
+    damping = _read_directional_values(section, "damping", direction_count)
     if bool(stiffness) == bool(fit):
         raise ReadError(f"{section.where}: give its stiffness, or the fit of the part: one of both")
-    if fit and along is None:
+    if fit and direction is None:
         raise ReadError(f"{section.where}: along is missing, the direction in which the part acts")
-    if len(stiffness) not in {0, ways} or len(damping) not in {0, ways}:
+    if len(stiffness) not in {0, direction_count} or len(damping) not in {0, direction_count}:
         raise ReadError(
             f"{section.where}: {len(stiffness)} stiffnesses and {len(damping)} dampings; expected "
-            + ("one of each, along one direction" if along else "one of each, or x, y and z")
+            + ("one of each, along one direction" if direction else "one of each, or x, y and z")
         )
     return Support(
         section.word("name") or name,
         _place(section, "at"),
         stiffness,
         damping,
-        along,
+        direction,
         fit,
         section.quantity("compression", "length"),
     )
 
 
 def _read_directional_values(
-    section: Section, name: Literal["stiffness", "damping"], ways: int
+    section: Section, name: Literal["stiffness", "damping"], direction_count: int
 ) -> tuple[float, ...]:
     """Return stiffness or damping along each way; one number is that of all."""
     values = section.quantities(name, name) or ()
     if any(not 0 <= value < 1e12 for value in values):
         raise ReadError(f"{section.where}: a stiffness or a damping is below 0 or beyond any part")
-    return values * ways if len(values) == 1 else values
+    return values * direction_count if len(values) == 1 else values
 
 
 def _seal(location: _TableLocation, entries: Any) -> dict[str, Any]:
@@ -214,20 +216,20 @@ def _seal(location: _TableLocation, entries: Any) -> dict[str, Any]:
     )  # fmt: skip
     section.needs("fit", "points")
     points, columns = _points(location, section)
-    ways = [columns[name] for name in _NORMAL if name in columns]
-    normal = ways if len(ways) == 3 else section.direction("normal") or _Z
+    normal_columns = [columns[name] for name in _NORMAL if name in columns]
+    normal = normal_columns if len(normal_columns) == 3 else section.direction("normal") or _Z
     normals = np.broadcast_to(np.transpose(normal), points.shape)
-    pressed = _compression(section, columns, len(points))
+    compressions = _compression(section, columns, len(points))
     order = np.arange(len(points))
     if section.flag("closed") and not np.array_equal(points[0], points[-1]):
         order = np.append(order, 0)
-    pressed = None if pressed is None else pressed[order]
+    compressions = None if compressions is None else compressions[order]
     joints = _joints(location, section.entries.get("joint", []))
     normals = normals[order]
     tilt = section.quantity("tilt", "angle")
     if tilt is not None:
         normals = _tilt_normals(section, normals, points[order], tilt)
-    line = SealLine(points[order], pressed, normal=normals, joints=joints)
+    line = SealLine(points[order], compressions, normal=normals, joints=joints)
     if line.length > LARGEST:
         raise ReadError(
             f"{section.where}: the seal line is {line.length:.4g} m long; expected at most "
@@ -267,20 +269,20 @@ _PLACE, _PRESSED, _NORMAL = ("x", "y", "z"), ("gap", "compression"), ("nx", "ny"
 def _line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, FloatArray]]:
     """The columns of a text file; lengths in the unit of their header, or in the one stated."""
     with channels.open_file(path, None) as file:
-        resolved_columns, loaded = read_named_columns(
+        resolved_columns, loaded_columns = read_named_columns(
             file,
             (*_PLACE, *_PRESSED, *_NORMAL),
             required=[(axis,) for axis in _PLACE],
             hint="expected x, y, z and perhaps gap, compression, nx, ny, nz",
         )
-        missing = np.flatnonzero(~np.isfinite(loaded.values).all(axis=1))
+        missing = np.flatnonzero(~np.isfinite(loaded_columns.values).all(axis=1))
         if missing.size:
             raise ReadError(
                 "a seal line has no gaps, and a number is missing at "
-                f"{loaded.format_row_position(missing[0])}; "
+                f"{loaded_columns.format_row_position(missing[0])}; "
                 "expected one in every row. Write it, or take the row out"
             )
-        columns = dict(zip(resolved_columns, loaded.values.T, strict=True))
+        columns = dict(zip(resolved_columns, loaded_columns.values.T, strict=True))
         for name in resolved_columns.keys() - {*_NORMAL}:
             advice = "add unit to [seal] of the door"
             columns[name] = convert_column_to_si(
@@ -291,20 +293,20 @@ def _line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, Float
     return points, columns
 
 
-def _refuse_more(where: str, count: float, what: str) -> None:
+def _refuse_more(location: str, count: float, noun: str) -> None:
     """Refuse more of a seal line than any door has."""
     if count > _MOST_POINTS:
-        raise ReadError(f"{where}: {count:.0f} {what}; expected at most {_MOST_POINTS}")
+        raise ReadError(f"{location}: {count:.0f} {noun}; expected at most {_MOST_POINTS}")
 
 
 def _compression(
     section: Section, columns: Mapping[str, FloatArray], count: int
 ) -> FloatArray | None:
     """Return how far the seal is pressed at each point: as stated, or its height less the gap."""
-    stated = [name for name in ("compression", "gap") if name in section.entries]
-    if len(stated) > 1:
+    given_keys = [name for name in ("compression", "gap") if name in section.entries]
+    if len(given_keys) > 1:
         raise ReadError(f"{section.where}: compression and gap say the same; keep one")
-    names = [*filter(columns.__contains__, _PRESSED), *stated]
+    names = [*filter(columns.__contains__, _PRESSED), *given_keys]
     if len(names) > 1:
         raise ReadError(f"{section.where}: compression or gap stands there twice; keep one")
     if not names:
@@ -321,9 +323,9 @@ def _compression(
                 "compression in the gap follows"
             )
         values = height - values
-    deepest = float(np.abs(values).max())
-    if deepest > LARGEST / 100:
-        raise ReadError(f"{section.where}: {name} makes a compression of {deepest:g} m: in mm?")
+    max_depth = float(np.abs(values).max())
+    if max_depth > LARGEST / 100:
+        raise ReadError(f"{section.where}: {name} makes a compression of {max_depth:g} m: in mm?")
     return np.broadcast_to(values, count)
 
 
@@ -336,13 +338,13 @@ def _shear(location: _TableLocation, entries: Any) -> ShearChoice:
             return location.path(row.word(name))
         return row.number(name) or 0.0
 
-    across, along = way("across"), way("along")
+    shear_across, shear_along = way("across"), way("along")
     # a ratio that cannot be is refused before any fit is opened
     Shear(
-        0.0 if isinstance(across, str) else across,
-        0.0 if isinstance(along, str) else along,
+        0.0 if isinstance(shear_across, str) else shear_across,
+        0.0 if isinstance(shear_along, str) else shear_along,
     )
-    return ShearChoice(across, along, _size(row, "length"))
+    return ShearChoice(shear_across, shear_along, _size(row, "length"))
 
 
 def _friction(location: _TableLocation, entries: Any) -> LineFriction | None:
@@ -351,8 +353,10 @@ def _friction(location: _TableLocation, entries: Any) -> LineFriction | None:
         return None
     row = Section(f"{location.where[:-1]}.friction]", entries, ("mu", "across", "along"))
     row.needs("mu")
-    mu, across, along = (row.number(name) or 0.0 for name in ("mu", "across", "along"))
-    return LineFriction(mu, across, along)
+    mu, friction_across, friction_along = (
+        row.number(name) or 0.0 for name in ("mu", "across", "along")
+    )
+    return LineFriction(mu, friction_across, friction_along)
 
 
 _STEEP = np.radians(80.0)
@@ -369,14 +373,14 @@ def _tilt_normals(
             f"{np.degrees(_STEEP):.0f} deg either way"
         )
     runs = np.diff(points, axis=0)
-    upright = normals[1:] + normals[:-1]
-    upright /= np.linalg.norm(upright, axis=1)[:, None]
-    outwards = np.cross(runs, upright)
+    mean_normals = normals[1:] + normals[:-1]
+    mean_normals /= np.linalg.norm(mean_normals, axis=1)[:, None]
+    outwards = np.cross(runs, mean_normals)
     outwards /= np.maximum(np.linalg.norm(outwards, axis=1), 1e-300)[:, None]
     # a line that runs the other way round has its outside on the other hand
     middles = (points[1:] + points[:-1]) / 2 - points.mean(axis=0)
-    area = float((np.cross(middles, runs) * upright).sum())
-    return np.asarray(np.cos(tilt) * upright + np.sign(area) * np.sin(tilt) * outwards)
+    area = float((np.cross(middles, runs) * mean_normals).sum())
+    return np.asarray(np.cos(tilt) * mean_normals + np.sign(area) * np.sin(tilt) * outwards)
 
 
 def _joints(location: _TableLocation, rows: Any) -> tuple[Joint, ...]:
@@ -391,14 +395,14 @@ def _joints(location: _TableLocation, rows: Any) -> tuple[Joint, ...]:
 def _modes(location: _TableLocation, entries: Any) -> dict[str, Any]:
     section = location.section(entries, "file", "unit", "modal_mass", "damping", "most", "held")
     section.needs("file")
-    most = section.quantity("most", "frequency")
+    max_hz = section.quantity("most", "frequency")
     return {
         "modes": ModesChoice(
             location.path(section.word("file")),
             section.word("unit"),
             section.quantity("modal_mass", "mass"),
             section.number("damping"),
-            float("inf") if most is None else most,
+            float("inf") if max_hz is None else max_hz,
             section.flag("held"),
         )
     }
@@ -414,9 +418,9 @@ def _read_points(location: _TableLocation, entries: Any) -> dict[str, Any]:
         name = row.word("name") or f"point {i}"
         points.append(DoorPoint(name, _place(row, "at"), row.direction("along") or _Z, on))
     names = [point.name for point in points]
-    twice = [name for name in names if names.count(name) > 1]
-    if twice:
-        raise ReadError(f"{location.where}: two points are called '{twice[0]}'")
+    repeated_names = [name for name in names if names.count(name) > 1]
+    if repeated_names:
+        raise ReadError(f"{location.where}: two points are called '{repeated_names[0]}'")
     return {"points": tuple(points)}
 
 
@@ -424,9 +428,9 @@ def _base(location: _TableLocation, entries: Any) -> dict[str, Any]:
     section = location.section(entries, "psd", "along")
     section.needs("psd")
     word = section.word("psd") or ""
-    along = section.direction("along") or _Z
+    direction = section.direction("along") or _Z
     path = location.folder / word
-    return {"base": location.path(word) if path.is_file() else word, "base_along": along}
+    return {"base": location.path(word) if path.is_file() else word, "base_along": direction}
 
 
 def _place(section: Section, name: str) -> Vector:
@@ -445,11 +449,11 @@ def _size(section: Section, name: str) -> float | None:
 
 def _believable(section: Section, name: str, lengths: Vector) -> Vector:
     """Refuse lengths that no door has: most often millimetres that are called metres."""
-    far = max(map(abs, lengths))
-    if far > LARGEST:
+    max_length = max(map(abs, lengths))
+    if max_length > LARGEST:
         raise ReadError(
-            f"{section.where}: {name} reaches {far:g} m; expected at most {LARGEST:g} m: is the "
-            "unit mm?"
+            f"{section.where}: {name} reaches {max_length:g} m; expected at most {LARGEST:g} m: is "
+            "the unit mm?"
         )
     return lengths
 
@@ -467,4 +471,4 @@ _TABLES: Mapping[str, Callable[[_TableLocation, Any], dict[str, Any]]] = Mapping
         "base": _base,
     }
 )
-"""What reads each table; arrays of tables, such as [[hinge]], have the same name."""
+"""Reader of each table; arrays of tables, such as [[hinge]], have the same name."""

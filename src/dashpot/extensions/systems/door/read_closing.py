@@ -28,13 +28,13 @@ _AIR = ("discharge", "process")
 
 
 def closing_of(
-    where: str, entries: Any, width: float | None = None, height: float | None = None
+    location: str, entries: Any, width: float | None = None, height: float | None = None
 ) -> ClosingSetup:
     """Return what a table says.
 
     Parameters
     ----------
-    where : str
+    location : str
         How to name it.
     entries : mapping
     width, height : float, optional
@@ -46,16 +46,18 @@ def closing_of(
         If a key is unknown, missing or cannot be.
     """
     section = Section(
-        where,
+        location,
         entries,
         ("edge", "inertia", "axis", "start", "friction", "gravity", "check", "latch", "vents",
          "between", "cabin", "variation"),
     )  # fmt: skip
 
-    def sub(made: Callable[[Section], T], name: str, *known: str) -> T | None:
+    def sub(make: Callable[[Section], T], name: str, *known_keys: str) -> T | None:
         """Return what a table within makes, if it stands there."""
         table = section.entries.get(name)
-        return None if table is None else made(Section(f"{where[:-1]}.{name}]", table, known))
+        return (
+            None if table is None else make(Section(f"{location[:-1]}.{name}]", table, known_keys))
+        )
 
     area = width * height if width and height else None
 
@@ -146,10 +148,10 @@ def _air(table: Section) -> tuple[float, float]:
     return DISCHARGE if discharge is None else discharge, entries[process]
 
 
-def _or(table: Section, name: str, dimension: Dimension, otherwise: float | None) -> float:
+def _or(table: Section, name: str, dimension: Dimension, default: float | None) -> float:
     value = table.quantity(name, dimension)
     if value is None:
-        value = otherwise
+        value = default
     if value is None:
         raise ReadError(f"{table.where}: {name} is missing, and [door] has no width and height")
     return value

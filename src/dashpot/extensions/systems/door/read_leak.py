@@ -21,12 +21,12 @@ _MOST_STATES = 50
 """States; nobody compares more."""
 
 
-def read_leak_setup(where: str, entries: Any, path: Callable[[str | None], str]) -> LeakSetup:
+def read_leak_setup(location: str, entries: Any, path: Callable[[str | None], str]) -> LeakSetup:
     """Return the pressure, its errors and the states that a table [leak] gives.
 
     Parameters
     ----------
-    where : str
+    location : str
         Name of the table in messages.
     entries : mapping
     path : callable
@@ -37,14 +37,14 @@ def read_leak_setup(where: str, entries: Any, path: Callable[[str | None], str])
     ReadError
         If a key is unknown, missing or cannot be.
     """
-    table = Section(where, entries, _KEYS)
+    table = Section(location, entries, _KEYS)
     table.needs("lip")
     rows = table.entries.get("state", [])
     rows = [rows] if isinstance(rows, dict) else rows
     if not isinstance(rows, list) or len(rows) > _MOST_STATES:
-        raise ReadError(f"{where}: expected at most {_MOST_STATES} tables [[leak.state]]")
+        raise ReadError(f"{location}: expected at most {_MOST_STATES} tables [[leak.state]]")
     states = tuple(
-        _read_state(Section(f"{where[:-1]}.state] {i}", row, _STATE_KEYS), i, path)
+        _read_state(Section(f"{location[:-1]}.state] {i}", row, _STATE_KEYS), i, path)
         for i, row in enumerate(rows, start=1)
     )
     coefficient = table.number("pressure_coefficient")
@@ -61,7 +61,7 @@ def read_leak_setup(where: str, entries: Any, path: Callable[[str | None], str])
 
 
 def _read_state(row: Section, number: int, path: Callable[[str | None], str]) -> LeakState:
-    time, retained = row.quantity("time", "time"), row.quantity("retained", "strain")
+    time, retained_fraction = row.quantity("time", "time"), row.quantity("retained", "strain")
     aging = None
     if "aging" in row:
         row.needs("aging_time", "aging_temperature")
@@ -77,7 +77,7 @@ def _read_state(row: Section, number: int, path: Callable[[str | None], str]) ->
         row.quantity("gap", "length") or 0.0,
         float("inf") if time is None else time,
         row.quantity("temperature", "temperature"),
-        1.0 if retained is None else retained,
+        1.0 if retained_fraction is None else retained_fraction,
         row.quantity("retained_sd", "strain") or 0.0,
         aging,
         row.number("density"),

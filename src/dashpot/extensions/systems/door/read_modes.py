@@ -49,14 +49,14 @@ def read_modes(
         If a column or a unit is missing, or the modes do not share their points.
     """
     with channels.open_file(path, None) as file:
-        resolved_columns, loaded = read_named_columns(
+        resolved_columns, loaded_columns = read_named_columns(
             file,
             (*_NEEDED, *_SHAPE, *_MORE),
             required=[*((name,) for name in _NEEDED), _SHAPE],
             hint=f"modes are a table of {', '.join(_NEEDED)} and ux, uy, uz, or a UFF file with "
             "dataset 55",
         )
-        columns = dict(zip(resolved_columns, loaded.values.T, strict=True))
+        columns = dict(zip(resolved_columns, loaded_columns.values.T, strict=True))
 
         def convert_column(name: str, dimension: Dimension, unit: str | None = None) -> FloatArray:
             advice = 'say it: unit = "mm" in [modes] (Python: unit=)'
@@ -66,27 +66,35 @@ def read_modes(
 
         mass = _masses(resolved_columns, columns, convert_to_si(modal_mass, "mass"))
         frequency = convert_column("frequency", "frequency", "Hz")
-        place = np.stack([convert_column(axis, "length", unit) for axis in ("x", "y", "z")], axis=1)
-        nil = np.zeros(len(place))
-        shape = np.stack([columns.get(axis, nil) for axis in _SHAPE], axis=1)
+        positions = np.stack(
+            [convert_column(axis, "length", unit) for axis in ("x", "y", "z")], axis=1
+        )
+        zeros = np.zeros(len(positions))
+        shape = np.stack([columns.get(axis, zeros) for axis in _SHAPE], axis=1)
         shape = shape / np.sqrt(mass)[:, None]
-        zeta = columns.get("damping ratio", nil) if damping is None else nil + damping
+        zeta = columns.get("damping ratio", zeros) if damping is None else zeros + damping
         number = columns["mode"]
-        gaps = ~np.isfinite(np.column_stack((number, frequency, place, shape, zeta))).all(axis=1)
+        gaps = ~np.isfinite(np.column_stack((number, frequency, positions, shape, zeta))).all(
+            axis=1
+        )
         if gaps.any():
-            raise ReadError(f"{loaded.format_row_position(int(gaps.argmax()))} lacks a number")
-        order = _sort_rows_by_mode(number, place, frequency)
+            raise ReadError(
+                f"{loaded_columns.format_row_position(int(gaps.argmax()))} lacks a number"
+            )
+        order = _sort_rows_by_mode(number, positions, frequency)
         of = [f"{name} [{column.unit or '-'}]" for name, column in resolved_columns.items()]
         return FreeModes(
             frequency[order[:, 0]],
-            place[order[0]],
+            positions[order[0]],
             shape[order],
             zeta[order[:, 0]],
             channels.source(file, of, file.table.notes),
         )
 
 
-def _sort_rows_by_mode(number: FloatArray, place: FloatArray, frequency: FloatArray) -> IndexArray:
+def _sort_rows_by_mode(
+    number: FloatArray, positions: FloatArray, frequency: FloatArray
+) -> IndexArray:
     """Return the rows of each mode, all at the same points, shape (modes, points)."""
     counts = np.unique(number, return_counts=True)[1]
     if np.ptp(counts):
@@ -95,7 +103,7 @@ def _sort_rows_by_mode(number: FloatArray, place: FloatArray, frequency: FloatAr
             "in every mode"
         )
     order = np.argsort(number, kind="stable").reshape(len(counts), -1)
-    if (place[order] != place[order[0]]).any() or np.ptp(frequency[order], axis=1).any():
+    if (positions[order] != positions[order[0]]).any() or np.ptp(frequency[order], axis=1).any():
         raise ReadError(
             "the modes differ in their points, or one mode has two frequencies; write the "
             "same points in the same order for every mode"
@@ -104,15 +112,15 @@ def _sort_rows_by_mode(number: FloatArray, place: FloatArray, frequency: FloatAr
 
 
 def _masses(
-    resolved_columns: dict[str, Column], columns: dict[str, FloatArray], stated: float | None
+    resolved_columns: dict[str, Column], columns: dict[str, FloatArray], stated_mass: float | None
 ) -> FloatArray:
     """Modal mass of each row, kg: as stated, as in the file, or 1 kg where it says none."""
     rows = len(columns["mode"])
-    if stated is not None or "modal mass" not in columns:
-        mass = np.full(rows, 1.0 if stated is None else stated)
+    if stated_mass is not None or "modal mass" not in columns:
+        mass = np.full(rows, 1.0 if stated_mass is None else stated_mass)
     else:
-        provided = columns["modal mass"]
-        if np.isnan(provided).all():
+        masses = columns["modal mass"]
+        if np.isnan(masses).all():
             return np.ones(rows)
         unit = resolved_columns["modal mass"].unit
         if unit is None:
@@ -120,7 +128,7 @@ def _masses(
                 'the modal masses have no unit; say it: modal_mass = "1kg" in [modes] (Python: '
                 "modal_mass=)"
             )
-        mass = channels.si(provided.copy(), parse_unit(unit, "mass"))
+        mass = channels.si(masses.copy(), parse_unit(unit, "mass"))
     if not (mass > 0).all():
         raise ReadError(f"a modal mass is {np.min(mass):g} kg; expected numbers > 0")
     return mass

@@ -95,12 +95,12 @@ class SealOfDoor(Serialisable):
 
     @property
     def stations(self) -> int:
-        """How many."""
+        """Number of stations."""
         return len(self.along.length)
 
     @property
     def pitch(self) -> float:
-        """Their distance on average, m."""
+        """Average distance of the stations, m."""
         return float(self.along.length.mean())
 
     @property
@@ -117,28 +117,28 @@ class SealOfDoor(Serialisable):
 
     @property
     def stiffness(self) -> float:
-        """At rest, of all of it, N/m."""
+        """Stiffness at rest of the whole seal, N/m."""
         return self._compute_rest_stiffness(0)
 
     @property
     def sideways(self) -> LateralStiffness:
-        """At rest, of all of it, across the line and along it, N/m."""
+        """Lateral stiffness at rest of the whole seal, across and along the line, N/m."""
         return LateralStiffness(self._compute_rest_stiffness(1), self._compute_rest_stiffness(2))
 
     @property
     def slip_limit(self) -> float | None:
         """Motion sideways up to which no station slips, m; None without friction."""
-        ends = [
+        slip_ratios = [
             slips[sticks > 0] / sticks[sticks > 0]
-            for way in self.section.ways(self.along)
-            if way.friction is not None
-            for sticks, slips in (way.friction,)
+            for direction in self.section.ways(self.along)
+            if direction.friction is not None
+            for sticks, slips in (direction.friction,)
         ]
-        whole = np.concatenate(ends) if ends else np.zeros(0)
-        return float(whole.min()) if len(whole) else None
+        all_ratios = np.concatenate(slip_ratios) if slip_ratios else np.zeros(0)
+        return float(all_ratios.min()) if len(all_ratios) else None
 
-    def _compute_rest_stiffness(self, way: int) -> float:
-        direction = self.section.ways(self.along)[way]
+    def _compute_rest_stiffness(self, direction_index: int) -> float:
+        direction = self.section.ways(self.along)[direction_index]
         return float(direction.solid.k_inf * direction.share.sum())
 
     @property
@@ -209,34 +209,34 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
 
     @property
     def door(self) -> Door:
-        """As its file describes it, with the seal."""
+        """Door with its seal, as its file describes it."""
         return self.assembly.door
 
     @property
     def _headline(self) -> str:
-        """What the seal does to the first mode in which it stores energy; else the first mode."""
-        held = [mode for mode in self.modes if mode.share(SEAL) > 0]
+        """Change by the seal of the first mode in which it stores energy; else the first mode."""
+        seal_modes = [mode for mode in self.modes if mode.share(SEAL) > 0]
         if not self.modes:
             return f"no mode lies below {self.band[1]:.3g} Hz"
-        first = (held or list(self.modes))[0]
+        first = (seal_modes or list(self.modes))[0]
         number, hz = self.modes.index(first) + 1, first.mode.frequency
-        if not held:
+        if not seal_modes:
             return f"mode 1 lies at {hz:.3g} Hz"
         message = f"the seal stores {100 * first.share(SEAL):.2g} % of the energy of mode {number}"
         if first.without_seal is None:
             return f"{message} ({hz:.3g} Hz)"
         shift = hz - first.without_seal
-        way = "raises" if shift >= 0 else "lowers"
-        return f"{message} ({hz:.3g} Hz) and {way} it by {abs(shift):.2g} Hz"
+        verb = "raises" if shift >= 0 else "lowers"
+        return f"{message} ({hz:.3g} Hz) and {verb} it by {abs(shift):.2g} Hz"
 
     @property
     def stations(self) -> Stations | None:
-        """Of the seal line."""
+        """Stations of the seal line."""
         line = self.door.line
         return None if line is None else line.stations(self.assembly.door.pitch)
 
     def extrapolation_factor(self, frequency: float) -> float:
-        """By what factor a frequency, Hz, lies outside what the test of the seal informs.
+        """Return the factor by which a frequency, Hz, lies outside the valid band of the seal.
 
         1 or less inside; nan where there is no test.
         """
@@ -254,7 +254,8 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
     def responses(self) -> dict[str, Any]:
         """The FRF of every point, by their names."""
         points = {
-            name: {"sealed": sealed.value, "bare": bare.value} for name, sealed, bare in self.frfs
+            name: {"sealed": sealed.value, "bare": bare_frf.value}
+            for name, sealed, bare_frf in self.frfs
         }
         return {
             "force": self.driven.name,
@@ -265,7 +266,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
 
     @property
     def seal(self) -> SealOfDoor | None:
-        """What lies along the line; None without a seal."""
+        """Seal of the line; None without a seal."""
         line, stations = self.door.line, self.stations
         if line is None or stations is None or line.section is None:
             return None

@@ -75,14 +75,17 @@ class SealLine(EqualByValue):
         object.__setattr__(self, "points", frozen(points))
         object.__setattr__(self, "normal", frozen(_normals(self.normal, points)))
         if self.compression is not None:
-            pressed = np.array(self.compression, dtype=float)
-            if pressed.shape not in {(), (len(points),)} or not np.isfinite(pressed).all():
+            compressions = np.array(self.compression, dtype=float)
+            if (
+                compressions.shape not in {(), (len(points),)}
+                or not np.isfinite(compressions).all()
+            ):
                 raise DataError(
                     f"the compression of a seal line is one finite number or one for each of its "
-                    f"{len(points)} points; found shape {pressed.shape}"
+                    f"{len(points)} points; found shape {compressions.shape}"
                 )
-            pressed = np.broadcast_to(pressed, len(points))
-            object.__setattr__(self, "compression", frozen(pressed.copy()))
+            compressions = np.broadcast_to(compressions, len(points))
+            object.__setattr__(self, "compression", frozen(compressions.copy()))
         section: Any = self.section
         if section is not None and not isinstance(section, SealSection):
             object.__setattr__(self, "section", SealSection(section))
@@ -108,7 +111,7 @@ class SealLine(EqualByValue):
 
     @property
     def arc_length(self) -> FloatArray:
-        """How far along the line each point lies, m, shape (n,)."""
+        """Arc length of each point, m, shape (n,)."""
         return np.append(0.0, np.cumsum(_lengths(self.points)))
 
     def normal_at(self, along: FloatArray) -> FloatArray:
@@ -137,18 +140,18 @@ class SealLine(EqualByValue):
         DataError
             If the pitch does not fit on the line.
         """
-        wanted, length = convert_to_si(pitch, "length"), self.length
-        if not 0 < wanted <= length:
+        requested_pitch, length = convert_to_si(pitch, "length"), self.length
+        if not 0 < requested_pitch <= length:
             raise DataError(
                 f"pitch = {pitch!r} on a seal line of {length:g} m; expected a distance > 0 that "
                 "fits on it"
             )
-        middle, cell = _cells(self._breaks(2 * wanted), 2 * wanted)
+        middle, cell = _cells(self._breaks(2 * requested_pitch), 2 * requested_pitch)
         at = (middle[:, None] + np.array([-0.5, 0.5]) / np.sqrt(3) * cell[:, None]).ravel()
         normal = self.normal_at(at)
         runs = np.diff(self.points, axis=0)[self._piece(at)]
         tangent = runs - (runs * normal).sum(axis=1, keepdims=True) * normal
-        pressed = self.compression
+        compressions = self.compression
         return Stations(
             at,
             np.stack([np.interp(at, self.arc_length, item) for item in self.points.T], axis=1),
@@ -156,7 +159,7 @@ class SealLine(EqualByValue):
             tangent / np.linalg.norm(tangent, axis=1)[:, None],
             np.repeat(0.5 * cell, 2),
             np.repeat(self._factor(middle), 2),
-            None if pressed is None else np.interp(at, self.arc_length, pressed),
+            None if compressions is None else np.interp(at, self.arc_length, compressions),
         )
 
     def mounts(self, body: str, pitch: Quantity, *, ground: str = "ground") -> Any:
@@ -171,22 +174,22 @@ class SealLine(EqualByValue):
         """
         return find_handler("mounts", self)(self, body, pitch, ground=ground)
 
-    def _piece(self, along: FloatArray) -> IndexArray:
-        """Between which two points a place lies, by the first of them."""
+    def _piece(self, arc_length: FloatArray) -> IndexArray:
+        """Return the index of the piece in which a point lies."""
         return np.clip(
-            np.searchsorted(self.arc_length, along, "right") - 1, 0, len(self.points) - 2
+            np.searchsorted(self.arc_length, arc_length, "right") - 1, 0, len(self.points) - 2
         )
 
     def _breaks(self, cell: float) -> FloatArray:
         """Return where no cell may reach across, from end to end, m; points of a curve are none."""
         runs, lengths = np.diff(self.points, axis=0), _lengths(self.points)
-        ways = runs / lengths[:, None]
-        turned = (ways[1:] * ways[:-1]).sum(axis=1) < _BENDS
-        straight = np.maximum(lengths[1:], lengths[:-1]) >= cell
-        corners = self.arc_length[1:-1][turned | straight]
-        ends = [end for first, last, _ in self._joints() for end in (first, last)]
-        inside = [end for end in (*ends, *self._touching()) if 0 < end < self.length]
-        return np.unique(np.concatenate(([0.0, self.length], corners, inside)))
+        tangents = runs / lengths[:, None]
+        is_bend = (tangents[1:] * tangents[:-1]).sum(axis=1) < _BENDS
+        is_long = np.maximum(lengths[1:], lengths[:-1]) >= cell
+        corners = self.arc_length[1:-1][is_bend | is_long]
+        joint_ends = [end for first, last, _ in self._joints() for end in (first, last)]
+        inner_breaks = [end for end in (*joint_ends, *self._touching()) if 0 < end < self.length]
+        return np.unique(np.concatenate(([0.0, self.length], corners, inner_breaks)))
 
     def _touching(self) -> list[float]:
         """Return where the seal begins or ends to touch, m along the line."""
@@ -201,7 +204,7 @@ class SealLine(EqualByValue):
         return values
 
     def _joints(self) -> list[tuple[float, float, float]]:
-        """From where to where each joint reaches, m, and its factor; round a closed line again."""
+        """Return start and end of each joint along the line, m, and its factor."""
         rounds = (-self.length, 0.0, self.length) if self.is_closed else (0.0,)
         return [
             (joint.at - joint.length / 2 + turn, joint.at + joint.length / 2 + turn, joint.factor)
@@ -210,17 +213,17 @@ class SealLine(EqualByValue):
         ]
 
     def _factor(self, middle: FloatArray) -> FloatArray:
-        """That of the joints that lie there; those that lie one over the other add."""
+        """Return the factor of the joints at a position; those that overlap add."""
         factor = np.ones(len(middle))
         for first, last, value in self._joints():
             factor += (value - 1) * ((first < middle) & (middle < last))
         return np.maximum(factor, 0.0)
 
 
-def _cells(breaks: FloatArray, wanted: float) -> tuple[FloatArray, FloatArray]:
+def _cells(breaks: FloatArray, requested_length: float) -> tuple[FloatArray, FloatArray]:
     """Middle and length, m, of cells between breaks, equal from one to the next."""
     spans = np.diff(breaks)
-    counts = np.maximum(np.rint(spans / wanted), 1).astype(int)
+    counts = np.maximum(np.rint(spans / requested_length), 1).astype(int)
     cell = np.repeat(spans / counts, counts)
     first = np.repeat(breaks[:-1], counts)
     rank = np.concatenate([np.arange(count) for count in counts])
@@ -265,12 +268,12 @@ def _normals(value: npt.ArrayLike, points: FloatArray) -> FloatArray:
     if not (np.isfinite(size) & (size > 0)).all():
         raise DataError("the normal of the seal line has no direction")
     normal /= size[:, None]
-    turned = np.einsum("ij,ij->i", normal[1:], normal[:-1])
-    if (turned < -CLOSED).any():
-        row = int(np.argmin(turned))
+    cosine = np.einsum("ij,ij->i", normal[1:], normal[:-1])
+    if (cosine < -CLOSED).any():
+        row = int(np.argmin(cosine))
         raise DataError(
             f"the normals of points {row} and {row + 1} of the seal line stand "
-            f"{np.degrees(np.arccos(np.clip(turned[row], -1, 1))):.3g} deg apart: one of them is "
+            f"{np.degrees(np.arccos(np.clip(cosine[row], -1, 1))):.3g} deg apart: one of them is "
             "turned round, or points are missing between them"
         )
     _refuse_along(normal if pieces else normal[1:] + normal[:-1], np.diff(points, axis=0))
@@ -292,7 +295,7 @@ def _refuse_along(normal: FloatArray, runs: FloatArray) -> None:
 
 
 def _lengths(points: FloatArray) -> FloatArray:
-    """Of the pieces, m."""
+    """Lengths of the pieces, m."""
     return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1))
 
 
@@ -304,8 +307,8 @@ def _first_crossing(points: FloatArray, *, nearer_than: float) -> tuple[int, int
     high = np.maximum(points[1:], points[:-1]) + nearer_than
     for i in range(pieces):
         # only pieces whose boxes meet can meet
-        near = (low[i + 2 :] <= high[i]).all(axis=1) & (high[i + 2 :] >= low[i]).all(axis=1)
-        for j in (np.flatnonzero(near) + i + 2).tolist():
+        may_cross = (low[i + 2 :] <= high[i]).all(axis=1) & (high[i + 2 :] >= low[i]).all(axis=1)
+        for j in (np.flatnonzero(may_cross) + i + 2).tolist():
             neighbours = closed and i == 0 and j == pieces - 1
             if not neighbours and _distance(points[i : i + 2], points[j : j + 2]) < nearer_than:
                 return i, j
@@ -318,19 +321,19 @@ def _distance(first: FloatArray, second: FloatArray) -> float:
     It is that of the lines where both feet of the common normal lie within, else that of an end
     from the other piece.
     """
-    a, b, between = first[1] - first[0], second[1] - second[0], second[0] - first[0]
+    a, b, offset = first[1] - first[0], second[1] - second[0], second[0] - first[0]
     normal = np.cross(a, b)
     square = float(normal @ normal)
     if square > 0:
-        s = float(np.cross(between, b) @ normal) / square
-        t = float(np.cross(between, a) @ normal) / square
+        s = float(np.cross(offset, b) @ normal) / square
+        t = float(np.cross(offset, a) @ normal) / square
         if 0 <= s <= 1 and 0 <= t <= 1:
-            return float(np.linalg.norm(between + t * b - s * a))
-    ends = [(point, second) for point in first] + [(point, first) for point in second]
-    return min(_from_piece(point, piece) for point, piece in ends)
+            return float(np.linalg.norm(offset + t * b - s * a))
+    points_and_pieces = [(point, second) for point in first] + [(point, first) for point in second]
+    return min(_from_piece(point, piece) for point, piece in points_and_pieces)
 
 
 def _from_piece(point: FloatArray, piece: FloatArray) -> float:
-    along = piece[1] - piece[0]
-    share = np.clip((point - piece[0]) @ along / (along @ along), 0.0, 1.0)
-    return float(np.linalg.norm(point - piece[0] - share * along))
+    vector = piece[1] - piece[0]
+    share = np.clip((point - piece[0]) @ vector / (vector @ vector), 0.0, 1.0)
+    return float(np.linalg.norm(point - piece[0] - share * vector))

@@ -14,7 +14,7 @@ from dashpot.text_output.results import format_rounded, hertz
 _MOST = 9
 """Number of modes that are listed."""
 _ROUNDING = 1e-9
-"""Of a damping, %."""
+"""Damping that is rounding, %."""
 
 
 def door(result: DoorResult, *, every: bool = False) -> Text:
@@ -35,8 +35,8 @@ def door(result: DoorResult, *, every: bool = False) -> Text:
         lines.append("  of each part: % of the energy/% of the loss")
     lines += _shaken(result)
     details = table(_rows(result, numbers, [])) if every or len(first) < len(numbers) else []
-    bare = f"{', '.join(format_rounded(f) for f in result.bare)} Hz" if result.bare else "none"
-    details.append(f"  modes without the seal: {bare}")
+    bare_text = f"{', '.join(format_rounded(f) for f in result.bare)} Hz" if result.bare else "none"
+    details.append(f"  modes without the seal: {bare_text}")
     details += table([["% of the energy", *parts], *_shares(result, parts, loss=False)])
     details += table([["% of the loss", *parts], *_shares(result, parts, loss=True)])
     return Text(lines, details)
@@ -44,19 +44,26 @@ def door(result: DoorResult, *, every: bool = False) -> Text:
 
 def _rows(result: DoorResult, numbers: Sequence[int], parts: Sequence[str]) -> list[list[str]]:
     """Frequency, damping and shares of some modes: of the seal, or of each of the `parts`."""
-    named = ["without seal", "damping, %", "seal: % of energy", "% of loss", "times above band"]
-    rows = [["mode", "Hz", *(("damping, %", *parts) if parts else named)]]
+    column_titles = [
+        "without seal",
+        "damping, %",
+        "seal: % of energy",
+        "% of loss",
+        "times above band",
+    ]
+    rows = [["mode", "Hz", *(("damping, %", *parts) if parts else column_titles)]]
     for i in numbers:
         mode = result.modes[i]
         damped = _format_damping(100 * mode.mode.damping_ratio)
-        bare = "" if mode.without_seal is None else format_rounded(mode.without_seal, digits=5)
+        bare_text = "" if mode.without_seal is None else format_rounded(mode.without_seal, digits=5)
         cells = [
-            bare, damped, f"{100 * mode.share(SEAL):.3f}", f"{100 * mode.loss_share(SEAL):.1f}",
+            bare_text, damped, f"{100 * mode.share(SEAL):.3f}",
+            f"{100 * mode.loss_share(SEAL):.1f}",
             _format_extrapolation_factor(result, mode.mode.frequency),
         ]  # fmt: skip
         if parts:
-            both = ((mode.share(name), mode.loss_share(name)) for name in parts)
-            cells = [damped, *("/".join(_part(100 * part) for part in values) for values in both)]
+            shares = ((mode.share(name), mode.loss_share(name)) for name in parts)
+            cells = [damped, *("/".join(_part(100 * part) for part in values) for values in shares)]
         rows.append([str(i + 1), format_rounded(mode.mode.frequency, digits=5), *cells])
     return rows
 
@@ -72,7 +79,7 @@ def _format_damping(value: float) -> str:
 
 
 def _format_extrapolation_factor(result: DoorResult, frequency: float) -> str:
-    """By what factor a frequency lies outside what the test of the seal informs."""
+    """Return the factor by which a frequency lies outside the valid band, as text."""
     factor = result.extrapolation_factor(frequency)
     return "" if isnan(factor) else "inside" if factor <= 1 else f"{factor:.3g}"
 
@@ -81,9 +88,9 @@ def _shares(result: DoorResult, parts: list[str], *, loss: bool) -> list[list[st
     rows = []
     for number, mode in enumerate(result.modes, start=1):
         entries = {share.name: share.loss if loss else share.energy for share in mode.shares}
-        whole = sum(entries.values()) or 1.0
+        total = sum(entries.values()) or 1.0
         rows.append(
-            [str(number), *(f"{100 * entries.get(name, 0.0) / whole:.2f}" for name in parts)]
+            [str(number), *(f"{100 * entries.get(name, 0.0) / total:.2f}" for name in parts)]
         )
     return rows
 
@@ -100,10 +107,13 @@ def _line(result: DoorResult) -> list[str]:
     ]
     if seal.fit is not None:
         sentences[0] += f"; valid band {hertz(seal.fit.band)}"
-    across, along = (format_rounded(convert_to_unit(sideway, "N/mm")) for sideway in seal.sideways)
+    stiffness_across, stiffness_along = (
+        format_rounded(convert_to_unit(sideway, "N/mm")) for sideway in seal.sideways
+    )
     if seal.section.shear.holds:
         sentences.append(
-            f"  sideways {across} N/mm across the line and {along} N/mm along it in all"
+            f"  sideways {stiffness_across} N/mm across the line and {stiffness_along} N/mm along "
+            "it in all"
         )
     if seal.slip_limit is not None:
         sentences.append(
@@ -112,12 +122,12 @@ def _line(result: DoorResult) -> list[str]:
             "mm; the modes are of a seal that sticks"
         )
     if seal.compression is not None and seal.force is not None:
-        least, mean, most = (
+        lowest, mean, highest = (
             format_rounded(convert_to_unit(value, "mm"), digits=3) for value in seal.compression
         )
         sentences.append(
-            f"  compressed by {least} to {most} mm (mean {mean}); {format_rounded(seal.force)} N "
-            "in all "
+            f"  compressed by {lowest} to {highest} mm (mean {mean}); {format_rounded(seal.force)} "
+            "N in all "
             "after relaxation"
         )
     return sentences
@@ -128,14 +138,18 @@ def _shaken(result: DoorResult) -> list[str]:
         return []
     rows = [["base shakes: rms", "m/s^2", "mm to the body", "without seal, m/s^2", "mm"]]
     for response in result.random:
-        bare = response.bare
+        bare_response = response.bare
         rows.append(
             [
                 response.name,
                 format_rounded(response.sealed.acceleration),
                 format_rounded(convert_to_unit(response.sealed.stretch, "mm")),
-                "not damped" if bare is None else format_rounded(bare.acceleration),
-                "" if bare is None else format_rounded(convert_to_unit(bare.stretch, "mm")),
+                "not damped"
+                if bare_response is None
+                else format_rounded(bare_response.acceleration),
+                ""
+                if bare_response is None
+                else format_rounded(convert_to_unit(bare_response.stretch, "mm")),
             ]
         )
     return table(rows)
