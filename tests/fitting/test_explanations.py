@@ -299,7 +299,7 @@ def test_no_arm_is_no_answer_where_something_dissipates() -> None:
     assert message.failed
     assert message.remedy is not None
     assert message.remedy.option == "dashpot"
-    taken = identify(voigt(), mass=0.1, known_solid=KnownSolid(parallel_dashpot=True))
+    taken = identify(voigt(), mass=0.1, known=KnownSolid(parallel_dashpot=True))
     assert taken.status is Status.CONVERGED
     assert taken.model.arms == 0
     assert taken.model.b == pytest.approx(0.3, rel=0.05)

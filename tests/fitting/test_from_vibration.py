@@ -82,7 +82,7 @@ def test_constraints_are_obeyed(isolator_frf: FRF) -> None:
     """One arm can have the frequency, the damping and the static stiffness, not the curve."""
     fit = identify(
         isolator_frf, mass=5.0, band=(5, 100), arms=1, rig=EXACT_RIG,
-        known_solid=KnownSolid(
+        known=KnownSolid(
             static_stiffness=1e5, natural_frequency=28.0756, damping_ratio=0.0996519
         ),
     )  # fmt: skip
@@ -101,7 +101,7 @@ def test_a_constraint_with_a_standard_deviation_bends(isolator_frf: FRF) -> None
         band=(5, 100),
         arms=1,
         rig=EXACT_RIG,
-        known_solid=KnownSolid(static_stiffness=1e5),
+        known=KnownSolid(static_stiffness=1e5),
     )
     soft = identify(
         measured,
@@ -109,7 +109,7 @@ def test_a_constraint_with_a_standard_deviation_bends(isolator_frf: FRF) -> None
         band=(5, 100),
         arms=1,
         rig=EXACT_RIG,
-        known_solid=KnownSolid(static_stiffness=(1e5, 5e4)),
+        known=KnownSolid(static_stiffness=(1e5, 5e4)),
     )
     assert hard.model.k_inf == pytest.approx(1e5, rel=1e-4)
     assert soft.model.k_inf > 1.05e5
@@ -124,7 +124,7 @@ def test_poles_of_maxwell_voigt_reproduce_row_15() -> None:
     assert -ringing.real / abs(ringing) == pytest.approx(0.253326, abs=1e-6)
     assert result[result.imag == 0].real == pytest.approx([-151.855], abs=1e-3)
     frf = predict_frf(solid, mass=1.0, frequency=np.linspace(1, 100, 199))
-    again = identify(frf, mass=1.0, band=(1, 100), arms=1, rig=EXACT_RIG, known_solid=VOIGT)
+    again = identify(frf, mass=1.0, band=(1, 100), arms=1, rig=EXACT_RIG, known=VOIGT)
     assert again.model.b == pytest.approx(10.0, rel=1e-5)
     assert again.model.k == pytest.approx((1e4,), rel=1e-5)
     # the Voigt solid of equal frequency and damping has quite another FRF
@@ -226,7 +226,7 @@ def test_another_mode_in_the_band_is_noticed(isolator_frf: FRF) -> None:
 def test_arms_that_the_lines_reject_are_not_returned() -> None:
     spring = GeneralizedMaxwell(4e4, b=40.0)
     measured = noisy(predict_frf(spring, mass=2.0, frequency=np.linspace(3, 60, 115)), 0.01, 7)
-    fit = identify(measured, mass=2.0, band=(3, 60), arms=3, rig=EXACT_RIG, known_solid=VOIGT)
+    fit = identify(measured, mass=2.0, band=(3, 60), arms=3, rig=EXACT_RIG, known=VOIGT)
     assert fit.model.arms < 3 or not fit.evidence.orders[0].significant
     assert fit.status in {Status.FEWER_ARMS, Status.NOT_IDENTIFIED, Status.TAU_AT_BOUND}
 

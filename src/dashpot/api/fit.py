@@ -244,7 +244,7 @@ def fit_jointly(
         hammer=hammer,
         arms=arms,
         family=model,
-        known_solid=prior or KnownSolid(),
+        known=prior or KnownSolid(),
         rig=(rig or HammerRig()).with_machine(machine),
     )
     return replace(result.fit, evidence=replace(result.fit.evidence, checks=result.checks))

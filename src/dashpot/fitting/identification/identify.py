@@ -87,7 +87,7 @@ def identify(
     arms: int | Literal["auto"] = "auto",
     family: FamilyOption = "maxwell",
     rig: HammerRig = HammerRig(),  # noqa: B008
-    known_solid: KnownSolid = KnownSolid(),  # noqa: B008
+    known: KnownSolid = KnownSolid(),  # noqa: B008
     bench: FitOptions = FitOptions(),  # noqa: B008
 ) -> Fit:
     r"""Find the solid of one seal from the FRF of a mass on `seals` of them.
@@ -128,7 +128,7 @@ def identify(
         earlier fit without its tests is a prior of its own family alone.
     rig : HammerRig
         How well mass and channels are known.
-    known_solid : KnownSolid
+    known : KnownSolid
         What the solid must also obey, and whether it has a dashpot beside its arms.
     bench : FitOptions
         How the tests are fitted that no earlier fit is of.
@@ -153,9 +153,9 @@ def identify(
     frf_data = frf_data_of(frf, seals=seals_of(seals), band=si_range(band, "frequency"), mass=mass)
     before = before_hammer(records, fit, convert_to_si(temperature, "temperature"), family, bench)
     point = point_of(before.primary_fit, mass, seals, compression)
-    priors, constraints = priors_of(mass, rig, point), constraints_of(known_solid, before)
+    priors, constraints = priors_of(mass, rig, point), constraints_of(known, before)
     full_problem = IdentificationProblem(before.relaxations, frf_data, priors, constraints)
-    parallel_dashpot = known_solid.parallel_dashpot
+    parallel_dashpot = known.parallel_dashpot
     dashpots = (False, True) if parallel_dashpot == "auto" else (bool(parallel_dashpot),)
     problems = [replace(full_problem, dashpot=dashpot) for dashpot in dashpots]
     numbers = numbers_of(arms, before.arms)
