@@ -27,7 +27,6 @@ Grade = Literal["note", "limit", "stop"]
 GRADES: tuple[Grade, ...] = get_args(Grade)
 #: what to make of a result
 Use = Literal["use", "no test", "use with care", "do not use"]
-_USES_BY_SEVERITY: tuple[Use, ...] = get_args(Use)
 
 #: how a value is held against a limit; ``"|x| <="`` asks for its size, ``"x/"`` for a factor
 RULES: dict[str, Callable[[float, float], bool]] = {
