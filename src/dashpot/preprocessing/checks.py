@@ -63,7 +63,8 @@ MAX_PAST_JUMP = 0.1
 MAX_DEFLECTION, USUAL_COMPLIANCE = 0.025, 5e-5
 MACHINE_WORDS = (
     "crosshead", "cross head", "cross-head", "travers", "querhaupt", "kolben", "maschinenweg",
-    "piston", "actuator", "ram ", "stroke", "ストローク", "横梁", "活塞", "크로스헤드",
+    "piston", "actuator", "ram ", "stroke", "grip", "einspann",
+    "ストローク", "横梁", "活塞", "크로스헤드",
 )  # fmt: skip
 JUMPED = "The clock jumped, or the record was interrupted. Later times and slow arms are not known"
 
@@ -606,18 +607,6 @@ def machine_deflection_small(stiffness: float, remedy: Remedy | str) -> Finding:
     )
 
 
-def has_machine_column(
-    sources: Iterable[Source], roles: tuple[str, ...], words: Sequence[str] = MACHINE_WORDS
-) -> bool:
-    """Return whether the column of one of these roles is named for the motion of the machine."""
-    return any(
-        column.startswith(roles) and word in column.casefold()
-        for source in sources
-        for column in source.columns
-        for word in words
-    )
-
-
 def check_machine(
     sources: Iterable[Source], stiffness: float, remedy: Remedy | str = "Measure it at the seal."
 ) -> list[Check]:
@@ -631,7 +620,12 @@ def check_machine(
         Greatest force over displacement, N/m: the share of the machine grows with it.
     remedy : Remedy or str
     """
-    is_named = has_machine_column(sources, ("displacement",))
+    is_named = any(
+        column.startswith("displacement") and word in column.casefold()
+        for source in sources
+        for column in source.columns
+        for word in MACHINE_WORDS
+    )
     return [machine_deflection_small(stiffness, remedy)] if is_named else []
 
 

@@ -68,14 +68,14 @@ def select_rows(count: int, max_rows: int) -> range:
     return range(0, count, max(-(-count // max_rows), 1))
 
 
-def describe_rows(indices: range, singular: str) -> str:
+def describe_rows(indices: range, plural: str) -> str:
     """Return how many rows there are, and which part of them a table shows.
 
     >>> describe_rows(range(0, 100, 2), "lines"), describe_rows(range(60), "lines")
     ('one of 2 of 100 lines', '60 lines')
     """
     count, step = indices.stop, indices.step
-    return f"{count} {singular}" if step == 1 else f"one of {step} of {count} {singular}"
+    return f"{count} {plural}" if step == 1 else f"one of {step} of {count} {plural}"
 
 
 def assumptions(study: Study) -> TextTable:

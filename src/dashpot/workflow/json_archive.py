@@ -255,10 +255,7 @@ def _map_to_fields(kind: Any, value: Any) -> Any:
     cls = _find_value_class(kinds, value)
     if cls is None:
         return {key: _map_to_fields(Any, item) for key, item in value.items()}
-    entries = decode_fields(cls, _find_completion(cls)(value))
-    # only objects and arrays are of a type that matters here; to evaluate types takes a millisecond
-    is_nested = any(isinstance(item, list | dict) for item in entries.values())
-    types = _evaluate_types(cls) if is_nested else dict.fromkeys(entries)
+    types, entries = _evaluate_types(cls), decode_fields(cls, _find_completion(cls)(value))
     layout = {name: _map_to_fields(types[name], item) for name, item in entries.items()}
     # the decoder knows no class with several subclasses
     return _convert_to_class(cls, layout) if _CHOSEN.keys() & kinds else layout
@@ -299,9 +296,8 @@ def _find_completion(cls: type) -> Callable[[dict[str, Any]], dict[str, Any]]:
     return _FILLED.get(cls) or other or dict
 
 
-@cache
-def _evaluate_types(cls: type) -> dict[str, Any]:
-    return get_type_hints(cls)
+_evaluate_types = cache(get_type_hints)
+"""Types of the fields of a class."""
 
 
 _LAWS: dict[str, type] = {"wlf": WLF, "arrhenius": Arrhenius, "free": FreeShifts}

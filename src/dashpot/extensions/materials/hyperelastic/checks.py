@@ -23,7 +23,7 @@ from dashpot.extensions.materials.hyperelastic.strain_energy import (
 )
 from dashpot.extensions.materials.options import Mode
 from dashpot.numerics.inference.covariance_estimate import DerivedQuantity
-from dashpot.preprocessing.checks import MACHINE_WORDS, has_machine_column
+from dashpot.preprocessing.checks import MACHINE_WORDS
 
 FOLLOWED = 0.05
 ALIKE = 0.05
@@ -38,8 +38,6 @@ _AS_GOOD = 10.0
 _FACTORS = (0.03, 0.06, 0.12, 0.2)
 """Logarithms of a factor by which the stress of one mode is tried to be off."""
 _OF_NOTE = 0.03
-_MOTIONS = ("displacement", "grip", "klemme", "einspann")
-"""Words of a strain that is a motion of the machine over a length, besides those of a motion."""
 _BOTH = 0.1
 """Logarithmic strain in tension and in compression from which one test is as good as two modes."""
 _SHIFTS = (0.01, 0.02, 0.04, 0.08, 0.16)
@@ -97,7 +95,9 @@ def run_checks(
         zero_stress_at_zero_strain(*_slack(through, fit.law.poisson, flexible)),
         labels_agree(*_reading(through, fit.law.poisson, flexible)),
         measures_stated(_estimate_measure_error(fit.curves)),
-        strain_measured_on_specimen(_list_modes_by_machine(shaped)),
+        strain_measured_on_specimen(
+            tuple({curve.mode: None for curve in shaped if _is_motion_of_machine(curve)})
+        ),
         bulk_modulus_determined(is_known=fit.law.bulk_modulus is not None),
     )
 
@@ -532,16 +532,13 @@ def measures_stated(part: float) -> Finding:
     )  # fmt: skip
 
 
-def _list_modes_by_machine(curves: Sequence[ElasticCurve]) -> tuple[Mode, ...]:
-    """Return the modes whose strain is named for the motion of the machine."""
-    return tuple(
-        {
-            curve.mode: None
-            for curve in curves
-            if has_machine_column(
-                sources_of([curve]), ("strain", "stretch"), (*MACHINE_WORDS, *_MOTIONS)
-            )
-        }
+def _is_motion_of_machine(curve: ElasticCurve) -> bool:
+    """Return whether the strain is named for crosshead, piston, grips or a displacement."""
+    titles = (column.casefold() for source in sources_of([curve]) for column in source.columns)
+    words = (*MACHINE_WORDS, "displacement")
+    return any(
+        title.startswith(("strain", "stretch")) and any(word in title for word in words)
+        for title in titles
     )
 
 
