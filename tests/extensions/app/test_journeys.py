@@ -212,9 +212,17 @@ def test_page_asks_for_the_relaxation_test_of_a_hammer_test(visit, files):
     assert not page.at.get_by_role("heading", name="Now the relaxation test").is_visible()
 
 
+TOPMOST = """selector => [...document.querySelectorAll(selector)].map((words) => {
+  const { left, right, top } = words.getBoundingClientRect();
+  return [left + 2, right - 2].every((x) => document.elementFromPoint(x, top + 6) === words);
+})"""
+
+
 def test_a_handle_is_dragged_and_the_fit_follows(visit, files):
     page = visit(files / "seal_8mm.csv")
     page.done()
+    # nothing cuts the words of a handle, nor lies over them
+    assert page.at.evaluate(TOPMOST, ".handle:not([hidden]) span") == [True, True, True]
     handle = page.at.get_by_role("slider", name="hold end")
     box = handle.bounding_box()
     before = page.at.locator('[data-panel="hold"] path[data-name=fit]').get_attribute("d")

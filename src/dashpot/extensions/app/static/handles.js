@@ -142,7 +142,7 @@ export class Handle {
     element.style.top = `${on.top - about.top - 1 + scale * y}px`;
     element.style.height = `${scale * h}px`;
     element.classList.toggle("left-of", !right);
-    element.classList.toggle("right", right);
+    element.classList.toggle("right-of", right);
     element.setAttribute("aria-valuemin", String(clock.first));
     element.setAttribute("aria-valuemax", String(clock.last));
     element.setAttribute("aria-valuenow", String(+this.value.toFixed(6)));
