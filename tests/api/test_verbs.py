@@ -219,3 +219,33 @@ def test_shape_words_accepts_text_and_shape_objects():
     for wrong in ("ball:1mm", "disc"):
         with pytest.raises(dp.DataError, match="expected a shape with its lengths"):
             shape_words(wrong)
+
+
+@pytest.mark.parametrize("name", ["mine.json", "mine.csv", "mine.svg", "mine.html"])
+def test_save_replaces_only_what_dashpot_wrote(records, name: str, tmp_path: Path) -> None:
+    path, foreign = tmp_path / name, b"time;force\n0;1\n"
+    fit = dp.fit(records[0], arms=2)
+    result = dp.predict(fit, mass="100g") if name.endswith("csv") else fit
+    path.write_bytes(foreign)
+    with pytest.raises(dp.ExportError, match="overwrite=True"):
+        dp.save(result, path)
+    with pytest.raises(dp.ExportError, match="overwrite=True"):
+        result.save(path)
+    assert path.read_bytes() == foreign
+    dp.save(result, path, overwrite=True)
+    dp.save(result, path)  # its own file
+
+
+def test_export_replaces_only_what_dashpot_wrote(tmp_path: Path) -> None:
+    path, foreign = tmp_path / "seal.bdf", "$ a deck of my own\n"
+    solid = dp.GeneralizedMaxwell(200.0, k=(100.0,), tau=(0.5,))
+    deck = {
+        "to": "nastran", "unit_system": "mm-t-s", "temperature": "23degC", "length": "50mm",
+        "band": "1:20Hz", "allow": "all",
+    }  # fmt: skip
+    path.write_text(foreign)
+    with pytest.raises(dp.ExportError, match="overwrite=True"):
+        dp.export(solid, path, **deck)
+    assert path.read_text() == foreign
+    dp.export(solid, path, **deck, overwrite=True)
+    dp.export(solid, path, **deck)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import dashpot as dp
+from dashpot.preprocessing.checks import MACHINE_NAME
 
 K, ARMS, COMPLIANCE, STEP = 2000.0, ((800.0, 0.5), (600.0, 12.0)), 33e-6, 0.02
 
@@ -81,6 +82,22 @@ def test_displacement_of_a_crosshead_is_doubted(
     is_doubted = name != "Displacement" and scale == 1.0
     assert ("machine_deflection_small" in doubts) is is_doubted
     assert not (is_doubted and result.verdict.use == "use")
+
+
+@pytest.mark.parametrize(
+    ("title", "is_of_machine"),
+    [
+        ("Extension", True), ("Standardweg", True), ("Position", True), ("XHD", True),
+        ("Przemieszczenie trawersy", True), ("Grip separation", True), ("Ram position", True),
+        ("Extensometer extension", False), ("Weg", False), ("Displacement of the frame", False),
+        ("LVDT", False),
+    ],
+)  # fmt: skip
+def test_machine_is_known_by_the_names_that_test_machines_export(
+    title: str, *, is_of_machine: bool
+) -> None:
+    column = f"displacement: {title} [mm] (its unit mm fits)"
+    assert bool(MACHINE_NAME.search(column)) == is_of_machine
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from dashpot.api import call_with_options, refuse_wrong_options, show_stub_signature
@@ -384,6 +383,7 @@ def export(
     density: float | None = None,
     points: int | None = None,
     specimen: Specimen | None = None,
+    overwrite: bool = False,
 ) -> str:
     """Write a solid as input for a solver, and return the deck.
 
@@ -408,11 +408,14 @@ def export(
         Options of some solvers, as in ``dashpot export --help``.
     allow : str or sequence of str
         Problems to ignore, by their names, or ``"all"``; the header of the deck lists them.
+    overwrite : bool
+        Whether to replace a file that dashpot did not write.
 
     Raises
     ------
     ExportError
-        If what the solver needs is not stated, or the data do not determine a parameter.
+        If what the solver needs is not stated, the data do not determine a parameter, or the file
+        exists and dashpot did not write it.
 
     Examples
     --------
@@ -427,10 +430,10 @@ def export(
     from dashpot.export import deck_for
     from dashpot.solids.maxwell import Solid
 
-    contact_length: Any = getattr(solid, "fit", solid) if not isinstance(solid, Fit) else solid
+    model: Any = getattr(solid, "fit", solid) if not isinstance(solid, Fit) else solid
     kelvin, metres = convert_to_si(temperature, "temperature"), convert_to_si(length, "length")
     if metres is not None:
-        contact_length = _set_contact_length(contact_length, metres)
+        model = _set_contact_length(model, metres)
     choices: dict[str, Any] = {
         "form": form,
         "frequency_range": si_range(band, "frequency"),
@@ -450,21 +453,20 @@ def export(
     }
     if specimen is not None:
         choices["specimen"] = specimen
-    elif isinstance(contact_length, Solid):
+    elif isinstance(model, Solid):
         choices["specimen"] = Specimen(temperature=kelvin, length=metres)
     deck = deck_for(
         to,
-        contact_length,
+        model,
         seals=seals,
         compression=convert_to_si(compression, "length"),
         temperature=kelvin,
         **choices,
     )
     if path is not None:
-        from dashpot.base.file_writing import write_atomic
+        from dashpot.workflow.outputs import Outputs
 
-        content = deck.file_content
-        write_atomic(Path(path), content if isinstance(content, bytes) else content.encode())
+        Outputs(replace=overwrite).write(path, deck.file_content)
     return str(deck)
 
 

@@ -292,7 +292,7 @@ def inspect(
 
 
 @refuse_wrong_options
-def save(result: N, path: Place) -> N:
+def save(result: N, path: Place, *, overwrite: bool = False) -> N:
     """Write a record or a result to a file, and return it.
 
     Parameters
@@ -302,11 +302,13 @@ def save(result: N, path: Place) -> N:
     path : path
         How its name ends says how it is written: ``.json``, which :func:`read` takes back;
         ``.png``, ``.svg`` or ``.pdf``, its picture; ``.html``, its page; ``.csv``, its numbers.
+    overwrite : bool
+        Whether to replace a file that dashpot did not write.
 
     Raises
     ------
     ExportError
-        If the result has no such format.
+        If the result has no such format, or the file exists and dashpot did not write it.
 
     Examples
     --------
@@ -316,5 +318,5 @@ def save(result: N, path: Place) -> N:
     >>> dp.read(path) == solid
     True
     """
-    load_function("report.result_output", "save")(result, path)
+    load_function("report.result_output", "save")(result, path, overwrite=overwrite)
     return result

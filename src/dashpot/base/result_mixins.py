@@ -54,16 +54,16 @@ class Printable:
         text: str = load_function("text_output", "format_result")(self)
         return text
 
-    def save(self, path: str | Path) -> Path:
+    def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
         """Write it: ``.json``, ``.csv``, ``.html``, or its picture as ``.png``, ``.svg``, ``.pdf``.
 
         Raises
         ------
         ExportError
-            If it is not written so.
+            If it is not written so, or the file exists and is not dashpot's; `overwrite` replaces
+            that.
         """
-        saved: Path = load_function("report.result_output", "save")(self, path)
-        return saved
+        return Path(load_function("report.result_output", "save")(self, path, overwrite=overwrite))
 
 
 class HasSummary(Printable):

@@ -318,9 +318,9 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
     match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].*?)?\s*", text)
     if match is None:
         raise DataError(f"'{text}' is not a quantity; expected a number and a unit of {dimension}")
-    if match[2] is None and dimension == "strain" and float(match[1]) == 0:
-        return 0.0  # no part is none in any unit
     if match[2] is None:
+        if dimension != "temperature" and not float(match[1]):
+            return 0.0  # nothing is nothing in any unit
         names = [unit.word for unit in _filter_units(dimension)]
         raise DataError(
             f"'{text}' has no unit; add a unit of {dimension} to it, for example '{text.strip()}"

@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, cache_on_record, find_true_runs, median
 from dashpot.base.checks import Check, Finding, Remedy, criterion, select_gravest_check
 from dashpot.base.errors import DataError, Status
+from dashpot.base.lazy import compile_on_use
 from dashpot.base.number_format import round_to_error
 from dashpot.base.plain_text import decapitalise_sentence
 from dashpot.base.provenance import Source
@@ -61,11 +62,12 @@ MAX_PAST_MISFIT, MAX_FACE_OFF = 0.03, 0.01
 MAX_PAST_JUMP = 0.1
 # of the depth; m/N, the give of a soft machine with its load cell
 MAX_DEFLECTION, USUAL_COMPLIANCE = 0.025, 5e-5
-MACHINE_WORDS = (
-    "crosshead", "cross head", "cross-head", "travers", "querhaupt", "kolben", "maschinenweg",
-    "piston", "actuator", "ram ", "stroke", "grip", "einspann",
-    "ストローク", "横梁", "活塞", "크로스헤드",
-)  # fmt: skip
+MACHINE_NAME = compile_on_use(
+    r"(?i)cross[ -]?head|tra[vw]ers|querhaupt|kolben|maschinenweg|standardweg|\bxhd\b|\bgrip"
+    r"|einspann|piston|actuator|\bram\b|stroke|(?<!meter )\bextension\b|\bposition\b"
+    "|ストローク|横梁|活塞|크로스헤드"
+)
+"""Names of a displacement of crosshead, piston or grips, as test machines export it."""
 JUMPED = "The clock jumped, or the record was interrupted. Later times and slow arms are not known"
 
 
@@ -621,10 +623,9 @@ def check_machine(
     remedy : Remedy or str
     """
     is_named = any(
-        column.startswith("displacement") and word in column.casefold()
+        column.startswith("displacement") and MACHINE_NAME.search(column)
         for source in sources
         for column in source.columns
-        for word in MACHINE_WORDS
     )
     return [machine_deflection_small(stiffness, remedy)] if is_named else []
 

@@ -13,7 +13,6 @@ from typing import Any
 
 from dashpot import plot
 from dashpot.base.errors import ExportError
-from dashpot.base.file_writing import write_atomic
 from dashpot.base.option_fields import Drawn, get_choice_values
 from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.fit import Fit
@@ -29,6 +28,7 @@ from dashpot.workflow.frf_comparison import FRFComparison
 from dashpot.workflow.frf_prediction import Prediction
 from dashpot.workflow.identification import Identified
 from dashpot.workflow.measured_frf import Modes
+from dashpot.workflow.outputs import Outputs
 from dashpot.workflow.study import Study
 
 # Writing of a record or result by the suffix of the file.
@@ -42,7 +42,7 @@ _TABLES: dict[type, Callable[..., str]] = {
 """Writers of tables that every tool here reads back."""
 
 
-def save(result: Any, path: str | Path) -> Path:
+def save(result: Any, path: str | Path, *, overwrite: bool = False) -> Path:
     """Write a record or a result, and return where it stands.
 
     ``.json``: its document, which ``dashpot.read`` takes back where it has a schema; ``.png``,
@@ -51,22 +51,20 @@ def save(result: Any, path: str | Path) -> Path:
     Raises
     ------
     ExportError
-        If it has none of the kind that the name asks for, or the file cannot be written.
+        If it has none of the kind that the name asks for, or the file cannot be written, or exists
+        and is not dashpot's; `overwrite` replaces that.
     """
     target = Path(path)
+    outputs = Outputs(replace=overwrite, makes_records=isinstance(result, tuple(_TABLES)))
     suffix = target.suffix.lower().lstrip(".")
     writers = {"json": _document, "html": _page, "csv": _table}
     if suffix in get_choice_values(Drawn):
         from dashpot.plot.figure_files import save as save_picture
 
+        outputs.claim([target])
         save_picture(_picture(result), target)
     elif suffix in writers:
-        text = writers[suffix](result, target.name)
-        try:
-            write_atomic(target, text.encode())
-        except OSError as error:
-            reason = error.strerror or error
-            raise ExportError(f"{target}: it cannot be written: {reason}") from None
+        outputs.write(target, writers[suffix](result, target.name))
     else:
         name = ", ".join(f".{writer}" for writer in (*writers, *get_choice_values(Drawn)))
         raise ExportError(f"{target.name}: a result is written as {name}. Name the file so")

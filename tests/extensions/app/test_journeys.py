@@ -212,6 +212,19 @@ def test_page_asks_for_the_relaxation_test_of_a_hammer_test(visit, files):
     assert not page.at.get_by_role("heading", name="Now the relaxation test").is_visible()
 
 
+def test_length_of_the_specimen_may_have_its_own_unit(visit, files):
+    page = visit(files / "seal_8mm.csv")
+    page.done()
+    edit, length = page.at.locator("#specimen-length"), "5 cm"
+    if not edit.is_visible():
+        page.at.get_by_role("button", name="edit", exact=True).first.click()
+    edit.fill(length)
+    edit.press("Tab")
+    page.done()
+    page.at.get_by_role("region", name="Verdict").get_by_text("Use", exact=True).wait_for()
+    assert edit.input_value() == length
+
+
 TOPMOST = """selector => [...document.querySelectorAll(selector)].map((words) => {
   const { left, right, top } = words.getBoundingClientRect();
   return [left + 2, right - 2].every((x) => document.elementFromPoint(x, top + 6) === words);

@@ -294,7 +294,7 @@ export function fields() {
   put("specimen-temperature", (described()?.temperature || "").replace("degC", ""));
   for (const [name, unit] of Object.entries(SPECIMEN)) {
     const said = job.specimen[name] || "";
-    put(`specimen-${name}`, unit ? said.slice(0, -unit.length) : said);
+    put(`specimen-${name}`, unit && said.endsWith(unit) ? said.slice(0, -unit.length) : said);
   }
 }
 
@@ -304,11 +304,17 @@ function described() {
   return one && isBench(one) ? one : test();
 }
 
+/** A number with its unit: that of the field, where none was typed. */
+function withUnit(/** @type {string} */ text, /** @type {string} */ unit) {
+  return Number.isNaN(Number(text)) ? text : `${text}${unit}`;
+}
+
 /** Take a field of the specimen. */
 export function describe(/** @type {string} */ name, /** @type {string} */ typed) {
   const number = typed.trim().replace(",", "."), of = described();
   if (name === "temperature") {
-    if (of) of.temperature = number && `${number}degC`;
-  } else if (number) state.job.specimen[name] = name === "length" ? `${number}mm` : typed.trim();
-  else delete state.job.specimen[name];
+    if (of) of.temperature = number && withUnit(number, "degC");
+  } else if (number) {
+    state.job.specimen[name] = name === "length" ? withUnit(number, "mm") : typed.trim();
+  } else delete state.job.specimen[name];
 }

@@ -23,7 +23,7 @@ from dashpot.extensions.materials.hyperelastic.strain_energy import (
 )
 from dashpot.extensions.materials.options import Mode
 from dashpot.numerics.inference.covariance_estimate import DerivedQuantity
-from dashpot.preprocessing.checks import MACHINE_WORDS
+from dashpot.preprocessing.checks import MACHINE_NAME
 
 FOLLOWED = 0.05
 ALIKE = 0.05
@@ -534,11 +534,11 @@ def measures_stated(part: float) -> Finding:
 
 def _is_motion_of_machine(curve: ElasticCurve) -> bool:
     """Return whether the strain is named for crosshead, piston, grips or a displacement."""
-    titles = (column.casefold() for source in sources_of([curve]) for column in source.columns)
-    words = (*MACHINE_WORDS, "displacement")
     return any(
-        title.startswith(("strain", "stretch")) and any(word in title for word in words)
-        for title in titles
+        column.startswith(("strain", "stretch"))
+        and ("displacement" in column.casefold() or MACHINE_NAME.search(column))
+        for source in sources_of([curve])
+        for column in source.columns
     )
 
 
