@@ -227,9 +227,9 @@ def test_save_replaces_only_what_dashpot_wrote(records, name: str, tmp_path: Pat
     fit = dp.fit(records[0], arms=2)
     result = dp.predict(fit, mass="100g") if name.endswith("csv") else fit
     path.write_bytes(foreign)
-    with pytest.raises(dp.ExportError, match="overwrite=True"):
+    with pytest.raises(dp.ExportError, match="--overwrite"):
         dp.save(result, path)
-    with pytest.raises(dp.ExportError, match="overwrite=True"):
+    with pytest.raises(dp.ExportError, match="--overwrite"):
         result.save(path)
     assert path.read_bytes() == foreign
     dp.save(result, path, overwrite=True)
@@ -244,7 +244,7 @@ def test_export_replaces_only_what_dashpot_wrote(tmp_path: Path) -> None:
         "band": "1:20Hz", "allow": "all",
     }  # fmt: skip
     path.write_text(foreign)
-    with pytest.raises(dp.ExportError, match="overwrite=True"):
+    with pytest.raises(dp.ExportError, match="--overwrite"):
         dp.export(solid, path, **deck)
     assert path.read_text() == foreign
     dp.export(solid, path, **deck, overwrite=True)

@@ -93,9 +93,7 @@ def test_displacement_of_a_crosshead_is_doubted(
         ("LVDT", False),
     ],
 )  # fmt: skip
-def test_machine_is_known_by_the_names_that_test_machines_export(
-    title: str, *, is_of_machine: bool
-) -> None:
+def test_machine_name_matches_titles_of_test_machines(title: str, *, is_of_machine: bool) -> None:
     column = f"displacement: {title} [mm] (its unit mm fits)"
     assert bool(MACHINE_NAME.search(column)) == is_of_machine
 

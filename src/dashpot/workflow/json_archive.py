@@ -233,7 +233,7 @@ def _format_unknown_schema(name: object) -> str:
         if schema_name.startswith("dashpot/")
         else "no result of dashpot"
     )
-    return f"this is {subject}, by its schema {name!r}, and is not read back"
+    return f'this is {subject}: its "schema" is {name!r}, which is not read back'
 
 
 # -- plain values to results -----------------------------------------------------------------------

@@ -84,12 +84,12 @@ class Outputs:
         if is_record(head) and not self.makes_records:
             raise ExportError(
                 f"{path} is a simulated record, an input like any measured one; give another "
-                "name, or replace it with --overwrite (overwrite=True)"
+                "name, or add --overwrite to replace it"
             )
         if head and not is_ours(head):
             raise ExportError(
-                f"{path} exists and was not written by dashpot; give another name, or replace it "
-                "with --overwrite (overwrite=True)"
+                f"{path} exists and was not written by dashpot; give another name, or add "
+                "--overwrite to replace it"
             )
 
 

@@ -212,7 +212,7 @@ def test_page_asks_for_the_relaxation_test_of_a_hammer_test(visit, files):
     assert not page.at.get_by_role("heading", name="Now the relaxation test").is_visible()
 
 
-def test_length_of_the_specimen_may_have_its_own_unit(visit, files):
+def test_length_of_the_specimen_takes_any_unit_of_length(visit, files):
     page = visit(files / "seal_8mm.csv")
     page.done()
     edit, length = page.at.locator("#specimen-length"), "5 cm"

@@ -105,7 +105,7 @@ def test_oven_errors_limit_the_life_when_readings_are_perfect():
         use_at="70degC",
         scatter=1e-5,
         machine=Machine(drift=0.0),
-        life_factor=1.01,
+        within=1.01,
         longest="20000h",
     )
     # a life by tau alone; the physical loss shortens it, and its part of the gradient is below 1
@@ -187,9 +187,7 @@ def test_no_other_allocation_of_as_many_specimens_is_better():
 
 
 def test_plan_needs_fewer_specimens_for_a_wider_interval_or_longer_test():
-    assert sum(make_usual_plan().specimens) > sum(
-        plan_aging(use_at="70degC", life_factor=2.0).specimens
-    )
+    assert sum(make_usual_plan().specimens) > sum(plan_aging(use_at="70degC", within=2.0).specimens)
     assert sum(make_usual_plan().specimens) > sum(
         plan_aging(use_at="70degC", longest="2000h").specimens
     )
@@ -198,7 +196,7 @@ def test_plan_needs_fewer_specimens_for_a_wider_interval_or_longer_test():
         <= make_usual_plan().target_sd
         == pytest.approx(np.log(1.5) / 1.96)
     )
-    tight = plan_aging(use_at="70degC", life_factor=1.1)
+    tight = plan_aging(use_at="70degC", within=1.1)
     assert "life_sd_within_target" in list_failed_checks(tight)
     assert tight.verdict.use != "use"
     by = {alternative.change: alternative.life_sd for alternative in make_usual_plan().alternatives}

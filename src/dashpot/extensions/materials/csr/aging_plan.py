@@ -200,7 +200,7 @@ def plan_aging(
     part: float | str = "50%",
     scatter: float | str | None = None,
     machine: Machine | None = None,
-    life_factor: float = 1.5,
+    within: float = 1.5,
 ) -> AgingPlan:
     """Choose ovens and specimens that give a life at a temperature as well as wanted, with fewest.
 
@@ -225,7 +225,7 @@ def plan_aging(
     machine : Machine, optional
         How well the temperature of an oven is known, and no drift or one in N/s of a force that is
         supposed to be 40 N; by default 1 K, and 3 % of F0 in 1000 h.
-    life_factor : float
+    within : float
         Factor from the life to either end of its 95 % interval that would do.
 
     Raises
@@ -253,11 +253,9 @@ def plan_aging(
         raise DataError(
             f"--ovens {ovens}: expected 3 to 5; a line over 1/T needs three (ISO 11346)"
         )
-    if not 1.01 <= life_factor <= 50:
-        raise DataError(
-            f"--life-within {life_factor:g}: expected a factor of 1.01 to 50, such as 1.5"
-        )
-    target_sd = math.log(life_factor) / NORMAL
+    if not 1.01 <= within <= 50:
+        raise DataError(f"--life-within {within:g}: expected a factor of 1.01 to 50, such as 1.5")
+    target_sd = math.log(within) / NORMAL
     if hottest_oven < kelvin + (ovens - 1) * _LEAST_DISTANCE:
         raise DataError(
             f"the hottest oven, {celsius(hottest_oven)}, is less than "

@@ -110,7 +110,7 @@ def plan_test(
         ovens=ovens,
         part=end,
         scatter=scatter,
-        life_factor=within,
+        within=within,
         machine=machine,
     )
     return CommandResult.from_result(planned)

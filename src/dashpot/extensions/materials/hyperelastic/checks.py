@@ -542,15 +542,15 @@ def _is_motion_of_machine(curve: ElasticCurve) -> bool:
     )
 
 
-@criterion("modes by the machine", "<=", 0, "ISO 37: the length between marks, not the grips")
+@criterion("modes by the machine", "<=", 0.0, "ISO 37: the length between marks, not the grips")
 def strain_measured_on_specimen(modes: Sequence[Mode]) -> Finding:
     """The strain is that of the specimen between marks, not the motion of crosshead or grips."""
     return Finding(
         "No strain is named for the motion of crosshead or grips",
-        len(modes),
-        f"The strain of the {' and '.join(modes)} test is named for the motion of the machine: "
-        "grips or plates, ends of the specimen and the machine deform as well, so the stiffness is "
-        "wrong by an unknown part",
+        float(len(modes)),
+        f"The strain of the {' and '.join(modes)} test is named for the motion of the machine. "
+        "Grips or plates, ends of the specimen and the machine deform as well: the stiffness is "
+        "wrong",
         "Measure it between marks, with an extensometer or a camera.",
     )
 
