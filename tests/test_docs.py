@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import json
 import re
@@ -443,3 +444,38 @@ def test_documented_layers_equal_the_contracts():
     assert "\n".join(["```text", *layers, "```"]) in page
     rooms = re.findall(r"^\| `(\w+)/` \|", page, flags=re.M)
     assert sorted(rooms) == sorted(word for line in layers for word in line.split(" | "))
+
+
+def list_parameters() -> dict[str, list[set[str]]]:
+    """Return the keywords of every function and dataclass of the package, by its name."""
+    parameters: dict[str, list[set[str]]] = {}
+    for file in (ROOT / "src" / "dashpot").rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+            if isinstance(node, ast.FunctionDef):
+                group = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+                names = {"**"} if node.args.kwarg else {argument.arg for argument in group}
+            elif isinstance(node, ast.ClassDef):
+                fields = (part.target for part in node.body if isinstance(part, ast.AnnAssign))
+                names = {field.id for field in fields if isinstance(field, ast.Name)} or {"**"}
+            else:
+                continue
+            parameters.setdefault(node.name, []).append(names)
+    return parameters
+
+
+def test_calls_in_a_sentence_name_parameters_that_exist() -> None:
+    """The table of former names shows calls of earlier versions."""
+    parameters, wrong = list_parameters(), []
+    for page in PAGES:
+        if page == "docs/documents.md":
+            continue
+        text = (ROOT / page).read_text("utf-8")
+        for call in re.finditer(r"(\w+)\(([^()\n]*\w=[^()\n]*)\)", text):
+            keywords = re.findall(r"(?<![\w=<>])(\w+)=(?!=)", re.sub('"[^"]*"', "", call[2]))
+            known = parameters.get(call[1])
+            wrong += [
+                f"{page}: {call[0]}"
+                for keyword in keywords
+                if known and not any(names & {keyword, "**"} for names in known)
+            ]
+    assert wrong == []
