@@ -161,9 +161,12 @@ def test_version_1_document_refuses_a_version_2_key() -> None:
         ),
         ("dashpot/model@2", "up to @1. Update dashpot"),
         ("dashpot/batch@2", "this is the result of a lot (use dashpot fit with the file of one"),
-        ("dashpot/nothing@1", "a stored nothing, by its schema 'dashpot/nothing@1', and is not"),
-        ("another/fit@1", "this is no result of dashpot, by its schema 'another/fit@1'"),
-        (None, "this is no result of dashpot, by its schema None"),
+        (
+            "dashpot/nothing@1",
+            "a stored nothing: its \"schema\" is 'dashpot/nothing@1', which is not read back",
+        ),
+        ("another/fit@1", "this is no result of dashpot: its \"schema\" is 'another/fit@1'"),
+        (None, 'this is no result of dashpot: its "schema" is None'),
     ],
 )
 def test_an_unknown_schema_is_refused_with_what_to_do(schema: str | None, message: str) -> None:
