@@ -22,7 +22,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.datamodel.structure import FRFSet
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.fitting.fit_options import FitOptions
-from dashpot.registry import find_handler, load_object, row_of
+from dashpot.registry import find_handler, load_object, require_handler, row_of
 from dashpot.workflow.frf_comparison import FRFComparison, agreement
 from dashpot.workflow.frf_prediction import BAND, Prediction, prediction
 from dashpot.workflow.job import BlockOnSeals, HammerChoices, LevelChoices, PartChoices, TimeLimits
@@ -159,7 +159,7 @@ def _predict_under_mass(
         raise DataError("sweep= is what a level does to the part: add level=")
     fitted_sweep = None
     if sweep is not None:
-        fit_sweep = find_handler("predict with sweep", sweep)
+        fit_sweep = require_handler("predict with sweep", sweep)
         fitted_sweep = fit_sweep(sweep, choices, unit=fit.unit, part=part)
     return prediction(
         fit,

@@ -14,7 +14,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.columns.file_kinds import get_kind_label
 from dashpot.reading.read_options import ReadOptions, load_profile
 from dashpot.reading.readers.detect_kind import recognise
-from dashpot.registry import KINDS, find_handler, load_object
+from dashpot.registry import KINDS, find_handler, load_object, require_handler
 
 if TYPE_CHECKING:
     from dashpot.workflow.inspections import InspectedFile
@@ -222,7 +222,7 @@ def _record(path: Place, kind: str, options: ReadOptions, keywords: Mapping[str,
 
 def _impact(path: Place, options: dict[str, Any], _: Mapping[str, Any]) -> Any:
     if options["options"].base_acceleration is not None:
-        return find_handler("read several", "shaken base")([path], options=options["options"])
+        return require_handler("read several", "shaken base")([path], options=options["options"])
     return load_object(KINDS["impact"].reader)(path, **options)
 
 
@@ -240,7 +240,7 @@ def _several(paths: Sequence[Path], options: ReadOptions, keywords: Mapping[str,
     kind_set = set(kinds.values())
     if kind_set == {"impact"}:
         if options.base_acceleration is not None:
-            return find_handler("read several", "shaken base")(paths, options=options)
+            return require_handler("read several", "shaken base")(paths, options=options)
         return load_object(KINDS["impact"].reader)(paths, options=options)
     read_set = find_handler("read several", next(iter(kind_set))) if len(kind_set) == 1 else None
     if read_set is not None:

@@ -17,7 +17,7 @@ from dashpot.base.version import __version__
 
 try:
     from dashpot.registry import COMMANDS as ROWS
-    from dashpot.registry import find_handler
+    from dashpot.registry import call_handler
 except DashpotError as _error:
     # no command is known without the rows
     if "--traceback" in sys.argv:
@@ -71,7 +71,7 @@ class _Lazy(click.Group):
         """Answer a word that is no verb with the line that is meant."""
         name, *others = args
         if name not in COMMANDS and not name.startswith("-"):
-            suggestion = find_handler("suggest", "command")(name, others)
+            suggestion = call_handler("suggest", "command", name, others, default="")
             ctx.fail(f"There is no command '{name}'. {suggestion}")
         return super().resolve_command(ctx, args)
 

@@ -19,7 +19,7 @@ from dashpot.base.plain_text import escaped_json
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.version import __version__
 from dashpot.cli._terminal import to_stderr, to_stdout
-from dashpot.registry import find_handler
+from dashpot.registry import call_handler
 
 BAD, FAULT, INTERRUPTED = 2, 3, 130
 """Exit codes: bad input or usage, internal error of dashpot, stopped by the user."""
@@ -68,8 +68,8 @@ def _failure(error: BaseException) -> Failure:
     if isinstance(error, click.ClickException):
         if isinstance(error, click.NoSuchOption):
             context = error.ctx
-            suggestion = context and find_handler("suggest", "option")(
-                context.command, context.parent, error.option_name
+            suggestion = context and call_handler(
+                "suggest", "option", context.command, context.parent, error.option_name, default=""
             )
             # without click's own suggestions
             error = click.NoSuchOption(

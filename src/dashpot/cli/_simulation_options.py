@@ -12,7 +12,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
 from dashpot.cli._command_files import read_model
 from dashpot.cli._param_types import format_suggestion
-from dashpot.registry import find_handler, list_names
+from dashpot.registry import list_names, require_handler
 
 if TYPE_CHECKING:
     from dashpot.solids.shift_laws import TemperatureLaw
@@ -91,7 +91,7 @@ def _serialise_record(record: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
     """Return record and truth as text, and what an extension adds that was asked for."""
     option = next((name for name in list_names("simulated record") if choices.get(name)), None)
     if option is not None:
-        texts: tuple[Any, ...] = find_handler("simulated record", option)(record, choices)
+        texts: tuple[Any, ...] = require_handler("simulated record", option)(record, choices)
         return texts
     from dashpot.reading.write import write_relaxation
 

@@ -24,7 +24,7 @@ from dashpot.cli._command_result import CommandResult, write_figure
 from dashpot.cli._options import MASS, VIBRATION
 from dashpot.cli._param_types import File
 from dashpot.reading.columns.file_kinds import get_kind_label
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 from dashpot.text_output.layout import Text
 from dashpot.workflow.job import BlockOnSeals, Job
 
@@ -140,7 +140,7 @@ def _compare_prediction(
 
 def _compare_frfs(first: str, others: Sequence[str], stated: dict[str, Any]) -> CommandResult:
     """Compare the modes of FRFs of one structure with those of another test of it."""
-    result, chart = find_handler("compare files", "frf")(
+    result, chart = require_handler("compare files", "frf")(
         [first], options=stated["options"], band=stated["band"], against=others
     )
     if stated["picture"]:
@@ -152,7 +152,7 @@ def _compare_frfs(first: str, others: Sequence[str], stated: dict[str, Any]) -> 
 
 def _compare_lots(first: str, second: str, quantities: tuple[str, ...]) -> CommandResult:
     """Compare two lots; ``FOLDER:NAME`` is one lot of several."""
-    result = find_handler("compare files", _LOT)(first, second, quantities)
+    result = require_handler("compare files", _LOT)(first, second, quantities)
     return CommandResult(
         result, Text(str(result).splitlines()), result.checks, verdict=result.verdict
     )

@@ -19,7 +19,14 @@ from dashpot.cli._command_result import CommandResult, write_output
 from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, Range, WithUnit
 from dashpot.cli._terminal import to_stderr
 from dashpot.datamodel.specimen import Specimen
-from dashpot.registry import SOLVER_INPUTS, SOLVER_NAMES, find_handler, list_names
+from dashpot.registry import (
+    SOLVER_INPUTS,
+    SOLVER_NAMES,
+    call_handler,
+    find_handler,
+    list_names,
+    require_handler,
+)
 from dashpot.text_output.layout import Text
 from dashpot.workflow.job import Job
 
@@ -97,7 +104,7 @@ ALL = "all"
                 help="Density of the rubber, for material cards."),
         ),
     ),
-    *find_handler("option groups", "export")(),
+    *call_handler("option groups", "export", default=()),
     options.piece(more=False),
     options.result("Solver input (printed).", plot=False, opens=False, default="-"),
 )  # fmt: skip
@@ -199,7 +206,7 @@ def _seal_line(
 
     systems = workflow.UNIT_SYSTEMS
     if Path(path).suffix.lower() == ".toml":
-        stations: tuple[Stations, Shear | None] = find_handler("stations", "door")(
+        stations: tuple[Stations, Shear | None] = require_handler("stations", "door")(
             path, pitch, normal, temperature
         )
         return stations

@@ -35,6 +35,7 @@ from dashpot.registry import (
     find_kinds_by_option,
     list_names,
     load_object,
+    require_handler,
 )
 from dashpot.workflow.job import Job, LevelJob, ShiftChoices
 
@@ -128,7 +129,7 @@ _OPTIONS = (
         ),
         options.hammer(kinds="impact transmissibility"),
         *chain.from_iterable(
-            find_handler("option groups", name)()
+            require_handler("option groups", name)()
             for name in list_names("option groups")
             if name.startswith("fit")
         ),
@@ -136,7 +137,7 @@ _OPTIONS = (
     ),
     options.reading(),
     options.result("Keep it as .json, .html; of hits .csv or .uff."),
-    find_handler("options", "limits"),
+    find_handler("options", "limits") or (),
 )  # fmt: skip
 for _option in chain.from_iterable(_OPTIONS):
     if _option.group not in {options.READING, options.RESULT}:

@@ -28,7 +28,7 @@ from dashpot.cli._param_types import format_suggestion
 from dashpot.cli._terminal import to_stderr
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import KINDS, find_handler, load_object
+from dashpot.registry import KINDS, find_handler, load_object, require_handler
 from dashpot.text_output import results
 from dashpot.workflow.bench_tests import BenchFitOptions
 from dashpot.workflow.job import BlockOnSeals, HammerChoices
@@ -223,7 +223,7 @@ def format_shift_table(fit: dp.Fit) -> str:
     """Return the shift factors of a fit of several temperatures as CSV."""
     if fit.temperatures is None:
         raise FitError("one temperature has no shift factors; leave out --save-shifts")
-    return str(find_handler("shift table", fit.temperatures)(fit))
+    return str(require_handler("shift table", fit.temperatures)(fit))
 
 
 def _format_bench_next_steps(request: FitRequest, fit: dp.Fit) -> str:

@@ -20,7 +20,7 @@ from dashpot.cli._param_types import Direction, Output, WithUnit
 from dashpot.cli._simulation_options import seal_named
 from dashpot.datamodel.machine import Machine
 from dashpot.planning.plan_options import HammerPlan, PlannedRamp
-from dashpot.registry import find_handler, list_names
+from dashpot.registry import call_handler, find_handler, list_names
 from dashpot.text_output.layout import Text
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ _TEST_GROUP, _PRIOR_GROUP, _CONTROLLER_GROUP = "Planned test", "Known beforehand
                 help="Direction of the plate (0,0,-1)."),
         ),
     ),
-    *find_handler("option groups", "plan")(),
+    *call_handler("option groups", "plan", default=()),
     options.result(plot=False, opens=False),
 )  # fmt: skip
 def command(**said: Any) -> CommandResult:

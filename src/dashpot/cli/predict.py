@@ -18,7 +18,15 @@ from dashpot.cli._command_result import CommandResult, format_json, write_figure
 from dashpot.cli._options import MASS, RAMP
 from dashpot.cli._param_types import ChoiceWithSuggestion, File, WithUnit
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import KINDS, PREDICTED, KindOfTest, find_handler, list_names, load_object
+from dashpot.registry import (
+    KINDS,
+    PREDICTED,
+    KindOfTest,
+    call_handler,
+    list_names,
+    load_object,
+    require_handler,
+)
 from dashpot.workflow.job import Job, LevelChoices, PartChoices
 
 _FIT = "fit"
@@ -58,7 +66,7 @@ def _list_fit_options(kind: KindOfTest) -> list[str]:
             metavar="TEMPERATURE",
             help="Temperature of the seals.",
         ),
-        *find_handler("options", "stiffness")(_FIT),
+        *call_handler("options", "stiffness", _FIT, default=()),
         opt("--base", kinds=_FIT, help="The base moves: transmissibility."),
         opt(
             "--base-psd",
@@ -98,7 +106,7 @@ def _list_fit_options(kind: KindOfTest) -> list[str]:
                 for kind in PREDICTED
                 if _list_fit_options(kind)
             ),
-            *find_handler("options", "predict")(_FIT),
+            *call_handler("options", "predict", _FIT, default=()),
             opt(
                 "--frf-type",
                 "kind",
@@ -154,7 +162,7 @@ def _list_fit_options(kind: KindOfTest) -> list[str]:
             ),
         ),
     ),
-    *find_handler("option groups", "predict")(),
+    *call_handler("option groups", "predict", default=()),
     mark_advanced(group(RAMP, options.machine(_FIT)), options.reading()),
     options.result("FRF as .csv; of a door .json; or a page, .html."),
 )
@@ -171,7 +179,7 @@ def command(*, path: str, **arguments: Any) -> CommandResult:
     if row is not None and has_own_prediction:
         return _predict_kind(path, row, arguments)
     if kind in _FILE_KINDS:
-        predict = find_handler("predict file", kind)
+        predict = require_handler("predict file", kind)
         _, *names = signature(predict).parameters
         result: CommandResult = predict(path, **{name: arguments[name] for name in names})
         return result
@@ -231,7 +239,7 @@ _OTHER_PREDICTIONS = list_names("predict with option")
 
 def _predict_with_option(name: str, path: str, arguments: dict[str, Any]) -> CommandResult:
     """Return the prediction that such an option selects."""
-    predict = find_handler("predict with option", name)
+    predict = require_handler("predict with option", name)
     prediction_arguments = options.select_arguments(
         predict, arguments, command, f"is for a vibration, and --{name} is not"
     )

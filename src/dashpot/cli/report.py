@@ -26,7 +26,7 @@ from dashpot.cli._options import MASS, MODEL, PIECE, RAMP, format_column_hint
 from dashpot.cli._param_types import Folder, Output
 from dashpot.reading.columns.file_kinds import get_kind_label
 from dashpot.reading.read_options import OF_HAMMER, ReadOptions
-from dashpot.registry import KINDS, find_handler, load_object
+from dashpot.registry import KINDS, find_handler, load_object, require_handler
 from dashpot.workflow.job import Job
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ class Reported(Serialisable):
     mark_advanced(group(PIECE, build_options(Job, "impact_temperature"))),
     options.reading(),
     options.result(plot=False, opens=False),
-    find_handler("options", "limits"),
+    find_handler("options", "limits") or (),
 )
 def command(
     *,
@@ -147,7 +147,7 @@ def command(
     written: list[str] = []
     history = None
     if project:
-        study, place, home = find_handler("keep", "project")(project, job, page=render_page)
+        study, place, home = require_handler("keep", "project")(project, job, page=render_page)
         note_written(place)
         history = home.head
         written.append(str(place))

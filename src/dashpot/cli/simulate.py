@@ -17,7 +17,7 @@ from dashpot.cli._command_files import format_command
 from dashpot.cli._command_result import CommandResult, claim_outputs, write_output
 from dashpot.cli._param_types import ChoiceWithSuggestion, File, WithUnit
 from dashpot.cli._simulation_options import creep, impact, relaxation, simulate_trajectory
-from dashpot.registry import find_handler
+from dashpot.registry import call_handler
 from dashpot.text_output.layout import Text
 
 
@@ -34,7 +34,7 @@ class Simulated(Serialisable):
     text: str | None = None
 
 
-_RECORD_OPTIONS = find_handler("options", "simulate")()
+_RECORD_OPTIONS = call_handler("options", "simulate", default=())
 """What extensions ask of the record of the rig."""
 
 
@@ -137,7 +137,7 @@ def command(*, what: str, output: str, **choices: Any) -> CommandResult:
     }  # fmt: skip
     simulate_kind = tests[what]
     _refuse_senseless(what, choices)
-    extra_files = find_handler("files beside", "simulate")(output, choices)
+    extra_files = call_handler("files beside", "simulate", output, choices, default=())
     if output == "-":
         text, *_ = simulate_kind(**choices)
         write_output(output, text)

@@ -150,12 +150,3 @@ class ModeShape(EqualByValue):
     residues: ComplexArray
     residue_se: FloatArray
     misfit: float
-
-
-# Free modes, from a finite element code or a modal test.
-
-
-RIGID = 1e-3
-"""Part of a shape that may be no rigid motion, and it is one."""
-_NEIGHBOUR_COUNT = 8
-"""Points among which the next ones to a place are looked for."""

@@ -19,7 +19,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.export.deck import DeckText
 from dashpot.export.deck_validation import PROBLEMS, option_of
 from dashpot.export.unit_systems import UNIT_SYSTEMS
-from dashpot.registry import SOLVER_INPUTS, SOLVER_NAMES, find_handler
+from dashpot.registry import SOLVER_INPUTS, SOLVER_NAMES, find_handler, require_handler
 from dashpot.solids.maxwell import Solid
 
 
@@ -200,7 +200,7 @@ def find_writer(target: str) -> Callable[..., DeckText]:
             f"'{target}' is no solver; expected one of {', '.join(TARGETS)}."
             f"{format_plugin_names('solver_inputs')}".rstrip(".")
         )
-    write: Callable[..., DeckText] = find_handler("solver input", plugin)(plugin)
+    write: Callable[..., DeckText] = require_handler("solver input", plugin)(plugin)
     return write
 
 

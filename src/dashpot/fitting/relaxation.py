@@ -99,7 +99,7 @@ from dashpot.fitting.relaxation_likelihood import build_hold_data, fitted_data
 from dashpot.fitting.valid_band import find_hold_band, find_informed_band
 from dashpot.numerics.exponential_fit import solve
 from dashpot.preprocessing.signal_conditioning import Filter, filter_of, filter_record
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -285,7 +285,7 @@ def fit(
     if len(temperatures) > 1:
         reference_index = find_reference_index(temperatures, reference)
         require_maxwell_family(family)
-        fit_shifted = find_handler("fit at several temperatures", records[0])
+        fit_shifted = require_handler("fit at several temperatures", records[0])
         return _record_law_option(fit_shifted(records, options, reference_index), law)
     is_reference_tested = len(temperatures) == 1 and reference in {None, *temperatures.tolist()}
     refuse_shifts(

@@ -31,7 +31,7 @@ from dashpot.base.serialisation import EVERY_FIELD, Serialisable
 from dashpot.datamodel.bounds import MAX_DEVIANCE, naming
 from dashpot.datamodel.machine import Machine
 from dashpot.planning.planned_ramp_hold import Bench, Repeat
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.mass_on_seals import accelerance, ringing_pole
 
@@ -102,7 +102,7 @@ def expected_error(
         The same test at other temperatures.
     """
     rows, unmeasured = (
-        find_handler("planned rows", "temperatures")(model, bench, repeats)
+        require_handler("planned rows", "temperatures")(model, bench, repeats)
         if repeats
         else bench.rows(model)
     )

@@ -34,7 +34,7 @@ from dashpot.planning.expected_errors import (
 )
 from dashpot.planning.plan_options import IN_SI, HammerPlan
 from dashpot.planning.planned_ramp_hold import Bench, Repeat
-from dashpot.registry import find_handler
+from dashpot.registry import find_handler, require_handler
 from dashpot.solids.demo_seals import SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import TemperatureLaw
@@ -383,7 +383,7 @@ def plan(
         require_positive(cold=temperature, expected=IN_SI)
     test_temperature, law = seal.test_temperature, seal.law
     repeats = (
-        find_handler("plan repeats", "temperatures")(cold_temperatures, test_temperature, law)
+        require_handler("plan repeats", "temperatures")(cold_temperatures, test_temperature, law)
         if cold_temperatures
         else ()
     )
@@ -455,10 +455,11 @@ def _build_alternatives(
 
 def _list_cold_repeats(test_temperature: float, law: TemperatureLaw) -> list[tuple[Repeat]]:
     """Return the repeat in a refrigerator, if it is colder and within the range of the law."""
-    if test_temperature < USUAL_COLD + LEAST_COOLING:
+    plan_repeats = find_handler("plan repeats", "temperatures")
+    if plan_repeats is None or test_temperature < USUAL_COLD + LEAST_COOLING:
         return []
     try:
-        return [find_handler("plan repeats", "temperatures")([USUAL_COLD], test_temperature, law)]
+        return [plan_repeats([USUAL_COLD], test_temperature, law)]
     except DataError:
         return []
 

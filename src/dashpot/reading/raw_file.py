@@ -20,7 +20,7 @@ from typing import Any, BinaryIO
 from dashpot.base import dataclass
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.plain_text import escape_terminal_text
-from dashpot.registry import find_handler
+from dashpot.registry import format_install_command
 
 # Time limit of reading a file.
 
@@ -286,7 +286,7 @@ def extra(module: str, package: str, subject: str) -> Any:
     try:
         return import_module(module)
     except ImportError:
-        advice = find_handler("install command", "extra")("io")
+        advice = format_install_command("io")
         raise ReadError(
             f"{subject} need the package {package}; install it with: {advice}"
         ) from None

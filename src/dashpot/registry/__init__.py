@@ -54,12 +54,15 @@ __all__ = [
     "Place",
     "SolverInput",
     "asks_of",
+    "call_handler",
     "figure_of",
     "find_handler",
     "find_kinds_by_option",
+    "format_install_command",
     "list_names",
     "load_object",
     "page_of",
+    "require_handler",
     "row_of",
 ]
 
@@ -189,6 +192,35 @@ def find_handler(task: str, subject: object) -> Any:
         names = [_type_name(kind) for kind in type(subject).__mro__]
     word = next((words[name] for name in names if name in words), None)
     return load_object(word) if word else None
+
+
+def require_handler(task: str, subject: object) -> Any:
+    """Return what `find_handler` returns, for a task that the caller cannot do without.
+
+    Raises
+    ------
+    DashpotError
+        If no extension of this installation does the task.
+    """
+    handler = find_handler(task, subject)
+    if handler is None:
+        raise DashpotError(
+            f"no extension of this installation does the task '{task}'; install dashpot whole, or "
+            f"put the folder of the extension back into {_PACKAGE}"
+        )
+    return handler
+
+
+def call_handler(task: str, subject: object, *arguments: Any, default: Any) -> Any:
+    """Return what the function of a task returns; the default where no row names a function."""
+    handler = find_handler(task, subject)
+    return default if handler is None else handler(*arguments)
+
+
+def format_install_command(extras: str) -> str:
+    """Return the command that installs extras of dashpot, ``"batch,cluster"``."""
+    default = f"pip install 'dashpot[{extras}]'"
+    return str(call_handler("install command", "extra", extras, default=default))
 
 
 def list_names(task: str) -> tuple[str, ...]:

@@ -22,7 +22,7 @@ from dashpot.export import SUFFIXES, DeckText, deck_for, uses_argument
 from dashpot.export.deck import NonlinearFit
 from dashpot.export.frequency_tables import round_band_inwards
 from dashpot.plot import style as drawing_style
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -187,7 +187,7 @@ def find_terms(result: Fit | NonlinearFit) -> DeckTerms:
 
 
 def _terms_of(source: DeckSource) -> DeckTerms:
-    terms: DeckTerms = find_handler("deck terms", source)(source)
+    terms: DeckTerms = require_handler("deck terms", source)(source)
     return terms
 
 

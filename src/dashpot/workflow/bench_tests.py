@@ -24,7 +24,7 @@ from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.relaxation import read_relaxation
-from dashpot.registry import FIT_FILES, KINDS, find_handler, load_object
+from dashpot.registry import FIT_FILES, KINDS, find_handler, load_object, require_handler
 from dashpot.workflow.job import Job, ShiftChoices, TimeLimits, require_test_for_machine
 
 # Prepared records, and their specimens.
@@ -315,7 +315,7 @@ def _fit_ramps(tests: tuple[RampHold, ...], options: BenchFitOptions) -> Fit:
             "starts of its own: leave out --method, --elastic, --model, --thorough, --reference, "
             "--shift, --vertical, --at-temperature and --shifts"
         )
-    fit: Fit = find_handler("fit at several depths", tests[0])(tests, arms=options.arms).fit
+    fit: Fit = require_handler("fit at several depths", tests[0])(tests, arms=options.arms).fit
     return fit
 
 

@@ -14,7 +14,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.reported_values import HasReportedValues, ReportedValue
 from dashpot.base.result_mixins import HasSummary, HasVerdict
 from dashpot.datamodel.fit import Fit
-from dashpot.registry import find_handler
+from dashpot.registry import format_install_command
 from dashpot.workflow.study import Study
 
 
@@ -64,7 +64,7 @@ def library(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError:
-        advice = find_handler("install command", "extra")("frames")
+        advice = format_install_command("frames")
         raise DataError(f"{name} is not installed; install it with: {advice}") from None
 
 

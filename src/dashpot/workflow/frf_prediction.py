@@ -27,7 +27,7 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.random_response import RandomLimits, RandomResponse
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.write import write_frf
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 from dashpot.solids.maxwell import Solid
 from dashpot.solids.part_geometry import Block, Bulb, Bush, Disc, Geometry, find_shape
 from dashpot.vibration.mass_on_seals import (
@@ -433,7 +433,7 @@ def predict_files(
     require_test_for_machine(machine, tests=len(records), add="the record (--record)")
     sweep = None
     if at_level is not None and at_level != LevelChoices():
-        read_sweep = find_handler("read sweep", at_level)
+        read_sweep = require_handler("read sweep", at_level)
         sweep = read_sweep(at_level, unit=fit.unit, part=part, options=options)
     tests: tuple[RampHold, ...] = ()
     if records:
@@ -562,7 +562,7 @@ def _level_predictor(choices: LevelChoices | None, swept: object) -> LevelPredic
     """Return what a level does to the parts; None where none is asked for."""
     if choices is None or not choices.levels:
         return None
-    predictor: LevelPredictor = find_handler("predict at levels", choices)(choices, swept)
+    predictor: LevelPredictor = require_handler("predict at levels", choices)(choices, swept)
     return predictor
 
 
@@ -668,7 +668,7 @@ class MountedMass:
         """Return what a base that shakes at random does, and between which limits."""
         if base_psd is None or self.kind is not Kind.TRANSMISSIBILITY:
             return None
-        shaken_mass: ShakenMass = find_handler("random base", "mass")(self, base_psd, bounded)
+        shaken_mass: ShakenMass = require_handler("random base", "mass")(self, base_psd, bounded)
         return shaken_mass
 
 

@@ -24,7 +24,7 @@ from dashpot.base.serialisation import (
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.reading.raw_file import looks_like_json, open_raw
-from dashpot.registry import KINDS, find_handler, list_names, load_object
+from dashpot.registry import KINDS, call_handler, find_handler, list_names, load_object
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.jenkins import Jenkins
@@ -168,7 +168,10 @@ def from_json(text: str | bytes) -> Any:
     import msgspec
 
     kind, written = _parse_document(text)
-    name, entries = kind.schema, find_handler("former document", "convert")(written)
+    name, entries = (
+        kind.schema,
+        call_handler("former document", "convert", written, default=written),
+    )
     try:
         with np.errstate(divide="raise", over="raise", invalid="raise"):
             result = _convert_to_class(kind, _map_to_fields(kind, entries))
@@ -210,8 +213,8 @@ def _parse_document(text: str | bytes) -> tuple[type[Serialisable], dict[str, An
     except (ValueError, RecursionError) as error:
         raise ReadError(f"this is not a JSON document: {error}") from None
     name = data.get("schema") if isinstance(data, dict) else None
-    present = find_handler("former document", "name schema")
-    kind = _find_schema_class(present(name)) if isinstance(name, str) else None
+    present_name = call_handler("former document", "name schema", name, default=name)
+    kind = _find_schema_class(present_name) if isinstance(name, str) else None
     if kind is None:
         raise ReadError(_format_unknown_schema(name))
     return kind, data

@@ -26,7 +26,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.impact import HITS, hits_in, read_impact
-from dashpot.registry import RESPONSES, find_handler
+from dashpot.registry import RESPONSES, require_handler
 from dashpot.vibration.impact.checks import (
     coherence,
     frf_dissipates,
@@ -73,7 +73,7 @@ def read_measured(
 def read_record(paths: Sequence[str | Path], options: ReadOptions) -> FRF | ShakenTest | ImpactTest:
     """Return the hits, the shaken test or the FRF that files hold."""
     if options.base_acceleration is not None:
-        shaken_test: ShakenTest = find_handler("read several", "shaken base")(
+        shaken_test: ShakenTest = require_handler("read several", "shaken base")(
             paths, options=options
         )
         return shaken_test
@@ -99,7 +99,7 @@ def measured_frf(
     if isinstance(record, ShakenTest):
         if mass is None:
             raise ReadError(_NO_MASS)
-        estimate = find_handler("estimate frf", record)
+        estimate = require_handler("estimate frf", record)
         transmissibility: FRF = estimate(record, choices=choices, mass=mass, band=band)[0]
         return transmissibility
     if isinstance(record, FRF):
@@ -398,7 +398,7 @@ def impact_files(
     options = options or ReadOptions()
     test: ImpactTest | ShakenTest
     if options.for_file(files[0]).base_acceleration is not None:
-        test = find_handler("read several", "shaken base")(files, options=options)
+        test = require_handler("read several", "shaken base")(files, options=options)
     else:
         test = read_impact(list(files), options=options)
     result, reason = modes_of_hits(test, hammer=hammer, mass=mass, band=band)
@@ -418,7 +418,7 @@ def modes_of_hits(
     """
     hammer = hammer or HammerChoices()
     if isinstance(test, ShakenTest):
-        estimate = find_handler("estimate frf", test)
+        estimate = require_handler("estimate frf", test)
         frf, modes, reason = estimate(test, choices=hammer, mass=mass, band=band)
     else:
         frf = average(test, choices=hammer, mass=mass, band=band)

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.units import convert_to_unit
 from dashpot.base.version import byline
 from dashpot.extensions.amplitude.friction import Iwan
-from dashpot.registry import Example, find_handler
+from dashpot.registry import Example, require_handler
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
 
 _RUBBING = Iwan(120.0, 0.06)
@@ -38,7 +38,7 @@ def _make_frf_writer(level: float, seed: int) -> Callable[[], str]:
     """The FRF of the block on two seals that rub, under a force of that amplitude, 0.5 % noisy."""
 
     def render_file() -> str:
-        sweep = find_handler("sweep at level", "mass")
+        sweep = require_handler("sweep at level", "mass")
         frf = sweep(
             2 * BROAD, 2 * _RUBBING,
             mass=round(BROAD_MASS, 4), level=level, frequency=np.linspace(8, 20, 97),

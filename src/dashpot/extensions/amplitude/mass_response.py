@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.value_ranges import SIZES, format_quantity_short
 from dashpot.datamodel.frf import FRF, Kind
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 from dashpot.solids.maxwell import Solid
 from dashpot.solids.rate_independent import AmplitudeDependent
 
@@ -56,7 +56,7 @@ def mass_at_level(
     if dependent is not None:
         stretch = _stretch(lambda X: K + dependent.equivalent(omega, X), inertia, force)
         if stretch is None:  # it folds: what a sweep upwards shows
-            sweep = find_handler("sweep at level", "mass")
+            sweep = require_handler("sweep at level", "mass")
             stretch = sweep(solid, dependent, mass=mass, level=force, frequency=frequency).stretch[
                 0
             ]

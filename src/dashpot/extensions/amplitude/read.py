@@ -31,7 +31,7 @@ from dashpot.reading.readers.sweep_columns import (
     sweep_columns,
 )
 from dashpot.reading.table import Question
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 
 # ASTM D5992 calls the double strain amplitude DSA
 _SPAN = re.compile(
@@ -114,7 +114,7 @@ def read_loops(
         specimen = specimen or Specimen()
         if list_loop_roles(file) is _PART:
             return relaxation_in(file, specimen)
-        signals = find_handler("read signals", "stress-strain")(file, specimen)
+        signals = require_handler("read signals", "stress-strain")(file, specimen)
         return StressStrainLoops(**signals, units="SI")
 
 

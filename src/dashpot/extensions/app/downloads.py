@@ -21,7 +21,7 @@ from dashpot.extensions.app.limits_panel import judge_limits
 from dashpot.extensions.app.request_parsing import deck_choices, job_of, part, word
 from dashpot.reading.read_options import ReadOptions, dump_profile
 from dashpot.reading.write import write_frf
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 from dashpot.report import html as report_html
 from dashpot.report.figures import stamp
 from dashpot.workflow.job import Job
@@ -148,7 +148,7 @@ def project(request: Mapping[str, Any], folder: Path) -> bytes:
     place = request.get("folder")
     if not isinstance(place, str) or not place.strip():
         raise DataError("no folder is named: type where the project is to be kept")
-    keep = find_handler("keep", "project")
+    keep = require_handler("keep", "project")
     _, page, home = keep(Path(place).expanduser(), job, page=report_html)
     recent.remember(home.folder)
     return wire_format.encode_message(

@@ -15,7 +15,7 @@ from dashpot.extensions.app.figure_cards import draw_cards
 from dashpot.extensions.app.limits_panel import judge_limits
 from dashpot.extensions.app.request_parsing import build_from_request, get_list, sizes_of
 from dashpot.extensions.app.upload_store import path_in
-from dashpot.registry import find_handler
+from dashpot.registry import find_handler, require_handler
 from dashpot.report.first_screen import Light
 from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.report.result_page import JobPage, kind_page, text_of
@@ -25,7 +25,7 @@ from dashpot.workflow.job import LevelJob
 @lru_cache(2 * MAX_CACHED)
 def _fit_job(job: Any) -> tuple[Any, JobPage]:
     """Return what was found in the files of a job, and what the page shows of it."""
-    result: tuple[Any, JobPage] = find_handler("fit job", job)(job)
+    result: tuple[Any, JobPage] = require_handler("fit job", job)(job)
     return result
 
 

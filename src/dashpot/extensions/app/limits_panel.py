@@ -11,7 +11,7 @@ from dashpot.base import dataclass
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.extensions.app.request_parsing import get_list, mapping
 from dashpot.extensions.app.upload_store import path_in
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 from dashpot.report.result_page import text_of
 
 
@@ -60,7 +60,7 @@ def judge_limits(request: Mapping[str, Any], folder: Path, result: Any) -> Limit
     if not expressions and not files:
         return LimitsPanel()
     try:
-        html, words, document = find_handler("judge limits", "app")(result, expressions, files)
+        html, words, document = require_handler("judge limits", "app")(result, expressions, files)
     except DashpotError as error:
         return LimitsPanel(refusal=str(error))
     return LimitsPanel(html, "", words, document)

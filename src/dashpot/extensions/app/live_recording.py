@@ -17,7 +17,7 @@ from dashpot.extensions.app.upload_store import LIMIT, Store, path_in
 from dashpot.plot.picture import Line, Panel, Pen, Scale
 from dashpot.plot.plotted_data import compute_padded_limits
 from dashpot.plot.svg import strip
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 
 if TYPE_CHECKING:
     from dashpot.files import acquisition
@@ -164,7 +164,7 @@ class Live:
         """Read until the end, in a thread of its own."""
         failed, sentences, retained = "", (), None  # type: tuple[str, tuple[str, ...], dict[str, str] | None]
         try:
-            record = find_handler("record", "file")
+            record = require_handler("record", "file")
             _, sentences = record(recorder, self._path, seen=self._add_block)
             if self._path.stat().st_size <= LIMIT:
                 name = self._path.name
@@ -197,7 +197,7 @@ class Live:
 
     def _device(self, driver: str, options: Mapping[str, Any]) -> acquisition.Recorder:
         require_choice("driver", driver, Driver)
-        open_device: Callable[..., acquisition.Recorder] = find_handler("recorder", driver)
+        open_device: Callable[..., acquisition.Recorder] = require_handler("recorder", driver)
         if driver == "serial":
             return open_device(
                 str(options.get("port", "")).strip(),

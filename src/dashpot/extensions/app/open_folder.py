@@ -17,7 +17,7 @@ from dashpot.extensions.app import recent, wire_format
 from dashpot.extensions.app.request_parsing import page_of
 from dashpot.extensions.app.upload_store import LIMIT, Store, get_file_stamp
 from dashpot.reading.raw_file import open_raw
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 
 COLUMNS = (
     "file", "sha256", "lot", "seal", "repeat", "k_end_N_per_m", "k_end_low_N_per_m",
@@ -96,7 +96,7 @@ def _put(folder: Path, path: Path, stamp: tuple[int, ...] | None, content: bytes
 
 def _project(place: Path, folder: Path) -> dict[str, Any]:
     """Return the last job of a project, with its files put where the page has them."""
-    job, find_file = find_handler("open folder", "project")(place)
+    job, find_file = require_handler("open folder", "project")(place)
     calibration = job.machine.calibration
     if calibration is not None:
         raise ReadError(
@@ -119,12 +119,12 @@ def _project(place: Path, folder: Path) -> dict[str, Any]:
 
 
 def _rows(place: Path) -> list[dict[str, Any]]:
-    return list(find_handler("read", "lot")(place).table.iter_rows(named=True))
+    return list(require_handler("read", "lot")(place).table.iter_rows(named=True))
 
 
 def _lot(place: Path) -> dict[str, Any]:
     """Return the table of a lot; what is no number is null."""
-    lot = find_handler("read", "lot")(place)
+    lot = require_handler("read", "lot")(place)
     rows = [
         [_finite(iter_row[name]) for name in COLUMNS]
         for iter_row in lot.table.iter_rows(named=True)

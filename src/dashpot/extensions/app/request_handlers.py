@@ -36,7 +36,7 @@ from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation, relaxation_in
-from dashpot.registry import KINDS, asks_of, find_handler, list_names
+from dashpot.registry import KINDS, asks_of, list_names, require_handler
 from dashpot.report import first_screen
 from dashpot.report.first_screen import find_simulated_files
 from dashpot.report.page_frame import VERDICT_COLOURS
@@ -87,7 +87,7 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
 def _describe_by_suffix(path: Path) -> dict[str, Any] | None:
     """Return the description of a file by the first extension that supports it, or None."""
     names = [name for name in list_names("file row") if name.split()[0] == path.suffix.lower()]
-    rows = (find_handler("file row", name)(path) for name in names)
+    rows = (require_handler("file row", name)(path) for name in names)
     return next((row for row in rows if row is not None), None)
 
 

@@ -28,7 +28,7 @@ from dashpot.extensions.app.upload_store import Store, TooLargeError, remove_sta
 from dashpot.extensions.app.words import format_for_page
 from dashpot.extensions.app.worker_pool import FaultError, StoppedError, WorkerProcess
 from dashpot.plot import style
-from dashpot.registry import find_handler, plugins
+from dashpot.registry import format_install_command, plugins
 
 if TYPE_CHECKING:
     from starlette.applications import Starlette
@@ -385,7 +385,7 @@ def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = Tr
     try:
         import uvicorn
     except ImportError:
-        advice = find_handler("install command", "extra")("app")
+        advice = format_install_command("app")
         raise DataError(f"the app needs its extra; install it with: {advice}") from None
     os.environ[plugins.SWITCH] = (
         plugins.NO_PLUGINS

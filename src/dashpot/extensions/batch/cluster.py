@@ -19,7 +19,7 @@ from dashpot.base.version import __version__
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.cluster_worker import rows_of, stop_idle_workers
 from dashpot.extensions.batch.process_pool import Chunk, Executor, Rows
-from dashpot.registry import find_handler
+from dashpot.registry import format_install_command
 
 SCHEDULER_TIMEOUT = 10.0
 """Seconds for the scheduler to answer, and for a first worker to be there."""
@@ -41,7 +41,7 @@ def cluster(address: str) -> Iterator[Executor]:
     try:
         import distributed
     except ImportError:
-        advice = find_handler("install command", "extra")("batch,cluster")
+        advice = format_install_command("batch,cluster")
         raise ExportError(
             "a cluster is one of dask.distributed, which is not installed; install it with: "
             f"{advice}"

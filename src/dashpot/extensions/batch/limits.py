@@ -9,7 +9,7 @@ from pathlib import Path
 from dashpot.base import dataclass
 from dashpot.base.serialisation import Serialisable
 from dashpot.extensions.batch.quantities import Quantity, quantity
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,9 @@ class Limits(Serialisable):
 
     def judge(self, low: float, high: float) -> str:
         """Return whether an interval keeps to the limits: met, missed, or open."""
-        outcome: str = find_handler("judge interval", "limits")(self.lower, self.upper, low, high)
+        outcome: str = require_handler("judge interval", "limits")(
+            self.lower, self.upper, low, high
+        )
         return outcome
 
     @property
@@ -64,5 +66,5 @@ def read_limits(path: str | Path, columns: Sequence[str]) -> tuple[Limits, ...]:
     ReadError
         If the file is no such TOML, or names what no column is.
     """
-    entries = find_handler("read limits", "file")(path, partial(quantity, columns=columns))
+    entries = require_handler("read limits", "file")(path, partial(quantity, columns=columns))
     return tuple(Limits(entry.quantity, entry.lower, entry.upper, entry.cpk) for entry in entries)

@@ -19,7 +19,7 @@ from dashpot.base.version import __version__
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.columns import AGAIN, COUNTS, TEXTS, number_columns
 from dashpot.extensions.batch.input_files import Entry, compute_file_hash
-from dashpot.registry import find_handler
+from dashpot.registry import format_install_command
 
 if TYPE_CHECKING:
     import polars as pl
@@ -98,7 +98,7 @@ def polars() -> Any:
     try:
         import polars as pl
     except ImportError:
-        advice = find_handler("install command", "extra")("batch")
+        advice = format_install_command("batch")
         raise ExportError(
             f"a lot is a table of polars, which is not installed; install it with: {advice}"
         ) from None

@@ -16,7 +16,7 @@ from dashpot.base.version import byline
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.parquet_parts import polars
 from dashpot.extensions.batch.summary import Summary
-from dashpot.registry import find_handler
+from dashpot.registry import format_install_command
 
 if TYPE_CHECKING:
     import polars as pl
@@ -42,7 +42,7 @@ def workbook(summary: Summary) -> bytes:
     try:
         from xlsxwriter import Workbook
     except ImportError:
-        advice = find_handler("install command", "extra")("batch")
+        advice = format_install_command("batch")
         raise ExportError(
             f"a workbook needs xlsxwriter, which is not installed; install it with: {advice}"
         ) from None

@@ -31,7 +31,7 @@ from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox.limits import check_value_count
 from dashpot.reading.table import FileTable
-from dashpot.registry import find_handler
+from dashpot.registry import format_install_command
 
 _ARROW, _STREAM = b"ARROW1", b"\xff\xff\xff\xff"
 _LARGEST_SCHEMA = 1 << 22
@@ -52,7 +52,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     try:
         import polars as pl
     except ImportError:
-        advice = find_handler("install command", "extra")("batch")
+        advice = format_install_command("batch")
         raise ReadError(
             f"Parquet and Arrow files need the package polars; install it with: {advice}"
         ) from None

@@ -16,6 +16,9 @@ EXTENSION = Extension(
         "read record": {
             "frf": "dashpot.extensions.modes.api:read_frf_record",
         },
+        "read resonance": {
+            "frf": "dashpot.extensions.modes.single_resonance:read_resonance",
+        },
         "first point": {
             "frf": "dashpot.extensions.modes.read_frf_set:select_first_point",
         },

@@ -42,7 +42,7 @@ from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.inspect import list_unit_questions
 from dashpot.reading.readers.sweep_columns import SWEEP_OPTIONS, parts_of, sweep_columns
 from dashpot.reading.table import Question
-from dashpot.registry import find_handler, list_names
+from dashpot.registry import list_names, require_handler
 from dashpot.signals.segments import Loading
 
 KIND: Final = "preload-map"
@@ -139,7 +139,7 @@ def _read_table(file: channels.OpenedFile, stated_settings: Sequence[str] = ()) 
     if moving is not None:
         column = file.table.columns[moving.column]
         text = f"{column.name} {column.unit or ''}"
-        factor, word = find_handler("over amplitude", "column")(text)
+        factor, word = require_handler("over amplitude", "column")(text)
         amplitude = moving.values / factor
         if word:
             notes.append(f"'{column.name}' is {word}: over {factor:.3g} it is the amplitude")
@@ -370,7 +370,7 @@ def _load_file(
             return _convert_frf(read_frf(path, options=options), mass, seals)
     if detected.kind in _LOOPS:
         read_keywords: dict[str, Any] = {} if options is None else {"options": options}
-        loops = find_handler("read record", detected.kind)(path, read_keywords, {})
+        loops = require_handler("read record", detected.kind)(path, read_keywords, {})
         if loops.unit != "N/m" or loops.of != "m":
             raise ReadError(f"{Path(path).name}: expected loops of force and displacement")
         is_settled = _find_settled_loops(loops.frequency, loops.amplitude)

@@ -9,7 +9,11 @@ from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, frozen, samples
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
-from dashpot.datamodel.structure import _NEIGHBOUR_COUNT, RIGID
+
+RIGID = 1e-3
+"""Part of a shape that may be no rigid motion, and it is one."""
+_NEIGHBOUR_COUNT = 8
+"""Points among which the next ones to a place are looked for."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from dashpot.cli._command_files import (
 from dashpot.cli._command_result import CommandResult, format_json, write_figure, write_output
 from dashpot.cli._param_types import File, Range, WithUnit
 from dashpot.reading.columns.file_kinds import get_kind_command, get_kind_label
-from dashpot.registry import KINDS, find_handler, list_names, load_object
+from dashpot.registry import KINDS, list_names, load_object, require_handler
 
 if TYPE_CHECKING:
     from dashpot.datamodel.frf import FRF
@@ -146,14 +146,16 @@ def _read_frf(
     from dashpot.workflow.measured_frf import as_measured
 
     if options.base_acceleration is not None:
-        test = find_handler("read several", "shaken base")([path], options=options)
-        frf: FRF = find_handler("estimate frf", test)(test, choices=hammer, mass=mass, band=None)[0]
+        test = require_handler("read several", "shaken base")([path], options=options)
+        frf: FRF = require_handler("estimate frf", test)(
+            test, choices=hammer, mass=mass, band=None
+        )[0]
         return frf
     if kind in {_FRF, _BASE}:
         return as_measured(read_frf(path, options=options), hammer.motion)
     if kind in _SWEEP_KINDS.split():
         sweep = load_object(KINDS[kind].reader)(path, options=options)
-        response: FRF = find_handler("dynamic stiffness", sweep)(sweep)
+        response: FRF = require_handler("dynamic stiffness", sweep)(sweep)
         return response
     route = KINDS[kind].fit_route if kind in KINDS else ""
     if route in _MODEL_ROUTES:

@@ -38,7 +38,7 @@ from dashpot.extensions.transfer_stiffness.third_octaves import (
     list_third_octaves,
 )
 from dashpot.fitting.prediction_bounds import parameter_band, unresolved_arm_band
-from dashpot.registry import find_handler
+from dashpot.registry import find_handler, require_handler
 from dashpot.vibration.modal.dynamic_stiffness import DEGREE
 from dashpot.workflow.job import HammerChoices
 
@@ -174,7 +174,7 @@ def compute_transfer_stiffness(
             "compression and the record, which are of a fit (--seals, --compression, --record)"
         )
     if isinstance(measured, ShakenTest):
-        estimate = find_handler("estimate frf", measured)
+        estimate = require_handler("estimate frf", measured)
         measured = estimate(measured, choices=HammerChoices(), mass=request.mass, band=None)[0]
     convert = None if isinstance(measured, FRF) else find_handler("dynamic stiffness", measured)
     measured = measured if convert is None else convert(measured)

@@ -29,7 +29,7 @@ from dashpot.reading.columns.role_assignment import (
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.table import FileTable
-from dashpot.registry import find_handler
+from dashpot.registry import call_handler, find_handler
 
 # Amplitude and phase of two signals, whose ratio is a response.
 
@@ -428,7 +428,7 @@ def parse_file_kind(kind_name: str) -> tuple[FileKind, str]:
     ReadError
         If there is none; the message names the nearest.
     """
-    kind_name = find_handler("suggest", "kind")(kind_name)
+    kind_name = call_handler("suggest", "kind", kind_name, default=kind_name)
     if kind_name in KINDS_OF_FILE and kind_name != "plug-in":
         return cast("FileKind", kind_name), "as stated"
     from difflib import get_close_matches  # few need them, and they cost time to import

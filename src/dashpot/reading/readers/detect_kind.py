@@ -24,7 +24,7 @@ from dashpot.reading.read_options import PROFILE, ReadOptions, flag
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import OpenedFile
 from dashpot.reading.readers.relaxation import load_signals, moving_columns
-from dashpot.registry import find_handler
+from dashpot.registry import call_handler, find_handler
 from dashpot.signals.segments import classify_load_history
 
 _FOLDER_KINDS = (
@@ -215,7 +215,7 @@ def _identify_toml(path: str | Path) -> Recognised | None:
         return Recognised("machine", "it has the table [machine]")
     if tables.keys() <= PROFILE:
         return Recognised("profile", "it is TOML with tables of a profile")
-    is_limits = find_handler("recognise limits", "file")(tables)
+    is_limits = call_handler("recognise limits", "file", tables, default=None)
     return is_limits or Recognised("unclear", "it is TOML of no door, machine or limits")
 
 

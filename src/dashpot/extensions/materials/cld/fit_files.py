@@ -39,7 +39,7 @@ from dashpot.extensions.materials.cld.rate_dependence import fit_rate
 from dashpot.extensions.materials.cld.read import read_cld
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 from dashpot.solids.elastic import ElasticLaw
 
 
@@ -350,7 +350,7 @@ def _add_specimen_scatter(result: CLDResult, limits: tuple[float, float] | None)
     checks = [specimens_tested_alike(_otherwise(specimens))]
     if limits is not None:
         forces = np.array([specimen.per * specimen.nominal.loading for specimen in specimens])
-        capability = find_handler("process capability", forces)(forces, *limits)
+        capability = require_handler("process capability", forces)(forces, *limits)
         checks.append(specimens_capable(capability, result.unit))
     scatter = tuple(_scatter(specimens))
     return replace(result, scatter=scatter, capability=capability, checks=(*result.checks, *checks))

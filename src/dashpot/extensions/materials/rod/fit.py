@@ -25,7 +25,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.rod.checks import ROD_LINES
 from dashpot.extensions.materials.rod.datamodel import RodModulus
 from dashpot.fitting.prediction_bounds import get_parameter_values
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 
 FitModulus: TypeAlias = Callable[..., Fit]
 """Step from a complex modulus to a model."""
@@ -62,7 +62,7 @@ def fit_rod(
         )
     frequency, modulus = _average_lines(lines, lines.modulus)
     fit_modulus: FitModulus = partial(
-        find_handler("fit complex modulus", "dma"), frequency, specimen=specimen
+        require_handler("fit complex modulus", "dma"), frequency, specimen=specimen
     )
     fit = fit_modulus(modulus, arms=arms, family=family)
     parameters = get_parameter_values(fit)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Any
 
 import numpy as np
 
@@ -29,7 +28,7 @@ from dashpot.extensions.solver_inputs.cards.checks import (
 from dashpot.extensions.solver_inputs.cards.testable_arms import TestableArm, find_testable_arms
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit
 from dashpot.planning.planned_ramp_hold import Bench
-from dashpot.registry import find_handler, list_names
+from dashpot.registry import list_names, require_handler
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF
 
@@ -196,7 +195,7 @@ def _fit_table(table: FrequencyTable, name: str) -> tuple[GeneralizedMaxwell, fl
         If too few rows, or none with damping, are there.
     """
     task = "fit complex modulus"
-    fit_modulus: Any = find_handler(task, list_names(task)[0])
+    fit_modulus = require_handler(task, next(iter(list_names(task)), ""))
     try:
         model = fit_modulus(table.frequency, table.stiffness).model
     except FitError as error:

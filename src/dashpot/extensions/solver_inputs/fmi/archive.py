@@ -25,7 +25,7 @@ from dashpot.extensions.solver_inputs.fmi.model_description import (
     format_c_array,
 )
 from dashpot.extensions.solver_inputs.procedures import format_procedures
-from dashpot.registry import find_handler
+from dashpot.registry import format_install_command
 
 _VERSIONS = {"fmi2": "FMI 2.0", "fmi3": "FMI 3.0"}
 _SHORTEST = 1e-9
@@ -59,7 +59,7 @@ class ModelUnit(DeckText):
         """The contents, and how this installation gets the compiler that they lack."""
         if find_platforms(self.form):
             return self.contents
-        advice = find_handler("install command", "extra")("fmu")
+        advice = format_install_command("fmu")
         return f"{self.contents} (the compiler comes with: {advice})"
 
     @cached_property

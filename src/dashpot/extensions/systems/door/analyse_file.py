@@ -37,7 +37,7 @@ from dashpot.extensions.systems.door.seal_line import SealLine
 from dashpot.extensions.systems.free_modes import FreeModes
 from dashpot.extensions.systems.multibody import Point
 from dashpot.reading.raw_file import add_name_to_errors
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 from dashpot.solids.elastic import require_plausible_compression
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested
@@ -247,7 +247,7 @@ def _shaken(assembly: Assembly, points: tuple[DoorPoint, ...]) -> Iterator[BaseR
         raise DataError(
             "[base] shakes a body that [body] lets move by itself: leave one of both out"
         )
-    respond = find_handler("random base", "system")(door.base, base=BODY, along=door.base_along)
+    respond = require_handler("random base", "system")(door.base, base=BODY, along=door.base_along)
     for point in points:
         responses: list[RandomResponse | None] = []
         for sealed in (True, False):

@@ -15,7 +15,7 @@ from dashpot.datamodel.seal_line import Stations
 from dashpot.extensions.systems.door.door_model import Door
 from dashpot.extensions.systems.door.leak_analysis import Interval, StateLeak
 from dashpot.extensions.systems.door.leak_setup import LeakSetup
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -81,7 +81,7 @@ class LeakResult(HasChecks, HasVerdict, Serialisable):
         limit = self.setup.limit
         if limit is None:
             return {}
-        judge = find_handler("judge interval", "limits")
+        judge = require_handler("judge interval", "limits")
         return {
             state.name: judge(limit, None, state.least.low, state.least.high)
             for state in self.states

@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import require_nonnegative
 from dashpot.datamodel.seal_line import SealSection, Stations
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 
 CLOSED = 1e-6
 """Part of its length by which the ends of a line may lie apart, and it is closed."""
@@ -172,7 +172,7 @@ class SealLine(EqualByValue):
         pitch : str or float
             Wanted distance of the mounts, m.
         """
-        return find_handler("mounts", self)(self, body, pitch, ground=ground)
+        return require_handler("mounts", self)(self, body, pitch, ground=ground)
 
     def _piece(self, arc_length: FloatArray) -> IndexArray:
         """Return the index of the piece in which a point lies."""
