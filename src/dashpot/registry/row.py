@@ -266,7 +266,7 @@ class Extension(NamedTuple):
         propose roles                   questions of a kind besides; it adds to the proposed roles
         adapt table                     table with the columns that its reader expects
         first point                     first point of a file with several
-        read resonance                  mode of the highest peak of an ``"frf"``, by a classical method
+        read resonance                  mode of the highest peak of an ``"frf"``
         table rule                      whether a table is of a kind
         over amplitude                  what a ``"column"`` is over an amplitude, by its name
         record rule                     whether a record is of a kind, by its motion
