@@ -9,7 +9,9 @@ from __future__ import annotations
 import json
 import math
 import re
+from dataclasses import replace
 from html import unescape
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -489,3 +491,25 @@ def test_the_frame_says_the_same_as_the_document(bench, name):
     assert len({len(column) for column in rows.columns.values()}) == 1
     assert set(rows.units) == set(rows.columns)
     assert of_frame(rows.columns) == of_document(document)
+
+
+@pytest.mark.parametrize(("error", "shown"), [(0.26, True), (0.011, False)])
+def test_text_of_a_joint_fit_states_what_cables_leave_open(error: float, shown: bool) -> None:
+    folder = Path(__file__).parent / "data" / "documents_1"
+    fit = workflow.read_fit(folder / "fit-joint.json")
+    described = [
+        replace(
+            check,
+            value=error,
+            passed=True,
+            message=f"Cables leave the loss factor at 12.7 Hz known to ±{100 * error:.2g} %.",
+        )
+        for check in fit.checks
+        if check.name == "cables_described"
+    ]
+    others = [check for check in fit.checks if check.name != "cables_described"]
+    assert described
+    evidence = replace(fit.evidence, checks=(*others, *described))
+    text = str(replace(fit, evidence=evidence))
+    assert ("Cables leave the loss factor at 12.7 Hz known to ±26 %" in text) is shown
+    assert ("--machine cable=0" in text) is shown

@@ -81,7 +81,7 @@ def fit(fit: Fit, *, requested_arms: int | str = "auto") -> Text:
             f"  valid band  {hertz(fit.band)}",
         ]
     lines += _format_part(fit, fit.evidence.creep)
-    for section in (_format_elastic_law, _format_hold_end, _format_alternative):
+    for section in (_format_elastic_law, _format_undetermined, _format_alternative):
         lines += section(fit)
     lines += _format_part(fit, fit.temperatures)
     lines += _format_part(fit, next(iter(fit.evidence.stiffness_by_depth), None))
@@ -202,9 +202,21 @@ def _format_elastic_law(fit: Fit) -> list[str]:
     return [f"  elastic     {before}tangent{noise} {_format_tangents(law)}"]
 
 
-def _format_hold_end(fit: Fit) -> list[str]:
+_SMALL_CABLE_ERROR = 0.05
+"""Error of the loss factor by cables, relative, which needs no line."""
+
+
+def _format_undetermined(fit: Fit) -> list[str]:
+    """Return what the end of the test leaves open, and cables that were not described."""
     end = fit.evidence.end_of_hold
-    return [f"  not known   {ascii_only(end.format_with_remedy(fit.unit))}"] if end else []
+    paragraphs = [end.format_with_remedy(fit.unit)] if end else []
+    cables = next((check for check in fit.checks if check.name == "cables_described"), None)
+    if cables is not None and cables.passed and (cables.value or 0.0) > _SMALL_CABLE_ERROR:
+        paragraphs.append(f"{cables.message} Cables that hang free: --machine cable=0")
+    labels = ["not known", *[""] * len(paragraphs)]
+    return [
+        f"  {label:11} {ascii_only(text)}" for label, text in zip(labels, paragraphs, strict=False)
+    ]
 
 
 def _format_alternative(fit: Fit) -> list[str]:
