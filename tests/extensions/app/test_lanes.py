@@ -2,13 +2,17 @@
 
 import asyncio
 import contextlib
+import gc
 import http.client
 import json
 import os
+import queue
 import signal
 import subprocess
 import sys
+import threading
 import time
+import weakref
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -18,7 +22,7 @@ from kit.processes import ON_LINUX, alive, children
 from dashpot import workflow
 from dashpot.base.errors import DataError
 from dashpot.base.subprocesses import get_long_lived_env
-from dashpot.extensions.app import wire_format
+from dashpot.extensions.app import wire_format, worker_process
 from dashpot.extensions.app.upload_store import Store, remove_stale_stores
 from dashpot.extensions.app.worker_pool import FaultError, StoppedError, WorkerProcess
 
@@ -209,3 +213,18 @@ def test_a_worker_gives_back_what_a_long_record_took():
     assert kept > 0.9 * full
     assert same == pytest.approx(kept, rel=0.01)
     assert left < 0.5 * full
+
+
+def test_a_worker_without_questions_collects_its_garbage(monkeypatch):
+    monkeypatch.setattr(worker_process, "IDLE_SECONDS", 0.01)
+    questions = queue.Queue()
+    gc.disable()  # a search for cycles of its own would hide what is tested
+    try:
+        cycle = type("Record", (), {})()
+        cycle.itself, reference = cycle, weakref.ref(cycle)
+        del cycle
+        threading.Timer(0.2, questions.put, [b"next"]).start()
+        assert worker_process._wait_for_question(questions) == b"next"
+        assert reference() is None
+    finally:
+        gc.enable()

@@ -7,6 +7,7 @@ leaves at once, whatever it computes, and takes the customer's files along.
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import queue
@@ -50,6 +51,8 @@ def trim_memory(max_bytes: int) -> None:
 
 MAX_IDLE_BYTES = 200 << 20
 """Bytes of a worker that has had a long record: what it needed in between it gives back."""
+IDLE_SECONDS = 1.0
+"""Time without a question after which a worker collects its garbage."""
 
 
 def main() -> None:
@@ -73,8 +76,18 @@ def main() -> None:
     if questions.empty():
         preload_templates()
     while True:
-        _answer(VERBS, questions.get(), folder, answers)
+        _answer(VERBS, _wait_for_question(questions), folder, answers)
         trim_memory(MAX_IDLE_BYTES)
+
+
+def _wait_for_question(questions: queue.Queue[bytes]) -> bytes:
+    """Return the next question; a worker that has none for a while gives back what it needs not."""
+    try:
+        return questions.get(timeout=IDLE_SECONDS)
+    except queue.Empty:
+        gc.collect()
+        trim_memory(0)
+        return questions.get()
 
 
 def _listen(source: BinaryIO, questions: queue.Queue[bytes], folder: Path) -> None:
