@@ -17,6 +17,7 @@ from dashpot.base.units import Dimension, Quantity
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from dashpot.datamodel.machine import Machine
     from dashpot.extensions.batch.arrays.fit_many import BatchFit
     from dashpot.extensions.batch.comparison import LotComparison
     from dashpot.extensions.batch.lot import Lot
@@ -44,6 +45,7 @@ def batch(
     compression: Quantity | Sequence[Quantity] = (),
     length: Quantity | None = None,
     radius: Quantity | None = None,
+    machine: Machine | None = None,
     by: str | None = None,
     manifest: Place | None = None,
     pair: str | None = None,
@@ -78,6 +80,8 @@ def batch(what: Any, /, **options: Any) -> Any:
         Processes side by side.
     arms, method, mass, seals, joint, pair, by, manifest, frequency, compression
         As ``dashpot batch --help`` has them.
+    machine : Machine, optional
+        On which the tests were made.
     time, displacement : array
         Of arrays: their clock, and the displacement of all; or `ramp`, depth and ramp time.
     units : str
@@ -127,6 +131,7 @@ def _fit_files(
     compression: Quantity | Sequence[Quantity] = (),
     length: Quantity | None = None,
     radius: Quantity | None = None,
+    machine: Machine | None = None,
     by: str | None = None,
     manifest: Place | None = None,
     pair: str | None = None,
@@ -138,8 +143,9 @@ def _fit_files(
 
     return run_batch(
         paths, output=to, arms=arms, method=method, quick=quick, mass=mass, seals=seals,
-        at=frequency, compression=compression, length=length, radius=radius, by=by,
-        manifest=manifest, pair=pair, joint=joint, jobs=jobs, scheduler=scheduler,
+        at=frequency, compression=compression, length=length, radius=radius,
+        machine=machine, by=by, manifest=manifest, pair=pair, joint=joint, jobs=jobs,
+        scheduler=scheduler,
     )  # fmt: skip
 
 
