@@ -89,9 +89,9 @@ def test_tested_range_stays_that_of_the_tests(kelvin):
         shifts = from_json(to_json(fit)).temperatures
         assert shifts == fit.temperatures
         assert shifts.tested_range == (TESTED[0], TESTED[-1])
-        assert [shift.temperature for shift in shifts.tested] == list(TESTED)
+        assert [shift.temperature for shift in shifts.tested_shifts] == list(TESTED)
         assert shifts.coldest == pytest.approx(FIT.temperatures.coldest)
-        assert shifts.find_nearest(kelvin) in shifts.tested
+        assert shifts.find_nearest(kelvin) in shifts.tested_shifts
     assert FIT.temperatures.untested is None
     assert "untested" not in to_json(FIT.at_temperature(TESTED[0]))
 

@@ -137,10 +137,10 @@ class TemperatureShifts(EqualByValue, Serialisable):
     @property
     def tested_range(self) -> tuple[float, float]:
         """The coldest and the warmest test, K."""
-        return self.tested[0].temperature, self.tested[-1].temperature
+        return self.tested_shifts[0].temperature, self.tested_shifts[-1].temperature
 
     @property
-    def tested(self) -> tuple[Shift, ...]:
+    def tested_shifts(self) -> tuple[Shift, ...]:
         """The shifts of temperatures at which a test was made."""
         return tuple(
             shift for shift in self.shifts if shift.temperature not in (self.untested or ())
@@ -307,7 +307,9 @@ class TemperatureShifts(EqualByValue, Serialisable):
             covariance=covariance,
             law_covariance=jacobian_of_law @ self.law_covariance @ jacobian_of_law.T,
             cross=cross,
-            untested=tuple(sorted({*grid.tolist()} - {shift.temperature for shift in self.tested}))
+            untested=tuple(
+                sorted({*grid.tolist()} - {shift.temperature for shift in self.tested_shifts})
+            )
             or None,
         )
 
@@ -341,7 +343,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
 
     def find_nearest(self, temperature: float) -> Shift:
         """Return the tested temperature nearest to T, K."""
-        return min(self.tested, key=lambda shift: abs(shift.temperature - temperature))
+        return min(self.tested_shifts, key=lambda shift: abs(shift.temperature - temperature))
 
     def times(self, scale: FloatArray) -> TemperatureShifts:
         """Return the shifts of a solid whose parameters are so many times those of this one."""

@@ -79,7 +79,7 @@ class Superposition(EqualByValue, Plottable):
         cold, hottest = shifts.tested_range
         return (
             (
-                f"{len(shifts.tested)} temperatures, {celsius(cold)} to {celsius(hottest)}, at "
+                f"{len(shifts.tested_shifts)} temperatures, {celsius(cold)} to {celsius(hottest)}, at "
                 f"{celsius(shifts.reference)}"
             ),
             *self.curve._summary_lines[1:],

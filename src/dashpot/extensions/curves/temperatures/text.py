@@ -20,7 +20,7 @@ def format_shifts(fit: Fit) -> list[str]:
             [celsius(shift.temperature), time_cells.value, time_cells.error, stiffness_cells.value]
         )
     return [
-        f"  reference   {celsius(shifts.reference)}, of {len(shifts.tested)} temperatures; b_T "
+        f"  reference   {celsius(shifts.reference)}, of {len(shifts.tested_shifts)} temperatures; b_T "
         + ("free" if shifts.vertical == "free" else f"= {shifts.vertical}"),
         f"  law         {_format_shift_law(fit, shifts)}",
         *table(rows),
