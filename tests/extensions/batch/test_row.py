@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from kit.cld import press_cycles
 from kit.kinds import ARMS, MASS, STIFFNESS, files
+from kit.shell import did
 
 import dashpot as dp
 from dashpot.base.errors import DataError
@@ -109,6 +110,24 @@ def test_batch_row_is_refused_for_a_machine_that_its_kind_ignores(folder, name):
         assert result["outcome"] == "other" or result["kind"] == "relaxation"
     cable = Entry(str(folder / name), machine='{"cable": 0.01}')
     assert "--joint" in row_of(cable)["reason"] or result["outcome"] == "other"
+
+
+def test_batch_of_python_writes_what_the_command_writes(folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "seal.csv").write_text((folder / "seal.csv").read_text())
+    made = dp.batch("seal.csv", to="lot", arms=1, jobs=1)
+    names = ["lot.csv", "lot.html", "lot.json", "lot.xlsx"]
+    by_python = {name: (tmp_path / "lot" / name).read_bytes() for name in names}
+    assert by_python["lot.csv"].decode() == made.csv()
+    did("batch", "seal.csv", "-o", "lot", "--arms", "1", "--jobs", "1")
+    assert (tmp_path / "lot" / "lot.csv").read_bytes() == by_python["lot.csv"]
+    assert (tmp_path / "lot" / "lot.html").read_bytes() == by_python["lot.html"]
+    # without a folder nothing is written
+    dp.batch("seal.csv", arms=1, jobs=1)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["lot", "seal.csv"]
+    (tmp_path / "lot" / "lot.csv").write_text("my own table\n")
+    with pytest.raises(dp.ExportError, match="was not written by dashpot"):
+        dp.batch("seal.csv", to="lot", arms=1, jobs=1)
 
 
 def test_quick_batch_row_evaluates_no_checks(folder, monkeypatch):

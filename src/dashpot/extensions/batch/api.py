@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from inspect import signature
+from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, get_overloads, overload
 
@@ -75,7 +76,8 @@ def batch(what: Any, /, **options: Any) -> Any:
     what : path or sequence of path; or array, shape (R, M)
         Files, folders and patterns; or forces, N, one record a row.
     to : path, optional
-        Folder of the lot; a second run makes only the rows that are missing.
+        Folder of the lot, with lot.csv, lot.xlsx, lot.json and its page lot.html as the command
+        writes them; a second run makes only the rows that are missing.
     jobs : int, optional
         Processes side by side.
     arms, method, mass, seals, joint, pair, by, manifest, frequency, compression
@@ -141,12 +143,19 @@ def _fit_files(
 ) -> Lot:
     from dashpot.extensions.batch.batch_run import batch as run_batch
 
-    return run_batch(
+    lot = run_batch(
         paths, output=to, arms=arms, method=method, quick=quick, mass=mass, seals=seals,
         at=frequency, compression=compression, length=length, radius=radius,
         machine=machine, by=by, manifest=manifest, pair=pair, joint=joint, jobs=jobs,
         scheduler=scheduler,
     )  # fmt: skip
+    if to is not None:
+        from dashpot.extensions.batch.lot_output import write_lot  # figures and pages take time
+        from dashpot.extensions.batch.summary import summary
+        from dashpot.workflow.outputs import Outputs
+
+        write_lot(Path(to), summary(lot, quantity=lot.main), write=Outputs().write)
+    return lot
 
 
 def _fit_arrays(
