@@ -522,3 +522,14 @@ def test_component_selects_the_springs_of_a_direction():
         assert card.spring == GeneralizedMaxwell(float(component), (2.0,), (0.5,))
     with pytest.raises(ReadError, match="join 4 points"):
         read_cards("".join(rows), "deck", MM_T_S, None)
+
+
+def test_springs_of_a_structure_leave_its_card_as_it_is():
+    springs = (
+        "*ELEMENT, TYPE=SPRINGA, ELSET=K\n1, 1, 2\n2, 5, 9\n*SPRING, ELSET=K\n\n2.\n"
+        "*ELEMENT, TYPE=DASHPOTA, ELSET=B\n3, 1, 7\n*DASHPOT, ELSET=B\n\n1.\n"
+    )
+    assert read_card(ABAQUS + springs) == read_card(ABAQUS)
+    bush = "PBUSH,1,K,200.\n,B,3.\n"
+    elements = "CELAS2,1,2.0,1,1,2,1\nCDAMP2,2,3.0,2,1,3,1\n"
+    assert read_card(bush + elements) == read_card(bush)

@@ -84,7 +84,8 @@ def read_abaqus_cards(text: str) -> tuple[ViscoelasticCard, ...]:
         for name, keywords in materials
         if any(keyword.name == "VISCOELASTIC" for keyword in keywords)
     ]
-    return (*cards, *_read_network(keywords_of_file))
+    # springs beside a material are of the structure that it is in
+    return tuple(cards or _read_network(keywords_of_file))
 
 
 def _read_network(keywords: Sequence[Keyword]) -> Iterator[ViscoelasticCard]:

@@ -95,7 +95,8 @@ def read_nastran_cards(
         for name, fields in entries
         if name in {"MATVE", "MATFVE"}
     ]
-    return (*cards, *_read_network(entries, component))
+    # springs beside a card are of the structure that it is in
+    return tuple(cards or _read_network(entries, component))
 
 
 def _read_network(entries: Sequence[Entry], component: int | None) -> Iterator[ViscoelasticCard]:
