@@ -429,10 +429,13 @@ def batch_choices(draw: st.DrawFn) -> BatchOptions:
     quick = draw(st.booleans())
     arms = draw(st.integers(0, 6)) if quick else draw(st.just("auto") | st.integers(0, 6))
     rest = [
-        field.name for field in fields(BatchOptions) if field.name not in ("quick", "arms", "joint")
+        field.name
+        for field in fields(BatchOptions)
+        if field.name not in ("quick", "arms", "joint", "machine")
     ]
     message = draw(instances(BatchOptions, *rest))
-    return make_shared_reading(replace(message, quick=quick, arms=arms))
+    machine = draw(instances(Machine)).on_bench  # that of a hammer's rig goes with --joint
+    return make_shared_reading(replace(message, quick=quick, arms=arms, machine=machine))
 
 
 @given(batch_choices())

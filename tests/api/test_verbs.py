@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 import dashpot as dp
+from dashpot.api import OPTION_CLASSES, convert_option
 from dashpot.api.fit import shape_words
+from dashpot.base.option_fields import iterate_option_fields
+from dashpot.registry import load_object
 from dashpot.solids.part_geometry import Disc
 from dashpot.workflow.example_files import FILES, MASS
 
@@ -249,3 +252,37 @@ def test_export_replaces_only_what_dashpot_wrote(tmp_path: Path) -> None:
     assert path.read_text() == foreign
     dp.export(solid, path, **deck, overwrite=True)
     dp.export(solid, path, **deck)
+
+
+@pytest.mark.parametrize("name", sorted(OPTION_CLASSES))
+def test_option_of_several_values_is_a_mapping_or_refused(name):
+    """Every such option of every verb: whatever else it is given is a sentence."""
+    expected = [field.name for field in iterate_option_fields(load_object(OPTION_CLASSES[name]))]
+    for wrong in ((0, 1), "11s", 5, [1.0], object()):
+        with pytest.raises(dp.DataError, match=f"{name}= is of the type .*; expected a mapping"):
+            convert_option(name, wrong)
+    with pytest.raises(dp.DataError, match=f"furlong= does not suit {name}="):
+        convert_option(name, {"furlong": 1})
+    kind = load_object(OPTION_CLASSES[name])
+    assert convert_option(name, {}) == kind()
+    assert convert_option(name, kind()) == kind()
+    assert convert_option(name, None) is None
+    assert expected
+
+
+def test_fit_and_report_take_time_limits_and_machine_as_mappings():
+    test = dp.simulate("relaxation", hold="8s")
+    limits, machine = {"hold_end": "8s"}, {"compliance": "0.1mm/N"}
+    by_mapping = dp.fit(test, arms=1, time_limits=limits, machine=machine)
+    prepared = test.prepare(hold_end=8.0, machine=dp.Machine(**machine))
+    assert by_mapping.model == dp.fit(prepared, arms=1).model
+    study = dp.report(test, arms=1, time_limits=limits, machine=machine)
+    assert study.fit.model == by_mapping.model
+    with pytest.raises(dp.DataError, match="time_limits= is of the type tuple"):
+        dp.report(test, arms=1, time_limits=(0, 8))
+
+
+@pytest.mark.parametrize("wrong", [[{}], [{"time": [1.0]}], [], (1, 2), [None], iter([b""])])
+def test_read_refuses_a_list_of_what_is_no_path(wrong):
+    with pytest.raises(dp.DataError, match=r"Read each table by itself: dp\.read\(TABLE\)"):
+        dp.read(wrong)

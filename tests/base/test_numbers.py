@@ -126,3 +126,12 @@ def test_terminals_get_the_same_digits_in_their_alphabet(value, error, text):
 )
 def test_an_interval_that_does_not_hold_the_power_of_ten_is_open(value, low, high, error, text):
     assert format_interval(value, low, high, error) == text
+
+
+@pytest.mark.parametrize("value", [396.0, 0.1, 3e-4, -12.0, 7.7e5])
+@pytest.mark.parametrize("ratio", [0.01, 1.0, 30.0, 1e4])
+def test_a_number_that_is_not_zero_is_not_printed_as_zero(value, ratio):
+    """However large its error is: an arm of 396 s is none of 0 s."""
+    text = round_to_error(value, ratio * abs(value))
+    assert float(ascii_only(text)) == pytest.approx(value, rel=0.5)
+    assert round_to_error(1e-15, 0.01) == "0.000"

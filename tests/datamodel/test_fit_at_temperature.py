@@ -10,6 +10,7 @@ import dashpot as dp
 from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
 from dashpot.solids.demo_seals import BROAD
+from dashpot.workflow.json_archive import from_json, to_json
 
 REFERENCE = 296.15
 LAW = dp.solids.WLF.universal(glass=218.15, reference=REFERENCE)
@@ -77,6 +78,22 @@ def test_there_and_back_is_where_it_was(kind, slope):
     again = there.at_temperature(REFERENCE).temperatures
     assert again.error(278.0)[0] == pytest.approx(fit.temperatures.error(278.0)[0], rel=0.03)
     assert [shift.temperature for shift in again.shifts].count(REFERENCE) == 1
+
+
+@pytest.mark.parametrize("kelvin", [253.15, 278.0, 290.0, 353.15])
+def test_tested_range_stays_that_of_the_tests(kelvin):
+    """A reference is no test, wherever it lies and however often it moves."""
+    there = FIT.at_temperature(kelvin)
+    again = there.at_temperature(345.0).at_temperature(TESTED[1])
+    for fit in (there, there.at_temperature(300.0), again):
+        shifts = from_json(to_json(fit)).temperatures
+        assert shifts == fit.temperatures
+        assert shifts.tested_range == (TESTED[0], TESTED[-1])
+        assert [shift.temperature for shift in shifts.tested_shifts] == list(TESTED)
+        assert shifts.coldest == pytest.approx(FIT.temperatures.coldest)
+        assert shifts.find_nearest(kelvin) in shifts.tested_shifts
+    assert FIT.temperatures.untested is None
+    assert "untested" not in to_json(FIT.at_temperature(TESTED[0]))
 
 
 def test_errors_at_another_temperature_hold_the_doubt_of_both_shifts():

@@ -107,6 +107,9 @@ def test_every_deck_says_the_law_and_its_constants(target):
     assert "temperature law: WLF, log10 a_T = -C1 (T - T_r)/(C2 + T - T_r)" in deck
     assert "C1 = 6.943703704, C2 = 129.6 K, T_r = 296.15 K" in deck
     assert "tested from 0 degC to 23 degC; relaxation times go with a_T, stiffnesses with" in deck
+    warm = TARGETS[target](moving().at_temperature(353.15), units="SI", **more)
+    assert "tested from 0 degC to 23 degC" in warm
+    assert "T_r = 353.15 K" in warm
     energy = TARGETS[target](moving(ENERGY), units="SI", **more)
     assert "E = 90000. J/mol, E/R = 10824.51195 K" in energy
 

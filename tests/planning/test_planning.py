@@ -356,7 +356,7 @@ def test_user_story_4() -> None:
     """ "I need the loss factor at 12.71 Hz to 10 %": ramp in 0.1 s or hit a block."""
     plan = make_bench_plan(record=4.0, pulse=0.015)
     words = " ".join(plan.advice)
-    assert "Ramp in 33.3 ms" in words
+    assert "Ramp in 30.0 ms" in words  # a time that is set at a machine
     assert "fit both together" in words
     assert "6.86 s (44.4 s if no arm of the seal adds damping there) instead of 4 s" in words
     assert {c.name: c.passed for c in plan.checks} == {

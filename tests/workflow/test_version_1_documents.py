@@ -187,3 +187,18 @@ def test_version_1_document_refuses_both_names_of_a_key(key: str) -> None:
     document.pop("digest", None)
     with pytest.raises(ReadError, match=f'and "{key}" of the document are one'):
         from_json(json.dumps(document | {"of_noise": [[1.0]], key: None}))
+
+
+@pytest.mark.parametrize("verb", ["predict", "compare"])
+def test_answer_of_a_command_says_that_it_is_not_read_back(verb, tmp_path):
+    """An answer holds less than it was made of, so that its verdict could be another."""
+    test = dp.simulate("relaxation", hold="5s", noise_free=True)
+    fit, path = dp.fit(test, arms=2), tmp_path / "answer.json"
+    if verb == "predict":
+        dp.predict(fit, mass="104g").save(path)
+    else:
+        comparison = dp.compare(fit, dp.simulate("impact", hits=3))
+        comparison.save(path)
+        assert type(from_json(to_json(comparison.comparison))) is type(comparison.comparison)
+    with pytest.raises(dp.ReadError, match=r"which is not read back. Give the fit or the record"):
+        dp.read(path)

@@ -18,6 +18,8 @@ from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 from dashpot.base.errors import DashpotError, DataError
+from dashpot.base.option_fields import iterate_option_fields
+from dashpot.registry import load_object
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -29,6 +31,15 @@ FORMER_KEYWORDS = {
     "only": ["temperature"], "slam": ["drop"], "wanted": ["max_std"],
 }  # fmt: skip
 """Present name of an option by that of the edition before, which an error suggests."""
+OPTION_CLASSES = {
+    "hammer": "dashpot.workflow.job:HammerChoices",
+    "machine": "dashpot.datamodel.machine:Machine",
+    "prior": "dashpot.fitting.identification.prior_knowledge:KnownSolid",
+    "rig": "dashpot.fitting.identification.prior_knowledge:HammerRig",
+    "specimen": "dashpot.datamodel.specimen:Specimen",
+    "time_limits": "dashpot.workflow.job:TimeLimits",
+}
+"""Classes of options that hold several values, and may be given as a mapping of these."""
 
 
 @cache
@@ -129,7 +140,8 @@ def refuse_wrong_options(function: Callable[P, R]) -> Callable[P, R]:
     @wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
         refuse_unknown_option(kwargs, names, f"dp.{function.__name__}")
-        return function(*args, **kwargs)
+        options: Any = {name: convert_option(name, value) for name, value in kwargs.items()}
+        return function(*args, **options)
 
     return call
 
@@ -159,6 +171,29 @@ def refuse_unknown_option(
     raise error(f"{unknown[0]}= does not suit {subject}. {hint}{accepted_text}")
 
 
+def convert_option(name: str, value: Any) -> Any:
+    """Return the value of an option; one of :data:`OPTION_CLASSES` may be a mapping of its fields.
+
+    Raises
+    ------
+    DataError
+        If it is anything else.
+    """
+    if value is None or name not in OPTION_CLASSES:
+        return value
+    kind = load_object(OPTION_CLASSES[name])
+    if isinstance(value, kind):
+        return value
+    fields = [field.name for field in iterate_option_fields(kind)]
+    if not isinstance(value, Mapping):
+        raise DataError(
+            f"{name}= is of the type {type(value).__name__}; expected a mapping, such as "
+            f'{name}={{"{fields[0]}": ...}}, with some of {", ".join(fields)}'
+        )
+    refuse_unknown_option(value, fields, f"{name}=")
+    return kind(**value)
+
+
 def call_with_options(
     function: Callable[..., R],
     *args: Any,
@@ -182,4 +217,4 @@ def call_with_options(
     ]
     if missing:
         raise error(f"{subject} needs {missing[0]}=: it was not given")
-    return function(*args, **options)
+    return function(*args, **{name: convert_option(name, options[name]) for name in options})

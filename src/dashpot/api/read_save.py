@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar
 
@@ -137,7 +138,7 @@ def read(
         return read_frame(path, kind=kind, **keywords)
     options = _options(keywords, kind)
     if not isinstance(path, str | Path):
-        return _several([Path(name) for name in path], options, keywords)
+        return _several(_list_paths(path), options, keywords)
     detection = recognise(path, options)
     if detection.stored:
         from dashpot.workflow.json_archive import read_json_document
@@ -149,6 +150,18 @@ def read(
     if read_whole is not None:
         return read_whole(path)
     return _record(path, detection.kind, options, keywords)
+
+
+def _list_paths(places: Any) -> list[Path]:
+    """Return several paths; what is neither a path nor a table has no reader."""
+    items = list(places) if isinstance(places, Iterable) else [places]
+    others = [type(item).__name__ for item in items if not isinstance(item, str | PathLike)]
+    if others or not items:
+        raise DataError(
+            f"dp.read takes a file, several files, or one table; {(*others, 'an empty list')[0]} "
+            "is none of them. Read each table by itself: dp.read(TABLE)"
+        )
+    return list(map(Path, items))
 
 
 def _drop_unset(keywords: Mapping[str, Any]) -> dict[str, Any]:

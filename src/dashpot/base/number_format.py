@@ -22,8 +22,18 @@ SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _ASCII = str.maketrans(f"{MINUS}–⁻⁰¹²³⁴⁵⁶⁷⁸⁹µ", "---0123456789u") | {ord("∞"): "inf", ord("·"): " "}
 
 
+_NOTHING = 1e-6
+"""Of its error; what is less is rounding."""
+
+
 def round_to_error(value: float, error: float | None = None, *, digits: int = 3) -> str:
-    """`value` to two digits of its error, or to `digits` significant ones if that is unknown."""
+    """`value` to two digits of its error, or to `digits` significant ones if that is unknown.
+
+    One far below its error keeps a digit: it is not 0.
+
+    >>> round_to_error(0.1228, 0.0031), round_to_error(396.0, 20000.0)
+    ('0.1228', '396')
+    """
     if math.isnan(value):
         return "unknown"
     if math.isinf(value):
@@ -33,6 +43,8 @@ def round_to_error(value: float, error: float | None = None, *, digits: int = 3)
     decimals = 1 - math.floor(math.log10(error))
     if decimals > 9:
         return _format_digits(value, 10)
+    if round(value, decimals) == 0 and abs(value) > _NOTHING * error:
+        return _format_digits(value, 1)
     return f"{round(value, decimals):.{max(decimals, 0)}f}".replace("-", MINUS)
 
 

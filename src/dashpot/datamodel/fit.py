@@ -157,7 +157,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         if self.unit == "N/m" and self.method in get_choice_values(Method):
             # no ramp and hold shows a flow that grows as a power of its force from arms
             advice = "Outside this band a linear seal is assumed: add a hammer test."
-        shifts = () if self.temperatures is None else self.temperatures.shifts
+        shifts = () if self.temperatures is None else self.temperatures.tested_shifts
         if self.method == "full" and 1 < len(shifts) < CONTRADICT:
             advice = "Test at a third temperature: two cannot show arms that shift apart."
         stiffness, loss_factor = self._error_in_band

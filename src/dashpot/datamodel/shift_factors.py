@@ -10,7 +10,7 @@ from dashpot.base import dataclass, replace
 from dashpot.base.arrays import EqualByValue, FloatArray, frozen
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.serialisation import EVERY_FIELD, Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import celsius
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, TemperatureLaw
@@ -84,9 +84,12 @@ class TemperatureShifts(EqualByValue, Serialisable):
     cross : array, shape (p + 1, 2 n + 1) or empty
         Covariance of the p parameters of the fit's solid and of `slope` with what `covariance` is
         of and with `slope`; empty where nothing is known of it.
+    untested : tuple of float or None
+        Temperatures among the shifts, K, at which no test was made, as of an extrapolated
+        reference; None if there is none.
     """
 
-    _keys = ("reference", EVERY_FIELD)
+    _keys = ("reference", EVERY_FIELD, Key("untested", optional=True))
 
     law: TemperatureLaw
     shifts: tuple[Shift, ...]
@@ -96,6 +99,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
     vertical: str = "free"
     slope: float = 0.0
     cross: FloatArray = ()  # type: ignore[assignment]
+    untested: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
         for name, rows in (
@@ -133,7 +137,14 @@ class TemperatureShifts(EqualByValue, Serialisable):
     @property
     def tested_range(self) -> tuple[float, float]:
         """The coldest and the warmest test, K."""
-        return self.shifts[0].temperature, self.shifts[-1].temperature
+        return self.tested_shifts[0].temperature, self.tested_shifts[-1].temperature
+
+    @property
+    def tested_shifts(self) -> tuple[Shift, ...]:
+        """The shifts of temperatures at which a test was made."""
+        return tuple(
+            shift for shift in self.shifts if shift.temperature not in (self.untested or ())
+        )
 
     @property
     def coldest(self) -> float:
@@ -296,6 +307,10 @@ class TemperatureShifts(EqualByValue, Serialisable):
             covariance=covariance,
             law_covariance=jacobian_of_law @ self.law_covariance @ jacobian_of_law.T,
             cross=cross,
+            untested=tuple(
+                sorted({*grid.tolist()} - {shift.temperature for shift in self.tested_shifts})
+            )
+            or None,
         )
 
     def _log10_at(self, temperature: float) -> float:
@@ -328,7 +343,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
 
     def find_nearest(self, temperature: float) -> Shift:
         """Return the tested temperature nearest to T, K."""
-        return min(self.shifts, key=lambda shift: abs(shift.temperature - temperature))
+        return min(self.tested_shifts, key=lambda shift: abs(shift.temperature - temperature))
 
     def times(self, scale: FloatArray) -> TemperatureShifts:
         """Return the shifts of a solid whose parameters are so many times those of this one."""

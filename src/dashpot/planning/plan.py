@@ -229,7 +229,7 @@ def _compute_longest_pulse(at: float) -> float:
 
 
 TARGET_SD = 0.1
-RAMP_TIME_RATIOS = (1 / 3, 1 / 10, 1 / 30)
+RAMP_TIME_RATIOS = (0.3, 0.1, 0.03)
 # a hammer test determines the lines within this factor of the peak; their usual spacing, Hz
 HAMMER_SPAN = 3.5
 LINE_STEP = 0.1

@@ -37,6 +37,7 @@ class LotSpecimen(NamedTuple):
         Of the specimen in contact, and of the tip of an indenter.
     compression : float or None
         The nominal one.
+    machine : Machine or None
     """
 
     options: Any
@@ -45,6 +46,7 @@ class LotSpecimen(NamedTuple):
     length: float | None = None
     radius: float | None = None
     compression: float | None = None
+    machine: Any = None
 
 
 class KindOfTest(NamedTuple):

@@ -348,7 +348,7 @@ def agreement(result: FRFComparison) -> Text:
         lines.append(str(result.at_rest))
     if result.mass_inferred:
         lines.append(
-            f"  mass        {format_quantity(result.mass, 'g', '.5g')}, inferred from the measured "
+            f"  mass        {format_quantity(result.mass, 'g', '.4g')}, inferred from the measured "
             "FRF: the agreement in frequency then proves nothing; give the mass to test it"
         )
     return Text(lines, [f"  {arm}" for arm in result.comparison.arms])
@@ -372,7 +372,7 @@ def study(study: Study) -> Text:
     if study.mass is not None and study.comparison is not None:
         inferred = " (found from the FRF)" if study.mass_inferred else ""
         lines.append(
-            f"{format_quantity(study.mass, 'g', '.6g')}{inferred} on "
+            f"{format_quantity(study.mass, 'g', '.4g' if inferred else '.6g')}{inferred} on "
             f"{number_format.seals(study.seals)}"
         )
         lines += comparison(study.comparison, study.joint_comparison)

@@ -196,7 +196,8 @@ class BenchFitOptions(SolidOptions):
         if shifting.at is not None or shifting.shifts is not None:
             raise FitError(
                 "--at-temperature and --shifts are for sweeps, moduli and creep; ramps and "
-                "holds find their own shifts: leave them out"
+                "holds find their own shifts: leave them out (Python: temperature=; that of a test "
+                'is stated by dp.read(FILE, specimen={"temperature": "23degC"}))'
             )
         return FitOptions(
             self.arms, self.method, self.law, self.family, self.intervals, self.thorough,

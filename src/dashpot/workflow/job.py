@@ -27,6 +27,7 @@ from dashpot.base.option_fields import (
     option,
 )
 from dashpot.base.serialisation import EVERY_FIELD, Serialisable
+from dashpot.base.units import si_fields
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.fit_options import FitOptions, SolidOptions
@@ -119,6 +120,9 @@ class TimeLimits:
     hold_end: float | None = option(
         None, "End of the hold on that clock.", unit="time", under="time-limits", former="cuts"
     )
+
+    def __post_init__(self) -> None:
+        si_fields(self)
 
     def refuse_several(self, tests: int) -> None:
         """Refuse cuts of several tests.

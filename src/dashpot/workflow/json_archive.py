@@ -215,7 +215,8 @@ def _parse_document(text: str | bytes) -> tuple[type[Serialisable], dict[str, An
     name = data.get("schema") if isinstance(data, dict) else None
     present_name = call_handler("former document", "name schema", name, default=name)
     kind = _find_schema_class(present_name) if isinstance(name, str) else None
-    if kind is None:
+    # a mass and what rests on it are beside a comparison that a command answered
+    if kind is None or (kind.__name__ == "Comparison" and "mass_inferred" in data):
         raise ReadError(_format_unknown_schema(name))
     return kind, data
 
@@ -236,7 +237,10 @@ def _format_unknown_schema(name: object) -> str:
         if schema_name.startswith("dashpot/")
         else "no result of dashpot"
     )
-    return f'this is {subject}: its "schema" is {name!r}, which is not read back'
+    return (
+        f'this is {subject}: its "schema" is {name!r}, which is not read back. Give the fit or the '
+        "record that it was made from"
+    )
 
 
 # -- plain values to results -----------------------------------------------------------------------

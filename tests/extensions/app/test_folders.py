@@ -84,7 +84,7 @@ def test_a_page_says_a_job_as_the_job_is(store, text):
         str(path_in(store.folder, test)), mass=1 / 3, seal_mass=1e-3, compression=2.6e-3, seals=1.5,
         arms=3, method="hold", law="linear", family="auto", band=(5.0, 40.1), filter="median:5",
         title="A title", joint=False, time_limits=TimeLimits(1.0, 2.0, 3.0),
-        machine=Machine(sync=5e-4),
+        machine=Machine(sync=5e-4, compliance=3e-5),
         hammer=HammerChoices(reject=("2",), polarity=(1, -1)),
         reading=ReadOptions(units={"force": "gf"}, skip_rows=2),
         reading_impact=ReadOptions(acceleration=("3", "4")),
@@ -165,6 +165,35 @@ def test_a_lot_shows_its_table_and_opens_the_tests_that_it_knows(store, tmp_path
     (tests / "lot1_seal1.csv").write_text("something else")
     with pytest.raises(dp.ReadError, match="not what it was"):
         ask("row", store, folder=str(tmp_path / "lot"), sha256=wanted)
+
+
+def test_rows_of_one_file_open_the_specimen_that_each_is_of(store, tmp_path):
+    pytest.importorskip("polars")
+    lines = ["Specimen,Time [s],Displacement [mm],Force [N]"]
+    for label, seal in (("A", BROAD), ("B", replace(BROAD, k_inf=2 * BROAD.k_inf))):
+        rig = replace(Rig(), rate=100.0)
+        test = write_relaxation(simulate_relaxation(seal, rig=rig, hold_time=10.0).test)
+        lines += [f"{label},{line}" for line in test.splitlines() if line[:1].isdigit()]
+    (tmp_path / "pair.csv").write_text("\n".join(lines) + "\n")
+    made = batch([tmp_path / "pair.csv"], output=tmp_path / "lot", arms=2, jobs=1)
+    entries = list(made.table.iter_rows(named=True))
+    assert [entry["part"] for entry in entries] == ["segment=1", "segment=2"]
+    identities = set()
+    for entry in entries:
+        names = {"sha256": entry["sha256"], "part": entry["part"]}
+        head = ask("row", store, folder=str(tmp_path / "lot"), **names)
+        (file,) = head["files"]
+        identities.add(file["id"])
+        job = head["job"] | {"relaxation": file["id"], "reading": file["options"]}
+        fit = json.loads(ask("take", store, job=job, what="fit")["text"])
+        assert fit["model"]["k_inf"] == entry["k_inf_N_per_m"]
+        assert entry["file"].endswith(f"[{entry['part']} {file['specimen']}]")
+    # the page asks of a file that is opened by the same identities
+    first = store.put("pair.csv", (tmp_path / "pair.csv").read_bytes())
+    asked = ask("inspect", store, file=first, options={})["specimens"]
+    assert {one["id"] for one in asked} == identities
+    with pytest.raises(dp.DataError, match="no test with that hash"):
+        ask("row", store, folder=str(tmp_path / "lot"), sha256=entries[0]["sha256"])
 
 
 def test_a_page_names_no_file_of_the_machine(store, text):

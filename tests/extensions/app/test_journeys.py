@@ -225,6 +225,92 @@ def test_length_of_the_specimen_takes_any_unit_of_length(visit, files):
     assert edit.input_value() == length
 
 
+@pytest.fixture
+def pair(tmp_path):
+    """A file of two specimens below each other, pressed to 4 mm and to 8 mm."""
+    rows = ["Specimen,Time [s],Displacement [mm],Force [N]"]
+    for label, name in (("A", "depth_4mm.csv"), ("B", "depth_8mm.csv")):
+        lines = workflow.EXAMPLES[name]().splitlines()
+        rows += [f"{label},{line}" for line in lines if line[:1].isdigit()]
+    path = tmp_path / "pair.csv"
+    path.write_text("\n".join(rows) + "\n")
+    return path
+
+
+def test_one_specimen_of_a_file_is_chosen_and_another_after_it(visit, pair):
+    page = visit(pair)
+    page.at.get_by_role("combobox", name="Specimen").select_option("B")
+    page.at.get_by_role("button", name="Read it so").click()
+    page.file("pair.csv [B]").filter(has_text="8.00 mm").wait_for()
+    page.done()
+    command = page.at.locator("#command")
+    assert command.inner_text() == "dashpot report pair.csv --file-part segment=2"
+    page.at.get_by_role("combobox", name="specimen", exact=True).select_option("A")
+    page.file("pair.csv [A]").filter(has_text="4.00 mm").wait_for()
+    page.done()
+    assert command.inner_text() == "dashpot report pair.csv --file-part segment=1"
+    page.at.reload()
+    page.file("pair.csv [A]").filter(has_text="4.00 mm").wait_for()
+    page.done()
+
+
+def test_all_specimens_of_a_file_are_compared_and_not_fitted_as_one(visit, pair):
+    page = visit(pair)
+    page.at.get_by_role("combobox", name="Specimen").select_option("all 2, each by itself")
+    page.at.get_by_role("button", name="Read it so").click()
+    page.file("pair.csv [A]").filter(has_text="4.00 mm").wait_for()
+    page.file("pair.csv [B]").filter(has_text="8.00 mm").wait_for()
+    page.done()
+    # the options of one would read the same specimen twice
+    assert not page.at.get_by_label("fit together").count()
+    page.at.get_by_role("tab", name="all 2").click()
+    page.done()
+    rows = page.at.get_by_role("table", name="All tests").get_by_role("row")
+    assert rows.filter(has_text="pair.csv [segment=1]").filter(has_text="4.00").count() == 1
+    assert rows.filter(has_text="pair.csv [segment=2]").filter(has_text="8.00").count() == 1
+    rows.get_by_role("button", name="pair.csv [segment=2]").click()
+    page.at.locator("#command").filter(has_text="segment=2").wait_for()
+
+
+def test_lot_row_opens_the_specimen_of_its_part(visit, pair):
+    pytest.importorskip("polars")
+    batch([pair], output=pair.parent / "lot", arms=2, jobs=1, quick=True)
+    page = visit()
+    page.at.locator("#folder-name").fill(str(pair.parent / "lot"))
+    page.at.locator("#folder-name").press("Enter")
+    for label, depth in (("B", "8.00 mm"), ("A", "4.00 mm")):
+        page.at.get_by_role("region", name="Lot").get_by_role("button", name=f"{label}]").click()
+        page.file(f"pair.csv [{label}]").filter(has_text=depth).wait_for()
+        page.done()
+        page.at.locator("#files .file").first.click()
+
+
+def test_compliance_of_the_machine_is_typed_and_stiffens_the_seal(visit, files):
+    page = visit(files / "seal_8mm.csv")
+    page.done()
+    command, typed = page.at.locator("#command"), page.at.get_by_label("Compliance")
+    rows = page.at.locator("#solid").get_by_role("row")
+
+    def stiffness():
+        return rows.filter(has_text="k∞").get_by_role("cell").first.inner_text()
+
+    before = stiffness()
+    for text, said in (("300", "300um/N"), ("0,3 mm/N", "300um/N"), ("0", "0um/N")):
+        typed.fill(text)
+        typed.press("Tab")
+        page.done()
+        command.filter(has_text=f"--machine compliance={said}").wait_for()
+        assert typed.input_value() == text.replace(",", ".")
+        assert (stiffness() == before) == (text == "0")
+    typed.fill("5 furlongs")
+    typed.press("Tab")
+    page.at.get_by_text("furlongs").first.wait_for()
+    typed.fill("")
+    typed.press("Tab")
+    page.done()
+    assert "--machine" not in command.inner_text()
+
+
 TOPMOST = """selector => [...document.querySelectorAll(selector)].map((words) => {
   const { left, right, top } = words.getBoundingClientRect();
   return [left + 2, right - 2].every((x) => document.elementFromPoint(x, top + 6) === words);
@@ -768,6 +854,7 @@ def test_typed_limits_are_compared_survive_a_reload_and_reach_the_report(visit, 
     page.at.keyboard.press("Tab")
     page.at.get_by_role("alert").filter(has_text="write 5% if that is meant").wait_for()
     assert not found.is_visible()
+    page.at.get_by_role("region", name="Verdict").click()  # in a field it undoes what was typed
     page.at.keyboard.press("Control+z")
     found.get_by_role("heading", name="Seal: misses 1 of 3 limits").wait_for()
     assert page.at.get_by_role("region", name="Verdict").inner_text() == verdict

@@ -89,6 +89,10 @@ def test_a_manifest_adds_its_files_and_its_labels_win(working_folder, monkeypatc
         ("file,lot\nb.csv,A\nb.csv,B\n", "test 2: b.csv is listed twice"),
         ("file,mass\nb.csv,104\n", "test 1: mass:"),
         ("file,mass\nb.csv,104mm\n", "test 1: mass:"),
+        ("file,machine\nb.csv,stiff\n", "test 1: machine: 'stiff'; expected a machine file"),
+        ("file,machine\nb.csv,stiffness=30N/mm\n", "test 1: machine: 'stiffness=30N/mm'; exp"),
+        ("file,machine\nb.csv,compliance=50um\n", "test 1: machine:"),
+        ("file,machine\nb.csv,gone.toml\n", "gone.toml"),
     ],
 )
 def test_a_manifest_that_is_none_says_where_and_what(working_folder, text, message):

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from kit.cld import press_cycles
 from kit.kinds import ARMS, MASS, STIFFNESS, files
+from kit.shell import did
 
 import dashpot as dp
 from dashpot.base.errors import DataError
+from dashpot.datamodel.machine import Machine
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.batch_run import batch
 from dashpot.extensions.batch.columns import AGAIN
@@ -73,6 +76,58 @@ def test_batch_row_of_every_kind_has_a_fit_or_a_reason(folder, name):
         assert result["k_inf_N_per_m"] is None
     if kind in {"impact", "frf"}:
         assert result["measured_Hz"] == pytest.approx(14.6, abs=0.1)
+
+
+def test_batch_row_is_fitted_with_the_machine_of_its_manifest(folder, tmp_path):
+    (tmp_path / "rig.toml").write_text('[machine]\ncompliance = "3e-4m/N"\n')
+    names = {"seal.csv": "", "a.csv": "compliance=0.3mm/N; sync=1ms", "b.csv": "rig.toml"}
+    whole = (folder / "seal.csv").read_text()
+    for name in names:
+        (tmp_path / name).write_text(whole)
+    lines = [f"{name},{machine}" for name, machine in names.items()]
+    (tmp_path / "tests.csv").write_text("\n".join(["file,machine", *lines]) + "\n")
+    made = batch(
+        (), manifest=tmp_path / "tests.csv", arms=1, jobs=1,
+        machine=Machine(compliance="0.1mm/N"),
+    )  # fmt: skip
+    found = {Path(entry["file"]).name: entry for entry in made.table.iter_rows(named=True)}
+    for name, machine in zip(names, ("0.1mm/N", "0.3mm/N", "0.3mm/N"), strict=True):
+        sync = "1ms" if name == "a.csv" else None
+        stated = Machine(compliance=machine, sync=sync)
+        test = read_relaxation(tmp_path / name).prepare(machine=stated)
+        assert found[name]["k_inf_N_per_m"] == fit_tests(test, arms=1).model.k_inf
+    assert found["a.csv"]["k_inf_N_per_m"] != found["seal.csv"]["k_inf_N_per_m"]
+
+
+@pytest.mark.parametrize("name", sorted(set(files()) - {"trios.txt"}))
+def test_batch_row_is_refused_for_a_machine_that_its_kind_ignores(folder, name):
+    """A row says what it was asked for in vain: no option does nothing."""
+    stated = replace(ONE_ARM, machine=Machine(compliance="50um/N"))
+    result = row_of(Entry(str(folder / name)), stated)
+    if result["outcome"] == "refused":
+        assert "--machine" in result["reason"]
+    else:
+        assert result["outcome"] == "other" or result["kind"] == "relaxation"
+    cable = Entry(str(folder / name), machine='{"cable": 0.01}')
+    assert "--joint" in row_of(cable)["reason"] or result["outcome"] == "other"
+
+
+def test_batch_of_python_writes_what_the_command_writes(folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "seal.csv").write_text((folder / "seal.csv").read_text())
+    made = dp.batch("seal.csv", to="lot", arms=1, jobs=1)
+    names = ["lot.csv", "lot.html", "lot.json", "lot.xlsx"]
+    by_python = {name: (tmp_path / "lot" / name).read_bytes() for name in names}
+    assert by_python["lot.csv"].decode() == made.csv()
+    did("batch", "seal.csv", "-o", "lot", "--arms", "1", "--jobs", "1")
+    assert (tmp_path / "lot" / "lot.csv").read_bytes() == by_python["lot.csv"]
+    assert (tmp_path / "lot" / "lot.html").read_bytes() == by_python["lot.html"]
+    # without a folder nothing is written
+    dp.batch("seal.csv", arms=1, jobs=1)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["lot", "seal.csv"]
+    (tmp_path / "lot" / "lot.csv").write_text("my own table\n")
+    with pytest.raises(dp.ExportError, match="was not written by dashpot"):
+        dp.batch("seal.csv", to="lot", arms=1, jobs=1)
 
 
 def test_quick_batch_row_evaluates_no_checks(folder, monkeypatch):

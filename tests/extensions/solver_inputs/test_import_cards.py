@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kit.fits import a_fit
 from kit.shell import did, ran, run_json
 
 import dashpot as dp
@@ -18,7 +19,11 @@ from dashpot.extensions.solver_inputs.cards.card import ViscoelasticCard, parse_
 from dashpot.extensions.solver_inputs.cards.imported_model import import_card
 from dashpot.extensions.solver_inputs.cards.lsdyna_cards import read_lsdyna_cards
 from dashpot.extensions.solver_inputs.cards.nastran_cards import parse_bulk_data
-from dashpot.extensions.solver_inputs.cards.read_cards import read_cards, select_card
+from dashpot.extensions.solver_inputs.cards.read_cards import (
+    read_cards,
+    read_stated_units,
+    select_card,
+)
 from dashpot.extensions.solver_inputs.cards.testable_arms import find_testable_arms
 from dashpot.planning.planned_ramp_hold import Bench
 from dashpot.solids.demo_seals import PAPER
@@ -395,7 +400,7 @@ def test_an_imported_model_has_a_text_a_page_and_a_figure(folder):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (("seal.k",), "--unit-system"),
+        (("rubber.inp",), "--unit-system"),
         (("rubber.inp", "--unit-system", "SI", "--relative-noise", "-1"), "relative_noise = -1"),
         (("rubber.inp", "--unit-system", "SI", "--card", "STEEL"), "no card 'STEEL'"),
     ],
@@ -452,3 +457,79 @@ def test_matve_that_is_written_is_read():
     read = import_text(deck + "MAT1,1,2.0,,.4995\n").model
     assert np.array(read.k) / read.k_0 == pytest.approx(np.array(model.k) / 2.0, rel=1e-4)
     assert read.tau == pytest.approx(model.tau, rel=1e-4)
+
+
+@pytest.mark.parametrize("units", sorted(UNIT_SYSTEMS))
+@pytest.mark.parametrize("target", ["abaqus", "calculix", "nastran", "optistruct"])
+@pytest.mark.parametrize(
+    "model",
+    [
+        TABLE_1,
+        GeneralizedMaxwell(196.5, (117.5,), (0.50213,)),
+        GeneralizedMaxwell(196.5, (60.0, 60.0), (0.5, 0.5), b=3.0),
+    ],
+    ids=["two arms", "one arm", "a dashpot beside equal arms"],
+)
+def test_deck_of_arms_is_read_back_in_the_units_that_it_states(target, units, model):
+    """Springs and dashpots as dashpot writes them, without a word on their units."""
+    deck = TARGETS[target](a_fit(model), form="arms", units=units, allow=("all",))
+    system = read_stated_units(deck, "deck", None)
+    assert system.name == units
+    (card,) = read_cards(deck, "deck", system, None)
+    found = card.convert_to_model(system, None)
+    expected = model.complex_stiffness(frequency=HERTZ)
+    np.testing.assert_allclose(found.complex_stiffness(frequency=HERTZ), expected, rtol=1e-8)
+
+
+def test_units_that_contradict_a_deck_are_refused():
+    deck = TARGETS["nastran"](a_fit(TABLE_1), form="arms", units="SI", allow=("all",))
+    assert read_stated_units(deck, "deck", "SI").name == "SI"
+    with pytest.raises(dp.ExportError, match=r"deck says UNITS: SI, and --unit-system mm-t-s"):
+        read_stated_units(deck, "deck", "mm-t-s")
+    with pytest.raises(dp.ExportError, match="names no units"):
+        read_stated_units(ABAQUS, "deck", None)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("CELAS2,1,2.0,1,1,2,1\nCDAMP2,2,3.0,2,1,3,1\n", "join 3 points"),
+        ("SPOINT,7\nCELAS2,1,2.0,1,1,7\nCELAS2,2,2.0,2,1,7\nCDAMP2,3,1.0,1,1,2,1\n", "point 7"),
+        ("SPOINT,7,8\nCELAS2,1,2.0,1,1,7\nCELAS2,2,2.0,2,1,8\nCDAMP2,3,1.0,7,,8\n", "neither"),
+        (
+            "*ELEMENT, TYPE=SPRINGA, ELSET=K\n1, 1, 2\n*SPRING, ELSET=K, NONLINEAR\n0., 0.\n",
+            "has a table",
+        ),
+        (
+            "*ELEMENT, TYPE=SPRINGA, ELSET=K\n1, 1, 2\n*ELEMENT, TYPE=DASHPOTA, ELSET=B\n2, 1, 2\n",
+            r"its \*SPRING is missing",
+        ),
+    ],
+)
+def test_another_network_of_springs_and_dashpots_is_refused(text, message):
+    with pytest.raises(ReadError, match=message):
+        read_cards(text, "deck", MM_T_S, None)
+
+
+def test_component_selects_the_springs_of_a_direction():
+    rows = [
+        f"SPOINT,{7 + c}\nCELAS2,{c}1,{c}.0,1,{c},2,{c}\nCELAS2,{c}2,2.0,1,{c},{7 + c}\n"
+        f"CDAMP2,{c}3,1.0,2,{c},{7 + c}\n"
+        for c in (1, 3)
+    ]
+    for component in (1, 3):
+        (card,) = read_cards("".join(rows), "deck", MM_T_S, component)
+        assert card.spring == GeneralizedMaxwell(float(component), (2.0,), (0.5,))
+    with pytest.raises(ReadError, match="join 4 points"):
+        read_cards("".join(rows), "deck", MM_T_S, None)
+
+
+def test_springs_of_a_structure_leave_its_card_as_it_is():
+    springs = (
+        "*ELEMENT, TYPE=SPRINGA, ELSET=K\n1, 1, 2\n2, 5, 9\n*SPRING, ELSET=K\n\n2.\n"
+        "*ELEMENT, TYPE=DASHPOTA, ELSET=B\n3, 1, 7\n*DASHPOT, ELSET=B\n\n1.\n"
+    )
+    assert read_card(ABAQUS + springs) == read_card(ABAQUS)
+    bush = "PBUSH,1,K,200.\n,B,3.\n"
+    elements = "CELAS2,1,2.0,1,1,2,1\nCDAMP2,2,3.0,2,1,3,1\n"
+    assert read_card(bush + elements) == read_card(bush)

@@ -34,7 +34,7 @@ def build_lot_row(
     ReadError, DataError, FitError
         If it cannot be read or fitted.
     """
-    result = level_files((file,), options=lot_specimen.options)
+    result = level_files((file,), options=lot_specimen.options, machine=lot_specimen.machine)
     record: Any = result.records[0]
     sweep = sweep_of_loops(record)
     top = sweep.only(sweep.amplitude >= sweep.amplitude.max() / _SAME_AMPLITUDE_FACTOR)

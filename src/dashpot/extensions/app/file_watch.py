@@ -73,7 +73,7 @@ class FileWatch:
         if path.stat().st_size > LIMIT:
             return row | {"state": "gone"}
         name = self._store.put_file(path)
-        if name == identity:  # touched, and the same
+        if identity.startswith(name):  # touched, and the same
             return row
         return row | {"state": "changed", "new": {"id": name, "name": path.name}}
 

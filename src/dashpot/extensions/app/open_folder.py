@@ -14,13 +14,13 @@ from typing import Any
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.number_format import format_count
 from dashpot.extensions.app import recent, wire_format
-from dashpot.extensions.app.request_parsing import page_of
-from dashpot.extensions.app.upload_store import LIMIT, Store, get_file_stamp
+from dashpot.extensions.app.request_parsing import page_of, parse_selection, word
+from dashpot.extensions.app.upload_store import LIMIT, Store, get_file_stamp, identify_specimen
 from dashpot.reading.raw_file import open_raw
 from dashpot.registry import require_handler
 
 COLUMNS = (
-    "file", "sha256", "lot", "seal", "repeat", "k_end_N_per_m", "k_end_low_N_per_m",
+    "file", "part", "sha256", "lot", "seal", "repeat", "k_end_N_per_m", "k_end_low_N_per_m",
     "k_end_high_N_per_m", "k_inf_N_per_m", "verdict", "outcome", "reason",
 )  # fmt: skip
 """What the page shows of a row."""
@@ -49,29 +49,35 @@ def get_recent_folders(_: Mapping[str, Any], __: Path) -> bytes:
 
 def row(request: Mapping[str, Any], folder: Path) -> bytes:
     """One test of a lot, to be opened as a file with the choices that its row was made by."""
-    place, wanted = _parse_folder(request), request.get("sha256")
-    entries = [row for row in _rows(place) if row["sha256"] == wanted]
+    place, wanted, part = _parse_folder(request), request.get("sha256"), word(request, "part")
+    entries = [
+        row for row in _rows(place) if row["sha256"] == wanted and (row.get("part") or "") == part
+    ]
     if not entries:
         raise DataError(f"{place} has no test with that hash")
     one = entries[0]
+    # behind the name of the file stands which of its specimens a row is of
+    file = one["file"].rpartition(f" [{part}")[0] if part else one["file"]
     path, stamp, raw = next(
         (
             (path, stamp, raw)
-            for path in _places(place, one["file"])
+            for path in _places(place, file)
             if (stamp := get_file_stamp(path)) and (raw := _read_verified_bytes(path, wanted))
         ),
         (None, None, None),
     )
     if path is None or raw is None:
         raise ReadError(
-            f"{one['file']} is not there any more, or is not what it was: start the app where the "
+            f"{file} is not there any more, or is not what it was: start the app where the "
             "batch was run"
         )
-    name = Path(one["file"]).name
+    identity = identify_specimen(_put(folder, path, stamp, raw), part)
+    brought = {"id": identity, "name": path.name, "options": parse_selection(part)}
+    if part:
+        label = one["file"].rpartition(f" [{part}")[2].strip(" ]")
+        brought["specimen"] = label or part.rpartition("=")[2]
     choices = {"arms": one["arms"] or "auto", "method": one["method"] or "full"}
-    return wire_format.encode_message(
-        {"files": [{"id": _put(folder, path, stamp, raw), "name": name}], "job": choices}
-    )
+    return wire_format.encode_message({"files": [brought], "job": choices})
 
 
 def _parse_folder(request: Mapping[str, Any]) -> Path:
@@ -126,7 +132,7 @@ def _lot(place: Path) -> dict[str, Any]:
     """Return the table of a lot; what is no number is null."""
     lot = require_handler("read", "lot")(place)
     rows = [
-        [_finite(iter_row[name]) for name in COLUMNS]
+        [_finite(iter_row.get(name)) for name in COLUMNS]
         for iter_row in lot.table.iter_rows(named=True)
     ]
     outcomes = ", ".join(f"{count} {name}" for name, count in lot.outcomes.items())

@@ -15,8 +15,8 @@ from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.fit import Fit, list_known_values
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.extensions.app import result_cache, view_models, wire_format
-from dashpot.extensions.app.command_lines import line
-from dashpot.extensions.app.request_parsing import get_list, job_of, sizes_of
+from dashpot.extensions.app.command_lines import line, words_of
+from dashpot.extensions.app.request_parsing import get_list, job_of, sizes_of, word
 from dashpot.plot.picture import Line, Mark, Panel, Pen, Scale
 from dashpot.plot.plotted_data import compute_padded_limits, downsample_to_means
 from dashpot.plot.relaxation import SINCE_RAMP
@@ -92,14 +92,16 @@ def overlay(request: Mapping[str, Any], folder: Path) -> bytes:
 
 def _fit_test(options: Any, folder: Path) -> OverlaidTest:
     job = result_cache.select_fit_choices(job_of(options, folder))
-    path = Path(job.relaxation)
-    send_progress(f"fitting {path.name}")
+    file, name = word(options, "relaxation"), Path(job.relaxation).name
+    selection = words_of(job.reading, "sheet", "segment")[1::2]
+    name = f"{name} [{','.join(selection)}]" if selection else name
+    send_progress(f"fitting {name}")
     try:
         fit = result_cache.fit_job(job, True, None)
         prepared = result_cache.select_shown_test(job, fit)[1]
     except DashpotError as error:
-        return OverlaidTest(path.name, path.parent.name, job, None, None, str(error))
-    return OverlaidTest(path.name, path.parent.name, job, fit, prepared)
+        return OverlaidTest(name, file, job, None, None, str(error))
+    return OverlaidTest(name, file, job, fit, prepared)
 
 
 def _format_message(tests: Sequence[OverlaidTest], median: float) -> str:

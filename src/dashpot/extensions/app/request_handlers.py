@@ -30,8 +30,15 @@ from dashpot.extensions.app import (
 )
 from dashpot.extensions.app.command_lines import FIT, line, predict_command
 from dashpot.extensions.app.limits_panel import judge_limits
-from dashpot.extensions.app.request_parsing import job_of, number, part, sizes_of, word
-from dashpot.extensions.app.upload_store import path_in
+from dashpot.extensions.app.request_parsing import (
+    job_of,
+    number,
+    parse_selection,
+    part,
+    sizes_of,
+    word,
+)
+from dashpot.extensions.app.upload_store import identify_specimen, path_in
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.read_options import ReadOptions
@@ -77,9 +84,13 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     head = view_models.file_row(inspection)
     head["long"] = inspection.rows > result_cache.MAX_QUICK_SAMPLES
     head |= _get_kind_fields(inspection.kind)
+    head["specimens"] = _list_specimens(path, inspection, options)
     if head["mark"] != "good" or view_models.place_of(inspection) in {"", "part"}:
         head["asked"] = view_models.render_column_questions(
-            inspection, _list_unit_consequences(path, inspection, options), options.rate
+            inspection,
+            _list_unit_consequences(path, inspection, options),
+            options.rate,
+            head["specimens"],
         )
     return wire_format.encode_message({**head, "name": path.name})
 
@@ -101,6 +112,24 @@ def _get_kind_fields(kind: str) -> dict[str, Any]:
         "asks": view_models.make_form_fields(asks_of(kind_row.name)),
         "alone": kind_row.takes_one_file,
     }
+
+
+def _list_specimens(
+    path: Path, inspection: InspectedFile, options: ReadOptions
+) -> list[dict[str, Any]]:
+    """Return the specimens of which a file asks one: identity, label and options of each."""
+    sheet = options.sheet or ""
+    return [
+        {
+            "id": identify_specimen(
+                path.parent.name, f"sheet={sheet},{selection}" if sheet else selection
+            ),
+            "label": ", ".join(filter(None, (sheet, name or selection.partition("=")[2]))),
+            "options": parse_selection(selection),
+        }
+        for question in inspection.questions
+        for name, selection in question.answers
+    ]
 
 
 def _list_unit_consequences(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, Field, fields
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any, TypeVar
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.option_fields import is_path_field, require_choice
 from dashpot.base.units import convert_to_si, si_range
+from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.app.command_lines import note_file, texts_of
 from dashpot.extensions.app.upload_store import path_in
@@ -111,6 +113,16 @@ def _single(field: Field[Any], value: Any, folder: Path) -> Any:
     return number(value, name) if isinstance(field.default, float) else word({name: value}, name)
 
 
+def parse_selection(selection: str) -> dict[str, Any]:
+    """Return the reading options by which a specimen of a file is selected, from their words.
+
+    >>> parse_selection("sheet=Seals, new,segment=2")
+    {'sheet': 'Seals, new', 'segment': 2}
+    """
+    pairs = (word.partition("=") for word in re.split(r",(?=(?:sheet|segment)=)", selection))
+    return {key: int(value) if key == "segment" else value for key, _, value in pairs if key}
+
+
 def page_of(job: Job) -> dict[str, Any]:
     """Return the choices of a job as a page says them: what :func:`job_of` takes back exactly."""
     stated = convert_to_request(job)
@@ -148,7 +160,7 @@ def _get_changed_fields(result: Any) -> dict[str, Any]:
         if value == field.default:
             continue
         stated[field.name] = dict(value) if field.name == "units" else value
-        if isinstance(result, Specimen):
+        if isinstance(result, Specimen | Machine):
             stated[field.name] = _format_field(field, value)
     return stated
 

@@ -75,10 +75,11 @@ def resume(store: Store) -> dict[str, Any]:
         (file,) = (place_of(_FILES) / entry["id"]).iterdir()
         path, *stamp = entries.get("origins", {}).get(entry["id"], [""])
         # what changed on disk since is found so by the first look
-        entry["id"] = store.put(
+        identity = store.put(
             file.name, file.read_bytes(), origin=Path(path) if path else None,
             stamp=tuple(stamp), modified=file.stat().st_mtime,
         )  # fmt: skip
+        entry["id"] = identity + entry["id"][len(identity) :]
     return state
 
 

@@ -23,7 +23,10 @@ MAX_NAME_BYTES = 240
 """Bytes of a name, at most: its start is kept, and its end, which says the format."""
 _NAMED, _LOCK = "dashpot-", ".lock"
 """How the folder of a server is named, and what in it says that the server lives."""
-_ID = re.compile(r"[0-9a-f]{16}")
+_ID = re.compile(r"([0-9a-f]{16})(?:-[0-9a-f]{8})?")
+"""An identity; what stands behind a dash says which specimen of the file is meant."""
+_DIGITS = 16
+"""Of the identity of a file."""
 _ORIGINS = "origins"
 """Folder that says from where on this machine a file was read; no identity is called so."""
 
@@ -138,7 +141,7 @@ class Store:
     def get_origin(self, identity: str) -> tuple[Path, tuple[int, ...]] | None:
         """Return where a file was read and its stamp then; None of one that a page sent."""
         try:
-            words = (self.folder / _ORIGINS / identity).read_text(encoding="utf-8")
+            words = (self.folder / _ORIGINS / identity[:_DIGITS]).read_text(encoding="utf-8")
         except FileNotFoundError:
             return None
         path, stamp = json.loads(words)
@@ -194,6 +197,16 @@ def remove_stale_stores() -> None:
             shutil.rmtree(lock.parent)
 
 
+def identify_specimen(identity: str, selection: str) -> str:
+    """Return the identity of one specimen of a file, by what ``--file-part`` takes for it.
+
+    >>> identify_specimen("0123456789abcdef", "segment=2")
+    '0123456789abcdef-96161ca6'
+    """
+    digest = hashlib.sha256(selection.encode()).hexdigest()
+    return f"{identity[:_DIGITS]}-{digest[:8]}" if selection else identity[:_DIGITS]
+
+
 def path_in(folder: Path, identity: object) -> Path:
     """Return the file of an identity.
 
@@ -202,8 +215,9 @@ def path_in(folder: Path, identity: object) -> Path:
     ReadError
         If there is none.
     """
-    if isinstance(identity, str) and _ID.fullmatch(identity):
-        paths = [*(folder / identity).glob("*")]
+    match = _ID.fullmatch(identity) if isinstance(identity, str) else None
+    if match:
+        paths = [*(folder / match[1]).glob("*")]
         if paths:
             return paths[0]
     raise ReadError("this file is no longer here: open it again")

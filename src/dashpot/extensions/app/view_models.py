@@ -808,7 +808,9 @@ def _format_file_line(inspection: InspectedFile) -> str:
         ramp, hold = round_to_error(ready.ramp_time), round_to_error(ready.hold_time)
         return f"{format_cell(ready.depth, 'mm')} mm, {ramp} s, {hold} s"
     if inspection.questions:
-        return "asks: " + ("a unit" if "--units" in inspection.questions[0].option else "a column")
+        question = inspection.questions[0]
+        unit = "a unit" if "--units" in question.option else "a column"
+        return f"asks: {'a specimen' if question.answers else unit}"
     if place_of(inspection) in _SEPARATE_PLACES:
         return _refusal(inspection) or KINDS_OF_FILE[inspection.kind].label
     return inspection.refusal or inspection.reason
@@ -848,11 +850,15 @@ class UnitImplication(NamedTuple):
 
 
 def render_column_questions(
-    result: InspectedFile, consequences: Sequence[UnitImplication], rate: float | None
+    result: InspectedFile,
+    consequences: Sequence[UnitImplication],
+    rate: float | None,
+    specimens: Sequence[Mapping[str, Any]],
 ) -> str:
     """Return the first rows with roles and units to choose, and what is to be answered.
 
-    The sampling rate, Hz, is asked for where no column is the time, or one was given.
+    The sampling rate, Hz, is asked for where no column is the time, or one was given; of several
+    specimens one is to be chosen, or all.
     """
     words: dict[str, list[str]] = {}
     for unit in units.TABLE.values():
@@ -863,4 +869,5 @@ def render_column_questions(
         units=words, consequences=consequences, on_page=format_for_page, rate=rate,
         timeless=rate is not None or any(question.role == "time" for question in result.questions),
         rows=list(zip(*(column.first for column in result.columns), strict=False)),
+        specimens=specimens,
     )  # fmt: skip

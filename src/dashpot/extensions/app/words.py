@@ -15,6 +15,8 @@ def format_for_page(sentence: str) -> str:
 
     >>> format_for_page("no unit of force; add --units force=N, or write it into the header")
     'no unit of force'
+    >>> format_for_page("two tests; choose one (--file-part), or --rate 1Hz: dashpot batch FILE")
+    'two tests'
     >>> format_for_page("widen --band")
     'widen the choice on this page'
     """
@@ -22,9 +24,11 @@ def format_for_page(sentence: str) -> str:
         return sentence
     bare = _BRACKETS.sub(lambda match: "" if _OPTION.search(match[0]) else match[0], sentence)
     parts = _PARTS.split(bare)
-    retained = [parts[0]]
+    retained, is_left_out = [parts[0]], False
     for sign, part in zip(parts[1::2], parts[2::2], strict=True):
-        if not _OPTION.search(part):
+        # what follows a colon is of what stands before it
+        is_left_out = bool(_OPTION.search(part)) or (is_left_out and sign == ": ")
+        if not is_left_out:
             retained += [sign, part]
     if _OPTION.search(retained[0]):
         retained = retained[2:] or retained

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from inspect import signature
+from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, get_overloads, overload
 
@@ -17,6 +18,7 @@ from dashpot.base.units import Dimension, Quantity
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from dashpot.datamodel.machine import Machine
     from dashpot.extensions.batch.arrays.fit_many import BatchFit
     from dashpot.extensions.batch.comparison import LotComparison
     from dashpot.extensions.batch.lot import Lot
@@ -44,6 +46,7 @@ def batch(
     compression: Quantity | Sequence[Quantity] = (),
     length: Quantity | None = None,
     radius: Quantity | None = None,
+    machine: Machine | None = None,
     by: str | None = None,
     manifest: Place | None = None,
     pair: str | None = None,
@@ -73,11 +76,14 @@ def batch(what: Any, /, **options: Any) -> Any:
     what : path or sequence of path; or array, shape (R, M)
         Files, folders and patterns; or forces, N, one record a row.
     to : path, optional
-        Folder of the lot; a second run makes only the rows that are missing.
+        Folder of the lot, with lot.csv, lot.xlsx, lot.json and its page lot.html as the command
+        writes them; a second run makes only the rows that are missing.
     jobs : int, optional
         Processes side by side.
     arms, method, mass, seals, joint, pair, by, manifest, frequency, compression
         As ``dashpot batch --help`` has them.
+    machine : Machine, optional
+        On which the tests were made.
     time, displacement : array
         Of arrays: their clock, and the displacement of all; or `ramp`, depth and ramp time.
     units : str
@@ -127,6 +133,7 @@ def _fit_files(
     compression: Quantity | Sequence[Quantity] = (),
     length: Quantity | None = None,
     radius: Quantity | None = None,
+    machine: Machine | None = None,
     by: str | None = None,
     manifest: Place | None = None,
     pair: str | None = None,
@@ -136,11 +143,19 @@ def _fit_files(
 ) -> Lot:
     from dashpot.extensions.batch.batch_run import batch as run_batch
 
-    return run_batch(
+    lot = run_batch(
         paths, output=to, arms=arms, method=method, quick=quick, mass=mass, seals=seals,
-        at=frequency, compression=compression, length=length, radius=radius, by=by,
-        manifest=manifest, pair=pair, joint=joint, jobs=jobs, scheduler=scheduler,
+        at=frequency, compression=compression, length=length, radius=radius,
+        machine=machine, by=by, manifest=manifest, pair=pair, joint=joint, jobs=jobs,
+        scheduler=scheduler,
     )  # fmt: skip
+    if to is not None:
+        from dashpot.extensions.batch.lot_output import write_lot  # figures and pages take time
+        from dashpot.extensions.batch.summary import summary
+        from dashpot.workflow.outputs import Outputs
+
+        write_lot(Path(to), summary(lot, quantity=lot.main), write=Outputs().write)
+    return lot
 
 
 def _fit_arrays(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,6 +13,8 @@ from dashpot.base import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method, copy_option, make_nested_options, option
 from dashpot.base.units import Dimension, Quantity, convert_to_si, si_fields
+from dashpot.datamodel.machine import Machine, MachineCalibration
+from dashpot.extensions.batch.input_files import Entry
 from dashpot.reading.raw_file import open_raw
 from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.job import Job
@@ -35,6 +38,14 @@ def several(
 def _positive(name: str, value: float, unit: str = "", *, expected: str = "a number") -> None:
     if not 0 < value < math.inf:
         raise DataError(f"{name} = {value!r}{unit}; expected {expected} > 0")
+
+
+def make_machine(values: dict[str, Any]) -> Machine:
+    """Return a machine from plain values of JSON."""
+    calibration = values.get("calibration")
+    if calibration is None:
+        return Machine(**values)
+    return Machine(**(values | {"calibration": MachineCalibration(**calibration)}))
 
 
 @dataclass(frozen=True)
@@ -64,6 +75,8 @@ class BatchOptions:
         Contact length of each specimen, m: load deflection is then per 100 mm.
     radius : float or None
         Of an indenter's tip, m: a hit then has a modulus.
+    machine : Machine
+        On which the tests were made, where the manifest gives a test none of its own.
     """
 
     arms: int | Literal["auto"] = copy_option(Job, "arms")
@@ -88,6 +101,7 @@ class BatchOptions:
         None, "Contact length of each specimen, e.g. 100mm.", unit="length"
     )
     radius: float | None = option(None, "Radius of an indenter's tip.", unit="length")
+    machine: Machine = make_nested_options(Machine)
 
     def __post_init__(self) -> None:
         si_fields(self)
@@ -105,6 +119,7 @@ class BatchOptions:
             object.__setattr__(self, name, results)
             for result in results:
                 _positive(name, result, expected="numbers")
+        _refuse_unused_cable(self.machine, joint=self.joint)
         if self.joint and self.quick:
             raise DataError(
                 "--joint weights relaxation and hammer test by errors, which --quick leaves out"
@@ -127,11 +142,26 @@ class BatchOptions:
             name: ReadOptions(**(values[name] | {"units": dict(values[name]["units"])}))
             for name in ("reading", "reading_impact")
         }
-        return BatchOptions(**(values | options))
+        return BatchOptions(**(values | options | {"machine": make_machine(values["machine"])}))
 
     def calibration(self) -> str:
         """Return the hash of the calibration that the readings are turned by; empty without one."""
         path = self.reading.calibration
         return (
             "" if path is None else hashlib.sha256(open_raw(Path(path)).head(1 << 20)).hexdigest()
+        )
+
+
+def find_test_machine(entry: Entry, choices: BatchOptions) -> Machine:
+    """Return the machine on which a test was made: its own, or that of all tests."""
+    machine = make_machine(json.loads(entry.machine)) if entry.machine else choices.machine
+    _refuse_unused_cable(machine, joint=choices.joint)
+    return machine
+
+
+def _refuse_unused_cable(machine: Machine, *, joint: bool) -> None:
+    if machine.cable is not None and not joint:
+        raise DataError(
+            "--machine cable= is of the hammer's rig, and the row of a test takes it with --joint "
+            "alone. Add --joint, or leave it out"
         )

@@ -18,6 +18,7 @@ from dashpot.base.option_fields import Method
 from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import Quantity, convert_to_si
+from dashpot.datamodel.machine import Machine
 from dashpot.extensions.batch.batch_options import BatchOptions, several
 from dashpot.extensions.batch.executors import open_executor
 from dashpot.extensions.batch.input_files import LOG, Entry, find_entries
@@ -120,6 +121,7 @@ def batch(
     compression: Quantity | Sequence[Quantity] = (),
     length: Quantity | None = None,
     radius: Quantity | None = None,
+    machine: Machine | None = None,
     by: str | None = None,
     manifest: str | Path | None = None,
     pair: str | None = None,
@@ -159,12 +161,14 @@ def batch(
         Contact length of each specimen, m: load deflection is then per 100 mm.
     radius : float, optional
         Of an indenter's tip, m; `mass` is then the indenter's.
+    machine : Machine, optional
+        On which the tests were made; the manifest may give each test its own.
     by : str, optional
         A regular expression for the path, whose groups are lot, seal, repeat, operator and date:
         ``r"lot(\w+)_seal(\d+)_rep(\d+)"``; named groups may stand in any order.
     manifest : path, optional
         CSV or TOML with the columns file, lot, seal, repeat, operator, date, temperature, mass,
-        hammer, hammer_temperature.
+        hammer, hammer_temperature, machine.
     pair : str, optional
         The pattern of the hammer's files of a test, seen from its folder:
         ``"{stem}_hammer*.csv"``, with {lot}, {seal} and {repeat} too. They are no rows of their
@@ -199,6 +203,7 @@ def batch(
         several(compression, "length"),
         convert_to_si(length, "length"),
         convert_to_si(radius, "length"),
+        machine or Machine(),
     )
     path_list = (paths,) if isinstance(paths, str | Path) else tuple(paths)
     with _folder(output) as folder:

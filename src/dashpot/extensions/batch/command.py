@@ -67,7 +67,7 @@ def command(*, paths: tuple[str, ...], watch: bool, dry_run: bool, **said: Any) 
         planned = plan_batch(batch_job)
         return CommandResult(planned, Text(_format_plan(planned)))
     summary = summarise_lot(batch_job, run_batch(batch_job))
-    write_lot(batch_job, summary)
+    write_lot(batch_job.output, summary, batch_job.quantity)
     return make_command_result(batch_job, summary)
 
 
@@ -79,7 +79,10 @@ def _watch_folder(batch_job: BatchJob) -> CommandResult:
         raise click.UsageError("--watch looks at one folder, such as: dashpot batch rig/ --watch")
     with suppress(ValueError):  # not the main thread of whoever calls
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-    lot = watch_batch(batch_job, lambda lot: write_lot(batch_job, summarise_lot(batch_job, lot)))
+    lot = watch_batch(
+        batch_job,
+        lambda lot: write_lot(batch_job.output, summarise_lot(batch_job, lot), batch_job.quantity),
+    )
     if lot is None:
         text = "stopped before a table was made; the same command goes on from there"
         return CommandResult(LotOutput(str(batch_job.output)), Text([text]))

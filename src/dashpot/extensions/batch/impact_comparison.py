@@ -11,7 +11,7 @@ from dashpot.base.provenance import SIMULATED, Source
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.extensions.batch.batch_options import BatchOptions
+from dashpot.extensions.batch.batch_options import BatchOptions, find_test_machine
 from dashpot.extensions.batch.input_files import Entry
 from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.vibration.mass_on_seals import MassOnSeals
@@ -56,10 +56,12 @@ def compare_with_hammer(
     if choices.joint and isinstance(record, RampHold):
         at = find_static_equilibrium(fit, mass_on_seals).point.compression
         from dashpot.fitting.identification.identify import identify
+        from dashpot.fitting.identification.prior_knowledge import HammerRig
 
         fit = identify(
-            frf, tests=(record,), fit=fit, mass=mass, seals=choices.seals, compression=at
-        )
+            frf, tests=(record,), fit=fit, mass=mass, seals=choices.seals, compression=at,
+            rig=HammerRig().with_machine(find_test_machine(entry, choices)),
+        )  # fmt: skip
         _, comparison = compare_with_measured(fit, frf, mass_on_seals)
     verdict_with_hammer = verdict((*frf.checks, *comparison.checks), headline=comparison.message)
     numbers |= {

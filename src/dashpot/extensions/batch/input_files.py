@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import glob
 import hashlib
+import json
 import os
 import re
 import sys
@@ -14,18 +15,22 @@ from pathlib import Path
 from string import Formatter
 from typing import Any
 
-from dashpot.base.errors import DataError, ReadError
+from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.file_writing import validate_path
+from dashpot.base.option_fields import iterate_option_fields, key_of
+from dashpot.base.serialisation import to_plain_value
 from dashpot.base.units import Dimension, parse_quantity
 from dashpot.base.version import is_ours, is_record
+from dashpot.datamodel.machine import Machine
 from dashpot.reading.raw_file import missing, open_raw
 from dashpot.reading.toml import Section, parsed_toml
+from dashpot.registry import find_handler
 
 LABELS = ("lot", "seal", "repeat", "operator", "date")
 _QUANTITIES: dict[str, Dimension] = {
     "temperature": "temperature", "mass": "mass", "hammer_temperature": "temperature",
 }  # fmt: skip
-_KNOWN = ("file", *LABELS, "temperature", "mass", "hammer", "hammer_temperature")
+_KNOWN = ("file", *LABELS, "temperature", "mass", "hammer", "hammer_temperature", "machine")
 _MANIFEST = 1 << 26
 """Bytes of the largest manifest."""
 _HEAD = 1 << 12
@@ -87,6 +92,8 @@ class Entry:
         Of the seals under the hammer, K; None where it is the test's.
     date : str
         Of the test, as it was said; empty where nobody did.
+    machine : str
+        On which it was made, as JSON; empty where nobody said.
     aside : str
         Why it is not read; empty of what is.
     """
@@ -102,6 +109,7 @@ class Entry:
     hammer_temperature: float | None = None
     aside: str = ""
     date: str = ""
+    machine: str = ""
 
     @staticmethod
     def from_plain(values: dict[str, Any]) -> Entry:
@@ -451,6 +459,8 @@ def _manifest(text: str | Path | None) -> dict[str, dict[str, Any]]:
     for number, row in enumerate(rows, start=1):
         location = f"{path}, test {number}"
         file, values = _parse_manifest_row(location, row)
+        if "machine" in values:
+            values["machine"] = _parse_machine(location, values["machine"], path.parent)
         if str(path.parent / file) in entries:
             raise ReadError(f"{location}: {file} is listed twice; keep one")
         values["hammer"] = tuple(str(path.parent / value) for value in values.get("hammer", ()))
@@ -477,6 +487,35 @@ def _parse_manifest_row(location: str, row: Any) -> tuple[str, dict[str, Any]]:
             raise ReadError(f"{location}: {name}: {error}") from None
     values["hammer"] = _parse_text_list(entries.get("hammer"))
     return file, values
+
+
+def _parse_machine(location: str, text: str, folder: Path) -> str:
+    """Return a machine as JSON: of ``compliance=33um/N;sync=1ms``, or of a machine file."""
+    try:
+        if text.endswith(".toml"):
+            machine = Machine(**find_handler("read option", "--machine")(str(folder / text)))
+        else:
+            machine = Machine(**_parse_machine_fields(text))
+    except DashpotError as error:
+        raise ReadError(f"{location}: machine: {error}") from None
+    # one text for all tests of a machine: there may be many
+    return sys.intern(json.dumps(to_plain_value(machine), sort_keys=True))
+
+
+def _parse_machine_fields(text: str) -> dict[str, Any]:
+    known = {key_of(field): field for field in iterate_option_fields(Machine)}
+    fields: dict[str, Any] = {}
+    for part in filter(None, map(str.strip, re.split(r"[;,](?=\s*[A-Za-z][\w -]*=)", text))):
+        key, _, value = part.partition("=")
+        field = known.get(re.sub(r"[ _]", "-", key.strip().lower()))
+        if field is None or not value.strip():
+            raise DataError(
+                f"'{part}'; expected a machine file (.toml), or some of "
+                f"{', '.join(f'{name}=' for name in known)} with a value, such as "
+                "compliance=50um/N, and ';' between them"
+            )
+        fields[field.name] = parse_quantity(value.strip(), field.metadata["unit"])
+    return fields
 
 
 def _parse_text_list(value: object) -> list[str]:

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 import click
 
 import dashpot as dp
+from dashpot.cli import _options
 from dashpot.cli._command import CommandOption, build_options, group, mark_advanced, opt
 from dashpot.cli._param_types import File, Folder
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.reading.read_options import OF_HAMMER, ReadOptions
 
 if TYPE_CHECKING:
+    from dashpot.datamodel.machine import Machine
     from dashpot.extensions.batch.batch_run import BatchJob
     from dashpot.extensions.batch.summary import Summary
 
@@ -56,7 +58,10 @@ def build_fit_options() -> list[CommandOption]:
             BatchOptions, "arms", "quick", "joint", "mass", "seals", "at", into="choices"
         ),
         mark_advanced(
-            build_options(BatchOptions, "method", "compression", "length", "radius", into="choices")
+            build_options(
+                BatchOptions, "method", "compression", "length", "radius", into="choices"
+            ),
+            _options.machine(),
         ),
     )
 
@@ -74,6 +79,7 @@ def build_job(
     quantities: tuple[str, ...],
     limits: str | None,
     options: ReadOptions,
+    machine: Machine,
 ) -> BatchJob:
     """Return the batch that is asked for."""
     from dashpot.extensions.batch.batch_run import (
@@ -90,6 +96,7 @@ def build_job(
         choices,
         reading=options.drop_fields(OF_HAMMER_ALONE),
         reading_impact=options.select_fields(("units", *OF_HAMMER)),
+        machine=machine,
     )
     columns = number_columns(choices)
     main = quantity(quantities[-1], columns).name if quantities else ""

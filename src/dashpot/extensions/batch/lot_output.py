@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -24,23 +25,30 @@ MOST_NAMED = 5
 """Largest number of ignored files that are named."""
 
 
-def write_lot(job: BatchJob, summary: Summary) -> None:
-    """Write table, workbook and page beside the parts."""
+def write_lot(
+    output: Path,
+    summary: Summary,
+    quantity: str = "",
+    *,
+    write: Callable[[str, str | bytes], None] = write_output,
+) -> None:
+    """Write table, workbook, document and page of a lot into its folder, beside the parts.
+
+    `quantity` is that of the page; the main one of the lot if it is empty. `write`
+    takes the name of a file and its content.
+    """
     from dashpot.extensions.batch.page import (
         html,  # jinja and figures are not needed to list options
     )
     from dashpot.extensions.batch.workbook import workbook
 
     send_progress("writing table, workbook and page")
-    write_output(f"{job.output}/lot.csv", summary.lot.csv())
-    write_output(f"{job.output}/lot.xlsx", workbook(summary))
-    quantity = job.quantity or summary.lot.main
-    write_output(
-        f"{job.output}/lot.json", format_json(LotOutput(str(job.output), summary, quantity)) + "\n"
-    )
-    write_output(
-        f"{job.output}/lot.html", html(summary.lot, title=job.output.resolve().name, found=summary)
-    )
+    write(f"{output}/lot.csv", summary.lot.csv())
+    write(f"{output}/lot.xlsx", workbook(summary))
+    document = LotOutput(str(output), summary, quantity or summary.lot.main)
+    write(f"{output}/lot.json", format_json(document) + "\n")
+    page = html(summary.lot, title=output.resolve().name, found=summary)
+    write(f"{output}/lot.html", page)
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,10 @@ from dashpot.base.provenance import SIMULATED
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import column
 from dashpot.datamodel.fit import Fit, list_arm_values
+from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.batch.batch_options import BatchOptions
+from dashpot.extensions.batch.batch_options import BatchOptions, find_test_machine
 from dashpot.extensions.batch.columns import build_requested_columns, empty, format_stiffness_column
 from dashpot.extensions.batch.impact_comparison import (
     compare_with_hammer,
@@ -147,7 +148,7 @@ def _fit_entry(entry: Entry, choices: BatchOptions, entries: Mapping[str, Any]) 
     specimen = Specimen(temperature=entry.temperature)
     fit_keywords: dict[str, Any] = {
         "arms": choices.arms, "method": choices.method, "intervals": not choices.quick,
-        "specimen": specimen,
+        "specimen": specimen, "machine": _get_machine(entry, choices),
     }  # fmt: skip
     recognised = recognise(entry.file, choices.bench)
     origin = {"origin": SIMULATED if recognised.simulated else ""}
@@ -186,7 +187,14 @@ def _describe_lot_specimen(entry: Entry, choices: BatchOptions, mass: float | No
     return LotSpecimen(
         choices.bench, entry.temperature, mass,
         choices.length, choices.radius, next(iter(choices.compression), None),
+        _get_machine(entry, choices),
     )  # fmt: skip
+
+
+def _get_machine(entry: Entry, choices: BatchOptions) -> Machine | None:
+    """Return the machine of a test without the hammer's rig; None if nothing is known of it."""
+    machine = find_test_machine(entry, choices).on_bench
+    return None if machine == Machine() else machine
 
 
 def _build_kind_row(kind: KindOfTest, entry: Entry, specimen: LotSpecimen) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.result_mixins import HasVerdict
+from dashpot.base.result_mixins import HasVerdict, Series
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import require_positive
@@ -51,6 +51,21 @@ class StiffnessPrediction(HasVerdict, Serialisable):
     frequencies: tuple[float, ...]
     values: tuple[ReportedValue, ...]
     checks: tuple[Check, ...]
+
+    @property
+    def _table_columns(self) -> Series:
+        """Every number and its limits over the frequencies."""
+        columns: dict[str, Any] = {"frequency": (np.array(self.frequencies), "Hz")}
+        for index, name in enumerate(("storage", "loss", "loss_factor")):
+            values = self.values[index::3]
+            columns |= {
+                f"{name}{end}": (
+                    np.array([getattr(value, attribute) for value in values]),
+                    values[0].unit,
+                )
+                for end, attribute in (("", "value"), ("_low", "low"), ("_high", "high"))
+            }
+        return columns
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:

@@ -30,7 +30,7 @@ import {
   settle,
   study,
 } from "./questions.js";
-import { choices, describe, fields, fileList, views } from "./shown.js";
+import { choices, describe, fields, fileList, views, withUnit } from "./shown.js";
 import { refuse, shut, types } from "./verdict.js";
 import * as watch from "./watch.js";
 import { call } from "./wire.js";
@@ -376,6 +376,10 @@ const typed = {
   compression: (text) => {
     state.job.compression = text && `${text}mm`;
   },
+  "machine-compliance": (text) => {
+    const { compliance: _, ...others } = state.job.machine || {};
+    state.job.machine = text ? { ...others, compliance: withUnit(text, "um/N") } : others;
+  },
   level: (text) => {
     const one = shown();
     if (one) one.level = text && text + levelUnit(one);
@@ -414,6 +418,7 @@ document.addEventListener("change", (event) => {
     files.take([...(at.files || [])]);
     at.value = "";
   } else if (hit) useHit(hit, at.checked);
+  else if (at.dataset.specimenOf) files.chooseSpecimen(at.dataset.specimenOf, at.value);
   else if (at.dataset.blank) files.takeAsBlank(at.dataset.blank, at.checked);
   else if (at.dataset.together) files.join(at.dataset.together, at.checked);
   else if (at.dataset.side) {

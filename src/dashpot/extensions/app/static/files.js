@@ -23,12 +23,15 @@ import { ask, call, cancelled, send, watched } from "./wire.js";
 /** @typedef {import("./job.js").OpenFile} OpenFile */
 
 const LINGER = 10_000;
+/** Of the identity of a file; what follows says which specimen of it is read. */
+const DIGITS = 16;
 /** After which a reading can be cancelled, ms: before, it is done sooner. */
 const PATIENCE = 300;
 
 async function look(/** @type {OpenFile} */ one) {
   const { head } = await send("inspect", { file: one.id, options: one.options });
-  Object.assign(one, head, { asked: head.asked || "" });
+  const specimens = head.specimens?.length ? head.specimens : one.specimens || [];
+  Object.assign(one, head, { asked: head.asked || "", specimens });
   if (isTest(one) || isHammer(one) || (isBench(one) && one.page !== "part")) one.asked = "";
 }
 
@@ -63,6 +66,16 @@ export async function read(/** @type {OpenFile} */ one) {
 /** @type {Map<string, File>} */
 export const picked = new Map();
 
+/** Give a file another identity: what was chosen of it goes on. */
+function rename(/** @type {OpenFile} */ one, /** @type {string} */ id) {
+  const was = one.id;
+  Object.assign(one, { id, mark: "", line: "", hash: "", watch: "" });
+  if (state.current === was) state.current = id;
+  for (const side of /** @type {("a" | "b")[]} */ (["a", "b"])) {
+    state.ab[side] = state.ab[side].replace(was, id);
+  }
+}
+
 /** Read a file again: from now on it is another one, of the same name and choices. */
 export async function readAgain(
   /** @type {OpenFile} */ one,
@@ -70,12 +83,10 @@ export async function readAgain(
 ) {
   const was = one.id, at = new Date().toLocaleTimeString();
   status(`${one.name} changed, it is read again`);
-  Object.assign(one, { id: found.id, mark: "", line: "", hash: "", watch: "" });
+  const [file, part] = [was.slice(0, DIGITS), was.slice(DIGITS)];
+  rename(one, found.id + part);
+  for (const other of one.specimens || []) other.id = other.id.replace(file, found.id);
   picked.delete(was);
-  if (state.current === was) state.current = found.id;
-  for (const side of /** @type {("a" | "b")[]} */ (["a", "b"])) {
-    state.ab[side] = state.ab[side].replace(was, found.id);
-  }
   fileList();
   await read(one);
   one.again = at;
@@ -130,11 +141,15 @@ export async function take(/** @type {Iterable<File>} */ list) {
       const asked = new URLSearchParams({ name: file.name, modified: String(file.lastModified) });
       const sent = await call("POST", `/api/files?${asked}`, file);
       picked.set(sent.id, file);
-      const old = state.files.find((one) => one.name === file.name && one.watch === "stale");
-      if (old && old.id !== sent.id) {
-        await readAgain(old, sent);
-        settle();
-      } else found.push(sent);
+      const old = state.files.filter((one) =>
+        one.name === file.name && one.watch === "stale" && !one.id.startsWith(sent.id)
+      );
+      for (const one of old) {
+        await readAgain(one, sent);
+        picked.set(one.id, file);
+      }
+      if (old.length) settle();
+      else found.push(sent);
     } catch (error) {
       refuse(words(error), "file");
     }
@@ -210,24 +225,27 @@ export function join(/** @type {string} */ id, /** @type {boolean} */ yes) {
 function answers() {
   const one = shown();
   if (!one) return null;
+  // another specimen may have other columns: of these only what is not as it was found is said
+  const changed = specimensChosen(one).length > 0;
   /** @type {import("./job.js").Options} */
   const options = { ...one.options, units: { ...one.options.units } };
   // what was answered before and is not chosen now is taken back
   const roles = [...(document.querySelector("[data-role-of]")?.querySelectorAll("option") || [])]
     .map((role) => role.value).filter((role) => role);
-  for (const role of roles) delete options[role];
+  for (const role of roles) if (!changed) delete options[role];
   for (const select of all("[data-role-of]")) {
     const number = select.dataset.roleOf;
     const role = /** @type {HTMLSelectElement} */ (select).value;
     /** @type {HTMLSelectElement | null} */
     const unit = document.querySelector(`[data-unit-of="${number}"]`);
     if (!role) continue;
+    if (unit?.value) options.units[role] = unit.value;
+    if (changed && select.querySelector("option[selected]")?.textContent === role) continue;
     if (role === "acceleration") {
       options.acceleration = [...new Set([...(options.acceleration || []), number])];
     } else options[role] = number;
-    if (unit?.value) options.units[role] = unit.value;
   }
-  for (const role of roles) if (!options[role]) delete options.units[role];
+  for (const role of roles) if (!changed && !options[role]) delete options.units[role];
   /** @type {HTMLInputElement | null} */
   const rate = document.querySelector("[data-rate]");
   if (rate) options.rate = rate.value.trim() ? Number(rate.value.replace(",", ".")) : null;
@@ -238,10 +256,42 @@ function answers() {
   return { one, options };
 }
 
+/** The specimens that are chosen where a file asks for one, or all that it has. */
+function specimensChosen(/** @type {OpenFile} */ one) {
+  /** @type {HTMLSelectElement | null} */
+  const select = document.querySelector("[data-specimen]");
+  const every = one.specimens || [];
+  return select?.value === "all" ? every : every.filter(({ id }) => id === select?.value);
+}
+
+/** Read specimens of a file, each as a file by itself, in its place. */
+async function readSpecimens(
+  /** @type {OpenFile} */ one,
+  /** @type {import("./job.js").Specimen[]} */ specimens,
+) {
+  const file = picked.get(one.id), anew = { mark: "", line: "", hash: "", watch: "", asked: "" };
+  if (file) for (const { id } of specimens) picked.set(id, file);
+  state.files = state.files.filter((each) => each !== one);
+  state.current = specimens[0].id;
+  await opened(specimens.map(({ id }) => ({ id, name: one.name })), (id) => {
+    const { label, options } = specimens.find((each) => each.id === id) || specimens[0];
+    return { ...one, ...anew, id, specimen: label, options: { ...one.options, ...options } };
+  });
+}
+
+/** Read another specimen of an open file. */
+export async function chooseSpecimen(/** @type {string} */ id, /** @type {string} */ to) {
+  const one = state.files.find((file) => file.id === id);
+  const chosen = one?.specimens?.filter((specimen) => specimen.id === to) || [];
+  if (one && chosen.length) await readSpecimens(one, chosen);
+}
+
 export async function answer() {
   const given = answers();
   if (!given) return;
   given.one.options = given.options;
+  const chosen = specimensChosen(given.one);
+  if (chosen.length) return readSpecimens(given.one, chosen);
   try {
     await look(given.one);
     refuse("", "file");

@@ -48,17 +48,21 @@ async function showProject(/** @type {any} */ head) {
   });
 }
 
-/** Open a test of the lot, with the choices that its row was made by. */
-export async function openRow(/** @type {string} */ sha256) {
+/** Open a test of the lot, with the choices that its row was made by: hash and part of its file. */
+export async function openRow(/** @type {string} */ which) {
+  const [sha256, ...part] = which.split(" ");
   refuse("", "file");
   try {
-    const { head } = await send("row", { folder: state.lot, sha256 });
+    const { head } = await send("row", { folder: state.lot, sha256, part: part.join(" ") });
     Object.assign(state.job, head.job, { time_limits: {} });
     if (state.files.some((one) => one.id === head.files[0].id)) {
       state.current = head.files[0].id;
       fileList();
       settle();
-    } else await opened(head.files);
+    } else {
+      const { options = {}, specimen } = head.files[0];
+      await opened(head.files, () => ({ options, specimen }));
+    }
   } catch (error) {
     refuse(words(error), "file");
   }

@@ -3,6 +3,7 @@ import { $, all } from "./dom.js";
 import { call } from "./wire.js";
 
 /** @typedef {Record<string, any>} Options Of reading a file: roles, units */
+/** @typedef {{id: string, label: string, options: Options}} Specimen One of several in a file */
 /**
  * @typedef {object} OpenFile
  * @property {string} id
@@ -13,6 +14,8 @@ import { call } from "./wire.js";
  * @property {string} [line]
  * @property {string} [mark]
  * @property {string} [asked]
+ * @property {Specimen[]} [specimens] Of which the file asked one
+ * @property {string} [specimen] The one that is read, if there are several
  * @property {boolean} [simulated]
  * @property {boolean} [long]
  * @property {boolean} [together]
@@ -37,6 +40,7 @@ import { call } from "./wire.js";
  * @property {string} family
  * @property {Record<string, number>} time_limits
  * @property {Record<string, string>} specimen
+ * @property {Record<string, string>} machine What is known of it where no machine file is open
  * @property {{accept: string[], reject: string[]}} hammer
  */
 /** @typedef {{key: string, words: string, kept: string}} Step A choice, and the state after it */
@@ -67,7 +71,7 @@ const fresh = () => ({
   said: {},
   limits: {},
   past: [],
-  job: { ...usual, time_limits: {}, specimen: {}, hammer: { accept: [], reject: [] } },
+  job: { ...usual, time_limits: {}, specimen: {}, machine: {}, hammer: { accept: [], reject: [] } },
 });
 
 export let state = fresh();
@@ -93,9 +97,9 @@ export const isJudged = (/** @type {OpenFile} */ one) =>
 export const kindOf = (/** @type {OpenFile} */ one) => isRod(one) ? "rod" : one.kind || "";
 /** The files that are judged together with one: all of its kind, but for what is one hit or rod. */
 export const alike = (/** @type {OpenFile} */ one) =>
-  one.alone
-    ? [one]
-    : state.files.filter((each) => isTaken("judged")(each) && each.kind === one.kind);
+  one.alone || one.specimen ? [one] : state.files.filter((each) =>
+    isTaken("judged")(each) && each.kind === one.kind && !each.specimen
+  );
 /** An FRF of a level goes with those of other levels, and with no relaxation test. */
 export const isHammer = (/** @type {OpenFile} */ one) =>
   isTaken("hammer", "response")(one) && !one.level && !isRod(one);
@@ -137,10 +141,22 @@ export function test() {
   return one && isTest(one) ? one : state.files.find(isTest);
 }
 
+/** Whether two tests can be read by the same options: of specimens each has its own. */
+export const goTogether = (/** @type {OpenFile} */ one, /** @type {OpenFile} */ other) =>
+  one !== other && !one.specimen && !other.specimen;
 /** Tests of the same seal, at another temperature or depth, that are fitted with it. */
-export const together = () =>
-  state.files.filter((one) => one.together && test()?.together && isTest(one) && one !== test());
-export const hammers = () => state.files.filter(isHammer);
+export const together = () => {
+  const of = test();
+  if (!of?.together) return [];
+  return state.files.filter((one) => one.together && isTest(one) && goTogether(one, of));
+};
+/** Files that are read by the options of the first; of specimens the one that is shown. */
+export const readAlike = (/** @type {OpenFile[]} */ files) =>
+  files.some((one) => one.specimen) ? [files.find((one) => one === shown()) || files[0]] : files;
+export const hammers = () => readAlike(state.files.filter(isHammer));
+/** What a file is called: by its name, and which of its specimens is read. */
+export const nameOf = (/** @type {OpenFile} */ one) =>
+  one.specimen ? `${one.name} [${one.specimen}]` : one.name;
 
 /** The job of the server; its fields are those of the command line. */
 export function job() {
@@ -166,7 +182,7 @@ export function solids() {
   const many = state.files.filter(isTest).length > 1,
     cut = Object.keys(state.job.time_limits).length > 0;
   return state.files.filter(isTest).flatMap((one) => {
-    const own = (/** @type {string} */ words) => many ? `${one.name}, ${words}` : words;
+    const own = (/** @type {string} */ words) => many ? `${nameOf(one)}, ${words}` : words;
     const found = [[`fit ${one.id}`, own("relaxation alone")]];
     if (hammers().length) found.push([`joint ${one.id}`, own("joint model")]);
     if (one === test() && cut) found.push([`found ${one.id}`, own("time limits as found")]);
@@ -250,7 +266,7 @@ function changed(/** @type {string} */ before, /** @type {string} */ after) {
       }
     } else if (name === "hammer") {
       words.push(`hits rejected: ${b.hammer.reject.join(", ") || "none"}`);
-    } else if (name === "specimen") words.push("specimen");
+    } else if (name === "specimen" || name === "machine") words.push(name);
     else words.push(`${name} ${String(b[name] || "not given").replace(/(\d)(?=[a-z])/, "$1 ")}`);
   }
   if (was[1] !== now[1]) words.push(now[1] ? "joint model" : "relaxation alone");

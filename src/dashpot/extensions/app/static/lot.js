@@ -84,8 +84,8 @@ export function draw() {
         return made("td", number ? { class: "number" } : {}, cell(row, name));
       });
       const fitted = at(row, "outcome") === "fitted";
-      const hash = String(at(row, "sha256")), file = String(at(row, "file"));
-      const name = fitted ? made("button", { class: "link", "data-row": hash }, file) : file;
+      const which = `${at(row, "sha256")} ${at(row, "part") || ""}`, file = String(at(row, "file"));
+      const name = fitted ? made("button", { class: "link", "data-row": which }, file) : file;
       return made("tr", {}, made("th", { scope: "row" }, name), ...cells);
     }),
   );

@@ -19,6 +19,7 @@ import {
   limits,
   LOT,
   questionOf,
+  readAlike,
   remember,
   shown,
   sizes,
@@ -398,12 +399,13 @@ function benchAsked() {
   const room = { bench: [width - 16, 0] };
   if (isJudged(one)) return { verb: "judged", request: { ...judged(one), sizes: room } };
   if (isHitsAlone(one)) {
-    const files = state.files.filter(isHits).map((each) => each.id), { band } = state.frfs;
+    const files = readAlike(state.files.filter(isHits)).map((each) => each.id);
+    const { band } = state.frfs;
     const request = { files, options, hammer: state.job.hammer, band };
     return { verb: "hammer", request: { ...request, sizes: sizes() } };
   }
   if (isModes(one)) {
-    const every = state.files.filter(isModes), { of, band } = state.frfs;
+    const every = readAlike(state.files.filter(isModes)), { of, band } = state.frfs;
     const files = every.map((each) => each.id);
     const by = of === "masses" ? { masses: every.map((each) => each.mass || ""), seals } : {};
     return { verb: "modes", request: { files, ...by, options: one.options, band, sizes: room } };
@@ -415,7 +417,7 @@ function benchAsked() {
   if (!isResponse(one)) {
     return { verb: "level", request: { files: [file], options, law, sizes: room } };
   }
-  const all = state.files.filter((each) => isResponse(each) && each.level);
+  const all = readAlike(state.files.filter((each) => isResponse(each) && each.level));
   const files = all.map((each) => each.id), levels = all.map((each) => each.level);
   const wanted = at.split(/[\s;]+/).filter(Boolean).map((force) => `${force.replace(",", ".")}N`);
   const request = { files, levels, options: all[0].options, mass, seals, at: wanted, sizes: room };

@@ -3,6 +3,7 @@ import { $, all, field, icon, made, put } from "./dom.js";
 import {
   alike,
   door,
+  goTogether,
   hammers,
   isBench,
   isHits,
@@ -18,6 +19,7 @@ import {
   limited,
   LOT,
   machine,
+  nameOf,
   shown,
   state,
   test,
@@ -122,7 +124,7 @@ export function fileList() {
     const level = isLevel(one) && one.level ? `, at ${levelWords(one)}` : "";
     const unused = one.page === "machine" && one !== machine() ? ", not used" : "";
     const message = `${one.line || "reading"}${level}${unused}`;
-    const words = made("span", {}, named(one.name), made("i", {}, message), ...stamped(one));
+    const words = made("span", {}, named(nameOf(one)), made("i", {}, message), ...stamped(one));
     const item = made(
       "li",
       {},
@@ -133,17 +135,25 @@ export function fileList() {
         words,
       ),
     );
-    if (of && isTest(one) && one !== of) {
+    if (of && isTest(one) && goTogether(one, of)) {
       const box = made("input", { type: "checkbox", "data-together": one.id });
       box.toggleAttribute("checked", together().includes(one));
       item.append(made("label", { class: "with" }, box, " fit together"));
+    }
+    if (one.id === state.current && one.specimen && one.specimens?.length) {
+      const all = one.specimens.map(({ id, label }) => {
+        const has = { value: id, ...(id === one.id && { selected: "" }) };
+        return made("option", has, label);
+      });
+      const select = made("select", { "data-specimen-of": one.id }, ...all);
+      item.append(made("label", { class: "with" }, "specimen ", select));
     }
     if (one.id === state.current && (one.kind === "relaxation" || isBlank(one))) {
       const box = made("input", { type: "checkbox", "data-blank": one.id });
       box.toggleAttribute("checked", isBlank(one));
       item.append(made("label", { class: "with" }, box, " blank test, no seal"));
     }
-    const away = { class: "link away", "data-remove": one.id, "aria-label": `remove ${one.name}` };
+    const away = { class: "link away", "data-remove": one.id, "aria-label": `remove ${nameOf(one)}` };
     item.append(made("button", away, "\u00d7"));
     return item;
   }));
@@ -284,6 +294,8 @@ export function fields() {
   put("limit-lines", state.limits[limited()] || "");
   const rig = machine();
   $("machine-line").textContent = rig ? `${rig.name}: ${rig.line}` : MACHINE;
+  field("machine-compliance").disabled = !!rig;
+  put("machine-compliance", rig ? "" : withoutUnit(job.machine?.compliance, "um/N"));
   put("compression", job.compression.replace(/mm$/, ""));
   put("level", levelNumber(shown()));
   $("level-unit").textContent = unitWords(shown());
@@ -293,9 +305,13 @@ export function fields() {
   put("amplitude-law", state.levels.law);
   put("specimen-temperature", (described()?.temperature || "").replace("degC", ""));
   for (const [name, unit] of Object.entries(SPECIMEN)) {
-    const said = job.specimen[name] || "";
-    put(`specimen-${name}`, unit && said.endsWith(unit) ? said.slice(0, -unit.length) : said);
+    put(`specimen-${name}`, withoutUnit(job.specimen[name], unit));
   }
+}
+
+/** A quantity as its field has it, whose unit stands behind it. */
+function withoutUnit(/** @type {string | undefined} */ said, /** @type {string} */ unit) {
+  return unit && said?.endsWith(unit) ? said.slice(0, -unit.length) : said || "";
 }
 
 /** The file whose temperature the field is. */
@@ -305,7 +321,7 @@ function described() {
 }
 
 /** A number with its unit: that of the field, where none was typed. */
-function withUnit(/** @type {string} */ text, /** @type {string} */ unit) {
+export function withUnit(/** @type {string} */ text, /** @type {string} */ unit) {
   return Number.isNaN(Number(text)) ? text : `${text}${unit}`;
 }
 

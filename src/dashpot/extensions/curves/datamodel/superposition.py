@@ -76,10 +76,10 @@ class Superposition(EqualByValue, Plottable):
         """Summary: the shifted curves, the shifts, the law and its residual."""
         shifts = self.temperatures
         largest_shift = max(abs(shift.log10_a_t) for shift in shifts.shifts)
-        cold, hottest = shifts.tested_range
+        count, (cold, hottest) = len(shifts.tested_shifts), shifts.tested_range
         return (
             (
-                f"{len(shifts.shifts)} temperatures, {celsius(cold)} to {celsius(hottest)}, at "
+                f"{count} temperatures, {celsius(cold)} to {celsius(hottest)}, at "
                 f"{celsius(shifts.reference)}"
             ),
             *self.curve._summary_lines[1:],

@@ -33,7 +33,7 @@ def make_page_part(fit: Fit) -> TemperaturePart:
     shifts = fit.temperatures
     assert shifts is not None  # noqa: S101  -- fits at several temperatures alone come here
     law = {"wlf": "WLF holds", "arrhenius": "Arrhenius holds"}.get(shifts.law.kind, "each its own")
-    temperatures = [shift.temperature for shift in shifts.shifts]
+    temperatures = [shift.temperature for shift in shifts.tested_shifts]
     range_text = " to ".join(
         round_to_error(convert_to_unit(value, "°C"), digits=3)
         for value in (min(temperatures), max(temperatures))
@@ -60,7 +60,7 @@ def _make_groups(fit: Fit, shifts: TemperatureShifts) -> Iterator[Group]:
             f"{law} about {format_quantity(shifts.reference, '°C', '.4g')}{single}",
             tuple(_make_error_row(constant, single=bool(single)) for constant in shifts.constants),
         )
-    all_shifts = shifts.shifts
+    all_shifts = shifts.tested_shifts
     selected_shifts = (
         all_shifts
         if len(all_shifts) <= _MOST_SHIFTS

@@ -19,8 +19,9 @@ def format_shifts(fit: Fit) -> list[str]:
         rows.append(
             [celsius(shift.temperature), time_cells.value, time_cells.error, stiffness_cells.value]
         )
+    count = len(shifts.tested_shifts)
     return [
-        f"  reference   {celsius(shifts.reference)}, of {len(shifts.shifts)} temperatures; b_T "
+        f"  reference   {celsius(shifts.reference)}, of {count} temperatures; b_T "
         + ("free" if shifts.vertical == "free" else f"= {shifts.vertical}"),
         f"  law         {_format_shift_law(fit, shifts)}",
         *table(rows),

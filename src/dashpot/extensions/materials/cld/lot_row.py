@@ -22,7 +22,12 @@ def build_lot_row(file: str | Path, lot_specimen: LotSpecimen) -> tuple[CLD, dic
     """
     specimen = Specimen(temperature=lot_specimen.temperature, length=lot_specimen.length)
     test = read_cld(file, options=lot_specimen.options, specimen=specimen)
-    result = cld(test, at=lot_specimen.compression, cycle=lot_specimen.options.cycle)
+    result = cld(
+        test,
+        at=lot_specimen.compression,
+        cycle=lot_specimen.options.cycle,
+        machine=lot_specimen.machine,
+    )
     nominal, cycle = result.nominal, result.cycle
     has_several_cycles = len(result.cycles) > 1
     return result, {

@@ -21,7 +21,8 @@ def build_lot_row(file: str | Path, lot_specimen: LotSpecimen) -> tuple[Aging, d
         If it cannot be read, or no law follows it.
     """
     specimen = Specimen(temperature=lot_specimen.temperature)
-    aging = fit_aging([read_csr(file, options=lot_specimen.options, specimen=specimen)])
+    test = read_csr(file, options=lot_specimen.options, specimen=specimen)
+    aging = fit_aging([test], machine=lot_specimen.machine)
     loss, time, *_ = aging.found
     return aging, {
         "samples": sum(len(oven.time) for oven in aging.ovens),

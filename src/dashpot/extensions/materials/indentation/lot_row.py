@@ -10,6 +10,7 @@ from dashpot.extensions.materials.indentation.fit import fit_indentation
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.indentation.read import read_indentation
 from dashpot.registry import LotSpecimen
+from dashpot.workflow.job import require_test_for_machine
 
 
 def build_lot_row(
@@ -22,6 +23,7 @@ def build_lot_row(
     ReadError, DataError, FitError
         If it cannot be read, or no law follows it.
     """
+    require_test_for_machine(lot_specimen.machine, tests=0, add="a ramp and hold")
     ball = Indenter(mass=lot_specimen.mass, radius=lot_specimen.radius)
     test = read_indentation(file, indenter=ball, options=lot_specimen.options)
     fit = fit_indentation(test)

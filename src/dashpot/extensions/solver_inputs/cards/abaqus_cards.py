@@ -12,6 +12,7 @@ from dashpot.extensions.solver_inputs.cards.card import (
     parse_number,
     young_of_shear,
 )
+from dashpot.extensions.solver_inputs.cards.spring_network import Element, convert_network
 from dashpot.solids.shift_laws import WLF, Arrhenius, TemperatureLaw
 
 _IN_KELVIN = 150.0
@@ -68,7 +69,8 @@ def read_abaqus_cards(text: str) -> tuple[ViscoelasticCard, ...]:
     """
     materials: list[tuple[str, list[Keyword]]] = []
     zero: float | None = None
-    for keyword in parse_keywords(text):
+    keywords_of_file = list(parse_keywords(text))
+    for keyword in keywords_of_file:
         if keyword.name == "PHYSICALCONSTANTS" and "ABSOLUTEZERO" in keyword.parameters:
             zero = parse_number(keyword.parameters["ABSOLUTEZERO"], "*PHYSICAL CONSTANTS")
         if keyword.name == "MATERIAL":
@@ -77,10 +79,52 @@ def read_abaqus_cards(text: str) -> tuple[ViscoelasticCard, ...]:
             materials[-1][1].append(keyword)
         elif keyword.name == "VISCOELASTIC":  # a fragment without its *MATERIAL
             materials.append(("material", [keyword]))
-    return tuple(
+    cards = [
         _read_material(name, keywords, zero)
         for name, keywords in materials
         if any(keyword.name == "VISCOELASTIC" for keyword in keywords)
+    ]
+    # springs beside a material are of the structure that it is in
+    return tuple(cards or _read_network(keywords_of_file))
+
+
+def _read_network(keywords: Sequence[Keyword]) -> Iterator[ViscoelasticCard]:
+    """Yield the model of SPRINGA and DASHPOTA elements between the two lowest node numbers."""
+    values = {
+        (keyword.name, keyword.parameters.get("ELSET", "").upper()): keyword
+        for keyword in keywords
+        if keyword.name in ("SPRING", "DASHPOT")
+    }
+    elements: dict[str, list[Element]] = {"SPRINGA": [], "DASHPOTA": []}
+    for keyword in keywords:
+        kind = keyword.parameters.get("TYPE", "").upper()
+        if keyword.name != "ELEMENT" or kind not in elements:
+            continue
+        elset = keyword.parameters.get("ELSET", "")
+        stated = values.get((kind[:-1], elset.upper()))
+        if stated is None:
+            raise ReadError(f"*ELEMENT, TYPE={kind}, ELSET={elset}: its *{kind[:-1]} is missing")
+        if "NONLINEAR" in stated.parameters or len(stated.rows) != 1 or len(stated.rows[0]) != 1:
+            raise ReadError(
+                f"*{kind[:-1]}, ELSET={elset} has a table; expected one number: a linear element"
+            )
+        value = parse_number(stated.rows[0][0], f"*{kind[:-1]}, ELSET={elset}")
+        for _, *nodes in keyword.rows:
+            first, second = (
+                f"{parse_number(node, f'*ELEMENT, ELSET={elset}'):.0f}" for node in nodes
+            )
+            elements[kind].append(Element((first, second), value))
+    springs, dashpots = elements.values()
+    if not springs or not dashpots:
+        return
+    nodes = sorted({point for points, _ in (*springs, *dashpots) for point in points}, key=int)
+    keyword_text = "SPRINGA and DASHPOTA"
+    note = f"the model is taken to act between the nodes {nodes[0]} and {nodes[1]}"
+    yield ViscoelasticCard(
+        "arms",
+        keyword_text,
+        spring=convert_network(springs, dashpots, nodes[:2], keyword_text),
+        notes=(note,),
     )
 
 

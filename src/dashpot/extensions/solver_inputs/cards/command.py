@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import click
 
-from dashpot.base.errors import ExportError
 from dashpot.cli import _options as options
 from dashpot.cli._command import build_options, group, mark_advanced, opt, verb
 from dashpot.cli._command_files import format_command
@@ -62,19 +61,18 @@ def command(
     from dataclasses import fields
 
     from dashpot.base.provenance import Source
-    from dashpot.export.unit_systems import UNIT_SYSTEMS, unit_system
     from dashpot.extensions.solver_inputs.cards.imported_model import import_card
-    from dashpot.extensions.solver_inputs.cards.read_cards import read_cards, select_card
+    from dashpot.extensions.solver_inputs.cards.read_cards import (
+        read_cards,
+        read_stated_units,
+        select_card,
+    )
     from dashpot.planning.planned_ramp_hold import Bench
     from dashpot.reading.raw_file import open_raw
 
-    if units is None:
-        raise ExportError(
-            f"a card names no units; add --unit-system, one of {', '.join(UNIT_SYSTEMS)}"
-        )
-    system = unit_system(units)
     raw = open_raw(card)
     text = raw.head(raw.size).decode("utf-8", errors="replace")
+    system = read_stated_units(text, raw.name, units)
     selected_card = select_card(read_cards(text, raw.name, system, component), name, raw.name)
     if relative_noise is None and selected_card.is_material:
         relative_noise = RELATIVE_NOISE

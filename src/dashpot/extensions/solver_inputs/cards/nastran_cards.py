@@ -14,6 +14,7 @@ from dashpot.extensions.solver_inputs.cards.card import (
     ViscoelasticCard,
     parse_number,
 )
+from dashpot.extensions.solver_inputs.cards.spring_network import Element, convert_network
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.part_geometry import RUBBER
 
@@ -94,7 +95,33 @@ def read_nastran_cards(
         for name, fields in entries
         if name in {"MATVE", "MATFVE"}
     ]
-    return tuple(cards)
+    # springs beside a card are of the structure that it is in
+    return tuple(cards or _read_network(entries, component))
+
+
+def _read_network(entries: Sequence[Entry], component: int | None) -> Iterator[ViscoelasticCard]:
+    """Yield the model of springs and dashpots (CELAS2, CDAMP2) with an SPOINT in each arm."""
+    inner = {word for name, fields in entries if name == "SPOINT" for word in fields if word}
+    elements: dict[str, list[Element]] = {"CELAS2": [], "CDAMP2": []}
+    for name, fields in entries:
+        if name not in elements:
+            continue
+        number, value, *words = [*fields, *[""] * 8][:8]
+        pairs = [(grid, direction or "0") for grid, direction in (words[:2], words[2:4])]
+        directions = {int(direction) for grid, direction in pairs if grid and grid not in inner}
+        if component is None or directions <= {component}:
+            first, second = (
+                grid if grid in inner else f"{grid or 'ground'} (component {direction})"
+                for grid, direction in pairs
+            )
+            elements[name].append(Element((first, second), parse_number(value, f"{name} {number}")))
+    springs, dashpots = elements.values()
+    if not springs or not dashpots:
+        return
+    points = {point for element in (*springs, *dashpots) for point in element.points}
+    keyword = "CELAS2 and CDAMP2"
+    spring = convert_network(springs, dashpots, points - inner, keyword)
+    yield ViscoelasticCard("arms", keyword, spring=spring)
 
 
 def _read_table(fields: Sequence[str]) -> tuple[FloatArray, FloatArray] | str:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from dashpot.base.errors import ReadError
-from dashpot.export.unit_systems import UnitSystem
+from dashpot.base.errors import ExportError, ReadError
+from dashpot.export.unit_systems import UNIT_SYSTEMS, UnitSystem, unit_system
 from dashpot.extensions.solver_inputs.cards.abaqus_cards import read_abaqus_cards
 from dashpot.extensions.solver_inputs.cards.ansys_cards import read_ansys_cards
 from dashpot.extensions.solver_inputs.cards.card import ViscoelasticCard
@@ -15,17 +15,41 @@ from dashpot.extensions.solver_inputs.cards.nastran_cards import read_nastran_ca
 
 _DIALECTS = {
     "lsdyna": r"(?m)^\*(MAT_|KEYWORD|PART|ELEMENT_|SECTION_)",
-    "abaqus": r"(?mi)^\s*\*\s*(VISCO\s*ELASTIC|MATERIAL\b|HEADING)",
+    "abaqus": r"(?mi)^\s*\*\s*(VISCO\s*ELASTIC|MATERIAL\b|HEADING|ELEMENT\s*,)",
     "ansys": r"(?mi)^\s*(TB\s*,|MP(DATA)?\s*,)",
-    "nastran": r"(?mi)^(PBUSHT?|MATF?VE|CBUSH|MAT1)\b",
+    "nastran": r"(?mi)^(PBUSHT?|MATF?VE|CBUSH|MAT1|CELAS2|CDAMP2)\b",
     "radioss": r"(?mi)^/(VISC|MAT)/",
 }
 """Pattern of a line in a file of each solver."""
 READ = (
-    "*VISCOELASTIC, TIME=PRONY and *TRS (Abaqus), PBUSH, PBUSHT and MATVE (Nastran, OptiStruct), "
-    "TB,PRONY (Ansys), *MAT_GENERAL_VISCOELASTIC, *MAT_VISCOELASTIC and *MAT_SPRING_MAXWELL "
-    "(LS-DYNA)"
+    "*VISCOELASTIC, TIME=PRONY and *TRS, SPRINGA and DASHPOTA (Abaqus, CalculiX), PBUSH, PBUSHT, "
+    "MATVE, CELAS2 and CDAMP2 (Nastran, OptiStruct), TB,PRONY (Ansys), *MAT_GENERAL_VISCOELASTIC, "
+    "*MAT_VISCOELASTIC and *MAT_SPRING_MAXWELL (LS-DYNA)"
 )
+
+
+def read_stated_units(text: str, name: str, units: str | None) -> UnitSystem:
+    """Return the unit system of a file: that which is given, or which dashpot wrote into it.
+
+    Raises
+    ------
+    ExportError
+        If there is neither, or they contradict each other.
+    """
+    stated = re.search(rf"(?m)^\W*UNITS: ({'|'.join(map(re.escape, UNIT_SYSTEMS))}):", text)
+    if units is None and stated is None:
+        raise ExportError(
+            f"a card names no units; add --unit-system, one of {', '.join(UNIT_SYSTEMS)}"
+        )
+    if units is None and stated is not None:
+        return unit_system(stated[1])
+    system = unit_system(units)
+    if stated is not None and stated[1] != system.name:
+        raise ExportError(
+            f"{name} says UNITS: {stated[1]}, and --unit-system {system.name} contradicts it. "
+            "Leave it out, or take the line out of the file"
+        )
+    return system
 
 
 def read_cards(
