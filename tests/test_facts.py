@@ -44,7 +44,7 @@ from dashpot.report import tables
 from dashpot.report.first_screen import rows as answer_rows
 from dashpot.report.result_page import kind_page
 from dashpot.text_output import results
-from dashpot.text_output.layout import facts
+from dashpot.text_output.layout import format_values
 from dashpot.workflow.dataframes import frame
 from dashpot.workflow.json_archive import to_document
 from dashpot.workflow.recommended_solid import recommend_solid
@@ -163,7 +163,7 @@ def test_a_fit_tells_every_parameter_and_the_end_of_its_hold(fit):
 
 def format_for_terminal(fit):
     """What `-v` prints of a fit, every parameter first."""
-    message = results.fit(fit)
+    message = results.render_fit(fit)
     return table([*message.details, *message.lines])
 
 
@@ -173,7 +173,7 @@ def test_the_text_has_every_fact(fit):
 
 def test_text_row_of_an_arm_equals_its_reported_values(fit):
     rows, expected = (
-        table(results.fit(fit).lines),
+        table(results.render_fit(fit).lines),
         {fact.name: fact for fact in list_known_values(fit)},
     )
     for j in range(1, fit.model.arms + 1):
@@ -280,7 +280,7 @@ def test_nuisance_parameters_are_equal_in_text_and_tables(fits, bench):
     for fit in fits.values():
         if not fit.estimate.nuisance:
             continue
-        text = results.fit(fit)
+        text = results.render_fit(fit)
         (line,) = [item for item in (*text.lines, *text.details) if "  also fitted " in item]
         message = [term.fact for term in fit.estimate.nuisance]
         element = ", ".join(f"{fact.label} {fact.cells.ascii.with_unit}" for fact in message)
@@ -293,12 +293,12 @@ def test_nuisance_parameters_are_equal_in_text_and_tables(fits, bench):
 
 def test_compliances_and_shifts_are_equal_in_text_and_values(fits):
     creep = fits["creep"]
-    (line,) = [line for line in results.fit(creep).lines if line.startswith("  creep ")]
+    (line,) = [line for line in results.render_fit(creep).lines if line.startswith("  creep ")]
     for fact in creep.evidence.creep.list_values("1/Pa"):
         assert fact.cells.ascii.with_unit in line
         assert same(fact, fact.cells.value, fact.cells.unit)
     temperatures = fits["temperatures"].temperatures
-    lines = results.fit(fits["temperatures"]).lines
+    lines = results.render_fit(fits["temperatures"]).lines
     (law,) = [line for line in lines if line.startswith("  law ")]
     assert all(
         f"{constant.label} {constant.cells.ascii.with_unit}" in law
@@ -338,7 +338,7 @@ def test_a_law_of_rubber_says_the_same_in_text_and_document(bench):
     hyperelastic_fit = hyperelastic_files(
         {"uniaxial": [str(bench / "tension.csv")], "biaxial": [str(bench / "biaxial.csv")]}
     )
-    require_shown(hyperelastic_fit.found, table(facts(hyperelastic_fit.found)))
+    require_shown(hyperelastic_fit.found, table(format_values(hyperelastic_fit.found)))
     retained = {value["name"]: value for value in to_document(hyperelastic_fit)["values"]}
     for fact in hyperelastic_fit.found:
         assert retained[fact.name] == {

@@ -24,7 +24,7 @@ from dashpot.extensions.systems.door.closing_setup import (
 )
 from dashpot.extensions.systems.door.read import read_door
 from dashpot.extensions.systems.door.read_closing import closing_of
-from dashpot.report.first_screen import ORDER
+from dashpot.report.first_screen import MARK_ORDER
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.workflow.json_archive import to_json
 
@@ -104,7 +104,7 @@ def test_a_page_of_a_door_tells_of_modes_and_closing(tmp_path):
     assert f">{document['verdict']['verdict_grade'].capitalize()}<" in text
     marks = re.findall(r'<dd class="state (\w+)"', text.partition("</dl>")[0])
     worst = {"use": {"good", "note"}, "use with care": {"care"}, "do not use": {"bad"}}
-    assert max(marks, key=ORDER.index) in worst[document["verdict"]["verdict_grade"]]
+    assert max(marks, key=MARK_ORDER.index) in worst[document["verdict"]["verdict_grade"]]
 
 
 def ran(*words, code=0):

@@ -14,7 +14,7 @@ from dashpot.text_output.layout import Text, table
 
 def prediction(level_prediction: LevelPrediction) -> Text:
     """Return the text of a prediction, with the resonance at each level."""
-    return results.prediction(level_prediction, _format_level_resonances(level_prediction))
+    return results.render_prediction(level_prediction, _format_level_resonances(level_prediction))
 
 
 def _format_level_resonances(level_prediction: LevelPrediction) -> list[str]:

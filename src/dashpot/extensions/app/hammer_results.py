@@ -32,7 +32,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.impact import read_impact
 from dashpot.registry import find_handler
 from dashpot.report.page_frame import VERDICT_COLOURS
-from dashpot.report.result_page import kind_page, text_of
+from dashpot.report.result_page import format_json, kind_page
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import ImpactResult, modes_of_hits
 
@@ -166,7 +166,7 @@ def hammer(request: Mapping[str, Any], folder: Path) -> bytes:
 def download_hammer(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the modes as their JSON, as ``dashpot fit --json`` prints it."""
     result, _ = _find_modes(_parse_request(request, folder))
-    text = judge_limits(request, folder, result).render_document(text_of(result))
+    text = judge_limits(request, folder, result).render_document(format_json(result))
     return wire_format.encode_message(
         {"name": "modes.json", "kind": "application/json", "text": text}
     )

@@ -18,7 +18,7 @@ from dashpot.extensions.app.upload_store import path_in
 from dashpot.registry import find_handler
 from dashpot.report.first_screen import Light
 from dashpot.report.page_frame import VERDICT_COLOURS
-from dashpot.report.result_page import JobPage, kind_page, text_of
+from dashpot.report.result_page import JobPage, format_json, kind_page
 from dashpot.workflow.job import LevelJob
 
 
@@ -97,5 +97,5 @@ def download_modes(request: Mapping[str, Any], folder: Path) -> bytes:
 
 def _build_download(name: str, job: Any, request: Mapping[str, Any], folder: Path) -> bytes:
     result, _ = _fit_job(job)
-    text = judge_limits(request, folder, result).render_document(text_of(result))
+    text = judge_limits(request, folder, result).render_document(format_json(result))
     return wire_format.encode_message({"name": name, "kind": "application/json", "text": text})

@@ -28,7 +28,7 @@ from dashpot.extensions.app.upload_store import path_in
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import KINDS, asks_of, find_handler, load_object
 from dashpot.report.page_frame import VERDICT_COLOURS
-from dashpot.report.result_page import KindPage, kind_page, text_of
+from dashpot.report.result_page import KindPage, format_json, kind_page
 from dashpot.workflow.job import Job
 
 
@@ -135,7 +135,7 @@ def download_kind(request: Mapping[str, Any], folder: Path) -> bytes:
     if save_file is not None:
         name, kind, text = save_file(result)
         return wire_format.encode_message({"name": name, "kind": kind, "text": text})
-    text = text_of(result) if hasattr(result, "to_dict") else json.dumps(result)
+    text = format_json(result) if hasattr(result, "to_dict") else json.dumps(result)
     text = judge_limits(request, folder, result).render_document(text)
     return wire_format.encode_message(
         {"name": f"{page.name}.json", "kind": "application/json", "text": text}

@@ -12,7 +12,7 @@ from dashpot.base.errors import DashpotError, DataError
 from dashpot.extensions.app.request_parsing import get_list, mapping
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.registry import find_handler
-from dashpot.report.result_page import text_of
+from dashpot.report.result_page import format_json
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class LimitsPanel:
 
     def render_document(self, text: str) -> str:
         """Return the JSON of the result with its limits; without limits the `text` of it alone."""
-        return text if self.document is None else text_of(self.document)
+        return text if self.document is None else format_json(self.document)
 
 
 def judge_limits(request: Mapping[str, Any], folder: Path, result: Any) -> LimitsPanel:

@@ -543,7 +543,7 @@ def mass_that_explains(study: Study) -> str:
 def make_fit_indicators(fit: Fit) -> tuple[Light, ...]:
     """Return what is known before the hammer is compared, or the limits are sought."""
     return (
-        first_screen.test_light(fit.checks),
+        first_screen.make_test_light(fit.checks),
         *(Light(name, "open", "not looked at") for name in ("Stiffness", "Damping")),
     )
 
@@ -614,7 +614,7 @@ def arms_table(fit: Fit, *, single: Fit | None = None) -> str:
             and not _is_near_any(facts[1].value, single.model.tau)
         )
         k, k_error, tau, tau_error = (*cells, "", "")[:4]
-        mark = max(marks, key=first_screen.ORDER.index)
+        mark = max(marks, key=first_screen.MARK_ORDER.index)
         rows.append(ArmRow(name, k, k_error, tau, tau_error, mark, "hammer" if new else ""))
     unit = reported_values["k_inf"].word
     return render_template("arms", rows=rows, unit=unit, of=fit._identity)
@@ -673,14 +673,14 @@ def check_list(checks: Sequence[Check]) -> str:
         for check in distinct
         if check.failed
     ]
-    failed.sort(key=lambda row: -first_screen.ORDER.index(row[0]))
+    failed.sort(key=lambda row: -first_screen.MARK_ORDER.index(row[0]))
     passed = sum(check.passed is True for check in distinct)
     grades = [
         (mark, f"{count} {grade}{'' if count == 1 else 's'}")
         for grade, mark in reversed(GRADE_MARKS.items())
         if (count := sum(names[0] == mark for names in failed))
     ]
-    grades.sort(key=lambda pair: -first_screen.ORDER.index(pair[0]))
+    grades.sort(key=lambda pair: -first_screen.MARK_ORDER.index(pair[0]))
     return render_template(
         "checks", failed=failed, passed=passed, judged=passed + len(failed), grades=grades
     )
@@ -693,7 +693,7 @@ def _split(check: Check) -> tuple[str, str]:
 
 def list_values(study: Study, recommendation: Recommendation) -> str:
     """Return the numbers that one came for, of the solid of the tab."""
-    title, rows = first_screen.under_mass(study, recommendation)
+    title, rows = first_screen.make_mass_rows(study, recommendation)
     every: list[tuple[str, list[Row]]] = []
     if rows:
         pairs = zip(recommendation.under_mass, rows, strict=True)

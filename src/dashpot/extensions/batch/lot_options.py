@@ -53,10 +53,12 @@ def build_fit_options() -> list[CommandOption]:
     return group(
         _EACH,
         build_options(
-            BatchOptions, "arms", "quick", "joint", "mass", "seals", "at", into="choices"
+            BatchOptions, "arms", "quick", "joint", "mass", "seals", "at", argument="choices"
         ),
         mark_advanced(
-            build_options(BatchOptions, "method", "compression", "length", "radius", into="choices")
+            build_options(
+                BatchOptions, "method", "compression", "length", "radius", argument="choices"
+            )
         ),
     )
 

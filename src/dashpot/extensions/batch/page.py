@@ -33,7 +33,7 @@ from dashpot.extensions.batch.statistics.gauge_rr import GOOD_SHARE, LIMIT
 from dashpot.extensions.batch.summary import QuantitySummary, Summary, summary
 from dashpot.plot.picture import Picture
 from dashpot.report.figures import PAPER, RenderedFigure, render_figure
-from dashpot.report.first_screen import ORDER
+from dashpot.report.first_screen import MARK_ORDER
 from dashpot.report.page_frame import VERDICT_COLOURS, digest, environment, frame
 
 ROWS = 50
@@ -80,7 +80,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     tests, by_lots = _tests(found, labels), len(main.seals) > BY_SEALS
     signals, weighs = (
         list(_signals(main)),
-        sorted(_weighs(found), key=lambda entry: -ORDER.index(entry["mark"])),
+        sorted(_weighs(found), key=lambda entry: -MARK_ORDER.index(entry["mark"])),
     )
     seals = _seals(found, quantities)
     return str(

@@ -31,7 +31,7 @@ def run(folder: Path, seed: int) -> CommandResult:
     write_output(folder / "paper.json", json.dumps(reproduction.to_dict(), indent=2) + "\n")
     write_output(folder / "paper.html", paper_page(reproduction))
     record = folder / "paper.csv"
-    follow = format_command(
-        "fit", record, "--arms", 2, "--method", "hold", why="the paper's fit, by hand"
+    next_command = format_command(
+        "fit", record, "--arms", 2, "--method", "hold", remark="the paper's fit, by hand"
     )
-    return CommandResult(reproduction, render_reproduction(reproduction), follow=follow)
+    return CommandResult(reproduction, render_reproduction(reproduction), next_command=next_command)

@@ -42,7 +42,7 @@ def cld(result: CLDResult) -> Text:
         ]
     lines += _capability(result.capability)
     if result.fit is not None and result.relaxed is None:
-        fitted = results.fit(result.fit)
+        fitted = results.render_fit(result.fit)
         lines = [*_format_overview(result), *fitted.lines]
         details += fitted.details
     if result.rate is not None:

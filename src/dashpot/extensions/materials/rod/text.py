@@ -38,7 +38,7 @@ def rod(rod: Rod) -> Text:
     if rod.fit is None:
         lines.append(f"  No model was fitted: {rod.reason}")
         return Text(lines, _lines(rod, len(of.frequency)))
-    fitted = results.fit(rod.fit)
+    fitted = results.render_fit(rod.fit)
     details = ["every line", *_lines(rod, len(of.frequency))]
     return Text([*lines, *fitted.lines], [*fitted.details, *details])
 

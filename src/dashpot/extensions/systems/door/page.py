@@ -39,9 +39,9 @@ from dashpot.report.page_frame import Attachment, attachment, environment
 from dashpot.report.result_page import (
     CollapsibleSection,
     Topic,
-    judgement,
+    format_json,
     make_indicators,
-    text_of,
+    make_verdict_contents,
 )
 from dashpot.report.tables import TextTable
 
@@ -111,7 +111,7 @@ def build_page_contents(result: DoorResult | None, closed: ClosingResult | None)
     names = dict.fromkeys(source.file for source in sources)
     folds = tuple(_folds(result, closed))
     return {
-        **judgement("door", verdict, checks, sources),
+        **make_verdict_contents("door", verdict, checks, sources),
         "title": next(iter(names), "door"),
         "about": format_door_summary(results[0]),
         "beside": " ".join(sentence(result._headline) for result in results),
@@ -397,4 +397,6 @@ def _files(result: DoorResult | None, closed: ClosingResult | None) -> Iterator[
     for name, item in (("door", result), ("closing", closed)):
         if item is not None:
             document = f"{name}.json"
-            yield attachment(document, document, "every number", "application/json", text_of(item))
+            yield attachment(
+                document, document, "every number", "application/json", format_json(item)
+            )
