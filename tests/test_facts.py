@@ -203,7 +203,7 @@ def test_page_and_terminal_print_the_same_cells(fit):
 def test_the_app_has_every_fact_but_the_dashpots_of_arms(fit):
     """b = k tau says of an arm what k and tau say."""
     shown = [fact for fact in list_known_values(fit) if fact.name[:2] != "b_"]
-    rows = {term.name: (term.value, term.unit) for term in view_models.terms(fit)}
+    rows = {term.name: (term.value, term.unit) for term in view_models.make_terms(fit)}
     assert len(rows) == len(shown)
     require_shown(shown, rows, name=lambda fact: fact.symbol)
     neighbour = {
@@ -366,7 +366,7 @@ def test_levels_say_the_same_on_page_and_in_app(bench, files, requested):
     rows = {quantity.name: (quantity.value, quantity.unit) for quantity in shown.rows}
     app = {
         quantity.name: (quantity.value, quantity.unit)
-        for quantity in map(view_models.term, numbers)
+        for quantity in map(view_models.make_term, numbers)
     }
     require_shown(numbers, rows, name=lambda fact: fact.symbol)
     require_shown(numbers, app, name=lambda fact: fact.symbol)
@@ -392,7 +392,7 @@ def test_modes_say_the_same_in_text_and_app(bench):
     assert result.modes
     text = ran("fit", bench / "frf.csv", "--band", "5:40Hz").output
     facts = list_mode_facts([("1", result.modes[0].mode)])
-    app = {item.name: item for item in map(view_models.term, facts)}
+    app = {item.name: item for item in map(view_models.make_term, facts)}
     frequency, ratio, residue = result.modes[0].mode.facts
     assert "Hz, damping ratio" in line
     for fact, name in ((frequency, "f, 1"), (ratio, "ζ, 1")):
