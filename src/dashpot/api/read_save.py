@@ -40,17 +40,17 @@ class ReadOptionKeywords(TypedDict, total=False):
     window_decay : float or str
         Time constant, s, of an exponential window that hits or an FRF carry; 0 if there is none.
     calibration : path
-        Of a six-axis transducer, with `axis`.
+        File of a six-axis transducer, with `axis`.
     profile : path
         Answers that ``dashpot inspect --save`` has kept.
     specimen : Specimen
     test : str
-        Of stress over strain: ``"uniaxial"``, ``"compression"``, ``"biaxial"``, ``"planar"`` or
+        For stress over strain: ``"uniaxial"``, ``"compression"``, ``"biaxial"``, ``"planar"`` or
         ``"volumetric"``.
     mass, radius, radius_error, drop_height, impact_velocity : float or str
-        Of an indenter.
+        Data of an indenter.
     role : str
-        Of a blank test: ``"stop"``, ``"spring"`` or ``"empty"``.
+        For a blank test: ``"stop"``, ``"spring"`` or ``"empty"``.
     """
 
     columns: Mapping[str, Column]

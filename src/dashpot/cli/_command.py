@@ -20,7 +20,7 @@ from dashpot.cli._param_types import Keyed, Scoped, type_of
 WIDTH = 80
 """Columns of a page of help."""
 NAME_WIDTH = 27
-"""Of them for the name of an option; what is longer stands on a line of its own."""
+"""Columns of them them for the name of an option; what is longer stands on a line of its own."""
 MOST_HELP_LINES = 40
 """Lines that the help of a verb may take."""
 

@@ -181,7 +181,7 @@ def _update_specimen(specimen: Specimen, user_specimen: Specimen) -> Specimen:
 
 
 _DECK_FIELD = "temperature"
-"""Of the specimen: what a deck is asked for, not what is added to the fit."""
+"""Field of the specimen: what a deck is asked for, not what is added to the fit."""
 
 
 def _parse_normal(text: str) -> tuple[float, float, float]:

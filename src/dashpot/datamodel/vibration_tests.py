@@ -120,7 +120,7 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
         Decay a of an exponential window :math:`e^{-at}` that the records were multiplied by, 1/s; 0
         if there was none, nan if one is stated and not its decay, None if nothing is said.
     units : str
-        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Examples
     --------

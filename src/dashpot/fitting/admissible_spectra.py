@@ -105,7 +105,7 @@ class AdmissibleSpectra:
     fastest : float
         The highest frequency to be asked about, rad/s.
     limit : float
-        Of the deviance, :func:`deviance_limit`.
+        Limit of the deviance, :func:`deviance_limit`.
     extra : array, shape (n,), optional
         Further relaxation times of the grid, s: those of the fit.
     """

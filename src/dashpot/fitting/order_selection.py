@@ -148,7 +148,7 @@ class SelectedModel:
     ----------
     data : FitData
     estimate : SolutionEstimate
-        Of the number of arms taken.
+        Estimate of the number of arms taken.
     scores : tuple of Score
         Every number tried, from none up.
     choice : Choice or None

@@ -301,15 +301,15 @@ def estimate_covariance(
     peak : float
         The largest force, N; it sets the residual by rounding.
     encoders : sequence of Encoder, optional
-        Of each record, where the recorded motion is fitted.
+        Encoders of each record, where the recorded motion is fitted.
     priors : sequence of DataBlock
         Priors of nuisance parameters.
     error_rows : sequence of callable, optional
-        Of each record that has no encoder, as
+        Error rows of each record that has no encoder, as
         :func:`~dashpot.numerics.inference.correlated_noise.sandwich` takes errors that are not
         constant in time.
     jacobian : Jacobian, optional
-        Of every sample and then of the priors, if computed already.
+        Jacobian of every sample and then of the priors, if computed already.
     series : sequence of ResidualSeries, optional
         The residual of each record, if computed already.
     """

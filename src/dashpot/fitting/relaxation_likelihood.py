@@ -97,7 +97,7 @@ def build_relaxation_data(
     fit : Fit
         The solid whose response to a small motion stands for the doubt; its method is kept.
     single_fit : Fit, optional
-        Of this test alone, where `fit` is of more than this test: its solid leaves the noise.
+        Fit of this test alone, where `fit` is of more than this test: its solid leaves the noise.
     for_limits : bool
         For limits, which allow all that a rig may have done without a trace in the record
         (:func:`compute_unmeasured_effects`). A fit of several tests is a point, and not of the

@@ -360,7 +360,8 @@ class Problem:
     priors : int
         How many rows, the last, are no data.
     gauge : callable, optional
-        Of the thetas that are the same model, the one that is meant: ``gauge(theta) -> theta``.
+        Choice of gauge: of the thetas that are the same model, the one that is meant:
+        ``gauge(theta) -> theta``.
     """
 
     model: Model

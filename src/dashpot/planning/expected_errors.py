@@ -89,7 +89,7 @@ def expected_error(
     Parameters
     ----------
     model : GeneralizedMaxwell
-        Of the seal.
+        Model of the seal.
     bench : Bench
         The relaxation test.
     at : float
@@ -166,7 +166,7 @@ class ExpectedArm:
     Attributes
     ----------
     k, tau : float
-        Of the arm that was supposed, N/m and s.
+        Stiffness and relaxation time of the arm that was supposed, N/m and s.
     half_k, half_tau, half_b : float
         As the test is planned; b = k tau.
     named_k, named_tau, named_b : float
@@ -238,8 +238,8 @@ class ExpectedEnd(Serialisable):
     stiffness : float
         k(T) of the solid that was supposed, N/m.
     half_width : float
-        Of its 95 % limits, over the value: all that machine and climate may do without a trace is
-        in them.
+        Half width of its 95 % limits, over the value: all that machine and climate may do without a
+        trace is in them.
     if_machine_named : float
         The same with a baseline of 10 s, and compliance and creep of the machine known.
     """
@@ -308,11 +308,11 @@ class RecordNeed:
     Attributes
     ----------
     frequency, damping_ratio : float
-        Of the ringing pole, Hz and dimensionless.
+        Frequency and damping ratio of the ringing pole, Hz and dimensionless.
     time_constant : float
         1/sigma of the free response, s.
     half_power_width : float
-        Of the peak, Hz.
+        Half-power width of the peak, Hz.
     for_decay, for_lines : float
         Six time constants, and five lines in the half-power band, s.
     record : float or None

@@ -251,10 +251,10 @@ class Plan(HasChecks, Serialisable):
     arm : (float, float) or None
         Stiffness, N/m, and relaxation time, s, of the arm that the test may not show.
     expected : ExpectedError
-        Of the test as asked, with its repeats.
+        Errors of the test as asked, with its repeats.
     alternatives : tuple of ExpectedError
-        Of the test alone and at each other temperature, of the other method, of faster ramps,
-        of the test repeated at 0 degC if no other was asked for, and with a hammer test.
+        Errors of the test alone and at each other temperature, of the other method, of faster
+        ramps, of the test repeated at 0 degC if no other was asked for, and with a hammer test.
     band : (float, float)
         Frequency range of the relaxation test, Hz.
     record : RecordNeed
@@ -263,7 +263,7 @@ class Plan(HasChecks, Serialisable):
     advice : tuple of str
         What to change, most useful first.
     temperature : float
-        Of the test, K.
+        Temperature of the test, K.
     repeats : tuple of Repeat
         Where it is repeated, as asked.
     arms : tuple of ExpectedArm

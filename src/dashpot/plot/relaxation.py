@@ -325,7 +325,7 @@ def bench(found: Fit, records: Sequence[Any], *, alternatives: Sequence[Fit] = (
     records : sequence
         As fitted; of one kind.
     alternatives : sequence of Fit
-        Of one ramp and hold: fits of other numbers of arms, drawn with it.
+        For one ramp and hold: fits of other numbers of arms, drawn with it.
     """
     first = records[0]
     draw, shown_records = find_handler("fit figure", first), first

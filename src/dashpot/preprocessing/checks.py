@@ -480,8 +480,8 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
     ----------
     test : RampHold
     force, displacement : array, shape (n,)
-        Of the same samples, as they stand in the file: a tare or a line of hum taken off would
-        leave no two readings equal bit for bit.
+        Signals of the same samples, as they stand in the file: a tare or a line of hum taken off
+        would leave no two readings equal bit for bit.
     """
     hold, time = test.hold, test.time[test.hold]
     f, x = force[hold], displacement[hold]

@@ -34,7 +34,7 @@ class Baseline(NamedTuple):
     level, noise : float
         Mean, and standard deviation about a straight line, N.
     slope, slope_error : float
-        Of that line, N/s; the error is infinite where the baseline is too short.
+        Slope of that line, N/s; the error is infinite where the baseline is too short.
     middle : float
         Its mean time, s.
     """

@@ -119,7 +119,7 @@ class PlateMotion:
     start, departure, stop : int
         The first sample kept, the last one at rest, and the last one of the last hold.
     segments : tuple of MotionSegment
-        Of the whole record; empty where the times were given.
+        Segments of the whole record; empty where the times were given.
     """
 
     sign: int
@@ -266,7 +266,7 @@ def find_first_press(
     ----------
     test : RelaxationTest
     motion : PlateMotion
-        Of the loading that is used.
+        Motion of the loading that is used.
     force : array, shape (n,)
         N, rising with compression.
     min_rise : float

@@ -292,7 +292,7 @@ class _EarlierLoading(NamedTuple):
     last_touch : Touch
         First contact in the fitted loading.
     baseline : Baseline
-        Of the force without contact.
+        Baseline of the force without contact.
     is_bonded : bool
         The seal pulls at a plate that retracts.
     first_sample : int

@@ -123,7 +123,7 @@ class DeckTerms:
     band : (float, float) or None
         Where they hold, Hz; None of a law without frequencies.
     choices : mapping of str to str
-        Of the target.
+        Options of the target.
     unstated : tuple of str
         What is not known of the specimen, and allowed by name.
     reason : str
@@ -170,7 +170,7 @@ class AttachedDeck(NamedTuple):
     target : str
     text : DeckText
     options : tuple of str
-        Of ``dashpot export FILE``.
+        Options of ``dashpot export FILE``.
     """
 
     target: str

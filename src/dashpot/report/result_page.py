@@ -97,7 +97,7 @@ class KindPage:
     sources : tuple of Source
     folds : tuple of CollapsibleSection
     name : str
-        Of the document, without its ending; by default as its schema is called.
+        Name of the document, without its ending; by default as its schema is called.
     """
 
     subject: str

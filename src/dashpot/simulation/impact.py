@@ -177,7 +177,7 @@ class Hammer:
     force_range, acceleration_range : float
         Full scale, N and m/s^2.
     bits : int
-        Of the converter; 0 for a perfect one.
+        Bits of the converter; 0 for a perfect one.
     highpass : float
         Corner of the first-order high pass in the accelerometers' supply, Hz; 0 for none.
     """
@@ -249,9 +249,9 @@ class ImpactTruth:
     eccentricities : tuple of float
         Where each hit landed, m from the middle.
     gains : (float, float)
-        Of the two accelerometers, relative to their stated sensitivity.
+        Gains of the two accelerometers, relative to their stated sensitivity.
     bounce_poles, rocking_poles : tuple of complex
-        Of the two motions, 1/s.
+        Poles of the two motions, 1/s.
     climate : Climate or None
         What made `model` of the seal at the reference; None if no temperature was stated.
     """

@@ -501,7 +501,7 @@ def format_error_sensitivity(
     errors : tuple of str
         Names in :data:`ERRORS`; none for the lines alone.
     unit : str
-        Of SI, of the storage.
+        Unit of SI, of the storage.
     line_count : int
         Number of lines.
     """

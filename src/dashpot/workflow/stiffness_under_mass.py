@@ -49,7 +49,7 @@ class StiffnessAt:
     stiffness, stiffness_se : float
         Relaxed, of one seal, N/m. The error is that of the elastic law's shape.
     frequency, damping_ratio : float or None
-        Of the first mode, Hz; None if nothing oscillates.
+        Frequency and damping ratio of the first mode, Hz; None if nothing oscillates.
     """
 
     stiffness: float
@@ -169,7 +169,7 @@ def frf_limits(
     Parameters
     ----------
     fit : Fit
-        Of one seal.
+        Fit of one seal.
     tests : RampHold or sequence of RampHold
         What it was fitted to.
     point : OperatingPoint

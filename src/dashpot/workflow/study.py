@@ -268,7 +268,7 @@ class FittedTests:
     ----------
     tests : tuple of RampHold
     fit : Fit
-        Of all of them, at the temperature of the seals under the hammer.
+        Fit of all of them, at the temperature of the seals under the hammer.
     """
 
     tests: tuple[RampHold, ...]
@@ -339,25 +339,25 @@ def characterise(
     test : RelaxationTest
         One seal, ramp and hold.
     measured : FRF, optional
-        Of a mass on the seals.
+        FRF of a mass on the seals.
     block : BlockOnSeals
         Its mass is inferred from `measured`, and labelled so, if missing.
     tests : sequence of RelaxationTest
-        Of the same seal, to be fitted with `test`, such as a cold one.
+        Tests of the same seal, to be fitted with `test`, such as a cold one.
     impact : ImpactTest, optional
         The hits behind `measured`, kept for the report.
     options : FitOptions
-        Of the fit of the tests; a number of arms is that of the joint fit, too.
+        Options of the fit of the tests; a number of arms is that of the joint fit, too.
     filter, cycle, machine
         As in :func:`~dashpot.preprocessing.prepare.prepare`.
     time_limits : TimeLimits, optional
-        Of the relaxation test, by hand.
+        Time limits of the relaxation test, by hand.
     band : (float, float), optional
         Lines to compare, Hz.
     joint : bool
         Whether to fit relaxation and FRF together, too.
     impact_temperature : float, optional
-        Of the seals under the hammer, K; by default that of the solid of the tests.
+        Temperature of the seals under the hammer, K; by default that of the solid of the tests.
     fit_once : callable
         What stands in for :func:`fit_tests` where it remembers.
 

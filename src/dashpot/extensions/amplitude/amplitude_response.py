@@ -77,12 +77,12 @@ class LevelResonance(Serialisable):
         Amplitude of the force, N, or of the base's acceleration, m/s^2.
     unit : str
     frequency, value : float
-        Of the largest magnitude, Hz, and that magnitude.
+        Frequency and value of the largest magnitude, Hz, and that magnitude.
     frequency_between, value_between : (float, float)
         95 %: what the law leaves of storage and loss about that strain and about the one where the
         part was measured, and the strain measures and laws that the sweep does not distinguish.
     amplitude : float
-        Of the part's displacement there, m.
+        Amplitude of the part's displacement there, m.
     strain : float or None
         That over the height; None for a part that was swept itself.
     frf : FRF
@@ -120,7 +120,7 @@ class ReferencePoint(NamedTuple):
     Attributes
     ----------
     frequency : float or None
-        Of the resonance that determined its geometry, Hz; None where a shape did.
+        Frequency of the resonance that determined its geometry, Hz; None where a shape did.
     strain : float
         In the unit of the sweep; 0 for a vanishing one.
     """
@@ -409,7 +409,7 @@ def swept_part(
     ----------
     choices : LevelChoices
     unit : str
-        Of the solid that was fitted: Pa or N/m.
+        Unit of the solid that was fitted: Pa or N/m.
     part : PartChoices, optional
 
     Raises

@@ -111,7 +111,7 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
     test : RelaxationTest or StressStrainLoops
         Harmonic cycles at several amplitudes.
     fit : AmplitudeFit, optional
-        Of those loops.
+        Fit of those loops.
     stamp : str
         What the figure says of its origin; by default file, specimen and date.
     """

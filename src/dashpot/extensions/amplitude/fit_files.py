@@ -140,7 +140,7 @@ def level_files(
         One amplitude sweep, one record of loops, FRFs of one mass at several amplitudes, or hits of
         different height.
     levels : sequence of str or float
-        Of the FRFs: amplitude of the force, N, one for each file; of transmissibilities that of
+        For the FRFs: amplitude of the force, N, one for each file; of transmissibilities that of
         the base's acceleration, m/s^2. Of hammer files: peak force of their hits, N, which is held
         against the records; these count.
     mass : float, optional
@@ -151,9 +151,9 @@ def level_files(
     at : sequence of float
         Levels at which the resonance of that mass, or of the one that was struck, is wanted, N.
     law : str
-        Of an amplitude sweep or loops: ``"auto"`` or one of ``kinds.level.laws.LAWS``.
+        For an amplitude sweep or loops: ``"auto"`` or one of ``kinds.level.laws.LAWS``.
     motion : str
-        Of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
+        Motion of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
     machine : Machine, optional
         What is known of the machine that drove recorded loops: its `sync`.
     options : ReadOptions, optional

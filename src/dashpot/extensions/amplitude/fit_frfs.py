@@ -89,7 +89,7 @@ def fit_levels(
     band : str or (float, float), optional
         Hz.
     seed : int
-        Of the draws that say how well all is known.
+        Seed of the draws that say how well all is known.
 
     Raises
     ------

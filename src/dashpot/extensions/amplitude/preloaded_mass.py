@@ -70,7 +70,8 @@ class Orbit(EqualByValue):
     rest : float
         Compression without the force, m.
     harmonics : complex array, shape (H + 1,)
-        Of the compression, m, the mean first: the real part of each turns with the force's phase.
+        Harmonics of the compression, m, the mean first: the real part of each turns with the
+        force's phase.
     multiplier : complex
         The largest Floquet multiplier: by how much a small disturbance grows in a period.
     lost_contact : float

@@ -52,12 +52,12 @@ class LevelInterval(Serialisable):
         Hz.
     value : (float, float) or None
     mean_shift : (float, float) or None
-        Of the mean, m.
+        Shift of the mean, m.
     harmonics : tuple of ((float, float) or None), or None
         Amplitudes, m, the mean first; not of those below a thousandth of the first, which show how
         a law bends between its knots.
     magnitude : array, shape (2, n)
-        Of the response, at the lines of the FRF.
+        Magnitude of the response, at the lines of the FRF.
     """
 
     _keys = (Key("frequency_hz", "frequency"), "value", "mean_shift", "harmonics")
@@ -79,7 +79,7 @@ class PreloadedLevel(Serialisable):
         Amplitude of the force, N, or of the base's acceleration, m/s^2.
     unit : str
     frequency, value : float
-        Of the largest magnitude of answers that last, Hz, and that magnitude.
+        Frequency and value of the largest magnitude of answers that last, Hz, and that magnitude.
     orbit : Orbit
         The answer there.
     doubled : Orbit
@@ -209,7 +209,7 @@ def preloaded_levels(
     Parameters
     ----------
     fit : Fit
-        Of one seal, with a law that bends.
+        Fit of one seal, with a law that bends.
     levels : sequence of float
         N, or m/s^2 of a base.
     load : MassOnSeals
@@ -217,7 +217,7 @@ def preloaded_levels(
     around_hz : float
         The linear resonance, Hz.
     frequency : array, shape (n,)
-        Of the FRF, Hz; at most 121 lines of it are taken.
+        Frequency of the FRF, Hz; at most 121 lines of it are taken.
 
     Raises
     ------

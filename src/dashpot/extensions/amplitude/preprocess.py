@@ -35,11 +35,12 @@ class HysteresisLoop:
     frequency : float
         Hz.
     amplitude : float
-        Of the first harmonic of the displacement, m, or of the strain of a material.
+        Amplitude of the first harmonic of the displacement, m, or of the strain of a material.
     stiffness : complex
         First harmonic of the force over that of the displacement, N/m; Pa of a material.
     sd : float
-        Of either part of that, from the scatter between neighbouring samples, N/m or Pa.
+        Standard deviation of either part of that, from the scatter between neighbouring samples,
+        N/m or Pa.
     displacement, force : array, shape (n,)
         As recorded, less their mean and drift, m and N; strain and stress of a material.
     sign_reversed : bool

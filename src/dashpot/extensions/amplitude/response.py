@@ -134,7 +134,7 @@ def with_third_harmonic(
     omega, X : array
         rad/s and m; broadcast.
     inertia : float
-        Of one seal, kg.
+        Inertia of one seal, kg.
     """
     solid, elements = parts
     k3 = sum(element.k3 for element in elements if isinstance(element, Cubic))

@@ -101,7 +101,7 @@ def propose_hits(frf: FRF, single_frfs: Mapping[str, FRF]) -> HitSelection:
     frf : FRF
         The average: its accepted hits, and where its peak lies.
     single_frfs : mapping of str to FRF
-        Of each hit, on the same lines.
+        FRF of each hit, on the same lines.
     """
     accepted = tuple(hit.name for hit in frf.hits if hit.accepted)
     names = [name for name in accepted if name in single_frfs]

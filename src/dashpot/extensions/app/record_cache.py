@@ -16,7 +16,7 @@ from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.workflow.json_archive import from_json, to_json
 
 FOLDER = "records"
-"""Of the records, in the folder of the files; no identity of a file is called so."""
+"""Folder of the records, in the folder of the files; no identity of a file is called so."""
 _PREVIEW_SAMPLES = 8
 _SIGNALS = ("time", "displacement", "force")
 

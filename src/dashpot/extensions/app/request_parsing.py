@@ -19,7 +19,7 @@ from dashpot.workflow.job import Job
 T = TypeVar("T")
 
 MAX_SIZE = 8000.0
-"""Of a drawing, px: no screen has more."""
+"""Largest width or height of a drawing, px: no screen has more."""
 
 
 def build_job(value: object, folder: Path) -> Job:
@@ -119,7 +119,7 @@ def _read_single_value(field: Field[Any], value: Any, folder: Path) -> Any:
 
 
 def describe_job(job: Job) -> dict[str, Any]:
-    """Return the choices of a job in the page's form, which :func:`build_job` reads back exactly."""
+    """Return the choices of a job in the form that :func:`build_job` reads back exactly."""
     fields_by_name = convert_to_request(job)
     specimen = fields_by_name["specimen"]
     if "temperature" in specimen:

@@ -110,7 +110,7 @@ def fit_job(job: Job, intervals: bool, max_samples: int | None) -> Fit:
 
 
 _previous_fits: dict[Job, Fit] = {}
-"""Of each job without its cuts, the fit of the cut before."""
+"""Fits: for each job without its cuts, the fit of the cut before."""
 
 
 def fit_while_dragging(job: Job) -> Fit:

@@ -111,13 +111,13 @@ STIFFNESS_LABELS = {
 Sizes = Mapping[str, tuple[float, float]]
 """Width and height of the drawing of each panel, px."""
 HIDDEN_SIZE = (400.0, 180.0)
-"""Of one that is not shown yet, px."""
+"""Size of a panel one that is not shown yet, px."""
 LABELLED_AT_LINE = {"displacement", "coherence"}
 """What is named where it is drawn, and in no key."""
 LEAST_WIDTH, NARROW_WIDTH = 160.0, 480.0
-"""Of a drawing, px; below which two peaks are named and no third."""
+"""Least width of a drawing, px; below which two peaks are named and no third."""
 HEIGHT_SHARES = {1: (1.0,), 2: (0.6, 0.4), 3: (0.56, 0.26, 0.18)}
-"""Of the height of a drawing, to each of its panels."""
+"""Shares of the height of a drawing, to each of its panels."""
 PULSE_SIZE, PULSE_EDGE = (88, 26), 0.1
 """Size of the drawing of a pulse, px; at which part of its peak it begins and ends."""
 MAX_SAME_TAU_FACTOR = 3.0
@@ -125,9 +125,9 @@ MAX_SAME_TAU_FACTOR = 3.0
 MOST_LISTED_ARMS = 8
 """Arms of a table that is read; more are a spectrum for a solver."""
 MIN_PLOT_HEIGHT = 44.0
-"""Of a plot, px: below it no curve can be read."""
+"""Least height of a plot, px: below it no curve can be read."""
 LIVE_POINTS = 240
-"""Of a curve that follows a handle: more than a panel has px across a bend."""
+"""Points of a curve that follows a handle: more than a panel has px across a bend."""
 
 
 def render_template(name: str, **values: Any) -> str:

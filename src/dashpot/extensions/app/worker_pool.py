@@ -28,7 +28,7 @@ class WorkerProcess:
     Parameters
     ----------
     folder : Path
-        Of the files.
+        Folder of the files.
     """
 
     def __init__(self, folder: Path) -> None:

@@ -79,9 +79,9 @@ def batch(what: Any, /, **options: Any) -> Any:
     arms, method, mass, seals, joint, pair, by, manifest, frequency, compression
         As ``dashpot batch --help`` has them.
     time, displacement : array
-        Of arrays: their clock, and the displacement of all; or `ramp`, depth and ramp time.
+        For arrays: their clock, and the displacement of all; or `ramp`, depth and ramp time.
     units : str
-        Of arrays: ``"SI"``, or those of time, displacement and force: ``"s, mm, N"``.
+        For arrays: ``"SI"``, or those of time, displacement and force: ``"s, mm, N"``.
 
     Returns
     -------

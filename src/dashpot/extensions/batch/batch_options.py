@@ -48,22 +48,22 @@ class BatchOptions:
     quick : bool
         The optimum alone: no errors, no checks, no verdict.
     mass : float or None
-        Of the block on the seals, kg, where a test has none of its own.
+        Mass of the block on the seals, kg, where a test has none of its own.
     seals : float
         Under that mass.
     reading, reading_impact : ReadOptions
-        Of the tests, and of the hammer's files.
+        Options of the tests, and of the hammer's files.
     joint : bool
         Where a hammer is paired with a ramp and hold: one solid for both.
     at : tuple of float
         Frequencies, Hz, at which each row has storage and loss stiffness and loss factor.
     compression : tuple of float
-        Of the seals, m, for these and for the stiffness at the end of the hold; without any, the
-        depth of each test. The first is the nominal one of a load deflection record.
+        Compression of the seals, m, for these and for the stiffness at the end of the hold; without
+        any, the depth of each test. The first is the nominal one of a load deflection record.
     length : float or None
         Contact length of each specimen, m: load deflection is then per 100 mm.
     radius : float or None
-        Of an indenter's tip, m: a hit then has a modulus.
+        Radius of an indenter's tip, m: a hit then has a modulus.
     """
 
     arms: int | Literal["auto"] = copy_option(Job, "arms")

@@ -148,17 +148,18 @@ def batch(
     quick : bool
         The optimum alone, without errors, checks and verdict; `arms` must then be a number.
     mass : float, optional
-        Of a block, kg, on so many `seals`: the table then has its frequency and damping ratio. The
-        manifest may give each test its own.
+        Mass of a block, kg, on so many `seals`: the table then has its frequency and damping ratio.
+        The manifest may give each test its own.
     at : float or sequence of float
         Frequencies, Hz: the table then has storage and loss stiffness and loss factor there.
     compression : float or sequence of float
-        Of the seals, m, for these and for the stiffness at the end of the hold: of small vibration
-        about it. By default each test's own depth. The first is the nominal one of load deflection.
+        Compression of the seals, m, for these and for the stiffness at the end of the hold: of
+        small vibration about it. By default each test's own depth. The first is the nominal one of
+        load deflection.
     length : float, optional
         Contact length of each specimen, m: load deflection is then per 100 mm.
     radius : float, optional
-        Of an indenter's tip, m; `mass` is then the indenter's.
+        Radius of an indenter's tip, m; `mass` is then the indenter's.
     by : str, optional
         A regular expression for the path, whose groups are lot, seal, repeat, operator and date:
         ``r"lot(\w+)_seal(\d+)_rep(\d+)"``; named groups may stand in any order.
@@ -174,8 +175,8 @@ def batch(
     jobs : int, optional
         Processes side by side; by default as many as there are processors.
     scheduler : str, optional
-        Of a cluster of dask.distributed, ``"tcp://host:8786"``, whose workers make the rows: the
-        same dashpot is installed there, and the files have the same paths.
+        Address of a cluster of dask.distributed, ``"tcp://host:8786"``, whose workers make the
+        rows: the same dashpot is installed there, and the files have the same paths.
     options, impact_options : ReadOptions, optional
         What is known of the files of the tests, and of the hammer.
 

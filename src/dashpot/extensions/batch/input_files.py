@@ -78,15 +78,15 @@ class Entry:
     lot, seal, repeat : str
         Which lot, which seal of it, and which test of that seal; empty where nobody said.
     temperature, mass : float or None
-        Of the test, K; of the block on the seal, kg.
+        Temperature of the test, K; of the block on the seal, kg.
     hammer : tuple of str
         The hammer's files, or an FRF, of the block on such seals.
     operator : str
         Who, or which rig, tested; empty where nobody said.
     hammer_temperature : float or None
-        Of the seals under the hammer, K; None where it is the test's.
+        Temperature of the seals under the hammer, K; None where it is the test's.
     date : str
-        Of the test, as it was said; empty where nobody did.
+        Date of the test, as it was said; empty where nobody did.
     aside : str
         Why it is not read; empty of what is.
     """
@@ -140,8 +140,9 @@ def find_entries(
     Parameters
     ----------
     paths : sequence of path
-        Of a folder every file is taken, at any depth, but for hidden ones and for results that
-        dashpot wrote. A link that leads out of it, a device, a pipe is an entry that is not read:
+        Files; from a folder every file is taken, at any depth, but for hidden ones and for results
+        that dashpot wrote. A link that leads out of it, a device,
+        a pipe is an entry that is not read:
         it is read where it is named itself.
     manifest : path, optional
         CSV or TOML; the files it lists are added to the paths, and its labels win over `by`.

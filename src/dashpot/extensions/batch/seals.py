@@ -27,7 +27,7 @@ class Seal(Serialisable):
     lot, name : str
     files : tuple of str
     values : array, shape (n,)
-        Of a quantity, SI.
+        Values of a quantity, SI.
     """
 
     _keys = ("lot", Key("seal", "name"), "tests", "mean", "repeats_sd")

@@ -64,7 +64,7 @@ class Flag(NamedTuple):
     Attributes
     ----------
     lot, seal, file : str
-        Of which; `file` is empty where it is the seal.
+        Names of what it is about; which; `file` is empty where it is the seal.
     message : str
     weighty : bool
         Whether it changes the statistics, or would.
@@ -145,7 +145,7 @@ class QuantitySummary(Serialisable):
     quantity : Quantity
     seals : tuple of Seal
     charts : dict
-        Of each lot with two seals.
+        Charts of each lot with two seals.
     lots : LotCharts or None
         The X-bar and s charts of the lots.
     components : tuple of Component
@@ -154,9 +154,9 @@ class QuantitySummary(Serialisable):
         None where no seal was tested twice.
     limits : Limits or None
     capability : dict
-        Of each lot with two seals, where there are limits.
+        Capability of each lot with two seals, where there are limits.
     judged : tuple of SealDecision
-        Of each seal, where there are limits.
+        Judgements of each seal, where there are limits.
     """
 
     _keys = (
@@ -259,9 +259,9 @@ class Summary(HasChecks, Serialisable):
     ----------
     lot : Lot
     main : QuantitySummary
-        Of the quantity that the page shows.
+        Results of the quantity that the page shows.
     others : tuple of QuantitySummary
-        Of the further quantities that have limits.
+        Results of the further quantities that have limits.
     flags : tuple of Flag
     checks : tuple of Check
     """

@@ -279,7 +279,7 @@ def dense_spectrum_if_needed(
     error : array, shape (n,)
         Its relative errors on every value of the curves.
     origin : Superposition or UnshiftedCurve
-        Of several temperatures: then :func:`shared_spectrum_if_needed`.
+        Origin; for several temperatures: then :func:`shared_spectrum_if_needed`.
     spectrum : callable
         Fits the dense spectrum of one temperature.
     of_data : sequence of Check

@@ -98,9 +98,10 @@ class ShiftLawFit:
     parameters : tuple of str
         ``("c1", "c2")``, ``("energy",)`` or none.
     covariance : array, shape (p, p)
-        Of them; widened by D/dof where the law misses the shifts by more than their errors.
+        Covariance of them; widened by D/dof where the law misses the shifts by more than their
+        errors.
     scores : tuple of LawScore
-        Of every law that was tried, the best BIC first.
+        Scores of every law that was tried, the best BIC first.
     outlier : ShiftOutlier or None
         The one temperature off the law of all others; None if there is none, or too few others.
     """
@@ -158,7 +159,8 @@ def fit_shift_law(
     log10_shift : array_like, shape (n,)
         Decadic logarithm of each shift factor, 0 at the reference.
     covariance : array_like, shape (n, n)
-        Of them, as :class:`~dashpot.datamodel.shift_factors.TemperatureShifts` begins with it.
+        Covariance of them, as :class:`~dashpot.datamodel.shift_factors.TemperatureShifts` begins
+        with it.
     reference : float
         T_r, K.
     law : str

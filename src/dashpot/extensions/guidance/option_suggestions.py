@@ -87,7 +87,7 @@ def suggest_option(command: click.Command, parent: click.Context | None, option:
     command : click.Command
         The one that was typed.
     parent : click.Context or None
-        Of the group of all commands.
+        Parent of the group of all commands.
     option : str
         As it was typed, with its dashes.
     """

@@ -42,7 +42,8 @@ class SeveralMasses:
     spread : array, shape (masses, 2)
         Standard errors of its real and its imaginary part.
     solid : GeneralizedMaxwell
-        Of one seal: one of the solids that come closest; poles of a few masses show no spectrum.
+        Model of one seal: one of the solids that come closest; poles of a few masses show no
+        spectrum.
     distance : float
         How far its stiffness is from that at the poles, root of the sum of squares in standard
         errors, of which none counts less than 0.3 % of the stiffness and 3 % of the damping.

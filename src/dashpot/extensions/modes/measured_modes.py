@@ -62,7 +62,7 @@ class MeasuredMode(ImpactMode):
     Attributes
     ----------
     orders : int
-        Of the stabilisation chart, at which the mode is stable.
+        Orders of the stabilisation chart, at which the mode is stable.
     shape : tuple of PointInMode
         Empty of a single point.
     phase_collinearity, phase_deviation_deg : float or None
@@ -112,7 +112,7 @@ class MeasuredModes(Modes):
     points : tuple of str
         What the points are called; empty of a single one.
     highest_order : int
-        Of the stabilisation chart.
+        Highest order of the stabilisation chart.
     mac : tuple of tuple of float
         Modal assurance criterion of every mode with every other; empty of a single point.
     against : tuple of SameMode
@@ -158,7 +158,7 @@ def modes_files(
     Parameters
     ----------
     files : sequence of path
-        Of any format and kind that :func:`~dashpot.extensions.modes.read_frf_set.read_frfs` reads:
+        Files that :func:`~dashpot.extensions.modes.read_frf_set.read_frfs` reads:
         one point or several, in one file or in several.
     options : ReadOptions, optional
         What the user said of the files.
@@ -166,7 +166,7 @@ def modes_files(
         Where to look for modes, Hz; by default two octaves to either side of where a block on its
         mounts moves most.
     motion : str
-        Of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
+        Motion of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
     polarity : sequence of +1 and -1, optional
         Sign of each FRF.
     against : sequence of path

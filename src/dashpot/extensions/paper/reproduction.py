@@ -109,7 +109,7 @@ class Coefficient(Serialisable):
     ----------
     name, unit : str
     printed, noise_free, quantised : float
-        Of the paper; by eq. (5) from the ideal record; from that in steps of 1/1280 N.
+        Values: of the paper; by eq. (5) from the ideal record; from that in steps of 1/1280 N.
     full, hold : ReportedValue
         From the virtual rig, with the interval: by the whole history, and by the hold alone as
         the paper does it.
@@ -141,7 +141,7 @@ class HoldFit(Serialisable):
     ----------
     solid : GeneralizedMaxwell
     time, force : array
-        Of the samples that were fitted, s after contact, and what the fit says, N.
+        Time and force of the samples that were fitted, s after contact, and what the fit says, N.
     rms, worst : float
         What it leaves, N.
     """
@@ -162,7 +162,7 @@ class Reproduction(Serialisable):
     Attributes
     ----------
     seed : int
-        Of simulated test and hammer.
+        Seed of simulated test and hammer.
     rows : tuple of Statement
     table : tuple of Coefficient
     force : tuple of (float, float)
@@ -239,7 +239,7 @@ def reproduce(seed: int = 0) -> Reproduction:
     Parameters
     ----------
     seed : int
-        Of the noise of simulated test and hammer.
+        Seed of the noise of simulated test and hammer.
     """
     send_progress("eqs. (1) to (7)")
     noise_free_test = ideal_test()

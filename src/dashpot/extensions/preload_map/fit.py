@@ -91,7 +91,7 @@ def fit_preload_map(
     phase_error : float or str
         Between the channels, rad; one degree by default.
     mass : float or str, optional
-        Of a body on the part, kg: its resonance at each compression.
+        Mass of a body on the part, kg: its resonance at each compression.
     seals : float
         Parts in parallel under the mass.
 

@@ -48,7 +48,7 @@ class HistoryLine:
     software : dict
         Version by name.
     previous, hash : str
-        Of the line before, and of the bytes of this one before its hash.
+        Hash of the line before, and of the bytes of this one before its hash.
     line : int
         Counted from 1.
     """

@@ -77,7 +77,7 @@ def calculix(
     mass : float, optional
         kg; of ``"arms"``.
     frequency_range : (float, float)
-        Of the steady-state step, Hz; the inner masses are small up to its end.
+        Frequency range of the steady-state step, Hz; the inner masses are small up to its end.
     points : int
         Frequencies in it, evenly spaced.
     nominal : float, optional

@@ -71,7 +71,7 @@ def random_base(
     frequency : array_like, shape (n,), optional
         Hz, of a table; it is 0 outside.
     coupled : float
-        Of mounts that weigh something, the mass that couples both ends, kg
+        For mounts that weigh something, the mass that couples both ends, kg
         (:mod:`dashpot.vibration.mass_on_seals`).
 
     Raises
@@ -118,7 +118,7 @@ def random_limits(
     Parameters
     ----------
     model : Solid
-        Of the point value, which lies within.
+        Model of the point value, which lies within.
     limits : callable
         Lowest and highest magnitude, shape (2, n), at lines, Hz, of the transmissibility and of
         the accelerance, 1/kg.

@@ -194,7 +194,7 @@ class Backbone(FrozenArrays):
     Attributes
     ----------
     amplitude : array, shape (n,)
-        Of the stretch of the mount that was asked for, m.
+        Amplitude of the stretch of the mount that was asked for, m.
     frequency : array, shape (n,)
         Natural frequency, Hz.
     damping_ratio : array, shape (n,)

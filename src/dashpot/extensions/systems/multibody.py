@@ -136,7 +136,7 @@ class Mount:
         Amplitude of the stretch, m (rad), at which every linear answer takes the friction; None
         leaves it to ``dashpot.systems.response_at_level``.
     name : str
-        Of the part that it belongs to: those of one name share its energy.
+        Name of the part that it belongs to: those of one name share its energy.
     """
 
     solid: Solid
@@ -181,7 +181,7 @@ class ModalSpring:
     Attributes
     ----------
     name : str
-        Of the body.
+        Name of the body.
     linearised_solid : GeneralizedMaxwell
     """
 

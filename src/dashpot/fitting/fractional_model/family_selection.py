@@ -297,7 +297,7 @@ class AlternativeFamily(NamedTuple):
     residual : float
         Standard deviation of what the best of the family taken leaves, over that of this.
     bic : float
-        Of this, less that of the family taken.
+        BIC of this, less that of the family taken.
     explains : bool
         What this leaves may be chance, or BIC does not distinguish the two.
     """
@@ -454,7 +454,7 @@ def with_linear_fractional(
     residuals : sequence of array
         What it leaves of each test, up to the end of the hold, N.
     fit : FractionalFit
-        Of the same tests.
+        Fit of the same tests.
     """
     pairs = [
         (residual[-min(len(residual), len(other)) :], other[-min(len(residual), len(other)) :])

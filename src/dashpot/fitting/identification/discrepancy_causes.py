@@ -131,7 +131,8 @@ def explain_discrepancy(
     refit : callable
         The best candidate, over numbers of arms, of a problem.
     law : ElasticLaw, optional
-        Of the relaxation test: a stiffness it has somewhere is that of another compression.
+        Elastic law of the relaxation test: a stiffness it has somewhere is that of another
+        compression.
     compression : float, optional
         Where the seals under the hammer were supposed to be, m.
     """

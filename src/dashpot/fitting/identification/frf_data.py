@@ -42,7 +42,7 @@ class FRFData:
     kind : Kind
         What was measured.
     weighed_mass : float or None
-        Of a motion over a base, the mass with which it was made an accelerance, kg.
+        For a motion over a base, the mass with which it was made an accelerance, kg.
     reach : float
         How many times slower than the lowest line an arm may be to be determined.
     """

@@ -112,12 +112,12 @@ def identify(
     seals : float
         How many such seals carry the mass.
     compression : float, optional
-        Of the seals under the hammer, m; by default that of the mass's weight. Where the relaxation
-        test's elastic law is not straight, they are there as stiff as its tangent, within its
-        error.
+        Compression of the seals under the hammer, m; by default that of the mass's weight. Where
+        the relaxation test's elastic law is not straight, they are there as stiff as its tangent,
+        within its error.
     temperature : float, optional
-        Of the seals under the hammer, K, where the tests are of several temperatures; by default
-        that of their solid. The solid found is that of the hammer.
+        Temperature of the seals under the hammer, K, where the tests are of several temperatures;
+        by default that of their solid. The solid found is that of the hammer.
     band : (float, float), optional
         Lines to explain, Hz; by default those within a factor of 3 of the peak.
     arms : int or "auto"

@@ -38,7 +38,7 @@ class RelaxationResiduals(NamedTuple):
     Attributes
     ----------
     residual : array, shape (n,)
-        Of the solid without a parallel dashpot.
+        Residual of the solid without a parallel dashpot.
     jacobian : array, shape (n, size)
         By the parametrisation's own numbers.
     dashpot : array, shape (n,)

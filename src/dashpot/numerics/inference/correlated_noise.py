@@ -551,7 +551,7 @@ def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
     exact : DataBlock
         Every sample a row, in the order of time.
     noise : Noise
-        Of its residuals, with a positive variance.
+        Noise of its residuals, with a positive variance.
     """
     basis = reduced_basis(exact, compute_averaging_length(noise))
     variance, axes = _principal(basis, noise)

@@ -60,9 +60,9 @@ class Estimate:
     covariance : array, shape (p + q, p + q)
         Zero for what rests at a bound, infinite for what the data do not determine.
     noises : tuple of Noise
-        Of each record.
+        Noises of each record.
     prior_variance : float or None
-        Of the rows of priors, where it is not the mean power of the noises.
+        Variance of the rows of priors, where it is not the mean power of the noises.
     """
 
     optimum: Optimum
@@ -210,7 +210,7 @@ class ProfileSlice(NamedTuple):
     Attributes
     ----------
     root : float
-        Of the deviance: how many standard errors away that is.
+        Root of the deviance: how many standard errors away that is.
     estimate : Estimate
     """
 
@@ -239,13 +239,13 @@ def estimate(
     rounding : float
         Rms that rounding alone leaves.
     noises : sequence of Noise
-        Of each record, where it is known otherwise (:func:`white_noise`).
+        Noises of each record, where it is known otherwise (:func:`white_noise`).
     is_bounded : array, shape (q,), optional
         Coefficients whose error is wanted, as a bound, where they rest at zero, too.
     is_fixed : array, shape (p,), optional
         Thetas that have no error: such as press against an end that is no mere window.
     prior_variance : float, optional
-        Of the rows of priors; by default the mean power of the noises.
+        Variance of the rows of priors; by default the mean power of the noises.
     finely : bool
         As :func:`~dashpot.numerics.inference.correlated_noise.directions` has it.
     """
@@ -294,7 +294,8 @@ def score(optimum: Optimum, effective: float, *, rounding_sse: float = 0.0) -> f
     ----------
     optimum : Optimum
     effective : float
-        Of the model that leaves least, for what another leaves more is no noise.
+        Effective number of samples of the model that leaves least, for what another leaves more is
+        no noise.
     rounding_sse : float
         Sum of squares that rounding alone leaves.
     """

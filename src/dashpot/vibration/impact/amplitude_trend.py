@@ -63,11 +63,12 @@ class Trend:
     Attributes
     ----------
     stiffness_line, damping_line : RegressionLine
-        Of the logarithms of the squared frequency and of the damping ratio.
+        Lines through the logarithms of the squared frequency and of the damping ratio.
     mass, mass_se : float
         Modal mass, kg: the median over the hits, and the standard error of its logarithm.
     amplitudes : (float, float)
-        Of the motion that their resonances are of: `DECAYED` times that after the hit, m.
+        Amplitudes of the motion that their resonances are of: `DECAYED` times that after the hit,
+        m.
     range : float
         Highest over lowest.
     """

@@ -142,7 +142,7 @@ def cut_hits(
     Parameters
     ----------
     tests : sequence of ImpactTest
-        Of one sampling rate and one set of accelerometers.
+        Tests: of one sampling rate and one set of accelerometers.
     record : float, optional
         Length of a block, s, what lies before the hit included; the FRF's lines are 1/record
         apart. By default as long as every hit allows that is not followed hastily by another.

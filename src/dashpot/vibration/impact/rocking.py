@@ -32,9 +32,9 @@ class Combination:
     mean_ratio, ratio : float
         Height of the rocking peak over that of the bounce peak, in the plain mean and as weighted.
     eccentricity : tuple of float
-        Of each hit, :math:`e x/\rho^2`: how far from the centre e it struck, times how far from
-        there x the accelerometers are, over the squared radius of gyration. Rocking is to bounce
-        as this is to 1.
+        Eccentricity of each hit, :math:`e x/\rho^2`: how far from the centre e it struck, times how
+        far from there x the accelerometers are, over the squared radius of gyration. Rocking is to
+        bounce as this is to 1.
     reach : float or None
         That x, m, if known.
     """

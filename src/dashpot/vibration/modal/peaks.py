@@ -22,7 +22,7 @@ class Peak:
     frequency, height : float
         Hz and 1/kg, of the accelerance at s = j omega (an exponential window is undone).
     damping_ratio : float
-        Of the pole of the local parabola.
+        Damping ratio of the pole of the local parabola.
     frequency_se, damping_se : float
         Random standard errors, from the scatter of the lines or their standard deviation.
     half_power_lines : float

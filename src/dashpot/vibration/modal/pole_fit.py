@@ -381,11 +381,11 @@ class PoleFit:
     poles : complex array, shape (modes,)
         Upper half of the plane, 1/s.
     residues : complex array, shape (channels, modes)
-        Of the accelerance.
+        Residues of the accelerance.
     covariance : array, shape (2 modes, 2 modes)
-        Of sigma and omega of each mode.
+        Covariance of sigma and omega of each mode.
     residue_se : array, shape (channels, modes)
-        Of real and imaginary part together.
+        Standard error of real and imaginary part together.
     misfit : array, shape (modes,)
         Squared over its variance, of the lines about each mode, for each degree of freedom.
     """

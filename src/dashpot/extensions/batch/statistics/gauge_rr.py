@@ -39,7 +39,7 @@ class Variation:
     interval : (float, float)
         95 %.
     share : float
-        Of the total deviation; the shares of deviations do not add up to 1.
+        Share of the total deviation; the shares of deviations do not add up to 1.
     share_interval : (float, float)
     """
 
@@ -66,7 +66,7 @@ class Gauge:
     categories_interval : (float, float)
         95 %.
     interaction_p : float or None
-        Of the F test for an interaction of operators and parts; above 0.25 it was pooled.
+        p value of the F test for an interaction of operators and parts; above 0.25 it was pooled.
     """
 
     parts: int

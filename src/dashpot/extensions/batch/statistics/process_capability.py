@@ -27,9 +27,9 @@ class Capability:
     Attributes
     ----------
     count : int
-        Of values.
+        Number of values.
     mean, deviation : float
-        Of the values, and their standard deviation.
+        Mean of the values, and their standard deviation.
     lower, upper : float or None
         The limits asked for.
     cp, cpk : float or None

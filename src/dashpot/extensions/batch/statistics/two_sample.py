@@ -24,12 +24,12 @@ class Difference:
     counts : (int, int)
         Seals of each.
     means, deviations : (float, float)
-        Of the seals.
+        Means and standard deviations of the seals.
     value : float
     interval : (float, float)
         95 %.
     p_value : float
-        Of Welch's test that there is no difference.
+        p value of Welch's test that there is no difference.
     freedom : float
         Degrees of freedom, by Welch and Satterthwaite.
     detectable : float

@@ -48,7 +48,7 @@ class Component:
     freedom : int or None
         Degrees of freedom of its mean square.
     share : float
-        Of the sum of all variances.
+        Share of the sum of all variances.
     normal : float or None
         Probability of such values if they were normal (Shapiro and Wilk 1965); None of fewer than
         six, of pairs, or of the fits' errors. Below ``NOT_NORMAL`` the interval is Bonett's.

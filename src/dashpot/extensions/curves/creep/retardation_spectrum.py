@@ -29,7 +29,7 @@ def make_retardation_block(block: DataBlock, equilibrium_name: str) -> DataBlock
     Parameters
     ----------
     block : DataBlock
-        Of arms under the input F.
+        Block of arms under the input F.
     equilibrium_name : str
         Name of the fixed column that is F.
     """

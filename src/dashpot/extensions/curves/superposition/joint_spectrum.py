@@ -43,7 +43,7 @@ class ShiftedSpectrum:
     Attributes
     ----------
     ln_a, ln_b : array, shape (n,)
-        Of each isotherm; 0 at the reference.
+        Logarithms of the shift factors of each isotherm; 0 at the reference.
     ln_tau : array, shape (k,)
         The grid, of relaxation times at the reference, s.
     optimum : Optimum

@@ -112,7 +112,7 @@ class TestResidual(NamedTuple):
     nuisance_values : array
     part : Part
     columns : array, shape (n, q)
-        Of the test's own.
+        Columns of the test's own.
     """
 
     residual: FloatArray

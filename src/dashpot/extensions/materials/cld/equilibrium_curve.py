@@ -46,9 +46,9 @@ def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     cld : CLD
         With a clock.
     fit : Fit or sequence of Fit
-        Of a relaxation test of such a seal. Its relaxation function k_j / k_inf is used, not its
-        stiffness; that is compared with the elastic law at the compression of the test. Of several
-        fits the one nearest to the nominal compression is used (`find_nearest_fit`).
+        Fit of a relaxation test of such a seal. Its relaxation function k_j / k_inf is used, not
+        its stiffness; that is compared with the elastic law at the compression of the test. Of
+        several fits the one nearest to the nominal compression is used (`find_nearest_fit`).
 
     Raises
     ------

@@ -97,7 +97,7 @@ class SpecimenStatistics:
     name : str
     unit : str
     count : int
-        Of the specimens that have it.
+        Number of the specimens that have it.
     mean, deviation : float
         In SI units; a force of 100 mm where the lengths are known.
     """
@@ -129,9 +129,9 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
     specimens : tuple of CLD
         One a file.
     scatter : tuple of SpecimenStatistics
-        Of two or more specimens.
+        Scatter of two or more specimens.
     capability : ProcessCapability or None
-        Of the force at the nominal compression between its limits.
+        Capability of the force at the nominal compression between its limits.
     checks : tuple of Check
         Those of every specimen, each at its worst, and of the specimens together.
     relaxed : RelaxedLaw or None
@@ -139,7 +139,7 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
     fit : Fit or None
         That of the relaxation test with this law; or, of records at several speeds, theirs.
     rate : RateLaw or None
-        Of records at several speeds: a spring and a dashpot that depend on compression.
+        For records at several speeds: a spring and a dashpot that depend on compression.
 
     Examples
     --------
@@ -241,10 +241,11 @@ def cld_files(
         As in :func:`~dashpot.extensions.materials.cld.preprocess.cld`; without `at` the least depth
         of all.
     limits : (float, float), optional
-        Of the force at the nominal compression, N, of 100 mm where the length is known.
+        Limits of the force at the nominal compression, N, of 100 mm where the length is known.
     relaxation : sequence of Fit
-        Of relaxation tests. The relaxation function of the one nearest to the nominal compression
-        is removed from the first specimen, which leaves the elastic law; all are compared with it.
+        Fits of relaxation tests. The relaxation function of the one nearest to the nominal
+        compression is removed from the first specimen, which leaves the elastic law; all are
+        compared with it.
     specimen : Specimen, optional
         Data that all specimens share, such as their length.
     machine : Machine, optional

@@ -52,7 +52,7 @@ class AgingTest:
     scatter : float
         Standard deviation of a reading, in parts of F0.
     oven_sd : float
-        Of the temperature of an oven, K.
+        Standard deviation of the temperature of an oven, K.
     drift : float
         Standard deviation of the drift of the load cell, in parts of F0 in 1000 h.
     longest : float
@@ -146,7 +146,7 @@ class PlannedOvens:
         ----------
         specimens : sequence of int
         gradient : array, shape (4,)
-            Of the ln life, as :meth:`AgingTest.compute_life_gradient` gives it.
+            Gradient of the ln life, as :meth:`AgingTest.compute_life_gradient` gives it.
         """
         full_gradient = np.zeros(5 + len(self.temperatures))
         full_gradient[:4] = gradient

@@ -148,11 +148,11 @@ def draw_life_chart(
     Parameters
     ----------
     aging : Aging
-        Of several ovens that show an activation energy.
+        Aging of several ovens that show an activation energy.
     part : float
         F/F0 at the end of the life.
     temperature : float, optional
-        Of use, K, whose life is marked.
+        Temperature of use, K, whose life is marked.
     stamp : str
         What the figure says of its origin; by default the files.
     """

@@ -29,7 +29,7 @@ from dashpot.solids.shift_laws import GAS
 USUAL_OVEN, WORST_OVEN = 1.0, 30.0
 """Standard deviation of an oven's temperature, K: the usual one, and the largest accepted."""
 USUAL_DRIFT = 0.03
-"""Of the zero of a load cell, in parts of F0 in 1000 h: standard deviation where none is stated."""
+"""Drift of a load cell's zero, in parts of F0 in 1000 h: standard deviation if none is stated."""
 _USUAL, _FAR = 0.01, 6.0
 """Usual scatter of a reading, in parts of F0; largest error of a temperature, in standard
 deviations."""

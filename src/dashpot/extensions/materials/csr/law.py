@@ -58,11 +58,11 @@ class AgingLaw(EqualByValue):
     activation : float
         J/mol; 0 where one oven shows none.
     exponent : float
-        Of the chemical factor.
+        Exponent of the chemical factor.
     reference : float
         K.
     covariance : array, shape (4, 4)
-        Of physical, chemical, activation and ln exponent; infinite of what is not known.
+        Covariance of physical, chemical, activation and ln exponent; infinite of what is not known.
     quantile : float
         Standard errors to either end of a 95 % interval.
     bound_alone : bool

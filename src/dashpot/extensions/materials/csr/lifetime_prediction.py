@@ -274,7 +274,7 @@ def age_fit(aging: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) ->
     ----------
     aging : Aging
     fit : Fit
-        Of the new seal.
+        Fit of the new seal.
     temperature, time : float or str
         K and s, or ``"70degC"`` and ``"10000h"``.
 
@@ -474,7 +474,7 @@ def scale_for_aging(
     condition : str
         After what.
     checks : sequence of Check
-        Of the factor.
+        Checks of the factor.
 
     Raises
     ------

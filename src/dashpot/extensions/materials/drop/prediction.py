@@ -43,7 +43,7 @@ class DropPrediction(EqualByValue, HasVerdict, Serialisable):
         By time steps.
     checks : tuple of Check
     sources : tuple of Source
-        Of the fit.
+        Sources of the fit.
     """
 
     schema = "dashpot/slammed@2"

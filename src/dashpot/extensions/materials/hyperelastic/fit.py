@@ -69,10 +69,10 @@ def fit_hyperelastic(
         ``"auto"`` takes the law of least BIC among those that are stable over the stretches of use:
         of rubber, or of foam where Poisson's ratio is given, or a strain sideways shows it.
     terms : int or "auto"
-        Of ``"ogden"`` and ``"hyperfoam"``, 1 to 3; ``"auto"`` by BIC.
+        Number of terms of ``"ogden"`` and ``"hyperfoam"``, 1 to 3; ``"auto"`` by BIC.
     poisson : float, optional
-        Of a foam; where it is not given, that of the strain sideways of one mode, or else sought
-        by two.
+        Poisson's ratio of a foam; where it is not given, that of the strain sideways of one mode,
+        or else sought by two.
     relaxation : GeneralizedMaxwell, optional
         Whose k_inf is 1; taken off every test.
     cycle : int, optional
@@ -80,7 +80,7 @@ def fit_hyperelastic(
     stretches : (float, float), optional
         Least and largest principal stretch of use; by default those measured.
     temperature : float, optional
-        Of the tests, K.
+        Temperature of the tests, K.
 
     Raises
     ------

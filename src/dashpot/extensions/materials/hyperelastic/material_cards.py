@@ -105,11 +105,11 @@ def hyperelastic_card(
     fit : HyperelasticFit
     units : str
     bulk_modulus : float, optional
-        Of a rubber whose volume was not tested, Pa.
+        Bulk modulus of a rubber whose volume was not tested, Pa.
     density : float, optional
         kg/m^3; LS-DYNA wants it.
     temperature : float, optional
-        Of the tests, K, where the fit does not know it.
+        Temperature of the tests, K, where the fit does not know it.
     allow : collection of str
         ``"temperature"``, ``"not_identified"`` (a check that says not to use the law), ``"all"``.
 

@@ -26,8 +26,8 @@ from dashpot.reading.readers.size_checks import stress_of_a_rubber
 from dashpot.reading.table import Column
 
 _RESTS, _HELD, _RELAXED = 0.02, 0.5, 0.02
-"""Of its range, by how much a held strain moves; of a record, how long it is held at least; of the
-stress, by how much it falls there."""
+"""By how much a held strain moves, in parts of its range; shortest hold, in parts of the record;
+least fall of the stress in the hold, in parts of the stress."""
 _MIXED = 0.05
 """Part of the largest stress that may have the wrong sign: noise about zero."""
 

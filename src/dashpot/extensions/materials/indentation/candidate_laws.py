@@ -35,7 +35,7 @@ from dashpot.extensions.materials.indentation.datamodel import Motion
 from dashpot.numerics.least_squares import Parameter
 
 _SLIGHT = np.array([0.02, 1.0])
-"""Of a loss and a time, whose arsinh in this unit is the parameter: by what is less a record
+"""Unit of a loss and a time, whose arsinh in this unit is the parameter: by what is less a record
 changes in proportion, and where both are more their logarithms do."""
 _RANGE = np.array([[1e-6, 10.0], [1 / 32, 32.0]])
 _REACH = 8.0
@@ -54,7 +54,7 @@ class Law:
     ----------
     exponent : float
     shape : callable
-        Of the law's own numbers and the pull, without units.
+        Parameters: those of the law's own numbers and the pull, without units.
     build_law : callable
         The contact of k, the unit of time and the law's own numbers.
     starts : tuple of tuple

@@ -25,8 +25,8 @@ from dashpot.base.value_ranges import require_positive
 from dashpot.extensions.materials.indentation.contact_law import ContactLaw, ViscousContact
 
 _STEP, _RELAXING_STEP = 0.03, 0.05
-"""Of the march; a lossless contact is some five long. The motion is right to 1e-8, that of a model
-that relaxes to 3e-6, its force to 1e-5 of the largest."""
+"""Step of the integration; a lossless contact is some five long. The motion is right to 1e-8, that of
+a model that relaxes to 3e-6, its force to 1e-5 of the largest."""
 _WITHIN = 6
 """Samples of a step."""
 _ROUNDS = 30
@@ -104,7 +104,7 @@ def collide(
     mass : float
         kg.
     velocity : float
-        Of approach, m/s, > 0.
+        Velocity of approach, m/s, > 0.
     acceleration : float
         Acceleration that acts besides the contact, m/s^2: 9.81 for a fall, 0 across.
 

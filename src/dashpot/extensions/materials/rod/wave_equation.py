@@ -91,7 +91,7 @@ def rod_modulus(
     mass : float or str
         On top, kg.
     density : float
-        Of the rod, kg/m^3.
+        Density of the rod, kg/m^3.
     bonded : bool
         To its plates: what that stiffens is taken off.
     errors : RodErrors, optional

@@ -60,7 +60,7 @@ class Draws(Serialisable):
         The table of what each does to the peak.
     seed : int
     peak, damping_ratio : float
-        Of the fit itself, Hz and dimensionless.
+        Peak and damping ratio of the fit itself, Hz and dimensionless.
     ln_peak_sd, ln_damping_sd : float
         Standard deviations of their logarithms over the draws.
     """

@@ -59,7 +59,7 @@ def open_door(
     path : path or Door
         TOML, as :func:`~dashpot.extensions.systems.door.read.read_door` reads it, or what it reads.
     temperature : float, optional
-        Of the seal, K, instead of what the file says.
+        Temperature of the seal, K, instead of what the file says.
 
     Raises
     ------
@@ -174,9 +174,9 @@ def door_file(
     path : path or Door
         TOML, as :func:`~dashpot.extensions.systems.door.read.read_door` reads it, or what it reads.
     band : (float, float), optional
-        Of the FRFs and modes, Hz; 1 to 200 Hz by default.
+        Band of the FRFs and modes, Hz; 1 to 200 Hz by default.
     temperature : float, optional
-        Of the seal, K, instead of what the file says.
+        Temperature of the seal, K, instead of what the file says.
 
     Raises
     ------

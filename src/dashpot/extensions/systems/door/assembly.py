@@ -32,7 +32,7 @@ class Assembly:
     door : Door
         Its line with the section, if it has a seal.
     modes : FreeModes or None
-        Of the door.
+        Modes of the door.
     parts : mapping
         From the path of a fit to the solid of the part, N/m.
     """
@@ -75,7 +75,7 @@ class Assembly:
         ----------
         sealed : bool
         pitch : float, optional
-            Of the stations, m; by default the one stated.
+            Pitch of the stations, m; by default the one stated.
         friction_sticks : bool
             The friction of the seal sticks, as under small vibration; else it may slip, and the
             system answers at a level.

@@ -135,13 +135,14 @@ class ClosingHistory:
     kinetic, time : array, shape (n + 1, doors)
         J, nan once a door has stopped, and s.
     work : mapping of str to array, shape (n, doors)
-        Of every term in every step, J: what it took from the motion.
+        Work of every term in every step, J: what it took from the motion.
     stored : mapping of str to array, shape (doors,)
-        Of which it would give back, J, at the end of the march; nan for doors that stopped.
+        The part of the work that it would give back, J, at the end of the march; nan for
+        doors that stopped.
     pressure : mapping of str to array, shape (n + 1, doors)
         Highest gauge pressure in the chambers, Pa.
     returned : float
-        Of the first door, if it stopped: kinetic energy with which it comes back, J.
+        For the first door, if it stopped: kinetic energy with which it comes back, J.
     """
 
     angle: FloatArray
@@ -256,7 +257,7 @@ def march(
     dashpot : array, shape (doors,), optional
         Beside the seal before that factor, N s/m per m.
     steps : int
-        Of the angle over which the seal is pressed.
+        Steps of the angle over which the seal is pressed.
     """
     doors = len(speed)
     compressions = np.broadcast_to(

@@ -46,7 +46,7 @@ class Share(Serialisable):
     work : float
         J; below 0 where it helped.
     stored : float
-        Of which it would give back, J; nan of a door that stopped.
+        The part of the work that it would give back, J; nan of a door that stopped.
     peak_moment : float
         The largest against closing, N m.
     """
@@ -285,7 +285,7 @@ def close_door(
     seal_uncertainty : SealDoubt, optional
         What of the seal is not known.
     steps : int
-        Of the angle over which the seal is pressed.
+        Steps of the angle over which the seal is pressed.
 
     Raises
     ------
@@ -368,7 +368,7 @@ def least_speed(
         Beside the seal before that factor, N s/m per m.
     steps : int
     tolerance : float
-        Of the speed, relative.
+        Tolerance of the speed, relative.
     """
     row = load if compression is None else compression
     doors = 1 if row is None else len(row)

@@ -35,7 +35,7 @@ def close_file(
     speed : float
         At the door's edge where it begins, m/s.
     temperature : float, optional
-        Of the seal, K, instead of what the file says.
+        Temperature of the seal, K, instead of what the file says.
 
     Raises
     ------

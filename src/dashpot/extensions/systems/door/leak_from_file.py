@@ -42,7 +42,7 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
     path : path or Door
         TOML, as :func:`~dashpot.extensions.systems.door.read.read_door` reads it.
     temperature : float, optional
-        Of the new seal, K, instead of what the file says.
+        Temperature of the new seal, K, instead of what the file says.
 
     Raises
     ------

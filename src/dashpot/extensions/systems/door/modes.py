@@ -34,7 +34,7 @@ class DoorMode(Serialisable):
     ----------
     mode : ComplexMode
     shares : tuple of EnergyShare
-        Of each hinge, the latch, the bumpers, the seal, and the door itself.
+        Shares of each hinge, the latch, the bumpers, the seal, and the door itself.
     without_seal : float or None
         Frequency of the same motion without the seal, Hz; None if none is like it.
     """

@@ -164,18 +164,18 @@ class DoorQuantity(Serialisable):
     name : str
         ``"mode 1"`` or ``"closing"``.
     value : float
-        Of the door whose seal is the median one, Hz or m/s.
+        Value of the door whose seal is the median one, Hz or m/s.
     sd, between_sd, mean_sd : float
         Standard deviation of its ln: over the cars with the common error, of the cars, and of the
         common error.
     low, high : float
         Between which 95 % of the cars lie.
     seal_share : float or None
-        Of the energy of the mode.
+        Share of the seal in the energy of the mode.
     limit : float or None
     limit_is_most : bool
     share_beyond : float or None
-        Of the cars, for the median draw of mean and scatter.
+        Share of the cars, for the median draw of mean and scatter.
     share_low, share_high : float or None
         Its 95 % interval.
     factors, values : tuple of float
@@ -351,9 +351,9 @@ def predict_population(
     limits : sequence of str
         ``"mode 1 >= 30Hz"``, ``"closing <= 1.2m/s"``.
     band : (float, float), optional
-        Of the modes, Hz.
+        Band of the modes, Hz.
     temperature : float, optional
-        Of the seal, K.
+        Temperature of the seal, K.
 
     Raises
     ------
@@ -549,7 +549,7 @@ def describe_quantity(
     specimen_spread : SpecimenSpread
     limit : DoorLimit, optional
     seal_share : float, optional
-        Of the energy of the mode.
+        Share of the seal in the energy of the mode.
     """
     middle, half_range = float(u.mean()), float(np.ptp(u)) / 2
     polynomial = np.polynomial.Polynomial.fit(u, np.log(values), _DEGREE)

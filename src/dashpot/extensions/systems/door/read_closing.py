@@ -38,7 +38,7 @@ def closing_of(
         How to name it.
     entries : mapping
     width, height : float, optional
-        Of the door, m.
+        Width and height of the door, m.
 
     Raises
     ------

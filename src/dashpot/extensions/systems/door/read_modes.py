@@ -36,10 +36,10 @@ def read_modes(
     ----------
     path : path
     unit : str, optional
-        Of the coordinates, where the file does not say.
+        Unit of the coordinates, where the file does not say.
     modal_mass : str or float, optional
-        Of every mode, where the file does not say: 1 t for shapes that a code in mm, t and s has
-        normalised, kg.
+        Modal mass of every mode, where the file does not say: 1 t for shapes that a code in mm, t
+        and s has normalised, kg.
     damping : float, optional
         Damping ratio of every mode, instead of what the file says.
 

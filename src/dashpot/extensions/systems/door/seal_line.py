@@ -53,8 +53,8 @@ class SealLine(EqualByValue):
     points : array, shape (n, 3)
         m; repeat the first at the end to close the line.
     compression : float or array, shape (n,), optional
-        Of the seal at each point, m, straight between them: its free height less the gap that it
-        fills, so below 0 where it does not reach. None is the compression of its test.
+        Compression of the seal at each point, m, straight between them: its free height less the
+        gap that it fills, so below 0 where it does not reach. None is the compression of its test.
     section : SealSection or Solid, optional
         One metre of the seal, N/m per m; without it the line is its geometry.
     normal : (float, float, float) or array, shape (n, 3) or (n - 1, 3)
