@@ -264,12 +264,12 @@ def test_batch_row_has_every_value_of_the_arms(fit):
     for value in list_arm_values(fit):
         if value.name[0] == "b":
             continue
-        column = row._column(value)
+        column = row._get_column_name(value)
         name, unit = parse_column_title(column)
         assert unit == value.unit
         assert name.replace("E_", "k_") == value.name
         assert row_of[column] == value.value
-        assert row_of[row._column(value, "_se")] == value.error
+        assert row_of[row._get_column_name(value, "_se")] == value.error
     letter = "k" if fit.unit == "N/m" else "E"
     ending = "N_per_m" if fit.unit == "N/m" else "Pa"
     assert row_of[f"{letter}_end_{ending}"] == pytest.approx(float(fit.model.relaxation(40.0)))
@@ -360,7 +360,7 @@ SHAKEN = {"levels": (0.02, 0.5), "mass": 0.1148, "seals": 2.0, "at": (0.1,)}
 )
 def test_levels_say_the_same_on_page_and_in_app(bench, files, requested):
     amplitude_result = level_files([str(bench / file) for file in files], **requested)
-    numbers = level.numbers(amplitude_result)
+    numbers = level.list_level_values(amplitude_result)
     assert numbers
     (shown,) = kind_page(amplitude_result).groups
     rows = {quantity.name: (quantity.value, quantity.unit) for quantity in shown.rows}
@@ -374,8 +374,8 @@ def test_levels_say_the_same_on_page_and_in_app(bench, files, requested):
 
 def test_a_peak_at_a_level_says_the_same_in_text_and_page(bench):
     amplitude_result = level_files([str(bench / "hammer.csv")], at=(0.05,))
-    values = {item.name: item for item in level.numbers(amplitude_result)}
-    rows = table(amplitude_text.levels(amplitude_result).lines)
+    values = {item.name: item for item in level.list_level_values(amplitude_result)}
+    rows = table(amplitude_text.render_levels(amplitude_result).lines)
     for (peak, motion), element in zip(
         (item.facts for item in amplitude_result.at), amplitude_result.at, strict=True
     ):

@@ -12,8 +12,8 @@ import pytest
 from dashpot.base.errors import DataError, ReadError
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.input_files import Entry, find_entries
-from dashpot.extensions.batch.parquet_parts import Task, tasks
-from dashpot.extensions.batch.table_row import row
+from dashpot.extensions.batch.parquet_parts import Task, make_tasks
+from dashpot.extensions.batch.table_row import make_row
 
 
 @pytest.fixture
@@ -225,7 +225,7 @@ def test_find_entries_reports_an_unreadable_folder(working_folder, monkeypatch):
     ],
 )
 def test_a_task_gives_back_what_it_was_made_of(entry):
-    (task,) = tasks([entry], BatchOptions(), hashed=lambda file: f"{len(file):064x}")
+    (task,) = make_tasks([entry], BatchOptions(), hashed=lambda file: f"{len(file):064x}")
     assert task.entry == entry
     assert task.hashes == tuple(f"{len(file):064x}" for file in (entry.file, *entry.hammer))
     assert len(task.key) == 64
@@ -250,7 +250,7 @@ def test_find_entries_reports_links_outside_and_pipes_unread(tmp_path):
     assert "a pipe" in asides["pipe.csv"]
     (out,) = [entry for entry in entries if entry.file.endswith("out.csv")]
     assert out.hashes() == ("",)
-    answer = row(out, out.hashes(), BatchOptions())
+    answer = make_row(out, out.hashes(), BatchOptions())
     assert (answer["outcome"], answer["reason"]) == ("refused", out.aside)
     (named,) = find_entries([rig / "out.csv"], without=tmp_path / "lot")
     assert not named.aside

@@ -30,7 +30,11 @@ from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.extensions.amplitude.fit_frfs import fit_levels
 from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels, hits_as_levels
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit, PeakAtLevel
-from dashpot.extensions.amplitude.preprocess import find_flat_part, steady_cycles, sweep_of_loops
+from dashpot.extensions.amplitude.preprocess import (
+    compute_sweep,
+    find_flat_part,
+    find_steady_cycles,
+)
 from dashpot.extensions.amplitude.response import resonance_at_level
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
@@ -181,7 +185,7 @@ def level_files(
     amplitude_fit, _, record = amplitude_file(
         files[0], kinds[0], law=law, options=options, machine=machine
     )
-    return _swept(amplitude_fit, record)
+    return _attach_sweep(amplitude_fit, record)
 
 
 def fit_amplitude_record(
@@ -189,21 +193,23 @@ def fit_amplitude_record(
 ) -> AmplitudeResult:
     """Find what a sweep of amplitudes, or a record of loops, says of stiffness and damping."""
     if not isinstance(record, AmplitudeSweep):
-        sweep = sweep_of_loops(record, machine)
+        sweep = compute_sweep(record, machine)
     else:
         sweep = record
         require_test_for_machine(machine, tests=int(sweep.delay_sd > 0), add="recorded loops")
         if machine is not None and machine.sync is not None:
             machine.refuse_unused("sync", subject="recorded loops")
             sweep = replace(sweep, delay_sd=machine.sync, units="SI")
-    return _swept(fit_amplitude(sweep, law=law), record)
+    return _attach_sweep(fit_amplitude(sweep, law=law), record)
 
 
-def _swept(amplitude_fit: AmplitudeFit, record: AmplitudeSweep | LoopRecord) -> AmplitudeResult:
+def _attach_sweep(
+    amplitude_fit: AmplitudeFit, record: AmplitudeSweep | LoopRecord
+) -> AmplitudeResult:
     if not isinstance(record, AmplitudeSweep):
         fastest = float(amplitude_fit.frequency.max())
         pushed = "force" if amplitude_fit.unit == "N/m" else "stress"
-        clipped = loops_not_clipped(find_flat_part(steady_cycles(record)), pushed)
+        clipped = loops_not_clipped(find_flat_part(find_steady_cycles(record)), pushed)
         amplitude_fit = replace(
             amplitude_fit,
             loss_per_lag=2 * np.pi * fastest,
@@ -252,7 +258,7 @@ def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
         )
 
 
-def _forces(levels: Sequence[Quantity], tests: int) -> list[float]:
+def _get_peak_forces(levels: Sequence[Quantity], tests: int) -> list[float]:
     """Peak forces that are said of so many hammer tests, N."""
     if levels and len(levels) != tests:
         raise ReadError(
@@ -274,7 +280,7 @@ def _fit_hit_files(
     at: Sequence[float],
     options: ReadOptions | None,
 ) -> AmplitudeResult:
-    _forces(levels, len(files))
+    _get_peak_forces(levels, len(files))
     tests = read_impacts(list(files), options=options)
     with add_name_to_errors(", ".join(Path(path).name for path in files)):
         return hits_at_levels(tests, levels, mass=mass, band=band, at=at)
@@ -289,7 +295,7 @@ def hits_at_levels(
     at: Sequence[float] = (),
 ) -> AmplitudeResult:
     """Find what hits of different height say; the parameters are those of :func:`level_files`."""
-    stated_forces = _forces(levels, len(tests))
+    stated_forces = _get_peak_forces(levels, len(tests))
     frf = estimate_frf(tests, resonance_band=band, mass=mass)
     hit_levels = hits_as_levels(frf, band=band)
     if stated_forces:
@@ -329,7 +335,7 @@ def frfs_at_levels(
             "(--amplitude 0.05N --amplitude 0.5N)"
         )
     level_fit = fit_levels(frfs, levels, mass=mass, seals=seals, band=band)
-    peaks = tuple(_peak(level_fit, level) for level in at)
+    peaks = tuple(_find_peak(level_fit, level) for level in at)
     covered = tuple(
         amplitude_in_tested_range(peak.amplitude, level_fit.amplitudes, at=f"{peak.level:.4g} N")
         for peak in peaks
@@ -337,7 +343,7 @@ def frfs_at_levels(
     return AmplitudeResult(level_fit, peaks, (*level_fit.checks, *covered), tuple(frfs))
 
 
-def _peak(level_fit: LevelFit, level: float) -> PeakAtLevel:
+def _find_peak(level_fit: LevelFit, level: float) -> PeakAtLevel:
     """Return the largest motion of the mass at a level, and what the draws say of it."""
 
     def find_largest_motion(solid: GeneralizedMaxwell, elements: Elements) -> FloatArray:

@@ -397,7 +397,7 @@ def _compare_orbits(orbit: Orbit, other: Orbit) -> float:
 
 
 @lru_cache(maxsize=8)
-def _transforms(harmonic_count: int) -> tuple[AlternatingFrequencyTime, FloatArray]:
+def _make_transforms(harmonic_count: int) -> tuple[AlternatingFrequencyTime, FloatArray]:
     """Return the transform between harmonics and samples, and the samples of each real unknown."""
     cycle = AlternatingFrequencyTime(
         range(harmonic_count + 1), max(_FEWEST, _PER_HARMONIC * harmonic_count)
@@ -407,7 +407,7 @@ def _transforms(harmonic_count: int) -> tuple[AlternatingFrequencyTime, FloatArr
 
 
 @lru_cache(maxsize=8)
-def _gauss_points(harmonic_count: int) -> tuple[float, FloatArray, ComplexArray]:
+def _make_gauss_points(harmonic_count: int) -> tuple[float, FloatArray, ComplexArray]:
     """Return the step of phase, two points in each, shape (steps, 2), and the harmonics there."""
     width = 2 * np.pi / _FLOQUET_STEPS
     first = np.arange(_FLOQUET_STEPS)[:, None] + 0.5
@@ -426,7 +426,7 @@ class _PressedBalance:
     ) -> None:
         self.of, self.hz, self.level, self.most = preloaded_mass, hz, level, harmonic_count
         h, omega = np.arange(harmonic_count + 1), 2 * np.pi * hz
-        self.cycle, self.basis = _transforms(harmonic_count)
+        self.cycle, self.basis = _make_transforms(harmonic_count)
         self.samples = len(self.basis)
         self.inertia = -preloaded_mass.mass * (h * omega) ** 2
         s = 1j * omega * np.arange(self.samples // 2 + 1)
@@ -626,7 +626,7 @@ class _PressedBalance:
         g, tau = (np.asarray(pair) for pair in (solid.k, solid.tau))
         g = g / solid.k_inf
         at_once, dash = 1 + g.sum(), solid.b / solid.k_inf
-        width, phase, turn = _gauss_points(self.most)
+        width, phase, turn = _make_gauss_points(self.most)
         x = (turn @ self.harmonics(z)).real
         compression = np.maximum(x, 0.0)
         tangent = np.where(x > 0, law.tangent(compression), 0.0)

@@ -20,7 +20,7 @@ MOST_ARMS = 6
 """The most that are tried where their number is left to choose."""
 
 
-def several(
+def convert_quantities(
     quantity_or_quantities: Quantity | Sequence[Quantity], dimension: Dimension
 ) -> tuple[float, ...]:
     """Return one quantity or several in SI."""
@@ -32,7 +32,9 @@ def several(
     return tuple(convert_to_si(quantity, dimension) for quantity in quantities)
 
 
-def _positive(name: str, value: float, unit: str = "", *, expected: str = "a number") -> None:
+def _require_positive(
+    name: str, value: float, unit: str = "", *, expected: str = "a number"
+) -> None:
     if not 0 < value < math.inf:
         raise DataError(f"{name} = {value!r}{unit}; expected {expected} > 0")
 
@@ -99,12 +101,12 @@ class BatchOptions:
         for name, unit in (("mass", " kg"), ("length", " m"), ("radius", " m"), ("seals", "")):
             value = getattr(self, name)
             if value is not None:
-                _positive(name, value, unit)
+                _require_positive(name, value, unit)
         for name in ("at", "compression"):
             results = tuple(dict.fromkeys(getattr(self, name)))
             object.__setattr__(self, name, results)
             for result in results:
-                _positive(name, result, expected="numbers")
+                _require_positive(name, result, expected="numbers")
         if self.joint and self.quick:
             raise DataError(
                 "--joint weights relaxation and hammer test by errors, which --quick leaves out"

@@ -18,7 +18,7 @@ from dashpot.base.option_fields import Method
 from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import Quantity, convert_to_si
-from dashpot.extensions.batch.batch_options import BatchOptions, several
+from dashpot.extensions.batch.batch_options import BatchOptions, convert_quantities
 from dashpot.extensions.batch.executors import open_executor
 from dashpot.extensions.batch.input_files import LOG, Entry, find_entries
 from dashpot.extensions.batch.limits import Limits
@@ -29,14 +29,14 @@ from dashpot.extensions.batch.parquet_parts import (
     Task,
     build_row_frame,
     claim,
-    keys_done,
-    polars,
-    table,
-    tasks,
+    collect_table,
+    import_polars,
+    list_done_keys,
+    make_tasks,
     write_part,
 )
 from dashpot.extensions.batch.process_pool import Executor, Rows
-from dashpot.extensions.batch.table_row import row
+from dashpot.extensions.batch.table_row import make_row
 from dashpot.reading.read_options import ReadOptions
 
 CHUNK = SMALL_PART
@@ -79,7 +79,7 @@ class BatchJob:
         send_progress("finding the files")
         entries = self.entries()
         send_progress(f"hashing the files of {len(entries)} tests")
-        return tasks(entries, self.choices)
+        return make_tasks(entries, self.choices)
 
 
 @dataclass(frozen=True)
@@ -196,19 +196,19 @@ def batch(
         options or ReadOptions(),
         impact_options or ReadOptions(),
         joint,
-        several(at, "frequency"),
-        several(compression, "length"),
+        convert_quantities(at, "frequency"),
+        convert_quantities(compression, "length"),
         convert_to_si(length, "length"),
         convert_to_si(radius, "length"),
     )
     path_list = (paths,) if isinstance(paths, str | Path) else tuple(paths)
-    with _folder(output) as folder:
+    with _make_results_folder(output) as folder:
         return run_batch(BatchJob(path_list, folder, choices, by, manifest, pair, jobs, scheduler))
 
 
 def run_batch(job: BatchJob) -> Lot:
     """Make the rows of a batch that are missing, and return all."""
-    polars()
+    import_polars()
     open_executor(job.jobs, job.scheduler)  # refuses what makes no sense before anything is written
     tasks = job.tasks()
     with lock_results_folder(job.output):
@@ -225,13 +225,13 @@ def lock_results_folder(folder: Path) -> Iterator[None]:
 
 def compute_missing_rows(job: BatchJob, tasks: Sequence[Task]) -> Lot:
     """Make of the rows asked for those that are missing, in a folder that is occupied."""
-    missing = _missing(tasks, job.output)
+    missing = _select_missing_tasks(tasks, job.output)
     if missing:
         try:
             with open_executor(job.jobs, job.scheduler) as executor:
                 _compute(missing, job.choices, job.output, executor)
         except (KeyboardInterrupt, OSError) as error:
-            made_now = len(missing) - len(_missing(missing, job.output))
+            made_now = len(missing) - len(_select_missing_tasks(missing, job.output))
             text = (
                 f"{made_now} of {len(missing)} rows are made and kept in {job.output}, and the "
                 "same command goes on from there"
@@ -239,9 +239,9 @@ def compute_missing_rows(job: BatchJob, tasks: Sequence[Task]) -> Lot:
             if isinstance(error, OSError):
                 raise ExportError(f"{job.output}: {error.strerror or error}: {text}") from None
             raise KeyboardInterrupt(f"interrupted: {text}") from None
-    frame = table(job.output, (task.key for task in tasks))
+    frame = collect_table(job.output, (task.key for task in tasks))
     made_keys = [task.key for task in missing]
-    return Lot(frame, frame.filter(polars().col(KEY).is_in(made_keys)).height)
+    return Lot(frame, frame.filter(import_polars().col(KEY).is_in(made_keys)).height)
 
 
 def plan_batch(job: BatchJob) -> BatchPlan:
@@ -252,11 +252,11 @@ def plan_batch(job: BatchJob) -> BatchPlan:
     ReadError, DataError, ExportError
         As :func:`batch`.
     """
-    polars()
+    import_polars()
     executor, tasks = open_executor(job.jobs, job.scheduler), job.tasks()
-    missing = _missing(tasks, job.output)
+    missing = _select_missing_tasks(tasks, job.output)
     with executor as making:
-        chunks = len(_chunks(missing, making.side))
+        chunks = len(_split_into_chunks(missing, making.side))
     value = _estimate_seconds_per_row(missing[:_TIMED], job.choices)
     seconds = value * len(missing) / min(making.at_once, max(chunks, 1))
     return BatchPlan(len(tasks), len(tasks) - len(missing), chunks, seconds, making.side)
@@ -265,17 +265,17 @@ def plan_batch(job: BatchJob) -> BatchPlan:
 def _estimate_seconds_per_row(sample_tasks: Sequence[Task], choices: BatchOptions) -> float:
     if not sample_tasks:
         return 0.0
-    row(
+    make_row(
         sample_tasks[0].entry, sample_tasks[0].hashes, choices
     )  # what is imported once does not count
     start_time = time.perf_counter()
     for task in sample_tasks:
-        row(task.entry, task.hashes, choices)
+        make_row(task.entry, task.hashes, choices)
     return (time.perf_counter() - start_time) / len(sample_tasks)
 
 
 @contextmanager
-def _folder(output: str | Path | None) -> Iterator[Path]:
+def _make_results_folder(output: str | Path | None) -> Iterator[Path]:
     if output is not None:
         yield Path(output)
         return
@@ -283,12 +283,12 @@ def _folder(output: str | Path | None) -> Iterator[Path]:
         yield Path(folder)
 
 
-def _missing(tasks: Sequence[Task], folder: Path) -> list[Task]:
-    done_keys = keys_done(folder) if folder.is_dir() else set()
+def _select_missing_tasks(tasks: Sequence[Task], folder: Path) -> list[Task]:
+    done_keys = list_done_keys(folder) if folder.is_dir() else set()
     return [task for task in tasks if task.key not in done_keys]
 
 
-def _chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
+def _split_into_chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
     """Smaller ones towards the end, so that no process waits long for the last of another."""
     task_groups: list[tuple[Task, ...]] = []
     first, chunk_limit = 0, max(1, len(missing) // jobs)
@@ -303,7 +303,7 @@ def _chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
 def _compute(
     missing: Sequence[Task], choices: BatchOptions, folder: Path, executor: Executor
 ) -> None:
-    chunks, done_count, start_time = _chunks(missing, executor.side), 0, time.monotonic()
+    chunks, done_count, start_time = _split_into_chunks(missing, executor.side), 0, time.monotonic()
     send_progress(f"{len(missing)} tests in {len(chunks)} chunks")
     first = (0, 0.0)
     for number, (chunk, rows) in enumerate(executor.computed(chunks, choices), start=1):
@@ -311,7 +311,7 @@ def _compute(
         done_count += len(chunk)
         progress = done_count, max(time.monotonic() - start_time, 1e-6)
         first = progress if number == 1 else first
-        tests_per_second = rate(first, progress, number, min(executor.side, len(chunks)))
+        tests_per_second = estimate_rate(first, progress, number, min(executor.side, len(chunks)))
         text = f"{done_count} of {len(missing)} tests, {tests_per_second:.1f} tests/s"
         if done_count < len(missing):
             text += f", {(len(missing) - done_count) / tests_per_second:.0f} s left"
@@ -319,7 +319,7 @@ def _compute(
         append_log_line(folder, f"{path.name} {_format_outcome_counts(rows)}; {text}")
 
 
-def rate(
+def estimate_rate(
     first: tuple[int, float], progress: tuple[int, float], chunks: int, parallel_chunks: int
 ) -> float:
     """Return tests in a second, by how many were done, and after how many s, at two chunks.

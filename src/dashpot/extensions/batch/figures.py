@@ -54,7 +54,7 @@ def control_picture(
     titles, spans = list[tuple[float, str]](), list[tuple[Charts, FloatArray]]()
     for name, chart in charts.items():
         at = np.array([positions[seal.lot, seal.name] for seal in chart.seals])
-        end_positions = _ends(at)
+        end_positions = _get_axis_limits(at)
         lower_line, centre, upper_line = (
             quantity.scale * value * np.ones(2)
             for value in (chart.means.lower[0], chart.means.centre, chart.means.upper[0])
@@ -70,14 +70,14 @@ def control_picture(
     limits = quantity.scale * np.array(requested)
     marks += [Rule(end, _ASKED, "limits asked", across=True) for end in limits]
     marks.append(Dots(x, y, "measured", "seal: mean of its tests", size=5.0))
-    low, high = _limits(quantity, charts, seals, requested)
+    low, high = _make_value_axis(quantity, charts, seals, requested)
     marks += [Tag(at, high, text, "soft") for at, text in titles]
     upper = Panel(scale, Scale(quantity.title, (low, high)), (*areas, *marks), height=CHART)
-    panels = (upper, *_scatter(scale, quantity, spans))
+    panels = (upper, *_make_scatter_panel(scale, quantity, spans))
     return Picture("chart", f"{quantity.title}: seals of each lot", (panels,))
 
 
-def _scatter(
+def _make_scatter_panel(
     scale: Scale, quantity: Quantity, spans: Sequence[tuple[Charts, FloatArray]]
 ) -> Iterator[Panel]:
     """The panel of repeats or neighbours, unless there are none; each lot with its places."""
@@ -90,7 +90,7 @@ def _scatter(
             continue
         values, ceiling = quantity.scale * chart.values, quantity.scale * chart.upper
         marks += [
-            Line(_ends(at), quantity.scale * chart.centre * np.ones(2), _USUAL),
+            Line(_get_axis_limits(at), quantity.scale * chart.centre * np.ones(2), _USUAL),
             Line(at, ceiling, _CEILING, "its upper control limit"),
             Dots(at, values, "measured", size=4.0),
             *_make_signal_tags(item.seals, chart, at, quantity.scale),
@@ -102,7 +102,7 @@ def _scatter(
         yield Panel(scale, Scale(title, (0.0, top)), tuple(marks), height=70)
 
 
-def _ends(at: FloatArray) -> FloatArray:
+def _get_axis_limits(at: FloatArray) -> FloatArray:
     return np.array([at[0] - 0.5, at[-1] + 0.5])
 
 
@@ -116,7 +116,7 @@ def _make_signal_tags(
     ]
 
 
-def _limits(
+def _make_value_axis(
     quantity: Quantity,
     charts: Mapping[str, Charts],
     seals: Sequence[Seal],
@@ -148,7 +148,7 @@ def histogram_picture(
              tint=0.5)
         for low, high, count in zip(edges[:-1], edges[1:], counts.tolist(), strict=True) if count
     ]  # fmt: skip
-    limits = _limits(quantity, charts, seals, requested)
+    limits = _make_value_axis(quantity, charts, seals, requested)
     mean, top = float(means.mean()), float(counts.max())
     deviation = float(means.std(ddof=1)) if len(means) > 1 else 0.0
     if deviation > 0:
@@ -216,8 +216,10 @@ def lots_picture(
         edges = quantity.scale * lots.mean.lower, quantity.scale * lots.mean.upper
         marks.append(Area(at, *edges, "fit", "control limits of lot means"))
         marks.append(Rule(quantity.scale * lots.mean.centre, _MEAN, "mean of all", across=True))
-    marks.append(_bars(at, low, high, Pen("ref", 1.0), "all of its seals"))
-    marks.append(_bars(at, lower_quartile, upper_quartile, Pen("ref", 5.0), "90 % of its seals"))
+    marks.append(_make_error_bars(at, low, high, Pen("ref", 1.0), "all of its seals"))
+    marks.append(
+        _make_error_bars(at, lower_quartile, upper_quartile, Pen("ref", 5.0), "90 % of its seals")
+    )
     marks += [Rule(quantity.scale * end, _ASKED, "limits asked", across=True) for end in requested]
     marks.append(Dots(at, means, "measured", "mean of a lot", size=5.0))
     if lots is not None and lots.mean.signalling_points:
@@ -225,21 +227,23 @@ def lots_picture(
         marks.insert(
             -1, Dots(at[signalling], means[signalling], "care", "signal", size=10.0, hollow=True)
         )
-    limits = _limits(quantity, charts, seals, requested)
-    marks += _groups(names, means, limits[1])
+    limits = _make_value_axis(quantity, charts, seals, requested)
+    marks += _group_lots(names, means, limits[1])
     upper = Panel(scale, Scale(quantity.title, limits), tuple(marks), height=CHART)
-    panels = (upper, *_repeats_of_lots(scale, quantity, names, charts))
+    panels = (upper, *_make_repeats_panel(scale, quantity, names, charts))
     return Picture("chart", f"{quantity.title}: every lot", (panels,))
 
 
-def _bars(at: FloatArray, low: FloatArray, high: FloatArray, pen: Pen, label: str) -> Line:
+def _make_error_bars(
+    at: FloatArray, low: FloatArray, high: FloatArray, pen: Pen, label: str
+) -> Line:
     """Upright strokes as one line that breaks between them."""
     gap = np.full(len(at), np.nan)
     x, y = np.column_stack([at, at, gap]).ravel(), np.column_stack([low, high, gap]).ravel()
     return Line(x, y, pen, label)
 
 
-def _groups(names: Sequence[str], means: FloatArray, top: float) -> Iterator[Mark]:
+def _group_lots(names: Sequence[str], means: FloatArray, top: float) -> Iterator[Mark]:
     """Lots that are named alike but for a number: where each group begins, and its mean.
 
     Of lots that are one group, or of no group, some are named.
@@ -259,7 +263,7 @@ def _groups(names: Sequence[str], means: FloatArray, top: float) -> Iterator[Mar
         yield Tag(i + 1.0, top, names[i], "soft")
 
 
-def _repeats_of_lots(
+def _make_repeats_panel(
     scale: Scale, quantity: Quantity, names: Sequence[str], charts: Mapping[str, Charts]
 ) -> Iterator[Panel]:
     """The standard deviations of repeats, a column of dots a lot; those beyond are named."""
@@ -297,7 +301,7 @@ def curves_picture(rows: Sequence[Mapping[str, Any]], outliers: Sequence[str] = 
     """Return the relaxation of the solid of every row, from 10 ms to the end of its hold."""
     longest = max((float(row["hold_s"] or 0.0) for row in rows), default=0.0)
     time = np.geomspace(1e-2, max(longest, 1.0), _SAMPLES)
-    curves = [_relaxation(row, time) for row in rows]
+    curves = [_compute_relaxation(row, time) for row in rows]
     marks = tuple(
         Line(time, k, _ODD if row["file"] in outliers else _CURVE,
              "stands out" if row["file"] in outliers else "model of each test")
@@ -310,7 +314,7 @@ def curves_picture(rows: Sequence[Mapping[str, Any]], outliers: Sequence[str] = 
     return Picture("curves", "relaxation of every model", ((Panel(*axes, marks, height=170),),))
 
 
-def _relaxation(row: Mapping[str, Any], time: FloatArray) -> FloatArray:
+def _compute_relaxation(row: Mapping[str, Any], time: FloatArray) -> FloatArray:
     k = np.full(len(time), float(row["k_inf_N_per_m"]))
     for j in range(1, int(row["arms"]) + 1):
         k += row[f"k_{j}_N_per_m"] * np.exp(-time / row[f"tau_{j}_s"])

@@ -81,7 +81,7 @@ def build_job(
     from dashpot.extensions.batch.batch_run import (
         BatchJob,  # polars and all are not needed for --help
     )
-    from dashpot.extensions.batch.columns import number_columns
+    from dashpot.extensions.batch.columns import list_number_columns
     from dashpot.extensions.batch.limits import read_limits
     from dashpot.extensions.batch.quantities import quantity
 
@@ -93,7 +93,7 @@ def build_job(
         reading=options.drop_fields(OF_HAMMER_ALONE),
         reading_impact=options.select_fields(("units", *OF_HAMMER)),
     )
-    columns = number_columns(choices)
+    columns = list_number_columns(choices)
     main = quantity(quantities[-1], columns).name if quantities else ""
     requested_limits = () if limits is None else read_limits(limits, columns)
     return BatchJob(

@@ -13,8 +13,8 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.extensions.batch.statistics.control_chart import (
     Chart,
-    individuals,
-    means_and_deviations,
+    chart_individuals,
+    chart_means_and_deviations,
 )
 
 
@@ -95,8 +95,8 @@ class LotCharts(NamedTuple):
 
 def make_control_charts(seals: Sequence[Seal]) -> Charts:
     """Return the control charts of the seals of one lot, two or more."""
-    points, moving = individuals(seal_means(seals))
+    points, moving = chart_individuals(seal_means(seals))
     groups = [seal.values for seal in seals]
     has_several_repeats = sum(len(group) > 1 for group in groups) > 1
-    repeats = means_and_deviations(groups)[1] if has_several_repeats else None
+    repeats = chart_means_and_deviations(groups)[1] if has_several_repeats else None
     return Charts(tuple(seals), points, moving, repeats)

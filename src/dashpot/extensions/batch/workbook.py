@@ -14,7 +14,7 @@ from dashpot.base.errors import ExportError
 from dashpot.base.plain_text import escape_formula
 from dashpot.base.version import byline
 from dashpot.extensions.batch.lot import Lot
-from dashpot.extensions.batch.parquet_parts import polars
+from dashpot.extensions.batch.parquet_parts import import_polars
 from dashpot.extensions.batch.summary import Summary
 from dashpot.registry import find_handler
 
@@ -144,5 +144,5 @@ def _frame(rows: Iterable[dict[str, Any]]) -> pl.DataFrame:
         {name: escape_formula(v) if isinstance(v, str) else v for name, v in row.items()}
         for row in rows
     ]
-    frame: pl.DataFrame = polars().DataFrame(cells, infer_schema_length=None)
+    frame: pl.DataFrame = import_polars().DataFrame(cells, infer_schema_length=None)
     return frame

@@ -8,8 +8,8 @@ import pytest
 from dashpot.base.errors import DataError
 from dashpot.extensions.batch.statistics.variance_components import (
     components,
+    find_outlier_distances,
     robust_distance,
-    stands_out,
 )
 
 pytestmark = pytest.mark.once
@@ -173,11 +173,13 @@ def test_the_limit_is_3_5_in_a_large_lot_and_wider_in_a_small_one(size, below, a
         values = np.linspace(-1, 1, size)
         scale = 1.482602218505602 * np.median(np.abs(values - np.median(values)))
         values[-1] = np.median(values) + far * scale
-        assert bool(stands_out(values)[-1]) is out
+        assert bool(find_outlier_distances(values)[-1]) is out
 
 
 @pytest.mark.parametrize("size", [5, 8, 20, 100])
 def test_outlier_rule_has_a_false_alarm_rate_of_one_in_a_thousand(size):
     rng = np.random.default_rng(size)
     lots = rng.normal(size=(40_000 // size, size))
-    assert sum(np.count_nonzero(stands_out(lot)) for lot in lots) <= 55  # 40 and 2.4 sd of it
+    assert (
+        sum(np.count_nonzero(find_outlier_distances(lot)) for lot in lots) <= 55
+    )  # 40 and 2.4 sd of it

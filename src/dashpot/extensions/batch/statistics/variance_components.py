@@ -156,8 +156,8 @@ def components(
         keys = list(zip(*labels[:depth], strict=True))
         groups.append(np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1))
     names = [name for name, _ in levels]
-    strata = _strata(np.asarray(values, dtype=float), groups, [*names, within])
-    components = _estimates(strata, level)
+    strata = _compute_strata(np.asarray(values, dtype=float), groups, [*names, within])
+    components = _solve_variances(strata, level)
     if errors is not None:
         components = [*components[:-1], *_split(components[-1], float(np.mean(np.square(errors))))]
     total = sum(component.variance for component in components)
@@ -167,7 +167,7 @@ def components(
     )
 
 
-def _strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[_Stratum]:
+def _compute_strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[_Stratum]:
     """Mean squares of unweighted means: worked out from the innermost, outermost given first."""
     nested = [np.zeros(len(values), dtype=np.int64), *groups, np.arange(len(values))]
     counts = [int(row.max()) + 1 for row in nested]
@@ -195,7 +195,7 @@ def _strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[
     return stratums
 
 
-def _estimates(strata: list[_Stratum], level: float) -> list[Component]:
+def _solve_variances(strata: list[_Stratum], level: float) -> list[Component]:
     """Solve the expectations from the innermost out."""
     components: list[Component] = []
     estimates: list[float] = []  # of the levels inside, as they came out
@@ -266,7 +266,7 @@ def robust_distance(values: FloatArray) -> FloatArray:
         return np.where(deviations == 0, 0.0, deviations / scale)
 
 
-def stands_out(values: FloatArray) -> FloatArray:
+def find_outlier_distances(values: FloatArray) -> FloatArray:
     """Return the robust distances that are too large for chance, and 0 for the others.
 
     The limit is 3.5 for many values, and for few the quantile of Student's t that is as rare: the

@@ -110,7 +110,7 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
         change, force_range = float(np.ptp(self.displacement)), float(np.ptp(self.force))
         return (
             describe_record_source(self.source, len(self.time)),
-            f"{np.ptp(self.time):.5g} s; {_spans(change, force_range, self.unit)}",
+            f"{np.ptp(self.time):.5g} s; {_format_spans(change, force_range, self.unit)}",
         )
 
 
@@ -368,7 +368,7 @@ def _require_unit(unit: str, names: Iterable[str]) -> None:
         raise DataError(f"unit = {unit!r}; expected {' or '.join(map(repr, words))}")
 
 
-def _spans(change: float, stress_range: float, unit: str) -> str:
+def _format_spans(change: float, stress_range: float, unit: str) -> str:
     if unit == "Pa":
         return f"strain spans {change:.4g}, stress {stress_range:.4g} Pa"
     return f"displacement spans {format_quantity(change, 'mm')}, force {stress_range:.4g} N"

@@ -32,7 +32,7 @@ from dashpot.extensions.materials.cld.local_stiffness import (
     unevenness,
 )
 from dashpot.extensions.materials.cld.zero_point import Zero, find_later_contact, zero_of
-from dashpot.extensions.materials.strokes import Stroke, inward, strokes_of
+from dashpot.extensions.materials.strokes import Stroke, find_strokes, get_inward_signs
 from dashpot.fitting.nuisance_priors import Prior, compute_delay_errors
 from dashpot.preprocessing.checks import check_machine
 from dashpot.signals.segments import estimate_resolution
@@ -236,11 +236,11 @@ def _evaluate_record_cycle(
 
 
 def _cycles(test: CLDTest) -> _RecordCycles:
-    turn, push = inward(test.displacement, test.force)
+    turn, push = get_inward_signs(test.displacement, test.force)
     x, force = turn * test.displacement, push * test.force
     clock = clock_of_samples(test)
     resolution = estimate_resolution(clock, x, quantum(x))
-    strokes = strokes_of(x, resolution=resolution)
+    strokes = find_strokes(x, resolution=resolution)
     pairs = _pairs(strokes)
     zero = zero_of(clock, x, force, pairs[0][0], resolution=resolution)
     x, force = x - zero.contact, force - zero.force

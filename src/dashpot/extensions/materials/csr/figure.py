@@ -224,7 +224,7 @@ def _compute_life_band(
     """Return the life at temperatures and both ends of its 95 % interval, h."""
     life = np.array([min(law.life(value, part), NEVER) for value in kelvin.tolist()]) / HOUR
     errors = np.array([
-        law.error_of(partial(AgingLaw.compute_log_life, temperature=value, part=part))
+        law.error_of(partial(AgingLaw.compute_log_life, temperature=value, retained=part))
         for value in kelvin.tolist()
     ])  # fmt: skip
     half_width = law.quantile * errors

@@ -182,7 +182,7 @@ def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> 
     return max(errors, default=None)
 
 
-def bound_life(result: Aging | Aged, name: str) -> tuple[ReportedValue, str] | None:
+def make_life_interval(result: Aging | Aged, name: str) -> tuple[ReportedValue, str] | None:
     """Return the life with a lower end that holds a lower activation energy, and what narrows it.
 
     None where another value is asked, and where the life is robust to the lower energy.

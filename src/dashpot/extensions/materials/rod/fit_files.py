@@ -202,7 +202,7 @@ def rod_under(
     specimen : Specimen, optional
     """
     part, errors, bonded = (
-        _part(rod),
+        _make_rod_shape(rod),
         RodErrors(rod.gain_error, rod.phase_error, glue=rod.glue_error),
         not rod.lubricated,
     )
@@ -246,7 +246,7 @@ def rod_under(
     return replace(new_rod, fit=replace(fit, provenance=provenance, evidence=evidence))
 
 
-def _part(rod: RodChoices) -> Disc | Block:
+def _make_rod_shape(rod: RodChoices) -> Disc | Block:
     """Return the shape of the rod; its last length is the axial one."""
     if (rod.disc is None) == (rod.block is None):
         raise DataError(
