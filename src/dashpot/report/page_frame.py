@@ -53,7 +53,7 @@ def environment(package: str) -> Environment:
         words=number_format.split_identifier,
         sentence=sentence,
         readable=number_format.format_typographic,
-        shorter=number_format.shorter,
+        shorter=number_format.shorten_number,
         rounded=number_format.round_to_error,
         hertz=number_format.hertz,
     )

@@ -518,7 +518,7 @@ def prediction(
     rest_state = find_static_equilibrium(shifted_fit, load)
     mounted_mass = MountedMass(shifted_fit, rest_state, load, frf_kind)
     frf = mounted_mass.frf(np.linspace(*band, lines))
-    bounded = _bounds(mounted_mass, fit, tests, temperature=temperature)
+    bounded = _compute_bounds(mounted_mass, fit, tests, temperature=temperature)
     limited = mounted_mass.compute_limits(frf, bounded)
     peak, at_edge = mounted_mass.peak(frf)
     around_hz = mounted_mass.modes[0].frequency if mounted_mass.modes else peak[0]
@@ -530,7 +530,9 @@ def prediction(
         )  # fmt: skip
     checks = (
         # what the test must inform is the resonance, inside the band or not
-        *_led_by(mounted_mass, mass=mass, band=band, response=around_hz if at_edge else peak[0]),
+        *_put_cause_first(
+            mounted_mass, mass=mass, band=band, response=around_hz if at_edge else peak[0]
+        ),
         *(() if levels is None else levels.checks),
         *fit.checks,
         *_check_temperature_tested(fit, temperature),
@@ -672,7 +674,7 @@ class MountedMass:
         return shaken_mass
 
 
-def _bounds(
+def _compute_bounds(
     load: MountedMass, fit: Fit, tests: Sequence[RampHold], *, temperature: float | None
 ) -> Callable[..., FRFBounds] | None:
     """Return what bounds the FRF by the relaxation tests; None without them."""
@@ -691,7 +693,7 @@ def _bounds(
     )
 
 
-def _led_by(
+def _put_cause_first(
     load: MountedMass, *, mass: float, band: tuple[float, float], response: float
 ) -> tuple[Check, ...]:
     """Return a mass in a wrong unit first; then a solid that is not known at the peak."""

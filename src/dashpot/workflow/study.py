@@ -371,7 +371,7 @@ def characterise(
     send_progress("fitting the relaxation test")
     fitted = fit_once(
         (test, *tests), options, impact_temperature, filter=filter, time_limits=time_limits,
-        cycle=cycle, machine=_on_bench(machine, measured),
+        cycle=cycle, machine=_select_bench_machine(machine, measured),
     )  # fmt: skip
     fitted_records, chosen_fit = fitted.tests, fitted.fit
     # what is shown is of the temperature of the solid
@@ -387,7 +387,7 @@ def characterise(
         if joint and measured is not None:
             send_progress("fitting relaxation and hammer together")
             usual_options = replace(options, arms="auto", family="maxwell")
-            before, number = _before_hammer(
+            before, number = _select_earlier_fit(
                 chosen_fit, fitted_records, options.arms, usual_options, impact_temperature
             )
             joint_fit = identify(
@@ -429,12 +429,12 @@ def characterise(
     )
 
 
-def _on_bench(machine: Machine | None, measured: FRF | None) -> Machine | None:
+def _select_bench_machine(machine: Machine | None, measured: FRF | None) -> Machine | None:
     """Return the machine of the tests; the hammer's rig only where there is a hammer."""
     return machine if machine is None or measured is None else machine.on_bench
 
 
-def _before_hammer(
+def _select_earlier_fit(
     chosen_fit: Fit,
     tests: Sequence[RampHold],
     arms: int | Literal["auto"],

@@ -80,10 +80,10 @@ def command(*, driver: str, output: str, seconds: float | None, **choices: Any) 
     """Read an instrument until it ends, the time is over, or Ctrl-C."""
     if output == "-":
         raise DataError("a record is kept in a file; give one with -o, such as -o seal.csv")
-    recorder = _device(driver, **choices)
+    recorder = _open_device(driver, **choices)
     device = recorder.describe().device
     send_progress(f"recording from {device}; Ctrl-C ends it")
-    with _stopped_by_signals(recorder):
+    with _stop_on_signals(recorder):
         rows, notes = dp.files.acquisition.record(
             recorder,
             output,
@@ -100,7 +100,7 @@ def command(*, driver: str, output: str, seconds: float | None, **choices: Any) 
 
 
 @contextmanager
-def _stopped_by_signals(recorder: dp.files.acquisition.Recorder) -> Iterator[None]:
+def _stop_on_signals(recorder: dp.files.acquisition.Recorder) -> Iterator[None]:
     """Let Ctrl-C end the record in good order, not between a read and its write."""
     before = {}
     with suppress(ValueError):  # not the main thread of whoever calls
@@ -113,7 +113,7 @@ def _stopped_by_signals(recorder: dp.files.acquisition.Recorder) -> Iterator[Non
             signal.signal(number, handler)
 
 
-def _device(
+def _open_device(
     driver: str,
     *,
     port: str | None,

@@ -129,7 +129,7 @@ class Lines:
             return None
         body, star, sent = line.partition(b"*")
         try:
-            if (star or self._checked) and int(sent, 16) != _checksum(body):
+            if (star or self._checked) and int(sent, 16) != _compute_checksum(body):
                 raise ValueError
             self._checked |= bool(star)
             row = [float(cell) for cell in _SEPARATOR.split(body) if cell]
@@ -204,7 +204,7 @@ class Lines:
         self._garbled += 1
 
 
-def _checksum(body: bytes) -> int:
+def _compute_checksum(body: bytes) -> int:
     count = 0
     for byte in body:
         count ^= byte

@@ -82,7 +82,7 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
         read=lambda file: record_cache.cache_record(
             str(path), options, relaxation_in(file, Specimen())
         ),
-        prepared=lambda *_: result_cache.prepare_job_tests(
+        prepare_test=lambda *_: result_cache.prepare_job_tests(
             result_cache.select_test_choices(job), result_cache.MAX_QUICK_SAMPLES
         )[0],
     ).files

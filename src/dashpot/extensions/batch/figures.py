@@ -11,7 +11,13 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.batch.quantities import Quantity
-from dashpot.extensions.batch.seals import Charts, LotCharts, Seal, seal_means, split_seals_by_lot
+from dashpot.extensions.batch.seals import (
+    Charts,
+    LotCharts,
+    Seal,
+    average_seals,
+    split_seals_by_lot,
+)
 from dashpot.extensions.batch.statistics.control_chart import Chart
 from dashpot.extensions.batch.statistics.process_capability import Capability
 from dashpot.plot.picture import Area, Dots, Line, Mark, Panel, Pen, Picture, Ring, Rule, Scale, Tag
@@ -48,7 +54,7 @@ def control_picture(
     positions = {(seal.lot, seal.name): i + 1.0 for i, seal in enumerate(seals)}
     scale = Scale("seal, in the order of lot and name", (0.5, max(len(seals), 1) + 0.5), whole=True)
     x = np.arange(1.0, len(seals) + 1)
-    y = quantity.scale * seal_means(seals)
+    y = quantity.scale * average_seals(seals)
     areas: list[Mark] = []
     marks: list[Mark] = [Line(x, y, _THREAD)]
     titles, spans = list[tuple[float, str]](), list[tuple[Charts, FloatArray]]()
@@ -123,7 +129,7 @@ def _make_value_axis(
     requested: Sequence[float],
 ) -> tuple[float, float]:
     """The upright axis that chart and histogram share: seals, control limits, what is asked."""
-    edges = [quantity.scale * seal_means(seals), quantity.scale * np.array(requested)]
+    edges = [quantity.scale * average_seals(seals), quantity.scale * np.array(requested)]
     for chart in charts.values():
         edges += [quantity.scale * chart.means.lower, quantity.scale * chart.means.upper]
     low, high = compute_padded_limits(np.concatenate(edges))
@@ -138,7 +144,7 @@ def histogram_picture(
     requested: Sequence[float] = (),
 ) -> Picture:
     """Return the means of all seals as a histogram that lies on the axis of their chart."""
-    means = quantity.scale * seal_means(seals)
+    means = quantity.scale * average_seals(seals)
     counts, edges = np.histogram(
         means, bins=max(_BARS, min(_MOST_BARS, int(1.5 * len(means) ** 0.5)))
     )
@@ -202,7 +208,8 @@ def lots_picture(
     Control limits are those of the means of lots; what breaks a rule has a ring.
     """
     entries = {
-        name: quantity.scale * seal_means(seal) for name, seal in split_seals_by_lot(seals).items()
+        name: quantity.scale * average_seals(seal)
+        for name, seal in split_seals_by_lot(seals).items()
     }
     names, at = list(entries), np.arange(1.0, len(entries) + 1)
     scale = Scale("lot, in the order of name", (0.5, len(names) + 0.5), whole=True)

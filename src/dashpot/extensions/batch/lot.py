@@ -32,8 +32,8 @@ from dashpot.extensions.batch.seals import (
     Charts,
     LotCharts,
     Seal,
+    average_seals,
     make_control_charts,
-    seal_means,
     split_seals_by_lot,
 )
 from dashpot.extensions.batch.statistics.control_chart import chart_means_and_deviations
@@ -329,7 +329,7 @@ class Lot:
         lots = split_seals_by_lot(self.seals(name))
         if len(lots) < 2 or max(map(len, lots.values())) < 2:
             return None
-        charts = chart_means_and_deviations([seal_means(seals) for seals in lots.values()])
+        charts = chart_means_and_deviations([average_seals(seals) for seals in lots.values()])
         return LotCharts(tuple(lots), *charts)
 
     def capability(
@@ -337,7 +337,7 @@ class Lot:
     ) -> dict[str, Capability]:
         """Return Cp and Cpk of the seals of each lot that has two, between limits in SI, by lot."""
         return {
-            lot: capability(seal_means(seals), lower, upper)
+            lot: capability(average_seals(seals), lower, upper)
             for lot, seals in split_seals_by_lot(self.seals(name)).items()
             if len(seals) > 1
         }
@@ -350,7 +350,7 @@ class Lot:
         DataError
             If there are fewer than two seals of either.
         """
-        return difference(seal_means(self.seals(name)), seal_means(other.seals(name)))
+        return difference(average_seals(self.seals(name)), average_seals(other.seals(name)))
 
     def only(self, name: str) -> Lot:
         """Return one lot of several.

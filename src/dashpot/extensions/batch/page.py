@@ -27,7 +27,7 @@ from dashpot.extensions.batch.figures import (
 from dashpot.extensions.batch.input_files import LABELS
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.quantities import Quantity
-from dashpot.extensions.batch.seals import Seal, seal_means, split_seals_by_lot
+from dashpot.extensions.batch.seals import Seal, average_seals, split_seals_by_lot
 from dashpot.extensions.batch.statistics.control_chart import BEYOND, MIN_POINTS
 from dashpot.extensions.batch.statistics.gauge_rr import GOOD_SHARE, LIMIT
 from dashpot.extensions.batch.summary import QuantitySummary, Summary, summary
@@ -333,7 +333,7 @@ def _make_lot_rows(main: QuantitySummary) -> list[tuple[str, ...]]:
     """Lot, seals, mean, standard deviation, control limits, Cpk and its ends, causes of alarms."""
     rows: list[tuple[str, ...]] = []
     for name, seals in split_seals_by_lot(main.seals).items():
-        values = seal_means(seals)
+        values = average_seals(seals)
         format_value, charts = main.quantity.format_value, main.charts.get(name)
         capability = main.capability.get(name)
         deviation = float(np.std(values, ddof=1)) if len(values) > 1 else None

@@ -61,7 +61,7 @@ def split_seals_by_lot(seals: Sequence[Seal]) -> dict[str, list[Seal]]:
     return dict(lots)
 
 
-def seal_means(seals: Sequence[Seal]) -> FloatArray:
+def average_seals(seals: Sequence[Seal]) -> FloatArray:
     """Return the mean of each seal, shape (n,)."""
     return np.array([seal.mean for seal in seals])
 
@@ -95,7 +95,7 @@ class LotCharts(NamedTuple):
 
 def make_control_charts(seals: Sequence[Seal]) -> Charts:
     """Return the control charts of the seals of one lot, two or more."""
-    points, moving = chart_individuals(seal_means(seals))
+    points, moving = chart_individuals(average_seals(seals))
     groups = [seal.values for seal in seals]
     has_several_repeats = sum(len(group) > 1 for group in groups) > 1
     repeats = chart_means_and_deviations(groups)[1] if has_several_repeats else None

@@ -35,7 +35,13 @@ from dashpot.extensions.batch.checks import (
 from dashpot.extensions.batch.limits import Limits
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.quantities import Quantity
-from dashpot.extensions.batch.seals import Charts, LotCharts, Seal, seal_means, split_seals_by_lot
+from dashpot.extensions.batch.seals import (
+    Charts,
+    LotCharts,
+    Seal,
+    average_seals,
+    split_seals_by_lot,
+)
 from dashpot.extensions.batch.statistics.control_chart import BEYOND, Chart
 from dashpot.extensions.batch.statistics.gauge_rr import Gauge
 from dashpot.extensions.batch.statistics.process_capability import Capability
@@ -299,7 +305,7 @@ class Summary(HasChecks, Serialisable):
         main = self.main
         if len(main.seals) < 2:
             return count_text
-        mean = main.quantity.read(float(seal_means(main.seals).mean()))
+        mean = main.quantity.read(float(average_seals(main.seals).mean()))
         return (
             f"{count_text}. {sentence(main.quantity.words)[:-1]}: mean {mean} of {len(main.seals)} "
             f"seals. {_list_alarms(main).capitalize()}"
@@ -416,8 +422,8 @@ def _flag_seals(lot: Lot, quantity: QuantitySummary) -> Iterator[Flag]:
 def _list_outlier_seals(name: str, charts: Charts, quantity: Quantity) -> Iterator[Flag]:
     """Yield flags of outlying seals of a lot, then of seals whose repeats scatter."""
     distances, is_outlier = (
-        robust_distance(seal_means(charts.seals)),
-        find_outlier_distances(seal_means(charts.seals)),
+        robust_distance(average_seals(charts.seals)),
+        find_outlier_distances(average_seals(charts.seals)),
     )
     outside = {at for at, rule in charts.means.signals if rule == BEYOND}
     for i, seal in enumerate(charts.seals):
@@ -588,7 +594,7 @@ def _format_lines(quantity_summary: QuantitySummary) -> Iterator[str]:
     if len(quantity_summary.seals) < 2:
         return
     mean = ascii_only(
-        quantity_summary.quantity.read(float(seal_means(quantity_summary.seals).mean()))
+        quantity_summary.quantity.read(float(average_seals(quantity_summary.seals).mean()))
     )
     yield (
         f"{quantity_summary.quantity.words}: mean {mean} of {len(quantity_summary.seals)} seals in "

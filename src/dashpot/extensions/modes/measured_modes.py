@@ -209,7 +209,7 @@ def modes_of(
         search_band,
         measured.points if has_several_points else (),
         chart.highest,
-        _macs(shapes, shapes) if has_several_points else (),
+        _compute_macs(shapes, shapes) if has_several_points else (),
     )
     if against is None:
         return modes, chart
@@ -304,7 +304,9 @@ def _build_measured_mode(
     )
 
 
-def _macs(first: Sequence[ModeShape], second: Sequence[ModeShape]) -> tuple[tuple[float, ...], ...]:
+def _compute_macs(
+    first: Sequence[ModeShape], second: Sequence[ModeShape]
+) -> tuple[tuple[float, ...], ...]:
     if not first or not second:
         return ()
     residue_matrices = [
@@ -317,7 +319,7 @@ def _match_modes(
     shapes: Sequence[ModeShape], other_shapes: Sequence[ModeShape], has_several_points: bool
 ) -> tuple[SameMode, ...]:
     """The mode of another set that each is found in again: the most alike of those nearby."""
-    mac_values = _macs(shapes, other_shapes)
+    mac_values = _compute_macs(shapes, other_shapes)
     modes = []
     for i, shape in enumerate(shapes):
         nearby = [

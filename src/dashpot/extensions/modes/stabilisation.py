@@ -99,10 +99,10 @@ def stabilisation(
     highest = min(highest, len(rms_accelerance.frequency) // 3)
     rows: list[tuple[int, float, float, int]] = []
     before: tuple[ComplexArray, ComplexArray] | None = None
-    for order, poles, residues in _fractions(lines, np.abs(rms_accelerance.value), highest):
+    for order, poles, residues in _fit_orders(lines, np.abs(rms_accelerance.value), highest):
         size = np.abs(poles)
         ratio = -poles.real / size
-        state = _states(poles, residues, before)
+        state = _classify_poles(poles, residues, before)
         rows += zip([order] * len(poles), size / (2 * np.pi), ratio, state, strict=True)
         before = poles, residues
     table = np.array(rows, dtype=float).reshape(-1, 4)
@@ -112,7 +112,7 @@ def stabilisation(
     )  # fmt: skip
 
 
-def _fractions(
+def _fit_orders(
     lines: FRFLines, height: FloatArray, highest: int
 ) -> list[tuple[int, ComplexArray, ComplexArray]]:
     """Order, poles in the band and their residues, shape (points, poles), for each order."""
@@ -154,7 +154,7 @@ def _fractions(
     return pairs
 
 
-def _states(
+def _classify_poles(
     poles: ComplexArray, residues: ComplexArray, before: tuple[ComplexArray, ComplexArray] | None
 ) -> list[int]:
     """Return what of each pole was there at the order before."""

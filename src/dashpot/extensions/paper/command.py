@@ -83,7 +83,7 @@ def command(
     if seed is not None:
         raise click.UsageError("--seed is for --story and --paper: leave it out")
     if files_only:
-        return _examples(Path(output or "."), all_files=every)
+        return _run_examples(Path(output or "."), all_files=every)
     return _run_main_job(Path(output or "dashpot-demo"))
 
 
@@ -119,7 +119,7 @@ def _format_report_command(bench: Path, hammer: Path, page: Path) -> str:
     )
 
 
-def _examples(folder: Path, *, all_files: bool) -> CommandResult:
+def _run_examples(folder: Path, *, all_files: bool) -> CommandResult:
     """Write the test of a seal and of a hammer, simulated, and stamped so."""
     names = tuple(workflow.EXAMPLES) if all_files else workflow.FIRST
     paths = [folder / name for name in names]

@@ -55,8 +55,8 @@ def run(folder: Path, seed: int) -> CommandResult:
     """Simulate the bench and hammer tests of two seals and run the main job on each."""
     from dashpot.text_output import results
 
-    claim_outputs(folder / f"{name}{file}" for name in NAMES for file in _files(name))
-    stories = {name: _story(name, folder, seed) for name in NAMES}
+    claim_outputs(folder / f"{name}{file}" for name in NAMES for file in _list_files(name))
+    stories = {name: _run_story(name, folder, seed) for name in NAMES}
     lines, details = [], []
     for name, story in stories.items():
         verdict, study_verdict_and_document = story.verdict, results.render_study(story)
@@ -69,25 +69,25 @@ def run(folder: Path, seed: int) -> CommandResult:
             *study_verdict_and_document.lines,
             *study_verdict_and_document.details,
         ]
-    seals = {name: _numbers(story, folder, name) for name, story in stories.items()}
+    seals = {name: _list_numbers(story, folder, name) for name, story in stories.items()}
     puzzle = stories[PUZZLE]
     if puzzle.measured is not None:
         fit, cold, bound = _fit_both_temperatures(folder, seed, puzzle.measured)
         lines += [
             f"{PUZZLE} seal at 23 and 0 degC, without the hammer: {fit.verdict.use}",
             *results.format_comparison(cold),
-            _loss(fit, bound, puzzle.joint),
+            _compare_loss_factors(fit, bound, puzzle.joint),
         ]
-        seals[PUZZLE]["cold"] = {"fit": fit, "comparison": _agreement(cold)}
+        seals[PUZZLE]["cold"] = {"fit": fit, "comparison": _summarise_comparison(cold)}
     next_command = format_command("demo", "--files", remark="two files to practise on")
     return CommandResult(Demo(seed, seals), Text(lines, details), next_command=next_command)
 
 
-def _files(name: str) -> tuple[str, ...]:
+def _list_files(name: str) -> tuple[str, ...]:
     return (*FILES, *COLD) if name == PUZZLE else FILES
 
 
-def _story(name: str, folder: Path, seed: int) -> Study:
+def _run_story(name: str, folder: Path, seed: int) -> Study:
     """Simulate, write, read back, characterise and report one seal."""
     send_progress(f"the {name} seal: simulating the bench and the hammer")
     bench = simulate_relaxation(seal=name, seed=seed, temperature=ROOM if name == PUZZLE else None)
@@ -127,7 +127,7 @@ def _fit_both_temperatures(
     )
 
 
-def _loss(fit: dp.Fit, bounds: StiffnessBounds, joint_fit: dp.Fit | None) -> str:
+def _compare_loss_factors(fit: dp.Fit, bounds: StiffnessBounds, joint_fit: dp.Fit | None) -> str:
     """Return the loss factor at a frequency, its bound, and that of bench and hammer together."""
     at = float(bounds.frequency[0])
     low, high = (float(limit[0]) for limit in bounds.loss_factor)
@@ -140,18 +140,20 @@ def _loss(fit: dp.Fit, bounds: StiffnessBounds, joint_fit: dp.Fit | None) -> str
     return f"{text}; with the hammer {other[0]:.4f}" if other else text
 
 
-def _numbers(study: Study, folder: Path, name: str) -> dict[str, Any]:
+def _list_numbers(study: Study, folder: Path, name: str) -> dict[str, Any]:
     return {
         "report": str(folder / f"{name}.html"),
         "fit": study.fit,
-        "comparison": None if study.comparison is None else _agreement(study.comparison),
+        "comparison": None if study.comparison is None else _summarise_comparison(study.comparison),
         "joint_comparison": (
-            None if study.joint_comparison is None else _agreement(study.joint_comparison)
+            None
+            if study.joint_comparison is None
+            else _summarise_comparison(study.joint_comparison)
         ),
     }
 
 
-def _agreement(comparison: dp.Comparison) -> dict[str, Any]:
+def _summarise_comparison(comparison: dp.Comparison) -> dict[str, Any]:
     """Return a comparison's document without its two FRFs, line by line."""
     items = comparison.to_dict().items()
     return {key: value for key, value in items if key not in {"predicted", "measured"}}

@@ -247,7 +247,7 @@ def _split(table: _StiffnessTable, compression: FloatArray) -> Iterator[PreloadS
     if amplitudes is not None:
         settings = settings * (len(amplitudes) + 1) + group_levels(amplitudes, SAME_AMPLITUDE)[1]
     for setting in dict.fromkeys(settings.tolist()):
-        for indices in _visits(np.flatnonzero(settings == setting), table.frequency):
+        for indices in _split_sweeps(np.flatnonzero(settings == setting), table.frequency):
             yield PreloadSweep(
                 table.frequency[indices],
                 table.value[indices],
@@ -258,7 +258,7 @@ def _split(table: _StiffnessTable, compression: FloatArray) -> Iterator[PreloadS
             )
 
 
-def _visits(rows: IndexArray, frequency: FloatArray) -> list[IndexArray]:
+def _split_sweeps(rows: IndexArray, frequency: FloatArray) -> list[IndexArray]:
     """Return the sweeps of one setting: where the frequency turns back, another begins.
 
     Frequencies in no order are one sweep.

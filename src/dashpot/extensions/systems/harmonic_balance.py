@@ -209,7 +209,7 @@ class BalanceEquation:
         return np.asarray(step[: len(e)] + 1j * step[len(e) :])
 
 
-def several_harmonics(
+def solve_several_harmonics(
     rest: LinearSubsystem, line: BalanceEquation, first: ComplexArray, harmonics: tuple[int, ...]
 ) -> tuple[ComplexArray, ComplexArray, float]:
     """First harmonics of stretch and pull, and the largest higher one over the first (AFT)."""
@@ -221,7 +221,10 @@ def several_harmonics(
 
     def pulls(e: ComplexArray) -> ComplexArray:
         dt, path = 2 * np.pi / line.omega / _SAMPLES, transform.path(e)
-        loops = [_steady(part, dt, item) for part, item in zip(line.friction, path, strict=True)]
+        loops = [
+            _compute_steady_cycle(part, dt, item)
+            for part, item in zip(line.friction, path, strict=True)
+        ]
         return transform.harmonics_of(np.array(loops))
 
     def stretches(z: FloatArray) -> ComplexArray:
@@ -247,7 +250,7 @@ def several_harmonics(
     return e[0], pulls(e)[0], share
 
 
-def _steady(part: AmplitudeDependent, dt: float, path: FloatArray) -> FloatArray:
+def _compute_steady_cycle(part: AmplitudeDependent, dt: float, path: FloatArray) -> FloatArray:
     """Return force over a cycle once the loop has closed, N, shape (samples,)."""
     state, last = part.start(), np.full(len(path), np.inf)
     for _ in range(_LAPS):

@@ -236,7 +236,7 @@ def dynamic_stiffness(
             f, peak, stiffness.storage_sd <= STORAGE_LIMIT * np.abs(storage)
         ),
         loss_band=_find_band_around_peak(f, peak, stiffness.loss_sd <= LOSS_LIMIT * np.abs(loss)),
-        checks=_causal(f, storage, loss, peak=peak, random=random, mass=stiffness.storage_mass),
+        checks=_is_causal(f, storage, loss, peak=peak, random=random, mass=stiffness.storage_mass),
     )
 
 
@@ -264,11 +264,13 @@ def causal_loss_factor(frequency: FloatArray, storage: FloatArray, at: float) ->
     DataError
         If fewer than 3 lines lie there.
     """
-    slope, share = _slope(frequency, storage, at)
+    slope, share = _make_slope_weights(frequency, storage, at)
     return float(np.pi / 2 * share @ np.log(storage[slope]))
 
 
-def _slope(frequency: FloatArray, storage: FloatArray, at: float) -> tuple[BoolArray, FloatArray]:
+def _make_slope_weights(
+    frequency: FloatArray, storage: FloatArray, at: float
+) -> tuple[BoolArray, FloatArray]:
     """Return the lines about `at`, and what each contributes to the slope of a straight line."""
     is_near = (frequency >= at / SLOPE_REACH) & (frequency <= at * SLOPE_REACH) & (storage > 0)
     if np.count_nonzero(is_near) < 3:
@@ -279,7 +281,7 @@ def _slope(frequency: FloatArray, storage: FloatArray, at: float) -> tuple[BoolA
     return is_near, np.asarray(weight * x / (weight @ x**2))
 
 
-def _causal(
+def _is_causal(
     frequency: FloatArray,
     storage: FloatArray,
     loss: FloatArray,
@@ -290,7 +292,7 @@ def _causal(
 ) -> tuple[Check, ...]:
     """Whether loss and slope of the stiffness belong together, as far as the errors can show."""
     try:
-        slope, share = _slope(frequency, storage, peak)
+        slope, share = _make_slope_weights(frequency, storage, peak)
     except DataError:
         return ()
     implied = causal_loss_factor(frequency, storage, peak)

@@ -23,9 +23,9 @@ def fit_load_deflection(
     machine: Machine | None = None,
 ) -> CLDResult:
     """Evaluate tests of load over deflection."""
-    from dashpot.extensions.materials.cld.fit_files import cld_of
+    from dashpot.extensions.materials.cld.fit_files import evaluate_cld
 
-    return cld_of(
+    return evaluate_cld(
         records,
         at=compression,
         between=between,

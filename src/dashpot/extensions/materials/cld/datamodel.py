@@ -443,7 +443,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
 class RelaxedLaw(Serialisable):
     """Elastic law of a cycle that was driven at a finite speed.
 
-    Made by :func:`dashpot.extensions.materials.cld.equilibrium_curve.relaxed_law`.
+    Made by :func:`dashpot.extensions.materials.cld.equilibrium_curve.fit_relaxed_law`.
 
     Attributes
     ----------

@@ -32,7 +32,11 @@ from dashpot.extensions.materials.cld.datamodel import (
     RateLaw,
     RelaxedLaw,
 )
-from dashpot.extensions.materials.cld.equilibrium_curve import find_nearest_fit, longer, relaxed_law
+from dashpot.extensions.materials.cld.equilibrium_curve import (
+    find_nearest_fit,
+    fit_relaxed_law,
+    get_length_ratio,
+)
 from dashpot.extensions.materials.cld.multi_speed_fit import fit_speeds
 from dashpot.extensions.materials.cld.preprocess import cld
 from dashpot.extensions.materials.cld.rate_dependence import fit_rate
@@ -260,13 +264,13 @@ def cld_files(
     """
     options = options or ReadOptions()
     tests = [read_cld(path, options=options, specimen=specimen) for path in files]
-    return cld_of(
+    return evaluate_cld(
         tests, at=at, between=between, limits=limits, relaxation=relaxation, cycle=options.cycle,
         names=[Path(path).name for path in files], machine=machine,
     )  # fmt: skip
 
 
-def cld_of(
+def evaluate_cld(
     tests: Sequence[CLDTest],
     *,
     at: Quantity | None = None,
@@ -285,7 +289,7 @@ def cld_of(
         raise ReadError(
             "--force-limits need several specimens: name a file for each, or leave it out"
         )
-    specimens = _figures(
+    specimens = _evaluate_figures(
         tests, names or [""] * len(tests), cycle, at=at, between=between, machine=machine
     )
     scatter = CLDResult(
@@ -294,14 +298,14 @@ def cld_of(
         None,
         (*_select_worst_checks(specimens), *caution_checks(sources_of(specimens))),
     )
-    if not relaxation and limits is None and _several_speeds(specimens):
+    if not relaxation and limits is None and _fit_speeds(specimens):
         return _add_speed_fit(scatter)
     if len(specimens) > 1:
         scatter = _add_specimen_scatter(scatter, limits)
     return _with_relaxation(scatter, relaxation) if relaxation else scatter
 
 
-def _figures(
+def _evaluate_figures(
     tests: Sequence[CLDTest],
     names: Sequence[str],
     cycle: int | None,
@@ -348,21 +352,21 @@ def _add_speed_fit(result: CLDResult) -> CLDResult:
 def _add_specimen_scatter(result: CLDResult, limits: tuple[float, float] | None) -> CLDResult:
     """Return the result with the scatter of its specimens, and their capability within limits."""
     specimens, capability = result.specimens, None
-    checks = [specimens_tested_alike(_otherwise(specimens))]
+    checks = [specimens_tested_alike(_list_other_conditions(specimens))]
     if limits is not None:
         forces = np.array([specimen.per * specimen.nominal.loading for specimen in specimens])
         capability = find_handler("process capability", forces)(forces, *limits)
         checks.append(specimens_capable(capability, result.unit))
-    scatter = tuple(_scatter(specimens))
+    scatter = tuple(_compute_scatter(specimens))
     return replace(result, scatter=scatter, capability=capability, checks=(*result.checks, *checks))
 
 
 def _with_relaxation(result: CLDResult, relaxation: Sequence[Fit]) -> CLDResult:
     """Return the result with the elastic law of the first specimen, without relaxation."""
-    relaxed_law_found = relaxed_law(result.specimens[0], relaxation)
+    relaxed_law_found = fit_relaxed_law(result.specimens[0], relaxation)
     nearest_fit = find_nearest_fit(result.specimens[0], relaxation)
     # the saved law is of a specimen as long as that of the relaxation test
-    stiffness = relaxed_law_found.law.stiffness / longer(result.specimens[0], nearest_fit)
+    stiffness = relaxed_law_found.law.stiffness / get_length_ratio(result.specimens[0], nearest_fit)
     fed = apply_elastic_law(
         nearest_fit, relaxed_law_found.law, checks=relaxed_law_found.checks, stiffness=stiffness
     )
@@ -385,18 +389,18 @@ def _refuse_twice(tests: Sequence[CLDTest]) -> None:
         files_by_record[source.sha256] = source.file
 
 
-def _several_speeds(specimens: Sequence[CLD]) -> bool:
+def _fit_speeds(specimens: Sequence[CLD]) -> bool:
     speeds = [specimen.cycle.speed for specimen in specimens if specimen.cycle.speed is not None]
     return len(speeds) == len(specimens) and max(speeds) >= SAME_SPEED * min(speeds)
 
 
-def _scatter(specimens: Sequence[CLD]) -> list[SpecimenStatistics]:
+def _compute_scatter(specimens: Sequence[CLD]) -> list[SpecimenStatistics]:
     unit = specimens[0].unit
     each_mm = "N/m" + unit.removeprefix("N")
     figures: tuple[tuple[str, str, Callable[[CLD], float | None]], ...] = (
-        ("force at least", unit, lambda result: _force(result, result.least)),
-        ("force at nominal", unit, lambda result: _force(result, result.nominal)),
-        ("force at most", unit, lambda result: _force(result, result.most)),
+        ("force at least", unit, lambda result: _interpolate_force(result, result.least)),
+        ("force at nominal", unit, lambda result: _interpolate_force(result, result.nominal)),
+        ("force at most", unit, lambda result: _interpolate_force(result, result.most)),
         ("slope at nominal", each_mm, lambda result: result.per * result.nominal.slope),
         ("energy", "J" + unit.removeprefix("N"), lambda result: result.per * result.cycle.energy),
         ("hysteresis", "", lambda result: result.cycle.hysteresis),
@@ -415,11 +419,11 @@ def _scatter(specimens: Sequence[CLD]) -> list[SpecimenStatistics]:
     return statistics
 
 
-def _force(result: CLD, at: AtCompression | None) -> float | None:
+def _interpolate_force(result: CLD, at: AtCompression | None) -> float | None:
     return None if at is None else result.per * at.loading
 
 
-def _otherwise(specimens: Sequence[CLD]) -> list[str]:
+def _list_other_conditions(specimens: Sequence[CLD]) -> list[str]:
     """Return the conditions in which the tests of the specimens differ."""
     speeds, depths, numbers, temperatures = (
         sorted(value for value in map(figure, specimens) if value is not None) or [0.0]

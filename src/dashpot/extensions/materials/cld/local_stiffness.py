@@ -71,7 +71,7 @@ def evaluate_cycle(
         if cycle.unloading is None
         else fit_local_slope(cycle.unloading, at, half_width=half_width, excess=excess)
     )
-    error = _error(way_in, contact_se=contact_se, force_se=force_se)
+    error = _combine_force_errors(way_in, contact_se=contact_se, force_se=force_se)
     return AtCompression(
         at,
         way_in.force,
@@ -80,16 +80,18 @@ def evaluate_cycle(
         way_in.slope,
         way_in.slope_se,
         cycle.loading.work(at),
-        None if unloading is None else _error(unloading, contact_se=contact_se, force_se=force_se),
+        None
+        if unloading is None
+        else _combine_force_errors(unloading, contact_se=contact_se, force_se=force_se),
     )
 
 
-def _error(slope: LocalSlope, *, contact_se: float, force_se: float) -> float:
+def _combine_force_errors(slope: LocalSlope, *, contact_se: float, force_se: float) -> float:
     """Return standard error of a force, N: its own, and those of the two zeros."""
     return float(np.linalg.norm([slope.force_se, slope.slope * contact_se, force_se]))
 
 
-def unevenness(clock: FloatArray, x: FloatArray) -> tuple[float, float]:
+def measure_speed(clock: FloatArray, x: FloatArray) -> tuple[float, float]:
     """Return speed, m/s, and largest departure of a stroke's middle from it, part of its travel."""
     low, high = float(x[0]), float(x[-1])
     middle = np.abs(x - 0.5 * (low + high)) <= 0.4 * abs(high - low)
@@ -102,6 +104,6 @@ def unevenness(clock: FloatArray, x: FloatArray) -> tuple[float, float]:
     return abs(speed), float(np.abs(remainder).max()) / abs(high - low)
 
 
-def taken_later(time: FloatArray, values: FloatArray, by: float) -> FloatArray:
+def delay_channel(time: FloatArray, values: FloatArray, by: float) -> FloatArray:
     """Return a channel as it reads if it comes so much later, s; its ends rest."""
     return np.asarray(np.interp(time - by, time, values))

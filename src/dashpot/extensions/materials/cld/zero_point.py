@@ -59,7 +59,7 @@ class Zero(NamedTuple):
     noise: float
 
 
-def zero_of(
+def find_zero(
     clock: FloatArray, x: FloatArray, force: FloatArray, first: Stroke, *, resolution: float
 ) -> Zero:
     """Find first contact in the first stroke, and the load cell's zero wherever there is air.

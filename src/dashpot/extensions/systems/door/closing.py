@@ -216,7 +216,9 @@ class _Doors:
         """Turn to an angle, with the moment of the step before to show how long it takes."""
         end_angles = np.array([self.angle, angle])
         turned_angle = float(end_angles[0] - end_angles[1])
-        seconds = _seconds(self.door.inertia, kinetic, moment * turned_angle, turned_angle)
+        seconds = _compute_step_times(
+            self.door.inertia, kinetic, moment * turned_angle, turned_angle
+        )
         work: dict[str, FloatArray | float] = {}
         for name, values in self.door.resisting(end_angles).items():
             path = abs(turned_angle) if name == HINGE else turned_angle
@@ -234,7 +236,7 @@ class _Instants(NamedTuple):
     seconds: FloatArray
 
 
-def march(
+def simulate_closing(
     door: ClosingDoor,
     speed: FloatArray,
     *,
@@ -318,7 +320,7 @@ def _compute_rebound_energy(state: _Doors, angle: FloatArray) -> float:
     return float(kinetic[0])
 
 
-def _seconds(
+def _compute_step_times(
     inertia: float, kinetic: FloatArray, energy: FloatArray, turned_angle: float
 ) -> FloatArray:
     """Return how long a step takes that takes so much energy, s."""

@@ -191,7 +191,7 @@ class Latch:
     def __post_init__(self) -> None:
         require_positive("the latch: ", lever=self.lever)
         require_nonnegative("the latch: ", beyond=self.beyond)
-        _table("the latch", self.travel, self.force, from_zero=True)
+        _validate_table("the latch", self.travel, self.force, from_zero=True)
 
     def moment(self, angle: FloatArray) -> FloatArray:
         """N m against closing, at angles from fully latched, rad; none beyond its travel."""
@@ -213,7 +213,7 @@ class CheckStrap:
     moment: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        _table("the check", self.angle, self.moment)
+        _validate_table("the check", self.angle, self.moment)
 
     def moment_at(self, angle: FloatArray) -> FloatArray:
         """N m against closing; none outside the table."""
@@ -303,7 +303,7 @@ class ClosingSetup:
         object.__setattr__(self, "airs", airs)
 
 
-def _table(
+def _validate_table(
     owner: str, x: tuple[float, ...], y: tuple[float, ...], *, from_zero: bool = False
 ) -> None:
     rises = len(x) >= 2 and bool((np.diff(x) > 0).all()) and (x[0] == 0 or not from_zero)
