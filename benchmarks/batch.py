@@ -172,7 +172,7 @@ def run_loop(folder: str, how: dict[str, Any], share: slice = slice(None)) -> in
     import msgspec  # noqa: F401 -- as in a worker
 
     choices = BatchOptions(**how)
-    entry = find_entries([folder], without=Path(folder) / "none")[share]
+    entry = find_entries([folder], output_folder=Path(folder) / "none")[share]
     requested = make_tasks(entry, choices)
     return sum(
         make_row(item.entry, item.hashes, choices)["outcome"] == "fitted" for item in requested

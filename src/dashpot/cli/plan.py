@@ -154,8 +154,9 @@ def _plan_ramp_hold(
             along=along,
         )
         title = byline(f"planned test, {len(motion.time)} set-points")
-        rest, ramp, hold = bench.baseline, bench.ramp_time, bench.hold_time
-        timing = f"rest {rest:g} s, ramp {ramp:g} s, hold {hold:g} s"
+        timing = (
+            f"rest {bench.baseline:g} s, ramp {bench.ramp_time:g} s, hold {bench.hold_time:g} s"
+        )
         comments = (title, f"{timing}; one each {interval:g} s, the first where the plate touches")
         write_output(setpoints, write_trajectory(motion, comments=comments))
     next_command = format_command(

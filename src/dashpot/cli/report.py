@@ -54,7 +54,7 @@ class ReportResult(Serialisable):
         # a page of help does without
         from dashpot.workflow.recommended_solid import recommend_solid
 
-        return [value.fact for value in recommend_solid(self.study, requested=True).values]
+        return [value.fact for value in recommend_solid(self.study, allow_rejected=True).values]
 
 
 @verb(

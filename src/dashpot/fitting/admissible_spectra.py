@@ -616,7 +616,9 @@ def _contains_origin(start: FloatArray, edges: FloatArray) -> bool:
     return bool((residual >= 0).all() and (residual > 0).any())
 
 
-def _find_steepest_direction(at: FloatArray, offset: float) -> FloatArray:
+def _find_steepest_direction(point: FloatArray, offset: float) -> FloatArray:
     """Return the direction in which ln (|d + offset| / |d|) grows most."""
-    base = at + np.array([offset, 0.0])
-    return np.asarray(base / max(float(base @ base), _TINY) - at / max(float(at @ at), _TINY))
+    base = point + np.array([offset, 0.0])
+    return np.asarray(
+        base / max(float(base @ base), _TINY) - point / max(float(point @ point), _TINY)
+    )

@@ -78,7 +78,7 @@ class ExpectedError:
 def expected_error(
     model: GeneralizedMaxwell,
     bench: Bench,
-    at: float,
+    frequency: float,
     arm: int | None,
     hammer: FloatArray | None = None,
     *,
@@ -92,7 +92,7 @@ def expected_error(
         Model of the seal.
     bench : Bench
         The relaxation test.
-    at : float
+    frequency : float
         Frequency, Hz.
     arm : int or None
         Index of the unresolved arm.
@@ -113,7 +113,7 @@ def expected_error(
         rows = np.hstack((np.vstack((rows, np.hstack((hammer[:, :-1], extra)))), mass))
         unmeasured = np.pad(unmeasured, ((0, len(hammer)), (0, 0)))
     errors = _compute_errors(rows, unmeasured)
-    storage, loss_factor, gradients = _compute_gradients(model, at)
+    storage, loss_factor, gradients = _compute_gradients(model, frequency)
     sd = np.linalg.norm(gradients @ errors[: gradients.shape[1]], axis=1)
     return ExpectedError(
         method=bench.method if hammer is None else "joint",
@@ -146,9 +146,11 @@ def _compute_errors(rows: FloatArray, unmeasured: FloatArray) -> FloatArray:
     return np.hstack((root, shifts))
 
 
-def _compute_gradients(model: GeneralizedMaxwell, at: float) -> tuple[float, float, FloatArray]:
+def _compute_gradients(
+    model: GeneralizedMaxwell, frequency: float
+) -> tuple[float, float, FloatArray]:
     r"""Return storage, loss factor, and their gradients in (k_inf, k, ln tau), shape (2, p)."""
-    s = np.array([2j * np.pi * at])
+    s = np.array([2j * np.pi * frequency])
     stiffness, complex_gradient = complex(model.stiffness_at(s)[0]), model.arm_slopes(s)[0][0]
     loss_factor = stiffness.imag / stiffness.real
     storage = complex_gradient.real
@@ -408,7 +410,7 @@ def _compute_peak_error(
     return float(errors[np.argmax(np.abs(errors))])
 
 
-def half_sine(duration: float, at: float) -> Pulse:
+def half_sine(duration: float, frequency: float) -> Pulse:
     r"""Return the spectrum of a half-sine pulse of `duration` s.
 
     .. math:: \frac{|F(f)|}{|F(0)|} = \left|\frac{\cos \pi f T}{1 - (2 f T)^2}\right|
@@ -431,7 +433,7 @@ def half_sine(duration: float, at: float) -> Pulse:
     tiny = float(np.finfo(float).tiny)
     return Pulse(
         duration=duration,
-        level_db=float(20 * np.log10(max(level(at), tiny))),
+        level_db=float(20 * np.log10(max(level(frequency), tiny))),
         band_10db=find_fall(10.0),
         band_20db=find_fall(20.0),
         first_zero=zero,

@@ -216,9 +216,11 @@ def residual_panel(
     return Panel(horizontal, vertical, tuple(marks), height=90, note=rms)
 
 
-def _ranges(time: FloatArray, values: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _ranges(
+    time: FloatArray, values: FloatArray, times: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Return the lowest and the highest value nearest to each of some times."""
-    edges = np.searchsorted(time, np.sqrt(at[1:] * at[:-1]))
+    edges = np.searchsorted(time, np.sqrt(times[1:] * times[:-1]))
     starts = np.concatenate(([int(np.searchsorted(time, 0.0, "right"))], edges))
     return np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
 

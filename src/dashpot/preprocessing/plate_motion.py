@@ -340,11 +340,11 @@ def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
     return "expected a ramp and then a hold. Check the columns and the units"
 
 
-def _resting(x: FloatArray, rest: MotionSegment | None, ramp: MotionSegment) -> float:
-    if rest is None:
+def _resting(x: FloatArray, rest_segment: MotionSegment | None, ramp: MotionSegment) -> float:
+    if rest_segment is None:
         return float(x[ramp.first])
-    second_half = rest.first + (rest.last - rest.first) // 2
-    return median(x[second_half : rest.last + 1])
+    second_half = rest_segment.first + (rest_segment.last - rest_segment.first) // 2
+    return median(x[second_half : rest_segment.last + 1])
 
 
 def _find_hold(time: FloatArray, x: FloatArray, cycle: RampHoldCycle) -> float:

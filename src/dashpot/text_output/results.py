@@ -367,7 +367,7 @@ def render_study(study: Study) -> Text:
         lines.append(str(study.static_equilibrium))
     solid = render_fit(study.fit if study.joint is None else study.joint)
     rows = [["main results", "value", "from", "to", "unit"]]
-    for value in recommend_solid(study, requested=True).values:
+    for value in recommend_solid(study, allow_rejected=True).values:
         rows.append([value.quantity, *value.fact.cell_texts, value.fact.word])
     details += ["", *table(rows)]
     if study.joint is not None:

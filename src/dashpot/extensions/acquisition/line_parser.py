@@ -152,7 +152,7 @@ class Lines:
         return [(last + i * part, row) for i, row in enumerate(rows, start=1)]
 
     def _extract_device_times(
-        self, rows: list[list[float]], at: int
+        self, rows: list[list[float]], column: int
     ) -> list[tuple[float, list[float]]]:
         """Return rows with the device's own times, as far as those rise.
 
@@ -161,7 +161,7 @@ class Lines:
         """
         kept_lines = []
         for row in rows:
-            sample = row.pop(at) * self._factor, row
+            sample = row.pop(column) * self._factor, row
             if self._held is not None and sample[0] <= self._held[0]:
                 self._count_garbled_line(f"time {self._held[0]:g} s")
             elif self._held is not None:

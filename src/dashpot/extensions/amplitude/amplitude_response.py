@@ -349,21 +349,21 @@ class SweptPart(Serialisable):
         residuals = [float(np.sqrt(np.nanmean((part[is_near] - 1) ** 2))) for part in parts]
         return residuals[0], residuals[1]
 
-    def _between_tones(self, strain: float, before: float) -> tuple[float, float]:
+    def _between_tones(self, strain: float, amplitude: float) -> tuple[float, float]:
         """Return the difference of the laws by frequency: ln of stiffness and of loss factor."""
         assert self.record is not None  # noqa: S101
         tones = np.unique(self.record.frequency)
-        before = max(before, _VANISHES * float(self.record.amplitude.min()))
+        amplitude = max(amplitude, _VANISHES * float(self.record.amplitude.min()))
         sweeps = [self.record.only(self.record.frequency == tone) for tone in tones]
         if len(sweeps) < 2 or min(len(sweep.amplitude) for sweep in sweeps) < _ALONE:
-            storage = self.law.stiffness([before, strain]).real
+            storage = self.law.stiffness([amplitude, strain]).real
             return 0.5 * abs(float(np.log(storage[1] / storage[0]))), _ONE_TONE
         changes, lossy = [], []
         for amplitude_sweep in sweeps:
             amplitude_fit = fit_amplitude(
                 amplitude_sweep, law=self.law.law if self.law.law != "none" else "auto"
             )
-            first, last = amplitude_fit.stiffness([before, strain]).tolist()
+            first, last = amplitude_fit.stiffness([amplitude, strain]).tolist()
             changes.append(float(np.log(last.real / first.real)))
             factor = amplitude_fit.linear[0].imag / amplitude_fit.linear[0].real
             lossy.append(float(np.log(max(last.imag / last.real, 1e-12) / max(factor, 1e-12))))

@@ -179,7 +179,9 @@ def level_files(
     _refuse_frf_options(files[0], request, *(_OF_HITS if all_hits else ()))
     if all_hits:
         _refuse_law(law, "hits")
-        return _fit_hit_files(files, levels, mass=mass, band=band, at=at, options=options)
+        return _fit_hit_files(
+            files, levels, mass=mass, band=band, requested_levels=at, options=options
+        )
     if len(files) > 1:
         raise ReadError("one amplitude sweep at a time; only FRFs of several amplitudes go along")
     amplitude_fit, _, record = amplitude_file(
@@ -277,13 +279,13 @@ def _fit_hit_files(
     *,
     mass: float | None,
     band: tuple[float, float] | None,
-    at: Sequence[float],
+    requested_levels: Sequence[float],
     options: ReadOptions | None,
 ) -> AmplitudeResult:
     _get_peak_forces(levels, len(files))
     tests = read_impacts(list(files), options=options)
     with add_name_to_errors(", ".join(Path(path).name for path in files)):
-        return hits_at_levels(tests, levels, mass=mass, band=band, at=at)
+        return hits_at_levels(tests, levels, mass=mass, band=band, at=requested_levels)
 
 
 def hits_at_levels(
@@ -347,7 +349,7 @@ def _find_peak(level_fit: LevelFit, level: float) -> PeakAtLevel:
     """Return the largest motion of the mass at a level, and what the draws say of it."""
 
     def find_largest_motion(solid: GeneralizedMaxwell, elements: Elements) -> FloatArray:
-        hz, X = resonance_at_level(level_fit, level, of=(solid, elements))
+        hz, X = resonance_at_level(level_fit, level, parts_of_model=(solid, elements))
         return np.array((hz, X / level))
 
     frequency, receptance = find_largest_motion(

@@ -351,8 +351,8 @@ class PreloadedMass:
         line = _PressedBalance(self, orbit.frequency, orbit.level, len(orbit.harmonics) - 1)
         z = line.real(orbit.harmonics)
         residuals = [
-            _PressedBalance(other, orbit.frequency, orbit.level, line.most).balance(z, 1.0)
-            for other in others
+            _PressedBalance(mass, orbit.frequency, orbit.level, line.most).balance(z, 1.0)
+            for mass in others
         ]
         change = -np.linalg.solve(line.slope(z), np.reshape(residuals, (-1, len(z))).T).T
         return np.array([line.harmonics(item) for item in change]).reshape(-1, line.most + 1)
@@ -377,7 +377,7 @@ class PreloadedMass:
         by_frequency = (
             evaluate_balance(self, frequency + step) - evaluate_balance(self, frequency - step)
         ) / (2 * step)
-        return np.array([-evaluate_balance(other, frequency) / by_frequency for other in others])
+        return np.array([-evaluate_balance(mass, frequency) / by_frequency for mass in others])
 
     def _solve_near_orbit(self, orbit: Orbit, hz: float, level: float) -> Orbit | None:
         """Return the answer at a frequency to which that at another leads."""
@@ -548,13 +548,11 @@ class _PressedBalance:
             "lower amplitude, or another frequency"
         )
 
-    def _compute_tangent(self, z: FloatArray, before: FloatArray) -> FloatArray:
-        """Direction of the curve of answers, of unknowns and share, whose product with `before`
-        is 1.
-        """
+    def _compute_tangent(self, z: FloatArray, previous_tangent: FloatArray) -> FloatArray:
+        """Direction of the curve of unknowns and share, whose product with the previous one is 1."""
         n = len(z)
         border = np.zeros((n + 1, n + 1))
-        border[:n, :n], border[1, n], border[n] = self.slope(z), -self.level, before
+        border[:n, :n], border[1, n], border[n] = self.slope(z), -self.level, previous_tangent
         return np.asarray(np.linalg.solve(border, np.append(np.zeros(n), 1.0)))
 
     def _solve_arclength_step(

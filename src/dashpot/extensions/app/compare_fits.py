@@ -79,7 +79,7 @@ def _load_fit(name: str, request: Mapping[str, Any], folder: Path) -> ComparedFi
     study = result_cache.get_study(job)
     if job.joint and study.joint is None:
         raise DataError(f"{name} has no joint model: open a hammer test, and give the mass")
-    return ComparedFit(name, job, study, recommend_solid(study, requested=True))
+    return ComparedFit(name, job, study, recommend_solid(study, allow_rejected=True))
 
 
 def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:

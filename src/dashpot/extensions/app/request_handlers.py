@@ -310,7 +310,7 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         if asks_for_mass
         else (study.verdict_checks, study.verdict)
     )
-    recommendation = recommend_solid(study, requested=True)
+    recommendation = recommend_solid(study, allow_rejected=True)
     indicators = (
         view_models.make_fit_indicators(study.fit)
         if asks_for_mass

@@ -70,8 +70,8 @@ class BatchJob:
     def entries(self, *, allow_none: bool = False) -> tuple[Entry, ...]:
         """Return the tests that are there now; where more are to come, none is no error."""
         return find_entries(
-            self.paths, manifest=self.manifest, by=self.by, pair=self.pair, without=self.output,
-            allow_none=allow_none,
+            self.paths, manifest=self.manifest, label_pattern=self.by, pair=self.pair,
+            output_folder=self.output, allow_none=allow_none,
         )  # fmt: skip
 
     def tasks(self) -> tuple[Task, ...]:

@@ -108,16 +108,18 @@ def _make_scatter_panel(
         yield Panel(scale, Scale(title, (0.0, top)), tuple(marks), height=70)
 
 
-def _get_axis_limits(at: FloatArray) -> FloatArray:
-    return np.array([at[0] - 0.5, at[-1] + 0.5])
+def _get_axis_limits(positions: FloatArray) -> FloatArray:
+    return np.array([positions[0] - 0.5, positions[-1] + 0.5])
 
 
 def _make_signal_tags(
-    seals: Sequence[Seal], chart: Chart, at: FloatArray, scale: float
+    seals: Sequence[Seal], chart: Chart, positions: FloatArray, scale: float
 ) -> list[Tag]:
     """Return the names of the seals that break a rule."""
     return [
-        Tag(float(at[i]), scale * float(chart.values[i]), seals[i].name, "care-ink", "hollow")
+        Tag(
+            float(positions[i]), scale * float(chart.values[i]), seals[i].name, "care-ink", "hollow"
+        )
         for i in dict.fromkeys(signal.point for signal in chart.signals)
     ]
 
@@ -126,10 +128,10 @@ def _make_value_axis(
     quantity: Quantity,
     charts: Mapping[str, Charts],
     seals: Sequence[Seal],
-    requested: Sequence[float],
+    limits: Sequence[float],
 ) -> tuple[float, float]:
     """The upright axis that chart and histogram share: seals, control limits, what is asked."""
-    edges = [quantity.scale * average_seals(seals), quantity.scale * np.array(requested)]
+    edges = [quantity.scale * average_seals(seals), quantity.scale * np.array(limits)]
     for chart in charts.values():
         edges += [quantity.scale * chart.means.lower, quantity.scale * chart.means.upper]
     low, high = compute_padded_limits(np.concatenate(edges))
@@ -141,7 +143,7 @@ def histogram_picture(
     quantity: Quantity,
     charts: Mapping[str, Charts],
     seals: Sequence[Seal],
-    requested: Sequence[float] = (),
+    required_limits: Sequence[float] = (),
 ) -> Picture:
     """Return the means of all seals as a histogram that lies on the axis of their chart."""
     means = quantity.scale * average_seals(seals)
@@ -154,7 +156,7 @@ def histogram_picture(
              tint=0.5)
         for low, high, count in zip(edges[:-1], edges[1:], counts.tolist(), strict=True) if count
     ]  # fmt: skip
-    limits = _make_value_axis(quantity, charts, seals, requested)
+    limits = _make_value_axis(quantity, charts, seals, required_limits)
     mean, top = float(means.mean()), float(counts.max())
     deviation = float(means.std(ddof=1)) if len(means) > 1 else 0.0
     if deviation > 0:
@@ -163,7 +165,7 @@ def histogram_picture(
         shape *= len(means) * (edges[1] - edges[0])
         top = max(top, float(shape.max()))
         marks.append(Line(shape, y, _SHAPE, "normal"))
-    marks += [Rule(quantity.scale * end, _ASKED, across=True) for end in requested]
+    marks += [Rule(quantity.scale * end, _ASKED, across=True) for end in required_limits]
     marks += [Rule(mean, _MEAN, across=True)]
     text = round_to_error(mean, deviation / 10 if deviation > 0 else None)
     scale = Scale("seals", (0.0, 1.1 * top), whole=True)
@@ -172,7 +174,7 @@ def histogram_picture(
     return Picture("histogram", f"{quantity.title}: all seals", ((panel,),))
 
 
-def cpk_picture(capabilities: Sequence[Capability], requested: float | None) -> Picture:
+def cpk_picture(capabilities: Sequence[Capability], required_cpk: float | None) -> Picture:
     """Return the Cpk of each lot with its interval, the lowest first."""
     ranked = sorted(capabilities, key=lambda capability: capability.cpk or 0.0)
     at = np.arange(1.0, len(ranked) + 1)
@@ -187,9 +189,9 @@ def cpk_picture(capabilities: Sequence[Capability], requested: float | None) -> 
         Line(cpk, at, Pen("measured", 1.8), "Cpk"),
     ]
     interval = [low, high]
-    if requested is not None:
-        marks.append(Rule(requested, _ASKED, "asked"))
-        interval.append(np.array([requested]))
+    if required_cpk is not None:
+        marks.append(Rule(required_cpk, _ASKED, "asked"))
+        interval.append(np.array([required_cpk]))
     horizontal = Scale("Cpk", compute_padded_limits(*interval))
     vertical = Scale("", (0.0, len(ranked) + 1.0), unnumbered=True)
     panel = Panel(horizontal, vertical, tuple(marks), height=70, without_y_label=True)
@@ -201,7 +203,7 @@ def lots_picture(
     charts: Mapping[str, Charts],
     lots: LotCharts | None,
     seals: Sequence[Seal],
-    requested: Sequence[float] = (),
+    required_limits: Sequence[float] = (),
 ) -> Picture:
     """Return each lot as a dot, the middle 90 % and all of its seals, and the scatter of repeats.
 
@@ -227,14 +229,16 @@ def lots_picture(
     marks.append(
         _make_error_bars(at, lower_quartile, upper_quartile, Pen("ref", 5.0), "90 % of its seals")
     )
-    marks += [Rule(quantity.scale * end, _ASKED, "limits asked", across=True) for end in requested]
+    marks += [
+        Rule(quantity.scale * end, _ASKED, "limits asked", across=True) for end in required_limits
+    ]
     marks.append(Dots(at, means, "measured", "mean of a lot", size=5.0))
     if lots is not None and lots.mean.signalling_points:
         signalling = [names.index(lots.names[i]) for i in lots.mean.signalling_points]
         marks.insert(
             -1, Dots(at[signalling], means[signalling], "care", "signal", size=10.0, hollow=True)
         )
-    limits = _make_value_axis(quantity, charts, seals, requested)
+    limits = _make_value_axis(quantity, charts, seals, required_limits)
     marks += _group_lots(names, means, limits[1])
     upper = Panel(scale, Scale(quantity.title, limits), tuple(marks), height=CHART)
     panels = (upper, *_make_repeats_panel(scale, quantity, names, charts))
@@ -242,11 +246,14 @@ def lots_picture(
 
 
 def _make_error_bars(
-    at: FloatArray, low: FloatArray, high: FloatArray, pen: Pen, label: str
+    positions: FloatArray, low: FloatArray, high: FloatArray, pen: Pen, label: str
 ) -> Line:
     """Upright strokes as one line that breaks between them."""
-    gap = np.full(len(at), np.nan)
-    x, y = np.column_stack([at, at, gap]).ravel(), np.column_stack([low, high, gap]).ravel()
+    gap = np.full(len(positions), np.nan)
+    x, y = (
+        np.column_stack([positions, positions, gap]).ravel(),
+        np.column_stack([low, high, gap]).ravel(),
+    )
     return Line(x, y, pen, label)
 
 

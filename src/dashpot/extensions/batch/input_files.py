@@ -130,9 +130,9 @@ def find_entries(
     paths: Sequence[str | Path],
     *,
     manifest: str | Path | None = None,
-    by: str | None = None,
+    label_pattern: str | None = None,
     pair: str | None = None,
-    without: Path,
+    output_folder: Path,
     allow_none: bool = False,
 ) -> tuple[Entry, ...]:
     """Return the tests that paths, folders and patterns name, each once, sorted by path.
@@ -145,14 +145,15 @@ def find_entries(
         a pipe is an entry that is not read:
         it is read where it is named itself.
     manifest : path, optional
-        CSV or TOML; the files it lists are added to the paths, and its labels win over `by`.
-    by : str, optional
+        CSV or TOML; the files it lists are added to the paths, and its labels win over
+        `label_pattern`.
+    label_pattern : str, optional
         A regular expression whose groups, named or in this order, are lot, seal, repeat, operator
         and date.
     pair : str, optional
         The pattern of a test's hammer files, seen from its folder: ``"{stem}_hammer*.csv"``; it may
         hold {stem}, the name of the test's file without its suffix, {lot}, {seal} and {repeat}.
-    without : Path
+    output_folder : Path
         The folder of the results.
     allow_none : bool
         More files are to come: what fits none so far is no error.
@@ -165,7 +166,7 @@ def find_entries(
         If the expression is none, or fits no file, or a pattern pairs nothing.
     """
     manifest_entries = _read_manifest(manifest)
-    paths_found = (names for path in paths for names in _expand_path(str(path), without))
+    paths_found = (names for path in paths for names in _expand_path(str(path), output_folder))
     entries = _build_entries_by_path((*paths_found, *((path, "") for path in manifest_entries)))
     if manifest is not None:
         entries.pop(os.path.realpath(manifest), None)
@@ -174,7 +175,9 @@ def find_entries(
             f"{', '.join(map(str, paths)) or manifest}: no file is there; give files, folders, "
             "patterns such as 'tests/*.csv', or --manifest FILE"
         )
-    function = _parse_labels(by, [entry.file for entry in entries.values()], allow_none=allow_none)
+    function = _parse_labels(
+        label_pattern, [entry.file for entry in entries.values()], allow_none=allow_none
+    )
     for path_key, item in entries.items():
         entries[path_key] = replace(item, **function(item.file))
     for path, record in manifest_entries.items():
@@ -209,15 +212,15 @@ def _validate_path_encoding(path: str) -> str:
     return path
 
 
-def refuse_senseless(by: str | None, pair: str | None) -> None:
+def refuse_senseless(label_pattern: str | None, pair: str | None) -> None:
     """Refuse an expression and a pattern that are none, before there are files to try them on.
 
     Raises
     ------
     DataError
     """
-    if by is not None:
-        _parse_label_pattern(by)
+    if label_pattern is not None:
+        _parse_label_pattern(label_pattern)
     if pair is not None:
         _expand_braces(pair)
 
@@ -285,10 +288,10 @@ def _find_hammer_files(entry: Entry, pair: str) -> tuple[str, ...]:
     return tuple(sorted(path for path in names if Path(path).is_file()))
 
 
-def _expand_path(path: str, without: Path) -> Iterator[tuple[str, str]]:
+def _expand_path(path: str, output_folder: Path) -> Iterator[tuple[str, str]]:
     """The files of a path, each with the reason why it is not read, if there is one."""
     if Path(path).is_dir():
-        yield from _scan_folder(Path(path), without)
+        yield from _scan_folder(Path(path), output_folder)
     elif Path(path).exists():
         yield path, ""
     elif glob.has_magic(path):
@@ -296,13 +299,13 @@ def _expand_path(path: str, without: Path) -> Iterator[tuple[str, str]]:
         if not matches:
             raise ReadError(f"{path}: the pattern fits no file; give another")
         for name in matches:
-            yield from _expand_path(name, without)
+            yield from _expand_path(name, output_folder)
     else:
         raise ReadError(missing(path))
 
 
-def _scan_folder(folder: Path, without: Path) -> Iterator[tuple[str, str]]:
-    results, root = without.resolve(), folder.resolve()
+def _scan_folder(folder: Path, output_folder: Path) -> Iterator[tuple[str, str]]:
+    results, root = output_folder.resolve(), folder.resolve()
     for parent, folders, files in os.walk(folder, onerror=_refuse_unreadable_folder):
         folders[:] = sorted(
             folder

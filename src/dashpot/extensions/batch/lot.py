@@ -287,7 +287,7 @@ class Lot:
         return components(
             np.concatenate([seal.values for seal in seals]),
             levels,
-            within="repeat" if any(len(seal.files) > 1 for seal in seals) else "seal",
+            innermost_name="repeat" if any(len(seal.files) > 1 for seal in seals) else "seal",
             errors=None if None in errors else np.array(errors),
         )
 

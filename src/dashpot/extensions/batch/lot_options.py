@@ -68,7 +68,7 @@ def build_job(
     *,
     output: str | None,
     choices: BatchOptions,
-    by: str | None,
+    label_pattern: str | None,
     manifest: str | None,
     pair: str | None,
     jobs: int | None,
@@ -97,7 +97,16 @@ def build_job(
     main = quantity(quantities[-1], columns).name if quantities else ""
     requested_limits = () if limits is None else read_limits(limits, columns)
     return BatchJob(
-        paths, Path(output), choices, by, manifest, pair, jobs, scheduler, main, requested_limits
+        paths,
+        Path(output),
+        choices,
+        label_pattern,
+        manifest,
+        pair,
+        jobs,
+        scheduler,
+        main,
+        requested_limits,
     )
 
 

@@ -145,16 +145,16 @@ def read_parts(folder: Path) -> Iterator[tuple[Path, pl.DataFrame]]:
 
 
 def join_frames(
-    frames: Iterable[pl.DataFrame], how: Literal["vertical", "diagonal"] = "vertical"
+    frames: Iterable[pl.DataFrame], direction: Literal["vertical", "diagonal"] = "vertical"
 ) -> pl.DataFrame:
     """Return tables as one; few parts are held at once, for one takes ten times what is in it."""
     frames_joined: list[pl.DataFrame] = []
     frame_iterator = iter(frames)
     while batch_of_frames := list(islice(frame_iterator, SMALL_PART)):
-        frames_joined.append(import_polars().concat(batch_of_frames, how=how, rechunk=True))
+        frames_joined.append(import_polars().concat(batch_of_frames, how=direction, rechunk=True))
     return cast(
         "pl.DataFrame",
-        import_polars().concat(frames_joined or [import_polars().DataFrame()], how=how),
+        import_polars().concat(frames_joined or [import_polars().DataFrame()], how=direction),
     )
 
 

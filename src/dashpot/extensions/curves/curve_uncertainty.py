@@ -108,7 +108,7 @@ class CurveData:
 
 
 def weight_curve(
-    block: DataBlock, at: FloatArray, *, window: tuple[float, float], common: float = COMMON
+    block: DataBlock, abscissa: FloatArray, *, window: tuple[float, float], common: float = COMMON
 ) -> CurveData:
     """Weight a curve by its residual about the nearest non-negative spectrum.
 
@@ -116,14 +116,14 @@ def weight_curve(
     ----------
     block : DataBlock
         A row a value, in units in which the errors of each part of it are alike.
-    at : array, shape (n,)
+    abscissa : array, shape (n,)
         Times or frequencies, > 0, of each of its parts: one, or storage and loss.
     window : (float, float)
         Shortest and longest relaxation time of the spectra, s.
     common : float
         Common error of neighbouring values, relative, one standard deviation.
     """
-    n, low, high = len(at), *np.log(window)
+    n, low, high = len(abscissa), *np.log(window)
     grid = np.linspace(low, high, int(np.ceil((high - low) / np.log(10) * PER_DECADE)) + 1)
     rows = block.evaluate(grid, False)
     columns = np.concatenate((rows.fixed, rows.arms), axis=1)
@@ -143,7 +143,7 @@ def weight_curve(
         weight[part] = 1 / np.sqrt(max(noise.power, rounding_limit**2))
         effective += noise.effective
     common_errors = common * np.kron(
-        np.eye(len(fitted_curve) // n), _make_hat_functions(np.log10(at))
+        np.eye(len(fitted_curve) // n), _make_hat_functions(np.log10(abscissa))
     )
     return CurveData(
         block.transform_rows(lambda part: (weight * part.T).T),
@@ -153,11 +153,11 @@ def weight_curve(
     )
 
 
-def _make_hat_functions(at: FloatArray) -> FloatArray:
+def _make_hat_functions(abscissa: FloatArray) -> FloatArray:
     """Straight lines from 1 at each knot to 0 at its neighbours, shape (n, m)."""
-    count = int(np.ceil(KNOTS * float(np.ptp(at)))) + 1
-    knots = float(at.min()) + np.arange(count) / KNOTS
-    return np.asarray(np.maximum(1 - KNOTS * np.abs(at[:, None] - knots), 0.0))
+    count = int(np.ceil(KNOTS * float(np.ptp(abscissa)))) + 1
+    knots = float(abscissa.min()) + np.arange(count) / KNOTS
+    return np.asarray(np.maximum(1 - KNOTS * np.abs(abscissa[:, None] - knots), 0.0))
 
 
 # Where stiffness and loss factor are known, over every spectrum that a test does not reject.

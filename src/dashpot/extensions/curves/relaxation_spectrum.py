@@ -348,10 +348,10 @@ def _replace_by_dense(
     )
 
 
-def _convert_errors(error: BandError, other: Solid, fitted: Solid) -> BandError:
+def _convert_errors(error: BandError, target_solid: Solid, fitted: Solid) -> BandError:
     """Return errors about a solid as those about another."""
     omega = 2 * np.pi * np.array(error.frequency)
-    K, K_other = (solid.complex_stiffness(omega=omega) for solid in (fitted, other))
+    K, K_other = (solid.complex_stiffness(omega=omega) for solid in (fitted, target_solid))
     return replace(
         error,
         stiffness=_increase_errors(error.stiffness, np.abs(K), np.abs(K_other)),
@@ -362,9 +362,9 @@ def _convert_errors(error: BandError, other: Solid, fitted: Solid) -> BandError:
 
 
 def _increase_errors(
-    errors: tuple[float, ...], value: np.ndarray, other: np.ndarray
+    errors: tuple[float, ...], value: np.ndarray, other_value: np.ndarray
 ) -> tuple[float, ...]:
     with np.errstate(divide="ignore", invalid="ignore"):
-        factor = np.maximum(value / other, other / value)
+        factor = np.maximum(value / other_value, other_value / value)
     change = (1 + np.array(errors)) * np.where(np.isfinite(factor), factor, np.inf) - 1
     return tuple(change.tolist())

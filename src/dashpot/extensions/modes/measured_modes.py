@@ -254,7 +254,7 @@ def _select_checked_frf(
 def _check_modes(
     frf: FRF,
     band_frfs: FRFSet,
-    at: int,
+    point_index: int,
     shapes: Sequence[ModeShape],
     chart: Stabilisation,
     *,
@@ -263,7 +263,7 @@ def _check_modes(
     """Yield the checks of the modes, and of the FRF of the point that stands for the first."""
     main = shapes[0].mode
     yield modes_within_band([shape.mode for shape in shapes], search_band)
-    yield lines_in_half_power_band(band_frfs.frfs[at], main)
+    yield lines_in_half_power_band(band_frfs.frfs[point_index], main)
     yield modes_stable(shapes, chart)
     yield modes_explain_lines(shapes, is_known=band_frfs.sd is not None)
     if len(band_frfs.points) > 1:

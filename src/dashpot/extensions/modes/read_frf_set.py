@@ -106,16 +106,18 @@ def _group_columns(file: OpenedFile) -> list[tuple[str, dict[int, str]]]:
 
 
 def _group_repeated_pairs(
-    columns: Sequence[Column], of: Mapping[str, list[int]], pair: tuple[Role, Role]
+    columns: Sequence[Column], indices_by_name: Mapping[str, list[int]], pair: tuple[Role, Role]
 ) -> list[tuple[str, dict[int, str]]]:
     """Return the groups of a pair of parts that stands there several times."""
-    first = of[pair[0]]
+    first = indices_by_name[pair[0]]
     # what does not stand there once for each is of none
-    roles = [role for role in (*pair, "coherence", "sd") if len(of[role]) == len(first)]
+    roles = [
+        role for role in (*pair, "coherence", "sd") if len(indices_by_name[role]) == len(first)
+    ]
     names = [_get_point_name(columns[i], pair[0]) or str(n) for n, i in enumerate(first, start=1)]
-    pairs = zip(*(of[role] for role in roles), strict=True)
+    pairs = zip(*(indices_by_name[role] for role in roles), strict=True)
     roles_by_column = [dict(zip(indexes, roles, strict=True)) for indexes in pairs]
-    ticks = {of["frequency"][0]: "frequency"}
+    ticks = {indices_by_name["frequency"][0]: "frequency"}
     return [(name, ticks | group) for name, group in zip(names, roles_by_column, strict=True)]
 
 

@@ -155,19 +155,24 @@ def _fit_orders(
 
 
 def _classify_poles(
-    poles: ComplexArray, residues: ComplexArray, before: tuple[ComplexArray, ComplexArray] | None
+    poles: ComplexArray,
+    residues: ComplexArray,
+    previous_order: tuple[ComplexArray, ComplexArray] | None,
 ) -> list[int]:
     """Return what of each pole was there at the order before."""
-    if before is None or not len(before[0]) or not len(poles):
+    if previous_order is None or not len(previous_order[0]) or not len(poles):
         return [NEW] * len(poles)
-    old, old_residues = before
-    mac_values = mac(residues, old_residues)
+    previous_poles, previous_residues = previous_order
+    mac_values = mac(residues, previous_residues)
     state = []
     for i, p in enumerate(poles):
-        j = int(np.argmin(np.abs(np.abs(old) - abs(p))))
-        if abs(abs(old[j]) / abs(p) - 1) > SAME_FREQUENCY:
+        j = int(np.argmin(np.abs(np.abs(previous_poles) - abs(p))))
+        if abs(abs(previous_poles[j]) / abs(p) - 1) > SAME_FREQUENCY:
             state.append(NEW)
-        elif abs((old[j].real / abs(old[j])) / (p.real / abs(p)) - 1) > SAME_DAMPING:
+        elif (
+            abs((previous_poles[j].real / abs(previous_poles[j])) / (p.real / abs(p)) - 1)
+            > SAME_DAMPING
+        ):
             state.append(FREQUENCY)
         elif len(residues) == 1 or mac_values[i, j] < SAME_SHAPE:
             state.append(DAMPING)

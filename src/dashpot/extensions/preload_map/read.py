@@ -85,7 +85,7 @@ def propose_settings(
     """Add compression, amplitude and loss factor to the proposed roles; return what they ask."""
 
     def propose() -> None:
-        static = find_length_column(file.table, STATIC, file.options, without=MOVING)
+        static = find_length_column(file.table, STATIC, file.options, excluded_words=MOVING)
         moving = find_length_column(file.table, MOVING, file.options)
         for index, name in ((static, STATIC[0]), (moving, MOVING[0])):
             if index is not None:
@@ -121,7 +121,7 @@ def _read_table(file: channels.OpenedFile, stated_settings: Sequence[str] = ()) 
             "multiply by area over height"
         )
     is_complete: BoolArray = np.asarray(np.isfinite(loaded_columns.values).all(axis=1))
-    static = _load_length(file, is_complete, STATIC, without=MOVING)
+    static = _load_length(file, is_complete, STATIC, excluded_words=MOVING)
     moving = _load_length(file, is_complete, MOVING)
     settings = [setting for setting in (static, moving) if setting is not None]
     used_columns = [role.index for role in roles_wanted] + [setting.column for setting in settings]
@@ -175,10 +175,10 @@ def _load_length(
     is_complete: BoolArray,
     words: Sequence[str],
     *,
-    without: Sequence[str] = (),
+    excluded_words: Sequence[str] = (),
 ) -> _LengthColumn | None:
     """Return the rows of the one column of a length that words name; None if there is none."""
-    index = find_length_column(file.table, words, file.options, without=without)
+    index = find_length_column(file.table, words, file.options, excluded_words=excluded_words)
     if index is None:
         return None
     column = file.table.columns[index]

@@ -340,9 +340,9 @@ def _fit(A: FloatArray, y: FloatArray, weight: FloatArray) -> tuple[float, int]:
 
 
 def _compute_gain(
-    without: FloatArray, added_columns: FloatArray, y: FloatArray, weight: FloatArray
+    base_columns: FloatArray, added_columns: FloatArray, y: FloatArray, weight: FloatArray
 ) -> tuple[float, int]:
     """Return by how much columns lower the sum of squares beside others, and their number."""
-    before, rank = _fit(without, y, weight)
-    residual_after, rank_after = _fit(np.hstack((without, added_columns)), y, weight)
-    return max(before - residual_after, 0.0), rank_after - rank
+    base_misfit, rank = _fit(base_columns, y, weight)
+    residual_after, rank_after = _fit(np.hstack((base_columns, added_columns)), y, weight)
+    return max(base_misfit - residual_after, 0.0), rank_after - rank

@@ -219,9 +219,12 @@ def sha256(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _is_whole(text: bytes, before: list[bytes]) -> bool:
+def _is_whole(text: bytes, previous_lines: list[bytes]) -> bool:
     try:
-        entry, last = json.loads(text), json.loads(before[-1]) if before else {"hash": GENESIS}
+        entry, last = (
+            json.loads(text),
+            json.loads(previous_lines[-1]) if previous_lines else {"hash": GENESIS},
+        )
         is_unchanged = _has_valid_hash(text, str(entry["hash"]))
         return bool(is_unchanged and entry["previous"] == last["hash"])
     except (ValueError, TypeError, KeyError, RecursionError):

@@ -304,18 +304,18 @@ def _merge_coincident_arms(arms: Any) -> Any:
     return merged
 
 
-def _compute_relative_difference(text: Any, other: Any) -> float:
+def _compute_relative_difference(text: Any, other_value: Any) -> float:
     """Return relative difference of two values; of texts that of the numbers in them, if any."""
-    if repr(text) == repr(other):  # as NaN equals nothing
+    if repr(text) == repr(other_value):  # as NaN equals nothing
         return 0.0
-    if _is_number(text) and _is_number(other) and text != other:
-        number, scale = abs(Decimal(text) - Decimal(other)), max(abs(text), abs(other))
+    if _is_number(text) and _is_number(other_value) and text != other_value:
+        number, scale = abs(Decimal(text) - Decimal(other_value)), max(abs(text), abs(other_value))
         # what is not finite is no rounding of what is
         return float(number / Decimal(scale)) if number.is_finite() else float("inf")
-    if isinstance(text, str) and isinstance(other, str):
-        is_same = _is_same_text(text, other)
+    if isinstance(text, str) and isinstance(other_value, str):
+        is_same = _is_same_text(text, other_value)
     else:
-        is_same = text == other and isinstance(text, bool) == isinstance(other, bool)
+        is_same = text == other_value and isinstance(text, bool) == isinstance(other_value, bool)
     return 0.0 if is_same else float("inf")
 
 

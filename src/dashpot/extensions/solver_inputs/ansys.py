@@ -73,7 +73,7 @@ def ansys(
 
 
 def _write_table(
-    deck: Deck, row: SpringRow, requested: tuple[tuple[float, float], float], first_id: int
+    deck: Deck, row: SpringRow, table_limits: tuple[tuple[float, float], float], first_id: int
 ) -> DeckText:
     """Return an element type for each way, a real constant of two tables for each share of it."""
     cards, tables = ["/PREP7"], []
@@ -88,7 +88,7 @@ def _write_table(
             if (direction, shares[direction]) in constants:
                 continue
             number = constants[direction, shares[direction]] = first_id + len(constants)
-            tables.append(deck.table(*requested, solid=solid, damping="damping"))
+            tables.append(deck.table(*table_limits, solid=solid, damping="damping"))
             cards += _real_constant(deck, number, tables[-1])
     for i, station in enumerate(row.stations):
         for node in row.nodes(i, first_id):

@@ -318,9 +318,9 @@ def _place_lines(
     return np.asarray(at[(at >= f[0]) & (at <= f[-1])])
 
 
-def _interpolate_density(at: FloatArray, f: FloatArray, table: FloatArray) -> FloatArray:
+def _interpolate_density(frequency: FloatArray, f: FloatArray, table: FloatArray) -> FloatArray:
     with np.errstate(divide="ignore"):
-        return np.exp(np.interp(np.log(at), np.log(f), np.log(table)))
+        return np.exp(np.interp(np.log(frequency), np.log(f), np.log(table)))
 
 
 def _integrate_response(

@@ -293,7 +293,7 @@ def _refit_at_scale(candidate: Candidate, scale: float) -> Candidate:
 def _build_explanation(
     cause: DiscrepancyCause,
     candidate: Candidate,
-    before: Candidate,
+    original: Candidate,
     law: ElasticLaw | None,
     compression: float | None,
     *,
@@ -301,7 +301,7 @@ def _build_explanation(
 ) -> Explanation:
     explains = not is_contradicted(candidate)
     value, error = _read_free_quantity(candidate, cause.quantity)
-    supposed = float(getattr(before.problem.priors, cause.quantity).mean)
+    supposed = float(getattr(original.problem.priors, cause.quantity).mean)
     message = cause.phrase
     if explains and is_leading:
         message = _SENTENCES[cause.quantity](value, error)
@@ -317,7 +317,7 @@ def _build_explanation(
         standard_error=error,
         unit=cause.unit,
         relative_deviation=value / supposed - 1,
-        deviance_fall=before.cost - candidate.cost,
+        deviance_fall=original.cost - candidate.cost,
         is_sufficient=explains,
         message=message,
     )

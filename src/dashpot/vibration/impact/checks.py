@@ -146,17 +146,17 @@ def resonant_line(frf: FRF, main: Mode | None) -> int:
 
 
 @criterion("least coherence about the peak", ">=", COHERENT, "common practice")
-def coherence(frf: FRF, at: int) -> Finding:
-    """The coherence is high at the resonance, the line `at`, and at the lines beside it."""
+def coherence(frf: FRF, line: int) -> Finding:
+    """The coherence is high at the resonance, the line `line`, and at the lines beside it."""
     if frf.coherence is None:
         return Finding(
             "A single hit has no coherence; it would be 1 whatever was measured. More hits would "
             "give one"
         )
-    first = max(at - 1, 0)
-    lowest_line = first + int(np.argmin(frf.coherence[first : at + 2]))
+    first = max(line - 1, 0)
+    lowest_line = first + int(np.argmin(frf.coherence[first : line + 2]))
     value = float(frf.coherence[lowest_line])
-    location = "at" if lowest_line == at else "beside"
+    location = "at" if lowest_line == line else "beside"
     return Finding(
         f"The coherence {location} the resonance ({frf.frequency[lowest_line]:.4g} Hz) is "
         f"{value:.4f}; at least {COHERENT:g} is expected",

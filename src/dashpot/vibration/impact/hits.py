@@ -236,27 +236,27 @@ def _choose_pretrigger(onsets: Sequence[_PulseOnset], rate: float, pretrigger: f
 
 
 def _choose_length(
-    onsets: Sequence[_PulseOnset], rate: float, before: int, record: float | None
+    onsets: Sequence[_PulseOnset], rate: float, samples_before: int, record: float | None
 ) -> int:
     if record is not None:
         length = sample_count(record, rate) if np.isfinite(record) else 0
-        if length < before + 8:
+        if length < samples_before + 8:
             raise DataError(
-                f"record = {record!r} s; expected more than the {before / rate:.3g} s "
+                f"record = {record!r} s; expected more than the {samples_before / rate:.3g} s "
                 "before the hit"
             )
         return length
     space = []
     for hit in onsets:
-        end = hit.record.stop - hit.record.start if hit.next is None else hit.next - before
-        space.append(end - hit.onset + min(before, hit.onset))
+        end = hit.record.stop - hit.record.start if hit.next is None else hit.next - samples_before
+        space.append(end - hit.onset + min(samples_before, hit.onset))
     usual_spacing = float(np.median(space))
-    return max(before + 8, min(r for r in space if r >= 0.5 * usual_spacing))
+    return max(samples_before + 8, min(r for r in space if r >= 0.5 * usual_spacing))
 
 
-def _cut_hit(hit: _PulseOnset, name: str, before: int, length: int) -> HitBlock:
+def _cut_hit(hit: _PulseOnset, name: str, samples_before: int, length: int) -> HitBlock:
     test, size = hit.test, hit.record.stop - hit.record.start
-    onset = min(before, hit.onset)
+    onset = min(samples_before, hit.onset)
     start = hit.record.start + hit.onset - onset
     stop = min(start + length, hit.record.start + size)
     rows = np.vstack((hit.sign * test.force[start:stop], test.acceleration[:, start:stop]))

@@ -41,10 +41,10 @@ class Peak:
     decay: float
 
 
-def run_about(mask: BoolArray, at: int) -> slice:
+def run_about(mask: BoolArray, index: int) -> slice:
     """Return the unbroken run of True about an index."""
     gaps = np.flatnonzero(~mask)
-    left_gaps, right = gaps[gaps < at], gaps[gaps > at]
+    left_gaps, right = gaps[gaps < index], gaps[gaps > index]
     return slice(
         int(left_gaps[-1]) + 1 if left_gaps.size else 0, int(right[0]) if right.size else len(mask)
     )

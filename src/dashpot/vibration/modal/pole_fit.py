@@ -572,13 +572,13 @@ def _count_parameters(channels: FloatArray) -> int:
     return 2 + 2 * len(channels)
 
 
-def _is_last_supported(trial: PoleTrial, before: PoleTrial) -> bool:
+def _is_last_supported(trial: PoleTrial, previous: PoleTrial) -> bool:
     """Tell whether the last mode added is one, and explains more than chance would."""
     if not _is_mode(trial, len(trial.poles) - 1):
         return False
     p = trial.poles[-1]
     mode_lines = _select_mode_lines(trial.ground.lines, p)
-    gain = float((before.misfit - trial.misfit)[:, mode_lines].sum()) / max(
+    gain = float((previous.misfit - trial.misfit)[:, mode_lines].sum()) / max(
         _compute_chi2(trial, p), 1e-300
     )
     return bool(gain > _get_least_gain(trial))

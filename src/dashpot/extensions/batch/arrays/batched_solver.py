@@ -116,11 +116,11 @@ def _select_usable_records(records: FloatArray) -> BoolArray:
         return np.asarray(np.isfinite(np.einsum("ij,ij->i", records, records)))
 
 
-def _make_empty_solutions(count: int, arms: int, fixed: int) -> ManySolutions:
+def _make_empty_solutions(count: int, arms: int, fixed_count: int) -> ManySolutions:
     return ManySolutions(
         log_tau=np.full((count, arms), np.nan),
         arms=np.full((count, arms), np.nan),
-        fixed=np.full((count, fixed), np.nan),
+        fixed=np.full((count, fixed_count), np.nan),
         sse=np.full(count, np.nan),
         order=np.full(count, -1),
         finite=np.zeros(count, dtype=bool),

@@ -120,7 +120,7 @@ def components(
     values: FloatArray,
     levels: Sequence[tuple[str, Sequence[str]]],
     *,
-    within: str = "repeat",
+    innermost_name: str = "repeat",
     errors: FloatArray | None = None,
     level: float = 0.95,
 ) -> tuple[Component, ...]:
@@ -129,10 +129,10 @@ def components(
     The analysis of variance of the nested classification; where it is unbalanced, by the mean
     squares of unweighted means: each lot counts as one, each seal as one of its lot (Burdick and
     Graybill, Confidence Intervals on Variance Components, 1992, chapter 5). The last component,
-    called as `within` says, is what is left inside the innermost level, less the mean square of the
-    fits' own errors, ``"fit"``, if those are given. The innermost interval is that of its mean
-    square, of :math:`\chi^2`, or of Bonett where the values are not normal; the others are those of
-    Ting et al. (1990) for a difference of mean squares with such limits.
+    called as `innermost_name` says, is what is left inside the innermost level, less the mean
+    square of the fits' own errors, ``"fit"``, if those are given. The innermost interval is that of
+    its mean square, of :math:`\chi^2`, or of Bonett where the values are not normal; the others are
+    those of Ting et al. (1990) for a difference of mean squares with such limits.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def components(
     levels : sequence of (str, sequence of str)
         Name of each level and the label of every value in it, outermost first; a label inside
         another is that of another thing.
-    within : str
+    innermost_name : str
     errors : array, shape (n,), optional
         Standard errors of the values.
     level : float
@@ -156,7 +156,7 @@ def components(
         keys = list(zip(*labels[:depth], strict=True))
         groups.append(np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1))
     names = [name for name, _ in levels]
-    strata = _compute_strata(np.asarray(values, dtype=float), groups, [*names, within])
+    strata = _compute_strata(np.asarray(values, dtype=float), groups, [*names, innermost_name])
     components = _solve_variances(strata, level)
     if errors is not None:
         components = [*components[:-1], *_split(components[-1], float(np.mean(np.square(errors))))]

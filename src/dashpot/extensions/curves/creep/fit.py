@@ -77,7 +77,7 @@ from dashpot.fitting.nuisance_priors import (
 )
 from dashpot.fitting.order_selection import SelectedModel, select_order, validate_arm_count
 from dashpot.fitting.parameter_errors import SolutionEstimate, estimate_covariance, rounding_rms
-from dashpot.fitting.relaxation_likelihood import noise_power
+from dashpot.fitting.relaxation_likelihood import estimate_noise_power
 from dashpot.fitting.valid_band import find_informed_band
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
@@ -538,7 +538,7 @@ def _limit_end_of_test(
     if record.unit == "N/m":
         give = Machine().give_sd(float(np.ptp(record.displacement)), record.level)
         terms = terms.add_terms(**{GLASS: Prior(0.0, give / record.level)})
-    power = max(noise_power(residual), block.rounding_floor)
+    power = max(estimate_noise_power(residual), block.rounding_floor)
     effective_samples = len(residual) * float(np.mean(residual**2)) / power
     data = CurveData(
         block.scale_rows(1 / float(np.sqrt(power))), block.window,

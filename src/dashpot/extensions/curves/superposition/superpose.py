@@ -115,7 +115,7 @@ def superpose(
         best, vertical_rule, checks = _search_shifts(
             isotherms, at, vertical, np.sqrt(parts.variance)
         )
-    covariance = _decadic(best, at)
+    covariance = _compute_decadic_covariance(best, at)
     table = make_shifts(t, best.ln_a / _LN10, np.exp(best.ln_b), covariance)
     shift_covariance = (
         covariance[: len(t), : len(t)] if covariance.any() else _BY_EYE**2 * np.eye(len(t))
@@ -185,24 +185,26 @@ def _reference(t: FloatArray, target: float | None) -> int:
 
 
 def _search_shifts(
-    isotherms: Sequence[Isotherm], at: int, vertical: VerticalAsked, noise: float
+    isotherms: Sequence[Isotherm], reference_index: int, vertical: VerticalAsked, noise: float
 ) -> tuple[ShiftedSpectrum, str, tuple[Check, ...]]:
     """Return the shifts by the vertical rule that was asked for, or that BIC takes."""
     t = np.array([isotherm.temperature for isotherm in isotherms])
-    log_b_by_rule = {"1": np.zeros(len(t)), "T/T_r": np.log(t / t[at])}
+    log_b_by_rule = {"1": np.zeros(len(t)), "T/T_r": np.log(t / t[reference_index])}
     requested = {"auto": ("1", "T/T_r"), "free": ("1",)}.get(vertical, (vertical,))
     spectra: dict[str, ShiftedSpectrum] = {}
     for name in requested:
-        start = make_chained_starts(isotherms, log_b_by_rule[name], at)
+        start = make_chained_starts(isotherms, log_b_by_rule[name], reference_index)
         spectra[name] = solve_shifts(
-            isotherms, start, log_b_by_rule[name], reference=at, noise=noise
+            isotherms, start, log_b_by_rule[name], reference=reference_index, noise=noise
         )
     vertical_rule = min(spectra, key=lambda name: spectra[name].bic)
     free = vertical == "free"
-    best = refine_shifts(isotherms, spectra[vertical_rule], reference=at, noise=noise, free_b=free)
+    best = refine_shifts(
+        isotherms, spectra[vertical_rule], reference=reference_index, noise=noise, free_b=free
+    )
     if free:
         return best, "free", (vertical_shift_determined("free", 0.0, 0.0),)
-    step, score = compute_vertical_step(isotherms, best, reference=at, noise=noise)
+    step, score = compute_vertical_step(isotherms, best, reference=reference_index, noise=noise)
     rule_check = vertical_rule_holds(step, score, t)
     if vertical != "auto":
         return best, vertical_rule, (rule_check,)
@@ -219,9 +221,9 @@ def _search_shifts(
 
 
 def _apply_stated_shifts(
-    isotherms: Sequence[Isotherm], shifts: Sequence[Shift], at: int
+    isotherms: Sequence[Isotherm], shifts: Sequence[Shift], reference_index: int
 ) -> tuple[ShiftedSpectrum, str, tuple[Check, ...]]:
-    """Return the spectrum at shifts from elsewhere, referred to the isotherm `at`."""
+    """Return the spectrum at shifts from elsewhere, referred to the isotherm `reference_index`."""
     values = np.array([shift.temperature for shift in shifts])
     stated_shifts = []
     for isotherm in isotherms:
@@ -234,7 +236,7 @@ def _apply_stated_shifts(
         stated_shifts.append(shifts[i])
     ln_a = _LN10 * np.array([shift.log10_a_t for shift in stated_shifts])
     ln_b = np.log([shift.b_t for shift in stated_shifts])
-    ln_a, ln_b = ln_a - ln_a[at], ln_b - ln_b[at]
+    ln_a, ln_b = ln_a - ln_a[reference_index], ln_b - ln_b[reference_index]
     vertical_rule = "free" if ln_b.any() else "1"
     return fit_spectrum(isotherms, ln_a, ln_b, make_grid(isotherms, ln_a)), vertical_rule, ()
 
@@ -242,10 +244,10 @@ def _apply_stated_shifts(
 # -- what is known of the shifts ------------------------------------------------------------------
 
 
-def _decadic(best: ShiftedSpectrum, at: int) -> FloatArray:
+def _compute_decadic_covariance(best: ShiftedSpectrum, reference_index: int) -> FloatArray:
     """Return the covariance of log10 a_T, then ln b_T, of every temperature, shape (2 n, 2 n)."""
     n = len(best.ln_a)
-    free_indices = np.delete(np.arange(n), at)
+    free_indices = np.delete(np.arange(n), reference_index)
     free = np.concatenate((free_indices, free_indices + n))[: len(best.optimum.theta)]
     full_covariance = np.zeros((2 * n, 2 * n))
     if len(free):
@@ -257,15 +259,15 @@ def _decadic(best: ShiftedSpectrum, at: int) -> FloatArray:
 def _collect_checks(
     isotherms: Sequence[Isotherm],
     best: ShiftedSpectrum,
-    at: int,
+    reference_index: int,
     law_fit: ShiftLawFit,
     law: ShiftLaw,
 ) -> tuple[Check, ...]:
     t = np.array([isotherm.temperature for isotherm in isotherms])
-    values, requested = _decadic(best, at), law == "free"
+    values, is_law_requested = _compute_decadic_covariance(best, reference_index), law == "free"
     return (
         isotherms_overlap(_compute_overlap(isotherms, best), t),
-        *collect_shift_checks(t, best.ln_a / _LN10, values, law_fit, requested=requested),
+        *collect_shift_checks(t, best.ln_a / _LN10, values, law_fit, is_requested=is_law_requested),
     )
 
 

@@ -113,7 +113,7 @@ def _step(best: ThermalOptimum, shifts: TemperatureShifts) -> Step:
 
 
 def build_point_fit(
-    best: ThermalOptimum, vertical: Vertical, law: ShiftLaw, *, requested: int
+    best: ThermalOptimum, vertical: Vertical, law: ShiftLaw, *, requested_arms: int
 ) -> Fit:
     """Return the optimum as a fit of which nothing more is known.
 
@@ -134,7 +134,7 @@ def build_point_fit(
         point.solid, len(residual), float(residual @ residual), nuisance
     )
     return build_fit(
-        SolidEstimate(point.solid, estimate, has_fewer_arms=point.order < requested),
+        SolidEstimate(point.solid, estimate, has_fewer_arms=point.order < requested_arms),
         NO_EVIDENCE,
         provenance(best, shifts),
         elastic_law=elastic_law(best),

@@ -27,8 +27,8 @@ def fit_load_deflection(
 
     return evaluate_cld(
         records,
-        at=compression,
-        between=between,
+        nominal_compression=compression,
+        tolerance_limits=between,
         limits=si_range(force_limits, "force"),
         relaxation=[relaxation] if isinstance(relaxation, Fit) else list(relaxation),
         cycle=cycle,

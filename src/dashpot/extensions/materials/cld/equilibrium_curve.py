@@ -199,15 +199,15 @@ def _fit_law(
     return make_law(uncertainty, knots, slice(None)), float(np.sqrt(best.sse / len(x)))
 
 
-def make_law(uncertainty: Estimate, knots: FloatArray, at: slice) -> ElasticLaw:
+def make_law(uncertainty: Estimate, knots: FloatArray, tangent_indices: slice) -> ElasticLaw:
     """Return the law whose tangents on knots, N/m, stand there among the values of an estimate."""
     ratio = uncertainty.derive_quantity(
-        lambda values: values[at] / average_slope(values[at], knots)
+        lambda values: values[tangent_indices] / average_slope(values[tangent_indices], knots)
     )
     return ElasticLaw(
         tuple(knots.tolist()),
         tuple(ratio.values.tolist()),
-        average_slope(uncertainty.optimum.values[at], knots),
+        average_slope(uncertainty.optimum.values[tangent_indices], knots),
         tuple(ratio.standard_error.tolist()),
     )
 

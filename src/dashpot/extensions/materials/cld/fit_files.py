@@ -265,16 +265,17 @@ def cld_files(
     options = options or ReadOptions()
     tests = [read_cld(path, options=options, specimen=specimen) for path in files]
     return evaluate_cld(
-        tests, at=at, between=between, limits=limits, relaxation=relaxation, cycle=options.cycle,
-        names=[Path(path).name for path in files], machine=machine,
+        tests, nominal_compression=at, tolerance_limits=between, limits=limits,
+        relaxation=relaxation, cycle=options.cycle, names=[Path(path).name for path in files],
+        machine=machine,
     )  # fmt: skip
 
 
 def evaluate_cld(
     tests: Sequence[CLDTest],
     *,
-    at: Quantity | None = None,
-    between: Range | None = None,
+    nominal_compression: Quantity | None = None,
+    tolerance_limits: Range | None = None,
     limits: tuple[float, float] | None = None,
     relaxation: Sequence[Fit] = (),
     cycle: int | None = None,
@@ -290,7 +291,12 @@ def evaluate_cld(
             "--force-limits need several specimens: name a file for each, or leave it out"
         )
     specimens = _evaluate_figures(
-        tests, names or [""] * len(tests), cycle, at=at, between=between, machine=machine
+        tests,
+        names or [""] * len(tests),
+        cycle,
+        nominal_compression=nominal_compression,
+        tolerance_limits=tolerance_limits,
+        machine=machine,
     )
     scatter = CLDResult(
         specimens,
@@ -310,21 +316,21 @@ def _evaluate_figures(
     names: Sequence[str],
     cycle: int | None,
     *,
-    at: Quantity | None,
-    between: Range | None,
+    nominal_compression: Quantity | None,
+    tolerance_limits: Range | None,
     machine: Machine | None,
 ) -> tuple[CLD, ...]:
     """Return the figures of each specimen, all at one nominal compression."""
     _refuse_twice(tests)
 
     def figures(test: CLDTest, nominal: Quantity | None) -> CLD:
-        return cld(test, at=nominal, between=between, cycle=cycle, machine=machine)
+        return cld(test, at=nominal, between=tolerance_limits, cycle=cycle, machine=machine)
 
     specimens = []
     for name, test in zip(names, tests, strict=True):
         with add_name_to_errors(name) if name else nullcontext():
-            specimens.append(figures(test, at))
-    if at is not None or len(specimens) == 1:
+            specimens.append(figures(test, nominal_compression))
+    if nominal_compression is not None or len(specimens) == 1:
         return tuple(specimens)
     smallest_depth = min(specimen.cycle.depth for specimen in specimens)
     return tuple(figures(test, smallest_depth) for test in tests)
@@ -419,8 +425,8 @@ def _compute_scatter(specimens: Sequence[CLD]) -> list[SpecimenStatistics]:
     return statistics
 
 
-def _interpolate_force(result: CLD, at: AtCompression | None) -> float | None:
-    return None if at is None else result.per * at.loading
+def _interpolate_force(result: CLD, nominal_value: AtCompression | None) -> float | None:
+    return None if nominal_value is None else result.per * nominal_value.loading
 
 
 def _list_other_conditions(specimens: Sequence[CLD]) -> list[str]:

@@ -133,18 +133,18 @@ def fit_speeds(specimens: Sequence[CLD], *, arms: int | Literal["auto"] = "auto"
 
 
 def _delay_record(
-    record: DownsampledRecord, cld: CLD, knots: FloatArray, by: float
+    record: DownsampledRecord, cld: CLD, knots: FloatArray, delay: float
 ) -> DownsampledRecord:
     """Return a record with its force delayed, s, and its first contact deeper accordingly."""
-    hat_columns = downsample_record(cld, knots, offset=-by * (cld.cycle.speed or 0.0)).hats
-    return record._replace(force=delay_channel(record.time, record.force, by), hats=hat_columns)
+    hat_columns = downsample_record(cld, knots, offset=-delay * (cld.cycle.speed or 0.0)).hats
+    return record._replace(force=delay_channel(record.time, record.force, delay), hats=hat_columns)
 
 
 def _compute_row_change(
-    records: Sequence[DownsampledRecord], index: int, other: DownsampledRecord, best: Optimum
+    records: Sequence[DownsampledRecord], index: int, replacement: DownsampledRecord, best: Optimum
 ) -> FloatArray:
     """Return the change of the rows by another record in place of one."""
-    rows = _compute_rows([*records[:index], other, *records[index + 1 :]], best.theta)
+    rows = _compute_rows([*records[:index], replacement, *records[index + 1 :]], best.theta)
     return rows.A @ best.beta - rows.y + best.all_residuals
 
 
@@ -282,7 +282,7 @@ def _fit_next_arm(
     records: Sequence[DownsampledRecord],
     arms: int,
     window: tuple[float, float],
-    before: FloatArray | None,
+    previous_arms: FloatArray | None,
 ) -> Optimum:
     """Return the best fit of so many arms, from that of one fewer and one arm at three places."""
     low, high = np.log(window).tolist()
@@ -294,7 +294,7 @@ def _fit_next_arm(
     )
     if arms == 0:
         return require_optimum(problem)
-    values = np.empty((2, 0)) if before is None else before.reshape(2, -1)
+    values = np.empty((2, 0)) if previous_arms is None else previous_arms.reshape(2, -1)
     log_tau_values = np.linspace(low, high, 5)[1:-1]
     if values.shape[1] + 1 < arms:  # a number that was asked for
         values = np.array([np.full(arms - 1, np.log(0.2)), np.linspace(low, high, arms + 1)[1:-1]])

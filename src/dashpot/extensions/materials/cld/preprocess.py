@@ -225,13 +225,13 @@ def _compute_hysteresis_error(cycle: Cycle, zero: Zero) -> float:
 
 
 def _evaluate_record_cycle(
-    cycles: _RecordCycles, cycle: Cycle, at: float | None
+    cycles: _RecordCycles, cycle: Cycle, nominal: float | None
 ) -> AtCompression | None:
-    if at is None or not at > 0:
+    if nominal is None or not nominal > 0:
         return None
     return evaluate_cycle(
         cycle,
-        at,
+        nominal,
         excess=cycles.excess,
         contact_se=cycles.zero.contact_se,
         force_se=cycles.zero.force_se,
@@ -328,17 +328,22 @@ def _make_branch(x: FloatArray, force: FloatArray, stroke: Stroke) -> Branch:
     return Branch(x[stroke.samples], force[stroke.samples], stroke.first)
 
 
-def _choose_cycle(new_cycles: _RecordCycles, requested: int | None, at: float | None) -> int:
+def _choose_cycle(
+    new_cycles: _RecordCycles, requested_number: int | None, nominal: float | None
+) -> int:
     cycles = new_cycles.cycles
-    if requested is not None:
-        if not 1 <= requested <= len(cycles):
+    if requested_number is not None:
+        if not 1 <= requested_number <= len(cycles):
             plural = "s" * (len(cycles) != 1)
             raise DataError(
-                f"cycle {requested} was asked for, but the record holds {len(cycles)} cycle{plural}"
+                f"cycle {requested_number} was asked for, but the record holds {len(cycles)} "
+                f"cycle{plural}"
             )
-        return requested - 1
+        return requested_number - 1
     reaching_cycles = [
-        i for i, cycle in enumerate(cycles) if at is None or cycle.depth >= at - new_cycles.excess
+        i
+        for i, cycle in enumerate(cycles)
+        if nominal is None or cycle.depth >= nominal - new_cycles.excess
     ]
     complete_cycles = [i for i in reaching_cycles if cycles[i].unloading is not None]
     return (complete_cycles or reaching_cycles or [len(cycles) - 1])[-1]

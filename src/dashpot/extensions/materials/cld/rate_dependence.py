@@ -123,11 +123,13 @@ def _select_moving_samples(record: DownsampledRecord) -> BoolArray:
     return values
 
 
-def _fit_next_arm(data: _Data, before: FloatArray, window: FloatArray | None) -> Optimum:
+def _fit_next_arm(data: _Data, previous_arms: FloatArray, window: FloatArray | None) -> Optimum:
     """Return the best fit from an earlier one, with one more arm at the best place in a window."""
-    starts = [before]
+    starts = [previous_arms]
     if window is not None:
-        starts = [np.insert(before, 0, at) for at in np.linspace(window[0], window[1], 7)[1:-1]]
+        starts = [
+            np.insert(previous_arms, 0, at) for at in np.linspace(window[0], window[1], 7)[1:-1]
+        ]
     parameters = [Parameter()] * len(starts[0])
     problem = Problem(
         partial(_compute_rows, data), parameters, positive=True, priors=len(data.records)

@@ -77,7 +77,7 @@ def find_zero(
         x[: first.last + 1],
         force[: first.last + 1] - level,
         noise=noise,
-        rest=rest,
+        rest_position=rest,
         level=top,
         least_gap=max(2 * resolution, 1e-3 * (top - rest)),
         rested=rested,

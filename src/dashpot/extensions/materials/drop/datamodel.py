@@ -207,9 +207,9 @@ class DropFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         )
 
 
-def _make_impact_facts(impact: DropImpact, of: int) -> tuple[ReportedValue, ...]:
+def _make_impact_facts(impact: DropImpact, impact_count: int) -> tuple[ReportedValue, ...]:
     """Return the numbers of an impact as reported values."""
-    words = f"{impact.name}: " if of > 1 else ""
+    words = f"{impact.name}: " if impact_count > 1 else ""
     return (
         replace(impact.speed, words=f"{words}speed"),
         ReportedValue("peak_force", impact.peak, unit="N", words=f"{words}peak force"),

@@ -51,7 +51,7 @@ def run_checks(
     quantity: DerivedQuantity,
     times: float,
     *,
-    requested: Span | None,
+    use_range: Span | None,
 ) -> tuple[Check, ...]:
     """Return every check of a hyperelastic law."""
     shaped = [curve for curve in fit.curves if curve.mode != "volumetric"]
@@ -86,7 +86,7 @@ def run_checks(
         ),
         unmeasured_modes_determined(*_find_mode_error(fit, selected, candidates, quantity, times)),
         modes_in_scale(*_find_better_scale(through, fit.law.poisson, min(flexible, selected.rms))),
-        use_range_measured(_compute_extrapolation_ratio(shaped, fit.law.poisson, requested)),
+        use_range_measured(_compute_extrapolation_ratio(shaped, fit.law.poisson, use_range)),
         constants_determined(
             fit.law.constant_names[widest_index], float(half_widths[widest_index]) / largest
         ),
@@ -154,10 +154,10 @@ def _find_mode_error(
 
 
 def _compute_extrapolation_ratio(
-    curves: Sequence[ElasticCurve], poisson: float, requested: Span | None
+    curves: Sequence[ElasticCurve], poisson: float, use_range: Span | None
 ) -> float:
     """Return the largest logarithmic strain of use over that of the tests, by sign."""
-    if requested is None:
+    if use_range is None:
         return 1.0
     end_strains = np.concatenate([
         np.log(x) * direction(curve.mode, poisson)
@@ -168,7 +168,7 @@ def _compute_extrapolation_ratio(
         sign * math.log(use) / value
         if (value := float((sign * end_strains).max())) > 0
         else math.inf
-        for sign, use in zip((-1.0, 1.0), requested, strict=True)
+        for sign, use in zip((-1.0, 1.0), use_range, strict=True)
         if sign * (use - 1) > 0
     ]
     return max(parts, default=0.0)
@@ -384,18 +384,19 @@ def modes_enough(modes: int, *, has_two_modes: bool, foam: bool) -> Finding:
     "residual / that with one mode scaled", "<=", SCALED,
     "simulation: faultless tests at most 1.02; 1.1 to 7 where a mode is 5 or 10 % off",
 )  # fmt: skip
-def modes_in_scale(ratio: float | None, by: float, mode: str) -> Finding:
+def modes_in_scale(ratio: float | None, scale_factor: float, mode: str) -> Finding:
     """No scale factor on the stress of one mode improves the fit much."""
     if ratio is None:
         return Finding("One mode cannot show whether its stress is off by a factor")
     if not mode:
         return Finding("No factor on one mode brings the curves closer to a law", ratio)
     return Finding(
-        f"The modes agree {ratio:.3g} times better if the stress in {mode} is {100 * by:+.0f} %",
+        f"The modes agree {ratio:.3g} times better if the stress in {mode} is "
+        f"{100 * scale_factor:+.0f} %",
         ratio,
         "Softening of one specimen (Mullins), its area or a gain may cause this",
         "Condition all specimens alike, and check areas and load cells.",
-        always_passes=abs(by) < _OF_NOTE,
+        always_passes=abs(scale_factor) < _OF_NOTE,
     )
 
 

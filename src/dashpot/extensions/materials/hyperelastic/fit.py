@@ -127,7 +127,7 @@ def fit_hyperelastic(
         temperature,
     )
     checked_checks = checks.run_checks(
-        hyperelastic_fit, selected, candidates, derived, uncertainty.quantile(), requested=stretches
+        hyperelastic_fit, selected, candidates, derived, uncertainty.quantile(), use_range=stretches
     )
     sideways = checks.lateral_swelling_agrees(selected.law.poisson, reported, foam=foam)
     checked_checks = (*checked_checks, sideways, *caution_checks(hyperelastic_fit.sources))

@@ -174,12 +174,12 @@ def simulate_sensor_signal(
     in_contact = (time_since_touch > 0) & (time_since_touch < end)
 
     def interpolate_cubic(
-        values: FloatArray, rate: FloatArray, at: FloatArray = time_since_touch
+        values: FloatArray, rate: FloatArray, time: FloatArray = time_since_touch
     ) -> tuple[FloatArray, ...]:
         """Return values and rates from cubics through value and rate."""
         cubic = CubicHermiteSpline(t, values, rate)
-        at = np.clip(at, 0.0, end)
-        return cubic(at), cubic(at, 1)
+        time = np.clip(time, 0.0, end)
+        return cubic(time), cubic(time, 1)
 
     push, rate = (
         values * in_contact for values in interpolate_cubic(F, np.gradient(F, t, edge_order=2))

@@ -143,11 +143,11 @@ def contact_sampled(samples: float) -> Finding:
     "our choice: a tenth of the contact shows offset and touch",
     other_grade="stop where a third of the contact is missing",
 )
-def flights_recorded(before: float, duration_after: float) -> Finding:
+def flights_recorded(duration_before: float, duration_after: float) -> Finding:
     """The record begins before the contact and ends after the release."""
-    short = min(before, duration_after)
-    verb = "begins" if before <= duration_after else "ends"
-    where_text = "before the touch" if before <= duration_after else "after the release"
+    short = min(duration_before, duration_after)
+    verb = "begins" if duration_before <= duration_after else "ends"
+    where_text = "before the touch" if duration_before <= duration_after else "after the release"
     message = f"The record {verb} {abs(short):.2g} contact times {where_text}"
     reason = "Offset, touch and damping cannot be separated" if short >= 0 else ""
     instead = (
@@ -178,12 +178,12 @@ def sensor_in_range(clipped: int) -> Finding:
 
 
 @criterion("earlier contacts", "<=", 0.0, "later contacts are slower bounces")
-def first_contact(before: int, later_contacts: int) -> Finding:
+def first_contact(earlier_contacts: int, later_contacts: int) -> Finding:
     """The fitted contact is the first one of the record."""
     more_text = f"; {later_contacts} later contacts were left out" if later_contacts else ""
     return Finding(
-        f"{before} contacts come before the one fitted{more_text}",
-        float(before),
+        f"{earlier_contacts} contacts come before the one fitted{more_text}",
+        float(earlier_contacts),
         "The body did not meet the surface at rest, or something else touched it",
         "Cut the record.",
     )

@@ -94,10 +94,10 @@ class RodModulus(EqualByValue):
         """E''/E'."""
         return np.asarray(self.modulus.imag / self.modulus.real)
 
-    def changes(self, name: str, by: float) -> tuple[FloatArray, FloatArray]:
+    def changes(self, name: str, size: float) -> tuple[FloatArray, FloatArray]:
         """Relative change of the storage, and change of the loss factor, by an error of `name`."""
         slope: ComplexArray = getattr(self, f"by_{name}")
-        return compute_stiffness_change(by * slope, self.loss_factor)
+        return compute_stiffness_change(size * slope, self.loss_factor)
 
     @property
     def error_contributions(self) -> tuple[ComplexArray, ...]:

@@ -179,10 +179,10 @@ def make_line_panel(result: DoorResult, view: View) -> Panel:
 
 
 def mark_classes(
-    at: FloatArray, values: FloatArray, touches: BoolArray, *, unit: str
+    points: FloatArray, values: FloatArray, touches: BoolArray, *, unit: str
 ) -> list[Mark]:
     """Return stations in a few classes of their values, and those that do not touch."""
-    x, y = at.T
+    x, y = points.T
     marks: list[Mark] = []
     if touches.any():
         low, high = float(values[touches].min()), float(values[touches].max())

@@ -95,7 +95,7 @@ def run(
         result = door_file(path, band=band, temperature=temperature)
     if speed is not None:
         closed = close_file(path, speed, temperature=temperature)
-    outcome = _merge_door_results(result, closed, every=every)
+    outcome = _merge_door_results(result, closed, is_verbose=every)
     if picture:
         shown_result: Any = result if closed is None else closed
         write_figure(picture, shown_result.plot())
@@ -117,17 +117,17 @@ def _write_leak(result: LeakResult, picture: str | None, output: str | None) -> 
 
 
 def _merge_door_results(
-    result: DoorResult | None, closed: ClosingResult | None, *, every: bool
+    result: DoorResult | None, closed: ClosingResult | None, *, is_verbose: bool
 ) -> CommandResult:
     """Return how it vibrates, how it closes, or both."""
     if closed is None:
         assert result is not None  # noqa: S101
         return CommandResult(
-            result, door(result, every=every), result.checks, verdict=result.verdict
+            result, door(result, every=is_verbose), result.checks, verdict=result.verdict
         )
     if result is None:
         return CommandResult.from_result(closed)
-    stated_text, shuts = door(result, every=every), closing_text(closed.closing)
+    stated_text, shuts = door(result, every=is_verbose), closing_text(closed.closing)
     checks = tuple(dict.fromkeys((*result.checks, *closed.checks)))
     text = Text(
         [*stated_text.lines, *shuts.lines],
