@@ -18,7 +18,7 @@ from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.identification.discrepancy_causes import format_seal_count_hint
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.prior_knowledge import KnownSolid
-from dashpot.fitting.relaxation import render_fit
+from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -53,7 +53,7 @@ def make_relaxation(seed: int) -> RampHold:
 
 @cache
 def fit_relaxation(seed: int) -> Fit:
-    return render_fit(make_relaxation(seed), arms=2)
+    return fit(make_relaxation(seed), arms=2)
 
 
 def hammer(seed: int, *, scale: float = 1.0, mass: float = MASS, gain: float = 1.0) -> FRF:

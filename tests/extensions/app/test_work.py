@@ -129,7 +129,7 @@ def test_another_mass_leaves_the_fit_of_the_tests(store, page_job, monkeypatch):
         "fit_tests",
         lambda *args, **how: (fitted.append(1), fit_once(*args, **how))[1],
     )
-    monkeypatch.setattr(result_cache, "_fitted", {})
+    monkeypatch.setattr(result_cache, "_fitted_tests", {})
     jobs = [build_job(page_job | {"mass": mass}, store.folder) for mass in ("114.5g", "115g")]
     first = result_cache.get_study(jobs[0])
     for place, name in ((record_cache, "read_relaxation"), (result_cache, "read_record"),
@@ -152,7 +152,7 @@ def test_another_number_of_arms_fits_the_tests_again(store, page_job, monkeypatc
         "fit_tests",
         lambda *args, **how: (fitted.append(1), fit_once(*args, **how))[1],
     )
-    monkeypatch.setattr(result_cache, "_fitted", {})
+    monkeypatch.setattr(result_cache, "_fitted_tests", {})
     for arms in (2, 3):
         result_cache.get_study(build_job(page_job | {"mass": "115.5g", "arms": arms}, store.folder))
     assert len(fitted) == 2

@@ -144,7 +144,7 @@ def test_a_file_that_changes_under_the_fit_is_fitted_when_it_is_still(rig, monke
     path = rig / "a.csv"
     path.write_text(TEXT)
     answers = iter([lambda: path.write_text(TEXT + "\n"), lambda: path.write_text(TEXT)])
-    made = batch_run.row
+    made = batch_run.make_row
 
     @contextmanager
     def interfere(*_):
