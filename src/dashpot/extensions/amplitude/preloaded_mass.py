@@ -549,7 +549,7 @@ class _PressedBalance:
         )
 
     def _compute_tangent(self, z: FloatArray, previous_tangent: FloatArray) -> FloatArray:
-        """Direction of the curve of unknowns and share, whose product with the previous one is 1."""
+        """Direction of the curve of unknowns and share; its product with the last one is 1."""
         n = len(z)
         border = np.zeros((n + 1, n + 1))
         border[:n, :n], border[1, n], border[n] = self.slope(z), -self.level, previous_tangent
